@@ -1,0 +1,1 @@
+"""Model-based communication for V2X: see the README and ``docs/``."""

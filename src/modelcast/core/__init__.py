@@ -1,0 +1,1 @@
+"""Values every layer shares: trips, frames, errors. NumPy, Numba and pymap3d only."""

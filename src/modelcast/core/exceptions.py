@@ -1,0 +1,61 @@
+"""The errors modelcast raises on purpose.
+
+::
+
+    ModelcastError
+    ├── DataFormatError      a file is not what its format says: path, row, value, remedy
+    ├── ConfigError          options that do not fit together, or that fit no trip
+    └── MissingExtraError    an optional dependency is not installed
+
+Mistakes of a caller of the Python interface are plain ``ValueError``.
+"""
+
+__all__ = ["ConfigError", "DataFormatError", "MissingExtraError", "ModelcastError"]
+
+
+class ModelcastError(Exception):
+    """Base of every error modelcast raises on purpose."""
+
+
+class ConfigError(ModelcastError):
+    """Options that do not fit together, or that no trip can satisfy."""
+
+
+class DataFormatError(ModelcastError):
+    """A file is not what its format says.
+
+    Parameters
+    ----------
+    path
+        The file, as the user named it.
+    problem
+        What is wrong, with the offending value.
+    row
+        One-based line or record number, where one is to blame.
+    remedy
+        What the user can do about it.
+    """
+
+    def __init__(self, path: str, problem: str, *, row: int | None = None, remedy: str = "") -> None:
+        self.path = path
+        self.problem = problem
+        self.row = row
+        self.remedy = remedy
+        place = path if row is None else f"{path}, row {row}"
+        super().__init__(f"{place}: {problem}." + (f" {remedy}" if remedy else ""))
+
+
+class MissingExtraError(ModelcastError):
+    """An optional dependency is not installed.
+
+    Parameters
+    ----------
+    extra
+        The name of the extra, as in ``pip install 'modelcast[extra]'``.
+    needed_for
+        What the user asked for.
+    """
+
+    def __init__(self, extra: str, needed_for: str) -> None:
+        self.extra = extra
+        super().__init__(f"{needed_for} needs an optional part: pip install 'modelcast[{extra}]'")

@@ -1,0 +1,1 @@
+"""Rates, tracking under loss, and the walk of a policy over a recorded trip."""

@@ -1,0 +1,1 @@
+"""What a transmission holds, and how large it is."""

@@ -1,0 +1,1 @@
+"""Motion models: a model is fitted to windows and predicts displacements."""

@@ -1,0 +1,192 @@
+"""What a motion model is: two compiled point functions, and everything in batch that follows from them.
+
+A model is fitted to a *window*, the last ``n`` samples of one vehicle, and its parameters predict the
+displacement from the window's last sample at any later time. Parameters are numbers only, so they are the
+payload of a message. A model states its two point functions, compiled by Numba with the fixed signatures
+`FIT_SIGNATURE` and `PREDICT_SIGNATURE`; the batch interface here, the walk of a policy over a trip and the
+fleet engine all call these same two functions through pointers, so a new model needs no change elsewhere.
+"""
+
+import abc
+import warnings
+from collections.abc import Generator
+from contextlib import contextmanager
+from dataclasses import KW_ONLY, dataclass
+from typing import Any
+
+import numpy as np
+from numba.core.errors import NumbaExperimentalFeatureWarning
+
+from modelcast.core.arrays import FloatArray
+from modelcast.models import point_kernels
+
+__all__ = ["AbstractMotionModel", "PointFunctions", "Windows", "quiet_function_pointers"]
+
+
+@contextmanager
+def quiet_function_pointers() -> Generator[None]:
+    """Context in which Numba does not announce that function pointers are experimental."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        yield
+
+
+@dataclass(frozen=True, slots=True)
+class Windows:
+    """The last ``n`` samples of B vehicles, equally spaced.
+
+    Parameters
+    ----------
+    samples
+        (B, n, 4): east, north [m] and the east, north velocity [m/s] that the one named causal estimator
+        gives at each sample. Row -1 is the newest.
+    dt_s
+        Sampling interval [s].
+
+    Raises
+    ------
+    ValueError
+        Where the shape is another, a value is not finite or the interval is not positive.
+    """
+
+    samples: FloatArray
+    _: KW_ONLY
+    dt_s: float
+
+    def __post_init__(self) -> None:
+        if self.samples.ndim != 3 or self.samples.shape[2] != point_kernels.SAMPLE_COLUMNS:
+            raise ValueError(
+                f"samples must be (B, n, {point_kernels.SAMPLE_COLUMNS}), got {self.samples.shape}"
+            )
+        if not np.isfinite(self.samples).all():
+            raise ValueError("samples must be finite: skip a vehicle without a full window")
+        if not self.dt_s > 0:
+            raise ValueError(f"dt_s must be positive, got {self.dt_s}")
+
+
+@dataclass(frozen=True, slots=True)
+class PointFunctions:
+    """A model made ready for one sampling interval.
+
+    Parameters
+    ----------
+    fit
+        ``fit(window (n, 4), constants (K,), out_parameters (P,))``, compiled with `FIT_SIGNATURE`.
+    predict
+        ``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,))``, compiled with
+        `PREDICT_SIGNATURE`.
+    constants
+        The model's settings and tables for this interval, packed by the model, (K,).
+    """
+
+    fit: Any
+    predict: Any
+    constants: FloatArray
+
+
+class AbstractMotionModel(abc.ABC):
+    """A motion model: ``fit`` windows to parameters, ``predict`` displacements from parameters.
+
+    Implementations are frozen dataclasses that state the four members below; the batch methods follow.
+    """
+
+    @property
+    @abc.abstractmethod
+    def name(self) -> str:
+        """Short name, as in tables and on the command line."""
+
+    @property
+    @abc.abstractmethod
+    def window(self) -> int:
+        """Samples a window must hold, n >= 1."""
+
+    @property
+    @abc.abstractmethod
+    def parameter_names(self) -> tuple[str, ...]:
+        """One name a parameter, unit at the end, in the order of the payload; length P."""
+
+    @abc.abstractmethod
+    def point_functions(self, dt_s: float) -> PointFunctions:
+        """Return the compiled functions and tables for a sampling interval; cached by the model."""
+
+    @abc.abstractmethod
+    def covariance(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
+        """Predictive covariance of the displacement, (B, H, 2, 2) [m²].
+
+        Parameters
+        ----------
+        parameters
+            (B, P), as `fit` returned them.
+        horizons_s
+            Times after the window's last sample, (H,) [s].
+        dt_s
+            Sampling interval of the windows [s].
+        """
+
+    def fit(self, windows: Windows) -> FloatArray:
+        """Parameters of every window, (B, P).
+
+        Parameters
+        ----------
+        windows
+            At least `window` samples each; the newest `window` of them are used.
+
+        Raises
+        ------
+        ValueError
+            Where the windows are shorter than the model needs.
+        """
+        given = windows.samples.shape[1]
+        if given < self.window:
+            raise ValueError(f"{self.name} needs windows of {self.window} samples, got {given}")
+        samples = np.ascontiguousarray(windows.samples[:, given - self.window :], dtype=np.float64)
+        ready = self.point_functions(windows.dt_s)
+        out = np.empty((samples.shape[0], len(self.parameter_names)))
+        with quiet_function_pointers():
+            point_kernels.fit_batch(ready.fit, samples, ready.constants, out)
+        return out
+
+    def predict(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
+        """Mean displacement from the window's last sample, (B, H, 2) [m].
+
+        Parameters
+        ----------
+        parameters
+            (B, P), as `fit` returned them.
+        horizons_s
+            Times after the window's last sample, (H,) [s].
+        dt_s
+            Sampling interval of the windows [s].
+        """
+        ready = self.point_functions(dt_s)
+        parameters = np.ascontiguousarray(parameters, dtype=np.float64)
+        horizons_s = np.ascontiguousarray(horizons_s, dtype=np.float64)
+        out = np.empty((parameters.shape[0], horizons_s.size, 2))
+        with quiet_function_pointers():
+            point_kernels.predict_batch(ready.predict, parameters, horizons_s, ready.constants, out)
+        return out
+
+    def predict_at(self, parameters: FloatArray, ages_s: FloatArray, *, dt_s: float) -> FloatArray:
+        """Mean displacement of each row at its own age, (B, 2) [m].
+
+        Parameters
+        ----------
+        parameters
+            (B, P), as `fit` returned them.
+        ages_s
+            Time after the window's last sample, one a row, (B,) [s].
+        dt_s
+            Sampling interval of the windows [s].
+        """
+        ready = self.point_functions(dt_s)
+        parameters = np.ascontiguousarray(parameters, dtype=np.float64)
+        out = np.empty((parameters.shape[0], 2))
+        with quiet_function_pointers():
+            point_kernels.predict_each(
+                ready.predict,
+                parameters,
+                np.ascontiguousarray(ages_s, dtype=np.float64),
+                ready.constants,
+                out,
+            )
+        return out

@@ -1,0 +1,70 @@
+"""Constant velocity: what a receiver does with a raw basic safety message.
+
+The velocity is the one that the trip's named causal estimator gives (`modelcast.models.velocity`); sub-model
+and baseline share it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray
+from modelcast.models import constant_velocity_kernels
+from modelcast.models.base import AbstractMotionModel, PointFunctions
+
+__all__ = ["ConstantVelocity"]
+
+
+@dataclass(frozen=True, slots=True)
+class ConstantVelocity(AbstractMotionModel):
+    """Coast from the last position at the last velocity.
+
+    Parameters
+    ----------
+    acceleration_spread_mps2
+        Standard deviation of the unmodelled acceleration on each axis [m/s²], for the covariance: a
+        displacement spread of ``½·a·t²``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from modelcast.models.base import Windows
+    >>> model = ConstantVelocity()
+    >>> parameters = model.fit(Windows(np.array([[[0.0, 0.0, 10.0, -1.0]]]), dt_s=0.1))
+    >>> model.predict(parameters, np.array([0.5, 2.0]), dt_s=0.1)
+    array([[[ 5. , -0.5],
+            [20. , -2. ]]])
+    """
+
+    acceleration_spread_mps2: float = 1.0
+
+    @property
+    def name(self) -> str:
+        """Short name."""
+        return "cv"
+
+    @property
+    def window(self) -> int:
+        """One sample, with its velocity."""
+        return 1
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Velocity."""
+        return ("velocity_east_mps", "velocity_north_mps")
+
+    def point_functions(self, dt_s: float) -> PointFunctions:  # noqa: ARG002 - no table depends on it
+        """Return the compiled functions; there are no tables."""
+        return PointFunctions(constant_velocity_kernels.fit, constant_velocity_kernels.predict, np.empty(0))
+
+    def covariance(
+        self,
+        parameters: FloatArray,
+        horizons_s: FloatArray,
+        *,
+        dt_s: float,  # noqa: ARG002 - no table depends on it
+    ) -> FloatArray:
+        """Spread of an unmodelled constant acceleration."""
+        spread_m = 0.5 * self.acceleration_spread_mps2 * horizons_s**2
+        one = spread_m[:, None, None] ** 2 * np.eye(2)
+        return np.broadcast_to(one, (parameters.shape[0], *one.shape)).copy()

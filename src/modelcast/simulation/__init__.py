@@ -1,0 +1,1 @@
+"""Traffic that is made, not recorded."""
