@@ -20,7 +20,7 @@ from numba.core.errors import NumbaExperimentalFeatureWarning
 from modelcast.core.arrays import FloatArray
 from modelcast.models import point_kernels
 
-__all__ = ["AbstractMotionModel", "PointFunctions", "Windows", "quiet_function_pointers"]
+__all__ = ["AbstractMotionModel", "AbstractSubModel", "PointFunctions", "Windows", "quiet_function_pointers"]
 
 
 @contextmanager
@@ -85,10 +85,7 @@ class PointFunctions:
 
 
 class AbstractMotionModel(abc.ABC):
-    """A motion model: ``fit`` windows to parameters, ``predict`` displacements from parameters.
-
-    Implementations are frozen dataclasses that state the four members below; the batch methods follow.
-    """
+    """A motion model: ``fit`` windows to parameters, ``predict`` displacements from parameters."""
 
     @property
     @abc.abstractmethod
@@ -106,8 +103,47 @@ class AbstractMotionModel(abc.ABC):
         """One name a parameter, unit at the end, in the order of the payload; length P."""
 
     @abc.abstractmethod
-    def point_functions(self, dt_s: float) -> PointFunctions:
-        """Return the compiled functions and tables for a sampling interval; cached by the model."""
+    def fit(self, windows: Windows) -> FloatArray:
+        """Parameters of every window, (B, P).
+
+        Parameters
+        ----------
+        windows
+            At least `window` samples each; the newest `window` of them are used.
+
+        Raises
+        ------
+        ValueError
+            Where the windows are shorter than the model needs.
+        """
+
+    @abc.abstractmethod
+    def predict(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
+        """Mean displacement from the window's last sample, (B, H, 2) [m].
+
+        Parameters
+        ----------
+        parameters
+            (B, P), as `fit` returned them.
+        horizons_s
+            Times after the window's last sample, (H,) [s].
+        dt_s
+            Sampling interval of the windows [s].
+        """
+
+    @abc.abstractmethod
+    def predict_at(self, parameters: FloatArray, ages_s: FloatArray, *, dt_s: float) -> FloatArray:
+        """Mean displacement of each row at its own age, (B, 2) [m].
+
+        Parameters
+        ----------
+        parameters
+            (B, P), as `fit` returned them.
+        ages_s
+            Time after the window's last sample, one a row, (B,) [s].
+        dt_s
+            Sampling interval of the windows [s].
+        """
 
     @abc.abstractmethod
     def covariance(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
@@ -123,19 +159,19 @@ class AbstractMotionModel(abc.ABC):
             Sampling interval of the windows [s].
         """
 
+
+class AbstractSubModel(AbstractMotionModel):
+    """A motion model given by two compiled point functions; the batch methods follow from them.
+
+    Implementations are frozen dataclasses.
+    """
+
+    @abc.abstractmethod
+    def point_functions(self, dt_s: float) -> PointFunctions:
+        """Return the compiled functions and tables for a sampling interval."""
+
     def fit(self, windows: Windows) -> FloatArray:
-        """Parameters of every window, (B, P).
-
-        Parameters
-        ----------
-        windows
-            At least `window` samples each; the newest `window` of them are used.
-
-        Raises
-        ------
-        ValueError
-            Where the windows are shorter than the model needs.
-        """
+        """Parameters of every window, (B, P)."""
         given = windows.samples.shape[1]
         if given < self.window:
             raise ValueError(f"{self.name} needs windows of {self.window} samples, got {given}")
@@ -147,17 +183,7 @@ class AbstractMotionModel(abc.ABC):
         return out
 
     def predict(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
-        """Mean displacement from the window's last sample, (B, H, 2) [m].
-
-        Parameters
-        ----------
-        parameters
-            (B, P), as `fit` returned them.
-        horizons_s
-            Times after the window's last sample, (H,) [s].
-        dt_s
-            Sampling interval of the windows [s].
-        """
+        """Mean displacement from the window's last sample, (B, H, 2) [m]."""
         ready = self.point_functions(dt_s)
         parameters = np.ascontiguousarray(parameters, dtype=np.float64)
         horizons_s = np.ascontiguousarray(horizons_s, dtype=np.float64)
@@ -167,26 +193,11 @@ class AbstractMotionModel(abc.ABC):
         return out
 
     def predict_at(self, parameters: FloatArray, ages_s: FloatArray, *, dt_s: float) -> FloatArray:
-        """Mean displacement of each row at its own age, (B, 2) [m].
-
-        Parameters
-        ----------
-        parameters
-            (B, P), as `fit` returned them.
-        ages_s
-            Time after the window's last sample, one a row, (B,) [s].
-        dt_s
-            Sampling interval of the windows [s].
-        """
+        """Mean displacement of each row at its own age, (B, 2) [m]."""
         ready = self.point_functions(dt_s)
         parameters = np.ascontiguousarray(parameters, dtype=np.float64)
+        ages_s = np.ascontiguousarray(ages_s, dtype=np.float64)
         out = np.empty((parameters.shape[0], 2))
         with quiet_function_pointers():
-            point_kernels.predict_each(
-                ready.predict,
-                parameters,
-                np.ascontiguousarray(ages_s, dtype=np.float64),
-                ready.constants,
-                out,
-            )
+            point_kernels.predict_each(ready.predict, parameters, ages_s, ready.constants, out)
         return out

@@ -10,13 +10,13 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.models import constant_velocity_kernels
-from modelcast.models.base import AbstractMotionModel, PointFunctions
+from modelcast.models.base import AbstractSubModel, PointFunctions
 
 __all__ = ["ConstantVelocity"]
 
 
 @dataclass(frozen=True, slots=True)
-class ConstantVelocity(AbstractMotionModel):
+class ConstantVelocity(AbstractSubModel):
     """Coast from the last position at the last velocity.
 
     Parameters

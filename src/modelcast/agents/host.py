@@ -1,0 +1,191 @@
+"""The host vehicle: it holds what arrived, and predicts where every remote is at any time.
+
+The host never sees the truth. An update replaces the remote's models; an identification that names an update
+the host does not hold changes nothing; a remote that falls silent expires.
+"""
+
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, field, replace
+from enum import Enum
+from types import MappingProxyType
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
+from modelcast.models.bank import Bank
+
+__all__ = ["Host", "HostState", "Receipt", "RemoteTrack", "Tracks"]
+
+
+class Receipt(Enum):
+    """What became of a received message."""
+
+    ACCEPTED = "accepted"
+    OLDER = "older than what is held"
+    UNKNOWN_UPDATE = "names an update that never arrived"
+    MALFORMED = "not a possible message"
+
+
+@dataclass(frozen=True, slots=True)
+class RemoteTrack:
+    """What the host holds of one remote.
+
+    Parameters
+    ----------
+    update
+        The newest model update received.
+    in_use
+        Sub-model in use, by the newest message that named one.
+    received_s
+        When its last message arrived [s].
+    """
+
+    update: ModelUpdate
+    in_use: int
+    received_s: float
+
+
+def _no_remotes() -> Mapping[int, RemoteTrack]:
+    return MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class HostState:
+    """Everything the host holds: one track a remote, by temporary id."""
+
+    remotes: Mapping[int, RemoteTrack] = field(default_factory=_no_remotes)
+
+
+@dataclass(frozen=True, slots=True)
+class Tracks:
+    """Where the remotes are believed to be at one time; V of them, by rising id.
+
+    Parameters
+    ----------
+    vehicle
+        Temporary ids, (V,).
+    position_m
+        East and north, (V, 2) [m].
+    information_age_s
+        Age of each remote's models, (V,) [s].
+    in_use
+        Sub-model that predicts each, (V,).
+    """
+
+    vehicle: IntArray
+    position_m: FloatArray
+    _: KW_ONLY
+    information_age_s: FloatArray
+    in_use: IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class Host:
+    """Tracks all remotes from their messages alone.
+
+    Parameters
+    ----------
+    bank
+        The sub-models that the remotes broadcast.
+    expiry_s
+        Silence after which a remote is dropped [s]; infinite for never.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from modelcast.models.constant_velocity import ConstantVelocity
+    >>> host = Host(Bank((ConstantVelocity(),)), expiry_s=3.0)
+    >>> moving = ModelUpdate(
+    ...     7, 0, 0.0, position_m=np.zeros(2), in_use=0, parameters=np.array([10.0, 0.0]), dt_s=0.1
+    ... )
+    >>> receipt, state = host.receive(HostState(), moving, received_s=0.0)
+    >>> host.predict(state, 1.5).position_m.tolist(), host.predict(state, 4.0).vehicle.size
+    ([[15.0, 0.0]], 0)
+    """
+
+    bank: Bank
+    expiry_s: float = 5.0
+
+    def __post_init__(self) -> None:
+        if not self.expiry_s > 0:
+            raise ValueError(f"expiry_s must be positive, got {self.expiry_s}")
+
+    def receive(
+        self, state: HostState, message: ModelUpdate | SubModelIdentification, *, received_s: float
+    ) -> tuple[Receipt, HostState]:
+        """Take one message in; returns what became of it and the new state.
+
+        Parameters
+        ----------
+        state
+            What is held.
+        message
+            As decoded from the air; nothing in it is trusted before it is checked.
+        received_s
+            When it arrived [s].
+        """
+        if not self._is_possible(message):
+            return Receipt.MALFORMED, state
+        held = state.remotes.get(message.vehicle)
+        if isinstance(message, ModelUpdate):
+            if held is not None and message.t_s <= held.update.t_s:
+                return Receipt.OLDER, state
+            return Receipt.ACCEPTED, _with(
+                state, message.vehicle, RemoteTrack(message, message.in_use, received_s)
+            )
+        if held is None:
+            return Receipt.UNKNOWN_UPDATE, state
+        if message.sequence != held.update.sequence:
+            # It still tells that the remote is alive.
+            return Receipt.UNKNOWN_UPDATE, _with(state, message.vehicle, replace(held, received_s=received_s))
+        named = replace(held, in_use=message.in_use, received_s=received_s)
+        return Receipt.ACCEPTED, _with(state, message.vehicle, named)
+
+    def predict(self, state: HostState, t_s: float) -> Tracks:
+        """Where every remote is believed to be; expired ones are left out.
+
+        Parameters
+        ----------
+        state
+            What is held.
+        t_s
+            Any time from the newest message on [s].
+        """
+        live = {
+            vehicle: track
+            for vehicle, track in sorted(state.remotes.items())
+            if t_s - track.received_s <= self.expiry_s
+        }
+        position_m = np.empty((len(live), 2))
+        age_s = np.empty(len(live))
+        for row, track in enumerate(live.values()):
+            update = track.update
+            age_s[row] = t_s - update.t_s
+            parameters = np.concatenate([[track.in_use], update.parameters])[None]
+            moved = self.bank.predict_at(parameters, age_s[row : row + 1], dt_s=update.dt_s)
+            position_m[row] = update.position_m + moved[0]
+        return Tracks(
+            np.array(list(live), dtype=np.int64),
+            position_m,
+            information_age_s=age_s,
+            in_use=np.array([track.in_use for track in live.values()], dtype=np.int64),
+        )
+
+    def _is_possible(self, message: ModelUpdate | SubModelIdentification) -> bool:
+        if not (0 <= message.in_use < len(self.bank.members) and np.isfinite(message.t_s)):
+            return False
+        if isinstance(message, SubModelIdentification):
+            return True
+        return bool(
+            message.parameters.shape == (len(self.bank.parameter_names) - 1,)
+            and np.isfinite(message.parameters).all()
+            and message.position_m.shape == (2,)
+            and np.isfinite(message.position_m).all()
+            and np.isfinite(message.dt_s)
+            and message.dt_s > 0
+        )
+
+
+def _with(state: HostState, vehicle: int, track: RemoteTrack) -> HostState:
+    return HostState(MappingProxyType({**state.remotes, vehicle: track}))

@@ -1,0 +1,62 @@
+"""The command line: its commands, its exit codes, and how errors are shown.
+
+Exit codes: 0 done; 1 internal error; 2 usage, bad input or no usable trip; 3 some trips failed, the rest is
+complete; 130 interrupted.
+"""
+
+import sys
+from collections.abc import Sequence
+
+from cyclopts import App, CycloptsError
+
+from modelcast.cli.convert import convert
+from modelcast.cli.demo import demo
+from modelcast.cli.evaluate import evaluate
+from modelcast.cli.trips import trips
+from modelcast.core.exceptions import ModelcastError
+
+__all__ = ["INTERRUPTED", "USAGE", "run"]
+
+USAGE = 2
+INTERRUPTED = 130
+
+
+def _version() -> str:
+    from modelcast.core.version import package_version
+
+    return package_version()
+
+
+app = App(
+    name="modelcast",
+    help="Model-based communication for V2X: message rates and tracking on real trips.",
+    version=_version,
+    exit_on_error=False,
+    print_error=True,
+    result_action="return_value",
+)
+app.command(demo)
+app.command(evaluate)
+app.command(trips)
+app.command(convert)
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run one command and return its exit code.
+
+    Parameters
+    ----------
+    arguments
+        The words after ``modelcast``.
+    """
+    try:
+        code = app(list(arguments))
+    except CycloptsError:
+        return USAGE  # already shown, with the usage
+    except ModelcastError as error:
+        print(f"modelcast: {error}", file=sys.stderr)
+        return USAGE
+    except KeyboardInterrupt:
+        print("modelcast: interrupted; nothing was written", file=sys.stderr)
+        return INTERRUPTED
+    return code if isinstance(code, int) else 0

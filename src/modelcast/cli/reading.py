@@ -1,0 +1,125 @@
+"""Reading trips for a command: progress on the terminal, files that fail kept apart."""
+
+import fnmatch
+import sys
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
+
+from modelcast.core.exceptions import DataFormatError
+from modelcast.core.trajectory import Trajectory
+from modelcast.io.trips import read_trips
+
+__all__ = ["PARTLY_FAILED", "TripSource", "watched"]
+
+PARTLY_FAILED = 3
+"""Exit code where some trips failed and the rest is complete."""
+
+
+class TripSource:
+    """The trips of several files, in order; a file that cannot be read becomes a failure, not an end.
+
+    Parameters
+    ----------
+    paths
+        Files or folders.
+    format_name
+        Format, or None to detect it.
+    columns
+        Column map for csv and parquet.
+    pattern
+        Trips whose identifier matches this shell pattern are taken.
+    """
+
+    def __init__(
+        self,
+        paths: Sequence[Path],
+        *,
+        format_name: str | None = None,
+        columns: Mapping[str, str] | None = None,
+        pattern: str = "*",
+    ) -> None:
+        self._paths = paths
+        self._format = format_name
+        self._columns = columns
+        self._pattern = pattern
+        self.failures: dict[str, str] = {}
+        self.skipped: dict[str, str] = {}
+        self.started = 0
+        self.trips = 0
+
+    def __len__(self) -> int:
+        return len(self._paths)
+
+    @property
+    def exit_code(self) -> int:
+        """Exit code of a command that took every trip."""
+        return PARTLY_FAILED if self.failures else 0
+
+    def __iter__(self) -> Iterator[Trajectory]:
+        # One reader over all paths would end at the first bad one; identifiers stay unique all the same.
+        seen: dict[str, int] = {}
+        for path in self._paths:
+            self.started += 1
+            try:
+                for trip in read_trips(
+                    path, self._format, columns=self._columns, on_skipped=self.skipped.__setitem__
+                ):
+                    if fnmatch.fnmatch(trip.trip_id, self._pattern):
+                        seen[trip.trip_id] = seen.get(trip.trip_id, 0) + 1
+                        self.trips += 1
+                        yield _renamed(trip, seen[trip.trip_id])
+            except DataFormatError as error:
+                place = "" if error.row is None else f"row {error.row}: "
+                self.failures[path.name] = f"{place}{error.problem}. {error.remedy}".strip()
+                print(f"modelcast: {error}", file=sys.stderr)
+
+
+def _renamed(trip: Trajectory, copy: int) -> Trajectory:
+    return trip if copy == 1 else replace(trip, trip_id=f"{trip.trip_id}#{copy}")
+
+
+@contextmanager
+def watched(source: TripSource, *, quiet: bool) -> Generator[Iterator[Trajectory]]:
+    """Yield the source's trips, with files begun and trips taken shown on the terminal meanwhile.
+
+    Parameters
+    ----------
+    source
+        Its length is the number of files.
+    quiet
+        Show nothing.
+    """
+    console = Console(file=sys.stderr)
+    bar = Progress(
+        SpinnerColumn(),
+        TextColumn("files"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[note]}"),
+        TimeElapsedColumn(),
+        console=console,
+        transient=True,
+        disable=quiet or not console.is_terminal,
+    )
+    task = bar.add_task("files", total=len(source), note="")
+
+    def shown() -> Iterator[Trajectory]:
+        for trip in source:
+            note = f"trip {source.trips}: {trip.trip_id}"
+            bar.update(task, completed=source.started - 1, note=note)
+            yield trip
+
+    with bar:
+        yield shown()

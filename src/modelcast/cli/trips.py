@@ -1,0 +1,59 @@
+"""``modelcast trips``: what is in recorded trips, and how good the recording is."""
+
+from pathlib import Path
+
+from modelcast.cli.options import Columns, Format
+
+__all__ = ["trips"]
+
+
+def trips(
+    *paths: Path,
+    format: Format = None,  # noqa: A002 - the word a user would type
+    columns: Columns = None,
+    trip: str = "*",
+    json: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Show each trip's duration, rate, gaps, position grid, held values, noise, events and skipped rows.
+
+    Parameters
+    ----------
+    paths
+        Files or folders with recorded trips.
+    format
+        Name of the files' format; found from their content where not given.
+    columns
+        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
+    trip
+        Take only trips whose identifier matches this shell pattern.
+    json
+        Print one JSON document instead of tables.
+    quiet
+        Show no progress.
+    """
+    import json as json_format
+    import sys
+
+    from rich.console import Console
+
+    from modelcast.cli.options import parse_columns
+    from modelcast.cli.reading import TripSource, watched
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.core.inspection import inspect
+    from modelcast.report.inspection import inspection_document, inspection_report
+
+    if not paths:
+        raise ConfigError("name at least one trip file or folder (modelcast trips --help)")
+    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
+    with watched(source, quiet=quiet or json) as shown:
+        found = [inspect(one) for one in shown]
+    if not found:
+        raise ConfigError("no usable trip")
+    if json:
+        document = inspection_document(found, source.failures, source.skipped)
+        json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
+        print()
+    else:
+        Console().print(inspection_report(found, source.failures, source.skipped))
+    return source.exit_code

@@ -1,0 +1,138 @@
+"""What an evaluation is asked to do."""
+
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from modelcast.channel.base import AbstractChannel
+from modelcast.channel.erasure import GilbertElliott, IndependentErasure
+from modelcast.core.sensor import SensorModel
+from modelcast.messages.sizes import SizeModel
+from modelcast.models.bank import Bank
+from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.gp import GaussianProcess
+from modelcast.policy.error_driven import ErrorDriven
+
+__all__ = ["BASELINE_BANK", "PAPER_BANK", "EvaluationSettings"]
+
+PAPER_BANK = Bank(
+    (ConstantVelocity(), GaussianProcess(form="anchored")),
+    "paper",
+)
+"""The paper's bank: constant velocity, then the per-axis maximum-likelihood Gaussian process."""
+
+BASELINE_BANK = Bank((ConstantVelocity(),), "cv")
+"""Raw basic safety messages: the receiver coasts at constant velocity."""
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluationSettings:
+    """What an evaluation is asked to do.
+
+    Parameters
+    ----------
+    thresholds_m
+        Tracking-error thresholds [m].
+    packet_error_ratios
+        Mean shares of messages lost in the loss runs, 0..1.
+    seeds, seed
+        How many runs are drawn for every loss ratio, and the seed they are spawned from.
+    bank
+        Sub-models of model-based communication.
+    start, identify
+        The policy's rules, as in `ErrorDriven`.
+    keep_alive_s
+        Longest silence in the loss runs, for every error-driven policy [s]; rate runs have none.
+    mean_burst_s
+        Mean length of loss bursts [s]; None for independent losses.
+    delay_s
+        Delivery delay [s].
+    expiry_s
+        Silence after which the host drops a remote [s]; None keeps it. Samples without a track are excluded
+        and counted.
+    protocol
+        ``recorded``, ``sensor``, or ``auto``: sensor where the log is on a coarse grid or holds values.
+    sensor
+        What the sender measures in the ``sensor`` protocol.
+    keep_samples
+        Whose tracking-error samples are kept: of the ``first`` seed, ``all`` or ``none``.
+    map_at
+        Trip id and time of the manoeuvre to draw [s]; None picks the sharpest.
+    sizes
+        How many bytes each kind of message takes.
+
+    Raises
+    ------
+    ValueError
+        Where a value is out of its range.
+    """
+
+    thresholds_m: tuple[float, ...] = (0.2, 0.3, 0.4, 0.5)
+    packet_error_ratios: tuple[float, ...] = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
+    _: KW_ONLY
+    seeds: int = 5
+    seed: int = 0
+    bank: Bank = PAPER_BANK
+    start: Literal["order", "keep", "survivor"] = "order"
+    identify: Literal["on-failure", "final", "best"] = "on-failure"
+    keep_alive_s: float | None = 2.0
+    mean_burst_s: float | None = None
+    delay_s: float = 0.0
+    expiry_s: float | None = None
+    protocol: Literal["auto", "recorded", "sensor"] = "auto"
+    sensor: SensorModel = field(default_factory=SensorModel)
+    keep_samples: Literal["first", "all", "none"] = "first"
+    map_at: tuple[str, float] | None = None
+    sizes: SizeModel = field(default_factory=SizeModel)
+
+    def __post_init__(self) -> None:
+        if not self.thresholds_m:
+            raise ValueError("at least one threshold is needed")
+        for name, values in (
+            ("thresholds_m", self.thresholds_m),
+            ("packet_error_ratios", self.packet_error_ratios),
+        ):
+            if len(set(values)) != len(values):
+                raise ValueError(f"{name} must not repeat, got {values}")
+        if self.seeds < 1 or self.seed < 0:
+            raise ValueError(f"seeds must be >= 1 and seed >= 0, got {self.seeds} and {self.seed}")
+        if not (np.isfinite(self.delay_s) and self.delay_s >= 0):
+            raise ValueError(f"delay_s must be finite and not negative, got {self.delay_s}")
+        if self.expiry_s is not None and not self.expiry_s > 0:
+            raise ValueError(f"expiry_s must be positive or None, got {self.expiry_s}")
+        for threshold_m in self.thresholds_m:
+            self.policy(threshold_m, keep_alive=True)
+        for ratio in self.packet_error_ratios:
+            self.channel(ratio)
+
+    def policy(self, threshold_m: float, *, keep_alive: bool) -> ErrorDriven:
+        """The error-driven policy at a threshold, with or without the keep-alive of the loss runs."""
+        longest = self.keep_alive_s if keep_alive else None
+        return ErrorDriven(threshold_m, self.start, self.identify, longest)
+
+    def channel(self, ratio: float) -> AbstractChannel:
+        """The channel that loses this share of messages."""
+        if self.mean_burst_s is None:
+            return IndependentErasure(ratio)
+        return GilbertElliott(ratio, self.mean_burst_s)
+
+    def as_plain(self) -> Mapping[str, Any]:
+        """The settings as plain values, for summaries."""
+        return {
+            "thresholds_m": list(self.thresholds_m),
+            "packet_error_ratios": list(self.packet_error_ratios),
+            "seeds": self.seeds,
+            "seed": self.seed,
+            "bank": self.bank.name,
+            "sub_models": [member.name for member in self.bank.members],
+            "start": self.start,
+            "identify": self.identify,
+            "keep_alive_s": self.keep_alive_s,
+            "mean_burst_s": self.mean_burst_s,
+            "delay_s": self.delay_s,
+            "expiry_s": self.expiry_s,
+            "protocol": self.protocol,
+            "keep_samples": self.keep_samples,
+        }

@@ -1,0 +1,251 @@
+"""Tracking at the receiver under loss: what was sent, what arrived, and how far off the host was.
+
+Every policy of one trip meets the same losses, drawn for each instant whether or not it sends then. The first
+message is always delivered. The equal-rate baselines take MBC's own rate in the same run, keep-alive
+included, either its updates alone (the paper) or all its messages (fairer).
+"""
+
+from collections.abc import Iterator
+from dataclasses import KW_ONLY, dataclass
+
+import numpy as np
+
+from modelcast.core.arrays import BoolArray, IntArray, SingleArray
+from modelcast.core.chance import child_generator
+from modelcast.evaluation import replay_kernels
+from modelcast.evaluation.case import TripCase
+from modelcast.evaluation.metrics import Histogram
+from modelcast.evaluation.settings import EvaluationSettings
+from modelcast.evaluation.walk import TripBank, Walk
+from modelcast.models.base import quiet_function_pointers
+from modelcast.policy.base import Message
+from modelcast.policy.error_driven import ErrorDriven
+from modelcast.policy.periodic import Periodic
+
+__all__ = ["Contender", "TrackingRun", "draw_losses", "run_tracking"]
+
+_BISECTIONS = 24
+_WIDEST_THRESHOLD_M = 64.0
+_SMALLEST_THRESHOLD_M = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Contender:
+    """Which policy a run shows, in which comparison."""
+
+    policy: str
+    bank: str
+    rate_basis: str | None
+    threshold_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """What one sender transmits over a trip: message, sub-model and update at each sample, (T,) each."""
+
+    kind: IntArray
+    in_use: IntArray
+    update_index: IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class TrackingRun:
+    """Errors of one contender over one trip, at every loss ratio (L of them) and seed (K of them).
+
+    Parameters
+    ----------
+    contender
+        Whose errors.
+    own_threshold_m
+        Threshold the policy ran at [m]; None where it has none.
+    messages
+        Messages sent, mean over the seeds.
+    after_m, before_m, along_m, cross_m, age_s
+        Errors after and before the instant's message, their parts along and across the track [m] and the age
+        of the model held [s]; NaN where the host held nothing, (L, K, T).
+    gaps_s
+        Gaps between receptions, one histogram a loss ratio [s].
+    """
+
+    contender: Contender
+    own_threshold_m: float | None
+    _: KW_ONLY
+    messages: float
+    after_m: SingleArray
+    before_m: SingleArray
+    along_m: SingleArray
+    cross_m: SingleArray
+    age_s: SingleArray
+    gaps_s: tuple[Histogram, ...]
+
+
+def draw_losses(case: TripCase, settings: EvaluationSettings) -> BoolArray:
+    """Which instants lose their message in every run, (L, K, T); the first is never lost.
+
+    Parameters
+    ----------
+    case
+        The trip.
+    settings
+        Loss ratios, seeds and channel.
+    """
+    t_s = case.truth.t_s
+    shape = (len(settings.packet_error_ratios), settings.seeds, t_s.size)
+    lost = np.empty(shape, dtype=np.bool_)
+    for row, ratio in enumerate(settings.packet_error_ratios):
+        for run in range(settings.seeds):
+            rng = child_generator(settings.seed, run, case.truth.trip_id, "loss")
+            lost[row, run] = settings.channel(ratio).losses(t_s, rng)
+    lost[:, :, 0] = False
+    return lost
+
+
+def run_tracking(
+    case: TripCase, mbc: TripBank, baseline: TripBank, settings: EvaluationSettings
+) -> Iterator[TrackingRun]:
+    """Yield every contender's errors: MBC, the baseline, and four equal-rate baselines a threshold.
+
+    Parameters
+    ----------
+    case
+        The trip.
+    mbc, baseline
+        Both banks, ready for what the sender sees.
+    settings
+        Thresholds, losses, seeds and rules.
+    """
+    lost = draw_losses(case, settings)
+    for threshold_m in settings.thresholds_m:
+        policy = settings.policy(threshold_m, keep_alive=True)
+        walk = mbc.walk(policy)
+        yield _replay(
+            case,
+            mbc,
+            [_sent(walk)],
+            lost,
+            settings,
+            shown_as=Contender("mbc", mbc.bank.name, None, threshold_m),
+            own_threshold_m=threshold_m,
+        )
+        yield _replay(
+            case,
+            baseline,
+            [_sent(baseline.walk(policy))],
+            lost,
+            settings,
+            shown_as=Contender("baseline", baseline.bank.name, None, threshold_m),
+            own_threshold_m=threshold_m,
+        )
+        for basis, messages in (
+            ("update", walk.updates),
+            ("total", walk.updates + walk.identifications),
+        ):
+            matched = _matched(baseline, policy, messages)
+            yield _replay(
+                case,
+                baseline,
+                [_sent(matched)],
+                lost,
+                settings,
+                shown_as=Contender("baseline-matched", baseline.bank.name, basis, threshold_m),
+                own_threshold_m=matched.policy.threshold_m,
+            )
+            sent = [
+                _periodic(case, messages / case.truth.duration_s, run, settings)
+                for run in range(settings.seeds)
+            ]
+            baseline.fit_at(np.unique(np.concatenate([np.flatnonzero(one.kind) for one in sent])))
+            yield _replay(
+                case,
+                baseline,
+                sent,
+                lost,
+                settings,
+                shown_as=Contender("baseline-periodic", baseline.bank.name, basis, threshold_m),
+                own_threshold_m=None,
+            )
+
+
+def _sent(walk: Walk) -> Sent:
+    return Sent(walk.kind, walk.in_use, walk.update_index)
+
+
+def _periodic(case: TripCase, rate_hz: float, run: int, settings: EvaluationSettings) -> Sent:
+    """Messages at a mean rate, with the phase of this run and vehicle."""
+    rng = child_generator(settings.seed, run, case.truth.trip_id, "phase")
+    at = Periodic(rate_hz).transmit_indices(case.truth.t_s, rng)
+    kind = np.zeros(len(case.truth), dtype=np.int64)
+    kind[at] = Message.UPDATE
+    update_index = np.maximum.accumulate(np.where(kind > 0, np.arange(kind.size), 0))
+    return Sent(kind, np.zeros_like(kind), update_index)
+
+
+def _matched(baseline: TripBank, policy: ErrorDriven, messages: int) -> Walk:
+    """The baseline's walk whose count of messages comes nearest, its threshold found by bisection."""
+    longest = policy.max_inter_transmit_time_s
+    low, high = _SMALLEST_THRESHOLD_M, _WIDEST_THRESHOLD_M
+    best: Walk | None = None
+    for _ in range(_BISECTIONS):
+        middle = float(np.sqrt(low * high))
+        walk = baseline.walk(ErrorDriven(middle, max_inter_transmit_time_s=longest))
+        if best is None or abs(walk.updates - messages) < abs(best.updates - messages):
+            best = walk
+        if walk.updates == messages:
+            break
+        low, high = (middle, high) if walk.updates > messages else (low, middle)
+    assert best is not None  # noqa: S101 - the loop runs at least once
+    return best
+
+
+def _replay(
+    case: TripCase,
+    ready: TripBank,
+    sent: list[Sent],
+    lost: BoolArray,
+    settings: EvaluationSettings,
+    *,
+    shown_as: Contender,
+    own_threshold_m: float | None,
+) -> TrackingRun:
+    """Replay the host over all losses; one schedule serves every seed, or each seed has its own."""
+    ratios, seeds, count = lost.shape
+    runs = ratios * seeds
+    errors = np.empty((5, runs, count), dtype=np.float32)
+    gaps_s = np.empty((runs, count))
+    gap_count = np.empty(runs, dtype=np.int64)
+    kind = np.stack([one.kind for one in sent])
+    with quiet_function_pointers():
+        replay_kernels.replay(
+            ready.predicts,
+            ready.constants,
+            ready.bank.offsets,
+            case.truth.t_s,
+            ready.samples,
+            ready.parameters,
+            case.truth.position_m,
+            case.direction,
+            kind,
+            np.stack([one.in_use for one in sent]),
+            np.stack([one.update_index for one in sent]),
+            lost.reshape(runs, count),
+            settings.delay_s,
+            np.inf if settings.expiry_s is None else settings.expiry_s,
+            errors,
+            gaps_s,
+            gap_count,
+        )
+    gaps = tuple(Histogram() for _ in range(ratios))
+    for run in range(runs):
+        gaps[run // seeds].add(gaps_s[run, : gap_count[run]], 1.0)
+    after_m, before_m, along_m, cross_m, age_s = errors.reshape(5, ratios, seeds, count)
+    return TrackingRun(
+        shown_as,
+        own_threshold_m,
+        messages=float(np.count_nonzero(kind)) / len(sent),
+        after_m=after_m,
+        before_m=before_m,
+        along_m=along_m,
+        cross_m=cross_m,
+        age_s=age_s,
+        gaps_s=gaps,
+    )

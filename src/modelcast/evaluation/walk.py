@@ -1,0 +1,150 @@
+"""The sender's side of an evaluation: one bank walked over one trip, its fits shared by every threshold.
+
+Fits happen only at the instants that some policy visits, and are kept; a walk is then cheap, so thresholds,
+loss ratios and seeds cost little beyond the first.
+"""
+
+from dataclasses import KW_ONLY, dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.trajectory import Trajectory
+from modelcast.evaluation import walk_kernels
+from modelcast.models.bank import Bank
+from modelcast.models.base import quiet_function_pointers
+from modelcast.models.velocity import VelocityEstimator, sample_matrix
+from modelcast.policy.base import Message
+from modelcast.policy.error_driven import ErrorDriven
+
+__all__ = ["TripBank", "Walk"]
+
+
+@dataclass(frozen=True, slots=True)
+class Walk:
+    """What one policy did over one trip; all arrays have one row a sample.
+
+    Parameters
+    ----------
+    policy
+        The policy that was walked.
+    kind
+        `Message` sent at each sample, (T,).
+    in_use
+        Sub-model in use after the sample's message, (T,).
+    update_index
+        Sample of the last model update, this one included, (T,).
+    tracking_error_m
+        Error of every sub-model fitted at the last update before this sample, before its message, infinite
+        where it had no full window, (T, M) [m].
+    """
+
+    policy: ErrorDriven
+    kind: IntArray
+    _: KW_ONLY
+    in_use: IntArray
+    update_index: IntArray
+    tracking_error_m: FloatArray
+
+    @property
+    def updates(self) -> int:
+        """Model updates sent, keep-alives among them."""
+        return int(((self.kind == Message.UPDATE) | (self.kind == Message.KEEP_ALIVE)).sum())
+
+    @property
+    def identifications(self) -> int:
+        """Sub-model identifications sent."""
+        return int((self.kind == Message.IDENTIFICATION).sum())
+
+    @property
+    def transmits(self) -> BoolArray:
+        """Samples with a message, (T,)."""
+        return self.kind != Message.NOTHING
+
+
+class TripBank:
+    """One bank made ready for one trip: windows, compiled members and the memo of fits.
+
+    Parameters
+    ----------
+    trip
+        What the sender sees.
+    bank
+        Its sub-models.
+    estimator
+        The velocity that constant velocity coasts with.
+    """
+
+    def __init__(self, trip: Trajectory, bank: Bank, estimator: VelocityEstimator) -> None:
+        self.trip = trip
+        self.bank = bank
+        self.samples = sample_matrix(trip, estimator)
+        ready = [member.point_functions(trip.dt_s) for member in bank.members]
+        self.fits: tuple[Any, ...] = tuple(one.fit for one in ready)
+        self.predicts: tuple[Any, ...] = tuple(one.predict for one in ready)
+        self.constants = tuple(one.constants for one in ready)
+        self.parameters = np.zeros((len(trip), int(bank.offsets[-1])))
+        self.fitted = np.zeros(len(trip), dtype=np.bool_)
+        self._segment_start = trip.segment_start
+
+    def walk(self, policy: ErrorDriven) -> Walk:
+        """Walk the trip with this policy, fitting where it updates.
+
+        Parameters
+        ----------
+        policy
+            Threshold, rules and longest silence.
+        """
+        count = len(self.trip)
+        kind = np.empty(count, dtype=np.int64)
+        in_use = np.empty(count, dtype=np.int64)
+        update_index = np.empty(count, dtype=np.int64)
+        tracking_error_m = np.empty((count, len(self.bank.members)))
+        with quiet_function_pointers():
+            walk_kernels.walk(
+                self.fits,
+                self.predicts,
+                self.constants,
+                self.bank.windows,
+                self.bank.offsets,
+                self.trip.t_s,
+                self.samples,
+                self._segment_start,
+                self.parameters,
+                self.fitted,
+                *policy.codes,
+                tracking_error_m,
+                kind,
+                in_use,
+                update_index,
+            )
+        return Walk(
+            policy,
+            kind,
+            in_use=in_use,
+            update_index=update_index,
+            tracking_error_m=tracking_error_m,
+        )
+
+    def fit_at(self, indices: npt.ArrayLike) -> None:
+        """Fit every member at these samples, as an update there would.
+
+        Parameters
+        ----------
+        indices
+            Samples, (K,).
+        """
+        with quiet_function_pointers():
+            walk_kernels.fit_at(
+                self.fits,
+                self.constants,
+                self.bank.windows,
+                self.bank.offsets,
+                self.samples,
+                self._segment_start,
+                np.asarray(indices, dtype=np.int64),
+                self.parameters,
+                self.fitted,
+            )

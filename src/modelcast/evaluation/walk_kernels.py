@@ -1,0 +1,130 @@
+"""Compiled walks over one recorded trip: the sender's policy, and the baseline's messages alone."""
+
+from typing import Any
+
+import numba
+import numpy as np
+
+from modelcast.models.point_kernels import EAST, NORTH
+from modelcast.policy.error_driven_kernels import KEEP_ALIVE, NOTHING, UPDATE, start_member, step
+
+__all__ = ["fit_at", "walk"]
+
+
+@numba.njit(cache=True, nogil=True)
+def _fit_members(
+    fits: Any,
+    constants: Any,
+    windows: Any,
+    offsets: Any,
+    samples: Any,
+    history: int,
+    i: int,
+    parameters: Any,
+    fitted: Any,
+) -> None:
+    """Fit, once, every member that has a full window at sample ``i``."""
+    if fitted[i]:
+        return
+    for m in range(windows.size):
+        if history >= windows[m]:
+            window = samples[i - windows[m] + 1 : i + 1]
+            fits[m](window, constants[m], parameters[i, offsets[m] : offsets[m + 1]])
+    fitted[i] = True
+
+
+@numba.njit(cache=True, nogil=True)
+def fit_at(
+    fits: Any,
+    constants: Any,
+    windows: Any,
+    offsets: Any,
+    samples: Any,
+    segment_start: Any,
+    indices: Any,
+    parameters: Any,
+    fitted: Any,
+) -> None:
+    """Fit every member at the given samples into the memo ``parameters`` (T, P), ``fitted`` (T,)."""
+    for i in indices:
+        history = i - segment_start[i] + 1
+        _fit_members(fits, constants, windows, offsets, samples, history, i, parameters, fitted)
+
+
+@numba.njit(cache=True, nogil=True)
+def walk(
+    fits: Any,
+    predicts: Any,
+    constants: Any,
+    windows: Any,
+    offsets: Any,
+    t_s: Any,
+    samples: Any,
+    segment_start: Any,
+    parameters: Any,
+    fitted: Any,
+    threshold_m: float,
+    max_inter_transmit_time_s: float,
+    start: int,
+    identify: int,
+    tracking_error_m: Any,
+    kind: Any,
+    in_use: Any,
+    update_index: Any,
+) -> None:
+    """Walk one trip with the error-driven policy.
+
+    ``fits``, ``predicts`` and ``constants`` are tuples of the M members' compiled functions and tables;
+    ``windows`` (M,) and ``offsets`` (M + 1,) describe the members. ``parameters`` (T, P) and ``fitted``
+    (T,) are the memo of fits by instant, shared by all walks over the trip and bank. Writes, for every
+    sample, the members' errors before its message ``tracking_error_m`` (T, M), the message ``kind`` (T,),
+    and the sub-model ``in_use`` (T,) and index of its update ``update_index`` (T,) after the message.
+    """
+    members = windows.size
+    available = np.empty(members, dtype=np.bool_)
+    usable = np.zeros(members, dtype=np.bool_)
+    first_failure_s = np.full(members, np.inf)
+    displacement = np.empty(2)
+    errors = np.empty(members)
+    current = -1
+    last_update = 0
+    last_message = 0
+    for i in range(t_s.size):
+        history = i - segment_start[i] + 1
+        for m in range(members):
+            available[m] = history >= windows[m]
+            error = np.inf
+            if usable[m]:
+                own = parameters[last_update, offsets[m] : offsets[m + 1]]
+                predicts[m](own, t_s[i] - t_s[last_update], constants[m], displacement)
+                east = samples[last_update, EAST] + displacement[0] - samples[i, EAST]
+                north = samples[last_update, NORTH] + displacement[1] - samples[i, NORTH]
+                error = np.sqrt(east * east + north * north)
+            errors[m] = error
+            tracking_error_m[i, m] = error
+        if i == 0:
+            sent, current = UPDATE, start_member(available, first_failure_s, -1, start)
+        else:
+            sent, current = step(
+                errors,
+                available,
+                first_failure_s,
+                current,
+                t_s[i] - t_s[last_update],
+                t_s[i] - t_s[last_message],
+                threshold_m,
+                max_inter_transmit_time_s,
+                start,
+                identify,
+            )
+        if sent != NOTHING:
+            last_message = i
+        if sent in (UPDATE, KEEP_ALIVE):
+            last_update = i
+            for m in range(members):
+                usable[m] = available[m]
+                first_failure_s[m] = np.inf
+            _fit_members(fits, constants, windows, offsets, samples, history, i, parameters, fitted)
+        kind[i] = sent
+        in_use[i] = current
+        update_index[i] = last_update

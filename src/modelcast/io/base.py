@@ -1,0 +1,123 @@
+"""What a trip reader is: a name, a test of whether a file is its own, and an iterator of trips.
+
+A reader is a small value. It opens nothing until `read` is iterated, and it yields one vehicle at a time.
+Rows it cannot use are counted, by reason, in the trip's `Reading`; a vehicle without any usable row is
+reported to `on_skipped`, so that nothing disappears unseen.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import ClassVar, TypeAlias
+
+from modelcast.core.exceptions import ConfigError
+from modelcast.core.trajectory import Reading, Trajectory
+
+__all__ = ["AbstractTripReader", "OnSkipped", "Tally", "ignore_skipped"]
+
+OnSkipped: TypeAlias = Callable[[str, str], None]
+"""Called with a vehicle (or file) that gave no trip, and the reason."""
+
+
+def ignore_skipped(what: str, reason: str) -> None:
+    """Take note of nothing: what `read` uses where the caller does not ask."""
+    del what, reason
+
+
+class Tally:
+    """Counts of one vehicle's rows while it is read.
+
+    Examples
+    --------
+    >>> tally = Tally()
+    >>> tally.skip("no fix", 2)
+    >>> tally.repair("out of order", 0)
+    >>> tally.reading(rows=5)
+    Reading(rows=5, skipped=mappingproxy({'no fix': 2}), repaired=mappingproxy({}))
+    """
+
+    def __init__(self) -> None:
+        self._skipped: dict[str, int] = {}
+        self._repaired: dict[str, int] = {}
+
+    def skip(self, reason: str, count: int) -> None:
+        """Count rows left out."""
+        if count:
+            self._skipped[reason] = self._skipped.get(reason, 0) + int(count)
+
+    def repair(self, reason: str, count: int) -> None:
+        """Count rows put right."""
+        if count:
+            self._repaired[reason] = self._repaired.get(reason, 0) + int(count)
+
+    def reading(self, rows: int) -> Reading:
+        """Return the counts as a frozen value."""
+        return Reading(
+            rows=rows,
+            skipped=MappingProxyType(dict(self._skipped)),
+            repaired=MappingProxyType(dict(self._repaired)),
+        )
+
+    def why_empty(self) -> str:
+        """Return the reasons in words, for a vehicle of which nothing is left."""
+        parts = [f"{count} {reason}" for reason, count in self._skipped.items()]
+        return "no usable row: " + (", ".join(parts) or "no rows")
+
+
+class AbstractTripReader(ABC):
+    """One file format.
+
+    The docstring of a reader holds the table of its columns and the list of what it repairs or skips;
+    anything else that is wrong with a file is a `DataFormatError` with the file, the row, the value and a
+    remedy.
+    """
+
+    name: ClassVar[str]
+    """The name the reader is registered under."""
+
+    @abstractmethod
+    def matches(self, path: Path, head: bytes) -> bool:
+        """Return whether this is a file (or folder) of the format.
+
+        Parameters
+        ----------
+        path
+            The file or folder.
+        head
+            Its first bytes; empty for a folder.
+        """
+
+    @abstractmethod
+    def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
+        """Yield the trips of a file, each complete, with identifiers unique in it.
+
+        Parameters
+        ----------
+        path
+            The file, as the user named it: errors repeat it, and its stem begins the identifiers.
+        on_skipped
+            Called with the identifier of a vehicle that gave no trip, and the reason.
+
+        Raises
+        ------
+        DataFormatError
+            Where the file breaks a rule that the reader does not list as repaired or skipped.
+        """
+
+    def with_columns(self, columns: Mapping[str, str]) -> "AbstractTripReader":
+        """Return the reader with the user's column names, for formats that leave them open.
+
+        Raises
+        ------
+        ConfigError
+            Where the format fixes its own columns.
+        """
+        raise ConfigError(
+            f"The format {self.name} has fixed columns: the column map {dict(columns)} does not apply to it. "
+            "Leave it out, or choose csv or parquet."
+        )
+
+    def stands_for(self, path: Path) -> Path:
+        """Return the one file that stands for a recording of several; the file itself by default."""
+        return path

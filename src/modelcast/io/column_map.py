@@ -1,0 +1,166 @@
+"""Which column of a table means what: the map that the csv and parquet readers share.
+
+===================  ==========================  =====================================================
+Meaning              Unit                        Names found without a map
+===================  ==========================  =====================================================
+t, t_ms, t_us        s, ms, µs                   t_s, time_s, t, time; t_ms, time_ms; t_us, time_us
+east, north, up      m                           east_m, east, x; north_m, north, y; up_m, up, z
+lat, lon, alt        deg, deg, m                 latitude_deg, latitude, lat; longitude_deg, longitude,
+                                                 lon; altitude_m, altitude, alt
+speed, speed_kmh     m/s, km/h                   speed_mps, speed; speed_kmh
+heading_rad, _deg    from north, clockwise       heading_rad; heading_deg
+yaw_rate_radps,      rad/s, deg/s, clockwise     yaw_rate_radps; yaw_rate_degps
+yaw_rate_degps
+acceleration         m/s²                        acceleration_mps2
+vehicle              name of the vehicle         vehicle, vehicle_id
+trip                 complete identifier         trip
+origin_lat, _lon,    deg, deg, m; constant in a  origin_latitude_deg, origin_longitude_deg,
+_alt                 trip, with east and north   origin_altitude_m
+start_unix           s; constant in a trip       start_unix_s
+===================  ==========================  =====================================================
+
+Names are case-sensitive. Needed are a time and east with north, or lat with lon; east and north win where
+both are there. Angles have no default unit, so a plain ``heading`` has to be mapped to one of the two.
+"""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from modelcast.core.exceptions import ConfigError, DataFormatError
+
+__all__ = ["ColumnMap", "Meaning", "detected_map", "user_map"]
+
+_DEG = 0.017453292519943295
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """What a column holds: the SI column it fills, the factor to SI, the names it is found under."""
+
+    fills: str
+    factor: float
+    names: tuple[str, ...]
+
+
+MEANINGS: Mapping[str, Meaning] = {
+    "t": Meaning("t_s", 1.0, ("t_s", "time_s", "t", "time")),
+    "t_ms": Meaning("t_s", 1e-3, ("t_ms", "time_ms")),
+    "t_us": Meaning("t_s", 1e-6, ("t_us", "time_us")),
+    "east": Meaning("east_m", 1.0, ("east_m", "east", "x")),
+    "north": Meaning("north_m", 1.0, ("north_m", "north", "y")),
+    "up": Meaning("up_m", 1.0, ("up_m", "up", "z")),
+    "lat": Meaning("latitude_deg", 1.0, ("latitude_deg", "latitude", "lat")),
+    "lon": Meaning("longitude_deg", 1.0, ("longitude_deg", "longitude", "lon")),
+    "alt": Meaning("altitude_m", 1.0, ("altitude_m", "altitude", "alt")),
+    "speed": Meaning("speed_mps", 1.0, ("speed_mps", "speed")),
+    "speed_kmh": Meaning("speed_mps", 1.0 / 3.6, ("speed_kmh",)),
+    "heading_rad": Meaning("heading_rad", 1.0, ("heading_rad",)),
+    "heading_deg": Meaning("heading_rad", _DEG, ("heading_deg",)),
+    "yaw_rate_radps": Meaning("yaw_rate_radps", 1.0, ("yaw_rate_radps",)),
+    "yaw_rate_degps": Meaning("yaw_rate_radps", _DEG, ("yaw_rate_degps",)),
+    "acceleration": Meaning("acceleration_mps2", 1.0, ("acceleration_mps2",)),
+    "origin_lat": Meaning("origin_latitude_deg", 1.0, ("origin_latitude_deg",)),
+    "origin_lon": Meaning("origin_longitude_deg", 1.0, ("origin_longitude_deg",)),
+    "origin_alt": Meaning("origin_altitude_m", 1.0, ("origin_altitude_m",)),
+    "start_unix": Meaning("start_unix_s", 1.0, ("start_unix_s",)),
+    "vehicle": Meaning("vehicle", 1.0, ("vehicle", "vehicle_id")),
+    "trip": Meaning("trip", 1.0, ("trip",)),
+}
+_LOCAL = ("east_m", "north_m")
+_GEODETIC = ("latitude_deg", "longitude_deg")
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnMap:
+    """Columns of one table.
+
+    Parameters
+    ----------
+    numbers
+        For each SI column: the table's column and the factor to SI.
+    label
+        The column that names the vehicle or trip, if any.
+    whole_id
+        Whether `label` holds complete trip identifiers.
+    """
+
+    numbers: Mapping[str, tuple[str, float]]
+    label: str | None
+    whole_id: bool
+
+    @property
+    def geodetic(self) -> bool:
+        """Whether positions are latitudes and longitudes."""
+        return _LOCAL[0] not in self.numbers
+
+
+def detected_map(names: Collection[str]) -> ColumnMap | None:
+    """Return the map of a table whose columns have default names, or None where too few have.
+
+    Examples
+    --------
+    >>> detected_map(["t", "x", "y", "colour"]).numbers["east_m"]
+    ('x', 1.0)
+    >>> detected_map(["a", "b"]) is None
+    True
+    """
+    found: dict[str, str] = {}
+    for meaning, entry in MEANINGS.items():
+        name = next((name for name in entry.names if name in names), None)
+        if name is not None:
+            found[meaning] = name
+    return _mapped(found)
+
+
+def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> ColumnMap:
+    """Return the map a user gave, checked against a table's columns.
+
+    Raises
+    ------
+    ConfigError
+        Where a meaning is unknown, two say the same, or time or position are not given.
+    DataFormatError
+        Where the table has no such column.
+    """
+    chosen: dict[str, str] = {}
+    by_default_name = {entry.names[0]: meaning for meaning, entry in MEANINGS.items()}
+    for word, name in columns.items():
+        meaning = by_default_name.get(word, word)
+        if meaning not in MEANINGS:
+            hint = f" Say {word}_rad or {word}_deg." if word == "heading" else ""
+            hint = " Say yaw_rate_radps or yaw_rate_degps." if word == "yaw_rate" else hint
+            raise ConfigError(
+                f"Unknown meaning {word!r} in the column map.{hint} Known: {', '.join(MEANINGS)}."
+            )
+        if name not in names:
+            raise DataFormatError(
+                path, f"has no column {name!r} for {word}", remedy=f"Its columns: {', '.join(names)}."
+            )
+        chosen[meaning] = name
+    fills = [MEANINGS[meaning].fills for meaning in chosen]
+    if len(set(fills)) != len(fills):
+        raise ConfigError(f"The column map {dict(columns)} names a quantity twice, in two units.")
+    found = _mapped(chosen)
+    if found is None:
+        raise ConfigError(
+            f"The column map {dict(columns)} needs t, and east with north or lat with lon: "
+            "for example t=time,east=x,north=y,speed=v."
+        )
+    return found
+
+
+def _mapped(found: Mapping[str, str]) -> ColumnMap | None:
+    """Return the map of meanings to names, the first unit of each quantity; None where it is too little."""
+    numbers: dict[str, tuple[str, float]] = {}
+    for meaning, name in found.items():
+        entry = MEANINGS[meaning]
+        if meaning not in {"vehicle", "trip"}:
+            numbers.setdefault(entry.fills, (name, entry.factor))
+    local = all(name in numbers for name in _LOCAL)
+    geodetic = all(name in numbers for name in _GEODETIC)
+    if "t_s" not in numbers or not (local or geodetic):
+        return None
+    unused = (*_GEODETIC, "altitude_m") if local else (*_LOCAL, "up_m")
+    kept = {fills: entry for fills, entry in numbers.items() if fills not in unused}
+    label = found.get("trip", found.get("vehicle"))
+    return ColumnMap(kept, label, "trip" in found)

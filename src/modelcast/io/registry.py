@@ -1,0 +1,103 @@
+"""The trip readers by format name, and how a file's format is found.
+
+Built-in readers are listed here and imported when first needed. Other packages add theirs through the
+entry-point group ``modelcast.readers``: each entry point names a format and loads a class derived from
+`modelcast.io.base.AbstractTripReader` that takes no arguments.
+"""
+
+from collections.abc import Mapping
+from functools import cache
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from types import MappingProxyType
+
+from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.io.base import AbstractTripReader
+
+__all__ = ["ENTRY_POINT_GROUP", "FORMATS", "detect_format", "get_reader", "reader_names"]
+
+ENTRY_POINT_GROUP = "modelcast.readers"
+"""Where third-party packages register their readers."""
+
+FORMATS: Mapping[str, str] = MappingProxyType(
+    {
+        "spmd-bsm": "modelcast.io.spmd_bsm:SpmdBsmReader",
+        "spmd-wsu": "modelcast.io.spmd_wsu:SpmdWsuReader",
+        "spmd-hv": "modelcast.io.spmd_hv:SpmdHvReader",
+        "openacc": "modelcast.io.openacc:OpenAccReader",
+        "comma2k19": "modelcast.io.comma2k19:Comma2k19Reader",
+        "nyc-cvpd": "modelcast.io.nyc_cvpd:NycCvpdReader",
+        "nmea": "modelcast.io.nmea:NmeaReader",
+        "smartloc": "modelcast.io.smartloc:SmartLocReader",
+        "parquet": "modelcast.io.parquet:ParquetReader",
+        "csv": "modelcast.io.csv:CsvReader",
+    }
+)
+"""The built-in formats and the class that reads each; csv is asked last, as the least specific."""
+
+_HEAD_BYTES = 16384
+
+
+@cache
+def _third_party() -> Mapping[str, EntryPoint]:
+    """Return the entry points of other packages; a built-in name cannot be replaced."""
+    return {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP) if point.name not in FORMATS}
+
+
+def reader_names() -> tuple[str, ...]:
+    """Return the names of all formats that can be read.
+
+    Examples
+    --------
+    >>> "openacc" in reader_names()
+    True
+    """
+    return (*_third_party(), *FORMATS)
+
+
+def get_reader(name: str) -> AbstractTripReader:
+    """Return the reader of a format.
+
+    Raises
+    ------
+    ConfigError
+        Where no reader of that name is known, or another package's reader is not one.
+    """
+    if name in FORMATS:
+        module, _, kind = FORMATS[name].partition(":")
+        reader: object = getattr(import_module(module), kind)()
+    elif name in _third_party():
+        reader = _third_party()[name].load()()
+    else:
+        raise ConfigError(f"Unknown format {name!r}. Known formats: {', '.join(reader_names())}.")
+    if not isinstance(reader, AbstractTripReader):
+        raise ConfigError(f"The reader registered as {name!r} is not an AbstractTripReader: {reader!r}.")
+    return reader
+
+
+def detect_format(path: str | Path) -> str:
+    """Return the name of the format of a file (or of a folder that is one recording).
+
+    Raises
+    ------
+    DataFormatError
+        Where the file does not exist, is empty, or no reader knows it.
+    """
+    at = Path(path)
+    if not at.exists():
+        raise DataFormatError(str(path), "does not exist", remedy="Check the path.")
+    head = b""
+    if at.is_file():
+        with at.open("rb") as file:
+            head = file.read(_HEAD_BYTES)
+        if not head.strip():
+            raise DataFormatError(str(path), "the file is empty", remedy="Check that it is complete.")
+    for name in reader_names():
+        if get_reader(name).matches(at, head):
+            return name
+    raise DataFormatError(
+        str(path),
+        "no reader knows this " + ("folder" if at.is_dir() else "file"),
+        remedy=f"Name its format: {', '.join(reader_names())}; csv and parquet also take a column map.",
+    )

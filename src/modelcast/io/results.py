@@ -1,0 +1,183 @@
+"""What an evaluation leaves on disk, for programs to read.
+
+``summary.json`` (`summary_document`)
+    ``schema`` (1), ``modelcast`` (version), ``settings``, ``trips``, ``rates``, ``tracking``, ``failures``.
+    The rows are those of `modelcast.evaluation.result`, under the same names; a row that pools all trips has
+    ``"trip": "all"``. A number that does not exist is null. Floats are written in full.
+``events.parquet``
+    One row a message of the rate runs.
+``samples.parquet``
+    One row a tracking-error sample that the run kept; the columns are `modelcast.io.arrow.SAMPLES_SCHEMA`.
+a message trace (`write_message_trace`)
+    ``t_s``, ``vehicle``, ``size_bytes``, ``kind``: when each vehicle sends how much, for other simulators.
+
+The same result gives the same bytes: keys are sorted, and there is no time stamp and no absolute path.
+"""
+
+import csv
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path, PurePath
+from typing import Any, cast
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from modelcast.core.exceptions import ConfigError
+from modelcast.core.version import package_version
+from modelcast.evaluation.result import Columns, EvaluationResult, RateRow, TrackingRow, TripRow
+from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table, plain_text, sample_tables, write_tables
+
+__all__ = [
+    "SUMMARY_SCHEMA",
+    "summary_document",
+    "write_message_trace",
+    "write_results",
+]
+
+SUMMARY_SCHEMA = 1
+"""Version of the layout of ``summary.json``; it rises when a key changes its meaning or goes away."""
+
+
+def summary_document(result: EvaluationResult) -> dict[str, Any]:
+    """Return the content of ``summary.json`` as plain values.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    return {
+        "schema": SUMMARY_SCHEMA,
+        "modelcast": package_version(),
+        "settings": _plain(result.settings),
+        "trips": [_row(row) for row in result.trips],
+        "rates": [_row(row) for row in result.rates],
+        "tracking": [_row(row) for row in result.tracking],
+        "failures": _plain(result.failures),
+    }
+
+
+def write_results(result: EvaluationResult, folder: str | Path) -> list[Path]:
+    """Write ``summary.json``, ``events.parquet`` and ``samples.parquet``; return their paths.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    folder
+        An existing folder.
+    """
+    folder = Path(folder)
+    summary, events, samples = (
+        folder / name for name in ("summary.json", "events.parquet", "samples.parquet")
+    )
+    summary.write_text(_dumped(summary_document(result)), encoding="utf-8", newline="\n")
+    table = columns_table(result.events)
+    write_tables([table], table.schema, events)
+    write_tables(sample_tables(result.samples), SAMPLES_SCHEMA, samples)
+    return [summary, events, samples]
+
+
+def write_message_trace(
+    result: EvaluationResult,
+    path: str | Path,
+    *,
+    policy: str = "mbc",
+    bank: str | None = None,
+    threshold_m: float | None = None,
+) -> None:
+    """Write when each vehicle sends a message of which size, as CSV or Parquet by the suffix of `path`.
+
+    Every trip starts at its own time 0, so the vehicles of separate recordings run side by side.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    path
+        ``*.csv`` or ``*.parquet``.
+    policy
+        ``mbc`` or ``baseline``.
+    bank
+        The bank of sub-models; None for the first one evaluated.
+    threshold_m
+        The threshold; None for the smallest one evaluated [m].
+
+    Raises
+    ------
+    ConfigError
+        Where the suffix is another, or no message fits the choice.
+    """
+    path = Path(path)
+    if path.suffix not in {".csv", ".parquet"}:
+        raise ConfigError(f"a message trace is .csv or .parquet, not {path.name!r}")
+    table = _message_trace(result.events, policy=policy, bank=bank, threshold_m=threshold_m)
+    if path.suffix == ".parquet":
+        write_tables([table], table.schema, path)
+    else:
+        columns = [column.to_pylist() for column in table.columns]
+        with path.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(table.column_names)
+            writer.writerows(zip(*columns, strict=True))
+
+
+def _message_trace(events: Columns, *, policy: str, bank: str | None, threshold_m: float | None) -> Any:
+    table = plain_text(columns_table(events))
+    table = table.filter(pc.field("policy") == policy)
+    if bank is None and table.num_rows:
+        bank = str(table["bank"][0].as_py())
+    table = table.filter(pc.field("bank") == (bank or ""))
+    if threshold_m is None and table.num_rows:
+        threshold_m = float(np.min(table["threshold_m"].to_numpy()))
+    if threshold_m is not None:
+        near = np.isclose(table["threshold_m"].to_numpy(), threshold_m, rtol=0.0, atol=1e-9)
+        table = table.filter(pa.array(near, pa.bool_()))
+    if not table.num_rows:
+        raise ConfigError(f"no message of policy {policy!r}, bank {bank!r}, threshold {threshold_m} m")
+    table = table.select(["t_s", "trip", "size_bytes", "kind"])
+    table = table.rename_columns(["t_s", "vehicle", "size_bytes", "kind"])
+    return table.sort_by([("t_s", "ascending"), ("vehicle", "ascending")])
+
+
+def _row(row: TripRow | RateRow | TrackingRow) -> dict[str, Any]:
+    return {field.name: _plain(getattr(row, field.name)) for field in fields(row)}
+
+
+def _plain(value: Any) -> Any:
+    """Return the value in terms of JSON; NaN and infinities are null, a path is its last part."""
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        items = cast("Mapping[object, object]", value).items()
+        return {str(key): _plain(item) for key, item in items}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, Sequence):
+        return [_plain(item) for item in cast("Sequence[object]", value)]
+    if isinstance(value, PurePath):
+        return value.name
+    raise TypeError(f"cannot write {type(value).__name__} to summary.json: {value!r}")
+
+
+def _dumped(document: Mapping[str, Any]) -> str:
+    """Return the document as JSON with one line a row: it diffs well, and the fast encoder does the rows."""
+
+    def dump(value: object) -> str:
+        return json.dumps(value, sort_keys=True, allow_nan=False, ensure_ascii=False)
+
+    parts: list[str] = []
+    for key in sorted(document):
+        value = document[key]
+        rows = cast("list[object]", value) if isinstance(value, list) else []
+        if rows:
+            parts.append(f'"{key}": [\n  ' + ",\n  ".join(dump(row) for row in rows) + "\n ]")
+        else:
+            parts.append(f'"{key}": {dump(cast("object", value))}')
+    return "{\n " + ",\n ".join(parts) + "\n}\n"

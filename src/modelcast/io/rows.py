@@ -1,0 +1,218 @@
+"""One vehicle's rows on their way to a trip: put in order, completed, placed on the local plane.
+
+Readers fill `Rows` with plain numbers, NaN where a value is missing, and take out what their format calls
+unusable. The rules that all formats share are here, each of them counted.
+
+Missing optional values (speed, heading, ...)
+    A column missing in more than `MOSTLY_THERE` of the rows is left out, and counted. Otherwise the last
+    value is held, as a live sender would have to, and counted; rows before the first value are skipped.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.exceptions import DataFormatError
+from modelcast.core.geodesy import Origin, geodetic_to_enu
+from modelcast.core.trajectory import Trajectory, build_trajectory
+from modelcast.io.base import Tally
+
+__all__ = [
+    "LARGEST",
+    "MOSTLY_THERE",
+    "OPTIONAL",
+    "Rows",
+    "are_numbers",
+    "joined",
+    "located",
+    "make_trip",
+    "ordered",
+    "with_missing",
+]
+
+MOSTLY_THERE = 0.1
+"""A column missing in more than this share of the rows is left out instead of being held."""
+
+OPTIONAL = {
+    "speed_mps": "speed",
+    "heading_rad": "heading",
+    "acceleration_mps2": "acceleration",
+    "yaw_rate_radps": "yaw rate",
+    "up_m": "height",
+}
+"""Optional columns of a trip, with their names in counts."""
+
+
+LARGEST = 1e18
+"""No quantity of any format is larger; what is, is damage, and could overflow later."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Rows of one vehicle.
+
+    Parameters
+    ----------
+    line
+        One-based line or record numbers, (R,).
+    columns
+        Numbers by name, (R,) each, NaN where missing: ``t_s``, then ``east_m`` and ``north_m`` or
+        ``latitude_deg`` and ``longitude_deg``, and any of `OPTIONAL`.
+    """
+
+    line: IntArray
+    columns: Mapping[str, FloatArray]
+
+    def __len__(self) -> int:
+        return int(self.line.size)
+
+    def taken(self, which: BoolArray | IntArray) -> "Rows":
+        """Return the rows that a mask or an index picks."""
+        return Rows(self.line[which], {name: column[which] for name, column in self.columns.items()})
+
+    def without(self, bad: BoolArray, reason: str, tally: Tally) -> "Rows":
+        """Return the rows that are not bad, the bad ones counted as skipped."""
+        tally.skip(reason, int(bad.sum()))
+        return self.taken(~bad) if bad.any() else self
+
+    def having(self, **columns: FloatArray) -> "Rows":
+        """Return the rows with columns added or replaced."""
+        return replace(self, columns={**self.columns, **columns})
+
+
+def are_numbers(values: FloatArray) -> BoolArray:
+    """Return which values are finite and of a size that quantities have.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> are_numbers(np.array([1.0, np.nan, -np.inf, 1e300]))
+    array([ True, False, False, False])
+    """
+    return np.abs(values) <= LARGEST
+
+
+def joined(parts: list[Rows]) -> Rows:
+    """Return rows gathered in several parts as one."""
+    if len(parts) == 1:
+        return parts[0]
+    names = parts[0].columns
+    return Rows(
+        np.concatenate([part.line for part in parts]),
+        {name: np.concatenate([part.columns[name] for part in parts]) for name in names},
+    )
+
+
+def with_missing(column: FloatArray, unavailable: BoolArray) -> FloatArray:
+    """Return a column with NaN where the format says that the value is unavailable."""
+    return np.where(unavailable, np.nan, column)
+
+
+def ordered(rows: Rows, tally: Tally, *, duplicate: str = "duplicate time") -> Rows:
+    """Return the rows by increasing time, the first of each time; late ones counted as repaired."""
+    t_s = rows.columns["t_s"]
+    if (np.diff(t_s) > 0).all():
+        return rows
+    late = t_s < np.maximum.accumulate(t_s)
+    tally.repair("out of time order", int(late.sum()))
+    rows = rows.taken(np.argsort(t_s, kind="stable"))
+    again = np.concatenate([[False], np.diff(rows.columns["t_s"]) <= 0])
+    return rows.without(again, duplicate, tally)
+
+
+def located(rows: Rows, origin: Origin) -> Rows:
+    """Return geodetic rows with ``east_m``, ``north_m``, and ``up_m`` where there is an altitude."""
+    columns = rows.columns
+    altitude = columns.get("altitude_m", np.zeros(len(rows)))
+    unknown = ~np.isfinite(altitude)
+    enu = geodetic_to_enu(
+        columns["latitude_deg"],
+        columns["longitude_deg"],
+        np.where(unknown, origin.altitude_m, altitude),
+        origin,
+    )
+    rows = rows.having(east_m=enu[:, 0], north_m=enu[:, 1])
+    return rows.having(up_m=with_missing(enu[:, 2], unknown)) if "altitude_m" in columns else rows
+
+
+def make_trip(
+    path: str,
+    trip_id: str,
+    rows: Rows,
+    tally: Tally,
+    *,
+    count: int,
+    source: str,
+    origin: Origin | None = None,
+    unix_offset_s: float | None = None,
+) -> Trajectory | None:
+    """Return the trip of rows in time order, or None where no row is left.
+
+    Parameters
+    ----------
+    path, trip_id, source, origin
+        Where the rows come from, and as in `Trajectory`.
+    rows
+        With ``t_s``, ``east_m``, ``north_m`` complete, and optional columns.
+    tally
+        Counts so far; completed here.
+    count
+        Rows the file held for this vehicle.
+    unix_offset_s
+        What turns ``t_s`` into Unix time, where that is known [s].
+
+    Raises
+    ------
+    DataFormatError
+        Where time does not increase or a value is not finite.
+    """
+    rows = _completed(rows, tally)
+    if not len(rows):
+        return None
+    columns = rows.columns
+    t_s = columns["t_s"]
+    steps = np.diff(t_s)
+    if (steps <= 0).any():
+        at = int(np.argmax(steps <= 0)) + 1
+        raise DataFormatError(
+            path,
+            f"time of {trip_id} does not increase: {t_s[at]} after {t_s[at - 1]}",
+            row=int(rows.line[at]),
+            remedy="Sort the file by vehicle and time and leave one row per time.",
+        )
+    try:
+        return build_trajectory(
+            trip_id,
+            t_s,
+            np.stack([columns["east_m"], columns["north_m"]], axis=1),
+            **{name: columns[name] for name in OPTIONAL if name in columns},
+            origin=origin,
+            start_unix_s=None if unix_offset_s is None else float(t_s[0]) + unix_offset_s,
+            source=source,
+            reading=tally.reading(count),
+        )
+    except (ValueError, FloatingPointError) as error:
+        raise DataFormatError(path, str(error), row=int(rows.line[0])) from error
+
+
+def _completed(rows: Rows, tally: Tally) -> Rows:
+    """Return the rows with every optional column either complete or left out."""
+    if not len(rows):
+        return rows
+    columns = dict(rows.columns)
+    first = 0
+    for name, word in OPTIONAL.items():
+        missing = np.isnan(columns[name]) if name in columns else np.zeros(len(rows), np.bool_)
+        if missing.mean() > MOSTLY_THERE:
+            tally.repair(f"{word} left out, too often missing", int(missing.sum()))
+            del columns[name]
+        if name not in columns or not missing.any():
+            continue
+        given = np.where(missing, 0, np.arange(len(rows)))
+        first = max(first, int(np.argmin(missing)))
+        columns[name] = columns[name][np.maximum.accumulate(given)]
+        tally.repair(f"{word} missing, last value held", int(missing[int(np.argmin(missing)) :].sum()))
+    early = np.arange(len(rows)) < first
+    return Rows(rows.line, columns).without(early, "no first value yet", tally)

@@ -1,0 +1,116 @@
+"""Safety Pilot basic safety messages (``BsmP1``), one-day and two-month releases, 10 Hz.
+
+A trip is one transmitter heard by one receiver in one file of it: (RxDevice, FileId, TxDevice). Its
+identifier is ``<stem>/<TxDevice>-<FileId>``, with ``-by<RxDevice>`` where another device received it.
+
+==============================  =====  ===  ==========================================================
+Column                          Unit   No.  Use
+==============================  =====  ===  ==========================================================
+RxDevice, FileId, TxDevice      -      0-2  the trip
+GenTime (or Gentime)            µs     3    time; differences only: published sources disagree on
+                                            the epoch, so there is no absolute time
+TxRandom, MsgCount, DSecond     -      4-6  not used; the first two change within a trip
+Latitude, Longitude             deg    7-8  position
+Elevation                       m      9    height
+Speed                           m/s    10   speed
+Heading                         deg    11   heading, clockwise from north
+Ax                              m/s²   12   acceleration
+Ay, Az                          m/s²   13   not used
+Yawrate                         deg/s  15   yaw rate, clockwise positive
+PathCount to Confidence         -      16   not used
+==============================  =====  ===  ==========================================================
+
+With or without a header row, a byte order mark, CRLF; blank cells or the word ``NULL``; E notation.
+
+Skipped and counted: "position unavailable" (blank, out of range, latitude 90.0000001, longitude
+180.0000001, or 0, 0), "time missing", "duplicate time" (the first row is kept), "partial last line", "no
+first value yet" (rows before an optional column's first value).
+Repaired and counted: "out of time order" (sorted); unavailable values, held or left out as `rows` says:
+speed 163.82, heading 360, acceleration and yaw rate at the end of their range (20.01, 327.67); "yaw rate
+implausible" (over 100 deg/s, seen at launch from rest), treated as unavailable.
+Values that a 1 Hz unit repeats for a second are kept as they are.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from modelcast.core.geodesy import wrap_angle_rad
+from modelcast.core.trajectory import Trajectory
+from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.rows import Rows, with_missing
+from modelcast.io.spmd import Key, SpmdLayout, read_spmd, spmd_matches, valid_position
+
+__all__ = ["SpmdBsmReader"]
+
+SPEED_UNAVAILABLE_MPS = 163.82
+"""J2735 DE_Speed 8191 at 0.02 m/s."""
+HEADING_UNAVAILABLE_DEG = 360.0
+"""J2735 DE_Heading 28800 at 0.0125 deg."""
+ACCELERATION_UNAVAILABLE_MPS2 = 20.01
+"""J2735 DE_Acceleration 2001 at 0.01 m/s²."""
+YAW_RATE_LIMIT_DEGPS = 100.0
+"""No car turns faster; 254 and 324 deg/s occur at launch from rest, 327.67 is J2735's unavailable."""
+
+
+class SpmdBsmReader(AbstractTripReader):
+    """Reads BsmP1 files; the module's docstring has the columns and the repairs."""
+
+    name: ClassVar[str] = "spmd-bsm"
+
+    def matches(self, path: Path, head: bytes) -> bool:
+        """Return whether the header is BsmP1's, or every line has its fields."""
+        del path
+        return spmd_matches(_LAYOUT, head)
+
+    def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
+        """Yield a trip per (RxDevice, FileId, TxDevice), each as soon as its last block is read."""
+        yield from read_spmd(path, _LAYOUT, on_skipped)
+
+
+def _trip_name(key: Key) -> str:
+    receiver, file_id, sender = key
+    return f"{sender}-{file_id}" if sender == receiver else f"{sender}-{file_id}-by{receiver}"
+
+
+def _usable(rows: Rows, tally: Tally) -> Rows:
+    """Return the rows with a time and a position, in SI units."""
+    rows = rows.without(np.isnan(rows.columns["GenTime"]), "time missing", tally)
+    placed = valid_position(rows.columns["Latitude"], rows.columns["Longitude"])
+    rows = rows.without(~placed, "position unavailable", tally)
+    raw = rows.columns
+    wild = np.abs(raw["Yawrate"]) > YAW_RATE_LIMIT_DEGPS
+    tally.repair("yaw rate implausible", int(wild.sum()))
+    heading = with_missing(raw["Heading"], raw["Heading"] >= HEADING_UNAVAILABLE_DEG)
+    return Rows(
+        rows.line,
+        {
+            "t_s": raw["GenTime"] * 1e-6,
+            "latitude_deg": raw["Latitude"],
+            "longitude_deg": raw["Longitude"],
+            "altitude_m": raw["Elevation"],
+            "speed_mps": with_missing(raw["Speed"], raw["Speed"] >= SPEED_UNAVAILABLE_MPS - 0.005),
+            "heading_rad": wrap_angle_rad(np.radians(heading)),
+            "acceleration_mps2": with_missing(
+                raw["Ax"], np.abs(raw["Ax"]) >= ACCELERATION_UNAVAILABLE_MPS2 - 0.005
+            ),
+            "yaw_rate_radps": np.radians(with_missing(raw["Yawrate"], wild)),
+        },
+    )
+
+
+_LAYOUT = SpmdLayout(
+    source=SpmdBsmReader.name,
+    header=(
+        "RxDevice", "FileId", "TxDevice", "GenTime", "TxRandom", "MsgCount", "DSecond", "Latitude",
+        "Longitude", "Elevation", "Speed", "Heading", "Ax", "Ay", "Az", "Yawrate", "PathCount",
+        "RadiusOfCurve", "Confidence",
+    ),
+    counts=frozenset({19}),
+    keys=("RxDevice", "FileId", "TxDevice"),
+    numbers=("GenTime", "Latitude", "Longitude", "Elevation", "Speed", "Heading", "Ax", "Yawrate"),
+    trip_name=_trip_name,
+    usable=_usable,
+)  # fmt: skip

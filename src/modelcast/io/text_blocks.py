@@ -1,0 +1,212 @@
+"""Comma-separated text in blocks of bounded size, every line checked for its number of fields.
+
+Published trip files reach many gigabytes, so nothing here holds more than one block of a file. Lines are
+checked and numbered on the raw bytes; only the wanted fields are then split off, as text, because sentinels
+and padding have to be told from numbers, and a bad cell has to be named by its line.
+"""
+
+import io
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.exceptions import DataFormatError
+from modelcast.io.rows import are_numbers
+
+__all__ = [
+    "BLOCK_BYTES",
+    "Block",
+    "first_lines",
+    "number_column",
+    "read_blocks",
+    "split_fields",
+    "text_column",
+]
+
+BLOCK_BYTES = 16 * 2**20
+"""Bytes of text parsed at a time."""
+
+_NEWLINE, _RETURN, _COMMA = b"\n\r,"
+_BOM = b"\xef\xbb\xbf"
+_BLANK = ("", "NULL")
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Consecutive lines of a file.
+
+    Parameters
+    ----------
+    index
+        Number of the block in the file, from 0.
+    cells
+        The wanted fields as text, one column each, named by the field's number.
+    line
+        One-based line numbers, (R,).
+    partial
+        Line number of the file's last line where that was cut short, else 0; it is not among the cells.
+    """
+
+    index: int
+    cells: pl.DataFrame
+    line: IntArray
+    partial: int
+
+
+def first_lines(head: bytes) -> list[str]:
+    """Return the complete lines at the start of a file, without byte order mark and line ends."""
+    text = head.removeprefix(_BOM)
+    whole = text[: text.rfind(b"\n") + 1] or text
+    return [line.decode("utf-8", "replace") for line in whole.splitlines()]
+
+
+def split_fields(line: str) -> list[str]:
+    """Return the fields of one line, stripped of blanks and quotes."""
+    return [field.strip(' \t\r"') for field in line.rstrip("\r\n").split(",")]
+
+
+def read_blocks(
+    path: str, *, counts: Collection[int], fields: Sequence[int], skip_lines: int, width: int | None = None
+) -> Iterator[Block]:
+    """Yield a file's lines in blocks; blank lines are passed over.
+
+    Parameters
+    ----------
+    path
+        The file.
+    counts
+        Numbers of fields a line may have.
+    fields
+        Numbers of the fields wanted, from 0.
+    skip_lines
+        Lines at the start to leave out (metadata, header).
+    width
+        Upper bound of `counts` where it is not the largest.
+
+    Raises
+    ------
+    DataFormatError
+        Where a line has another number of fields, except a last line without a line end.
+    """
+    wanted = sorted(set(fields))
+    width = max(counts) if width is None else width
+    first_line = 1
+    with Path(path).open("rb") as file:
+        for index, raw in enumerate(_whole_lines(file)):
+            ends = np.flatnonzero(np.frombuffer(raw, np.uint8) == _NEWLINE)
+            lines = ends.size
+            skip = min(max(skip_lines - (first_line - 1), 0), lines)
+            text = raw if skip == 0 else raw[ends[skip - 1] + 1 :]
+            text, line, partial = _checked(path, text, first_line + skip, counts)
+            first_line += lines
+            yield Block(index, _parsed(path, text, wanted, width, line), line, partial)
+
+
+def _whole_lines(file: io.BufferedReader) -> Iterator[bytes]:
+    """Yield the file cut at line ends, without byte order mark; the end is marked by a missing newline."""
+    rest = b""
+    first = True
+    while chunk := file.read(BLOCK_BYTES):
+        if first:
+            chunk, first = chunk.removeprefix(_BOM), False
+        cut = chunk.rfind(b"\n") + 1
+        if cut == 0:
+            rest += chunk
+            continue
+        yield rest + chunk[:cut]
+        rest = chunk[cut:]
+    if rest:
+        # A newline lets the last line be counted like the others; NUL marks that it was not there.
+        yield rest + b"\0\n"
+
+
+def _checked(path: str, text: bytes, first_line: int, counts: Collection[int]) -> tuple[bytes, IntArray, int]:
+    """Return the non-blank lines of a block, their numbers, and the number of a cut last line."""
+    data = np.frombuffer(text, np.uint8)
+    ends = np.flatnonzero(data == _NEWLINE)
+    starts = np.concatenate([[0], ends[:-1] + 1]) if ends.size else ends
+    commas = np.diff(np.searchsorted(np.flatnonzero(data == _COMMA), np.concatenate([[0], ends])))
+    found = commas + 1
+    length = ends - starts
+    blank = (length == 0) | ((length == 1) & (data[starts] == _RETURN)) if ends.size else ends.astype(bool)
+    wrong = ~np.isin(found, list(counts)) & ~blank
+    line = first_line + np.arange(ends.size, dtype=np.int64)
+    partial = 0
+    unended = text.endswith(b"\0\n")
+    if unended and wrong[-1] and found[-1] < max(counts):
+        partial = int(line[-1])
+        wrong[-1], blank[-1] = False, True
+    if wrong.any():
+        at = int(np.argmax(wrong))
+        expected = " or ".join(str(count) for count in sorted(counts))
+        raise DataFormatError(
+            path,
+            f"{found[at]} fields where the format has {expected}",
+            row=int(line[at]),
+            remedy="Check that the line is whole and that the file holds one format only.",
+        )
+    if blank.any():
+        kept = np.flatnonzero(~blank)
+        text = b"".join(text[starts[k] : ends[k] + 1] for k in kept)
+        line = line[kept]
+    return text[:-2] + b"\n" if text.endswith(b"\0\n") else text, line, partial
+
+
+def _parsed(path: str, text: bytes, fields: list[int], width: int, line: IntArray) -> pl.DataFrame:
+    """Return the wanted fields of the lines as text."""
+    if line.size == 0:
+        return pl.DataFrame({str(field): [] for field in fields}, schema={str(f): pl.String for f in fields})
+    try:
+        # A header of our own tells the parser the full width: lines may be shorter.
+        header = ",".join(map(str, range(width))).encode() + b"\n"
+        cells = pl.read_csv(
+            io.BytesIO(header + text),
+            quote_char=None,
+            infer_schema=False,
+            columns=[str(field) for field in fields],
+            encoding="utf8-lossy",
+            truncate_ragged_lines=True,
+        )
+    except pl.exceptions.PolarsError as error:
+        raise DataFormatError(path, f"cannot be split into fields: {error}", row=int(line[0])) from error
+    if cells.height != line.size:
+        raise DataFormatError(
+            path,
+            f"{cells.height} records in {line.size} lines",
+            row=int(line[0]),
+            remedy="Remove the control characters in these lines.",
+        )
+    return cells
+
+
+def text_column(block: Block, field: int) -> pl.Series:
+    """Return a field as text, stripped of blanks and quotes; null where it is blank or ``NULL``."""
+    text = block.cells[str(field)].str.strip_chars(' \t\r"')
+    return text.set(text.is_in(_BLANK), None)
+
+
+def number_column(path: str, block: Block, field: int, name: str) -> FloatArray:
+    """Return a field as numbers, NaN where it is blank, (R,).
+
+    Raises
+    ------
+    DataFormatError
+        Where a cell is not a finite number.
+    """
+    text = text_column(block, field)
+    values = text.cast(pl.Float64, strict=False)
+    numbers = values.fill_null(np.nan).to_numpy()
+    bad = ~are_numbers(numbers) & text.is_not_null().to_numpy()
+    if bad.any():
+        at = int(np.argmax(bad))
+        raise DataFormatError(
+            path,
+            f"{name} is {text[at]!r}, not a finite number",
+            row=int(block.line[at]),
+            remedy="Correct the value, or leave the cell blank where it is not known.",
+        )
+    return np.array(numbers, dtype=np.float64)

@@ -1,0 +1,109 @@
+"""Trips written as tables that the csv and parquet readers read back unchanged.
+
+One row a sample, columns always the same, empty where a trip does not have them: ``trip``, ``t_s``,
+``east_m``, ``north_m``, ``up_m``, ``speed_mps``, ``heading_rad``, ``acceleration_mps2``,
+``yaw_rate_radps``, and, constant in a trip, ``origin_latitude_deg``, ``origin_longitude_deg``,
+``origin_altitude_m``, ``start_unix_s``. Identifiers, samples, origin and start survive; the counts of what
+was skipped, the name of the first format and the resampling mark do not. Trips are written one at a time.
+"""
+
+# pyarrow has no type stubs: what comes out of it is unknown to pyright.
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from modelcast.core.arrays import FloatArray
+from modelcast.core.trajectory import Trajectory
+
+__all__ = ["write_csv", "write_parquet"]
+
+
+def write_csv(trips: Iterable[Trajectory], path: str | Path) -> None:
+    """Write trips as comma-separated text, numbers with every digit they need.
+
+    Parameters
+    ----------
+    trips
+        Trips with different identifiers (which may hold no comma or quote).
+    path
+        The file to write.
+    """
+    with Path(path).open("wb") as file:
+        header = True
+        for trip in trips:
+            if set(trip.trip_id) & set(',"\r\n'):
+                raise ValueError(
+                    f"trip_id {trip.trip_id!r} holds a comma, a quote or a line end; use Parquet"
+                )
+            _table(trip).write_csv(file, include_header=header, quote_style="never")
+            header = False
+        if header:
+            file.write((",".join(_SCHEMA) + "\n").encode())
+
+
+def write_parquet(trips: Iterable[Trajectory], path: str | Path) -> None:
+    """Write trips as Parquet, float64, a row group a trip.
+
+    Parameters
+    ----------
+    trips
+        Trips with different identifiers.
+    path
+        The file to write.
+    """
+    schema: Any = pa.schema([(name, pa.string() if name == "trip" else pa.float64()) for name in _SCHEMA])
+    with pq.ParquetWriter(str(path), schema, compression="zstd", write_page_checksum=True) as writer:
+        for trip in trips:
+            table: Any = _table(trip).to_arrow().cast(schema)
+            writer.write_table(table)
+
+
+_NUMBERS = (
+    "t_s",
+    "east_m",
+    "north_m",
+    "up_m",
+    "speed_mps",
+    "heading_rad",
+    "acceleration_mps2",
+    "yaw_rate_radps",
+    "origin_latitude_deg",
+    "origin_longitude_deg",
+    "origin_altitude_m",
+    "start_unix_s",
+)
+_SCHEMA: dict[str, type[pl.DataType]] = {"trip": pl.String, **dict.fromkeys(_NUMBERS, pl.Float64)}
+
+
+def _table(trip: Trajectory) -> pl.DataFrame:
+    """Return a trip as a table with all columns."""
+    origin = trip.origin
+    values: dict[str, FloatArray | float | str | None] = {
+        "trip": trip.trip_id,
+        "t_s": trip.t_s,
+        "east_m": trip.position_m[:, 0],
+        "north_m": trip.position_m[:, 1],
+        "up_m": trip.up_m,
+        "speed_mps": trip.speed_mps,
+        "heading_rad": trip.heading_rad,
+        "acceleration_mps2": trip.acceleration_mps2,
+        "yaw_rate_radps": trip.yaw_rate_radps,
+        "origin_latitude_deg": None if origin is None else origin.latitude_deg,
+        "origin_longitude_deg": None if origin is None else origin.longitude_deg,
+        "origin_altitude_m": None if origin is None else origin.altitude_m,
+        "start_unix_s": trip.start_unix_s,
+    }
+    columns = [
+        pl.Series(name, value, dtype=kind)
+        if isinstance(value := values[name], np.ndarray)
+        else pl.Series(name, [value], dtype=kind).new_from_index(0, len(trip))
+        for name, kind in _SCHEMA.items()
+    ]
+    return pl.DataFrame(columns)

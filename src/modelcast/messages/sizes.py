@@ -1,0 +1,57 @@
+"""How many application bytes each message takes: a plain, stated model.
+
+It counts the application payload only: no security header, no lower layers. The core basic safety message
+frame of SAE J2735 takes 40 bytes in unaligned PER, as measured on real encoded messages. A model update is
+that core, so that any receiver can use it, followed by a short header and the parameters at 16 bits each. An
+identification names its update and a sub-model, nothing else.
+"""
+
+from dataclasses import dataclass
+
+from modelcast.models.bank import Bank
+
+__all__ = ["SizeModel"]
+
+
+@dataclass(frozen=True, slots=True)
+class SizeModel:
+    """Application bytes by kind of message.
+
+    Parameters
+    ----------
+    core_bytes
+        Core basic safety message frame: what the baseline sends.
+    update_header_bytes
+        Sequence number, sub-model in use, sampling interval and profile of a model update.
+    parameter_bytes
+        Each model parameter.
+    identification_bytes
+        A whole identification: frame, temporary id, time mark, sequence number, sub-model.
+
+    Examples
+    --------
+    >>> from modelcast.models.constant_velocity import ConstantVelocity
+    >>> sizes = SizeModel()
+    >>> sizes.baseline_bytes(), sizes.update_bytes(Bank((ConstantVelocity(),)))
+    (40, 48)
+    """
+
+    core_bytes: int = 40
+    update_header_bytes: int = 8
+    parameter_bytes: int = 2
+    identification_bytes: int = 12
+
+    def baseline_bytes(self) -> int:
+        """A raw basic safety message."""
+        return self.core_bytes
+
+    def update_bytes(self, bank: Bank) -> int:
+        """A model update; constant velocity costs nothing, since the core carries speed and heading.
+
+        Parameters
+        ----------
+        bank
+            The sub-models whose parameters it holds.
+        """
+        carried = sum(len(member.parameter_names) for member in bank.members if member.name != "cv")
+        return self.core_bytes + self.update_header_bytes + self.parameter_bytes * carried

@@ -1,0 +1,118 @@
+"""A bank of sub-models is one more model: it fits them all and predicts with the one in use."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.models.base import AbstractMotionModel, AbstractSubModel, Windows
+
+__all__ = ["Bank"]
+
+
+@dataclass(frozen=True)
+class Bank(AbstractMotionModel):
+    """Sub-models in order; the first that has a full window serves unless a message names another.
+
+    The parameters are the index of the sub-model in use, then the parameters of every member in turn. Members
+    without a full window have zeros there and are not used.
+
+    Parameters
+    ----------
+    members
+        The sub-models, M >= 1, with distinct names.
+    label
+        Name of the bank; the members' names joined by ``+`` where empty.
+
+    Raises
+    ------
+    ValueError
+        Where there is no member, or two share a name.
+
+    Examples
+    --------
+    >>> from modelcast.models.constant_velocity import ConstantVelocity
+    >>> Bank((ConstantVelocity(),)).parameter_names
+    ('in_use', 'cv.velocity_east_mps', 'cv.velocity_north_mps')
+    """
+
+    members: tuple[AbstractSubModel, ...]
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        names = [member.name for member in self.members]
+        if not names:
+            raise ValueError("a bank needs at least one sub-model")
+        if len(set(names)) != len(names):
+            raise ValueError(f"sub-models of a bank must have distinct names, got {', '.join(names)}")
+
+    @property
+    def name(self) -> str:
+        """The label, or the members' names joined by ``+``."""
+        return self.label or "+".join(member.name for member in self.members)
+
+    @property
+    def window(self) -> int:
+        """The shortest window any member can do with."""
+        return min(member.window for member in self.members)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """``in_use``, then every member's names behind its own."""
+        inner = (f"{member.name}.{name}" for member in self.members for name in member.parameter_names)
+        return ("in_use", *inner)
+
+    @cached_property
+    def windows(self) -> IntArray:
+        """Samples each member's window must hold, (M,)."""
+        return np.array([member.window for member in self.members], dtype=np.int64)
+
+    @cached_property
+    def offsets(self) -> IntArray:
+        """Bounds of each member's parameters after ``in_use``, (M + 1,), from 0."""
+        return np.cumsum([0] + [len(member.parameter_names) for member in self.members], dtype=np.int64)
+
+    def fit(self, windows: Windows) -> FloatArray:
+        """Parameters of all members, (B, 1 + sum P)."""
+        given = windows.samples.shape[1]
+        if given < self.window:
+            raise ValueError(f"{self.name} needs windows of {self.window} samples, got {given}")
+        out = np.zeros((windows.samples.shape[0], len(self.parameter_names)))
+        out[:, 0] = int(np.argmax(self.windows <= given))
+        for m, member in enumerate(self.members):
+            if member.window <= given:
+                out[:, self._columns(m)] = member.fit(windows)
+        return out
+
+    def predict(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
+        """Mean displacement by the sub-model in use, (B, H, 2) [m]."""
+        out = np.empty((parameters.shape[0], horizons_s.size, 2))
+        for m, rows in self._rows(parameters):
+            own = parameters[rows, self._columns(m)]
+            out[rows] = self.members[m].predict(own, horizons_s, dt_s=dt_s)
+        return out
+
+    def predict_at(self, parameters: FloatArray, ages_s: FloatArray, *, dt_s: float) -> FloatArray:
+        """Mean displacement by the sub-model in use, each row at its own age, (B, 2) [m]."""
+        out = np.empty((parameters.shape[0], 2))
+        for m, rows in self._rows(parameters):
+            own = parameters[rows, self._columns(m)]
+            out[rows] = self.members[m].predict_at(own, ages_s[rows], dt_s=dt_s)
+        return out
+
+    def covariance(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
+        """Predictive covariance of the sub-model in use, (B, H, 2, 2) [m²]."""
+        out = np.empty((parameters.shape[0], horizons_s.size, 2, 2))
+        for m, rows in self._rows(parameters):
+            own = parameters[rows, self._columns(m)]
+            out[rows] = self.members[m].covariance(own, horizons_s, dt_s=dt_s)
+        return out
+
+    def _columns(self, member: int) -> slice:
+        return slice(1 + int(self.offsets[member]), 1 + int(self.offsets[member + 1]))
+
+    def _rows(self, parameters: FloatArray) -> list[tuple[int, IntArray]]:
+        """Members in use, each with its rows."""
+        in_use = parameters[:, 0].astype(np.int64)
+        return [(int(m), np.flatnonzero(in_use == m)) for m in np.unique(in_use)]

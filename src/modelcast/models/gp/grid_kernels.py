@@ -1,0 +1,255 @@
+"""Compiled objective over the coarse grid and along one fine row, written to vectorise over the noise ratios."""
+
+from typing import Any
+
+import numba
+import numpy as np
+
+from modelcast.models.gp.layout import (
+    AT_COARSE_START,
+    AT_COARSE_STRIDE,
+    AT_FLAT,
+    AT_NOISE_HIGH,
+    AT_NOISE_LOW,
+    AT_VARIANCE_HIGH,
+    AT_VARIANCE_LOW,
+    COARSE_LENGTHSCALES,
+    COARSE_NOISES,
+    LANES,
+)
+from modelcast.models.gp.log_kernels import FAST, rough_log
+
+__all__ = ["coarse_grid", "coarse_scratch", "profile", "rotate"]
+
+_TINY = 1e-290
+_jit: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
+_inline: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy", inline="always")
+
+NB, NC = COARSE_NOISES, COARSE_LENGTHSCALES
+
+
+@_jit
+def coarse_scratch(n: int) -> int:
+    """Length of the scratch vector of `coarse_grid`."""
+    return 2 * NC * n + 4 * n + NB
+
+
+@_jit
+def objective(
+    R: float, P: float, D: float, over_D: float, m: float, low: float, high: float, log_determinant: float
+) -> float:
+    """-2·log-likelihood up to a constant, variance and slope profiled inside their bounds."""
+    s = R * (over_D / (m - 1.0))
+    s = s if s <= P * over_D else (R + P) * (over_D / m)
+    s = min(high, max(s, low))
+    return (
+        D * ((m - 1.0) * rough_log(s) + rough_log(max(s, P * over_D)) + log_determinant)
+        + (R + min(P, D * s)) / s
+    )
+
+
+@_inline
+def _coarse_grid(
+    folded: Any, gamma: Any, D: int, n: int, he: int, ho: int, tab: Any, constants: Any, z: Any, table: Any
+) -> None:
+    flat = constants[AT_FLAT] > 0.0
+    m = n - constants[AT_FLAT]
+    over_D = 1.0 / D
+    g0 = gamma[0]
+    g1 = gamma[1]
+    even = 0
+    odd = NC * he
+    axis = NC * n
+    for d in range(D):
+        for c in range(NC * he):
+            z[d * axis + c] = folded[d * n] * tab[c]
+        for j in range(1, he):
+            f = folded[d * n + j]
+            for c in range(NC * he):
+                z[d * axis + c] += f * tab[j * NC * he + c]
+        o = he * he * NC
+        for c in range(NC * ho):
+            z[d * axis + odd + c] = folded[d * n + he] * tab[o + c]
+        for j in range(1, ho):
+            f = folded[d * n + he + j]
+            for c in range(NC * ho):
+                z[d * axis + odd + c] += f * tab[o + j * NC * ho + c]
+    square = z[2 * axis : 2 * axis + n]
+    line0 = z[2 * axis + n : 2 * axis + 2 * n]
+    line1 = z[2 * axis + 2 * n : 2 * axis + 3 * n]
+    over_b = z[2 * axis + 4 * n : 2 * axis + 4 * n + NB]
+    value = np.exp(-constants[AT_COARSE_START])
+    ratio = np.exp(-constants[AT_COARSE_STRIDE])
+    for b in range(NB):
+        over_b[b] = value
+        value *= ratio
+    noise_low, noise_high = constants[AT_NOISE_LOW], constants[AT_NOISE_HIGH]
+    variance_low, variance_high = constants[AT_VARIANCE_LOW], constants[AT_VARIANCE_HIGH]
+    stride = 2 * n + n * NB + 4 * NB
+    at = (he * he + ho * ho) * NC
+    for i in range(NC):
+        for k in range(n):
+            source = even + i * he + k if k < he else odd + i * ho + k - he
+            v = z[source]
+            square[k] = v * v
+            line0[k] = v * tab[at + k]
+        if D == 2:
+            for k in range(n):
+                source = even + i * he + k if k < he else odd + i * ho + k - he
+                v = z[axis + source]
+                square[k] += v * v
+                line1[k] = v * tab[at + k]
+        e = at + 2 * n + n * NB
+        for b in range(NB):
+            q = 0.0
+            c0 = 0.0
+            for k in range(n):
+                w = tab[at + 2 * n + k * NB + b]
+                q += square[k] * w
+                c0 += line0[k] * w
+            over_tau = tab[e + NB + b]
+            # The slope removed beforehand keeps this difference harmless on a coarse grid.
+            R = q - c0 * c0 * over_tau
+            t0 = c0 + g0 * tab[e + b]
+            P = t0 * t0 * over_tau + _TINY
+            if D == 2:
+                c1 = 0.0
+                for k in range(n):
+                    c1 += line1[k] * tab[at + 2 * n + k * NB + b]
+                R -= c1 * c1 * over_tau
+                t1 = c1 + g1 * tab[e + b]
+                P += t1 * t1 * over_tau
+            if flat:
+                a0 = 0.0
+                a1 = 0.0
+                for k in range(he):
+                    w = tab[at + 2 * n + k * NB + b] * tab[at + n + k]
+                    a0 += z[even + i * he + k] * w
+                    if D == 2:
+                        a1 += z[axis + even + i * he + k] * w
+                R -= (a0 * a0 + a1 * a1) * tab[e + 2 * NB + b]
+            R = max(R, 1e-12 * q + _TINY)
+            low = max(noise_low * over_b[b], variance_low)
+            high = min(noise_high * over_b[b], variance_high)
+            table[i * NB + b] = objective(R, P, D, over_D, m, low, high, tab[e + 3 * NB + b])
+        at += stride
+
+
+@_jit
+def coarse_grid(folded: Any, gamma: Any, D: int, n: int, tab: Any, constants: Any, z: Any, table: Any) -> None:
+    """Objective at every point of the coarse grid, to about 1e-4, into ``table`` (NC·NB,)."""
+    # A constant length lets the compiler unroll and vectorise: the paper's window gets a copy of its own.
+    if n == 10 and D == 1:
+        _coarse_grid(folded, gamma, 1, 10, 5, 5, tab, constants, z, table)
+    elif n == 10:
+        _coarse_grid(folded, gamma, 2, 10, 5, 5, tab, constants, z, table)
+    else:
+        _coarse_grid(folded, gamma, D, n, (n + 1) // 2, n // 2, tab, constants, z, table)
+
+
+@_inline
+def _rotate(folded: Any, D: int, n: int, he: int, ho: int, hp: int, row: Any, z: Any) -> None:
+    for d in range(D):
+        for start in range(0, hp, LANES):
+            at = 2 * d * hp + start
+            for k in range(LANES):
+                z[at + k] = folded[d * n] * row[start + k]
+                z[at + hp + k] = folded[d * n + he] * row[he * hp + start + k]
+            for j in range(1, he):
+                for k in range(LANES):
+                    z[at + k] += folded[d * n + j] * row[j * hp + start + k]
+            for j in range(1, ho):
+                for k in range(LANES):
+                    z[at + hp + k] += folded[d * n + he + j] * row[(he + j) * hp + start + k]
+
+
+@_jit
+def rotate(folded: Any, D: int, n: int, row: Any, z: Any) -> None:
+    """Rotate D folded axes into a fine row's eigen-basis, each half padded to hp, into ``z`` (D·2·hp,)."""
+    he = (n + 1) // 2
+    hp = (he + LANES - 1) // LANES * LANES
+    if n == 10:
+        _rotate(folded, D, 10, 5, 5, 8, row, z)
+    else:
+        _rotate(folded, D, n, he, n // 2, hp, row, z)
+
+
+@_inline
+def _profile(
+    D: int, n: int, he: int, ho: int, hp: int, row: Any, gamma: Any, constants: Any, first: float, step: float, z: Any, out: Any
+) -> None:
+    flat = constants[AT_FLAT] > 0.0
+    m = n - constants[AT_FLAT]
+    over_D = 1.0 / D
+    o = n * hp
+    g0 = gamma[0]
+    g1 = gamma[1]
+    b0 = np.exp(first)
+    ratio = np.exp(step)
+    for lane in range(LANES):
+        out[LANES + lane] = b0
+        b0 *= ratio
+    noise_low, noise_high = constants[AT_NOISE_LOW], constants[AT_NOISE_HIGH]
+    variance_low, variance_high = constants[AT_VARIANCE_LOW], constants[AT_VARIANCE_HIGH]
+    for lane in range(LANES):
+        b = out[LANES + lane]
+        q = 0.0
+        c0 = 0.0
+        c1 = 0.0
+        a0 = 0.0
+        a1 = 0.0
+        tau = 0.0
+        one = 0.0
+        product = 1.0
+        log_determinant = 0.0
+        for k in range(n):
+            at = k if k < he else k - he + hp
+            v = row[o + k] + b
+            w = 1.0 / v
+            product *= v
+            if k % 16 == 15:
+                log_determinant += rough_log(product)
+                product = 1.0
+            t = row[o + n + k]
+            tw = t * w
+            tau += t * tw
+            q += z[at] * z[at] * w
+            c0 += z[at] * tw
+            if D == 2:
+                q += z[2 * hp + at] * z[2 * hp + at] * w
+                c1 += z[2 * hp + at] * tw
+            if flat and k < he:
+                iw = row[o + 2 * n + k] * w
+                one += row[o + 2 * n + k] * iw
+                a0 += z[at] * iw
+                if D == 2:
+                    a1 += z[2 * hp + at] * iw
+        if flat:
+            product *= one
+        log_determinant += rough_log(product)
+        over_tau = 1.0 / tau
+        R = q - (c0 * c0 + c1 * c1) * over_tau
+        if flat:
+            R -= (a0 * a0 + a1 * a1) / one
+        R = max(R, 1e-12 * q + _TINY)
+        t0 = c0 + g0 * tau
+        t1 = c1 + g1 * tau
+        P = (t0 * t0 + t1 * t1) * over_tau + _TINY
+        low = max(noise_low / b, variance_low)
+        high = min(noise_high / b, variance_high)
+        out[lane] = objective(R, P, D, over_D, m, low, high, log_determinant)
+
+
+@_jit
+def profile(
+    D: int, n: int, row: Any, gamma: Any, constants: Any, first: float, step: float, z: Any, out: Any
+) -> None:
+    """Objective for `LANES` noise ratios, ``first`` [log b] and on by ``step``, into ``out`` (2·LANES,)."""
+    he = (n + 1) // 2
+    hp = (he + LANES - 1) // LANES * LANES
+    if n == 10 and D == 1:
+        _profile(1, 10, 5, 5, 8, row, gamma, constants, first, step, z, out)
+    elif n == 10:
+        _profile(2, 10, 5, 5, 8, row, gamma, constants, first, step, z, out)
+    else:
+        _profile(D, n, he, n // 2, hp, row, gamma, constants, first, step, z, out)

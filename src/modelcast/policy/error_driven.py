@@ -1,0 +1,135 @@
+"""The error-driven policy: speak when no sub-model tracks any more (the paper's Algorithm 1).
+
+At every sample the sender compares its position with what each sub-model fitted at the last update
+predicts.
+
+- *Model update*: every sub-model's error has reached the threshold. All are fitted anew.
+- *Sub-model identification*: the one in use has failed, another still holds. The paper names this message and
+  leaves its rule open; `ErrorDriven.identify` offers three.
+- *Keep-alive*: an update sent because nothing was for `ErrorDriven.max_inter_transmit_time_s`.
+
+An error equal to the threshold counts as failed. The baseline is the same policy over a bank of constant
+velocity alone, which never needs an identification.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.policy import error_driven_kernels as kernels
+from modelcast.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
+
+__all__ = ["ErrorDriven", "ErrorDrivenState"]
+
+_STARTS = {"order": kernels.START_ORDER, "keep": kernels.START_KEEP, "survivor": kernels.START_SURVIVOR}
+_IDENTIFIES = {
+    "on-failure": kernels.IDENTIFY_ON_FAILURE,
+    "final": kernels.IDENTIFY_FINAL,
+    "best": kernels.IDENTIFY_BEST,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorDrivenState:
+    """State of B vehicles.
+
+    Parameters
+    ----------
+    in_use
+        Sub-model in use, -1 before the first update, (B,).
+    first_failure_s
+        Age of the update at each sub-model's first failure, infinite while it has none, (B, M) [s].
+    """
+
+    in_use: IntArray
+    first_failure_s: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
+    """Algorithm 1 of the paper, with what it leaves open made an option.
+
+    Parameters
+    ----------
+    threshold_m
+        Tracking error at which a sub-model has failed [m].
+    start
+        Sub-model in use after an update: the first in the bank's ``order`` that has a full window (default:
+        the paper's bank starts with constant velocity); the one in use before (``keep``); or the one that
+        lasted longest since the last update (``survivor``).
+    identify
+        ``on-failure`` (default): when the one in use fails while another holds at that instant, name the one
+        with the smallest error; it leaves Algorithm 1's update rule untouched and sends the fewest messages a
+        receiver can follow. ``final``: the same, but a sub-model that failed once is not used again before
+        the next update. ``best``: at every change of the best.
+    max_inter_transmit_time_s
+        Longest silence before a keep-alive [s]; None for no limit.
+
+    Raises
+    ------
+    ValueError
+        Where a threshold or time is not positive, or a rule is unknown.
+
+    Examples
+    --------
+    >>> ErrorDriven(0.2, max_inter_transmit_time_s=2.0).start
+    'order'
+    """
+
+    threshold_m: float
+    start: Literal["order", "keep", "survivor"] = "order"
+    identify: Literal["on-failure", "final", "best"] = "on-failure"
+    max_inter_transmit_time_s: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.threshold_m > 0:
+            raise ValueError(f"threshold_m must be positive, got {self.threshold_m}")
+        if self.start not in _STARTS:
+            raise ValueError(f"start must be one of {', '.join(_STARTS)}, got {self.start!r}")
+        if self.identify not in _IDENTIFIES:
+            raise ValueError(f"identify must be one of {', '.join(_IDENTIFIES)}, got {self.identify!r}")
+        longest = self.max_inter_transmit_time_s
+        if longest is not None and not longest > 0:
+            raise ValueError(f"max_inter_transmit_time_s must be positive or None, got {longest}")
+
+    @property
+    def codes(self) -> tuple[float, float, int, int]:
+        """The four trailing arguments of the compiled step."""
+        longest = self.max_inter_transmit_time_s
+        return (
+            self.threshold_m,
+            np.inf if longest is None else longest,
+            _STARTS[self.start],
+            _IDENTIFIES[self.identify],
+        )
+
+    def init(self, vehicles: int, sub_models: int) -> ErrorDrivenState:
+        """Nothing in use, nothing failed."""
+        return ErrorDrivenState(
+            np.full(vehicles, -1, dtype=np.int64), np.full((vehicles, sub_models), np.inf)
+        )
+
+    def decide(
+        self,
+        state: ErrorDrivenState,
+        inputs: TransmitInputs,
+        rng: np.random.Generator,  # noqa: ARG002 - this policy draws nothing
+    ) -> tuple[Decisions, ErrorDrivenState]:
+        """Run the compiled step for every vehicle."""
+        kind = np.empty_like(state.in_use)
+        in_use = np.empty_like(state.in_use)
+        first_failure_s = state.first_failure_s.copy()
+        for row in range(kind.size):
+            kind[row], in_use[row] = kernels.step(
+                inputs.tracking_error_m[row],
+                inputs.available[row],
+                first_failure_s[row],
+                int(state.in_use[row]),
+                float(inputs.age_s[row]),
+                float(inputs.silence_s[row]),
+                *self.codes,
+            )
+        first_failure_s[(kind == kernels.UPDATE) | (kind == kernels.KEEP_ALIVE)] = np.inf
+        return Decisions(kind, in_use), ErrorDrivenState(in_use, first_failure_s)

@@ -1,0 +1,68 @@
+"""Send at a fixed rate, whatever the error: the other reading of the paper's equal-rate baseline."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.policy import error_driven_kernels as kernels
+from modelcast.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
+
+__all__ = ["Periodic"]
+
+
+@dataclass(frozen=True, slots=True)
+class Periodic(AbstractTransmitPolicy[FloatArray]):
+    """Model updates at a mean rate, each vehicle with a random phase.
+
+    Messages fall due every ``1 / rate_hz`` and leave at the first sample at or after that; the first sample
+    is always sent. The state is the time the next message falls due, (B,) [s]; infinitely early at first.
+
+    Parameters
+    ----------
+    rate_hz
+        Mean rate [Hz].
+
+    Raises
+    ------
+    ValueError
+        Where the rate is not positive.
+    """
+
+    rate_hz: float
+
+    def __post_init__(self) -> None:
+        if not (self.rate_hz > 0 and np.isfinite(self.rate_hz)):
+            raise ValueError(f"rate_hz must be positive, got {self.rate_hz}")
+
+    def init(self, vehicles: int, sub_models: int) -> FloatArray:  # noqa: ARG002 - any bank will do
+        """Every vehicle is due at once."""
+        return np.full(vehicles, -np.inf)
+
+    def decide(
+        self, state: FloatArray, inputs: TransmitInputs, rng: np.random.Generator
+    ) -> tuple[Decisions, FloatArray]:
+        """Send where due; the phase is drawn with the first message."""
+        due = inputs.t_s >= state - 1e-9
+        period_s = 1.0 / self.rate_hz
+        first = np.isneginf(state)
+        phase_s = inputs.t_s + period_s * (1.0 - rng.random(state.size))
+        later = np.where(first, phase_s, np.where(due, state + period_s, state))
+        kind = np.where(due, kernels.UPDATE, kernels.NOTHING).astype(np.int64)
+        return Decisions(kind, np.zeros_like(kind)), later
+
+    def transmit_indices(self, t_s: FloatArray, rng: np.random.Generator) -> IntArray:
+        """Indices of the samples of one trip at which messages leave, the first sample among them.
+
+        Parameters
+        ----------
+        t_s
+            Sample times, (T,) rising [s].
+        rng
+            Draws the phase.
+        """
+        period_s = 1.0 / self.rate_hz
+        first_due = t_s[0] + period_s * (1.0 - rng.random())
+        due = np.arange(first_due, t_s[-1] + 1e-9, period_s)
+        at = np.searchsorted(t_s, due - 1e-9)
+        return np.unique(np.concatenate([[0], at[at < t_s.size]])).astype(np.int64)

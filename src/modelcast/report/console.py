@@ -1,0 +1,116 @@
+"""What a user sees in the terminal after a run: two tables of pooled figures, and what failed.
+
+Nothing is printed here; the command line hands what `console_report` returns to a rich console.
+"""
+
+from collections.abc import Sequence
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from modelcast.evaluation.result import EvaluationResult
+from modelcast.report.headline import (
+    SHOWN_POLICIES,
+    Headline,
+    evaluated_ratios,
+    headlines,
+    nearest_ratio,
+    rate_basis,
+)
+
+__all__ = ["console_report", "failures_table", "rates_table", "tracking_table"]
+
+_MISSING = "-"
+_SHORT_NAMES = {"mbc": "MBC", "baseline-matched": "error-driven", "baseline-periodic": "periodic"}
+
+
+def console_report(result: EvaluationResult) -> RenderableType:
+    """Return the tables of a run, at most 100 columns wide.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    parts: list[RenderableType] = [Text(scope_line(result)), rates_table(result)]
+    if result.tracking:
+        parts.append(tracking_table(result))
+    if result.failures:
+        parts.append(failures_table(result))
+    return Group(*parts)
+
+
+def scope_line(result: EvaluationResult) -> str:
+    """Return in one line how many trips of which kind were evaluated."""
+    hours = sum(trip.duration_s for trip in result.trips) / 3600.0
+    protocols = ", ".join(sorted({trip.protocol for trip in result.trips})) or "none"
+    failed = f", {len(result.failures)} failed" if result.failures else ""
+    return f"{_counted(len(result.trips), 'trip')}, {hours:.2f} h, protocol: {protocols}{failed}"
+
+
+def rates_table(result: EvaluationResult) -> Table:
+    """Return the pooled message rates at each threshold, MBC beside the baseline."""
+    table = _table("Messages per second, all trips, ideal channel")
+    headings = ("threshold", "MBC updates", "MBC identif.", "MBC total", "baseline", "MBC / baseline")
+    for heading in headings:
+        table.add_column(heading, justify="right")
+    for line in headlines(result):
+        mbc, baseline = line.mbc, line.baseline
+        table.add_row(
+            _threshold(line),
+            _number(None if mbc is None else mbc.update_rate_hz),
+            _number(None if mbc is None else mbc.identification_rate_hz),
+            _number(None if mbc is None else mbc.total_rate_hz),
+            _number(None if baseline is None else baseline.total_rate_hz),
+            _number(line.ratio),
+        )
+    return table
+
+
+def tracking_table(result: EvaluationResult) -> Table:
+    """Return the pooled 90th percentile of the tracking error, without loss and near a ratio of 0.4."""
+    basis = rate_basis(result)
+    table = _table(f"90th percentile of the tracking error in metres; baselines at MBC's {basis} rate")
+    ratios = _shown_ratios(result)
+    table.add_column("threshold", justify="right")
+    for ratio in ratios:
+        for policy in SHOWN_POLICIES:
+            table.add_column(f"PER {100 * ratio:g} %\n{_SHORT_NAMES[policy]}", justify="right")
+    for line in headlines(result):
+        cells = [_number(line.p90_m.get((ratio, policy)), 3) for ratio in ratios for policy in SHOWN_POLICIES]
+        table.add_row(_threshold(line), *cells)
+    return table
+
+
+def failures_table(result: EvaluationResult) -> Table:
+    """Return the trips that could not be evaluated, each with its reason."""
+    table = _table(f"Not evaluated: {_counted(len(result.failures), 'trip')}")
+    table.add_column("trip", overflow="fold", max_width=36)
+    table.add_column("reason", overflow="fold")
+    for trip, reason in sorted(result.failures.items()):
+        # Text, not str: a bracket in a name is no markup.
+        table.add_row(Text(trip), Text(reason))
+    return table
+
+
+def _shown_ratios(result: EvaluationResult) -> Sequence[float]:
+    ratios = evaluated_ratios(result)
+    nearest = (nearest_ratio(ratios, 0.0), nearest_ratio(ratios))
+    return sorted({ratio for ratio in nearest if ratio is not None})
+
+
+def _table(title: str) -> Table:
+    return Table(title=title, title_justify="left", title_style="bold", header_style="")
+
+
+def _threshold(line: Headline) -> str:
+    return f"{100 * line.threshold_m:g} cm"
+
+
+def _number(value: float | None, digits: int = 2) -> str:
+    return _MISSING if value is None or value != value else f"{value:.{digits}f}"  # noqa: PLR0124  NaN
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -1,0 +1,82 @@
+"""Distribution of the tracking error at one packet error ratio."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullLocator
+
+from modelcast.evaluation.result import Ecdf, EvaluationResult
+from modelcast.report.figures.panels import empty_figure, panel_grid, top_legend
+from modelcast.report.headline import SHOWN_POLICIES, nearest_ratio, policy_label, rate_basis
+from modelcast.report.style import INK, POLICY_COLOURS, POLICY_LINES, style
+
+__all__ = ["plot_distribution"]
+
+_SMALLEST_M = 0.01
+_TICKS_M = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0]
+
+
+def plot_distribution(result: EvaluationResult) -> Figure:
+    """Return the distribution of the tracking error at the packet error ratio nearest to 40 %.
+
+    One panel for each threshold, with MBC and both readings of the equal-rate baseline.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    ratio = nearest_ratio(sorted({curve.packet_error_ratio for curve in result.ecdfs}))
+    basis = rate_basis(result)
+    curves = [
+        curve
+        for curve in result.ecdfs
+        if curve.packet_error_ratio == ratio
+        and curve.policy in SHOWN_POLICIES
+        and curve.rate_basis in {None, basis}
+        and np.isfinite(curve.tracking_error_m).any()
+    ]
+    with style():
+        if ratio is None or not curves:
+            return empty_figure("No distribution of the tracking error was evaluated.")
+        shown = f", packet error ratio {100 * ratio:.4g} %"
+        figure, panels = panel_grid(sorted({curve.threshold_m for curve in curves}), also=shown)
+        for threshold_m, axes in panels.items():
+            _draw_curves(
+                axes, threshold_m, [item for item in curves if item.threshold_m == threshold_m], basis
+            )
+        _scale(next(iter(panels.values())), curves)
+        figure.supxlabel("Position tracking error [m]", fontsize=7.5)
+        figure.supylabel("Share of samples", fontsize=7.5)
+        top_legend(figure, next(iter(panels.values())))
+        return figure
+
+
+def _draw_curves(axes: Axes, threshold_m: float, curves: Sequence[Ecdf], basis: str) -> None:
+    for policy in SHOWN_POLICIES:
+        for curve in curves:
+            if curve.policy == policy:
+                axes.plot(
+                    curve.tracking_error_m,
+                    curve.probability,
+                    POLICY_LINES[policy],
+                    color=POLICY_COLOURS[policy],
+                    label=policy_label(policy, basis),
+                )
+    axes.axvline(threshold_m, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), label="Threshold")
+
+
+def _scale(axes: Axes, curves: Sequence[Ecdf]) -> None:
+    """Set the shared axes; errors under 1 cm, many of them 0, lie to the left of the logarithmic one."""
+    largest_m = max(float(np.nanmax(curve.tracking_error_m)) for curve in curves)
+    axes.set_xscale("log")
+    axes.set_xlim(_SMALLEST_M, max(1.2 * largest_m, 10 * _SMALLEST_M))
+    # Fixed ticks: the logarithmic locator's minor ticks would take a third of the drawing time.
+    axes.xaxis.set_major_locator(FixedLocator(_TICKS_M))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_ylim(0.0, 1.02)
+    axes.set_yticks([0.0, 0.25, 0.5, 0.75, 0.9, 1.0])
+    axes.yaxis.set_major_formatter("{x:g}")

@@ -1,0 +1,109 @@
+"""The figures as files: each is laid out and drawn once, and saved as PNG and as SVG."""
+
+import io
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from modelcast.evaluation.result import EvaluationResult
+from modelcast.report.figures.distribution import plot_distribution
+from modelcast.report.figures.loss import plot_loss
+from modelcast.report.figures.manoeuvre import plot_manoeuvre
+from modelcast.report.figures.rates import plot_rates
+from modelcast.report.figures.timeline import plot_timeline
+from modelcast.report.figures.trips import plot_trips
+from modelcast.report.style import style
+
+__all__ = ["FIGURES", "Drawing", "draw_figures", "write_drawings", "write_figures"]
+
+FIGURES: dict[str, Callable[[EvaluationResult], Figure]] = {
+    "message_rate": plot_rates,
+    "tracking_distribution": plot_distribution,
+    "tracking_loss": plot_loss,
+    "sub_models": plot_timeline,
+    "manoeuvre": plot_manoeuvre,
+    "trips": plot_trips,
+}
+"""The figures in the order of the report, by the stem of their files."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """One figure, drawn.
+
+    Parameters
+    ----------
+    name
+        Key in `FIGURES`.
+    png, svg
+        The files' content.
+    width_in, height_in
+        Size on paper [in].
+    """
+
+    name: str
+    png: bytes
+    svg: bytes
+    width_in: float
+    height_in: float
+
+
+def draw_figures(result: EvaluationResult) -> list[Drawing]:
+    """Return all figures, drawn.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    with style():
+        return [_drawn(name, plot(result)) for name, plot in FIGURES.items()]
+
+
+def write_drawings(drawings: Iterable[Drawing], folder: str | Path) -> list[Path]:
+    """Write each drawing as PNG and SVG; return the paths.
+
+    Parameters
+    ----------
+    drawings
+        What `draw_figures` returned.
+    folder
+        Where to; it is created.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    paths: list[Path] = []
+    for drawing in drawings:
+        for suffix, content in ((".png", drawing.png), (".svg", drawing.svg)):
+            paths.append(folder / f"{drawing.name}{suffix}")
+            paths[-1].write_bytes(content)
+    return paths
+
+
+def write_figures(result: EvaluationResult, folder: str | Path) -> list[Path]:
+    """Draw all figures and write each as PNG (200 dpi) and SVG; return the paths.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    folder
+        Where to; it is created.
+    """
+    return write_drawings(draw_figures(result), folder)
+
+
+def _drawn(name: str, figure: Figure) -> Drawing:
+    png, svg = io.BytesIO(), io.BytesIO()
+    # With a layout engine in place, Matplotlib would lay out and draw each file twice.
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine(None)
+    # No software version and no date: the same result gives the same bytes.
+    figure.savefig(png, format="png", metadata={"Software": None}, pil_kwargs={"compress_level": 3})
+    figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": None})
+    width_in, height_in = figure.get_size_inches()
+    return Drawing(name, png.getvalue(), svg.getvalue(), float(width_in), float(height_in))

@@ -1,0 +1,90 @@
+"""Small multiples, legends and labels that several figures share."""
+
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from modelcast.report.style import COLUMN_IN, PAGE_IN, new_figure
+
+__all__ = ["MOST_PANELS", "centimetres", "empty_figure", "panel_grid", "printable", "top_legend"]
+
+MOST_PANELS = 9
+"""More thresholds than this are thinned out evenly: panels must stay readable."""
+
+_LAST_IN_FONT = "\u024f"
+
+
+def centimetres(value_m: float) -> str:
+    """Return a threshold as it is spoken of.
+
+    Examples
+    --------
+    >>> centimetres(0.2)
+    '20 cm'
+    """
+    return f"{100 * value_m:.4g} cm"
+
+
+def printable(text: str, most: int = 60) -> str:
+    """Return the text in letters that the figure's font has, shortened in its middle.
+
+    Examples
+    --------
+    >>> printable("a-long-file-name.csv/17", 12)
+    'a-lon…csv/17'
+    """
+    shown = "".join(letter if " " <= letter <= _LAST_IN_FONT and letter != "\x7f" else "?" for letter in text)
+    if len(shown) <= most:
+        return shown
+    tail = most // 2
+    return f"{shown[: most - 1 - tail]}…{shown[-tail:]}"
+
+
+def empty_figure(reason: str) -> Figure:
+    """Return a small figure that says why there is nothing to draw."""
+    # No layout engine: with no axes to arrange, it warns.
+    figure = Figure(figsize=(COLUMN_IN, 0.8))
+    figure.text(0.5, 0.5, reason, ha="center", va="center", color="#666666")
+    return figure
+
+
+def panel_grid(thresholds_m: Sequence[float], *, also: str = "") -> tuple[Figure, dict[float, Axes]]:
+    """Return a figure with one panel for each threshold, axes shared, by threshold.
+
+    Parameters
+    ----------
+    thresholds_m
+        At least one threshold, rising [m].
+    also
+        What the title of each panel says besides its threshold.
+    """
+    if len(thresholds_m) > MOST_PANELS:
+        last = len(thresholds_m) - 1
+        thresholds_m = [thresholds_m[round(at * last / (MOST_PANELS - 1))] for at in range(MOST_PANELS)]
+    count = len(thresholds_m)
+    columns = 1 if count == 1 else 2 if count <= 4 else 3
+    rows = -(-count // columns)
+    width_in = COLUMN_IN if columns == 1 else PAGE_IN
+    figure = new_figure(width_in, 0.55 + (2.3 if columns == 1 else 1.75) * rows)
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    panels: dict[float, Axes] = {}
+    for at, axes in enumerate(grid.flat):
+        if at >= count:
+            axes.set_axis_off()
+            continue
+        axes.set_title(f"Threshold {centimetres(thresholds_m[at])}{also}")
+        panels[thresholds_m[at]] = axes
+        if at + columns >= count:
+            # An incomplete last row leaves the panels above its gap at the bottom of their column.
+            axes.tick_params(labelbottom=True)
+    return figure, panels
+
+
+def top_legend(figure: Figure, axes: Axes, *, columns: int = 4) -> None:
+    """Put the legend of one panel above all of them."""
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        if figure.get_figwidth() <= COLUMN_IN:
+            columns = 1
+        figure.legend(handles, labels, loc="outside upper center", ncols=min(columns, len(handles)))

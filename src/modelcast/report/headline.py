@@ -1,0 +1,167 @@
+"""Which rows of a result the figures, the console and the report show first, and how they are named."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from modelcast.evaluation.result import POOLED, EvaluationResult, RateRow, TrackingRow
+
+__all__ = [
+    "EQUAL_RATE_POLICIES",
+    "HEADLINE_RATIO",
+    "SHOWN_POLICIES",
+    "Headline",
+    "evaluated_ratios",
+    "headlines",
+    "main_bank",
+    "nearest_ratio",
+    "policy_label",
+    "pooled_rate",
+    "pooled_tracking",
+    "rate_basis",
+    "thresholds_m",
+    "tracking_of",
+]
+
+EQUAL_RATE_POLICIES = ("baseline-matched", "baseline-periodic")
+"""The two readings of a baseline that sends as often as MBC."""
+
+SHOWN_POLICIES = ("mbc", *EQUAL_RATE_POLICIES)
+
+HEADLINE_RATIO = 0.4
+"""The packet error ratio that the paper's distribution is drawn at."""
+
+_LABELS = {
+    "mbc": "MBC",
+    "baseline": "Baseline, same threshold",
+    "baseline-matched": "Baseline, error-driven, at MBC's {basis} rate",
+    "baseline-periodic": "Baseline, periodic, at MBC's {basis} rate",
+}
+
+_Row = TypeVar("_Row", RateRow, TrackingRow)
+
+
+@dataclass(frozen=True, slots=True)
+class Headline:
+    """The pooled figures of one threshold.
+
+    Parameters
+    ----------
+    threshold_m
+        The threshold [m].
+    mbc, baseline
+        Rate rows; None where the run has none.
+    p90_m
+        90th percentile of the tracking error by packet error ratio and policy of `SHOWN_POLICIES` [m].
+    """
+
+    threshold_m: float
+    mbc: RateRow | None
+    baseline: RateRow | None
+    p90_m: dict[tuple[float, str], float]
+
+    @property
+    def ratio(self) -> float | None:
+        """MBC's message rate over the baseline's at the same threshold."""
+        if self.mbc is None or self.baseline is None or not self.baseline.total_rate_hz > 0:
+            return None
+        return self.mbc.total_rate_hz / self.baseline.total_rate_hz
+
+
+def thresholds_m(result: EvaluationResult) -> list[float]:
+    """Return the thresholds evaluated, rising [m]."""
+    return sorted({row.threshold_m for row in (*result.rates, *result.tracking)})
+
+
+def evaluated_ratios(result: EvaluationResult) -> list[float]:
+    """Return the packet error ratios evaluated, rising."""
+    return sorted({row.packet_error_ratio for row in result.tracking})
+
+
+def nearest_ratio(ratios: Sequence[float], target: float = HEADLINE_RATIO) -> float | None:
+    """Return the ratio nearest to the target, the smaller of two; None for an empty sequence.
+
+    Examples
+    --------
+    >>> nearest_ratio([0.0, 0.3, 0.5])
+    0.3
+    """
+    # Rounding makes 0.3 and 0.5 equally near to 0.4, which they are not in binary.
+    return min(ratios, key=lambda ratio: (round(abs(ratio - target), 9), ratio), default=None)
+
+
+def main_bank(result: EvaluationResult) -> str:
+    """Return the bank that is drawn: the first one of MBC's rows."""
+    rows = (*result.rates, *result.tracking)
+    return next((row.bank for row in rows if row.policy == "mbc"), "")
+
+
+def rate_basis(result: EvaluationResult) -> str:
+    """Return the basis of the equal-rate baselines that are drawn: ``total`` where it was run."""
+    found = {row.rate_basis for row in result.tracking if row.policy in EQUAL_RATE_POLICIES}
+    return "update" if "update" in found and "total" not in found else "total"
+
+
+def policy_label(policy: str, basis: str = "total") -> str:
+    """Return the name of a policy in a legend.
+
+    Examples
+    --------
+    >>> policy_label("baseline-periodic", "update")
+    "Baseline, periodic, at MBC's update rate"
+    """
+    return _LABELS.get(policy, policy).format(basis=basis)
+
+
+def pooled_rate(result: EvaluationResult, policy: str, threshold_m: float) -> RateRow | None:
+    """Return the rate row that pools all trips, or None."""
+    rows = [row for row in result.rates if row.policy == policy and row.threshold_m == threshold_m]
+    return next(iter(_of_main_bank(result, _pooled(rows))), None)
+
+
+def pooled_tracking(result: EvaluationResult, policy: str, threshold_m: float) -> list[TrackingRow]:
+    """Return the tracking rows that pool all trips, by rising packet error ratio.
+
+    Of equal-rate baselines, those on the basis `rate_basis` names.
+    """
+    rows = [row for row in result.tracking if row.policy == policy and row.threshold_m == threshold_m]
+    return tracking_of(result, _pooled(rows))
+
+
+def tracking_of(result: EvaluationResult, rows: Sequence[TrackingRow]) -> list[TrackingRow]:
+    """Return those of the rows that are drawn, one for each packet error ratio, rising."""
+    basis = rate_basis(result)
+    rows = [row for row in rows if row.rate_basis in {None, basis}]
+    by_ratio: dict[float, TrackingRow] = {}
+    for row in _of_main_bank(result, rows):
+        by_ratio.setdefault(row.packet_error_ratio, row)
+    return [by_ratio[ratio] for ratio in sorted(by_ratio)]
+
+
+def headlines(result: EvaluationResult) -> list[Headline]:
+    """Return the pooled figures of every threshold, rising."""
+    found: list[Headline] = []
+    for threshold_m in thresholds_m(result):
+        p90_m = {
+            (row.packet_error_ratio, policy): row.pte_p90_m
+            for policy in SHOWN_POLICIES
+            for row in pooled_tracking(result, policy, threshold_m)
+        }
+        mbc, baseline = (pooled_rate(result, policy, threshold_m) for policy in ("mbc", "baseline"))
+        found.append(Headline(threshold_m, mbc, baseline, p90_m))
+    return found
+
+
+def _pooled(rows: Sequence[_Row]) -> list[_Row]:
+    """Return the pooled rows; where one trip was evaluated and none was pooled, that trip's."""
+    pooled = [row for row in rows if row.trip == POOLED]
+    if pooled or len({row.trip for row in rows}) != 1:
+        return pooled
+    return list(rows)
+
+
+def _of_main_bank(result: EvaluationResult, rows: Sequence[_Row]) -> list[_Row]:
+    """Return the rows with those of the drawn bank first; MBC's rows of other banks are left out."""
+    bank = main_bank(result)
+    kept = [row for row in rows if row.policy != "mbc" or row.bank == bank]
+    return sorted(kept, key=lambda row: row.bank != bank)

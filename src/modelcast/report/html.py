@@ -1,0 +1,245 @@
+"""The report: one HTML file with everything in it, that needs no network and no script.
+
+Figures are embedded as SVG images, so that names inside two of them cannot clash. The file holds no time
+stamp and no path; the same result gives the same bytes.
+"""
+
+import base64
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from pathlib import Path
+from typing import Any, cast
+
+from modelcast.core.version import package_version
+from modelcast.evaluation.result import POOLED, EvaluationResult, TrackingRow, TripRow
+from modelcast.report.captions import PROTOCOLS, TITLES, captions, loss_conditions
+from modelcast.report.console import scope_line
+from modelcast.report.figures import Drawing, draw_figures, write_drawings
+from modelcast.report.headline import evaluated_ratios, headlines, nearest_ratio, policy_label, rate_basis
+from modelcast.report.page import CSS, number, page, table
+
+__all__ = ["report_document", "write_report"]
+
+_MOST_TRACKING_ROWS = 600
+"""Above this, the rows of single trips are left to ``summary.json``: a browser must open the page at once."""
+
+
+def write_report(result: EvaluationResult, folder: str | Path) -> list[Path]:
+    """Draw the figures once; write ``report.html`` and a folder ``figures``; return the paths.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    folder
+        An existing folder.
+    """
+    folder = Path(folder)
+    drawings = draw_figures(result)
+    document = folder / "report.html"
+    document.write_text(report_document(result, drawings), encoding="utf-8", newline="\n")
+    return [document, *write_drawings(drawings, folder / "figures")]
+
+
+def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> str:
+    """Return the report as one HTML document.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    drawings
+        What `draw_figures` returned for it.
+    """
+    body = [
+        "<h1>Model-based communication: evaluation</h1>",
+        f'<p class="scope">{escape(scope_line(result))}. modelcast {escape(package_version())}.</p>',
+        _protocols(result),
+        "<h2>Result</h2>",
+        _headline_table(result),
+        "<h2>Figures</h2>",
+        *_figures(result, drawings),
+        "<h2>Trips</h2>",
+        _trip_table(result.trips),
+        "<h2>Tracking</h2>",
+        _tracking_section(result),
+        "<h2>Settings</h2>",
+        table(
+            ["setting", "value"], [[key, value] for key, value in _settings(result.settings)], text_columns=2
+        ),
+        "<h2>Not evaluated</h2>",
+        _failures(result.failures),
+    ]
+    return page("modelcast evaluation", CSS, body)
+
+
+def _protocols(result: EvaluationResult) -> str:
+    counts: dict[str, int] = {}
+    for trip in result.trips:
+        counts[trip.protocol] = counts.get(trip.protocol, 0) + 1
+    items = [
+        f"<li><b>{escape(name)}</b>, {count} of {len(result.trips)} trips: "
+        f"{escape(PROTOCOLS.get(name, 'see the documentation'))}.</li>"
+        for name, count in sorted(counts.items())
+    ]
+    return f"<ul>{''.join(items)}</ul>" if items else ""
+
+
+def _headline_table(result: EvaluationResult) -> str:
+    ratios = evaluated_ratios(result)
+    shown = sorted(
+        {ratio for ratio in (nearest_ratio(ratios, 0.0), nearest_ratio(ratios)) if ratio is not None}
+    )
+    head = [
+        "threshold [cm]",
+        "MBC updates [1/s]",
+        "MBC identifications [1/s]",
+        "MBC total [1/s]",
+        "baseline [1/s]",
+        "MBC / baseline",
+        "MBC [byte/s]",
+        "baseline [byte/s]",
+    ]
+    shorts = {"mbc": "MBC", "baseline-matched": "error-driven", "baseline-periodic": "periodic"}
+    head += [f"p90 PTE [m] at PER {100 * ratio:g} %, {short}" for ratio in shown for short in shorts.values()]
+    rows: list[list[str]] = []
+    for line in headlines(result):
+        mbc, baseline = line.mbc, line.baseline
+        rows.append(
+            [
+                number(100 * line.threshold_m, 4),
+                number(mbc and mbc.update_rate_hz),
+                number(mbc and mbc.identification_rate_hz),
+                number(mbc and mbc.total_rate_hz),
+                number(baseline and baseline.total_rate_hz),
+                number(line.ratio),
+                number(mbc and mbc.byte_rate_bps),
+                number(baseline and baseline.byte_rate_bps),
+                *(number(line.p90_m.get((ratio, policy))) for ratio in shown for policy in shorts),
+            ]
+        )
+    note = (
+        "All trips pooled by time. Rates: ideal channel, no keep-alive, the baseline error-driven at the "
+        "same threshold. p90 PTE: 90th percentile of the position tracking error after the instant's "
+        f"message, with {loss_conditions(result)}; the two baselines at MBC's {rate_basis(result)} rate."
+    )
+    return table(head, rows) + f'<p class="note">{escape(note)}</p>'
+
+
+def _figures(result: EvaluationResult, drawings: Iterable[Drawing]) -> list[str]:
+    texts = captions(result)
+    parts: list[str] = []
+    for place, drawing in enumerate(drawings, start=1):
+        title, text = escape(TITLES[drawing.name]), escape(texts[drawing.name])
+        image = base64.b64encode(drawing.svg).decode("ascii")
+        parts.append(
+            f'<figure><img style="width:{drawing.width_in:g}in" alt="{title}" '
+            f'src="data:image/svg+xml;base64,{image}">'
+            f"<figcaption><b>Figure {place}. {title}.</b> {text}</figcaption></figure>"
+        )
+    return parts
+
+
+def _trip_table(trips: Sequence[TripRow]) -> str:
+    head = ["trip", "format", "protocol", "skipped", "repaired", "conditioning", "velocity from"]
+    head += ["duration [s]", "standing [s]", "samples", "step [s]", "gaps", "rows", "grid E, N [mm]"]
+    rows = [
+        [
+            trip.id,
+            trip.source,
+            trip.protocol,
+            _pairs(trip.skipped),
+            _pairs(trip.repaired),
+            _conditioning(trip),
+            trip.velocity_estimator,
+            number(trip.duration_s, 5),
+            number(trip.standing_s, 5),
+            str(trip.samples),
+            number(trip.dt_s),
+            str(trip.gaps) + (", resampled" if trip.resampled else ""),
+            str(trip.rows),
+            ", ".join(number(1000 * step) for step in trip.grid_m),
+        ]
+        for trip in trips
+    ]
+    return table(head, rows, text_columns=7)
+
+
+def _tracking_section(result: EvaluationResult) -> str:
+    pooled = [row for row in result.tracking if row.trip == POOLED]
+    single = [row for row in result.tracking if row.trip != POOLED]
+    parts = [_details(f"All trips pooled ({len(pooled)} rows)", pooled)]
+    if len(single) <= _MOST_TRACKING_ROWS:
+        parts.append(_details(f"Each trip ({len(single)} rows)", single))
+    else:
+        parts.append(f'<p class="note">The {len(single)} rows of single trips are in summary.json.</p>')
+    return "".join(parts)
+
+
+def _details(title: str, rows: Sequence[TrackingRow]) -> str:
+    head = [
+        "trip",
+        "policy",
+        "bank",
+        "threshold [cm]",
+        "PER [%]",
+        "seeds",
+        "rate [1/s]",
+        "PTE mean [m]",
+        "p50",
+    ]
+    head += ["p90", "p90 limits", "p95", "p99", "p90 before", "p90 along", "p90 across", "over 1.5 m [%]"]
+    head += ["age p95 [s]", "left out"]
+    cells = [
+        [
+            "all trips" if row.trip == POOLED else row.trip,
+            policy_label(row.policy, row.rate_basis or ""),
+            row.bank,
+            number(100 * row.threshold_m, 4),
+            number(100 * row.packet_error_ratio),
+            str(row.seeds),
+            number(row.message_rate_hz),
+            *(number(value) for value in (row.pte_mean_m, row.pte_p50_m, row.pte_p90_m)),
+            ""
+            if row.pte_p90_low_m is None
+            else f"{number(row.pte_p90_low_m)} to {number(row.pte_p90_high_m)}",
+            *(number(value) for value in (row.pte_p95_m, row.pte_p99_m, row.pte_before_p90_m)),
+            *(number(value) for value in (row.along_p90_m, row.cross_p90_m, 100 * row.beyond_lane_ratio)),
+            number(row.information_age_p95_s),
+            str(row.excluded_samples),
+        ]
+        for row in rows
+    ]
+    body = table(head, cells, text_columns=3)
+    return f"<details><summary>{escape(title)}</summary>{body}</details>"
+
+
+def _failures(failures: Mapping[str, str]) -> str:
+    if not failures:
+        return "<p>Every trip was evaluated.</p>"
+    return table(["trip", "reason"], [[trip, why] for trip, why in sorted(failures.items())], text_columns=2)
+
+
+def _conditioning(trip: TripRow) -> str:
+    if not trip.conditioned:
+        return "none"
+    if not trip.conditioning:
+        return "smoothed"
+    return ", ".join(f"{name} {value:.4g}" for name, value in sorted(trip.conditioning.items()))
+
+
+def _pairs(counts: Mapping[str, int]) -> str:
+    return ", ".join(f"{reason}: {count}" for reason, count in sorted(counts.items())) or "0"
+
+
+def _settings(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
+    """Return the settings as pairs of text; what is nested gets a dotted name."""
+    found: list[tuple[str, str]] = []
+    for key, value in sorted(settings.items()):
+        if isinstance(value, Mapping):
+            found += _settings(cast("Mapping[str, Any]", value), f"{prefix}{key}.")
+        elif isinstance(value, list | tuple):
+            found.append((prefix + key, ", ".join(str(item) for item in cast("list[object]", value))))
+        else:
+            found.append((prefix + key, str(value)))
+    return found

@@ -1,0 +1,181 @@
+"""The figures draw what they are given, whatever a result holds."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib import rcParams
+
+from modelcast.evaluation.result import EvaluationResult
+from modelcast.report.figures import (
+    FIGURES,
+    draw_figures,
+    plot_distribution,
+    plot_loss,
+    plot_manoeuvre,
+    plot_rates,
+    plot_timeline,
+    plot_trips,
+    write_figures,
+)
+from modelcast.report.figures.trips import MOST_ROWS
+from modelcast.report.style import POLICY_COLOURS
+
+Make = Callable[..., EvaluationResult]
+
+
+def test_bar_heights_are_the_pooled_rates(make_result: Make) -> None:
+    result = make_result()
+    axes = plot_rates(result).axes[0]
+    rows = {(row.policy, row.threshold_m): row for row in result.rates if row.trip == "all"}
+    updates, identifications, baseline = axes.containers
+    for at, threshold in enumerate((0.2, 0.3, 0.4, 0.5)):
+        mbc = rows["mbc", threshold]
+        assert updates[at].get_height() == mbc.update_rate_hz
+        assert identifications[at].get_y() == mbc.update_rate_hz
+        assert identifications[at].get_height() == mbc.identification_rate_hz
+        assert baseline[at].get_height() == rows["baseline", threshold].total_rate_hz
+
+
+def test_distribution_curves_are_the_ecdfs_at_the_nearest_ratio(make_result: Make) -> None:
+    result = make_result(ratios=(0.0, 0.3, 0.6))
+    panels = plot_distribution(result).axes
+    assert "packet error ratio 30 %" in panels[0].get_title()
+    curve = next(
+        item
+        for item in result.ecdfs
+        if (item.policy, item.rate_basis, item.threshold_m, item.packet_error_ratio)
+        == ("baseline-matched", "total", 0.3, 0.3)
+    )
+    line = next(item for item in panels[1].get_lines() if item.get_color() == POLICY_COLOURS[curve.policy])
+    np.testing.assert_array_equal(line.get_xdata(), curve.tracking_error_m)
+    np.testing.assert_array_equal(line.get_ydata(), curve.probability)
+
+
+def test_loss_curves_are_the_pooled_rows_in_percent(make_result: Make) -> None:
+    result = make_result()
+    axes = plot_loss(result).axes[3]
+    rows = [
+        row
+        for row in result.tracking
+        if (row.trip, row.policy, row.rate_basis, row.threshold_m)
+        == ("all", "baseline-periodic", "total", 0.5)
+    ]
+    line = next(x for x in axes.get_lines() if x.get_color() == POLICY_COLOURS["baseline-periodic"])
+    np.testing.assert_allclose(line.get_xdata(), [0, 20, 40, 60])
+    np.testing.assert_array_equal(line.get_ydata(), [row.pte_p90_m for row in rows])
+    assert len(axes.collections) == 3, "one confidence band a policy"
+
+
+def test_one_seed_has_no_bands(make_result: Make) -> None:
+    assert not plot_loss(make_result(seeds=1)).axes[0].collections
+
+
+def test_timeline_shows_every_error_and_every_message(make_result: Make) -> None:
+    result = make_result()
+    timeline = result.timeline
+    assert timeline is not None
+    errors, strips = plot_timeline(result).axes
+    for at in range(2):
+        np.testing.assert_array_equal(errors.get_lines()[at].get_ydata(), timeline.tracking_error_m[:, at])
+    updates, identifications = strips.collections[-2:]
+    assert len(updates.get_segments()) == timeline.update_s.size
+    assert len(identifications.get_segments()) == timeline.identification_s.size
+
+
+def test_strips_cover_the_time_under_the_threshold(make_result: Make) -> None:
+    result = make_result()
+    timeline = result.timeline
+    assert timeline is not None
+    first = plot_timeline(result).axes[1].collections[0]
+    shown_s = sum(np.ptp(path.vertices[:, 0]) for path in first.get_paths())
+    holds = timeline.tracking_error_m[:, 0] < timeline.threshold_m
+    assert shown_s == pytest.approx(0.1 * holds.sum())
+
+
+def test_long_timelines_keep_their_largest_errors(make_result: Make) -> None:
+    result = make_result(steps=9000)
+    assert result.timeline is not None
+    line = plot_timeline(result).axes[0].get_lines()[0]
+    assert len(line.get_ydata()) == 1000
+    assert np.nanmax(line.get_ydata()) == np.nanmax(result.timeline.tracking_error_m[:, 0])
+
+
+def test_map_is_in_metres_from_the_start_with_equal_axes(make_result: Make) -> None:
+    result = make_result()
+    manoeuvre = result.manoeuvre
+    assert manoeuvre is not None
+    axes = plot_manoeuvre(result).axes[0]
+    assert axes.get_aspect() == 1.0
+    truth = np.stack(axes.get_lines()[0].get_data(), axis=1)
+    np.testing.assert_allclose(truth, manoeuvre.truth_m - manoeuvre.history_m[-1])
+
+
+def test_trips_are_one_row_each_until_they_are_too_many(make_result: Make) -> None:
+    few = plot_trips(make_result(trips=[f"t/{k}" for k in range(MOST_ROWS)], ratios=(0.4,)))
+    assert len(few.axes[0].get_yticks()) == MOST_ROWS
+    many = plot_trips(make_result(trips=[f"t/{k}" for k in range(MOST_ROWS + 1)], ratios=(0.4,)))
+    assert many.axes[0].get_ylabel() == f"Share of {MOST_ROWS + 1} trips"
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"thresholds": (0.5,)},
+        {"ratios": (0.0,)},
+        {"trips": ("only/1",)},
+        {"seeds": 1},
+        {"timeline": False, "manoeuvre": False},
+        {"thresholds": (0.5,), "ratios": (0.4,), "trips": ("only/1",), "seeds": 1, "timeline": False},
+        {"thresholds": tuple(k / 20 for k in range(1, 13))},
+        {"thresholds": (0.1, 0.2, 0.3, 0.4, 0.5)},
+        {"steps": 1},
+        {"trips": ("路/$1$", "a" * 200, "__{}\\frac")},
+    ],
+    ids=str,
+)
+def test_every_figure_draws_for(make_result: Make, options: dict[str, object]) -> None:
+    drawings = draw_figures(make_result(**options))
+    assert [drawing.name for drawing in drawings] == list(FIGURES)
+
+
+def test_every_figure_draws_for_a_result_without_rows(make_result: Make) -> None:
+    empty = replace(make_result(timeline=False, manoeuvre=False), trips=(), rates=(), tracking=(), ecdfs=())
+    assert len(draw_figures(empty)) == len(FIGURES)
+
+
+def test_undefined_values_leave_holes_not_errors(make_result: Make) -> None:
+    result = make_result()
+    nan = float("nan")
+    rows = tuple(
+        replace(row, pte_p90_m=nan, pte_p90_low_m=None, pte_p90_high_m=None) for row in result.tracking
+    )
+    curves = tuple(replace(curve, tracking_error_m=curve.tracking_error_m * nan) for curve in result.ecdfs)
+    assert len(draw_figures(replace(result, tracking=rows, ecdfs=curves))) == len(FIGURES)
+
+
+def test_one_trip_without_pooled_rows_stands_for_all(make_result: Make) -> None:
+    result = make_result(trips=("only/1",))
+    alone = replace(result, rates=tuple(row for row in result.rates if row.trip != "all"))
+    assert plot_rates(alone).axes[0].containers
+
+
+def test_files_are_the_same_twice_and_name_no_date(make_result: Make, tmp_path: Path) -> None:
+    first = write_figures(make_result(), tmp_path / "a")
+    second = write_figures(make_result(), tmp_path / "b")
+    assert len(first) == 2 * len(FIGURES)
+    for one, other in zip(first, second, strict=True):
+        assert one.read_bytes() == other.read_bytes()
+    svg = first[1].read_text(encoding="utf-8")
+    assert "<dc:date>" not in svg
+    assert "Matplotlib" not in svg
+
+
+def test_the_users_own_parameters_are_neither_used_nor_changed(
+    make_result: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(rcParams, "axes.facecolor", "black")
+    assert plot_rates(make_result()).axes[0].get_facecolor() == (1.0, 1.0, 1.0, 1.0)
+    assert rcParams["axes.facecolor"] == "black"

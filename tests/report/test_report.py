@@ -1,0 +1,174 @@
+"""The HTML report, the console tables and the data frames."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import polars as pl
+import pytest
+from rich.console import Console
+
+from modelcast.evaluation.result import EvaluationResult
+from modelcast.report.console import console_report
+from modelcast.report.html import write_report
+from modelcast.report.tables import events_frame, rates_frame, samples_frame, tracking_frame, trips_frame
+
+Make = Callable[..., EvaluationResult]
+VOID = {"meta", "img", "br"}
+
+
+class Page(HTMLParser):
+    """Tags in order, addresses they point to, and their text; elements must be closed in order."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[str] = []
+        self.addresses: list[str] = []
+        self.text = ""
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:  # noqa: D102
+        self.tags.append(tag)
+        self.addresses += [value or "" for name, value in attrs if name in {"src", "href", "data", "action"}]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:  # noqa: D102
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:  # noqa: D102
+        self.text += data
+
+
+def read_page(result: EvaluationResult, folder: Path) -> Page:
+    folder.mkdir(exist_ok=True)
+    page = Page()
+    page.feed(write_report(result, folder)[0].read_text(encoding="utf-8"))
+    return page
+
+
+def test_report_needs_no_network_and_no_script(make_result: Make, tmp_path: Path) -> None:
+    page = read_page(make_result(), tmp_path)
+    assert not page.open
+    assert page.tags.count("figure") == 6
+    assert all(address.startswith("data:") for address in page.addresses)
+    assert not {"script", "link", "iframe", "object"} & set(page.tags)
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "http" not in text.replace("http-equiv", "")
+    assert "@import" not in text
+
+
+def test_names_are_text_not_markup(make_result: Make, tmp_path: Path) -> None:
+    page = read_page(make_result(), tmp_path)
+    assert "<script>alert(1)</script>/$3" in page.text
+    assert "broken/<b>7</b>" in page.text
+
+
+def test_report_says_what_the_labels_mean(make_result: Make, tmp_path: Path) -> None:
+    text = read_page(make_result(), tmp_path).text
+    for claim in (
+        "the log is both input and truth",
+        "a keep-alive after 2 s",
+        "after the instant's message",
+        "The baselines send as often as MBC (updates and identifications counted)",
+        "protocol: recorded, sensor",
+        "no fix: 10",
+        "sigma_m 0.04",
+        "time does not increase",
+    ):
+        assert claim in text, claim
+
+
+@pytest.mark.parametrize(
+    ("settings", "claim"),
+    [
+        ({"keep_alive_s": None}, "independent losses and no keep-alive"),
+        ({"keep_alive_s": 1.0, "mean_burst_s": 0.5}, "losses in bursts of 0.5 s on average and a keep-alive"),
+        ({}, "with independent losses;"),
+    ],
+)
+def test_report_claims_only_what_the_settings_say(
+    make_result: Make, tmp_path: Path, settings: dict[str, object], claim: str
+) -> None:
+    assert claim in read_page(replace(make_result(), settings=settings), tmp_path).text
+
+
+def test_report_is_the_same_twice_and_names_no_folder(make_result: Make, tmp_path: Path) -> None:
+    read_page(make_result(), tmp_path / "a")
+    read_page(make_result(), tmp_path / "b")
+    first, second = ((tmp_path / name / "report.html").read_bytes() for name in "ab")
+    assert first == second
+    assert str(tmp_path).encode() not in first
+
+
+def test_report_of_many_trips_leaves_their_rows_to_the_summary(make_result: Make, tmp_path: Path) -> None:
+    page = read_page(make_result(trips=[f"t/{k}" for k in range(8)]), tmp_path)
+    assert "rows of single trips are in summary.json" in page.text
+
+
+def test_report_of_nothing(make_result: Make, tmp_path: Path) -> None:
+    empty = replace(
+        make_result(timeline=False, manoeuvre=False),
+        trips=(),
+        rates=(),
+        tracking=(),
+        ecdfs=(),
+        settings={},
+        failures={},
+    )
+    assert "Every trip was evaluated." in read_page(empty, tmp_path).text
+
+
+def printed(result: EvaluationResult) -> str:
+    console = Console(width=100, record=True, file=open("/dev/null", "w", encoding="utf-8"))  # noqa: SIM115, PTH123
+    with console.capture() as capture:
+        console.print(console_report(result))
+    console.file.close()
+    return capture.get()
+
+
+def test_console_fits_in_100_columns_and_shows_the_rates(make_result: Make) -> None:
+    text = printed(make_result())
+    assert max(len(line) for line in text.splitlines()) <= 100
+    assert "…" not in text
+    for value in ("20 cm", "1.58", "1.60", "0.99", "PER 40 %", "fewer than 11 samples [bold]", "in metres"):
+        assert value in text, value
+
+
+def test_console_of_rates_alone(make_result: Make) -> None:
+    text = printed(replace(make_result(), tracking=(), failures={}))
+    assert "MBC total" in text
+    assert "PER" not in text
+
+
+def test_frames_have_the_same_types_with_and_without_rows(make_result: Make) -> None:
+    result = make_result(seeds=1)
+    empty = replace(result, trips=(), rates=(), tracking=(), samples=())
+    for frame in (trips_frame, rates_frame, tracking_frame, samples_frame):
+        assert frame(result).schema == frame(empty).schema
+        assert frame(result).height > 0
+        assert frame(empty).height == 0
+
+
+def test_frames_hold_the_rows(make_result: Make) -> None:
+    result = make_result()
+    assert rates_frame(result)["total_rate_hz"].to_list() == [row.total_rate_hz for row in result.rates]
+    tracking = tracking_frame(result)
+    assert tracking.schema["pte_p90_low_m"] == pl.Float64
+    assert tracking.schema["seeds"] == pl.Int64
+    assert tracking.schema["rate_basis"] == pl.String
+    trips = trips_frame(result)
+    assert trips["skipped"].to_list() == [0, 10, 10]
+    assert trips["grid_north_m"].to_list() == [0.01] * 3
+    assert events_frame(result).schema["trip"] == pl.String
+
+
+def test_sample_rows_run_over_ratios_seeds_and_instants(make_result: Make) -> None:
+    frame = samples_frame(make_result(ratios=(0.0, 0.4), trips=("a/1",)))
+    assert frame.height == 2 * 2 * 2 * 5
+    assert frame["packet_error_ratio"].to_list()[:20] == [0.0] * 10 + [0.4] * 10
+    assert frame["seed"].to_list()[:10] == [0] * 5 + [1] * 5
+    assert frame["rate_basis"].to_list() == [None] * 20 + ["total"] * 20
+    assert frame["tracking_error_m"].null_count() == 2
+    assert frame["tracking_error_m"][19] == pytest.approx(0.19)
