@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
+from scipy import special
 
 from modelcast.core.arrays import FloatArray, SingleArray
 from modelcast.evaluation import metrics_kernels as kernels
@@ -81,9 +81,9 @@ def confidence_limits(values: FloatArray) -> tuple[float | None, float | None]:
     values = values[np.isfinite(values)]
     if values.size < 2:
         return None, None
-    reach = stats.t.ppf(0.975, values.size - 1) * values.std(ddof=1) / np.sqrt(values.size)
+    reach = float(special.stdtrit(values.size - 1, 0.975)) * values.std(ddof=1) / np.sqrt(values.size)
     centre = float(values.mean())
-    return centre - float(reach), centre + float(reach)
+    return centre - reach, centre + reach
 
 
 class Histogram:

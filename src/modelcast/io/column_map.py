@@ -16,7 +16,8 @@ vehicle              name of the vehicle         vehicle, vehicle_id
 trip                 complete identifier         trip
 origin_lat, _lon,    deg, deg, m; constant in a  origin_latitude_deg, origin_longitude_deg,
 _alt                 trip, with east and north   origin_altitude_m
-start_unix           s; constant in a trip       start_unix_s
+start_unix           s, Unix time of t = 0;      start_unix_s
+                     constant in a trip
 ===================  ==========================  =====================================================
 
 Names are case-sensitive. Needed are a time and east with north, or lat with lon; east and north win where

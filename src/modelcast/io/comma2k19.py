@@ -75,7 +75,7 @@ class Comma2k19Reader(AbstractTripReader):
             whole = segment.resolve()
             trip_id = f"{whole.parent.name}/{whole.name}"
             tally = Tally()
-            rows, count = _gnss(segment, tally)
+            rows, count, start_unix_s = _gnss(segment, tally)
             trip = None
             if len(rows):
                 first = {name: float(column[0]) for name, column in rows.columns.items()}
@@ -83,7 +83,7 @@ class Comma2k19Reader(AbstractTripReader):
                 rows = located(ordered(rows, tally, duplicate="repeated fix"), origin)
                 trip = make_trip(
                     str(segment), trip_id, rows, tally,
-                    count=count, source=self.name, origin=origin, unix_offset_s=0.0,
+                    count=count, source=self.name, origin=origin, unix_offset_s=start_unix_s,
                 )  # fmt: skip
             if trip is None:
                 on_skipped(trip_id, tally.why_empty())
@@ -104,13 +104,13 @@ def _segment_order(segment: Path) -> tuple[str, int, str]:
     return str(segment.parent), int(number) if number.isdecimal() else -1, number
 
 
-def _gnss(segment: Path, tally: Tally) -> tuple[Rows, int]:
-    """Return the fixes with speed and yaw rate of when each was logged, and how many there were."""
+def _gnss(segment: Path, tally: Tally) -> tuple[Rows, int, float]:
+    """Return the fixes with speed and yaw rate of when each was logged, their number, the Unix start."""
     logged_s, value = _log(segment, _GNSS, 6)
     rows = Rows(
         np.arange(1, logged_s.size + 1, dtype=np.int64),
         {
-            "t_s": value[:, 3] * 1e-3,
+            "t_s": (value[:, 3] - value[0, 3]) * 1e-3,
             "latitude_deg": value[:, 0],
             "longitude_deg": value[:, 1],
             "altitude_m": value[:, 4],
@@ -122,7 +122,7 @@ def _gnss(segment: Path, tally: Tally) -> tuple[Rows, int]:
     if (segment / _LOG / _GYRO / "value").exists():
         rows = rows.having(yaw_rate_radps=_mean_before(logged_s, *_log(segment, _GYRO, 3)))
     placed = valid_position(value[:, 0], value[:, 1])
-    return rows.without(~placed, "no fix", tally), int(logged_s.size)
+    return rows.without(~placed, "no fix", tally), int(logged_s.size), float(value[0, 3]) * 1e-3
 
 
 def _last_before(at_s: FloatArray, t_s: FloatArray, value: FloatArray) -> FloatArray:

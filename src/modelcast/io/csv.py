@@ -64,7 +64,7 @@ class CsvReader(AbstractTripReader):
         for block in read_blocks(path, counts=[len(header)], fields=wanted, skip_lines=1):
             partial = partial or block.partial > 0
             columns = {
-                fills: number_column(path, block, field[name], name) * factor
+                fills: number_column(path, block, field[name], name) * (factor if fills != "t_s" else 1.0)
                 for fills, (name, factor) in found.numbers.items()
             }
             parts.append(Rows(block.line, columns))

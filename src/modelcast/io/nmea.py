@@ -71,9 +71,13 @@ class NmeaReader(AbstractTripReader):
         tally = Tally()
         trip_id = f"{Path(path).stem}/receiver"
         fixes, faulty = _fixes(path, tally)
-        epochs, dated = _epochs(fixes)
-        if not epochs and not faulty:
-            raise DataFormatError(path, "no GGA or RMC sentence", remedy="Other sentences hold no position.")
+        epochs, start_unix_s = _epochs(fixes)
+        if not epochs:
+            raise DataFormatError(
+                path,
+                "no GGA or RMC sentence with a good checksum",
+                remedy="Other sentences hold no position.",
+            )
         count = len(epochs) + faulty
         rows = _rows(epochs, tally)
         trip = None
@@ -86,7 +90,7 @@ class NmeaReader(AbstractTripReader):
             rows = located(ordered(rows, tally), origin)
             trip = make_trip(
                 path, trip_id, rows, tally,
-                count=count, source=self.name, origin=origin, unix_offset_s=0.0 if dated else None,
+                count=count, source=self.name, origin=origin, unix_offset_s=start_unix_s,
             )  # fmt: skip
         if trip is None:
             on_skipped(trip_id, tally.why_empty())
@@ -123,8 +127,11 @@ def _fixes(path: str, tally: Tally) -> tuple[list[tuple[int, Fix]], int]:
     return fixes, faulty
 
 
-def _epochs(fixes: list[tuple[int, Fix]]) -> tuple[list[_Epoch], bool]:
-    """Return the sentences joined by time of day, dated, and whether any date was given."""
+def _epochs(fixes: list[tuple[int, Fix]]) -> tuple[list[_Epoch], float | None]:
+    """Return the sentences joined by time of day, with times from the first day's midnight, and its date.
+
+    Times are not Unix times yet, because in float64 those lose a quarter of a microsecond.
+    """
     merged: list[tuple[int, Fix]] = []
     for line, fix in fixes:
         if merged and merged[-1][1].time_of_day_s == fix.time_of_day_s and merged[-1][1].kind != fix.kind:
@@ -132,8 +139,8 @@ def _epochs(fixes: list[tuple[int, Fix]]) -> tuple[list[_Epoch], bool]:
         else:
             merged.append((line, fix))
     dates = [fix.day for _, fix in merged if fix.day is not None]
-    dated = bool(dates)
-    day_s = _unix_day_s(dates[0]) if dated else 0.0
+    first_s = _unix_day_s(dates[0]) if dates else 0.0
+    day_s = 0.0
     first_dated = next((at for at, (_, fix) in enumerate(merged) if fix.day is not None), 0)
     # A midnight before the first date belongs to the day before it.
     day_s -= _DAY_S * sum(_midnight(merged[at - 1][1], merged[at][1]) for at in range(1, first_dated + 1))
@@ -142,9 +149,9 @@ def _epochs(fixes: list[tuple[int, Fix]]) -> tuple[list[_Epoch], bool]:
         if at and fix.day is None:
             day_s += _DAY_S * _midnight(merged[at - 1][1], fix)
         elif fix.day is not None:
-            day_s = _unix_day_s(fix.day)
+            day_s = _unix_day_s(fix.day) - first_s
         epochs.append(_Epoch(line, day_s + fix.time_of_day_s, fix))
-    return epochs, dated
+    return epochs, first_s if dates else None
 
 
 def _midnight(before: Fix, after: Fix) -> int:

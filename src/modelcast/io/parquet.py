@@ -64,7 +64,8 @@ class ParquetReader(AbstractTripReader):
             with pq.ParquetFile(path, page_checksum_verification=True) as file:
                 found = self._found(path, [str(name) for name in file.schema_arrow.names])
                 for fills, (name, factor) in found.numbers.items():
-                    columns[fills] = _numbers(path, name, file.read(columns=[name]).column(0)) * factor
+                    scale = factor if fills != "t_s" else 1.0
+                    columns[fills] = _numbers(path, name, file.read(columns=[name]).column(0)) * scale
                 if found.label is not None:
                     names = _text(file.read(columns=[found.label]).column(0))
                     labels = pl.Series(found.label, names, dtype=pl.String)
@@ -75,6 +76,11 @@ class ParquetReader(AbstractTripReader):
         count = columns["t_s"].size
         if not count:
             raise DataFormatError(path, "no rows", remedy="The file is empty.")
+        sizes = {column.size for column in columns.values()} | (
+            {len(labels)} if labels is not None else set()
+        )
+        if sizes != {count}:
+            raise DataFormatError(path, f"columns of different lengths: {sorted(sizes)}")
         rows = Rows(np.arange(1, count + 1, dtype=np.int64), columns)
         yield from table_trips(path, self.name, found, rows, labels, partial=False, on_skipped=on_skipped)
 

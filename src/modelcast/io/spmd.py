@@ -23,7 +23,7 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
 from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import OnSkipped, Tally
-from modelcast.io.rows import Rows, joined, located, make_trip, ordered
+from modelcast.io.rows import Rows, joined, located, make_trip, ordered, with_missing
 from modelcast.io.text_blocks import (
     Block,
     first_lines,
@@ -62,6 +62,11 @@ class SpmdLayout:
         The vehicle part of a trip's identifier, from its key.
     usable
         Turns raw rows into SI columns and takes out the unusable ones, counting them.
+    time
+        The column of times, counted from the trip's first when `usable` sees it: a Unix time in float64
+        seconds would lose a quarter of a microsecond.
+    time_unit_s
+        Its unit.
     duplicate
         Reason counted for rows that repeat a time.
     start_unix
@@ -73,6 +78,8 @@ class SpmdLayout:
     counts: frozenset[int]
     keys: tuple[str, ...]
     numbers: tuple[str, ...]
+    time: str
+    time_unit_s: float
     trip_name: Callable[[Key], str]
     usable: Callable[[Rows, Tally], Rows]
     duplicate: str = "duplicate time"
@@ -192,12 +199,16 @@ def read_spmd(path: str, layout: SpmdLayout, on_skipped: OnSkipped) -> Iterator[
 def _extents(file: _File) -> dict[Key, _Extent]:
     """Return where every key's rows are (the first pass)."""
     extents: dict[Key, _Extent] = {}
+    last: Key | None = None
     for block in file.blocks(file.layout.keys):
         keys, number = file.block_keys(block)
         for key, rows in zip(keys, np.bincount(number, minlength=len(keys)), strict=True):
             extent = extents.setdefault(key, _Extent(block.index, block.index))
             extent.last = block.index
             extent.rows += int(rows)
+        last = keys[int(number[-1])] if keys else last
+        if block.partial and last is not None:
+            extents[last].last = block.index
     return extents
 
 
@@ -229,10 +240,9 @@ def _complete(
     """Yield each wanted key with its rows once its last block is read, and the file's origin."""
     layout = file.layout
     open_trips: dict[Key, _Gathered] = {}
+    last: Key = ()
     for block in file.blocks((*layout.keys, *layout.numbers)):
         keys, number = file.block_keys(block)
-        if not keys:
-            continue
         rows = Rows(
             block.line,
             {name: number_column(file.path, block, file.at[name], name) for name in layout.numbers},
@@ -244,15 +254,16 @@ def _complete(
             if key in wanted:
                 part = rows.taken(order[bounds[at] : bounds[at + 1]])
                 open_trips.setdefault(key, _Gathered()).parts.append(part)
-        if block.partial and keys[int(number[-1])] in wanted:
-            open_trips[keys[int(number[-1])]].partial = 1
+        last = keys[int(number[-1])] if keys else last
+        if block.partial and last in open_trips:
+            open_trips[last].partial = 1
         for key in [key for key in open_trips if extents[key].last == block.index]:
             yield key, open_trips.pop(key), origin
 
 
 def _first_position(layout: SpmdLayout, rows: Rows) -> Origin | None:
     """Return the first usable position of these rows."""
-    usable = layout.usable(rows, Tally())
+    usable = layout.usable(_timed(layout, rows)[0], Tally())
     if not len(usable):
         return None
     first = int(np.argmin(usable.line))
@@ -273,18 +284,28 @@ def _trip(
     count = len(raw) + gathered.partial
     tally.skip("partial last line", gathered.partial)
     trip_id = f"{Path(file.path).stem}/{layout.trip_name(key)}"
-    rows = layout.usable(raw, tally)
+    timed, start = _timed(layout, raw)
+    rows = layout.usable(timed, tally)
     trip = None
     if len(rows) and origin is not None:
         rows = located(ordered(rows, tally, duplicate=layout.duplicate), origin)
         trip = make_trip(
             file.path, trip_id, rows, tally,
             count=count, source=layout.source, origin=origin,
-            unix_offset_s=0.0 if layout.start_unix else None,
+            unix_offset_s=start * layout.time_unit_s if layout.start_unix else None,
         )  # fmt: skip
     if trip is None:
         on_skipped(trip_id, tally.why_empty())
     return trip
+
+
+def _timed(layout: SpmdLayout, rows: Rows) -> tuple[Rows, float]:
+    """Return the rows with times from the first, NaN where there is none, and that first time."""
+    raw = rows.columns[layout.time]
+    times = with_missing(raw, raw <= 0.0)
+    known = times[np.isfinite(times)]
+    start = float(known[0]) if known.size else 0.0
+    return rows.having(**{layout.time: times - start}), start
 
 
 def valid_position(latitude_deg: FloatArray, longitude_deg: FloatArray) -> BoolArray:

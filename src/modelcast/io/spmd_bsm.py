@@ -55,6 +55,9 @@ YAW_RATE_LIMIT_DEGPS = 100.0
 """No car turns faster; 254 and 324 deg/s occur at launch from rest, 327.67 is J2735's unavailable."""
 
 
+_TIME_UNIT_S = 1e-6
+
+
 class SpmdBsmReader(AbstractTripReader):
     """Reads BsmP1 files; the module's docstring has the columns and the repairs."""
 
@@ -87,7 +90,7 @@ def _usable(rows: Rows, tally: Tally) -> Rows:
     return Rows(
         rows.line,
         {
-            "t_s": raw["GenTime"] * 1e-6,
+            "t_s": raw["GenTime"] * _TIME_UNIT_S,
             "latitude_deg": raw["Latitude"],
             "longitude_deg": raw["Longitude"],
             "altitude_m": raw["Elevation"],
@@ -111,6 +114,8 @@ _LAYOUT = SpmdLayout(
     counts=frozenset({19}),
     keys=("RxDevice", "FileId", "TxDevice"),
     numbers=("GenTime", "Latitude", "Longitude", "Elevation", "Speed", "Heading", "Ax", "Yawrate"),
+    time="GenTime",
+    time_unit_s=_TIME_UNIT_S,
     trip_name=_trip_name,
     usable=_usable,
 )  # fmt: skip

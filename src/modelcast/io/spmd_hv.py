@@ -41,6 +41,9 @@ from modelcast.io.spmd import SpmdLayout, read_spmd, spmd_matches, valid_positio
 __all__ = ["SpmdHvReader"]
 
 
+_TIME_UNIT_S = 1e-3
+
+
 class SpmdHvReader(AbstractTripReader):
     """Reads HV_Primary files; the module's docstring has the columns and the repairs."""
 
@@ -59,14 +62,14 @@ class SpmdHvReader(AbstractTripReader):
 def _usable(rows: Rows, tally: Tally) -> Rows:
     """Return the rows with a fix of their own, in SI units."""
     rows = rows.without(rows.columns["GPS_Valid"] != 1.0, "no fix", tally)
-    rows = rows.without(~(rows.columns["GPS_UTC_Time"] > 0.0), "no GPS time", tally)
+    rows = rows.without(np.isnan(rows.columns["GPS_UTC_Time"]), "no GPS time", tally)
     placed = valid_position(rows.columns["GPS_Latitude"], rows.columns["GPS_Longitude"])
     rows = rows.without(~placed, "position unavailable", tally)
     raw = rows.columns
     return Rows(
         rows.line,
         {
-            "t_s": raw["GPS_UTC_Time"] * 1e-3,
+            "t_s": raw["GPS_UTC_Time"] * _TIME_UNIT_S,
             "latitude_deg": raw["GPS_Latitude"],
             "longitude_deg": raw["GPS_Longitude"],
             "altitude_m": raw["GPS_Elevation"],
@@ -95,6 +98,8 @@ _LAYOUT = SpmdLayout(
         "GPS_Elevation", "GPS_Heading", "GPS_Latitude", "GPS_Longitude", "GPS_UTC_Time", "GPS_Valid",
         "InVehicle_Longitudinal_Accel", "InVehicle_Longitudinal_Speed", "InVehicle_Yaw_Rate",
     ),
+    time="GPS_UTC_Time",
+    time_unit_s=_TIME_UNIT_S,
     trip_name="-".join,
     usable=_usable,
     duplicate="repeated fix",

@@ -45,6 +45,7 @@ from modelcast.io.spmd import SpmdLayout, read_spmd, spmd_matches, valid_positio
 __all__ = ["SpmdWsuReader"]
 
 _KMH = 1.0 / 3.6
+_TIME_UNIT_S = 1e-3
 
 
 class SpmdWsuReader(AbstractTripReader):
@@ -66,7 +67,7 @@ def _usable(rows: Rows, tally: Tally) -> Rows:
     """Return the rows with a fix of their own, in SI units."""
     rows = rows.without(rows.columns["GpsValidWsu"] != 1.0, "no fix", tally)
     rows = rows.without(rows.columns["GpsCoastingWsu"] != 0.0, "position coasted", tally)
-    rows = rows.without(~(rows.columns["GpsTimeWsu"] > 0.0), "no GPS time", tally)
+    rows = rows.without(np.isnan(rows.columns["GpsTimeWsu"]), "no GPS time", tally)
     placed = valid_position(rows.columns["LatitudeWsu"], rows.columns["LongitudeWsu"])
     rows = rows.without(~placed, "position unavailable", tally)
     raw = rows.columns
@@ -74,7 +75,7 @@ def _usable(rows: Rows, tally: Tally) -> Rows:
     return Rows(
         rows.line,
         {
-            "t_s": raw["GpsTimeWsu"] * 1e-3,
+            "t_s": raw["GpsTimeWsu"] * _TIME_UNIT_S,
             "latitude_deg": raw["LatitudeWsu"],
             "longitude_deg": raw["LongitudeWsu"],
             "altitude_m": raw["AltitudeWsu"],
@@ -100,6 +101,8 @@ _LAYOUT = SpmdLayout(
         "GpsValidWsu", "GpsTimeWsu", "LatitudeWsu", "LongitudeWsu", "AltitudeWsu", "GpsHeadingWsu",
         "GpsCoastingWsu", "ValidCanWsu", "YawRateWsu", "SpeedWsu", "AxWsu",
     ),
+    time="GpsTimeWsu",
+    time_unit_s=_TIME_UNIT_S,
     trip_name="-".join,
     usable=_usable,
     duplicate="repeated fix",

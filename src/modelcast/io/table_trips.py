@@ -36,7 +36,7 @@ def table_trips(
     found
         The table's columns.
     rows
-        All rows, in SI units, NaN where blank.
+        All rows, in SI units except for the time, NaN where blank.
     labels
         The vehicle (or trip) of each row as text, where the table names it.
     partial
@@ -52,7 +52,10 @@ def table_trips(
         cut = partial and len(rows) - 1 in which[-1:]
         tally.skip("partial last line", int(cut))
         count = len(own) + int(cut)
-        trip = _trip(path, source, trip_id, own, tally, count=count, shared_origin=origin)
+        unit_s = found.numbers["t_s"][1]
+        trip = _trip(
+            path, source, trip_id, own, tally, count=count, unit_s=unit_s, shared_origin=origin
+        )  # fmt: skip
         if trip is None:
             on_skipped(trip_id, tally.why_empty())
         else:
@@ -60,7 +63,7 @@ def table_trips(
 
 
 def _trip(
-    path: str, source: str, trip_id: str, rows: Rows, tally: Tally, *, count: int,
+    path: str, source: str, trip_id: str, rows: Rows, tally: Tally, *, count: int, unit_s: float,
     shared_origin: Origin | None,
 ) -> Trajectory | None:  # fmt: skip
     """Return one vehicle's trip, or None where no row is usable."""
@@ -80,6 +83,10 @@ def _trip(
     else:
         origin = _own_origin(constant)
     unix = constant.get("start_unix_s", np.nan)
+    raw_t = rows.columns["t_s"]
+    # Milli- and microseconds are often Unix times, which as seconds in float64 lose their last digits.
+    start = float(raw_t[0]) if unit_s != 1.0 else 0.0
+    rows = rows.having(t_s=(raw_t - start) * unit_s)
     return make_trip(
         path,
         trip_id,
@@ -88,7 +95,7 @@ def _trip(
         count=count,
         source=source,
         origin=origin,
-        unix_offset_s=unix - float(columns["t_s"][0]) if np.isfinite(unix) else None,
+        unix_offset_s=unix + start * unit_s if np.isfinite(unix) else None,
     )
 
 

@@ -107,7 +107,7 @@ def _headline_table(result: EvaluationResult) -> str:
         mbc, baseline = line.mbc, line.baseline
         rows.append(
             [
-                number(100 * line.threshold_m, 4),
+                f"{100 * line.threshold_m:.4g}",
                 number(mbc and mbc.update_rate_hz),
                 number(mbc and mbc.identification_rate_hz),
                 number(mbc and mbc.total_rate_hz),
@@ -195,8 +195,8 @@ def _details(title: str, rows: Sequence[TrackingRow]) -> str:
             "all trips" if row.trip == POOLED else row.trip,
             policy_label(row.policy, row.rate_basis or ""),
             row.bank,
-            number(100 * row.threshold_m, 4),
-            number(100 * row.packet_error_ratio),
+            f"{100 * row.threshold_m:.4g}",
+            f"{100 * row.packet_error_ratio:.4g}",
             str(row.seeds),
             number(row.message_rate_hz),
             *(number(value) for value in (row.pte_mean_m, row.pte_p50_m, row.pte_p90_m)),

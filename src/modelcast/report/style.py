@@ -60,6 +60,8 @@ _PARAMETERS = {
     "axes.spines.right": False,
     "axes.spines.top": False,
     "axes.titlesize": 8.0,
+    # No ticks on top, so Matplotlib need not search for a free place at every draw.
+    "axes.titley": 1.0,
     "figure.constrained_layout.h_pad": 0.04,
     "figure.constrained_layout.w_pad": 0.04,
     "figure.titlesize": 8.5,

@@ -19,13 +19,16 @@ from modelcast.models.gp.layout import (
 )
 from modelcast.models.gp.log_kernels import FAST, rough_log
 
-__all__ = ["coarse_grid", "coarse_scratch", "profile", "rotate"]
+__all__ = ["PROFILE", "coarse_grid", "coarse_scratch", "profile", "rotate"]
 
 _TINY = 1e-290
 _jit: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
 _inline: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy", inline="always")
 
 NB, NC = COARSE_NOISES, COARSE_LENGTHSCALES
+_B, _PRODUCT, _DETERMINANT, _Q, _TAU, _C0, _C1, _A0, _A1, _ONE = range(LANES, 11 * LANES, LANES)
+PROFILE = 11 * LANES
+"""Length of the vector that `profile` works in."""
 
 
 @_jit
@@ -184,59 +187,76 @@ def _profile(
     o = n * hp
     g0 = gamma[0]
     g1 = gamma[1]
-    b0 = np.exp(first)
+    value = np.exp(first)
     ratio = np.exp(step)
     for lane in range(LANES):
-        out[LANES + lane] = b0
-        b0 *= ratio
+        out[_B + lane] = value
+        value *= ratio
+        out[_PRODUCT + lane] = 1.0
+        out[_DETERMINANT + lane] = 0.0
+        out[_Q + lane] = 0.0
+        out[_TAU + lane] = 0.0
+        out[_C0 + lane] = 0.0
+        out[_C1 + lane] = 0.0
+        out[_A0 + lane] = 0.0
+        out[_A1 + lane] = 0.0
+        out[_ONE + lane] = 0.0
+    # One simple loop over the lanes at a time, all in one array at fixed places: that is what vectorises.
+    for k in range(n):
+        at = k if k < he else k - he + hp
+        eigenvalue = row[o + k]
+        t = row[o + n + k]
+        square = z[at] * z[at]
+        line = z[at] * t
+        tt = t * t
+        if D == 2:
+            other = z[2 * hp + at]
+            square += other * other
+            line1 = other * t
+            for lane in range(LANES):
+                out[_C1 + lane] += line1 / (eigenvalue + out[_B + lane])
+        for lane in range(LANES):
+            v = eigenvalue + out[_B + lane]
+            w = 1.0 / v
+            out[_PRODUCT + lane] *= v
+            out[_Q + lane] += square * w
+            out[_C0 + lane] += line * w
+            out[_TAU + lane] += tt * w
+        if flat and k < he:
+            i = row[o + 2 * n + k]
+            level = z[at] * i
+            level1 = z[2 * hp + at] * i if D == 2 else 0.0
+            for lane in range(LANES):
+                w = 1.0 / (eigenvalue + out[_B + lane])
+                out[_A0 + lane] += level * w
+                out[_A1 + lane] += level1 * w
+                out[_ONE + lane] += i * i * w
+        if k % 16 == 15:
+            for lane in range(LANES):
+                out[_DETERMINANT + lane] += rough_log(out[_PRODUCT + lane])
+                out[_PRODUCT + lane] = 1.0
     noise_low, noise_high = constants[AT_NOISE_LOW], constants[AT_NOISE_HIGH]
     variance_low, variance_high = constants[AT_VARIANCE_LOW], constants[AT_VARIANCE_HIGH]
+    if not flat:
+        for lane in range(LANES):
+            out[_ONE + lane] = 1.0
     for lane in range(LANES):
-        b = out[LANES + lane]
-        q = 0.0
-        c0 = 0.0
-        c1 = 0.0
-        a0 = 0.0
-        a1 = 0.0
-        tau = 0.0
-        one = 0.0
-        product = 1.0
-        log_determinant = 0.0
-        for k in range(n):
-            at = k if k < he else k - he + hp
-            v = row[o + k] + b
-            w = 1.0 / v
-            product *= v
-            if k % 16 == 15:
-                log_determinant += rough_log(product)
-                product = 1.0
-            t = row[o + n + k]
-            tw = t * w
-            tau += t * tw
-            q += z[at] * z[at] * w
-            c0 += z[at] * tw
-            if D == 2:
-                q += z[2 * hp + at] * z[2 * hp + at] * w
-                c1 += z[2 * hp + at] * tw
-            if flat and k < he:
-                iw = row[o + 2 * n + k] * w
-                one += row[o + 2 * n + k] * iw
-                a0 += z[at] * iw
-                if D == 2:
-                    a1 += z[2 * hp + at] * iw
-        if flat:
-            product *= one
-        log_determinant += rough_log(product)
+        tau = out[_TAU + lane]
         over_tau = 1.0 / tau
-        R = q - (c0 * c0 + c1 * c1) * over_tau
-        if flat:
-            R -= (a0 * a0 + a1 * a1) / one
-        R = max(R, 1e-12 * q + _TINY)
+        one = out[_ONE + lane]
+        c0 = out[_C0 + lane]
+        c1 = out[_C1 + lane]
+        a0 = out[_A0 + lane]
+        a1 = out[_A1 + lane]
+        q = out[_Q + lane]
+        R = max(q - (c0 * c0 + c1 * c1) * over_tau - (a0 * a0 + a1 * a1) / one, 1e-12 * q + _TINY)
         t0 = c0 + g0 * tau
         t1 = c1 + g1 * tau
         P = (t0 * t0 + t1 * t1) * over_tau + _TINY
-        low = max(noise_low / b, variance_low)
-        high = min(noise_high / b, variance_high)
+        over_b = 1.0 / out[_B + lane]
+        low = max(noise_low * over_b, variance_low)
+        high = min(noise_high * over_b, variance_high)
+        log_determinant = out[_DETERMINANT + lane] + rough_log(out[_PRODUCT + lane] * one)
         out[lane] = objective(R, P, D, over_D, m, low, high, log_determinant)
 
 
@@ -244,7 +264,7 @@ def _profile(
 def profile(
     D: int, n: int, row: Any, gamma: Any, constants: Any, first: float, step: float, z: Any, out: Any
 ) -> None:
-    """Objective for `LANES` noise ratios, ``first`` [log b] and on by ``step``, into ``out`` (2·LANES,)."""
+    """Objective for `LANES` noise ratios, ``first`` [log b] and on by ``step``, into ``out`` (`PROFILE`,)."""
     he = (n + 1) // 2
     hp = (he + LANES - 1) // LANES * LANES
     if n == 10 and D == 1:

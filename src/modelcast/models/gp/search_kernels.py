@@ -10,7 +10,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from modelcast.models.gp.grid_kernels import coarse_grid, coarse_scratch, profile, rotate
+from modelcast.models.gp.grid_kernels import PROFILE, coarse_grid, coarse_scratch, profile, rotate
 from modelcast.models.gp.layout import (
     AT_COARSE_START,
     AT_COARSE_STRIDE,
@@ -48,7 +48,7 @@ _jit: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy
 NB, NC = COARSE_NOISES, COARSE_LENGTHSCALES
 _LOG_TWO_PI = float(np.log(2.0 * np.pi))
 _FIRST_STEP = 0.5
-_STEP = 0.3
+_STEP = 0.1
 _MARGIN = 2.0
 """A second basin is followed unless the coarse grid puts it this far above the first's optimum."""
 _TOLERANCE = 1e-6
@@ -57,7 +57,7 @@ _TOLERANCE = 1e-6
 @_jit
 def scratch_size(n: int) -> int:
     """Length of the scratch vector of `search`."""
-    return 4 * (n + LANES) + coarse_scratch(n) + NC * NB + 2 * NC + 2 * LANES
+    return 4 * (n + LANES) + coarse_scratch(n) + NC * NB + 2 * NC + PROFILE
 
 
 @_jit
@@ -233,6 +233,7 @@ def descend(
     """Best lengthscale of the fine grid near ``mid``: (objective, log b, index)."""
     last = FINE_LENGTHSCALES - 1
     Jm, xm = row_optimum(mid, x, _FIRST_STEP, folded, gamma, D, n, constants, z, lanes)
+    Jm, xm = row_optimum(mid, xm, _STEP, folded, gamma, D, n, constants, z, lanes)
     h = 8
     for _ in range(40):
         lo = max(mid - h, 0)
@@ -319,8 +320,8 @@ def search(folded: Any, gamma: Any, D: int, constants: Any, scratch: Any, out: A
     hp = (he + LANES - 1) // LANES * LANES
     z = scratch[0 : 4 * hp]
     at = 4 * hp
-    lanes = scratch[at : at + 2 * LANES]
-    at += 2 * LANES
+    lanes = scratch[at : at + PROFILE]
+    at += PROFILE
     best = scratch[at : at + NC]
     location = scratch[at + NC : at + 2 * NC]
     at += 2 * NC

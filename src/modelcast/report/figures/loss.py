@@ -48,7 +48,7 @@ def plot_loss(result: EvaluationResult) -> Figure:
         if len(ratios) <= _MOST_TICKS:
             first.set_xticks([100 * ratio for ratio in ratios], [f"{100 * ratio:.4g}" for ratio in ratios])
         figure.supxlabel("Packet error ratio [%]", fontsize=7.5)
-        figure.supylabel("90th percentile of the tracking error [m]", fontsize=7.5)
+        figure.supylabel("90th percentile of the PTE [m]", fontsize=7.5)
         top_legend(figure, first)
         return figure
 

@@ -131,13 +131,20 @@ def _label(panels: tuple[Axes, Axes], threshold_m: float, ratio: float | None) -
     left, right = panels
     left.set_title(f"Threshold {centimetres(threshold_m)}, without loss")
     left.set_xlabel("Message rate [1/s]")
-    left.set_xlim(left=0.0)
+    _from_zero(left)
     if ratio is None:
         right.set_axis_off()
         return
     right.set_title(f"Threshold {centimetres(threshold_m)}, packet error ratio {100 * ratio:.4g} %")
     right.set_xlabel("90th percentile of the tracking error [m]")
-    right.set_xlim(left=0.0)
+    _from_zero(right)
+
+
+def _from_zero(axes: Axes) -> None:
+    """Start at 0 and leave room for a whole marker at the largest value."""
+    axes.set_xlim(
+        0.0, 1.06 * axes.dataLim.x1 if np.isfinite(axes.dataLim.x1) and axes.dataLim.x1 > 0 else 1.0
+    )
 
 
 def _legend(figure: Figure, result: EvaluationResult) -> None:

@@ -1,0 +1,225 @@
+"""Small made files of every format, as a writer fixture: no real data is copied into the project."""
+
+import json
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+
+COUNT = 12
+SPEED_MPS = 10.0
+LATITUDE_STEP_DEG = SPEED_MPS * 0.1 / 111_000.0
+
+
+def bsm_row(at: int, **changed: object) -> str:
+    values: dict[str, object] = {
+        "RxDevice": 7, "FileId": 70, "TxDevice": 7, "GenTime": 291864241884364 + 100_000 * at,
+        "TxRandom": -9018, "MsgCount": at, "DSecond": 35800, "Latitude": 42.0 + at * LATITUDE_STEP_DEG,
+        "Longitude": -83.5, "Elevation": 200.0 + at, "Speed": SPEED_MPS, "Heading": 0.0, "Ax": "9.9999998E-3",
+        "Ay": 20.01, "Az": 0, "Yawrate": 1.5, "PathCount": 9, "RadiusOfCurve": 3276.7, "Confidence": 95,
+    }  # fmt: skip
+    return ",".join(str(value) for value in (values | changed).values())
+
+
+def bsm_file(rows: list[str], *, header: str | None = None, end: str = "\r\n") -> bytes:
+    lines = rows if header is None else [header, *rows]
+    return (end.join(lines) + end).encode()
+
+
+BSM_HEADER = (
+    "RxDevice,FileId,TxDevice,GenTime,TxRandom,MsgCount,DSecond,Latitude,Longitude,Elevation,Speed,Heading,"
+    "Ax,Ay,Az,Yawrate,PathCount,RadiusOfCurve,Confidence"
+)
+
+
+def wsu_row(at: int, **changed: object) -> str:
+    values: dict[str, object] = {
+        "Device": 8, "Trip": 80, "Time": 10 * at, "GpsValidWsu": 1, "GpsTimeWsu": 1349093298700 + 100 * at,
+        "LatitudeWsu": 42.0 + at * LATITUDE_STEP_DEG, "LongitudeWsu": -83.5, "AltitudeWsu": 180.0,
+        "GpsHeadingWsu": 90.0, "GpsSpeedWsu": 9.9, "HdopWsu": 1, "PdopWsu": 1, "FixQualityWsu": 1,
+        "GpsCoastingWsu": 0, "ValidCanWsu": 1, "YawRateWsu": 3.0, "SpeedWsu": 36.0, "TurnSngRWsu": 0,
+        "TurnSngLWsu": 0, "BrakeAbsTcsWsu": 0, "AxWsu": 0.5, "PrndlWsu": 5, "VsaActiveWsu": 0,
+        "HeadlampWsu": 0, "WiperWsu": 0, "ThrottleWsu": 0, "SteerWsu": 0,
+    }  # fmt: skip
+    return ",".join(str(value) for value in (values | changed).values())
+
+
+def hv_row(at: int, *, fields: int = 45, **changed: object) -> str:
+    values: dict[str, object] = {
+        "DeviceID": 9, "Trip": 90, "Time": 100 * at, "GPS_Elevation": 207.0, "GPS_Fix_Quality": 1,
+        "GPS_Hdop": 0.8, "GPS_Heading": 180.0, "GPS_Latitude": 42.0 - at * LATITUDE_STEP_DEG,
+        "GPS_Longitude": -83.5, "GPS_Number_Satellites": 9, "GPS_Pdop": 1.5, "GPS_Speed": 10.0,
+        "GPS_UTC_Time": 1350150235300 + 100 * at, "GPS_Valid": 1, "Roll": 0, "Pitch": 0, "ABS": "2         ",
+        "Brake": "0         ", "Headlight": 0, "Accel": -0.3, "Speed": 10.0, "PRNDL": 2, "Stability": 1,
+        "Steering": -2.7, "Throttle": 0, "Traction": "2         ", "Left": 0, "Right": 0, "Wiper": 0,
+        "Yaw": 2.0,
+    }  # fmt: skip
+    return ",".join([*(str(value) for value in (values | changed).values()), *["0"] * (fields - 30)])
+
+
+def openacc_file(rows: list[str] | None = None, *, order: str = "GHOST,FIRST,SECOND,") -> bytes:
+    head = [
+        "Date,9,10,2019", f"Vehicle_order,{order}", "Number_of_vehicles,3", "ACC,0", "Distance_setting,",
+        "Time,Speed2,E2,N2,Lon2,Lat2,Alt2,Speed3,E3,N3,Lon3,Lat3,Alt3,IVS2",
+    ]  # fmt: skip
+    made = [
+        f"{5370 + at / 10},10.0,{100 + at},50,16.8,46.9,229,10.0,{90 + at},50,16.8,46.9,230,5.5"
+        for at in range(COUNT)
+    ]
+    return ("\r\n".join([*head, *(made if rows is None else rows)]) + "\r\n").encode()
+
+
+def nyc_message(at: int, vehicle: str = "AB12", **changed: object) -> dict[str, Any]:
+    core = {
+        "id": vehicle, "X_m": 1.0 * at, "Y_m": 0.0, "Z_m": 1.0, "T_s": -6.0 + 0.1 * at, "speed_mps": 10.0,
+        "heading_deg": 90.0, "accelSet": {"long_mpss": 0.5, "yaw_dps": 2.0},
+    }  # fmt: skip
+    return {"bsmRecord": {"bsmMsg": {"coreData": core | changed}}}
+
+
+def nyc_file(messages: list[dict[str, Any]]) -> bytes:
+    return json.dumps({"eventHeader": {}, "bsmList": messages}).encode()
+
+
+def sentence(body: str) -> str:
+    total = 0
+    for character in body:
+        total ^= ord(character)
+    return f"${body}*{total:02X}"
+
+
+def gga(seconds: float, at: int = 0, talker: str = "GP", quality: int = 1) -> str:
+    return sentence(
+        f"{talker}GGA,{clock(seconds)},42{at * 0.0006:07.4f},N,08330.0000,W,{quality},8,1.0,200.0,M,-34.0,M,,"
+    )
+
+
+def rmc(seconds: float, at: int = 0, day: str = "231124", talker: str = "GP", status: str = "A") -> str:
+    return sentence(
+        f"{talker}RMC,{clock(seconds)},{status},42{at * 0.0006:07.4f},N,08330.0000,W,19.4384,90.0,{day},,,A"
+    )
+
+
+def clock(seconds: float) -> str:
+    tenths = round(seconds * 10) % 864000
+    return f"{tenths // 36000:02d}{tenths // 600 % 60:02d}{tenths % 600 / 10:04.1f}"
+
+
+def nmea_file(sentences: list[str]) -> bytes:
+    return ("\r\n".join(sentences) + "\r\n").encode()
+
+
+def smartloc_lines(word: str) -> list[str]:
+    numbers = "3785108.{at} 899901.5 5037234.5 0 0 0 0 0 0 0 0 0" if word == "point3" else (
+        "5.{at} 0 0 0 0 -0.1 0 0 0 0 0 0"
+    )  # fmt: skip
+    return [f"{word} {at / 5} " + numbers.format(at=at) + "  " for at in range(10)]
+
+
+def table_rows() -> dict[str, list[float]]:
+    times = [at / 10 for at in range(COUNT)]
+    return {"t": times, "x": [10 * t for t in times], "y": [0.0] * COUNT, "speed": [10.0] * COUNT}
+
+
+def csv_file() -> bytes:
+    return pl.DataFrame(table_rows()).write_csv().encode()
+
+
+def parquet_file() -> bytes:
+    buffer = BytesIO()
+    pl.DataFrame(table_rows()).write_parquet(buffer)
+    return buffer.getvalue()
+
+
+def comma_arrays() -> dict[str, np.ndarray]:
+    epoch = np.arange(COUNT)
+    gnss = np.stack(
+        [42 + epoch * LATITUDE_STEP_DEG, np.full(COUNT, -83.5), np.full(COUNT, 10.0),
+         1.53e12 + 100 * epoch, np.full(COUNT, 30.0), np.full(COUNT, 90.0)],
+        axis=1,
+    )  # fmt: skip
+    can_s = 999.99 + 0.012 * np.arange(150)
+    gyro_s = 999.99 + 0.01 * np.arange(180)
+    return {
+        "GNSS/live_gnss_ublox/t": 1000 + 0.1 * epoch + 0.02 * (epoch % 2),
+        "GNSS/live_gnss_ublox/value": gnss,
+        "CAN/speed/t": can_s,
+        "CAN/speed/value": can_s[:, None] - 990.0,
+        "IMU/gyro/t": gyro_s,
+        "IMU/gyro/value": np.tile([0.5, 0.6, 0.25], (180, 1)),
+    }
+
+
+def write_comma(folder: Path, arrays: dict[str, np.ndarray] | None = None) -> Path:
+    for name, array in (comma_arrays() if arrays is None else arrays).items():
+        path = folder / "processed_log" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("wb") as file:
+            np.save(file, array)
+    return folder
+
+
+VALID: dict[str, tuple[str, Callable[[], bytes]]] = {
+    "spmd-bsm": ("bsm.csv", lambda: bsm_file([bsm_row(at) for at in range(COUNT)], header=BSM_HEADER)),
+    "spmd-wsu": ("wsu.csv", lambda: bsm_file([wsu_row(at) for at in range(COUNT)])),
+    "spmd-hv": ("hv.csv", lambda: bsm_file([hv_row(at) for at in range(COUNT)])),
+    "openacc": ("platoon.csv", openacc_file),
+    "nyc-cvpd": ("event.json", lambda: nyc_file([nyc_message(at) for at in range(COUNT)])),
+    "nmea": (
+        "log.nmea",
+        lambda: nmea_file([text(at / 10, at) for at in range(COUNT) for text in (gga, rmc)]),
+    ),
+    "smartloc": ("Drive_GT.txt", lambda: "\n".join([*smartloc_lines("point3"), ""]).encode()),
+    "csv": ("table.csv", csv_file),
+    "parquet": ("table.parquet", parquet_file),
+}
+
+
+class Made:
+    """Writes made files into one folder."""
+
+    bsm_row = staticmethod(bsm_row)
+    bsm_header = BSM_HEADER
+    wsu_row = staticmethod(wsu_row)
+    hv_row = staticmethod(hv_row)
+    lines = staticmethod(bsm_file)
+    openacc = staticmethod(openacc_file)
+    nyc_message = staticmethod(nyc_message)
+    nyc = staticmethod(nyc_file)
+    gga = staticmethod(gga)
+    rmc = staticmethod(rmc)
+    sentence = staticmethod(sentence)
+    nmea = staticmethod(nmea_file)
+    smartloc_lines = staticmethod(smartloc_lines)
+    comma_arrays = staticmethod(comma_arrays)
+    comma = staticmethod(write_comma)
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def write(self, name: str, content: bytes | str) -> Path:
+        path = self.folder / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    def valid(self, format_name: str) -> Path:
+        if format_name == "comma2k19":
+            return write_comma(self.folder / "drive" / "40")
+        name, content = VALID[format_name]
+        return self.write(name, content())
+
+
+@pytest.fixture
+def made(tmp_path: Path) -> Made:
+    """Writer of made files."""
+    return Made(tmp_path)
+
+
+@pytest.fixture(scope="session")
+def session_made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """Writer of made files that live through all examples of a property."""
+    return Made(tmp_path_factory.mktemp("made"))
