@@ -1,9 +1,22 @@
 """Fixtures that several test modules share."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
+from hypothesis import settings
+
+from modelcast.core.arrays import FloatArray
+from modelcast.core.trajectory import Trajectory
+from modelcast.io.trips import read_trips
+from modelcast.models.bank import Bank
+from modelcast.models.base import Windows
+from modelcast.models.velocity import sample_matrix, velocity_estimator_for
+
+settings.register_profile("ci", derandomize=True, deadline=None)
+settings.load_profile("ci")
 
 
 @pytest.fixture(scope="session")
@@ -16,3 +29,112 @@ def data_folder() -> Path:
             pytest.fail(reason)
         pytest.skip(reason)
     return Path(folder)
+
+
+@pytest.fixture(scope="session")
+def dynamic_trips(data_folder: Path) -> dict[str, Trajectory]:
+    """Ten cars on a test track at 10 Hz, by name; some with gaps, some resampled, none with a heading."""
+    path = data_folder / "openacc_zalazone" / "short_setting__dynamic_part12.csv"
+    return {trip.trip_id.partition("/")[2]: trip for trip in read_trips(path)}
+
+
+@pytest.fixture(scope="session")
+def spmd_trip(data_folder: Path) -> Trajectory:
+    """A car of the Safety Pilot log, with speed and heading, on a coarse position grid."""
+    (trip,) = read_trips(data_folder / "spmd" / "bsm_p1_dev.csv")
+    return trip
+
+
+class Replica:
+    """A plain, slow sender: it fits and predicts through the public batch interface, one window at a time."""
+
+    def __init__(self, trip: Trajectory, bank: Bank) -> None:
+        self.trip = trip
+        self.bank = bank
+        self.samples = sample_matrix(trip, velocity_estimator_for(trip))
+        self._errors: dict[tuple[int, int, int], FloatArray] = {}
+
+    def has_window(self, now: int, member: int) -> bool:
+        """Whether the sub-model has a full window at this sample."""
+        return now - self.trip.segment_start[now] + 1 >= self.bank.members[member].window
+
+    def tracking_error_m(self, origin: int, now: int, member: int) -> float:
+        """Error at a sample of the sub-model fitted at an earlier one, infinite without a full window."""
+        if not self.has_window(origin, member):
+            return np.inf
+        block, at = divmod(now - origin, 128)
+        key = (origin, member, block)
+        if key not in self._errors:
+            self._errors[key] = self._block(origin, member, slice(origin + 128 * block, None))
+        return float(self._errors[key][at])
+
+    def _block(self, origin: int, member: int, ahead: slice) -> FloatArray:
+        model = self.bank.members[member]
+        window = self.samples[None, origin - model.window + 1 : origin + 1]
+        parameters = model.fit(Windows(window, dt_s=self.trip.dt_s))
+        horizons_s = self.trip.t_s[ahead][:128] - self.trip.t_s[origin]
+        moved = model.predict(parameters, horizons_s, dt_s=self.trip.dt_s)[0]
+        off = self.trip.position_m[origin] + moved - self.trip.position_m[ahead][:128]
+        return np.hypot(off[:, 0], off[:, 1])
+
+
+@pytest.fixture(scope="session")
+def replica() -> Callable[[Trajectory, Bank], Replica]:
+    """Makes a plain sender for a trip and a bank."""
+    return Replica
+
+
+Events = list[tuple[int, str, int]]
+
+
+def algorithm_1(
+    sender: Replica, *, threshold_m: float, start: str, identify: str, longest_s: float
+) -> tuple[Events, float]:
+    """Algorithm 1 from the paper's text, in dictionaries: (sample, message, sub-model), and the least margin.
+
+    The margin is the smallest distance of any tracking error from the threshold.
+    """
+    t_s = sender.trip.t_s
+    members = range(len(sender.bank.members))
+
+    def starter(now: int, used: int | None, lasted_s: dict[int, float]) -> int:
+        ready = [m for m in members if sender.has_window(now, m)]
+        if start == "keep" and used in ready:
+            return used
+        if start == "survivor":
+            return max(ready, key=lambda m: lasted_s.get(m, np.inf))
+        return ready[0]
+
+    lasted_s: dict[int, float] = {}
+    used = starter(0, None, lasted_s)
+    events: Events = [(0, "update", used)]
+    origin = spoken = 0
+    margin = np.inf
+    for now in range(1, len(t_s)):
+        errors = {m: sender.tracking_error_m(origin, now, m) for m in members}
+        margin = min(margin, *(abs(error - threshold_m) for error in errors.values()))
+        for m in members:
+            if errors[m] >= threshold_m:
+                lasted_s.setdefault(m, t_s[now] - t_s[origin])
+        holding = {m: error for m, error in errors.items() if error < threshold_m}
+        if identify == "final":
+            holding = {m: error for m, error in holding.items() if m not in lasted_s}
+        overdue = t_s[now] - t_s[spoken] >= longest_s - 1e-9
+        if not holding or overdue:
+            used = starter(now, used, lasted_s)
+            events.append((now, "keep-alive" if holding else "update", used))
+            origin = spoken = now
+            lasted_s = {}
+            continue
+        best = min(holding, key=lambda m: holding[m])
+        if best != used and (identify == "best" or errors[used] >= threshold_m):
+            used = best
+            spoken = now
+            events.append((now, "identification", used))
+    return events, margin
+
+
+@pytest.fixture(scope="session", name="algorithm_1")
+def _algorithm_1() -> Callable[..., tuple[Events, float]]:
+    """Run the plain reference of the error-driven policy."""
+    return algorithm_1

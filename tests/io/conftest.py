@@ -202,11 +202,13 @@ class Made:
         self.folder = folder
 
     def write(self, name: str, content: bytes | str) -> Path:
+        """Write a file and return its path."""
         path = self.folder / name
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
         return path
 
     def valid(self, format_name: str) -> Path:
+        """Write a small faultless recording of a format and return its path."""
         if format_name == "comma2k19":
             return write_comma(self.folder / "drive" / "40")
         name, content = VALID[format_name]

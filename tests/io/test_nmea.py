@@ -122,7 +122,7 @@ def test_bad_field_under_a_good_checksum_is_an_error(made, body):
     with pytest.raises(ValueError, match=r"."):
         parse_fix(body)
     path = made.write("l.nmea", made.nmea([made.sentence(body)]))
-    with pytest.raises(DataFormatError, match="row 1: .* in a sentence with a good checksum"):
+    with pytest.raises(DataFormatError, match=r"row 1: .* in a sentence with a good checksum"):
         list(read_trips(path))
 
 

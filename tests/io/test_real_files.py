@@ -29,8 +29,8 @@ FILES = {
     "openacc_zalazone/short_setting__handling_part36.csv": ("openacc", 8, 21848),
     "comma2k19/Example_1/b0c9d2329ad1606b_2018-08-02--08-34-47/40": ("comma2k19", 1, 579),
     "nyc_cvpd/nycdot-fcw-event.json": ("nyc-cvpd", 2, 322),
-    "smartloc/Berlin_Potsdamer_Platz_GT.txt": ("smartloc", 1, 1372),
-    "smartloc/Berlin_Potsdamer_Platz_Input.txt": ("smartloc", 1, 1372),
+    "smartloc/Berlin_Potsdamer_Platz_GT.txt": ("smartloc", 1, 21410),
+    "smartloc/Berlin_Potsdamer_Platz_Input.txt": ("smartloc", 1, 21410),
 }
 each_file = pytest.mark.parametrize("name", FILES)
 

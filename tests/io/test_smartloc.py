@@ -20,6 +20,7 @@ def test_either_file_finds_the_other(made):
     assert first.trip_id == second.trip_id == "D_GT/car"
     assert first.speed_mps[3] == 5.3
     assert first.yaw_rate_radps == pytest.approx(0.1), "anticlockwise in the file, clockwise in a trip"
+    assert dict(first.reading.skipped) == {"other measurement": 1}
     assert first.speed_mps.tobytes() == second.speed_mps.tobytes()
 
 

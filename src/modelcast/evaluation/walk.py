@@ -13,8 +13,7 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation import walk_kernels
 from modelcast.models.bank import Bank
-from modelcast.models.base import FunctionPointer, quiet_function_pointers
-from modelcast.models.point_kernels import FIT_SIGNATURE, PREDICT_SIGNATURE
+from modelcast.models.base import quiet_function_pointers
 from modelcast.models.velocity import VelocityEstimator, sample_matrix
 from modelcast.policy.base import Message
 from modelcast.policy.error_driven import ErrorDriven
@@ -82,8 +81,8 @@ class TripBank:
         self.bank = bank
         self.samples = sample_matrix(trip, estimator)
         ready = [member.point_functions(trip.dt_s) for member in bank.members]
-        self.fits = tuple(FunctionPointer(one.fit, FIT_SIGNATURE) for one in ready)
-        self.predicts = tuple(FunctionPointer(one.predict, PREDICT_SIGNATURE) for one in ready)
+        self.fits = tuple(one.fit_pointer for one in ready)
+        self.predicts = tuple(one.predict_pointer for one in ready)
         self.constants = tuple(one.constants for one in ready)
         self.parameters = np.zeros((len(trip), int(bank.offsets[-1])))
         self.fitted = np.zeros(len(trip), dtype=np.bool_)

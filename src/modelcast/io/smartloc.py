@@ -10,7 +10,7 @@ point3          t x y z, covariance (9)      time [s], position, Earth-centred [
 odom3           t vx vy vz wx wy wz,         vx is the speed [m/s]; wz the yaw rate [rad/s], which is
                 covariance (6)               anticlockwise and so turned round (against the positions'
                                              course its slope is -1.001)
-anything else   a word and numbers           other measurements (pseudoranges): not read
+anything else   a word and numbers           skipped, "other measurement" (pseudoranges), of both files
 ==============  ===========================  ==========================================================
 
 Times are seconds from the start of the drive, not absolute. Steps of 0.3 s occur among those of 0.2 s, so
@@ -18,16 +18,17 @@ trips are resampled. Speed and yaw rate are those of the same instant; where odo
 last value before it is held. Without an input file a trip has positions only.
 
 Skipped and counted: "partial last line" (also a cut last number), "no first value yet"; "duplicate time".
-Repaired and counted: "<column> missing, last value held". Time running backwards is an error.
+Repaired and counted: "odometry missing, last value held". Time running backwards is an error.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import ecef_to_enu
 from modelcast.core.trajectory import Trajectory
@@ -42,6 +43,17 @@ _WORDS = {"point3": 4, "odom3": 7}
 """Numbers needed on a line of each kind."""
 _EARTH_RADIUS_M = (6.3e6, 6.5e6)
 """Bounds of the distance of a road from the Earth's centre."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Measurements:
+    """One file: its points with their line numbers, its odometry, counts of other and of cut lines."""
+
+    line: IntArray
+    point: FloatArray
+    odometry: FloatArray
+    other: int
+    cut: int
 
 
 class SmartLocReader(AbstractTripReader):
@@ -66,10 +78,12 @@ class SmartLocReader(AbstractTripReader):
         """Yield the drive's one trip."""
         truth = self.stands_for(Path(path))
         truth_path = str(truth) if truth != Path(path) else path
-        point_line, point, cut = _measurements(truth_path, "point3")
+        files = [_measurements(truth_path)]
         sensors = truth.with_name(truth.name.removesuffix(_TRUTH) + _INPUT)
-        beside = truth.name.endswith(_TRUTH) and sensors.exists()
-        _, odometry, _ = _measurements(str(sensors) if beside else truth_path, "odom3")
+        if truth.name.endswith(_TRUTH) and sensors.exists():
+            files.append(_measurements(str(sensors)))
+        point_line, point = files[0].line, files[0].point
+        odometry = files[-1].odometry
         if not point.size:
             raise DataFormatError(
                 path,
@@ -87,7 +101,9 @@ class SmartLocReader(AbstractTripReader):
                 remedy="Positions are Earth-centred, in metres.",
             )
         tally = Tally()
+        cut, other = sum(file.cut for file in files), sum(file.other for file in files)
         tally.skip("partial last line", cut)
+        tally.skip("other measurement", other)
         trip_id = f"{truth.stem}/car"
         enu, origin = ecef_to_enu(point[:, 1:4])
         columns = {"t_s": point[:, 0], "east_m": enu[:, 0], "north_m": enu[:, 1], "up_m": enu[:, 2]}
@@ -98,7 +114,7 @@ class SmartLocReader(AbstractTripReader):
         rows = rows.without(again, "duplicate time", tally)
         trip = make_trip(
             truth_path, trip_id, rows, tally,
-            count=len(point_line) + cut, source=self.name, origin=origin,
+            count=len(point_line) + cut + other, source=self.name, origin=origin,
         )  # fmt: skip
         if trip is None:
             on_skipped(trip_id, tally.why_empty())
@@ -119,25 +135,27 @@ def _odometry_at(t_s: FloatArray, odometry: FloatArray, tally: Tally) -> dict[st
     }
 
 
-def _measurements(path: str, word: str) -> tuple[np.ndarray, FloatArray, int]:
-    """Return line numbers and numbers of one kind of line, and 1 where such a last line is cut."""
+def _measurements(path: str) -> _Measurements:
+    """Return what one file holds."""
     lines: list[int] = []
-    values: list[list[float]] = []
-    needed = _WORDS[word]
+    values: dict[str, list[list[float]]] = {word: [] for word in _WORDS}
+    other = cut = 0
     with Path(path).open(encoding="utf-8", errors="replace", newline="\n") as file:
         for number, line in enumerate(file, start=1):
             words = line.split()
             if not words:
                 continue
-            if not line.endswith("\n") and (words[0] != word or len(words) < needed + 1):
-                cut = int(word.startswith(words[0]))
-                return np.asarray(lines, np.int64), _table(values, needed), cut
-            if words[0] != word:
+            needed = _WORDS.get(words[0])
+            if not line.endswith("\n") and (needed is None or len(words) < needed + 1):
+                cut = 1
+            elif needed is None:
                 _check_other(path, number, words)
-                continue
-            lines.append(number)
-            values.append(_floats(path, number, words, needed))
-    return np.asarray(lines, np.int64), _table(values, needed), 0
+                other += 1
+            else:
+                values[words[0]].append(_floats(path, number, words, needed))
+                lines += [number] * (words[0] == "point3")
+    point, odometry = (_table(values[word], needed) for word, needed in _WORDS.items())
+    return _Measurements(np.asarray(lines, np.int64), point, odometry, other, cut)
 
 
 def _table(values: list[list[float]], width: int) -> FloatArray:

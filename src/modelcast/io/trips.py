@@ -46,11 +46,6 @@ def read_trips(
         Where a path does not exist or a file is not what its format says.
     ConfigError
         Where the format is unknown or has fixed columns but a map is given.
-
-    Examples
-    --------
-    >>> for trip in read_trips("trips.parquet"):  # doctest: +SKIP
-    ...     print(trip.trip_id, len(trip))
     """
     report = ignore_skipped if on_skipped is None else on_skipped
     seen: dict[str, int] = {}

@@ -92,8 +92,7 @@ def predictive_variance_m2(
 
     Notes
     -----
-    With the line's direction t and the constant's direction 1, both given flat or wide priors, the variance is
-    ``s²·(1 - k*ᵀM⁻¹k* + (h - tᵀM⁻¹k*)²/(tau + 1/a))`` and, for the intercept, ``+ s²·(1 - 1ᵀM⁻¹k*)²/o``. Time
+    With the line's direction t, the variance is ``s²·(1 - k*ᵀM⁻¹k* + (h - tᵀM⁻¹k*)²/(tau + 1/a))`` and, for the intercept, ``+ s²·(1 - 1ᵀM⁻¹k*)²/o``. Time
     is measured from the window's middle in the second case, where t and 1 are orthogonal in M⁻¹.
     """
     solved = inverse(samples, dt_s, lengthscales_s, noise_ratios)
@@ -115,7 +114,13 @@ def predictive_variance_m2(
 
 
 def projection_rows(
-    samples: int, dt_s: float, form: Form, *, lengthscale_s: float, noise_ratio: float, linear_ratio_per_s2: float
+    samples: int,
+    dt_s: float,
+    form: Form,
+    *,
+    lengthscale_s: float,
+    noise_ratio: float,
+    linear_ratio_per_s2: float,
 ) -> FloatArray:
     """Return the rows that turn displacements into [intercept,] slope and weights, (1 or 2 + n, n).
 

@@ -64,8 +64,8 @@ class GaussianProcess(AbstractSubModel):
         Window length n, 3 to 60.
     form
         "anchored": each axis on its own, the line passes through the last sample (the paper's form).
-        "intercept": a flat prior on a constant, and both axes share their hyper-parameters, so that the fit does
-        not depend on the frame's orientation.
+        "intercept": a flat prior on a constant, and both axes share their hyper-parameters, so that the fit
+        does not depend on the frame's orientation.
     noise_floor_m
         Least standard deviation of the white noise [m].
     hyperparameters
@@ -78,8 +78,9 @@ class GaussianProcess(AbstractSubModel):
 
     Notes
     -----
-    The payload holds, for every sample j, ``weight_j = α_j·k(0, t_j)``: what the sample adds to the displacement
-    at horizon 0. Then ``k(h, t_j)·α_j = exp(-h²/2l²)·exp(-h·dt/l²)^(n-1-j)·weight_j``, a polynomial in one number.
+    The payload holds for every sample j its share of the displacement at horizon 0, ``weight_j``: the dual
+    coefficient times ``k(0, t_j)``. At horizon h the share is
+    ``exp(-h²/2l²)·exp(-h·dt/l²)^(n-1-j)·weight_j``, so that the sum is a polynomial in one number.
 
     Examples
     --------
@@ -146,8 +147,8 @@ class GaussianProcess(AbstractSubModel):
     def covariance(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
         """Covariance of the noise-free position, given the window, relative to its last sample as measured.
 
-        A new *measurement* adds the white noise, ``noise_ratio·variance_m2`` on each axis. The last sample's own
-        noise does not enter: it is the origin of the displacement, known to both sides.
+        A new *measurement* adds the white noise, ``noise_ratio·variance_m2`` on each axis. The last sample's
+        own noise does not enter: it is the origin of the displacement, known to both sides.
         """
         variances = np.empty((parameters.shape[0], horizons_s.size, 2))
         for axis in range(2):
@@ -174,7 +175,12 @@ class GaussianProcess(AbstractSubModel):
             return one, two, three, four
         names = self.parameter_names
         end = "" if self.form == "intercept" else f"_{_AXES[axis]}"
-        wanted = (f"lengthscale{end}_s", f"noise_ratio{end}", f"linear_ratio{end}_per_s2", f"variance{end}_m2")
+        wanted = (
+            f"lengthscale{end}_s",
+            f"noise_ratio{end}",
+            f"linear_ratio{end}_per_s2",
+            f"variance{end}_m2",
+        )
         one, two, three, four = (parameters[:, names.index(name)] for name in wanted)
         return one, two, three, four
 

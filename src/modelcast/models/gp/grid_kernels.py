@@ -1,4 +1,4 @@
-"""Compiled objective over the coarse grid and along one fine row, written to vectorise over the noise ratios."""
+"""Compiled objective over the coarse grid and along one fine row, vectorised over the noise ratios."""
 
 from typing import Any
 
@@ -16,6 +16,7 @@ from modelcast.models.gp.layout import (
     COARSE_LENGTHSCALES,
     COARSE_NOISES,
     LANES,
+    POINTS,
 )
 from modelcast.models.gp.log_kernels import FAST, rough_log
 
@@ -26,8 +27,8 @@ _jit: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy
 _inline: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy", inline="always")
 
 NB, NC = COARSE_NOISES, COARSE_LENGTHSCALES
-_B, _PRODUCT, _DETERMINANT, _Q, _TAU, _C0, _C1, _A0, _A1, _ONE = range(LANES, 11 * LANES, LANES)
-PROFILE = 11 * LANES
+_B, _PRODUCT, _DETERMINANT, _Q, _TAU, _C0, _C1, _A0, _A1, _ONE = range(POINTS, 11 * POINTS, POINTS)
+PROFILE = 11 * POINTS
 """Length of the vector that `profile` works in."""
 
 
@@ -39,15 +40,22 @@ def coarse_scratch(n: int) -> int:
 
 @_jit
 def objective(
-    R: float, P: float, D: float, over_D: float, m: float, low: float, high: float, log_determinant: float
+    rest: float,
+    explained: float,
+    D: float,
+    over_D: float,
+    m: float,
+    low: float,
+    high: float,
+    log_determinant: float,
 ) -> float:
     """-2·log-likelihood up to a constant, variance and slope profiled inside their bounds."""
-    s = R * (over_D / (m - 1.0))
-    s = s if s <= P * over_D else (R + P) * (over_D / m)
+    s = rest * (over_D / (m - 1.0))
+    s = s if s <= explained * over_D else (rest + explained) * (over_D / m)
     s = min(high, max(s, low))
     return (
-        D * ((m - 1.0) * rough_log(s) + rough_log(max(s, P * over_D)) + log_determinant)
-        + (R + min(P, D * s)) / s
+        D * ((m - 1.0) * rough_log(s) + rough_log(max(s, explained * over_D)) + log_determinant)
+        + (rest + min(explained, D * s)) / s
     )
 
 
@@ -112,16 +120,16 @@ def _coarse_grid(
                 c0 += line0[k] * w
             over_tau = tab[e + NB + b]
             # The slope removed beforehand keeps this difference harmless on a coarse grid.
-            R = q - c0 * c0 * over_tau
+            rest = q - c0 * c0 * over_tau
             t0 = c0 + g0 * tab[e + b]
-            P = t0 * t0 * over_tau + _TINY
+            explained = t0 * t0 * over_tau + _TINY
             if D == 2:
                 c1 = 0.0
                 for k in range(n):
                     c1 += line1[k] * tab[at + 2 * n + k * NB + b]
-                R -= c1 * c1 * over_tau
+                rest -= c1 * c1 * over_tau
                 t1 = c1 + g1 * tab[e + b]
-                P += t1 * t1 * over_tau
+                explained += t1 * t1 * over_tau
             if flat:
                 a0 = 0.0
                 a1 = 0.0
@@ -130,16 +138,18 @@ def _coarse_grid(
                     a0 += z[even + i * he + k] * w
                     if D == 2:
                         a1 += z[axis + even + i * he + k] * w
-                R -= (a0 * a0 + a1 * a1) * tab[e + 2 * NB + b]
-            R = max(R, 1e-12 * q + _TINY)
+                rest -= (a0 * a0 + a1 * a1) * tab[e + 2 * NB + b]
+            rest = max(rest, 1e-12 * q + _TINY)
             low = max(noise_low * over_b[b], variance_low)
             high = min(noise_high * over_b[b], variance_high)
-            table[i * NB + b] = objective(R, P, D, over_D, m, low, high, tab[e + 3 * NB + b])
+            table[i * NB + b] = objective(rest, explained, D, over_D, m, low, high, tab[e + 3 * NB + b])
         at += stride
 
 
 @_jit
-def coarse_grid(folded: Any, gamma: Any, D: int, n: int, tab: Any, constants: Any, z: Any, table: Any) -> None:
+def coarse_grid(
+    folded: Any, gamma: Any, D: int, n: int, tab: Any, constants: Any, z: Any, table: Any
+) -> None:
     """Objective at every point of the coarse grid, to about 1e-4, into ``table`` (NC·NB,)."""
     # A constant length lets the compiler unroll and vectorise: the paper's window gets a copy of its own.
     if n == 10 and D == 1:
@@ -179,7 +189,17 @@ def rotate(folded: Any, D: int, n: int, row: Any, z: Any) -> None:
 
 @_inline
 def _profile(
-    D: int, n: int, he: int, ho: int, hp: int, row: Any, gamma: Any, constants: Any, first: float, step: float, z: Any, out: Any
+    D: int,
+    n: int,
+    he: int,
+    hp: int,
+    row: Any,
+    gamma: Any,
+    constants: Any,
+    first: float,
+    step: float,
+    z: Any,
+    out: Any,
 ) -> None:
     flat = constants[AT_FLAT] > 0.0
     m = n - constants[AT_FLAT]
@@ -189,7 +209,7 @@ def _profile(
     g1 = gamma[1]
     value = np.exp(first)
     ratio = np.exp(step)
-    for lane in range(LANES):
+    for lane in range(POINTS):
         out[_B + lane] = value
         value *= ratio
         out[_PRODUCT + lane] = 1.0
@@ -213,9 +233,9 @@ def _profile(
             other = z[2 * hp + at]
             square += other * other
             line1 = other * t
-            for lane in range(LANES):
+            for lane in range(POINTS):
                 out[_C1 + lane] += line1 / (eigenvalue + out[_B + lane])
-        for lane in range(LANES):
+        for lane in range(POINTS):
             v = eigenvalue + out[_B + lane]
             w = 1.0 / v
             out[_PRODUCT + lane] *= v
@@ -226,21 +246,21 @@ def _profile(
             i = row[o + 2 * n + k]
             level = z[at] * i
             level1 = z[2 * hp + at] * i if D == 2 else 0.0
-            for lane in range(LANES):
+            for lane in range(POINTS):
                 w = 1.0 / (eigenvalue + out[_B + lane])
                 out[_A0 + lane] += level * w
                 out[_A1 + lane] += level1 * w
                 out[_ONE + lane] += i * i * w
         if k % 16 == 15:
-            for lane in range(LANES):
+            for lane in range(POINTS):
                 out[_DETERMINANT + lane] += rough_log(out[_PRODUCT + lane])
                 out[_PRODUCT + lane] = 1.0
     noise_low, noise_high = constants[AT_NOISE_LOW], constants[AT_NOISE_HIGH]
     variance_low, variance_high = constants[AT_VARIANCE_LOW], constants[AT_VARIANCE_HIGH]
     if not flat:
-        for lane in range(LANES):
+        for lane in range(POINTS):
             out[_ONE + lane] = 1.0
-    for lane in range(LANES):
+    for lane in range(POINTS):
         tau = out[_TAU + lane]
         over_tau = 1.0 / tau
         one = out[_ONE + lane]
@@ -249,27 +269,27 @@ def _profile(
         a0 = out[_A0 + lane]
         a1 = out[_A1 + lane]
         q = out[_Q + lane]
-        R = max(q - (c0 * c0 + c1 * c1) * over_tau - (a0 * a0 + a1 * a1) / one, 1e-12 * q + _TINY)
+        rest = max(q - (c0 * c0 + c1 * c1) * over_tau - (a0 * a0 + a1 * a1) / one, 1e-12 * q + _TINY)
         t0 = c0 + g0 * tau
         t1 = c1 + g1 * tau
-        P = (t0 * t0 + t1 * t1) * over_tau + _TINY
+        explained = (t0 * t0 + t1 * t1) * over_tau + _TINY
         over_b = 1.0 / out[_B + lane]
         low = max(noise_low * over_b, variance_low)
         high = min(noise_high * over_b, variance_high)
         log_determinant = out[_DETERMINANT + lane] + rough_log(out[_PRODUCT + lane] * one)
-        out[lane] = objective(R, P, D, over_D, m, low, high, log_determinant)
+        out[lane] = objective(rest, explained, D, over_D, m, low, high, log_determinant)
 
 
 @_jit
 def profile(
     D: int, n: int, row: Any, gamma: Any, constants: Any, first: float, step: float, z: Any, out: Any
 ) -> None:
-    """Objective for `LANES` noise ratios, ``first`` [log b] and on by ``step``, into ``out`` (`PROFILE`,)."""
+    """Objective for `POINTS` noise ratios, ``first`` [log b] and on by ``step``, into ``out`` (`PROFILE`,)."""
     he = (n + 1) // 2
     hp = (he + LANES - 1) // LANES * LANES
     if n == 10 and D == 1:
-        _profile(1, 10, 5, 5, 8, row, gamma, constants, first, step, z, out)
+        _profile(1, 10, 5, 8, row, gamma, constants, first, step, z, out)
     elif n == 10:
-        _profile(2, 10, 5, 5, 8, row, gamma, constants, first, step, z, out)
+        _profile(2, 10, 5, 8, row, gamma, constants, first, step, z, out)
     else:
-        _profile(D, n, he, n // 2, hp, row, gamma, constants, first, step, z, out)
+        _profile(D, n, he, hp, row, gamma, constants, first, step, z, out)

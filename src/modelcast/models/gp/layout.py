@@ -1,11 +1,14 @@
 """Where the packed constants, and the result of a search, hold what.
 
 The packed constants are a header, the fine rows, and the coarse grid. Vectors are in the folded basis of
-`modelcast.models.gp.spectrum`. In a fine row each half is padded with zeros to a multiple of `LANES`:
-even vectors (he, hp), odd vectors (ho, hp), then eigenvalues, linear direction and constant direction (n each,
-even half first). The coarse grid holds, for all its lengthscales side by side, even vectors (he, NC·he) and odd
-vectors (ho, NC·ho), then for each lengthscale the linear and constant directions (n each), 1/(λ + b) as (n, NB),
-and tau, 1/tau, 1/o and log|M| (NB each).
+`modelcast.models.gp.spectrum`, even half (he) before odd half (ho).
+
+Fine row: even vectors (he, hp), odd vectors (ho, hp), each padded with zeros to hp, a multiple of `LANES`;
+then eigenvalues, linear direction, constant direction (n each).
+
+Coarse grid: for all its lengthscales side by side, even vectors (he, NC·he) and odd vectors (ho, NC·ho); then
+for each lengthscale linear direction, constant direction (n each), 1/(λ + b) as (n, NB), and tau, 1/tau, 1/o
+and log|M| (NB each).
 """
 
 __all__ = [
@@ -37,10 +40,13 @@ __all__ = [
     "OUT_SLOPE",
     "OUT_VARIANCE",
     "OUT_WEIGHTS",
+    "POINTS",
 ]
 
 LANES = 8
 """Doubles in the widest vector register."""
+POINTS = 16
+"""Noise ratios that are looked at together in one fine row; the compiler vectorises a loop of 16, not of 8."""
 
 COARSE_LENGTHSCALES = 16
 COARSE_NOISES = 16

@@ -44,11 +44,16 @@ def _float(_typing: Any, _value: Any) -> Any:
     return types.float64(types.int64), codegen
 
 
+# An intrinsic is called without its typing context: hence Any.
+_to_bits: Any = _bits
+_to_float: Any = _float
+
+
 @numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
 def rough_log(x: float) -> float:
     """Natural logarithm to 1e-6, continuous, of a positive normal number."""
-    bits = _bits(x)
+    bits = _to_bits(x)
     exponent = float((bits >> 52) - 1023)
-    m = _float((bits & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000) - 1.0
+    m = _to_float((bits & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000) - 1.0
     bend = _C0 + m * (_C1 + m * (_C2 + m * (_C3 + m * (_C4 + m * _C5))))
     return (exponent + m) * _LOG_TWO + m * (1.0 - m) * bend

@@ -1,8 +1,8 @@
 """Compiled maximum-likelihood search of the exact Gaussian process on an equally spaced window.
 
 Variance and slope are profiled in closed form, so that two hyper-parameters are left. A coarse grid over both
-finds the basins; each of the best two is followed along the fine lengthscales, where the best noise ratio of a
-row comes from `LANES` of them at once; Newton steps finish the noise ratio.
+finds the basins; each of the best two is followed along the fine lengthscales, where the best noise ratio of
+a row comes from `POINTS` of them at once; Newton steps finish the noise ratio.
 """
 
 from typing import Any
@@ -39,6 +39,7 @@ from modelcast.models.gp.layout import (
     OUT_SLOPE,
     OUT_VARIANCE,
     OUT_WEIGHTS,
+    POINTS,
 )
 from modelcast.models.gp.log_kernels import FAST
 
@@ -104,10 +105,10 @@ def slope_at(z: Any, gamma: Any, D: int, n: int, row: Any, constants: Any, x: fl
         trace -= one2 * over
     log_determinant += np.log(product)
     m = n - flat
-    R = 0.0
-    dR = 0.0
-    P = 0.0
-    dP = 0.0
+    rest = 0.0
+    d_rest = 0.0
+    explained = 0.0
+    d_explained = 0.0
     for d in range(D):
         c = 0.0
         a = 0.0
@@ -124,30 +125,30 @@ def slope_at(z: Any, gamma: Any, D: int, n: int, row: Any, constants: Any, x: fl
             w = 1.0 / (row[o + k] + b)
             r = z[at] - beta * row[o + n + k] - delta * row[o + 2 * n + k]
             rw = r * w
-            R += r * rw
-            dR -= rw * rw
+            rest += r * rw
+            d_rest -= rw * rw
             bend += rw * w * row[o + n + k]
         beta += gamma[d]
-        P += beta * beta * tau
-        dP -= 2.0 * beta * bend + beta * beta * tau2
-    s = R / ((m - 1.0) * D)
-    if s * D > P:
-        s = (R + P) / (m * D)
+        explained += beta * beta * tau
+        d_explained -= 2.0 * beta * bend + beta * beta * tau2
+    s = rest / ((m - 1.0) * D)
+    if s * D > explained:
+        s = (rest + explained) / (m * D)
     bound = s * b < constants[AT_NOISE_LOW] or s * b > constants[AT_NOISE_HIGH]
     s = min(max(s, constants[AT_NOISE_LOW] / b), constants[AT_NOISE_HIGH] / b)
     if s < constants[AT_VARIANCE_LOW] or s > constants[AT_VARIANCE_HIGH]:
         s = min(max(s, constants[AT_VARIANCE_LOW]), constants[AT_VARIANCE_HIGH])
         bound = False
-    if P > D * s:
-        J = D * ((m - 1.0) * np.log(s) + np.log(P / D) + log_determinant) + R / s + D
-        dJ = dR / s + D * dP / P + D * trace
-        ds = (m - 1.0) * D - R / s
+    if explained > D * s:
+        cost = D * ((m - 1.0) * np.log(s) + np.log(explained / D) + log_determinant) + rest / s + D
+        d_cost = d_rest / s + D * d_explained / explained + D * trace
+        d_variance = (m - 1.0) * D - rest / s
     else:
-        J = D * (m * np.log(s) + log_determinant) + (R + P) / s
-        dJ = (dR + dP) / s + D * trace
-        ds = m * D - (R + P) / s
+        cost = D * (m * np.log(s) + log_determinant) + (rest + explained) / s
+        d_cost = (d_rest + d_explained) / s + D * trace
+        d_variance = m * D - (rest + explained) / s
     # On the floor the variance is the floor over b, so it falls as b rises.
-    return J, dJ * b - (ds if bound else 0.0)
+    return cost, d_cost * b - (d_variance if bound else 0.0)
 
 
 @_jit
@@ -156,7 +157,7 @@ def finish(z: Any, gamma: Any, D: int, n: int, row: Any, constants: Any, x: floa
     low = constants[AT_LOG_RATIO_LOW]
     high = constants[AT_LOG_RATIO_HIGH]
     curvature = 1.0
-    J, g = slope_at(z, gamma, D, n, row, constants, x)
+    cost, g = slope_at(z, gamma, D, n, row, constants, x)
     for _ in range(12):
         if g * g <= 2.0 * _TOLERANCE * curvature:
             break
@@ -164,15 +165,15 @@ def finish(z: Any, gamma: Any, D: int, n: int, row: Any, constants: Any, x: floa
         xn = min(high, max(low, x + step))
         if xn == x:
             break
-        Jn, gn = slope_at(z, gamma, D, n, row, constants, xn)
+        costn, gn = slope_at(z, gamma, D, n, row, constants, xn)
         secant = (gn - g) / (xn - x)
         if secant > 1e-3:
             curvature = secant
-        if Jn <= J:
-            x, J, g = xn, Jn, gn
+        if costn <= cost:
+            x, cost, g = xn, costn, gn
         elif secant <= 1e-3:
             curvature = max(4.0 * curvature, 4.0 * abs(g))
-    return J, x
+    return cost, x
 
 
 @_jit
@@ -192,22 +193,22 @@ def row_optimum(
     row = fine_row(index, n, constants)
     rotate(folded, D, n, row, z)
     low = constants[AT_LOG_RATIO_LOW]
-    high = constants[AT_LOG_RATIO_HIGH] - (LANES - 1) * step
+    high = constants[AT_LOG_RATIO_HIGH] - (POINTS - 1) * step
     best, where, first = np.inf, 0, x
     for _ in range(6):
-        first = min(high, max(low, x - 0.5 * (LANES - 1) * step))
+        first = min(high, max(low, x - 0.5 * (POINTS - 1) * step))
         profile(D, n, row, gamma, constants, first, step, z, lanes)
         best = lanes[0]
         where = 0
-        for lane in range(1, LANES):
+        for lane in range(1, POINTS):
             if lanes[lane] < best:
                 best = lanes[lane]
                 where = lane
-        if (where == 0 and first > low) or (where == LANES - 1 and first < high):
+        if (where == 0 and first > low) or (where == POINTS - 1 and first < high):
             x = first + step * where
         else:
             break
-    if 0 < where < LANES - 1:
+    if 0 < where < POINTS - 1:
         left = lanes[where - 1]
         right = lanes[where + 1]
         curve = left - 2.0 * best + right
@@ -232,44 +233,48 @@ def descend(
 ) -> Any:
     """Best lengthscale of the fine grid near ``mid``: (objective, log b, index)."""
     last = FINE_LENGTHSCALES - 1
-    Jm, xm = row_optimum(mid, x, _FIRST_STEP, folded, gamma, D, n, constants, z, lanes)
-    Jm, xm = row_optimum(mid, xm, _STEP, folded, gamma, D, n, constants, z, lanes)
+    costm, xm = row_optimum(mid, x, _FIRST_STEP, folded, gamma, D, n, constants, z, lanes)
+    costm, xm = row_optimum(mid, xm, _STEP, folded, gamma, D, n, constants, z, lanes)
     h = 8
     for _ in range(40):
         lo = max(mid - h, 0)
         hi = min(mid + h, last)
-        Jl, xl, Jh, xh = Jm, xm, Jm, xm
+        costl, xl, costh, xh = costm, xm, costm, xm
         if lo < mid:
-            Jl, xl = row_optimum(lo, xm + tilt * (lo - mid), _STEP, folded, gamma, D, n, constants, z, lanes)
+            costl, xl = row_optimum(
+                lo, xm + tilt * (lo - mid), _STEP, folded, gamma, D, n, constants, z, lanes
+            )
         if hi > mid:
-            Jh, xh = row_optimum(hi, xm + tilt * (hi - mid), _STEP, folded, gamma, D, n, constants, z, lanes)
+            costh, xh = row_optimum(
+                hi, xm + tilt * (hi - mid), _STEP, folded, gamma, D, n, constants, z, lanes
+            )
         tilt = (xh - xl) / (hi - lo)
-        if Jl < Jm and Jl <= Jh:
-            mid, Jm, xm = lo, Jl, xl
+        if costl < costm and costl <= costh:
+            mid, costm, xm = lo, costl, xl
             h = min(2 * h, 64)
             continue
-        if Jh < Jm:
-            mid, Jm, xm = hi, Jh, xh
+        if costh < costm:
+            mid, costm, xm = hi, costh, xh
             h = min(2 * h, 64)
             continue
         vertex = mid
         if lo < mid < hi:
-            left = (Jl - Jm) / (mid - lo)
-            right = (Jh - Jm) / (hi - mid)
+            left = (costl - costm) / (mid - lo)
+            right = (costh - costm) / (hi - mid)
             if left + right > 0.0:
                 shift = 0.5 * (left * (hi - mid) - right * (mid - lo)) / (left + right)
                 vertex = min(hi, max(lo, mid + round(shift)))
         if h <= 2:
             # The parabola of the last, closest rows is trusted without another look.
-            return Jm, xm + tilt * (vertex - mid), vertex
+            return costm, xm + tilt * (vertex - mid), vertex
         if vertex != mid:
-            Jv, xv = row_optimum(
+            costv, xv = row_optimum(
                 vertex, xm + tilt * (vertex - mid), _STEP, folded, gamma, D, n, constants, z, lanes
             )
-            if Jv < Jm:
-                mid, Jm, xm = vertex, Jv, xv
+            if costv < costm:
+                mid, costm, xm = vertex, costv, xv
         h = 2
-    return Jm, xm, mid
+    return costm, xm, mid
 
 
 @_jit
@@ -311,9 +316,9 @@ def two_basins(best: Any) -> tuple[int, int]:
 
 @_jit
 def search(folded: Any, gamma: Any, D: int, constants: Any, scratch: Any, out: Any) -> None:
-    """Maximum likelihood of D folded, detrended axes; `modelcast.models.gp.layout` says where ``out`` has what.
+    """Maximum likelihood of D folded, detrended axes.
 
-    ``gamma`` (2,) holds the slopes taken out beforehand.
+    `modelcast.models.gp.layout` says where ``out`` has what; ``gamma`` (2,) holds the slopes taken out beforehand.
     """
     n = int(constants[AT_SAMPLES])
     he = (n + 1) // 2
@@ -358,7 +363,16 @@ def search(folded: Any, gamma: Any, D: int, constants: Any, scratch: Any, out: A
             if curve > 0.0:
                 shift = round(0.5 * COARSE_STEP * (best[a] - best[c]) / curve)
         found, place, row = descend(
-            i * COARSE_STEP + shift, location[i] + tilt * shift, tilt, folded, gamma, D, n, constants, z, lanes
+            i * COARSE_STEP + shift,
+            location[i] + tilt * shift,
+            tilt,
+            folded,
+            gamma,
+            D,
+            n,
+            constants,
+            z,
+            lanes,
         )
         if found < objective:
             objective, x, index = found, place, row
@@ -390,8 +404,8 @@ def conclude(gamma: Any, D: int, n: int, row: Any, constants: Any, z: Any, out: 
         tau += row[o + n + k] * row[o + n + k] * w
         one += row[o + 2 * n + k] * row[o + 2 * n + k] * w
     over = 1.0 / one if flat > 0.0 else 0.0
-    R = 0.0
-    P = 0.0
+    rest = 0.0
+    explained = 0.0
     for d in range(D):
         c = 0.0
         a = 0.0
@@ -405,18 +419,18 @@ def conclude(gamma: Any, D: int, n: int, row: Any, constants: Any, z: Any, out: 
         for k in range(n):
             at = 2 * d * hp + (k if k < he else k - he + hp)
             z[at] -= beta * row[o + n + k] + delta * row[o + 2 * n + k]
-            R += z[at] * z[at] / (row[o + k] + b)
+            rest += z[at] * z[at] / (row[o + k] + b)
         beta += gamma[d]
-        P += beta * beta * tau
+        explained += beta * beta * tau
         out[OUT_SLOPE + d] = beta
         out[OUT_CONSTANT + d] = delta
-    s = R / ((m - 1.0) * D)
-    if s * D > P:
-        s = (R + P) / (m * D)
+    s = rest / ((m - 1.0) * D)
+    if s * D > explained:
+        s = (rest + explained) / (m * D)
     out[OUT_FLOORED] = 1.0 if s * b < constants[AT_NOISE_LOW] else 0.0
     s = min(max(s, constants[AT_NOISE_LOW] / b), constants[AT_NOISE_HIGH] / b)
     s = min(max(s, constants[AT_VARIANCE_LOW]), constants[AT_VARIANCE_HIGH])
-    u = max(1.0, P / (D * s))
+    u = max(1.0, explained / (D * s))
     out[OUT_VARIANCE] = s
     out[OUT_LINEAR_RATIO] = (u - 1.0) / tau
     root = np.sqrt(0.5)

@@ -24,7 +24,7 @@ __all__ = ["HalfSpectrum", "fold", "half_times_s", "spectrum"]
 
 _LOG_TWO = float(np.log(2.0))
 _LOG_SMALLEST = -130.0
-"""Factors below this are raised to it: eigenvalues of 1e-113 are zero beside any noise, their vectors are not."""
+"""Factors are raised to this at least: eigenvalues of 1e-113 are zero beside any noise."""
 _SWEEPS = 30
 _ORTHOGONAL = 4e-16
 
@@ -55,7 +55,8 @@ def half_times_s(samples: int, dt_s: float) -> FloatArray:
     dt_s
         Sampling interval [s].
     """
-    return (np.arange((samples + 1) // 2) + (0.0 if samples % 2 else 0.5)) * dt_s
+    steps = np.arange((samples + 1) // 2, dtype=np.float64) + (0.0 if samples % 2 else 0.5)
+    return steps * dt_s
 
 
 def fold(columns: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -69,8 +70,8 @@ def fold(columns: FloatArray) -> tuple[FloatArray, FloatArray]:
     Examples
     --------
     >>> even, odd = fold(np.array([1.0, 5.0, 3.0]))
-    >>> (even**2).sum() + (odd**2).sum()
-    np.float64(35.0)
+    >>> round(float((even**2).sum() + (odd**2).sum()), 12)
+    35.0
     """
     samples = columns.shape[-1]
     later = columns[..., samples // 2 :]
@@ -134,7 +135,7 @@ def _factor(samples: int, dt_s: float, lengthscales_s: FloatArray, *, odd: bool)
     else:
         row = (_log_sinh if odd else _log_cosh)(theta / 2.0)
         power = np.arange(size)
-    weight = 0.5 * (_LOG_TWO if middle or not odd else _LOG_TWO) * np.ones(size)
+    weight = np.full(size, 0.5 * _LOG_TWO)
     if middle and not odd:
         weight[0] = 0.0
     left = weight - 0.5 * index**2 * x + row
@@ -184,5 +185,8 @@ def _rotate(columns: FloatArray, p: int, q: int) -> float:
     tangent = np.where(cosine < _ORTHOGONAL, 0.0, tangent)
     c = 1.0 / np.sqrt(1.0 + tangent**2)
     s = c * tangent
-    columns[p], columns[q] = c[:, None] * first - s[:, None] * second, s[:, None] * first + c[:, None] * second
+    columns[p], columns[q] = (
+        c[:, None] * first - s[:, None] * second,
+        s[:, None] * first + c[:, None] * second,
+    )
     return float(cosine.max())

@@ -28,7 +28,7 @@ LENGTHSCALE_BOUNDS_S = (0.1, 10.0)
 NOISE_CEILING_M = 1.0
 """Upper bound of the white noise's standard deviation [m]."""
 VARIANCE_BOUNDS_M2 = (1e-14, 1e8)
-"""Bounds of the RBF part's variance [m²]; the lower one is as good as none, so that a line can be just a line."""
+"""Bounds of the RBF part's variance [m²]; the lower is as good as none: a line can be just a line."""
 NOISE_RATIO_BOUNDS = (1e-14, 1e8)
 """Bounds of the relative noise: what the bounds above leave possible at a floor of 1 mm."""
 COARSE_NOISE_RATIO_BOUNDS = (1e-13, 1e2)
@@ -75,7 +75,7 @@ def lengthscale_grid(bounds_s: tuple[float, float] = LENGTHSCALE_BOUNDS_S) -> Fl
 
 def window_times_s(samples: int, dt_s: float) -> FloatArray:
     """Return the times of a window's samples, 0 at the last, (n,) [s]."""
-    return (np.arange(samples) - (samples - 1)) * dt_s
+    return (np.arange(samples, dtype=np.float64) - (samples - 1)) * dt_s
 
 
 @functools.lru_cache(maxsize=32)
@@ -113,7 +113,9 @@ def pack(samples: int, dt_s: float, form: Form, bounds: Bounds) -> FloatArray:
     header[at.AT_COARSE_START] = low
     header[at.AT_COARSE_STRIDE] = (high - low) / (COARSE_NOISES - 1)
     header[at.AT_LOG_LENGTHSCALE_START] = np.log(lengthscales[0])
-    header[at.AT_LOG_LENGTHSCALE_STRIDE] = np.log(lengthscales[-1] / lengthscales[0]) / (FINE_LENGTHSCALES - 1)
+    header[at.AT_LOG_LENGTHSCALE_STRIDE] = np.log(lengthscales[-1] / lengthscales[0]) / (
+        FINE_LENGTHSCALES - 1
+    )
     # Writeable, because the signature of a point function takes no read-only array.
     return np.concatenate([header, rows.ravel(), coarse])
 
@@ -121,13 +123,16 @@ def pack(samples: int, dt_s: float, form: Form, bounds: Bounds) -> FloatArray:
 def _rows(
     samples: int, form: Form, halves: tuple[HalfSpectrum, HalfSpectrum], times_s: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Eigenvalues, linear direction and constant direction in every lengthscale's eigen-basis, (L, n) each."""
+    """Eigenvalues, linear and constant direction in every lengthscale's eigen-basis, (L, n) each."""
     values = np.concatenate([half.values for half in halves], axis=1)
     centred = times_s - times_s.mean() if form == "intercept" else times_s
     constant = np.full(samples, float(form == "intercept"))
     linear, flat = (
         np.concatenate(
-            [np.einsum("j,ljk->lk", part, half.vectors) for part, half in zip(fold(column), halves, strict=True)],
+            [
+                np.einsum("j,ljk->lk", part, half.vectors)
+                for part, half in zip(fold(column), halves, strict=True)
+            ],
             axis=1,
         )
         for column in (centred, constant)
@@ -144,7 +149,11 @@ def _padded(vectors: FloatArray, width: int) -> FloatArray:
 
 
 def _coarse(
-    form: Form, halves: tuple[HalfSpectrum, HalfSpectrum], values: FloatArray, linear: FloatArray, flat: FloatArray
+    form: Form,
+    halves: tuple[HalfSpectrum, HalfSpectrum],
+    values: FloatArray,
+    linear: FloatArray,
+    flat: FloatArray,
 ) -> FloatArray:
     """Coarse grid: all eigenvectors side by side, then for each lengthscale what `layout` says."""
     ratios = np.geomspace(*COARSE_NOISE_RATIO_BOUNDS, COARSE_NOISES)

@@ -1,0 +1,49 @@
+"""Time the message rates of hybrid and baseline at four thresholds on one core, against real time."""
+
+import os
+import statistics
+import time
+from pathlib import Path
+
+from modelcast.evaluation.case import TripCase, make_case
+from modelcast.evaluation.rate import count_rates
+from modelcast.evaluation.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.evaluation.walk import TripBank
+from modelcast.io.trips import read_trips
+
+FILE = "openacc_zalazone/no_ACC__handling_part22.csv"
+ROUNDS = 9
+LEAST_RATIO = 10_000
+
+
+def walk_all(cases: list[TripCase], settings: EvaluationSettings) -> int:
+    """Walk every trip with both policies at every threshold; nothing is kept from an earlier call."""
+    messages = 0
+    for case in cases:
+        mbc = TripBank(case.seen, settings.bank, case.estimator)
+        baseline = TripBank(case.seen, BASELINE_BANK, case.estimator)
+        for count, _walk in count_rates(case, mbc, baseline, settings):
+            messages += count.updates + count.identifications
+    return messages
+
+
+def main() -> None:
+    """Time the walks of one file's trips."""
+    settings = EvaluationSettings()
+    trips = read_trips(Path(os.environ["MODELCAST_DATA"]) / FILE)
+    cases = [make_case(trip, settings) for trip in trips]
+    duration_s = sum(case.truth.duration_s for case in cases)
+    messages = walk_all(cases, settings)  # compiles
+    times: list[float] = []
+    for _ in range(ROUNDS):
+        start = time.perf_counter()
+        walk_all(cases, settings)
+        times.append(time.perf_counter() - start)
+    median = statistics.median(times)
+    print(f"rate evaluation: {len(cases)} trips, {duration_s:.0f} s, {messages} messages")
+    print(f"  median {1e3 * median:.0f} ms, best {1e3 * min(times):.0f} ms of {ROUNDS} runs")
+    print(f"  {duration_s / median:,.0f} times real time (at least {LEAST_RATIO:,})")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,184 @@
+"""The contract of a motion model, over every sub-model and over banks."""
+
+import numpy as np
+import pytest
+
+from modelcast.models.bank import Bank
+from modelcast.models.base import AbstractMotionModel, Windows
+from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.gp import GaussianProcess
+from modelcast.models.gp.gaussian_process import Hyperparameters
+
+FIXED = Hyperparameters(2.0, 1e-4, linear_ratio_per_s2=1.0, variance_m2=25.0)
+
+MODELS: dict[str, AbstractMotionModel] = {
+    "cv": ConstantVelocity(),
+    "gp-anchored": GaussianProcess(form="anchored"),
+    "gp-intercept": GaussianProcess(form="intercept"),
+    "gp-anchored-5": GaussianProcess(5, "anchored", noise_floor_m=0.01),
+    "gp-intercept-20": GaussianProcess(20, "intercept"),
+    "gp-anchored-fixed": GaussianProcess(form="anchored", hyperparameters=FIXED),
+    "gp-intercept-fixed": GaussianProcess(form="intercept", hyperparameters=FIXED),
+    "cv+gp-anchored": Bank((ConstantVelocity(), GaussianProcess(form="anchored"))),
+    "gp-intercept+cv": Bank((GaussianProcess(form="intercept"), ConstantVelocity())),
+}
+
+HORIZONS_S = np.array([0.0, 0.1, 0.35, 1.0, 2.5])
+DT_S = 0.1
+
+EIGENVALUE_ROUNDING_M2 = 1e-12
+"""A variance of zero may come out negative by rounding."""
+
+FRAME_ROUNDING_M = 1e-8
+"""Reassociated sums may round at the size of the coordinates, 1e-12 m at 8 km, and a fit amplifies that."""
+
+
+@pytest.fixture(params=MODELS.values(), ids=MODELS.keys(), name="model")
+def _model(request: pytest.FixtureRequest) -> AbstractMotionModel:
+    return request.param
+
+
+def windows(count: int = 30, length: int = 20) -> Windows:
+    """Cars that turn and brake, seen with 1 cm of noise, on a grid of 2**-20 m; the last three stand still."""
+    rng = np.random.default_rng(11)
+    t = np.arange(1 - length, 1) * DT_S
+    velocity = rng.normal(0.0, 15.0, (count, 1, 2))
+    acceleration = rng.normal(0.0, 2.0, (count, 1, 2))
+    jerk = rng.normal(0.0, 1.0, (count, 1, 2))
+    t = t[None, :, None]
+    position = velocity * t + acceleration * t**2 / 2 + jerk * t**3 / 6
+    position += rng.normal(0.0, 0.01, position.shape)
+    samples = np.concatenate([position, velocity + acceleration * t + jerk * t**2 / 2], axis=2)
+    samples[-3:] = 0.0
+    return Windows(np.round(samples * 2**20) / 2**20, dt_s=DT_S)
+
+
+def test_shapes_follow_the_batch(model: AbstractMotionModel) -> None:
+    parameters = model.fit(windows(7))
+    assert parameters.shape == (7, len(model.parameter_names))
+    assert model.predict(parameters, HORIZONS_S, dt_s=DT_S).shape == (7, HORIZONS_S.size, 2)
+    assert model.predict_at(parameters, np.ones(7), dt_s=DT_S).shape == (7, 2)
+    assert model.covariance(parameters, HORIZONS_S, dt_s=DT_S).shape == (7, HORIZONS_S.size, 2, 2)
+
+
+def test_an_empty_batch_is_a_batch(model: AbstractMotionModel) -> None:
+    parameters = model.fit(Windows(np.empty((0, 20, 4)), dt_s=DT_S))
+    assert parameters.shape == (0, len(model.parameter_names))
+    assert model.predict(parameters, HORIZONS_S, dt_s=DT_S).shape == (0, HORIZONS_S.size, 2)
+    assert model.predict_at(parameters, np.empty(0), dt_s=DT_S).shape == (0, 2)
+
+
+def test_parameters_are_finite_and_each_has_its_own_name(model: AbstractMotionModel) -> None:
+    assert np.isfinite(model.fit(windows())).all()
+    assert len(set(model.parameter_names)) == len(model.parameter_names)
+
+
+def test_predictions_are_finite_far_ahead(model: AbstractMotionModel) -> None:
+    parameters = model.fit(windows())
+    assert np.isfinite(model.predict(parameters, np.array([30.0, 3600.0]), dt_s=DT_S)).all()
+
+
+def test_predict_at_is_the_diagonal_of_predict(model: AbstractMotionModel) -> None:
+    parameters = model.fit(windows(HORIZONS_S.size))
+    all_pairs = model.predict(parameters, HORIZONS_S, dt_s=DT_S)
+    each = model.predict_at(parameters, HORIZONS_S, dt_s=DT_S)
+    assert np.array_equal(each, np.einsum("iik->ik", all_pairs))
+
+
+def test_a_batch_equals_its_rows_one_by_one(model: AbstractMotionModel) -> None:
+    together = windows()
+    parameters = model.fit(together)
+    moved = model.predict(parameters, HORIZONS_S, dt_s=DT_S)
+    for row in range(0, 30, 7):
+        alone = model.fit(Windows(together.samples[row : row + 1], dt_s=DT_S))
+        assert np.array_equal(alone[0], parameters[row])
+        assert np.array_equal(model.predict(alone, HORIZONS_S, dt_s=DT_S)[0], moved[row])
+
+
+def test_moving_the_frame_changes_no_prediction(model: AbstractMotionModel) -> None:
+    """The windows lie on a binary grid, so that the shift itself is exact."""
+    here = windows()
+    there = Windows(here.samples + (4096.0, -8192.0, 0.0, 0.0), dt_s=DT_S)
+    predicted = [model.predict(model.fit(one), HORIZONS_S, dt_s=DT_S) for one in (here, there)]
+    assert np.abs(predicted[1] - predicted[0]).max() < FRAME_ROUNDING_M
+
+
+def test_only_the_newest_samples_count(model: AbstractMotionModel) -> None:
+    if isinstance(model, Bank):
+        pytest.skip("a bank has no single window")
+    long = windows()
+    newest = Windows(long.samples[:, -model.window :].copy(), dt_s=DT_S)
+    assert np.array_equal(model.fit(long), model.fit(newest))
+
+
+def test_arguments_are_left_alone(model: AbstractMotionModel) -> None:
+    given = windows()
+    kept = given.samples.copy()
+    parameters = model.fit(given)
+    sent = parameters.copy()
+    horizons = HORIZONS_S.copy()
+    model.predict(parameters, horizons, dt_s=DT_S)
+    model.predict_at(parameters[:5], horizons, dt_s=DT_S)
+    model.covariance(parameters, horizons, dt_s=DT_S)
+    assert np.array_equal(given.samples, kept)
+    assert np.array_equal(parameters, sent)
+    assert np.array_equal(horizons, HORIZONS_S)
+
+
+def test_arrays_in_any_memory_order_give_the_same(model: AbstractMotionModel) -> None:
+    given = windows()
+    scattered = Windows(np.asfortranarray(given.samples), dt_s=DT_S)
+    parameters = model.fit(given)
+    assert np.array_equal(model.fit(scattered), parameters)
+    moved = model.predict(np.asfortranarray(parameters), HORIZONS_S, dt_s=DT_S)
+    assert np.array_equal(moved, model.predict(parameters, HORIZONS_S, dt_s=DT_S))
+
+
+def test_covariances_are_symmetric_positive_and_grow(model: AbstractMotionModel) -> None:
+    covariance = model.covariance(model.fit(windows()), HORIZONS_S, dt_s=DT_S)
+    assert np.array_equal(covariance, covariance.swapaxes(-1, -2))
+    assert np.linalg.eigvalsh(covariance).min() >= -EIGENVALUE_ROUNDING_M2
+    size = np.trace(covariance, axis1=-2, axis2=-1)
+    assert np.diff(size, axis=1).min() >= -EIGENVALUE_ROUNDING_M2
+
+
+def test_a_window_too_short_is_refused(model: AbstractMotionModel) -> None:
+    short = Windows(windows().samples[:, : model.window - 1], dt_s=DT_S)
+    with pytest.raises(ValueError, match=f"windows of {model.window} samples, got {model.window - 1}"):
+        model.fit(short)
+
+
+def test_parameters_of_another_length_are_refused(model: AbstractMotionModel) -> None:
+    """Compiled code would otherwise read past their end."""
+    parameters = model.fit(windows(2))[:, :-1]
+    with pytest.raises(ValueError, match="parameters"):
+        model.predict(parameters, HORIZONS_S, dt_s=DT_S)
+    with pytest.raises(ValueError, match="parameters"):
+        model.predict_at(parameters, np.ones(2), dt_s=DT_S)
+
+
+def test_as_many_ages_as_rows_are_needed(model: AbstractMotionModel) -> None:
+    """Compiled code would otherwise read past their end."""
+    parameters = model.fit(windows(3))
+    with pytest.raises(ValueError, match="ages_s"):
+        model.predict_at(parameters, np.ones(2), dt_s=DT_S)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_windows_that_are_not_finite_are_refused(value: float) -> None:
+    samples = windows().samples.copy()
+    samples[3, 4, 1] = value
+    with pytest.raises(ValueError, match="finite"):
+        Windows(samples, dt_s=DT_S)
+
+
+@pytest.mark.parametrize("shape", [(20, 4), (3, 20, 2), (3, 20, 5)])
+def test_windows_of_another_shape_are_refused(shape: tuple[int, ...]) -> None:
+    with pytest.raises(ValueError, match="samples must be"):
+        Windows(np.zeros(shape), dt_s=DT_S)
+
+
+@pytest.mark.parametrize("dt_s", [0.0, -0.1, np.nan, np.inf])
+def test_an_interval_that_is_no_interval_is_refused(dt_s: float) -> None:
+    with pytest.raises(ValueError, match="dt_s"):
+        Windows(np.zeros((1, 10, 4)), dt_s=dt_s)
