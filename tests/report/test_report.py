@@ -78,7 +78,8 @@ def test_report_says_what_the_labels_mean(make_result: Make, tmp_path: Path) -> 
         "The baselines send as often as MBC (updates and identifications counted)",
         "protocol: recorded, sensor",
         "no fix: 10",
-        "sigma_m 0.04",
+        "sigma m",
+        "0.04",
         "time does not increase",
     ):
         assert claim in text, claim

@@ -90,8 +90,8 @@ class GilbertElliott(AbstractChannel):
 
     def __post_init__(self) -> None:
         _check_ratio(self.ratio)
-        if not self.mean_burst_s > 0:
-            raise ValueError(f"mean_burst_s must be positive, got {self.mean_burst_s}")
+        if not (np.isfinite(self.mean_burst_s) and self.mean_burst_s > 0):
+            raise ValueError(f"mean_burst_s must be positive and finite, got {self.mean_burst_s}")
 
     @property
     def packet_error_ratio(self) -> float:

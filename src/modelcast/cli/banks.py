@@ -1,7 +1,7 @@
 """Banks of sub-models by name, as users type them."""
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.evaluation.settings import PAPER_BANK
+from modelcast.evaluation.settings import PAPER_BANK, PAPER_NOISE_FLOOR_M
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -9,8 +9,11 @@ from modelcast.models.gp import GaussianProcess
 
 __all__ = ["bank_from_text"]
 
+INTERCEPT_NOISE_FLOOR_M = 1e-3
+"""Smallest noise of the ``gp-intercept`` form where the user names none [m]."""
 
-def bank_from_text(text: str, *, noise_floor_m: float = 0.001, window: int = 10) -> Bank:
+
+def bank_from_text(text: str, *, noise_floor_m: float | None = None, window: int = 10) -> Bank:
     """The bank a user means.
 
     Parameters
@@ -19,7 +22,8 @@ def bank_from_text(text: str, *, noise_floor_m: float = 0.001, window: int = 10)
         ``paper`` (constant velocity, then the anchored Gaussian process), or sub-models in order, joined by
         ``+``: ``cv``, ``gp-anchored``, ``gp-intercept``.
     noise_floor_m
-        Smallest position noise the Gaussian processes may assume [m].
+        Smallest position noise the Gaussian processes may assume [m]; where None, none to speak of for the
+        paper's form and 1 mm for the other.
     window
         Samples they are fitted to.
 
@@ -41,11 +45,13 @@ def bank_from_text(text: str, *, noise_floor_m: float = 0.001, window: int = 10)
         raise ConfigError(f"--bank {text}: {error}") from error
 
 
-def _member(name: str, noise_floor_m: float, window: int) -> AbstractSubModel:
+def _member(name: str, noise_floor_m: float | None, window: int) -> AbstractSubModel:
     if name == "cv":
         return ConstantVelocity()
     if name == "gp-anchored":
-        return GaussianProcess(form="anchored", noise_floor_m=noise_floor_m, samples=window)
+        floor_m = PAPER_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
+        return GaussianProcess(window, "anchored", noise_floor_m=floor_m)
     if name == "gp-intercept":
-        return GaussianProcess(form="intercept", noise_floor_m=noise_floor_m, samples=window)
+        floor_m = INTERCEPT_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
+        return GaussianProcess(window, "intercept", noise_floor_m=floor_m)
     raise ValueError(f"no sub-model is named '{name}'; there are cv, gp-anchored and gp-intercept")

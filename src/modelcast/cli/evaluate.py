@@ -37,7 +37,8 @@ class EvaluateOptions:
     window
         Samples a Gaussian process is fitted to.
     noise_floor
-        Smallest position noise a Gaussian process may assume [m].
+        Smallest position noise a Gaussian process may assume [m]; 0.00001 for gp-anchored (the paper has no
+        floor) and 0.001 for gp-intercept where not given.
     start
         Sub-model in use after an update: first in order, the one kept, or the longest survivor.
     identify
@@ -76,7 +77,7 @@ class EvaluateOptions:
     seed: int = 0
     bank: str = "paper"
     window: int = 10
-    noise_floor: float = 0.001
+    noise_floor: float | None = None
     start: Literal["order", "keep", "survivor"] = "order"
     identify: Literal["on-failure", "final", "best"] = "on-failure"
     keep_alive: float = 2.0

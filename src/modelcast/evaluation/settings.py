@@ -1,7 +1,7 @@
 """What an evaluation is asked to do."""
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, asdict, dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -9,16 +9,20 @@ import numpy as np
 from modelcast.channel.base import AbstractChannel
 from modelcast.channel.erasure import GilbertElliott, IndependentErasure
 from modelcast.core.sensor import SensorModel
+from modelcast.evaluation.walk import require_start
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.policy.error_driven import ErrorDriven
 
-__all__ = ["BASELINE_BANK", "PAPER_BANK", "EvaluationSettings"]
+__all__ = ["BASELINE_BANK", "PAPER_BANK", "PAPER_NOISE_FLOOR_M", "EvaluationSettings"]
+
+PAPER_NOISE_FLOOR_M = 1e-5
+"""The paper's Gaussian process has no noise floor: a hundredth of a millimetre stands for none [m]."""
 
 PAPER_BANK = Bank(
-    (ConstantVelocity(), GaussianProcess(form="anchored")),
+    (ConstantVelocity(), GaussianProcess(form="anchored", noise_floor_m=PAPER_NOISE_FLOOR_M)),
     "paper",
 )
 """The paper's bank: constant velocity, then the per-axis maximum-likelihood Gaussian process."""
@@ -102,6 +106,7 @@ class EvaluationSettings:
             raise ValueError(f"delay_s must be finite and not negative, got {self.delay_s}")
         if self.expiry_s is not None and not self.expiry_s > 0:
             raise ValueError(f"expiry_s must be positive or None, got {self.expiry_s}")
+        require_start(self.bank)
         for threshold_m in self.thresholds_m:
             self.policy(threshold_m, keep_alive=True)
         for ratio in self.packet_error_ratios:
@@ -126,7 +131,7 @@ class EvaluationSettings:
             "seeds": self.seeds,
             "seed": self.seed,
             "bank": self.bank.name,
-            "sub_models": [member.name for member in self.bank.members],
+            "sub_models": [repr(member) for member in self.bank.members],
             "start": self.start,
             "identify": self.identify,
             "keep_alive_s": self.keep_alive_s,
@@ -134,5 +139,7 @@ class EvaluationSettings:
             "delay_s": self.delay_s,
             "expiry_s": self.expiry_s,
             "protocol": self.protocol,
+            "sensor": asdict(self.sensor),
+            "sizes": asdict(self.sizes),
             "keep_samples": self.keep_samples,
         }

@@ -18,7 +18,7 @@ from modelcast.models.velocity import VelocityEstimator, sample_matrix
 from modelcast.policy.base import Message
 from modelcast.policy.error_driven import ErrorDriven
 
-__all__ = ["TripBank", "Walk"]
+__all__ = ["TripBank", "Walk", "require_start"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +63,26 @@ class Walk:
         return self.kind != Message.NOTHING
 
 
+def require_start(bank: Bank) -> None:
+    """Refuse a bank that has nothing to send at a start or after a gap, where windows are short.
+
+    Parameters
+    ----------
+    bank
+        Sub-models.
+
+    Raises
+    ------
+    ValueError
+        Where every member needs a window of more than one sample.
+    """
+    if bank.window > 1:
+        raise ValueError(
+            f"bank {bank.name}: at a start and after a gap no sub-model has its window of {bank.window} "
+            "samples; add cv as the last one"
+        )
+
+
 class TripBank:
     """One bank made ready for one trip: windows, compiled members and the memo of fits.
 
@@ -74,9 +94,15 @@ class TripBank:
         Its sub-models.
     estimator
         The velocity that constant velocity coasts with.
+
+    Raises
+    ------
+    ValueError
+        Where the bank cannot serve short windows; see `require_start`.
     """
 
     def __init__(self, trip: Trajectory, bank: Bank, estimator: VelocityEstimator) -> None:
+        require_start(bank)
         self.trip = trip
         self.bank = bank
         self.samples = sample_matrix(trip, estimator)

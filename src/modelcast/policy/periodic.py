@@ -10,13 +10,17 @@ from modelcast.policy.base import AbstractTransmitPolicy, Decisions, TransmitInp
 
 __all__ = ["Periodic"]
 
+_TIME_SLACK_S = 1e-9
+"""Sums of periods may pass a sample time by rounding."""
+
 
 @dataclass(frozen=True, slots=True)
 class Periodic(AbstractTransmitPolicy[FloatArray]):
     """Model updates at a mean rate, each vehicle with a random phase.
 
     Messages fall due every ``1 / rate_hz`` and leave at the first sample at or after that; the first sample
-    is always sent. The state is the time the next message falls due, (B,) [s]; infinitely early at first.
+    is always sent. What falls due between two samples leaves as one message. The state is the time the next
+    message falls due, (B,) [s]; infinitely early at first.
 
     Parameters
     ----------
@@ -43,11 +47,14 @@ class Periodic(AbstractTransmitPolicy[FloatArray]):
         self, state: FloatArray, inputs: TransmitInputs, rng: np.random.Generator
     ) -> tuple[Decisions, FloatArray]:
         """Send where due; the phase is drawn with the first message."""
-        due = inputs.t_s >= state - 1e-9
+        due = inputs.t_s >= state - _TIME_SLACK_S
         period_s = 1.0 / self.rate_hz
         first = np.isneginf(state)
         phase_s = inputs.t_s + period_s * (1.0 - rng.random(state.size))
-        later = np.where(first, phase_s, np.where(due, state + period_s, state))
+        # All that fell due by now leave as one message: a gap in the samples must not end in a burst.
+        was_due_s = np.where(first, inputs.t_s, state)
+        passed = np.floor((inputs.t_s - was_due_s + _TIME_SLACK_S) / period_s) + 1.0
+        later = np.where(first, phase_s, np.where(due, was_due_s + passed * period_s, state))
         kind = np.where(due, kernels.UPDATE, kernels.NOTHING).astype(np.int64)
         return Decisions(kind, np.zeros_like(kind)), later
 
@@ -63,6 +70,6 @@ class Periodic(AbstractTransmitPolicy[FloatArray]):
         """
         period_s = 1.0 / self.rate_hz
         first_due = t_s[0] + period_s * (1.0 - rng.random())
-        due = np.arange(first_due, t_s[-1] + 1e-9, period_s)
-        at = np.searchsorted(t_s, due - 1e-9)
+        due = np.arange(first_due, t_s[-1] + _TIME_SLACK_S, period_s)
+        at = np.searchsorted(t_s, due - _TIME_SLACK_S)
         return np.unique(np.concatenate([[0], at[at < t_s.size]])).astype(np.int64)

@@ -17,7 +17,7 @@ TITLES = {
 
 PROTOCOLS = {
     "recorded": "the log is both input and truth, so errors of the recording itself are not seen",
-    "sensor": "the log is smoothed to serve as truth, and the senders see a simulated sensor's reading of it",
+    "sensor": "truth (known, or the log, smoothed where it needs that) and what the sender's sensors see differ",
 }
 """What the protocols of `modelcast.evaluation.result.TripRow` mean."""
 

@@ -22,7 +22,7 @@ from modelcast.report.headline import (
 __all__ = ["console_report", "failures_table", "rates_table", "tracking_table"]
 
 _MISSING = "-"
-_SHORT_NAMES = {"mbc": "MBC", "baseline-matched": "error-driven", "baseline-periodic": "periodic"}
+_SHORT_NAMES = {"mbc": "MBC", "baseline-matched": "matched", "baseline-periodic": "periodic"}
 
 
 def console_report(result: EvaluationResult) -> RenderableType:

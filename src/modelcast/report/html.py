@@ -86,10 +86,10 @@ def _protocols(result: EvaluationResult) -> str:
 
 
 def _headline_table(result: EvaluationResult) -> str:
-    ratios = evaluated_ratios(result)
-    shown = sorted(
-        {ratio for ratio in (nearest_ratio(ratios, 0.0), nearest_ratio(ratios)) if ratio is not None}
-    )
+    return _rate_table(result) + _loss_table(result)
+
+
+def _rate_table(result: EvaluationResult) -> str:
     head = [
         "threshold [cm]",
         "MBC updates [1/s]",
@@ -100,28 +100,45 @@ def _headline_table(result: EvaluationResult) -> str:
         "MBC [byte/s]",
         "baseline [byte/s]",
     ]
-    shorts = {"mbc": "MBC", "baseline-matched": "error-driven", "baseline-periodic": "periodic"}
-    head += [f"p90 PTE [m] at PER {100 * ratio:g} %, {short}" for ratio in shown for short in shorts.values()]
-    rows: list[list[str]] = []
-    for line in headlines(result):
-        mbc, baseline = line.mbc, line.baseline
-        rows.append(
-            [
-                f"{100 * line.threshold_m:.4g}",
-                number(mbc and mbc.update_rate_hz),
-                number(mbc and mbc.identification_rate_hz),
-                number(mbc and mbc.total_rate_hz),
-                number(baseline and baseline.total_rate_hz),
-                number(line.ratio),
-                number(mbc and mbc.byte_rate_bps),
-                number(baseline and baseline.byte_rate_bps),
-                *(number(line.p90_m.get((ratio, policy))) for ratio in shown for policy in shorts),
-            ]
-        )
+    rows = [
+        [
+            number(100 * line.threshold_m, 4),
+            number(line.mbc and line.mbc.update_rate_hz),
+            number(line.mbc and line.mbc.identification_rate_hz),
+            number(line.mbc and line.mbc.total_rate_hz),
+            number(line.baseline and line.baseline.total_rate_hz),
+            number(line.ratio),
+            number(line.mbc and line.mbc.byte_rate_bps),
+            number(line.baseline and line.baseline.byte_rate_bps),
+        ]
+        for line in headlines(result)
+    ]
     note = (
-        "All trips pooled by time. Rates: ideal channel, no keep-alive, the baseline error-driven at the "
-        "same threshold. p90 PTE: 90th percentile of the position tracking error after the instant's "
-        f"message, with {loss_conditions(result)}; the two baselines at MBC's {rate_basis(result)} rate."
+        "Messages on an ideal channel without keep-alive, all trips pooled by time; the baseline is "
+        "error-driven at the same threshold. Bytes are application bytes by a plain size model."
+    )
+    return table(head, rows) + f'<p class="note">{escape(note)}</p>'
+
+
+def _loss_table(result: EvaluationResult) -> str:
+    ratios = evaluated_ratios(result)
+    nearest = (nearest_ratio(ratios, 0.0), nearest_ratio(ratios))
+    shown = sorted({ratio for ratio in nearest if ratio is not None})
+    if not shown:
+        return ""
+    shorts = {"mbc": "MBC", "baseline-matched": "error-driven", "baseline-periodic": "periodic"}
+    head = ["threshold [cm]"]
+    head += [f"PER {100 * ratio:g} %, {short}" for ratio in shown for short in shorts.values()]
+    rows = [
+        [
+            number(100 * line.threshold_m, 4),
+            *(number(line.p90_m.get((ratio, policy))) for ratio in shown for policy in shorts),
+        ]
+        for line in headlines(result)
+    ]
+    note = (
+        "90th percentile of the position tracking error [m] after the instant's message, with "
+        f"{loss_conditions(result)}; the two baselines at MBC's {rate_basis(result)} rate."
     )
     return table(head, rows) + f'<p class="note">{escape(note)}</p>'
 
@@ -141,7 +158,7 @@ def _figures(result: EvaluationResult, drawings: Iterable[Drawing]) -> list[str]
 
 
 def _trip_table(trips: Sequence[TripRow]) -> str:
-    head = ["trip", "format", "protocol", "skipped", "repaired", "conditioning", "velocity from"]
+    head = ["trip", "format", "protocol", "skipped", "repaired", "velocity from"]
     head += ["duration [s]", "standing [s]", "samples", "step [s]", "gaps", "rows", "grid E, N [mm]"]
     rows = [
         [
@@ -150,7 +167,6 @@ def _trip_table(trips: Sequence[TripRow]) -> str:
             trip.protocol,
             _pairs(trip.skipped),
             _pairs(trip.repaired),
-            _conditioning(trip),
             trip.velocity_estimator,
             number(trip.duration_s, 5),
             number(trip.standing_s, 5),
@@ -162,7 +178,7 @@ def _trip_table(trips: Sequence[TripRow]) -> str:
         ]
         for trip in trips
     ]
-    return table(head, rows, text_columns=7)
+    return table(head, rows, text_columns=6) + _conditioning_table(trips)
 
 
 def _tracking_section(result: EvaluationResult) -> str:
@@ -220,12 +236,15 @@ def _failures(failures: Mapping[str, str]) -> str:
     return table(["trip", "reason"], [[trip, why] for trip, why in sorted(failures.items())], text_columns=2)
 
 
-def _conditioning(trip: TripRow) -> str:
-    if not trip.conditioned:
-        return "none"
-    if not trip.conditioning:
-        return "smoothed"
-    return ", ".join(f"{name} {value:.4g}" for name, value in sorted(trip.conditioning.items()))
+def _conditioning_table(trips: Sequence[TripRow]) -> str:
+    """The smoother's figures, one row a trip whose truth was smoothed; nothing where none was."""
+    smoothed = [(trip.id, trip.conditioning) for trip in trips if trip.conditioning]
+    if not smoothed:
+        return ""
+    names = list(smoothed[0][1])
+    rows = [[trip, *(f"{figures[name]:.4g}" for name in names)] for trip, figures in smoothed]
+    heading = '<p class="note">Truth smoothed; the smoother found:</p>'
+    return heading + table(["trip", *(name.replace("_", " ") for name in names)], rows, text_columns=1)
 
 
 def _pairs(counts: Mapping[str, int]) -> str:

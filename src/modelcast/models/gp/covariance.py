@@ -92,8 +92,9 @@ def predictive_variance_m2(
 
     Notes
     -----
-    With the line's direction t, the variance is ``s²·(1 - k*ᵀM⁻¹k* + (h - tᵀM⁻¹k*)²/(tau + 1/a))`` and, for the intercept, ``+ s²·(1 - 1ᵀM⁻¹k*)²/o``. Time
-    is measured from the window's middle in the second case, where t and 1 are orthogonal in M⁻¹.
+    The variance is ``s²·(1 - k*ᵀM⁻¹k* + (h - tᵀM⁻¹k*)²/(tau + 1/a))`` with t the line's direction, and
+    for the intercept ``s²·(1 - 1ᵀM⁻¹k*)²/o`` more. There, time is measured from the window's middle, which
+    makes t and 1 orthogonal in M⁻¹.
     """
     solved = inverse(samples, dt_s, lengthscales_s, noise_ratios)
     times = window_times_s(samples, dt_s)

@@ -27,8 +27,8 @@ _jit: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy
 _inline: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy", inline="always")
 
 NB, NC = COARSE_NOISES, COARSE_LENGTHSCALES
-_B, _PRODUCT, _DETERMINANT, _Q, _TAU, _C0, _C1, _A0, _A1, _ONE = range(POINTS, 11 * POINTS, POINTS)
-PROFILE = 11 * POINTS
+_B, _PRODUCT, _DETERMINANT, _Q, _TAU, _C0, _C1, _A0, _A1, _ONE, _W = range(POINTS, 12 * POINTS, POINTS)
+PROFILE = 12 * POINTS
 """Length of the vector that `profile` works in."""
 
 
@@ -229,28 +229,29 @@ def _profile(
         square = z[at] * z[at]
         line = z[at] * t
         tt = t * t
+        for lane in range(POINTS):
+            v = eigenvalue + out[_B + lane]
+            w = 1.0 / v
+            out[_W + lane] = w
+            out[_PRODUCT + lane] *= v
+            out[_TAU + lane] += tt * w
         if D == 2:
             other = z[2 * hp + at]
             square += other * other
             line1 = other * t
             for lane in range(POINTS):
-                out[_C1 + lane] += line1 / (eigenvalue + out[_B + lane])
+                out[_C1 + lane] += line1 * out[_W + lane]
         for lane in range(POINTS):
-            v = eigenvalue + out[_B + lane]
-            w = 1.0 / v
-            out[_PRODUCT + lane] *= v
-            out[_Q + lane] += square * w
-            out[_C0 + lane] += line * w
-            out[_TAU + lane] += tt * w
+            out[_Q + lane] += square * out[_W + lane]
+            out[_C0 + lane] += line * out[_W + lane]
         if flat and k < he:
             i = row[o + 2 * n + k]
             level = z[at] * i
             level1 = z[2 * hp + at] * i if D == 2 else 0.0
             for lane in range(POINTS):
-                w = 1.0 / (eigenvalue + out[_B + lane])
-                out[_A0 + lane] += level * w
-                out[_A1 + lane] += level1 * w
-                out[_ONE + lane] += i * i * w
+                out[_A0 + lane] += level * out[_W + lane]
+                out[_A1 + lane] += level1 * out[_W + lane]
+                out[_ONE + lane] += i * i * out[_W + lane]
         if k % 16 == 15:
             for lane in range(POINTS):
                 out[_DETERMINANT + lane] += rough_log(out[_PRODUCT + lane])
@@ -284,7 +285,7 @@ def _profile(
 def profile(
     D: int, n: int, row: Any, gamma: Any, constants: Any, first: float, step: float, z: Any, out: Any
 ) -> None:
-    """Objective for `POINTS` noise ratios, ``first`` [log b] and on by ``step``, into ``out`` (`PROFILE`,)."""
+    """Objective for `POINTS` noise ratios, log b from ``first`` by ``step``, into ``out`` (`PROFILE`,)."""
     he = (n + 1) // 2
     hp = (he + LANES - 1) // LANES * LANES
     if n == 10 and D == 1:

@@ -46,7 +46,7 @@ __all__ = [
 LANES = 8
 """Doubles in the widest vector register."""
 POINTS = 16
-"""Noise ratios that are looked at together in one fine row; the compiler vectorises a loop of 16, not of 8."""
+"""Noise ratios looked at together in one fine row; the compiler vectorises a loop of 16, not of 8."""
 
 COARSE_LENGTHSCALES = 16
 COARSE_NOISES = 16
