@@ -1,7 +1,7 @@
 """How fast is the exact fit, and does it find the likelihood's maximum? scikit-learn in the same run.
 
 Likelihoods are computed anew by dense algebra in extended precision from the hyper-parameters that each
-program returns, so that neither program's bookkeeping counts. Needs ``MODELCAST_DATA``. One thread throughout.
+program returns, so that neither program's bookkeeping counts. One thread throughout; needs the real trips.
 """
 
 import argparse

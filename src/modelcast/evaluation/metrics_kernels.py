@@ -9,7 +9,7 @@ __all__ = ["BINS", "bin_middle", "bin_of", "count"]
 
 _SHIFT = 14  # leaves 9 bits of the mantissa: 512 bins an octave
 _FIRST = (127 - 14) << 9  # bin of 2**-14
-BINS = (28 << 9) + 1
+BINS = (28 << 9) + 2
 """Bin 0 holds everything below 2**-14; the last bin everything from 2**14 on."""
 
 

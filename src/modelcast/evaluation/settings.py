@@ -106,6 +106,12 @@ class EvaluationSettings:
             raise ValueError(f"delay_s must be finite and not negative, got {self.delay_s}")
         if self.expiry_s is not None and not self.expiry_s > 0:
             raise ValueError(f"expiry_s must be positive or None, got {self.expiry_s}")
+        for name, value, known in (
+            ("protocol", self.protocol, ("auto", "recorded", "sensor")),
+            ("keep_samples", self.keep_samples, ("first", "all", "none")),
+        ):
+            if value not in known:
+                raise ValueError(f"{name} must be one of {', '.join(known)}, got {value!r}")
         require_start(self.bank)
         for threshold_m in self.thresholds_m:
             self.policy(threshold_m, keep_alive=True)

@@ -20,8 +20,8 @@ __all__ = ["DRIVE_SENSOR", "MIN_DURATION_S", "CanBus", "Drive", "Manoeuvre", "ge
 MIN_DURATION_S = 90.0
 """The first lap, which holds every manoeuvre once, fits into this."""
 
-DRIVE_SENSOR = SensorModel(slow_position_noise_m=0.3, slow_correlation_s=300.0)
-"""White noise of 1 cm and a slow error of 0.3 m, which moves by less than 1 cm a step at 10 Hz."""
+DRIVE_SENSOR = SensorModel(slow_position_noise_m=0.05, slow_correlation_s=300.0)
+"""A receiver with carrier-phase corrections: white noise of 1 cm and a slow error of 5 cm an axis."""
 
 _FINE_S = 0.01
 _FIRST_SPEED_MPS = 8.0
