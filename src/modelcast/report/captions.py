@@ -17,7 +17,7 @@ TITLES = {
 
 PROTOCOLS = {
     "recorded": "the log is both input and truth, so errors of the recording itself are not seen",
-    "sensor": "truth (known, or the log, smoothed where it needs that) and what the sender's sensors see differ",
+    "sensor": "the truth (known, or the log, smoothed if need be) differs from what the sender's sensors see",
 }
 """What the protocols of `modelcast.evaluation.result.TripRow` mean."""
 

@@ -19,9 +19,18 @@ from modelcast.report.headline import (
     rate_basis,
 )
 
-__all__ = ["console_report", "failures_table", "rates_table", "tracking_table"]
+__all__ = ["conditioning_lines", "console_report", "failures_table", "rates_table", "tracking_table"]
 
 _MISSING = "-"
+_SHOWN_TRIPS = 5
+_SMOOTHER = (
+    "jerk_density_m2ps5",
+    "position_noise_m",
+    "velocity_noise_mps",
+    "position_nis",
+    "velocity_nis",
+    "correction_rms_m",
+)
 _SHORT_NAMES = {"mbc": "MBC", "baseline-matched": "matched", "baseline-periodic": "periodic"}
 
 
@@ -36,9 +45,32 @@ def console_report(result: EvaluationResult) -> RenderableType:
     parts: list[RenderableType] = [Text(scope_line(result)), rates_table(result)]
     if result.tracking:
         parts.append(tracking_table(result))
+    parts += [Text(line) for line in conditioning_lines(result)]
     if result.failures:
         parts.append(failures_table(result))
     return Group(*parts)
+
+
+def conditioning_lines(result: EvaluationResult) -> list[str]:
+    """Return one line a trip whose truth was smoothed, with what the smoother found; the first few.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    smoothed = [trip for trip in result.trips if trip.conditioning]
+    lines = [
+        f"truth of {trip.id} smoothed: "
+        + ", ".join(
+            f"{name} {trip.conditioning[name]:.3g}" for name in _SMOOTHER if name in trip.conditioning
+        )
+        for trip in smoothed[:_SHOWN_TRIPS]
+        if trip.conditioning
+    ]
+    if len(smoothed) > _SHOWN_TRIPS:
+        lines.append(f"... and of {len(smoothed) - _SHOWN_TRIPS} more trips (report.html)")
+    return lines
 
 
 def scope_line(result: EvaluationResult) -> str:

@@ -229,21 +229,23 @@ def _profile(
         square = z[at] * z[at]
         line = z[at] * t
         tt = t * t
-        for lane in range(POINTS):
-            v = eigenvalue + out[_B + lane]
-            w = 1.0 / v
-            out[_W + lane] = w
-            out[_PRODUCT + lane] *= v
-            out[_TAU + lane] += tt * w
+        line1 = 0.0
         if D == 2:
             other = z[2 * hp + at]
             square += other * other
             line1 = other * t
+        for lane in range(POINTS):
+            v = eigenvalue + out[_B + lane]
+            w = 1.0 / v
+            if D == 2 or flat:
+                out[_W + lane] = w
+            out[_PRODUCT + lane] *= v
+            out[_Q + lane] += square * w
+            out[_C0 + lane] += line * w
+            out[_TAU + lane] += tt * w
+        if D == 2:
             for lane in range(POINTS):
                 out[_C1 + lane] += line1 * out[_W + lane]
-        for lane in range(POINTS):
-            out[_Q + lane] += square * out[_W + lane]
-            out[_C0 + lane] += line * out[_W + lane]
         if flat and k < he:
             i = row[o + 2 * n + k]
             level = z[at] * i
