@@ -17,6 +17,18 @@ from modelcast.models.bank import Bank
 
 __all__ = ["Host", "HostState", "Receipt", "RemoteTrack", "Tracks"]
 
+_CLOCK_ERROR_S = 1.0
+"""A message dated later than its arrival by more than this is refused: it would lock out all that follow."""
+
+_REACH_M = 2e7
+"""No place on Earth is farther than this from another."""
+
+_IDS = 2**32
+"""Temporary ids have four bytes, as in SAE J2735."""
+
+_INTERVALS_S = (1e-3, 10.0)
+_LONGEST_LOOK_S = 60.0
+
 
 class Receipt(Enum):
     """What became of a received message."""
@@ -37,12 +49,16 @@ class RemoteTrack:
         The newest model update received.
     in_use
         Sub-model in use, by the newest message that named one.
+    named_s
+        When that message was sent [s].
     received_s
         When its last message arrived [s].
     """
 
     update: ModelUpdate
     in_use: int
+    _: KW_ONLY
+    named_s: float
     received_s: float
 
 
@@ -125,22 +141,11 @@ class Host:
         received_s
             When it arrived [s].
         """
-        if not self._is_possible(message):
+        if not self._is_possible(message, received_s):
             return Receipt.MALFORMED, state
-        held = state.remotes.get(message.vehicle)
         if isinstance(message, ModelUpdate):
-            if held is not None and message.t_s <= held.update.t_s:
-                return Receipt.OLDER, state
-            return Receipt.ACCEPTED, _with(
-                state, message.vehicle, RemoteTrack(message, message.in_use, received_s)
-            )
-        if held is None:
-            return Receipt.UNKNOWN_UPDATE, state
-        if message.sequence != held.update.sequence:
-            # It still tells that the remote is alive.
-            return Receipt.UNKNOWN_UPDATE, _with(state, message.vehicle, replace(held, received_s=received_s))
-        named = replace(held, in_use=message.in_use, received_s=received_s)
-        return Receipt.ACCEPTED, _with(state, message.vehicle, named)
+            return self._update(state, message, received_s)
+        return self._identify(state, message, received_s)
 
     def predict(self, state: HostState, t_s: float) -> Tracks:
         """Where every remote is believed to be; expired ones are left out.
@@ -172,8 +177,39 @@ class Host:
             in_use=np.array([track.in_use for track in live.values()], dtype=np.int64),
         )
 
-    def _is_possible(self, message: ModelUpdate | SubModelIdentification) -> bool:
-        if not (0 <= message.in_use < len(self.bank.members) and np.isfinite(message.t_s)):
+    def _update(self, state: HostState, message: ModelUpdate, received_s: float) -> tuple[Receipt, HostState]:
+        held = state.remotes.get(message.vehicle)
+        if held is not None and message.t_s <= held.update.t_s:
+            return Receipt.OLDER, state
+        if not self._predicts(message, message.in_use):
+            return Receipt.MALFORMED, state
+        track = RemoteTrack(message, message.in_use, named_s=message.t_s, received_s=received_s)
+        return Receipt.ACCEPTED, _with(state, message.vehicle, track)
+
+    def _identify(
+        self, state: HostState, message: SubModelIdentification, received_s: float
+    ) -> tuple[Receipt, HostState]:
+        held = state.remotes.get(message.vehicle)
+        if held is None:
+            return Receipt.UNKNOWN_UPDATE, state
+        if message.sequence != held.update.sequence:
+            # It still tells that the remote is alive.
+            return Receipt.UNKNOWN_UPDATE, _with(state, message.vehicle, replace(held, received_s=received_s))
+        if message.t_s <= held.named_s:
+            return Receipt.OLDER, state
+        if not self._predicts(held.update, message.in_use):
+            return Receipt.MALFORMED, state
+        named = replace(held, in_use=message.in_use, named_s=message.t_s, received_s=received_s)
+        return Receipt.ACCEPTED, _with(state, message.vehicle, named)
+
+    def _is_possible(self, message: ModelUpdate | SubModelIdentification, received_s: float) -> bool:
+        """Whether the message is one that a sender of this bank can send at all."""
+        if not (
+            0 <= message.vehicle < _IDS
+            and 0 <= message.in_use < len(self.bank.members)
+            and np.isfinite(message.t_s)
+            and message.t_s <= received_s + _CLOCK_ERROR_S
+        ):
             return False
         if isinstance(message, SubModelIdentification):
             return True
@@ -181,10 +217,16 @@ class Host:
             message.parameters.shape == (len(self.bank.parameter_names) - 1,)
             and np.isfinite(message.parameters).all()
             and message.position_m.shape == (2,)
-            and np.isfinite(message.position_m).all()
-            and np.isfinite(message.dt_s)
-            and message.dt_s > 0
+            and (np.abs(message.position_m) <= _REACH_M).all()
+            and _INTERVALS_S[0] <= message.dt_s <= _INTERVALS_S[1]
         )
+
+    def _predicts(self, update: ModelUpdate, member: int) -> bool:
+        """Whether the sub-model gives a place on Earth for as long as it may be asked."""
+        ages_s = np.array([0.0, min(self.expiry_s, _LONGEST_LOOK_S)])
+        parameters = np.concatenate([[member], update.parameters])[None]
+        moved = self.bank.predict(parameters, ages_s, dt_s=update.dt_s)
+        return bool((np.abs(moved) <= _REACH_M).all())
 
 
 def _with(state: HostState, vehicle: int, track: RemoteTrack) -> HostState:

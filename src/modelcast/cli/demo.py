@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from modelcast.cli.evaluate import EvaluateOptions
+from modelcast.cli.evaluate_options import EvaluateOptions
 
 __all__ = ["demo"]
 

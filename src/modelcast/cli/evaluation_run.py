@@ -11,7 +11,7 @@ from typing import Any, cast
 
 from rich.console import Console
 
-from modelcast.cli.evaluate import EvaluateOptions
+from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import parse_columns
 from modelcast.cli.reading import PARTLY_FAILED, TripSource, watched
 from modelcast.core.exceptions import ConfigError

@@ -31,6 +31,11 @@ BASELINE_BANK = Bank((ConstantVelocity(),), "cv")
 """Raw basic safety messages: the receiver coasts at constant velocity."""
 
 
+def _require_known(name: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise ValueError(f"{name} must be one of {', '.join(known)}, got {value!r}")
+
+
 @dataclass(frozen=True, slots=True)
 class EvaluationSettings:
     """What an evaluation is asked to do.
@@ -106,12 +111,8 @@ class EvaluationSettings:
             raise ValueError(f"delay_s must be finite and not negative, got {self.delay_s}")
         if self.expiry_s is not None and not self.expiry_s > 0:
             raise ValueError(f"expiry_s must be positive or None, got {self.expiry_s}")
-        for name, value, known in (
-            ("protocol", self.protocol, ("auto", "recorded", "sensor")),
-            ("keep_samples", self.keep_samples, ("first", "all", "none")),
-        ):
-            if value not in known:
-                raise ValueError(f"{name} must be one of {', '.join(known)}, got {value!r}")
+        _require_known("protocol", self.protocol, ("auto", "recorded", "sensor"))
+        _require_known("keep_samples", self.keep_samples, ("first", "all", "none"))
         require_start(self.bank)
         for threshold_m in self.thresholds_m:
             self.policy(threshold_m, keep_alive=True)

@@ -1,0 +1,149 @@
+"""The options of ``modelcast evaluate``, and the settings they mean."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+if TYPE_CHECKING:
+    from modelcast.evaluation.settings import EvaluationSettings
+
+__all__ = ["EvaluateOptions"]
+
+_Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True)]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class EvaluateOptions:
+    """Everything that changes the figures of an evaluation.
+
+    Parameters
+    ----------
+    threshold
+        Tracking-error thresholds [m].
+    per
+        Packet error ratios, 0 to 1.
+    seeds
+        Runs drawn for every packet error ratio.
+    seed
+        Seed of all random numbers.
+    bank
+        Sub-models of model-based communication, first in use first: 'paper', or names joined by '+' among cv,
+        gp-anchored, gp-intercept.
+    window
+        Samples a Gaussian process is fitted to.
+    noise_floor
+        Smallest position noise a Gaussian process may assume [m]; 0.00001 for gp-anchored (the paper has no
+        floor) and 0.001 for gp-intercept where not given.
+    start
+        Sub-model in use after an update: first in order, the one kept, or the longest survivor.
+    identify
+        When another sub-model is named: on failure of the one in use, the same but failures are final, or at
+        every change of the best.
+    keep_alive
+        Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
+    burst
+        Mean length of loss bursts [s] (Gilbert-Elliott); 0 for independent losses.
+    delay
+        Delivery delay [s].
+    expiry
+        Silence after which the host drops a remote [s]; 0 for never.
+    protocol
+        'recorded': the log is both input and truth. 'sensor': the truth is smoothed and the input simulated
+        from it. 'auto': sensor where the log lies on a coarse grid or holds values.
+    position_noise
+        White position noise of the sensor protocol [m].
+    slow_noise
+        Slowly varying position noise of the sensor protocol [m].
+    speed_noise
+        Speed noise of the sensor protocol [m/s].
+    heading_noise
+        Heading noise of the sensor protocol [deg].
+    latency
+        Age of what the sender sees, in the sensor protocol [s].
+    samples
+        Tracking-error samples written to samples.parquet: of the first seed, all seeds, or none.
+    map
+        Manoeuvre to draw, as TRIP@SECONDS; the sharpest where not given.
+    """
+
+    threshold: _Numbers = (0.2, 0.3, 0.4, 0.5)
+    per: _Numbers = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
+    seeds: int = 5
+    seed: int = 0
+    bank: str = "paper"
+    window: int = 10
+    noise_floor: float | None = None
+    start: Literal["order", "keep", "survivor"] = "order"
+    identify: Literal["on-failure", "final", "best"] = "on-failure"
+    keep_alive: float = 2.0
+    burst: float = 0.0
+    delay: float = 0.0
+    expiry: float = 0.0
+    protocol: Literal["auto", "recorded", "sensor"] = "auto"
+    position_noise: float = 0.01
+    slow_noise: float = 0.0
+    speed_noise: float = 0.05
+    heading_noise: float = 0.2
+    latency: float = 0.0
+    samples: Literal["first", "all", "none"] = "first"
+    map: str | None = None
+
+    def settings(self) -> "EvaluationSettings":
+        """The settings they mean.
+
+        Raises
+        ------
+        ConfigError
+            Where a value is out of its range.
+        """
+        import numpy as np
+
+        from modelcast.cli.banks import bank_from_text
+        from modelcast.core.exceptions import ConfigError
+        from modelcast.core.sensor import SensorModel
+        from modelcast.evaluation.settings import EvaluationSettings
+
+        bank = bank_from_text(self.bank, noise_floor_m=self.noise_floor, window=self.window)
+        try:
+            return EvaluationSettings(
+                tuple(self.threshold),
+                tuple(self.per),
+                seeds=self.seeds,
+                seed=self.seed,
+                bank=bank,
+                start=self.start,
+                identify=self.identify,
+                keep_alive_s=self.keep_alive or None,
+                mean_burst_s=self.burst or None,
+                delay_s=self.delay,
+                expiry_s=self.expiry or None,
+                protocol=self.protocol,
+                sensor=SensorModel(
+                    position_noise_m=self.position_noise,
+                    slow_position_noise_m=self.slow_noise,
+                    speed_noise_mps=self.speed_noise,
+                    heading_noise_rad=float(np.deg2rad(self.heading_noise)),
+                    latency_s=self.latency,
+                ),
+                keep_samples=self.samples,
+                map_at=_map_at(self.map),
+            )
+        except ValueError as error:
+            raise ConfigError(str(error)) from error
+
+
+def _map_at(text: str | None) -> tuple[str, float] | None:
+    from modelcast.core.exceptions import ConfigError
+
+    if text is None:
+        return None
+    trip, at, seconds = text.rpartition("@")
+    try:
+        start_s = float(seconds)
+    except ValueError:
+        start_s = float("nan")
+    if not at or start_s != start_s:  # noqa: PLR0124 - NaN
+        raise ConfigError(f"--map: '{text}' is not TRIP@SECONDS")
+    return trip, start_s
