@@ -14,7 +14,7 @@ def evaluate(
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
-    options: EvaluateOptions = EvaluateOptions(),
+    options: EvaluateOptions = EvaluateOptions(),  # noqa: B008 - frozen
     trace: Path | None = None,
     rerun: Path | None = None,
     json: bool = False,

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 __all__ = ["EvaluateOptions"]
 
-_Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True)]
+_Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")]
 
 
 @Parameter(name="*")
