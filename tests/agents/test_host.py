@@ -147,7 +147,9 @@ HOSTILE = {
     "NaN parameter": update(t_s=11.0, parameters=np.full(fitted().size, NAN)),
     "infinite parameter": update(t_s=11.0, parameters=np.full(fitted().size, math.inf)),
     "huge parameters": update(t_s=11.0, parameters=np.full(fitted().size, HUGE), in_use=0),
-    "huge parameters of another sub-model": update(t_s=11.0, parameters=np.full(fitted().size, HUGE), in_use=1),
+    "huge parameters of another sub-model": update(
+        t_s=11.0, parameters=np.full(fitted().size, HUGE), in_use=1
+    ),
     "parameters too few": update(t_s=11.0, parameters=fitted()[:-1]),
     "parameters too many": update(t_s=11.0, parameters=np.append(fitted(), 0.0)),
     "no parameters": update(t_s=11.0, parameters=np.empty(0)),
@@ -203,7 +205,7 @@ def test_an_expiry_must_be_positive(expiry_s: float) -> None:
 def test_fed_message_by_message_it_believes_what_the_replay_says(
     name: str, dynamic_trips: dict[str, Trajectory]
 ) -> None:
-    """Over a real trip at 40 % losses, with expiry; the belief is put together from the replay's two parts."""
+    """Over a real trip at 40 % losses, with expiry; the replay gives the error in its two parts."""
     trip = dynamic_trips[name]
     settings = EvaluationSettings((0.2,), (0.4,), bank=BANK, identify="best", protocol="recorded")
     case = make_case(trip, settings)
@@ -243,7 +245,7 @@ def sent(sender: TripBank, walk: Walk, now: int, number: int) -> ModelUpdate | S
 
 
 def replayed(case: TripCase, sender: TripBank, walk: Walk, lost: BoolArray, *, expiry_s: float) -> FloatArray:
-    """The evaluation's replay in double precision: errors after and before, along, across, and age, (5, T)."""
+    """The evaluation's replay in double precision: errors after, before, along, across, and age, (5, T)."""
     count = len(case.truth)
     errors = np.empty((5, 1, count))
     with quiet_function_pointers():

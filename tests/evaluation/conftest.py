@@ -17,7 +17,7 @@ def drive() -> Trajectory:
 
 @pytest.fixture(scope="session")
 def gapped_drive(drive: Trajectory) -> Trajectory:
-    """The drive with a gap of 5 s after 40 s and one of 1 s after 41 s, so that a part is short of a window."""
+    """The drive with a gap of 5 s and one of 1 s, and between them a part shorter than a window."""
     keep = (drive.t_s < 40.0) | ((drive.t_s >= 45.0) & (drive.t_s < 45.55)) | (drive.t_s >= 46.5)
     columns = {
         name: column[keep] for name, column in drive.columns().items() if name not in ("t_s", "position_m")

@@ -46,7 +46,9 @@ def test_pooled_rates_are_sums_of_messages_over_sums_of_time(both: EvaluationRes
     assert len(rows) == 2
     assert pooled.duration_s == pytest.approx(time_s)
     for count, rate in (("updates", "update_rate_hz"), ("identifications", "identification_rate_hz")):
-        assert getattr(pooled, rate) == pytest.approx(sum(getattr(row, count) for row in rows.values()) / time_s)
+        assert getattr(pooled, rate) == pytest.approx(
+            sum(getattr(row, count) for row in rows.values()) / time_s
+        )
     assert pooled.total_rate_hz == pytest.approx(pooled.update_rate_hz + pooled.identification_rate_hz)
     byte_count = sum(row.byte_rate_bps * row.duration_s for row in rows.values())
     assert pooled.byte_rate_bps == pytest.approx(byte_count / time_s)
@@ -114,9 +116,7 @@ def test_one_trip_pooled_is_the_trip(drive: Trajectory) -> None:
 
 def test_confidence_limits_hold_the_mean_of_the_seeds_percentiles(both: EvaluationResult) -> None:
     (row,) = (
-        row
-        for row in both.tracking
-        if (row.trip, row.policy, row.packet_error_ratio) == (POOLED, "mbc", 0.4)
+        row for row in both.tracking if (row.trip, row.policy, row.packet_error_ratio) == (POOLED, "mbc", 0.4)
     )
     assert row.pte_p90_low_m is not None
     assert row.pte_p90_high_m is not None
@@ -135,10 +135,12 @@ def test_the_same_seed_gives_the_same_result_and_another_other_losses(drive: Tra
 
 
 def test_the_order_of_trips_changes_no_trips_row(gapped_drive: Trajectory, slow_drive: Trajectory) -> None:
-    one, other = (evaluate(trips, SETTINGS) for trips in ([gapped_drive, slow_drive], [slow_drive, gapped_drive]))
+    one, other = (
+        evaluate(trips, SETTINGS) for trips in ([gapped_drive, slow_drive], [slow_drive, gapped_drive])
+    )
     for rows in ("rates", "tracking"):
         sides = [
-            sorted((repr(row) for row in getattr(side, rows) if row.trip != POOLED)) for side in (one, other)
+            sorted(repr(row) for row in getattr(side, rows) if row.trip != POOLED) for side in (one, other)
         ]
         assert sides[0] == sides[1]
 

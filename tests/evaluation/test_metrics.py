@@ -17,10 +17,14 @@ PROBABILITIES = (0.0, 0.1, 0.5, 0.9, 0.95, 0.99, 1.0)
 
 
 @given(
-    parts=st.lists(arrays(np.float64, st.integers(0, 30), elements=st.floats(0.0, 100.0)), min_size=1, max_size=5),
+    parts=st.lists(
+        arrays(np.float64, st.integers(0, 30), elements=st.floats(0.0, 100.0)), min_size=1, max_size=5
+    ),
     weights=st.lists(st.sampled_from([0.1, 0.2, 0.5, 1.0]), min_size=5, max_size=5),
 )
-def test_quantiles_are_numpys_inverted_cdf_with_weights(parts: list[FloatArray], weights: list[float]) -> None:
+def test_quantiles_are_numpys_inverted_cdf_with_weights(
+    parts: list[FloatArray], weights: list[float]
+) -> None:
     values = np.concatenate(parts)
     share = np.concatenate([np.full(one.size, weight) for one, weight in zip(parts, weights, strict=False)])
     found = quantiles([np.sort(one) for one in parts], weights[: len(parts)], PROBABILITIES)

@@ -110,9 +110,15 @@ def test_in_the_sensor_protocol_it_holds_against_the_input_and_not_against_the_t
 
 
 def plain_replay(
-    case: TripCase, bank: TripBank, walk: Walk, lost: BoolArray, delay_s: float = 0.0, expiry_s: float = np.inf
+    case: TripCase,
+    bank: TripBank,
+    walk: Walk,
+    lost: BoolArray,
+    settings: EvaluationSettings,
 ) -> dict[str, list[float]]:
-    """Error after and before each instant's messages, and age, from the rules of the receiver in plain words."""
+    """Error after and before each instant's messages, and age, by the rules of the receiver in plain words."""
+    delay_s = settings.delay_s
+    expiry_s = np.inf if settings.expiry_s is None else settings.expiry_s
     held: tuple[int, int] | None = None  # update and sub-model
     heard_s = -np.inf
     pending = [int(i) for i in np.flatnonzero(walk.transmits & ~lost)]
@@ -154,9 +160,7 @@ def test_the_replay_follows_the_rules_of_the_receiver(
     bank = TripBank(gapped_case.seen, HYBRID, gapped_case.estimator)
     walk = bank.walk(settings.policy(0.3, keep_alive=True))
     for ratio, seed in ((0, 0), (1, 0), (1, 1)):
-        expected = plain_replay(
-            gapped_case, bank, walk, lost[ratio, seed], delay_s, np.inf if expiry_s is None else expiry_s
-        )
+        expected = plain_replay(gapped_case, bank, walk, lost[ratio, seed], settings)
         for name, errors in (("after", run.after_m), ("age", run.age_s)):
             assert errors[ratio, seed] == pytest.approx(expected[name], rel=1e-6, abs=SINGLE_M, nan_ok=True)
         both = ~np.isnan(run.before_m[ratio, seed])
@@ -168,7 +172,11 @@ def scattered() -> Trajectory:
     """A trip that jumps about, so that every update and sub-model predicts something else by metres."""
     rng = np.random.default_rng(8)
     t = np.arange(14) * 0.1
-    position, speed, heading = rng.normal(0.0, 5.0, (14, 2)), rng.uniform(5.0, 20.0, 14), rng.uniform(0, 6, 14)
+    position, speed, heading = (
+        rng.normal(0.0, 5.0, (14, 2)),
+        rng.uniform(5.0, 20.0, 14),
+        rng.uniform(0, 6, 14),
+    )
     return build_trajectory("made/scattered", t, position, speed_mps=speed, heading_rad=heading)
 
 
@@ -205,7 +213,9 @@ def held_after(kinds: list[str], used: list[int], lost: list[int]) -> list[tuple
     for now in range(4):
         off_m = {}
         for at, member in np.ndindex(now + 1, 2):
-            own = bank.parameters[10 + at : 11 + at, bank.bank.offsets[member] : bank.bank.offsets[member + 1]]
+            own = bank.parameters[
+                10 + at : 11 + at, bank.bank.offsets[member] : bank.bank.offsets[member + 1]
+            ]
             age = trip.t_s[[10 + now]] - trip.t_s[10 + at]
             moved = bank.bank.members[member].predict_at(own, age, dt_s=trip.dt_s)[0]
             off_m[at, member] = abs(np.hypot(*(trip.position_m[10 + at] + moved)) - errors[0, 0, now])
@@ -268,7 +278,7 @@ def test_the_first_message_is_never_lost_and_higher_ratios_lose_more(gapped_case
 
 
 def test_every_contender_meets_the_same_losses(gapped_case: TripCase) -> None:
-    """Draws are a function of seed, run and trip alone; a baseline bank as MBC gives the baseline's errors."""
+    """Draws are a function of seed, run and trip alone; the baseline's bank as MBC gives its errors."""
     settings = EvaluationSettings((0.3,), (0.4,), seeds=3, bank=BASELINE_BANK)
     found = runs(gapped_case, settings)
     same, baseline = found["mbc", None, 0.3], found["baseline", None, 0.3]

@@ -26,7 +26,11 @@ STARTS = ("order", "keep", "survivor")
 IDENTIFIES = ("on-failure", "final", "best")
 
 TWO_GPS = Bank(
-    (GaussianProcess(form="intercept"), ConstantVelocity(), GaussianProcess(20, "anchored", noise_floor_m=0.01))
+    (
+        GaussianProcess(form="intercept"),
+        ConstantVelocity(),
+        GaussianProcess(20, "anchored", noise_floor_m=0.01),
+    )
 )
 
 
@@ -46,9 +50,7 @@ def updates(walk: Walk) -> BoolArray:
 def every_rule() -> list[ErrorDriven]:
     return [
         ErrorDriven(threshold_m, start, identify, longest_s)
-        for threshold_m, start, identify, longest_s in product(
-            THRESHOLDS_M, STARTS, IDENTIFIES, (None, 2.0)
-        )
+        for threshold_m, start, identify, longest_s in product(THRESHOLDS_M, STARTS, IDENTIFIES, (None, 2.0))
     ]
 
 
@@ -206,7 +208,9 @@ def test_final_never_returns_to_a_sub_model_that_failed_since_the_update(
 ) -> None:
     walk = ready(gapped_drive, TWO_GPS).walk(ErrorDriven(0.2, start, "final"))
     assert walk.identifications > 0
-    for first, end in zip(np.flatnonzero(updates(walk)), [*np.flatnonzero(updates(walk))[1:], None], strict=True):
+    for first, end in zip(
+        np.flatnonzero(updates(walk)), [*np.flatnonzero(updates(walk))[1:], None], strict=True
+    ):
         failed = np.maximum.accumulate(walk.tracking_error_m[first:end][1:] >= 0.2)
         used = walk.in_use[first:end][1:]
         assert not failed[np.arange(used.size), used].any()

@@ -39,7 +39,7 @@ def _model(request: pytest.FixtureRequest) -> AbstractMotionModel:
 
 
 def windows(count: int = 30, length: int = 20) -> Windows:
-    """Cars that turn and brake, seen with 1 cm of noise, on a grid of 2**-20 m; the last three stand still."""
+    """Cars that turn and brake, with 1 cm of noise, on a grid of 2**-20 m; the last three stand still."""
     rng = np.random.default_rng(11)
     t = np.arange(1 - length, 1) * DT_S
     velocity = rng.normal(0.0, 15.0, (count, 1, 2))
@@ -98,7 +98,7 @@ def test_a_batch_equals_its_rows_one_by_one(model: AbstractMotionModel) -> None:
 def test_moving_the_frame_changes_no_prediction(model: AbstractMotionModel) -> None:
     """The windows lie on a binary grid, so that the shift itself is exact."""
     here = windows()
-    there = Windows(here.samples + (4096.0, -8192.0, 0.0, 0.0), dt_s=DT_S)
+    there = Windows(here.samples + np.array([4096.0, -8192.0, 0.0, 0.0]), dt_s=DT_S)
     predicted = [model.predict(model.fit(one), HORIZONS_S, dt_s=DT_S) for one in (here, there)]
     assert np.abs(predicted[1] - predicted[0]).max() < FRAME_ROUNDING_M
 

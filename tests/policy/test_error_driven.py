@@ -80,7 +80,12 @@ def test_a_failure_is_final_until_the_next_update_only_under_final() -> None:
 
 @pytest.mark.parametrize(
     ("start", "failed_s", "expected"),
-    [("order", (0.1, 0.3), 0), ("keep", (0.3, 0.1), 1), ("survivor", (0.1, 0.3), 1), ("survivor", (0.3, 0.1), 0)],
+    [
+        ("order", (0.1, 0.3), 0),
+        ("keep", (0.3, 0.1), 1),
+        ("survivor", (0.1, 0.3), 1),
+        ("survivor", (0.3, 0.1), 0),
+    ],
 )
 def test_the_start_rule_names_the_sub_model_after_an_update(
     start: str, failed_s: tuple[float, float], expected: int

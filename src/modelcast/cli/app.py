@@ -56,6 +56,10 @@ def run(arguments: Sequence[str]) -> int:
     except ModelcastError as error:
         print(f"modelcast: {error}", file=sys.stderr)
         return USAGE
+    except OSError as error:
+        # Readers name their files themselves: what is left is a place that cannot be written.
+        print(f"modelcast: {error.filename or 'a file'}: {error.strerror or error}", file=sys.stderr)
+        return USAGE
     except KeyboardInterrupt:
         print("modelcast: interrupted; nothing was written", file=sys.stderr)
         return INTERRUPTED

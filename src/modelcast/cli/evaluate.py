@@ -51,8 +51,11 @@ def evaluate(
     from modelcast.core.exceptions import ConfigError
 
     if rerun is not None:
-        if paths:
-            raise ConfigError("--rerun takes its trips from run.json: name no other trips")
+        if paths or format or columns or trip != "*" or options != EvaluateOptions():
+            raise ConfigError(
+                "--rerun takes trips and options from run.json: only --out, --trace, --json and --quiet go "
+                "with it"
+            )
         asked = load_run(rerun)
     elif not paths:
         raise ConfigError("name at least one trip file or folder (modelcast evaluate --help)")

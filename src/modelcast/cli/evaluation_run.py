@@ -125,6 +125,8 @@ def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json:
         Print nothing but errors.
     """
     settings = asked.options.settings()
+    if trace is not None:
+        _require_trace(trace, out)
     source = TripSource(
         asked.paths,
         format_name=asked.format_name,
@@ -177,6 +179,16 @@ def publish(result: EvaluationResult, folder: Path) -> None:
     """
     write_results(result, folder)
     write_report(result, folder)
+
+
+def _require_trace(trace: Path, out: Path) -> None:
+    """Refuse a trace that could not be written, before the work is done."""
+    if trace.suffix not in {".csv", ".parquet"}:
+        raise ConfigError(f"--trace {trace}: end it in .csv or .parquet")
+    if not trace.parent.is_dir():
+        raise ConfigError(f"--trace {trace}: there is no folder {trace.parent}")
+    if trace.resolve().is_relative_to(out.resolve()):
+        raise ConfigError(f"--trace {trace}: name a file outside --out {out}, which is replaced whole")
 
 
 def _files(path: Path) -> list[Path]:

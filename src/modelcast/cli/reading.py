@@ -82,7 +82,9 @@ class TripSource:
                         yield _renamed(trip, seen[trip.trip_id])
             except DataFormatError as error:
                 place = "" if error.row is None else f"row {error.row}: "
-                self.failures[path.name] = f"{place}{error.problem}. {error.remedy}".strip()
+                copies = sum(name.partition("#")[0] == path.name for name in self.failures)
+                name = f"{path.name}#{copies + 1}" if copies else path.name
+                self.failures[name] = f"{place}{error.problem}. {error.remedy}".strip()
                 print(f"modelcast: {error}", file=sys.stderr)
 
 

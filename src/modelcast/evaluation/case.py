@@ -116,7 +116,9 @@ def make_case(trip: Trajectory | SensedTrip, settings: EvaluationSettings) -> Tr
         protocol=protocol,
         inspection=inspection,
         conditioning=conditioning,
-        estimator=velocity_estimator_for(seen),
+        estimator=velocity_estimator_for(
+            seen, speed_is_stuck=protocol == "recorded" and inspection.speed_is_stuck
+        ),
         direction=direction,
         standing=speed_mps < STANDING_SPEED_MPS,
     )

@@ -53,5 +53,5 @@ class SizeModel:
         bank
             The sub-models whose parameters it holds.
         """
-        carried = sum(len(member.parameter_names) for member in bank.members if member.name != "cv")
+        carried = sum(member.payload_parameters for member in bank.members)
         return self.core_bytes + self.update_header_bytes + self.parameter_bytes * carried

@@ -87,6 +87,7 @@ class Bank(AbstractMotionModel):
 
     def predict(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
         """Mean displacement by the sub-model in use, (B, H, 2) [m]."""
+        parameters = self.checked(parameters)
         out = np.empty((parameters.shape[0], horizons_s.size, 2))
         for m, rows in self._rows(parameters):
             own = parameters[rows, self._columns(m)]
@@ -95,6 +96,7 @@ class Bank(AbstractMotionModel):
 
     def predict_at(self, parameters: FloatArray, ages_s: FloatArray, *, dt_s: float) -> FloatArray:
         """Mean displacement by the sub-model in use, each row at its own age, (B, 2) [m]."""
+        parameters = self.checked(parameters, ages_s)
         out = np.empty((parameters.shape[0], 2))
         for m, rows in self._rows(parameters):
             own = parameters[rows, self._columns(m)]
@@ -103,6 +105,7 @@ class Bank(AbstractMotionModel):
 
     def covariance(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
         """Predictive covariance of the sub-model in use, (B, H, 2, 2) [m²]."""
+        parameters = self.checked(parameters)
         out = np.empty((parameters.shape[0], horizons_s.size, 2, 2))
         for m, rows in self._rows(parameters):
             own = parameters[rows, self._columns(m)]
@@ -115,4 +118,6 @@ class Bank(AbstractMotionModel):
     def _rows(self, parameters: FloatArray) -> list[tuple[int, IntArray]]:
         """Members in use, each with its rows."""
         in_use = parameters[:, 0].astype(np.int64)
+        if in_use.size and not (0 <= in_use.min() and in_use.max() < len(self.members)):
+            raise ValueError(f"in_use must be from 0 to {len(self.members) - 1}, got {in_use}")
         return [(int(m), np.flatnonzero(in_use == m)) for m in np.unique(in_use)]

@@ -104,8 +104,8 @@ class Windows:
             )
         if not np.isfinite(self.samples).all():
             raise ValueError("samples must be finite: skip a vehicle without a full window")
-        if not self.dt_s > 0:
-            raise ValueError(f"dt_s must be positive, got {self.dt_s}")
+        if not (self.dt_s > 0 and np.isfinite(self.dt_s)):
+            raise ValueError(f"dt_s must be positive and finite, got {self.dt_s}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +140,28 @@ class PointFunctions:
 
 class AbstractMotionModel(abc.ABC):
     """A motion model: ``fit`` windows to parameters, ``predict`` displacements from parameters."""
+
+    def checked(self, parameters: FloatArray, ages_s: FloatArray | None = None) -> FloatArray:
+        """The parameters as compiled loops take them.
+
+        Parameters
+        ----------
+        parameters
+            (B, P).
+        ages_s
+            One a row, (B,), where there are any [s].
+
+        Raises
+        ------
+        ValueError
+            Where a shape is another: a compiled loop would read past the end.
+        """
+        wanted = len(self.parameter_names)
+        if parameters.ndim != 2 or parameters.shape[1] != wanted:
+            raise ValueError(f"{self.name}: parameters must be (B, {wanted}), got {parameters.shape}")
+        if ages_s is not None and ages_s.shape != parameters.shape[:1]:
+            raise ValueError(f"ages_s must be ({parameters.shape[0]},), one a row, got {ages_s.shape}")
+        return np.ascontiguousarray(parameters, dtype=np.float64)
 
     @property
     @abc.abstractmethod
@@ -183,6 +205,11 @@ class AbstractMotionModel(abc.ABC):
             Times after the window's last sample, (H,) [s].
         dt_s
             Sampling interval of the windows [s].
+
+        Raises
+        ------
+        ValueError
+            Where the parameters have another length.
         """
 
     @abc.abstractmethod
@@ -220,6 +247,11 @@ class AbstractSubModel(AbstractMotionModel):
     Implementations are frozen dataclasses.
     """
 
+    @property
+    @abc.abstractmethod
+    def payload_parameters(self) -> int:
+        """How many of the parameters a message carries beyond a core basic safety message, 0..P."""
+
     @abc.abstractmethod
     def point_functions(self, dt_s: float) -> PointFunctions:
         """Return the compiled functions and tables for a sampling interval."""
@@ -238,8 +270,8 @@ class AbstractSubModel(AbstractMotionModel):
 
     def predict(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
         """Mean displacement from the window's last sample, (B, H, 2) [m]."""
+        parameters = self.checked(parameters)
         ready = self.point_functions(dt_s)
-        parameters = np.ascontiguousarray(parameters, dtype=np.float64)
         horizons_s = np.ascontiguousarray(horizons_s, dtype=np.float64)
         out = np.empty((parameters.shape[0], horizons_s.size, 2))
         with quiet_function_pointers():
@@ -248,8 +280,8 @@ class AbstractSubModel(AbstractMotionModel):
 
     def predict_at(self, parameters: FloatArray, ages_s: FloatArray, *, dt_s: float) -> FloatArray:
         """Mean displacement of each row at its own age, (B, 2) [m]."""
+        parameters = self.checked(parameters, ages_s)
         ready = self.point_functions(dt_s)
-        parameters = np.ascontiguousarray(parameters, dtype=np.float64)
         ages_s = np.ascontiguousarray(ages_s, dtype=np.float64)
         out = np.empty((parameters.shape[0], 2))
         with quiet_function_pointers():

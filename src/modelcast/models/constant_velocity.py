@@ -53,6 +53,11 @@ class ConstantVelocity(AbstractSubModel):
         """Velocity."""
         return ("velocity_east_mps", "velocity_north_mps")
 
+    @property
+    def payload_parameters(self) -> int:
+        """None: the core message has speed and heading."""
+        return 0
+
     def point_functions(self, dt_s: float) -> PointFunctions:  # noqa: ARG002 - no table depends on it
         """Return the compiled functions; there are no tables."""
         return PointFunctions(constant_velocity_kernels.fit, constant_velocity_kernels.predict, np.empty(0))

@@ -90,9 +90,18 @@ DEFAULT_FROM_POSITIONS = VelocityEstimator("quadratic-4", 4, degree=2)
 """For logs without heading: the end slope of a quadratic through the newest four positions."""
 
 
-def velocity_estimator_for(trip: Trajectory) -> VelocityEstimator:
-    """Return `REPORTED` where the trip has speed and heading, else `DEFAULT_FROM_POSITIONS`."""
-    reported = trip.speed_mps is not None and trip.heading_rad is not None
+def velocity_estimator_for(trip: Trajectory, *, speed_is_stuck: bool = False) -> VelocityEstimator:
+    """Return `REPORTED` where the trip has a speed and a heading to trust, else `DEFAULT_FROM_POSITIONS`.
+
+    Parameters
+    ----------
+    trip
+        What the sender sees.
+    speed_is_stuck
+        True where the speed column plainly contradicts the positions: a sensor fault would otherwise make
+        the baseline look far worse than it is.
+    """
+    reported = trip.speed_mps is not None and trip.heading_rad is not None and not speed_is_stuck
     return REPORTED if reported else DEFAULT_FROM_POSITIONS
 
 

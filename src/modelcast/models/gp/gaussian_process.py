@@ -140,6 +140,11 @@ class GaussianProcess(AbstractSubModel):
         ]
         return (*line, *lengthscales, *weights, *tail)
 
+    @property
+    def payload_parameters(self) -> int:
+        """All."""
+        return len(self.parameter_names)
+
     def point_functions(self, dt_s: float) -> PointFunctions:
         """Return the compiled functions and tables; the interval counts to the microsecond."""
         return _point_functions(self, round(dt_s, 6))

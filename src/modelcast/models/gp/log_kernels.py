@@ -1,12 +1,7 @@
 """A natural logarithm that vectorises: exponent by its bits, mantissa by a polynomial."""
 
-from typing import Any
-
 import numba
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
 
 __all__ = ["FAST", "rough_log"]
 
@@ -28,32 +23,11 @@ def _log_polynomial() -> tuple[float, ...]:
 _C0, _C1, _C2, _C3, _C4, _C5 = _log_polynomial()
 
 
-@intrinsic
-def _bits(_typing: Any, _value: Any) -> Any:
-    def codegen(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        return builder.bitcast(arguments[0], ir.IntType(64))
-
-    return types.int64(types.float64), codegen
-
-
-@intrinsic
-def _float(_typing: Any, _value: Any) -> Any:
-    def codegen(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        return builder.bitcast(arguments[0], ir.DoubleType())
-
-    return types.float64(types.int64), codegen
-
-
-# An intrinsic is called without its typing context: hence Any.
-_to_bits: Any = _bits
-_to_float: Any = _float
-
-
 @numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
 def rough_log(x: float) -> float:
     """Natural logarithm to 1e-6, continuous, of a positive normal number."""
-    bits = _to_bits(x)
+    bits = np.float64(x).view(np.int64)
     exponent = float((bits >> 52) - 1023)
-    m = _to_float((bits & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000) - 1.0
+    m = np.int64((bits & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000).view(np.float64) - 1.0
     bend = _C0 + m * (_C1 + m * (_C2 + m * (_C3 + m * (_C4 + m * _C5))))
     return (exponent + m) * _LOG_TWO + m * (1.0 - m) * bend

@@ -1,0 +1,67 @@
+"""User code that must type-check under pyright strict; it is not run."""
+
+from pathlib import Path
+from typing import assert_type
+
+import numpy as np
+
+import modelcast
+from modelcast import (
+    Bank,
+    ConstantVelocity,
+    ErrorDriven,
+    EvaluationResult,
+    EvaluationSettings,
+    GaussianProcess,
+    Host,
+    Periodic,
+    SensedTrip,
+    Trajectory,
+    build_trajectory,
+    evaluate,
+    generate_drive,
+    read_trips,
+    write_results,
+)
+from modelcast.policy.error_driven import ErrorDrivenState
+
+
+def show(done: int, known: int) -> None:
+    """Show progress."""
+    del done, known
+
+
+def evaluate_files(paths: list[Path]) -> list[Path]:
+    """Evaluate some files with a bank of one's own."""
+    bank = Bank((GaussianProcess(form="intercept"), ConstantVelocity()), "mine")
+    settings = EvaluationSettings(
+        (0.2, 0.5), (0.0, 0.4), seeds=3, bank=bank, start="survivor", identify="final"
+    )
+    result = evaluate(read_trips(paths), settings, progress=show)
+    assert_type(result, EvaluationResult)
+    assert_type(result.rates[0].update_rate_hz, float)
+    assert_type(result.tracking[0].pte_p90_low_m, float | None)
+    return write_results(result, Path("out"))
+
+
+def make_trips() -> list[Trajectory | SensedTrip]:
+    """Make trips without a file."""
+    t_s = np.arange(100) * 0.1
+    trip = build_trajectory("made/1", t_s, np.stack([10 * t_s, 0 * t_s], axis=1), source="made")
+    assert_type(trip, Trajectory)
+    assert_type(trip.duration_s, float)
+    drive = generate_drive(seed=1, duration_s=120.0)
+    return [trip, SensedTrip(drive.truth, drive.input)]
+
+
+def policies() -> tuple[ErrorDriven, Periodic, Host]:
+    """Name policies and a host by what they hold."""
+    error_driven = ErrorDriven(0.3, "keep", "best", max_inter_transmit_time_s=2.0)
+    state = error_driven.init(4, 2)
+    assert_type(state, ErrorDrivenState)
+    return error_driven, Periodic(2.0), Host(Bank((ConstantVelocity(),)), expiry_s=3.0)
+
+
+def version() -> str:
+    """The version, as text."""
+    return str(modelcast.__version__)
