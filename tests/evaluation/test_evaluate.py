@@ -50,8 +50,8 @@ def test_pooled_rates_are_sums_of_messages_over_sums_of_time(both: EvaluationRes
             sum(getattr(row, count) for row in rows.values()) / time_s
         )
     assert pooled.total_rate_hz == pytest.approx(pooled.update_rate_hz + pooled.identification_rate_hz)
-    byte_count = sum(row.byte_rate_bps * row.duration_s for row in rows.values())
-    assert pooled.byte_rate_bps == pytest.approx(byte_count / time_s)
+    byte_count = sum(row.bytes_per_s * row.duration_s for row in rows.values())
+    assert pooled.bytes_per_s == pytest.approx(byte_count / time_s)
 
 
 def test_durations_leave_gaps_out(gapped_drive: Trajectory) -> None:
@@ -198,7 +198,7 @@ def test_events_are_the_messages_of_the_rate_runs(both: EvaluationResult) -> Non
     sizes = both.events["size_bytes"]
     assert isinstance(sizes, np.ndarray)
     assert sizes.size == total
-    weighed = sum(row.byte_rate_bps * row.duration_s for row in both.rates if row.trip != POOLED)
+    weighed = sum(row.bytes_per_s * row.duration_s for row in both.rates if row.trip != POOLED)
     assert sizes.sum() == pytest.approx(weighed)
 
 

@@ -46,7 +46,7 @@ def _result() -> EvaluationResult:
         ),
         rates=(
             made(RateRow, trip="a/1", policy="mbc", threshold_m=0.1 + 0.2),
-            made(RateRow, trip="all", policy="baseline", byte_rate_bps=float("inf")),
+            made(RateRow, trip="all", policy="baseline", bytes_per_s=float("inf")),
         ),
         tracking=(made(TrackingRow, trip="all", policy="mbc", rate_basis=None, pte_p99_m=NAN),),
         ecdfs=(),

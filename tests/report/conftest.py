@@ -129,7 +129,7 @@ def _rate(trip: str, at: int, policy: str, threshold_m: float) -> RateRow:
         identification_rate_hz=identifications,
         total_rate_hz=total,
         moving_total_rate_hz=1.05 * total,
-        byte_rate_bps=40 * total,
+        bytes_per_s=40 * total,
     )
 
 

@@ -184,7 +184,7 @@ class Host:
         if not self._predicts(message, message.in_use):
             return Receipt.MALFORMED, state
         track = RemoteTrack(message, message.in_use, named_s=message.t_s, received_s=received_s)
-        return Receipt.ACCEPTED, _with(state, message.vehicle, track)
+        return Receipt.ACCEPTED, self._with(state, message.vehicle, track)
 
     def _identify(
         self, state: HostState, message: SubModelIdentification, received_s: float
@@ -194,13 +194,15 @@ class Host:
             return Receipt.UNKNOWN_UPDATE, state
         if message.sequence != held.update.sequence:
             # It still tells that the remote is alive.
-            return Receipt.UNKNOWN_UPDATE, _with(state, message.vehicle, replace(held, received_s=received_s))
+            return Receipt.UNKNOWN_UPDATE, self._with(
+                state, message.vehicle, replace(held, received_s=received_s)
+            )
         if message.t_s <= held.named_s:
             return Receipt.OLDER, state
         if not self._predicts(held.update, message.in_use):
             return Receipt.MALFORMED, state
         named = replace(held, in_use=message.in_use, named_s=message.t_s, received_s=received_s)
-        return Receipt.ACCEPTED, _with(state, message.vehicle, named)
+        return Receipt.ACCEPTED, self._with(state, message.vehicle, named)
 
     def _is_possible(self, message: ModelUpdate | SubModelIdentification, received_s: float) -> bool:
         """Whether the message is one that a sender of this bank can send at all."""
@@ -228,6 +230,11 @@ class Host:
         moved = self.bank.predict(parameters, ages_s, dt_s=update.dt_s)
         return bool((np.abs(moved) <= _REACH_M).all())
 
-
-def _with(state: HostState, vehicle: int, track: RemoteTrack) -> HostState:
-    return HostState(MappingProxyType({**state.remotes, vehicle: track}))
+    def _with(self, state: HostState, vehicle: int, track: RemoteTrack) -> HostState:
+        """The state with this track, and without the remotes that have expired meanwhile."""
+        live = {
+            other: held
+            for other, held in state.remotes.items()
+            if track.received_s - held.received_s <= self.expiry_s
+        }
+        return HostState(MappingProxyType({**live, vehicle: track}))

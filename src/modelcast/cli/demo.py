@@ -27,14 +27,12 @@ def demo(
     quiet
         Print nothing but errors.
     """
-    from rich.console import Console
-
-    from modelcast.cli.evaluation_run import publish
+    from modelcast.cli.evaluation_run import publish, show
+    from modelcast.cli.run_record import write_run
     from modelcast.core.exceptions import ConfigError
     from modelcast.evaluation.case import SensedTrip
     from modelcast.evaluation.evaluate import evaluate
     from modelcast.io.output import atomic_folder
-    from modelcast.report.console import console_report
     from modelcast.simulation.drive import generate_drive
 
     try:
@@ -44,9 +42,8 @@ def demo(
     settings = EvaluateOptions(seed=seed).settings()
     with atomic_folder(out) as folder:
         result = evaluate([SensedTrip(drive.truth, drive.input)], settings)
+        write_run(folder, "demo", {"duration": duration, "seed": seed})
         publish(result, folder)
     if not quiet:
-        console = Console()
-        console.print(console_report(result))
-        console.print(f"report: {out / 'report.html'}", highlight=False, soft_wrap=True)
+        show(result, out)
     return 0

@@ -47,7 +47,8 @@ def evaluate(
     quiet
         Print nothing but errors.
     """
-    from modelcast.cli.evaluation_run import EvaluationRun, load_run, run_evaluation
+    from modelcast.cli.evaluation_run import run_evaluation
+    from modelcast.cli.run_record import EvaluationRun, load_run
     from modelcast.core.exceptions import ConfigError
 
     if rerun is not None:

@@ -21,9 +21,9 @@ class EvaluateOptions:
     Parameters
     ----------
     threshold
-        Tracking-error thresholds [m].
+        Tracking-error thresholds [m], several after one another; put the trips before this option.
     per
-        Packet error ratios, 0 to 1.
+        Packet error ratios, 0 to 1, several after one another.
     seeds
         Runs drawn for every packet error ratio.
     seed

@@ -62,6 +62,9 @@ class TripSource:
     def __len__(self) -> int:
         return len(self._paths)
 
+    def _skip(self, name: str, reason: str) -> None:
+        self.skipped[Path(name).name if Path(name).exists() else name] = reason
+
     @property
     def exit_code(self) -> int:
         """Exit code of a command that took every trip."""
@@ -73,9 +76,7 @@ class TripSource:
         for path in self._paths:
             self.started += 1
             try:
-                for trip in read_trips(
-                    path, self._format, columns=self._columns, on_skipped=self.skipped.__setitem__
-                ):
+                for trip in read_trips(path, self._format, columns=self._columns, on_skipped=self._skip):
                     if fnmatch.fnmatch(trip.trip_id, self._pattern):
                         seen[trip.trip_id] = seen.get(trip.trip_id, 0) + 1
                         self.trips += 1

@@ -6,7 +6,6 @@ resamples it where it does not, and splits it at gaps. Everything downstream may
 
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, field, fields, replace
-from types import MappingProxyType
 
 import numpy as np
 
@@ -20,10 +19,6 @@ UNIFORM_TOLERANCE_RATIO = 0.25
 
 GAP_STEPS = 2.5
 """A step longer than this many median steps is a gap: the trip is split there."""
-
-
-def _no_counts() -> Mapping[str, int]:
-    return MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +36,8 @@ class Reading:
     """
 
     rows: int = 0
-    skipped: Mapping[str, int] = field(default_factory=_no_counts)
-    repaired: Mapping[str, int] = field(default_factory=_no_counts)
+    skipped: Mapping[str, int] = field(default_factory=dict[str, int])
+    repaired: Mapping[str, int] = field(default_factory=dict[str, int])
 
 
 @dataclass(frozen=True, slots=True)

@@ -79,7 +79,7 @@ def evaluate(
     Examples
     --------
     >>> from modelcast.simulation.drive import generate_drive
-    >>> drive = generate_drive(seed=1, duration_s=60.0)
+    >>> drive = generate_drive(seed=1, duration_s=120.0)
     >>> settings = EvaluationSettings((0.5,), (0.0,), seeds=1)
     >>> result = evaluate([drive.truth], settings)
     >>> [(row.policy, row.threshold_m) for row in result.rates if row.trip == "all"]
@@ -95,7 +95,7 @@ def evaluate(
             progress(done, done)
     if not collected.trips:
         reasons = "; ".join(f"{trip}: {reason}" for trip, reason in collected.failures.items())
-        raise ConfigError(f"no usable trip among {done}" + (f" ({reasons})" if reasons else ""))
+        raise ConfigError("no usable trip" + (f" ({reasons})" if reasons else ""))
     if settings.map_at is not None and collected.manoeuvre is None:
         raise ConfigError(f"no trip named {settings.map_at[0]} to draw the map of")
     return EvaluationResult(

@@ -81,7 +81,7 @@ def confidence_limits(values: FloatArray) -> tuple[float | None, float | None]:
     values = values[np.isfinite(values)]
     if values.size < 2:
         return None, None
-    reach = float(special.stdtrit(values.size - 1, 0.975)) * values.std(ddof=1) / np.sqrt(values.size)
+    reach = float(special.stdtrit(values.size - 1, 0.975) * values.std(ddof=1) / np.sqrt(values.size))
     centre = float(values.mean())
     return centre - reach, centre + reach
 

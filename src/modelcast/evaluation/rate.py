@@ -92,7 +92,7 @@ def rate_row(trip: str, count: RateCount) -> RateRow:
         identification_rate_hz=count.identifications / count.duration_s,
         total_rate_hz=total / count.duration_s,
         moving_total_rate_hz=count.moving_messages / moving_s if moving_s > 0 else 0.0,
-        byte_rate_bps=count.message_bytes / count.duration_s,
+        bytes_per_s=count.message_bytes / count.duration_s,
     )
 
 

@@ -1,7 +1,7 @@
 """What an evaluation returns: rows for tables, columns for Parquet, and the data each figure draws."""
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -119,7 +119,7 @@ class RateRow:
         Messages over the time observed [Hz].
     moving_total_rate_hz
         All messages sent while moving over the time spent moving [Hz].
-    byte_rate_bps
+    bytes_per_s
         Application bytes over the time observed, by the size model of `modelcast.messages` [byte/s].
     """
 
@@ -135,7 +135,7 @@ class RateRow:
     identification_rate_hz: float
     total_rate_hz: float
     moving_total_rate_hz: float
-    byte_rate_bps: float
+    bytes_per_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,7 +177,7 @@ class TrackingRow:
     inter_packet_gap_p50_s, inter_packet_gap_p95_s
         Gaps between messages received [s].
     information_age_mean_s, information_age_p95_s
-        Age of the newest received information at each sample [s].
+        Age at each sample of the model update held; an identification does not renew it [s].
     """
 
     trip: str
@@ -340,6 +340,8 @@ class EvaluationResult:
         Blocks of the tracking-error samples kept (see the settings).
     failures
         Trips that could not be evaluated, with the reason.
+    skipped
+        Files and vehicles that held no trip, with the reason.
     """
 
     settings: Mapping[str, Any]
@@ -353,3 +355,4 @@ class EvaluationResult:
     events: Columns
     samples: tuple[SampleBlock, ...]
     failures: Mapping[str, str]
+    skipped: Mapping[str, str] = field(default_factory=dict[str, str])

@@ -150,10 +150,7 @@ def run_tracking(
                 shown_as=Contender("baseline-matched", baseline.bank.name, basis, threshold_m),
                 own_threshold_m=matched.policy.threshold_m,
             )
-            sent = [
-                _periodic(case, messages / case.truth.duration_s, run, settings)
-                for run in range(settings.seeds)
-            ]
+            sent = [_periodic(case, messages, run, settings) for run in range(settings.seeds)]
             baseline.fit_at(np.unique(np.concatenate([np.flatnonzero(one.kind) for one in sent])))
             yield _replay(
                 case,
@@ -170,12 +167,15 @@ def _sent(walk: Walk) -> Sent:
     return Sent(walk.kind, walk.in_use, walk.update_index)
 
 
-def _periodic(case: TripCase, rate_hz: float, run: int, settings: EvaluationSettings) -> Sent:
-    """Messages at a mean rate, with the phase of this run and vehicle."""
-    rng = child_generator(settings.seed, run, case.truth.trip_id, "phase")
-    at = Periodic(rate_hz).transmit_indices(case.truth.t_s, rng)
-    kind = np.zeros(len(case.truth), dtype=np.int64)
-    kind[at] = Message.UPDATE
+def _periodic(case: TripCase, messages: int, run: int, settings: EvaluationSettings) -> Sent:
+    """So many messages in the mean, the first at once, with the phase of this run and vehicle."""
+    t_s = case.truth.t_s
+    kind = np.zeros(t_s.size, dtype=np.int64)
+    kind[0] = Message.UPDATE
+    if messages > 1:
+        rng = child_generator(settings.seed, run, case.truth.trip_id, "phase")
+        rate_hz = (messages - 1) / float(t_s[-1] - t_s[0])
+        kind[Periodic(rate_hz).transmit_indices(t_s, rng)] = Message.UPDATE
     update_index = np.maximum.accumulate(np.where(kind > 0, np.arange(kind.size), 0))
     return Sent(kind, np.zeros_like(kind), update_index)
 

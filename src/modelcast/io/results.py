@@ -1,9 +1,9 @@
 """What an evaluation leaves on disk, for programs to read.
 
 ``summary.json`` (`summary_document`)
-    ``schema`` (1), ``modelcast`` (version), ``settings``, ``trips``, ``rates``, ``tracking``, ``failures``.
-    The rows are those of `modelcast.evaluation.result`, under the same names; a row that pools all trips has
-    ``"trip": "all"``. A number that does not exist is null. Floats are written in full.
+    ``schema`` (1), ``modelcast`` (version), ``settings``, ``trips``, ``rates``, ``tracking``, ``failures``,
+    ``skipped``. The rows are those of `modelcast.evaluation.result`, under the same names; a row that pools
+    all trips has ``"trip": "all"``. A number that does not exist is null. Floats are written in full.
 ``events.parquet``
     One row a message of the rate runs.
 ``samples.parquet``
@@ -58,6 +58,7 @@ def summary_document(result: EvaluationResult) -> dict[str, Any]:
         "rates": [_row(row) for row in result.rates],
         "tracking": [_row(row) for row in result.tracking],
         "failures": _plain(result.failures),
+        "skipped": _plain(result.skipped),
     }
 
 

@@ -117,7 +117,9 @@ class Bank(AbstractMotionModel):
 
     def _rows(self, parameters: FloatArray) -> list[tuple[int, IntArray]]:
         """Members in use, each with its rows."""
-        in_use = parameters[:, 0].astype(np.int64)
-        if in_use.size and not (0 <= in_use.min() and in_use.max() < len(self.members)):
-            raise ValueError(f"in_use must be from 0 to {len(self.members) - 1}, got {in_use}")
+        wanted = parameters[:, 0]
+        known = np.isin(wanted, np.arange(len(self.members)))
+        if not known.all():
+            raise ValueError(f"in_use must be from 0 to {len(self.members) - 1}, got {wanted[~known][0]}")
+        in_use = wanted.astype(np.int64)
         return [(int(m), np.flatnonzero(in_use == m)) for m in np.unique(in_use)]

@@ -2,7 +2,8 @@
 
 A log with speed and heading reports its velocity, as a basic safety message does. A log without heading has
 only past positions; of the estimators below, `DEFAULT_FROM_POSITIONS` needed the fewest baseline messages on
-the development trips (`docs/results.md` has the table). Sub-model and baseline always share one estimator.
+the development trips (``docs/decisions/007-velocity-estimator.md`` has the table). Sub-model and baseline
+always share one estimator.
 """
 
 from dataclasses import dataclass

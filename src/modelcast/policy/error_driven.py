@@ -63,7 +63,8 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         ``on-failure`` (default): when the one in use fails while another holds at that instant, name the one
         with the smallest error; it leaves Algorithm 1's update rule untouched and sends the fewest messages a
         receiver can follow. ``final``: the same, but a sub-model that failed once is not used again before
-        the next update. ``best``: at every change of the best.
+        the next update, which therefore comes once each has failed at some time, not when all fail at once.
+        ``best``: at every change of the best.
     max_inter_transmit_time_s
         Longest silence before a keep-alive [s]; None for no limit.
 

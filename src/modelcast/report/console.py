@@ -19,7 +19,14 @@ from modelcast.report.headline import (
     rate_basis,
 )
 
-__all__ = ["conditioning_lines", "console_report", "failures_table", "rates_table", "tracking_table"]
+__all__ = [
+    "conditioning_lines",
+    "console_report",
+    "failures_table",
+    "rates_table",
+    "skipped_lines",
+    "tracking_table",
+]
 
 _MISSING = "-"
 _SHOWN_TRIPS = 5
@@ -46,6 +53,7 @@ def console_report(result: EvaluationResult) -> RenderableType:
     if result.tracking:
         parts.append(tracking_table(result))
     parts += [Text(line) for line in conditioning_lines(result)]
+    parts += [Text(line) for line in skipped_lines(result)]
     if result.failures:
         parts.append(failures_table(result))
     return Group(*parts)
@@ -70,6 +78,21 @@ def conditioning_lines(result: EvaluationResult) -> list[str]:
     ]
     if len(smoothed) > _SHOWN_TRIPS:
         lines.append(f"... and of {len(smoothed) - _SHOWN_TRIPS} more trips (report.html)")
+    return lines
+
+
+def skipped_lines(result: EvaluationResult) -> list[str]:
+    """Return one line for each file and vehicle that held no trip; the first few.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    found = sorted(result.skipped.items())
+    lines = [f"no trip from {name}: {reason}" for name, reason in found[:_SHOWN_TRIPS]]
+    if len(found) > _SHOWN_TRIPS:
+        lines.append(f"... nor from {len(found) - _SHOWN_TRIPS} more (summary.json)")
     return lines
 
 

@@ -69,6 +69,7 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
         ),
         "<h2>Not evaluated</h2>",
         _failures(result.failures),
+        _skipped(result.skipped),
     ]
     return page("modelcast evaluation", CSS, body)
 
@@ -108,8 +109,8 @@ def _rate_table(result: EvaluationResult) -> str:
             number(line.mbc and line.mbc.total_rate_hz),
             number(line.baseline and line.baseline.total_rate_hz),
             number(line.ratio),
-            number(line.mbc and line.mbc.byte_rate_bps),
-            number(line.baseline and line.baseline.byte_rate_bps),
+            number(line.mbc and line.mbc.bytes_per_s),
+            number(line.baseline and line.baseline.bytes_per_s),
         ]
         for line in headlines(result)
     ]
@@ -234,6 +235,14 @@ def _failures(failures: Mapping[str, str]) -> str:
     if not failures:
         return "<p>Every trip was evaluated.</p>"
     return table(["trip", "reason"], [[trip, why] for trip, why in sorted(failures.items())], text_columns=2)
+
+
+def _skipped(skipped: Mapping[str, str]) -> str:
+    if not skipped:
+        return ""
+    heading = '<p class="note">These held no trip:</p>'
+    rows = [[name, reason] for name, reason in sorted(skipped.items())]
+    return heading + table(["file or vehicle", "reason"], rows, text_columns=2)
 
 
 def _conditioning_table(trips: Sequence[TripRow]) -> str:

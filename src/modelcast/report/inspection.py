@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import fields
 from typing import Any
 
 from rich.console import Group, RenderableType
@@ -30,14 +30,20 @@ def inspection_document(
     """
     trips: list[dict[str, Any]] = []
     for one in found:
-        row = asdict(one)
-        reading = row.pop("reading")
         plain = {
-            name: None if isinstance(value, float) and not math.isfinite(value) else value
-            for name, value in row.items()
+            item.name: _finite(getattr(one, item.name)) for item in fields(one) if item.name != "reading"
         }
-        trips.append({**plain, **reading, "recommended_protocol": one.recommended_protocol})
+        counts = {
+            "rows": one.reading.rows,
+            "skipped": dict(one.reading.skipped),
+            "repaired": dict(one.reading.repaired),
+        }
+        trips.append({**plain, **counts, "recommended_protocol": one.recommended_protocol})
     return {"trips": trips, "failures": dict(failures), "skipped": dict(skipped)}
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def inspection_report(

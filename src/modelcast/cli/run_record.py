@@ -1,0 +1,153 @@
+"""``run.json``: what a run was asked for, with which versions, on which inputs; enough to repeat it."""
+
+import hashlib
+import json
+import platform
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, fields
+from importlib import metadata
+from pathlib import Path
+from typing import Any, cast
+
+from modelcast.cli.evaluate_options import EvaluateOptions
+from modelcast.core.exceptions import ConfigError
+from modelcast.core.version import package_version
+
+__all__ = ["RUN_SCHEMA", "EvaluationRun", "load_run", "write_run"]
+
+RUN_SCHEMA = 1
+"""Version of the layout of ``run.json``."""
+
+_PACKAGES = ("matplotlib", "numba", "numpy", "polars", "pyarrow", "pymap3d", "scipy")
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluationRun:
+    """What ``modelcast evaluate`` was asked for.
+
+    Parameters
+    ----------
+    paths, format_name, columns, trip
+        The trips.
+    options
+        Everything that changes the figures.
+    """
+
+    paths: tuple[Path, ...]
+    format_name: str | None
+    columns: str | None
+    trip: str
+    options: EvaluateOptions
+
+    def arguments(self) -> dict[str, Any]:
+        """The arguments as plain values."""
+        return {
+            "paths": [str(path) for path in self.paths],
+            "format": self.format_name,
+            "columns": self.columns,
+            "trip": self.trip,
+            "options": asdict(self.options),
+        }
+
+
+def write_run(folder: Path, command: str, arguments: Mapping[str, Any], inputs: Iterable[Path] = ()) -> None:
+    """Write ``run.json`` into a folder.
+
+    Parameters
+    ----------
+    folder
+        An existing folder.
+    command
+        Name of the command.
+    arguments
+        Its arguments as plain values.
+    inputs
+        Files and folders it reads; every file is hashed.
+    """
+    document = {
+        "schema": RUN_SCHEMA,
+        "command": command,
+        "arguments": arguments,
+        "versions": {
+            "modelcast": package_version(),
+            "python": platform.python_version(),
+            **{name: metadata.version(name) for name in _PACKAGES},
+        },
+        "inputs": _hashes(inputs),
+    }
+    text = json.dumps(document, indent=2, sort_keys=True) + "\n"
+    (folder / "run.json").write_text(text, encoding="utf-8", newline="\n")
+
+
+def load_run(path: Path) -> EvaluationRun:
+    """The evaluation that a ``run.json`` describes, once its inputs are seen to be unchanged.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Raises
+    ------
+    ConfigError
+        Where it is no such file, or an input is missing, new or has changed.
+    """
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        if document["schema"] != RUN_SCHEMA or document["command"] != "evaluate":
+            raise ConfigError(
+                f"{path}: command {document['command']}, schema {document['schema']}; "
+                f"--rerun repeats runs of evaluate, schema {RUN_SCHEMA}"
+            )
+        run = _run_from(document["arguments"])
+        recorded: dict[str, str] = document["inputs"]
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be read: {error.strerror}") from error
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ConfigError(f"{path} is not a run.json of modelcast evaluate: {error!r}") from error
+    _require_same_inputs(path, run.paths, recorded)
+    return run
+
+
+def _run_from(arguments: Mapping[str, Any]) -> EvaluationRun:
+    options: dict[str, Any] = {
+        name: tuple(cast("list[float]", value)) if isinstance(value, list) else value
+        for name, value in arguments["options"].items()
+    }
+    unknown = set(options) - {field.name for field in fields(EvaluateOptions)}
+    if unknown:
+        raise ValueError(f"unknown options {', '.join(sorted(unknown))}")
+    return EvaluationRun(
+        tuple(Path(name) for name in arguments["paths"]),
+        arguments["format"],
+        arguments["columns"],
+        arguments["trip"],
+        EvaluateOptions(**options),
+    )
+
+
+def _require_same_inputs(path: Path, inputs: Iterable[Path], recorded: Mapping[str, str]) -> None:
+    for name in recorded:
+        if not Path(name).is_file():
+            raise ConfigError(f"{path}: input {name} is missing; run from the same folder as before")
+    for name, found in _hashes(inputs).items():
+        if name not in recorded:
+            raise ConfigError(f"{path}: input {name} is new since that run")
+        if recorded[name] != found:
+            raise ConfigError(f"{path}: input {name} has changed since that run")
+
+
+def _hashes(inputs: Iterable[Path]) -> dict[str, str]:
+    return {str(file): _sha256(file) for path in inputs for file in _files(path)}
+
+
+def _files(path: Path) -> list[Path]:
+    return sorted(item for item in path.rglob("*") if item.is_file()) if path.is_dir() else [path]
+
+
+def _sha256(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be read: {error.strerror}") from error
