@@ -255,7 +255,6 @@ def _bad_trips(tmp_path: Path) -> Path:
         (("{drive}", "--bank", "cv+lstm"), "lstm"),
         (("{drive}", "--bank", "cv+cv"), "distinct"),
         (("{drive}", "--bank", ""), "--bank"),
-        (("{drive}", "--bank", "gp-intercept"), "cv"),
         (("{drive}", "--threshold", "-0.3"), "threshold"),
         (("{drive}", "--threshold", "big"), "threshold"),
         (("{drive}", "--threshold", "0.3", "0.3"), "threshold"),

@@ -280,7 +280,6 @@ def test_settings_name_everything_that_changes_the_numbers() -> None:
         ({"identify": "never"}, "identify"),
         ({"protocol": "real"}, "protocol"),
         ({"keep_samples": "some"}, "keep_samples"),
-        ({"bank": Bank((GaussianProcess(),))}, "window"),
     ],
 )
 def test_settings_out_of_range_are_refused_by_name(changes: dict[str, Any], named: str) -> None:

@@ -137,6 +137,8 @@ def plain_replay(
         found["before"].append(error_m(now))
         while pending and case.truth.t_s[pending[0]] + delay_s <= t_s + 1e-9:
             message = pending.pop(0)
+            if case.truth.t_s[message] + delay_s - heard_s > expiry_s:
+                held = None  # forgotten
             heard_s = case.truth.t_s[message] + delay_s
             if walk.kind[message] != Message.IDENTIFICATION:
                 held = (message, int(walk.in_use[message]))

@@ -247,7 +247,16 @@ def test_constant_velocity_serves_where_a_window_is_short(gapped_drive: Trajecto
     assert walk.in_use[0] == 1
 
 
-def test_a_bank_without_a_member_for_short_windows_is_refused(drive: Trajectory) -> None:
-    """At a start, and after a gap, some member has to serve: otherwise nothing could be sent."""
-    with pytest.raises(ValueError, match="window"):
-        ready(drive, Bank((GaussianProcess(form="intercept"),))).walk(ErrorDriven(0.3))
+def test_a_bank_without_a_member_for_short_windows_is_completed(gapped_drive: Trajectory) -> None:
+    """At a start, and after a gap, constant velocity serves; elsewhere the bank's own member alone."""
+    alone = ready(gapped_drive, Bank((GaussianProcess(form="intercept"),)))
+    assert [member.name for member in alone.bank.members] == ["gp-intercept", "cv"]
+    walk = alone.walk(ErrorDriven(0.3))
+    short = np.arange(len(gapped_drive)) - gapped_drive.segment_start + 1 < 10
+    at = updates(walk)
+    assert (walk.in_use[short & at] == 1).all()
+    assert (walk.in_use[~short & at] == 0).all()
+    fitted_late = ~short[walk.update_index]
+    later = np.roll(fitted_late, 1)
+    later[0] = False
+    assert np.isinf(walk.tracking_error_m[later & fitted_late & ~at, 1]).all()

@@ -69,7 +69,16 @@ def _result() -> EvaluationResult:
 
 def test_summary_has_the_rows_under_their_own_names(result: EvaluationResult, tmp_path: Path) -> None:
     document = json.loads(write_results(result, tmp_path)[0].read_text(encoding="utf-8"))
-    assert document.keys() == {"schema", "modelcast", "settings", "trips", "rates", "tracking", "failures"}
+    assert document.keys() == {
+        "schema",
+        "modelcast",
+        "settings",
+        "trips",
+        "rates",
+        "tracking",
+        "failures",
+        "skipped",
+    }
     assert document["schema"] == 1
     assert document["rates"][0].keys() == {item.name for item in fields(RateRow)}
     assert document["tracking"][0].keys() == {item.name for item in fields(TrackingRow)}

@@ -143,9 +143,13 @@ class Host:
         """
         if not self._is_possible(message, received_s):
             return Receipt.MALFORMED, state
+        # An expired remote is forgotten: an identification does not bring it back.
+        live = self._live(state, received_s)
         if isinstance(message, ModelUpdate):
-            return self._update(state, message, received_s)
-        return self._identify(state, message, received_s)
+            receipt, taken = self._update(live, message, received_s)
+        else:
+            receipt, taken = self._identify(live, message, received_s)
+        return receipt, state if taken is live else taken
 
     def predict(self, state: HostState, t_s: float) -> Tracks:
         """Where every remote is believed to be; expired ones are left out.
@@ -184,7 +188,7 @@ class Host:
         if not self._predicts(message, message.in_use):
             return Receipt.MALFORMED, state
         track = RemoteTrack(message, message.in_use, named_s=message.t_s, received_s=received_s)
-        return Receipt.ACCEPTED, self._with(state, message.vehicle, track)
+        return Receipt.ACCEPTED, _with(state, message.vehicle, track)
 
     def _identify(
         self, state: HostState, message: SubModelIdentification, received_s: float
@@ -194,15 +198,13 @@ class Host:
             return Receipt.UNKNOWN_UPDATE, state
         if message.sequence != held.update.sequence:
             # It still tells that the remote is alive.
-            return Receipt.UNKNOWN_UPDATE, self._with(
-                state, message.vehicle, replace(held, received_s=received_s)
-            )
+            return Receipt.UNKNOWN_UPDATE, _with(state, message.vehicle, replace(held, received_s=received_s))
         if message.t_s <= held.named_s:
             return Receipt.OLDER, state
         if not self._predicts(held.update, message.in_use):
             return Receipt.MALFORMED, state
         named = replace(held, in_use=message.in_use, named_s=message.t_s, received_s=received_s)
-        return Receipt.ACCEPTED, self._with(state, message.vehicle, named)
+        return Receipt.ACCEPTED, _with(state, message.vehicle, named)
 
     def _is_possible(self, message: ModelUpdate | SubModelIdentification, received_s: float) -> bool:
         """Whether the message is one that a sender of this bank can send at all."""
@@ -230,11 +232,15 @@ class Host:
         moved = self.bank.predict(parameters, ages_s, dt_s=update.dt_s)
         return bool((np.abs(moved) <= _REACH_M).all())
 
-    def _with(self, state: HostState, vehicle: int, track: RemoteTrack) -> HostState:
-        """The state with this track, and without the remotes that have expired meanwhile."""
+    def _live(self, state: HostState, t_s: float) -> HostState:
+        """The state without the remotes that have expired."""
         live = {
-            other: held
-            for other, held in state.remotes.items()
-            if track.received_s - held.received_s <= self.expiry_s
+            vehicle: track
+            for vehicle, track in state.remotes.items()
+            if t_s - track.received_s <= self.expiry_s
         }
-        return HostState(MappingProxyType({**live, vehicle: track}))
+        return HostState(MappingProxyType(live))
+
+
+def _with(state: HostState, vehicle: int, track: RemoteTrack) -> HostState:
+    return HostState(MappingProxyType({**state.remotes, vehicle: track}))

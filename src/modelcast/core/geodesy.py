@@ -121,7 +121,8 @@ def wrap_angle_rad(angle_rad: FloatArray) -> FloatArray:
     >>> wrap_angle_rad(np.array([0.0, 3.5, -3.5])).round(3)
     array([ 0.   , -2.783,  2.783])
     """
-    return (angle_rad + np.pi) % (2.0 * np.pi) - np.pi
+    wrapped = (angle_rad + np.pi) % (2.0 * np.pi) - np.pi
+    return np.where(wrapped >= np.pi, -np.pi, wrapped)  # the remainder may round up to a whole turn
 
 
 def heading_to_velocity(speed_mps: FloatArray, heading_rad: FloatArray) -> FloatArray:

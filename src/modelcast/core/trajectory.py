@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, field, fields, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.geodesy import Origin, wrap_angle_rad
@@ -113,6 +114,8 @@ class Trajectory:
                 f"{self.trip_id}: time does not increase at sample {at}: "
                 f"{self.t_s[at]} after {self.t_s[at - 1]}"
             )
+        if not (self.dt_s > 0 and np.isfinite(self.dt_s)):
+            raise ValueError(f"{self.trip_id}: dt_s must be positive and finite, got {self.dt_s}")
         bounds = self.segments
         if bounds[0] != 0 or bounds[-1] != count or (np.diff(bounds) <= 0).any():
             raise ValueError(f"{self.trip_id}: segments must rise from 0 to {count}, got {bounds}")
@@ -163,14 +166,14 @@ class Trajectory:
 
 def build_trajectory(
     trip_id: str,
-    t_s: FloatArray,
-    position_m: FloatArray,
+    t_s: npt.ArrayLike,
+    position_m: npt.ArrayLike,
     *,
-    speed_mps: FloatArray | None = None,
-    heading_rad: FloatArray | None = None,
-    acceleration_mps2: FloatArray | None = None,
-    yaw_rate_radps: FloatArray | None = None,
-    up_m: FloatArray | None = None,
+    speed_mps: npt.ArrayLike | None = None,
+    heading_rad: npt.ArrayLike | None = None,
+    acceleration_mps2: npt.ArrayLike | None = None,
+    yaw_rate_radps: npt.ArrayLike | None = None,
+    up_m: npt.ArrayLike | None = None,
     origin: Origin | None = None,
     start_unix_s: float | None = None,
     source: str = "",
@@ -202,28 +205,28 @@ def build_trajectory(
     >>> trip.segments.tolist(), round(trip.dt_s, 6), round(trip.duration_s, 6)
     ([0, 3, 5], 0.1, 0.5)
     """
-    t_s = _owned(t_s)
-    if t_s.size and np.isfinite(t_s).all():
-        t_s = t_s - t_s[0]
-    steps = np.diff(t_s)
+    times = _owned(t_s)
+    if times.size and np.isfinite(times).all():
+        times = times - times[0]
+    steps = np.diff(times)
     dt_s = float(np.median(steps)) if steps.size else 1.0
     breaks = np.flatnonzero(steps > GAP_STEPS * dt_s) + 1
-    segments = np.concatenate([[0], breaks, [t_s.size]]).astype(np.int64)
+    segments = np.concatenate([[0], breaks, [times.size]]).astype(np.int64)
     trip = Trajectory(
         trip_id,
-        t_s,
+        times,
         _owned(position_m),
         segments=segments,
         dt_s=dt_s,
-        speed_mps=_optional(_owned, speed_mps),
-        heading_rad=_optional(_owned, heading_rad),
-        acceleration_mps2=_optional(_owned, acceleration_mps2),
-        yaw_rate_radps=_optional(_owned, yaw_rate_radps),
-        up_m=_optional(_owned, up_m),
+        speed_mps=None if speed_mps is None else _owned(speed_mps),
+        heading_rad=None if heading_rad is None else _owned(heading_rad),
+        acceleration_mps2=None if acceleration_mps2 is None else _owned(acceleration_mps2),
+        yaw_rate_radps=None if yaw_rate_radps is None else _owned(yaw_rate_radps),
+        up_m=None if up_m is None else _owned(up_m),
         origin=origin,
         start_unix_s=start_unix_s,
         source=source,
-        reading=reading if reading is not None else Reading(rows=int(t_s.size)),
+        reading=reading if reading is not None else Reading(rows=int(times.size)),
     )
     inner = steps[steps <= GAP_STEPS * dt_s]
     uneven = np.abs(inner - dt_s) > UNIFORM_TOLERANCE_RATIO * dt_s
@@ -263,7 +266,7 @@ def _resampled(trip: Trajectory) -> Trajectory:
     )
 
 
-def _owned(column: FloatArray) -> FloatArray:
+def _owned(column: npt.ArrayLike) -> FloatArray:
     return np.ascontiguousarray(column, dtype=np.float64)
 
 

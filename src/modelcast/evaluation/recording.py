@@ -70,7 +70,7 @@ class EventRecorder:
         members = (
             ("cv",)
             if count.policy == "baseline"
-            else tuple(member.name for member in self._settings.bank.members)
+            else tuple(member.name for member in self._settings.bank.complete().members)
         )
         for name, value in (
             ("trip", case.truth.trip_id),

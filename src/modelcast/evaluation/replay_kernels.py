@@ -70,6 +70,8 @@ def replay(
                     before = np.sqrt(east * east + north * north)
                 touched = True
                 arrival_s = t_s[i] + delay_s
+                if arrival_s - received_s > expiry_s:
+                    held = -1  # an expired remote is forgotten: only an update brings it back
                 if received_s > -np.inf:
                     gaps_s[run, written] = arrival_s - received_s
                     written += 1

@@ -9,7 +9,6 @@ import numpy as np
 from modelcast.channel.base import AbstractChannel
 from modelcast.channel.erasure import GilbertElliott, IndependentErasure
 from modelcast.core.sensor import SensorModel
-from modelcast.evaluation.walk import require_start
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -113,7 +112,6 @@ class EvaluationSettings:
             raise ValueError(f"expiry_s must be positive or None, got {self.expiry_s}")
         _require_known("protocol", self.protocol, ("auto", "recorded", "sensor"))
         _require_known("keep_samples", self.keep_samples, ("first", "all", "none"))
-        require_start(self.bank)
         for threshold_m in self.thresholds_m:
             self.policy(threshold_m, keep_alive=True)
         for ratio in self.packet_error_ratios:

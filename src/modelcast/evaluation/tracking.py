@@ -174,7 +174,7 @@ def _periodic(case: TripCase, messages: int, run: int, settings: EvaluationSetti
     kind[0] = Message.UPDATE
     if messages > 1:
         rng = child_generator(settings.seed, run, case.truth.trip_id, "phase")
-        rate_hz = (messages - 1) / float(t_s[-1] - t_s[0])
+        rate_hz = (messages - 1) / case.truth.duration_s
         kind[Periodic(rate_hz).transmit_indices(t_s, rng)] = Message.UPDATE
     update_index = np.maximum.accumulate(np.where(kind > 0, np.arange(kind.size), 0))
     return Sent(kind, np.zeros_like(kind), update_index)

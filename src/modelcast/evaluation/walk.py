@@ -18,7 +18,7 @@ from modelcast.models.velocity import VelocityEstimator, sample_matrix
 from modelcast.policy.base import Message
 from modelcast.policy.error_driven import ErrorDriven
 
-__all__ = ["TripBank", "Walk", "require_start"]
+__all__ = ["TripBank", "Walk"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,26 +63,6 @@ class Walk:
         return self.kind != Message.NOTHING
 
 
-def require_start(bank: Bank) -> None:
-    """Refuse a bank that has nothing to send at a start or after a gap, where windows are short.
-
-    Parameters
-    ----------
-    bank
-        Sub-models.
-
-    Raises
-    ------
-    ValueError
-        Where every member needs a window of more than one sample.
-    """
-    if bank.window > 1:
-        raise ValueError(
-            f"bank {bank.name}: at a start and after a gap no sub-model has its window of {bank.window} "
-            "samples; add cv as the last one"
-        )
-
-
 class TripBank:
     """One bank made ready for one trip: windows, compiled members and the memo of fits.
 
@@ -95,22 +75,22 @@ class TripBank:
     estimator
         The velocity that constant velocity coasts with.
 
-    Raises
-    ------
-    ValueError
-        Where the bank cannot serve short windows; see `require_start`.
+    Notes
+    -----
+    A bank whose members all need longer windows is completed by constant velocity, which then serves where no
+    other member has a full window, and only there.
     """
 
     def __init__(self, trip: Trajectory, bank: Bank, estimator: VelocityEstimator) -> None:
-        require_start(bank)
         self.trip = trip
-        self.bank = bank
+        self.bank = bank.complete()
+        self._fallback = -1 if self.bank is bank else len(bank.members)
         self.samples = sample_matrix(trip, estimator)
-        ready = [member.point_functions(trip.dt_s) for member in bank.members]
+        ready = [member.point_functions(trip.dt_s) for member in self.bank.members]
         self.fits = tuple(one.fit_pointer for one in ready)
         self.predicts = tuple(one.predict_pointer for one in ready)
         self.constants = tuple(one.constants for one in ready)
-        self.parameters = np.zeros((len(trip), int(bank.offsets[-1])))
+        self.parameters = np.zeros((len(trip), int(self.bank.offsets[-1])))
         self.fitted = np.zeros(len(trip), dtype=np.bool_)
         self._segment_start = trip.segment_start
 
@@ -134,6 +114,7 @@ class TripBank:
                 self.constants,
                 self.bank.windows,
                 self.bank.offsets,
+                self._fallback,
                 self.trip.t_s,
                 self.samples,
                 self._segment_start,

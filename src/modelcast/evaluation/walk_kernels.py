@@ -58,6 +58,7 @@ def walk(
     constants: Any,
     windows: Any,
     offsets: Any,
+    fallback: int,
     t_s: Any,
     samples: Any,
     segment_start: Any,
@@ -75,10 +76,11 @@ def walk(
     """Walk one trip with the error-driven policy.
 
     ``fits``, ``predicts`` and ``constants`` are tuples of the M members' compiled functions and tables;
-    ``windows`` (M,) and ``offsets`` (M + 1,) describe the members. ``parameters`` (T, P) and ``fitted``
-    (T,) are the memo of fits by instant, shared by all walks over the trip and bank. Writes, for every
-    sample, the members' errors before its message ``tracking_error_m`` (T, M), the message ``kind`` (T,),
-    and the sub-model ``in_use`` (T,) and index of its update ``update_index`` (T,) after the message.
+    ``windows`` (M,) and ``offsets`` (M + 1,) describe the members; ``fallback`` is the last one where that
+    serves only for want of another, else -1. ``parameters`` (T, P) and ``fitted`` (T,) are the memo of fits
+    by instant, shared by all walks over the trip and bank. Writes, for every sample, the members' errors
+    before its message ``tracking_error_m`` (T, M), the message ``kind`` (T,), and the sub-model ``in_use``
+    (T,) and index of its update ``update_index`` (T,) after the message.
     """
     members = windows.size
     available = np.empty(members, dtype=np.bool_)
@@ -91,8 +93,10 @@ def walk(
     last_message = 0
     for i in range(t_s.size):
         history = i - segment_start[i] + 1
+        served = False
         for m in range(members):
-            available[m] = history >= windows[m]
+            available[m] = history >= windows[m] and not (m == fallback and served)
+            served = served or available[m]
             error = np.inf
             if usable[m]:
                 own = parameters[last_update, offsets[m] : offsets[m + 1]]

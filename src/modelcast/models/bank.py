@@ -7,6 +7,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.models.base import AbstractMotionModel, AbstractSubModel, Windows
+from modelcast.models.constant_velocity import ConstantVelocity
 
 __all__ = ["Bank"]
 
@@ -72,6 +73,16 @@ class Bank(AbstractMotionModel):
     def offsets(self) -> IntArray:
         """Bounds of each member's parameters after ``in_use``, (M + 1,), from 0."""
         return np.cumsum([0] + [len(member.parameter_names) for member in self.members], dtype=np.int64)
+
+    def complete(self) -> "Bank":
+        """The bank itself, or with constant velocity added last where no member does with one sample.
+
+        A sender must have something to say at a start and after a gap. Constant velocity added here serves
+        only there: `modelcast.evaluation.walk` uses it where no other member has a full window.
+        """
+        if self.window == 1:
+            return self
+        return Bank((*self.members, ConstantVelocity()), self.name)
 
     def fit(self, windows: Windows) -> FloatArray:
         """Parameters of all members, (B, 1 + sum P)."""
