@@ -11,7 +11,7 @@ demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
 test: check
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto
 
 check: setup-dev
 	$(BIN)/ruff check .

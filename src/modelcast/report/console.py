@@ -126,7 +126,7 @@ def rates_table(result: EvaluationResult) -> Table:
 def tracking_table(result: EvaluationResult) -> Table:
     """Return the pooled 90th percentile of the tracking error, without loss and near a ratio of 0.4."""
     basis = rate_basis(result)
-    table = _table(f"90th percentile of the tracking error in metres; baselines at MBC's {basis} rate")
+    table = _table(f"Tracking error, p90 in metres; baselines at MBC's {basis} rate")
     ratios = _shown_ratios(result)
     table.add_column("threshold", justify="right")
     for ratio in ratios:
