@@ -18,6 +18,7 @@ _STRETCH_S = 30.0
 _HORIZON_S = 4.0
 _LEAD_S = 0.5
 _SPAN_S = 1.0
+_LEAST_CHORD_M = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,7 @@ class Sharpest:
     index
         Sample.
     acceleration_mps2
-        Size of the acceleration over about two seconds [m/s²].
+        Size of the acceleration across the course over about two seconds [m/s²].
     """
 
     index: int
@@ -37,7 +38,7 @@ class Sharpest:
 
 
 def sharpest_instant(truth: Trajectory) -> Sharpest | None:
-    """The sample about which the velocity turns most; None where no part is long enough.
+    """The sample about which the course bends most; None where no part is long enough.
 
     Parameters
     ----------
@@ -51,7 +52,11 @@ def sharpest_instant(truth: Trajectory) -> Sharpest | None:
             continue
         position = truth.position_m[first:end]
         bend = position[2 * span :] - 2.0 * position[span:-span] + position[: -2 * span]
-        size = np.hypot(bend[:, 0], bend[:, 1]) / (span * truth.dt_s) ** 2
+        chord = position[2 * span :] - position[: -2 * span]
+        length = np.maximum(np.hypot(chord[:, 0], chord[:, 1]), _LEAST_CHORD_M)
+        # Across the course only: a receiver that repeats a position jumps along it.
+        across = np.abs(chord[:, 0] * bend[:, 1] - chord[:, 1] * bend[:, 0]) / length
+        size = across / (span * truth.dt_s) ** 2
         # Keep room for a full window before and a horizon after.
         usable = size[span : -2 * span]
         at = int(np.argmax(usable))

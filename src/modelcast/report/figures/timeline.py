@@ -39,7 +39,7 @@ def plot_timeline(result: EvaluationResult) -> Figure:
         if result.timeline is None or result.timeline.t_s.size == 0:
             return empty_figure("No trip holds a stretch for the timeline.")
         timeline = _thinned(result.timeline)
-        figure = new_figure(PAGE_IN, 2.75 + 0.17 * len(timeline.members))
+        figure = new_figure(PAGE_IN, 2.95 + 0.17 * len(timeline.members))
         heights = [2.0, 0.55 + 0.17 * len(timeline.members)]
         errors, strips = figure.subplots(2, 1, sharex=True, height_ratios=heights)
         _draw_errors(errors, timeline)
@@ -48,13 +48,9 @@ def plot_timeline(result: EvaluationResult) -> Figure:
         errors.set_title(title, loc="left")
         handles, labels = errors.get_legend_handles_labels()
         handles.append(Patch(color=FAINT))
-        errors.legend(
-            handles,
-            [*labels, "Sub-model fails"],
-            loc="lower right",
-            bbox_to_anchor=(1.0, 0.99),
-            borderaxespad=0.0,
-            ncols=len(handles),
+        # Apart from the title: names of trips are long.
+        figure.legend(
+            handles, [*labels, "Sub-model fails"], loc="outside lower center", ncols=min(len(handles), 6)
         )
         return figure
 

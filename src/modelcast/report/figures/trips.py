@@ -64,12 +64,19 @@ def plot_trips(result: EvaluationResult) -> Figure:
                 _draw_distribution(axes, values)
         _label((left, right), threshold_m, ratio)
         if rows:
-            left.set_yticks(range(rows), [printable(name, 30) for name in names], fontsize=6.0)
+            left.set_yticks(range(rows), _short(names), fontsize=6.0)
             left.set_ylim(-0.8, rows - 0.2)
         else:
             left.set_ylabel(f"Share of {len(names)} trips")
         _legend(figure, result)
         return figure
+
+
+def _short(names: Sequence[str]) -> list[str]:
+    """The names, without the file's where all trips come from one."""
+    files = {name.rpartition("/")[0] for name in names}
+    shown = [name.rpartition("/")[2] for name in names] if len(files) == 1 else names
+    return [printable(name, 30) for name in shown]
 
 
 def _rates(result: EvaluationResult, threshold_m: float) -> dict[str, _ByTrip]:
