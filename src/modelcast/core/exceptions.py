@@ -3,14 +3,13 @@
 ::
 
     ModelcastError
-    ├── DataFormatError      a file is not what its format says: path, row, value, remedy
-    ├── ConfigError          options that do not fit together, or that fit no trip
-    └── MissingExtraError    an optional dependency is not installed
+    ├── DataFormatError    a file is not what its format says: path, row, value, remedy
+    └── ConfigError        options that do not fit together, or that fit no trip
 
 Mistakes of a caller of the Python interface are plain ``ValueError``.
 """
 
-__all__ = ["ConfigError", "DataFormatError", "MissingExtraError", "ModelcastError"]
+__all__ = ["ConfigError", "DataFormatError", "ModelcastError"]
 
 
 class ModelcastError(Exception):
@@ -43,19 +42,3 @@ class DataFormatError(ModelcastError):
         self.remedy = remedy
         place = path if row is None else f"{path}, row {row}"
         super().__init__(f"{place}: {problem}." + (f" {remedy}" if remedy else ""))
-
-
-class MissingExtraError(ModelcastError):
-    """An optional dependency is not installed.
-
-    Parameters
-    ----------
-    extra
-        The name of the extra, as in ``pip install 'modelcast[extra]'``.
-    needed_for
-        What the user asked for.
-    """
-
-    def __init__(self, extra: str, needed_for: str) -> None:
-        self.extra = extra
-        super().__init__(f"{needed_for} needs an optional part: pip install 'modelcast[{extra}]'")
