@@ -1,4 +1,4 @@
-"""Predictive covariance and the constant rows of a Gaussian process with given hyper-parameters.
+"""Predictive covariance and the constant matrices of a Gaussian process with given hyper-parameters.
 
 Plain NumPy in the eigen-basis of the kernel, for reports and for fixed hyper-parameters; the search for
 hyper-parameters is in `modelcast.models.gp.search_kernels`.
@@ -12,7 +12,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.models.gp.spectrum import fold, spectrum
 from modelcast.models.gp.tables import Form, window_times_s
 
-__all__ = ["Inverse", "inverse", "predictive_variance_m2", "projection_rows"]
+__all__ = ["Inverse", "inverse", "predictive_variance_m2", "projection"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +114,7 @@ def predictive_variance_m2(
     return variances_m2[:, None] * np.maximum(variance, 0.0)
 
 
-def projection_rows(
+def projection(
     samples: int,
     dt_s: float,
     form: Form,
@@ -122,8 +122,10 @@ def projection_rows(
     lengthscale_s: float,
     noise_ratio: float,
     linear_ratio_per_s2: float,
-) -> FloatArray:
-    """Return the rows that turn displacements into [intercept,] slope and weights, (1 or 2 + n, n).
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the matrices that turn displacements into [intercept,] slope and weights.
+
+    Lines are ``(1 or 2, n) @ displacements`` and weights ``(n, n) @ (n, n) @ displacements``.
 
     Parameters
     ----------
@@ -135,6 +137,13 @@ def projection_rows(
         Form of the linear part.
     lengthscale_s, noise_ratio, linear_ratio_per_s2
         Hyper-parameters.
+
+    Notes
+    -----
+    The two matrices of the weights are not multiplied out. The first gives the dual coefficients in the
+    eigen-basis, where rounding errors, as large as ``1e-16/b``, stay along the eigenvectors of the
+    smallest eigenvalues, which no prediction sees. The product would spread them over all weights: a
+    centimetre where b is ``1e-12``.
     """
     solved = inverse(samples, dt_s, np.array([lengthscale_s]), np.array([noise_ratio]))
     basis, weights = solved.basis[0], solved.weights[0]
@@ -151,5 +160,4 @@ def projection_rows(
         residual -= np.outer(constant, level)
         lines = [level - shift * slope, slope]
     decay = np.exp(-0.5 * np.square(times / lengthscale_s))
-    alpha = (decay[:, None] * basis) @ (weights[:, None] * residual)
-    return np.concatenate([lines, alpha]) @ basis.T
+    return np.array(lines) @ basis.T, weights[:, None] * residual @ basis.T, decay[:, None] * basis

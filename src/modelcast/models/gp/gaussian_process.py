@@ -8,7 +8,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.models.base import AbstractSubModel, PointFunctions
 from modelcast.models.gp import gaussian_process_kernels as kernels
-from modelcast.models.gp.covariance import predictive_variance_m2, projection_rows
+from modelcast.models.gp.covariance import predictive_variance_m2, projection
 from modelcast.models.gp.tables import NOISE_CEILING_M, Bounds, Form, check_window, pack
 
 __all__ = ["GaussianProcess", "Hyperparameters"]
@@ -195,7 +195,7 @@ def _point_functions(model: GaussianProcess, dt_s: float) -> PointFunctions:
     fixed = model.hyperparameters
     if fixed is not None:
         flat = float(model.form == "intercept")
-        rows = projection_rows(
+        matrices = projection(
             model.samples,
             dt_s,
             model.form,
@@ -205,7 +205,9 @@ def _point_functions(model: GaussianProcess, dt_s: float) -> PointFunctions:
         )
         header = np.array([model.samples, dt_s, fixed.lengthscale_s, flat])
         return PointFunctions(
-            kernels.fit_fixed, kernels.predict_fixed, np.concatenate([header, rows.ravel()])
+            kernels.fit_fixed,
+            kernels.predict_fixed,
+            np.concatenate([header, *(matrix.ravel() for matrix in matrices)]),
         )
     constants = pack(model.samples, dt_s, model.form, Bounds(model.noise_floor_m))
     if model.form == "intercept":

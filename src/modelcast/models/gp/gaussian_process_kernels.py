@@ -182,25 +182,43 @@ def predict_intercept(parameters: Any, horizon_s: float, constants: Any, out: An
 
 
 # The constants of fixed hyper-parameters: n, dt, lengthscale, whether there is an intercept, and then the
-# rows that give intercept, slope and weights from a window of displacements.
+# matrices of `modelcast.models.gp.covariance.projection`.
 _FIXED_LENGTHSCALE, _FIXED_FLAT, FIXED_HEADER = 2, 3, 4
 
 
 @_fit
 def fit_fixed(window: Any, constants: Any, out: Any) -> None:
-    """Multiply each axis by the constant rows: [intercepts,] slopes, weights."""
+    """Multiply both axes by the constant matrices: [intercepts,] slopes, weights."""
     n = int(constants[0])
     lines = 2 if constants[_FIXED_FLAT] > 0.0 else 1
-    for d in range(2):
-        last = window[n - 1, d]
-        for r in range(lines + n):
-            total = 0.0
-            for j in range(n):
-                total += constants[FIXED_HEADER + r * n + j] * (window[j, d] - last)
-            if r < lines:
-                out[2 * r + d] = total
-            else:
-                out[2 * lines + d * n + r - lines] = total
+    moved = np.empty((2, n))
+    dual = np.empty((2, n))
+    for j in range(n):
+        moved[0, j] = window[j, 0] - window[n - 1, 0]
+        moved[1, j] = window[j, 1] - window[n - 1, 1]
+    at = FIXED_HEADER
+    for r in range(lines + n):
+        east = 0.0
+        north = 0.0
+        for j in range(n):
+            east += constants[at + j] * moved[0, j]
+            north += constants[at + j] * moved[1, j]
+        if r < lines:
+            out[2 * r] = east
+            out[2 * r + 1] = north
+        else:
+            dual[0, r - lines] = east
+            dual[1, r - lines] = north
+        at += n
+    for r in range(n):
+        east = 0.0
+        north = 0.0
+        for k in range(n):
+            east += constants[at + k] * dual[0, k]
+            north += constants[at + k] * dual[1, k]
+        out[2 * lines + r] = east
+        out[2 * lines + n + r] = north
+        at += n
 
 
 @_predict
