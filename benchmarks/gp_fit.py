@@ -122,7 +122,7 @@ def joint_study(windows: Array, timed: int) -> None:
     """Compare the intercept form, both axes together."""
     model = GaussianProcess(form="intercept")
     y = windows - windows[:, -1:]
-    full = Windows(np.concatenate([windows, np.zeros_like(windows)], axis=2), dt_s=DT_S)
+    full = Windows(np.concatenate([windows, np.zeros((*windows.shape[:2], 4))], axis=2), dt_s=DT_S)
     seconds = least_seconds(lambda: model.fit(full)) / len(windows)
     parameters = model.fit(full)
     names = model.parameter_names

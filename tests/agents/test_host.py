@@ -34,7 +34,9 @@ POSITION_M = 1e-9
 def fitted() -> FloatArray:
     """Parameters of both sub-models on a bend at 10 m/s, the newest sample heading east."""
     t = np.arange(-9, 1) * 0.1
-    bend = np.stack([20 * np.sin(t / 2), 20 * np.cos(t / 2), 10 * np.cos(t / 2), -10 * np.sin(t / 2)], axis=1)
+    position = [20 * np.sin(t / 2), 20 * np.cos(t / 2)]
+    velocity = [10 * np.cos(t / 2), -10 * np.sin(t / 2)]
+    bend = np.stack([*position, *velocity, np.zeros(10), np.full(10, 0.5)], axis=1)
     return BANK.fit(Windows(bend[None], dt_s=0.1))[0, 1:]
 
 

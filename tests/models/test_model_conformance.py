@@ -8,11 +8,19 @@ from modelcast.models.base import AbstractMotionModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.gp.gaussian_process import Hyperparameters
+from modelcast.models.kinematic import (
+    ConstantAcceleration,
+    ConstantTurnRateAcceleration,
+    ConstantTurnRateVelocity,
+)
 
 FIXED = Hyperparameters(2.0, 1e-4, linear_ratio_per_s2=1.0, variance_m2=25.0)
 
 MODELS: dict[str, AbstractMotionModel] = {
     "cv": ConstantVelocity(),
+    "ca": ConstantAcceleration(),
+    "ctrv": ConstantTurnRateVelocity(),
+    "ctra": ConstantTurnRateAcceleration(),
     "gp-anchored": GaussianProcess(form="anchored"),
     "gp-intercept": GaussianProcess(form="intercept"),
     "gp-anchored-5": GaussianProcess(5, "anchored", noise_floor_m=0.01),
@@ -21,6 +29,10 @@ MODELS: dict[str, AbstractMotionModel] = {
     "gp-intercept-fixed": GaussianProcess(form="intercept", hyperparameters=FIXED),
     "cv+gp-anchored": Bank((ConstantVelocity(), GaussianProcess(form="anchored"))),
     "gp-intercept+cv": Bank((GaussianProcess(form="intercept"), ConstantVelocity())),
+    "ctra+ca+cv": Bank((ConstantTurnRateAcceleration(), ConstantAcceleration(), ConstantVelocity())),
+    "gp-intercept+ctra+cv": Bank(
+        (GaussianProcess(form="intercept"), ConstantTurnRateAcceleration(), ConstantVelocity())
+    ),
 }
 
 HORIZONS_S = np.array([0.0, 0.1, 0.35, 1.0, 2.5])
@@ -48,7 +60,13 @@ def windows(count: int = 30, length: int = 20) -> Windows:
     t = t[None, :, None]
     position = velocity * t + acceleration * t**2 / 2 + jerk * t**3 / 6
     position += rng.normal(0.0, 0.01, position.shape)
-    samples = np.concatenate([position, velocity + acceleration * t + jerk * t**2 / 2], axis=2)
+    velocity = velocity + acceleration * t + jerk * t**2 / 2
+    acceleration = acceleration + jerk * t
+    speed = np.hypot(velocity[..., 0], velocity[..., 1])
+    along = (acceleration * velocity).sum(axis=2) / speed
+    turn = (acceleration[..., 0] * velocity[..., 1] - acceleration[..., 1] * velocity[..., 0]) / speed**2
+    rates = np.stack([along, np.clip(turn, -1.0, 1.0)], axis=2)
+    samples = np.concatenate([position, velocity, rates], axis=2)
     samples[-3:] = 0.0
     return Windows(np.round(samples * 2**20) / 2**20, dt_s=DT_S)
 
@@ -62,7 +80,7 @@ def test_shapes_follow_the_batch(model: AbstractMotionModel) -> None:
 
 
 def test_an_empty_batch_is_a_batch(model: AbstractMotionModel) -> None:
-    parameters = model.fit(Windows(np.empty((0, 20, 4)), dt_s=DT_S))
+    parameters = model.fit(Windows(np.empty((0, 20, 6)), dt_s=DT_S))
     assert parameters.shape == (0, len(model.parameter_names))
     assert model.predict(parameters, HORIZONS_S, dt_s=DT_S).shape == (0, HORIZONS_S.size, 2)
     assert model.predict_at(parameters, np.empty(0), dt_s=DT_S).shape == (0, 2)
@@ -98,7 +116,7 @@ def test_a_batch_equals_its_rows_one_by_one(model: AbstractMotionModel) -> None:
 def test_moving_the_frame_changes_no_prediction(model: AbstractMotionModel) -> None:
     """The windows lie on a binary grid, so that the shift itself is exact."""
     here = windows()
-    there = Windows(here.samples + np.array([4096.0, -8192.0, 0.0, 0.0]), dt_s=DT_S)
+    there = Windows(here.samples + np.array([4096.0, -8192.0, 0.0, 0.0, 0.0, 0.0]), dt_s=DT_S)
     predicted = [model.predict(model.fit(one), HORIZONS_S, dt_s=DT_S) for one in (here, there)]
     assert np.abs(predicted[1] - predicted[0]).max() < FRAME_ROUNDING_M
 
@@ -172,7 +190,7 @@ def test_windows_that_are_not_finite_are_refused(value: float) -> None:
         Windows(samples, dt_s=DT_S)
 
 
-@pytest.mark.parametrize("shape", [(20, 4), (3, 20, 2), (3, 20, 5)])
+@pytest.mark.parametrize("shape", [(20, 6), (3, 20, 2), (3, 20, 4), (3, 20, 7)])
 def test_windows_of_another_shape_are_refused(shape: tuple[int, ...]) -> None:
     with pytest.raises(ValueError, match="samples must be"):
         Windows(np.zeros(shape), dt_s=DT_S)
@@ -181,4 +199,4 @@ def test_windows_of_another_shape_are_refused(shape: tuple[int, ...]) -> None:
 @pytest.mark.parametrize("dt_s", [0.0, -0.1, np.nan, np.inf])
 def test_an_interval_that_is_no_interval_is_refused(dt_s: float) -> None:
     with pytest.raises(ValueError, match="dt_s"):
-        Windows(np.zeros((1, 10, 4)), dt_s=dt_s)
+        Windows(np.zeros((1, 10, 6)), dt_s=dt_s)

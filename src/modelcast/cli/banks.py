@@ -6,11 +6,23 @@ from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
+from modelcast.models.kinematic import (
+    ConstantAcceleration,
+    ConstantTurnRateAcceleration,
+    ConstantTurnRateVelocity,
+)
 
 __all__ = ["bank_from_text"]
 
 INTERCEPT_NOISE_FLOOR_M = 1e-3
 """Smallest noise of the ``gp-intercept`` form where the user names none [m]."""
+
+_KINEMATIC: dict[str, AbstractSubModel] = {
+    "cv": ConstantVelocity(),
+    "ca": ConstantAcceleration(),
+    "ctrv": ConstantTurnRateVelocity(),
+    "ctra": ConstantTurnRateAcceleration(),
+}
 
 
 def bank_from_text(text: str, *, noise_floor_m: float | None = None, window: int = 10) -> Bank:
@@ -20,7 +32,7 @@ def bank_from_text(text: str, *, noise_floor_m: float | None = None, window: int
     ----------
     text
         ``paper`` (constant velocity, then the anchored Gaussian process), or sub-models in order, joined by
-        ``+``: ``cv``, ``gp-anchored``, ``gp-intercept``.
+        ``+``: ``cv``, ``ca``, ``ctrv``, ``ctra``, ``gp-anchored``, ``gp-intercept``.
     noise_floor_m
         Smallest position noise the Gaussian processes may assume [m]; where None, none to speak of for the
         paper's form and 1 mm for the other.
@@ -46,12 +58,13 @@ def bank_from_text(text: str, *, noise_floor_m: float | None = None, window: int
 
 
 def _member(name: str, noise_floor_m: float | None, window: int) -> AbstractSubModel:
-    if name == "cv":
-        return ConstantVelocity()
+    if name in _KINEMATIC:
+        return _KINEMATIC[name]
     if name == "gp-anchored":
         floor_m = PAPER_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
         return GaussianProcess(window, "anchored", noise_floor_m=floor_m)
     if name == "gp-intercept":
         floor_m = INTERCEPT_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
         return GaussianProcess(window, "intercept", noise_floor_m=floor_m)
-    raise ValueError(f"no sub-model is named '{name}'; there are cv, gp-anchored and gp-intercept")
+    known = ", ".join([*_KINEMATIC, "gp-anchored"])
+    raise ValueError(f"no sub-model is named '{name}'; there are {known} and gp-intercept")

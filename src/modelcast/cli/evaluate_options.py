@@ -30,7 +30,7 @@ class EvaluateOptions:
         Seed of all random numbers.
     bank
         Sub-models of model-based communication, first in use first: 'paper', or names joined by '+' among cv,
-        gp-anchored, gp-intercept.
+        ca, ctrv, ctra, gp-anchored, gp-intercept.
     window
         Samples a Gaussian process is fitted to.
     noise_floor

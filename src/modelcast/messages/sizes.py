@@ -46,7 +46,7 @@ class SizeModel:
         return self.core_bytes
 
     def update_bytes(self, bank: Bank) -> int:
-        """A model update; constant velocity costs nothing, since the core carries speed and heading.
+        """A model update; kinematic models cost nothing, since the core carries all they hold.
 
         Parameters
         ----------

@@ -82,8 +82,9 @@ class Windows:
     Parameters
     ----------
     samples
-        (B, n, 4): east, north [m] and the east, north velocity [m/s] that the one named causal estimator
-        gives at each sample. Row -1 is the newest.
+        (B, n, 6): east, north [m]; the east, north velocity [m/s], the acceleration along the course [m/s²]
+        and the yaw rate, clockwise [rad/s], that one named causal estimator each gives at each sample. Row -1
+        is the newest.
     dt_s
         Sampling interval [s].
 
@@ -115,7 +116,7 @@ class PointFunctions:
     Parameters
     ----------
     fit
-        ``fit(window (n, 4), constants (K,), out_parameters (P,))``, compiled with `FIT_SIGNATURE`.
+        ``fit(window (n, 6), constants (K,), out_parameters (P,))``, compiled with `FIT_SIGNATURE`.
     predict
         ``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,))``, compiled with
         `PREDICT_SIGNATURE`.

@@ -6,6 +6,7 @@ import numba
 from numba import types
 
 __all__ = [
+    "ACCELERATION",
     "EAST",
     "FIT_SIGNATURE",
     "NORTH",
@@ -13,22 +14,23 @@ __all__ = [
     "SAMPLE_COLUMNS",
     "VELOCITY_EAST",
     "VELOCITY_NORTH",
+    "YAW_RATE",
     "fit_batch",
     "predict_batch",
     "predict_each",
 ]
 
-EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH = range(4)
-"""Columns of a window's samples."""
+EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH, ACCELERATION, YAW_RATE = range(6)
+"""Columns of a window's samples: [m], [m/s], along the course [m/s²], clockwise [rad/s]."""
 
-SAMPLE_COLUMNS = 4
+SAMPLE_COLUMNS = 6
 """How many columns a window's samples have."""
 
 _vector = types.float64[::1]
 _matrix = types.float64[:, ::1]
 
 FIT_SIGNATURE = types.void(_matrix, _vector, _vector)
-"""``fit(window (n, 4), constants (K,), out_parameters (P,))``."""
+"""``fit(window (n, 6), constants (K,), out_parameters (P,))``."""
 
 PREDICT_SIGNATURE = types.void(_vector, types.float64, _vector, _vector)
 """``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,))``."""
@@ -39,7 +41,7 @@ _jit: Any = numba.njit(cache=True, nogil=True)
 
 @_jit
 def fit_batch(fit: Any, samples: Any, constants: Any, out: Any) -> None:
-    """Fit (B, n, 4) windows one by one into ``out`` (B, P)."""
+    """Fit (B, n, 6) windows one by one into ``out`` (B, P)."""
     for row in range(samples.shape[0]):
         fit(samples[row], constants, out[row])
 
