@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from modelcast.policy.periodic import Periodic as Periodic
     from modelcast.report.html import write_report as write_report
     from modelcast.report.tables import rates_frame as rates_frame
+    from modelcast.report.tables import references_frame as references_frame
     from modelcast.report.tables import tracking_frame as tracking_frame
     from modelcast.simulation.drive import generate_drive as generate_drive
 
@@ -53,6 +54,7 @@ _HOMES = {
     "generate_drive": "simulation.drive",
     "rates_frame": "report.tables",
     "read_trips": "io.trips",
+    "references_frame": "report.tables",
     "tracking_frame": "report.tables",
     "write_report": "report.html",
     "write_results": "io.results",

@@ -254,6 +254,7 @@ def test_settings_name_everything_that_changes_the_numbers() -> None:
         "sensor": replace(base.sensor, position_noise_m=0.5),
         "keep_samples": "all",
         "sizes": replace(base.sizes, core_bytes=50),
+        "references": False,
     }
     assert {*changed, "map_at"} == {item.name for item in fields(EvaluationSettings)}
     plain = base.as_plain()

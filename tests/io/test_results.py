@@ -75,6 +75,7 @@ def test_summary_has_the_rows_under_their_own_names(result: EvaluationResult, tm
         "settings",
         "trips",
         "rates",
+        "references",
         "tracking",
         "failures",
         "skipped",

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib import rcParams
 
-from modelcast.evaluation.result import EvaluationResult
+from modelcast.evaluation.result import EvaluationResult, ReferenceRow
 from modelcast.report.figures import (
     FIGURES,
     plot_distribution,
@@ -43,6 +43,33 @@ def test_bar_heights_are_the_pooled_rates(make_result: Make) -> None:
         assert identifications[at].get_y() == mbc.update_rate_hz
         assert identifications[at].get_height() == pytest.approx(mbc.identification_rate_hz)
         assert baseline[at].get_height() == rows["baseline", threshold].total_rate_hz
+
+
+def test_reference_lines_lie_at_the_pooled_rates_and_are_named(make_result: Make) -> None:
+    references = [
+        ReferenceRow(
+            trip,
+            name,
+            threshold_m,
+            messages=60,
+            least_messages=60,
+            duration_s=600.0,
+            rate_hz=rate_hz * (1.0 if trip == "all" else 9.0),
+            undecided=0,
+        )
+        for trip in ("all", "kerbside/1")
+        for name, threshold_m, rate_hz in (
+            *(("clairvoyant-2", th, 0.5 - th / 2) for th in (0.2, 0.3, 0.4, 0.5)),
+            ("cam", None, 2.5),
+        )
+    ]
+    figure = plot_rates(replace(make_result(), references=tuple(references)))
+    axes = figure.axes[0]
+    drawn = axes.collections[-1].get_segments()
+    assert [line[0][1] for line in drawn] == pytest.approx([0.4, 0.35, 0.3, 0.25])
+    assert axes.get_lines()[-1].get_ydata() == pytest.approx([2.5, 2.5])
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names[-2:] == ["ETSI CAM rules", "Known future, degree 2"]
 
 
 def test_distribution_curves_are_the_ecdfs_at_the_nearest_ratio(make_result: Make) -> None:

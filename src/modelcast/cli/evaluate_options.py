@@ -64,6 +64,9 @@ class EvaluateOptions:
         Age of what the sender sees, in the sensor protocol [s].
     samples
         Tracking-error samples written to samples.parquet: of the first seed, all seeds, or none.
+    references
+        Count the references too: the fewest messages of a sender that knows the future, and the rules of
+        cooperative awareness messages.
     map
         Manoeuvre to draw, as TRIP@SECONDS; the sharpest where not given.
     """
@@ -88,6 +91,7 @@ class EvaluateOptions:
     heading_noise: float = 0.2
     latency: float = 0.0
     samples: Literal["first", "all", "none"] = "first"
+    references: bool = True
     map: str | None = None
 
     def settings(self) -> "EvaluationSettings":
@@ -128,6 +132,7 @@ class EvaluateOptions:
                     latency_s=self.latency,
                 ),
                 keep_samples=self.samples,
+                references=self.references,
                 map_at=_map_at(self.map),
             )
         except ValueError as error:

@@ -12,11 +12,13 @@ from modelcast.evaluation.illustration import draw_manoeuvre, draw_timeline, sha
 from modelcast.evaluation.pooling import TrackingPool, pool_ecdf, pool_row
 from modelcast.evaluation.rate import RateCount, count_rates, pooled_rates, rate_row
 from modelcast.evaluation.recording import EventRecorder, sample_block
+from modelcast.evaluation.reference import count_references, pooled_references
 from modelcast.evaluation.result import (
     POOLED,
     EvaluationResult,
     Manoeuvre,
     RateRow,
+    ReferenceRow,
     SampleBlock,
     Timeline,
     TrackingRow,
@@ -38,6 +40,7 @@ class _Collected:
     trips: list[TripRow] = field(default_factory=list[TripRow])
     counts: list[RateCount] = field(default_factory=list[RateCount])
     rates: list[RateRow] = field(default_factory=list[RateRow])
+    references: list[ReferenceRow] = field(default_factory=list[ReferenceRow])
     tracking: list[TrackingRow] = field(default_factory=list[TrackingRow])
     pools: dict[tuple[Contender, float], TrackingPool] = field(
         default_factory=dict[tuple[Contender, float], TrackingPool]
@@ -109,6 +112,7 @@ def evaluate(
         events=events.columns(),
         samples=tuple(collected.samples),
         failures=collected.failures,
+        references=(*pooled_references(collected.references), *collected.references),
     )
 
 
@@ -136,6 +140,8 @@ def _evaluate_trip(
         collected.counts.append(count)
         collected.rates.append(rate_row(trip_id, count))
         events.add(case, count, walk)
+    if settings.references:
+        collected.references += count_references(case, settings.thresholds_m)
     _illustrate(case, (mbc, baseline), counted[0][1], settings, collected)
     for run in run_tracking(case, mbc, baseline, settings):
         block = sample_block(case, run, settings)

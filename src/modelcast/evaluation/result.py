@@ -17,6 +17,7 @@ __all__ = [
     "EvaluationResult",
     "Manoeuvre",
     "RateRow",
+    "ReferenceRow",
     "SampleBlock",
     "Timeline",
     "TrackingRow",
@@ -136,6 +137,43 @@ class RateRow:
     total_rate_hz: float
     moving_total_rate_hz: float
     bytes_per_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ReferenceRow:
+    """Messages of a reference that no bank takes part in, over what the sender sees, on an ideal channel.
+
+    Parameters
+    ----------
+    trip
+        Trip id, or `POOLED`.
+    reference
+        ``clairvoyant-1``, ``clairvoyant-2`` or ``clairvoyant-3`` (the fewest messages of a sender that knows
+        the future and sends polynomials of that degree), or ``cam`` (the triggering rules of cooperative
+        awareness messages).
+    threshold_m
+        Tracking-error threshold [m]; None for ``cam``, which has none.
+    messages
+        Messages sent.
+    least_messages
+        The same with every undecided test taken as passed: the fewest messages lie between the two.
+    duration_s
+        Time observed [s].
+    rate_hz
+        Messages over the time observed [Hz].
+    undecided
+        Tests that were neither proved nor refuted; each was taken as failed.
+    """
+
+    trip: str
+    reference: str
+    threshold_m: float | None
+    _: KW_ONLY
+    messages: int
+    least_messages: int
+    duration_s: float
+    rate_hz: float
+    undecided: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -342,6 +380,8 @@ class EvaluationResult:
         Trips that could not be evaluated, with the reason.
     skipped
         Files and vehicles that held no trip, with the reason.
+    references
+        Rows of the references that the message rates are drawn beside; empty where they were not asked for.
     """
 
     settings: Mapping[str, Any]
@@ -356,3 +396,4 @@ class EvaluationResult:
     samples: tuple[SampleBlock, ...]
     failures: Mapping[str, str]
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])
+    references: tuple[ReferenceRow, ...] = ()

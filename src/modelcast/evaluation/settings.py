@@ -70,6 +70,8 @@ class EvaluationSettings:
         Trip id and time of the manoeuvre to draw [s]; None picks the sharpest.
     sizes
         How many bytes each kind of message takes.
+    references
+        Whether the clairvoyant references and the rules of cooperative awareness messages are counted too.
 
     Raises
     ------
@@ -94,6 +96,7 @@ class EvaluationSettings:
     keep_samples: Literal["first", "all", "none"] = "first"
     map_at: tuple[str, float] | None = None
     sizes: SizeModel = field(default_factory=SizeModel)
+    references: bool = True
 
     def __post_init__(self) -> None:
         if not self.thresholds_m:
@@ -147,4 +150,5 @@ class EvaluationSettings:
             "sensor": asdict(self.sensor),
             "sizes": asdict(self.sizes),
             "keep_samples": self.keep_samples,
+            "references": self.references,
         }

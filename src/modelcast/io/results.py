@@ -1,9 +1,10 @@
 """What an evaluation leaves on disk, for programs to read.
 
 ``summary.json`` (`summary_document`)
-    ``schema`` (1), ``modelcast`` (version), ``settings``, ``trips``, ``rates``, ``tracking``, ``failures``,
-    ``skipped``. The rows are those of `modelcast.evaluation.result`, under the same names; a row that pools
-    all trips has ``"trip": "all"``. A number that does not exist is null. Floats are written in full.
+    ``schema`` (1), ``modelcast`` (version), ``settings``, ``trips``, ``rates``, ``references``, ``tracking``,
+    ``failures``, ``skipped``. The rows are those of `modelcast.evaluation.result`, under the same names; a
+    row that pools all trips has ``"trip": "all"``. A number that does not exist is null. Floats are written
+    in full.
 ``events.parquet``
     One row a message of the rate runs.
 ``samples.parquet``
@@ -28,7 +29,14 @@ import pyarrow.compute as pc
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.version import package_version
-from modelcast.evaluation.result import Columns, EvaluationResult, RateRow, TrackingRow, TripRow
+from modelcast.evaluation.result import (
+    Columns,
+    EvaluationResult,
+    RateRow,
+    ReferenceRow,
+    TrackingRow,
+    TripRow,
+)
 from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table, plain_text, sample_tables, write_tables
 
 __all__ = [
@@ -56,6 +64,7 @@ def summary_document(result: EvaluationResult) -> dict[str, Any]:
         "settings": _plain(result.settings),
         "trips": [_row(row) for row in result.trips],
         "rates": [_row(row) for row in result.rates],
+        "references": [_row(row) for row in result.references],
         "tracking": [_row(row) for row in result.tracking],
         "failures": _plain(result.failures),
         "skipped": _plain(result.skipped),
@@ -145,7 +154,7 @@ def _message_trace(events: Columns, *, policy: str, bank: str | None, threshold_
     return table.sort_by([("t_s", "ascending"), ("vehicle", "ascending")])
 
 
-def _row(row: TripRow | RateRow | TrackingRow) -> dict[str, Any]:
+def _row(row: TripRow | RateRow | ReferenceRow | TrackingRow) -> dict[str, Any]:
     return {field.name: _plain(getattr(row, field.name)) for field in fields(row)}
 
 

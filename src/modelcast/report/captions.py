@@ -22,6 +22,13 @@ PROTOCOLS = {
 """What the protocols of `modelcast.evaluation.result.TripRow` mean."""
 
 
+_REFERENCES = (
+    " Lines: the fewest messages of a sender that knows the future and sends one polynomial of that degree "
+    "for each axis, and the triggering rules of ETSI's cooperative awareness messages (EN 302 637-2), which "
+    "know no threshold."
+)
+
+
 def captions(result: EvaluationResult) -> dict[str, str]:
     """Return the caption of every figure, by the stem of its files.
 
@@ -44,6 +51,7 @@ def captions(result: EvaluationResult) -> dict[str, str]:
             f"keep-alive: MBC with the bank {main_bank(result) or 'evaluated'}, split into model updates and "
             "sub-model identifications, beside the baseline. The baseline is error-driven at the same "
             "threshold; it sends raw state, which its receiver extrapolates at constant velocity."
+            + (_REFERENCES if result.references else "")
         ),
         "tracking_distribution": (
             f"Share of samples, all trips and seeds pooled{label}, whose position tracking error (PTE) is at "

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from modelcast.evaluation.result import POOLED, EvaluationResult, RateRow, TrackingRow
+from modelcast.evaluation.result import POOLED, EvaluationResult, RateRow, ReferenceRow, TrackingRow
 
 __all__ = [
     "EQUAL_RATE_POLICIES",
     "HEADLINE_RATIO",
+    "REFERENCE_LABELS",
     "SHOWN_POLICIES",
     "Headline",
     "evaluated_ratios",
@@ -17,6 +18,7 @@ __all__ = [
     "nearest_ratio",
     "policy_label",
     "pooled_rate",
+    "pooled_reference",
     "pooled_tracking",
     "rate_basis",
     "thresholds_m",
@@ -30,6 +32,14 @@ SHOWN_POLICIES = ("mbc", *EQUAL_RATE_POLICIES)
 
 HEADLINE_RATIO = 0.4
 """The packet error ratio that the paper's distribution is drawn at."""
+
+REFERENCE_LABELS = {
+    "clairvoyant-1": "Known future, degree 1",
+    "clairvoyant-2": "Known future, degree 2",
+    "clairvoyant-3": "Known future, degree 3",
+    "cam": "ETSI CAM rules",
+}
+"""What figures and tables call the references."""
 
 _LABELS = {
     "mbc": "MBC",
@@ -117,6 +127,27 @@ def pooled_rate(result: EvaluationResult, policy: str, threshold_m: float) -> Ra
     """Return the rate row that pools all trips, or None."""
     rows = [row for row in result.rates if row.policy == policy and row.threshold_m == threshold_m]
     return next(iter(_of_main_bank(result, _pooled(rows))), None)
+
+
+def pooled_reference(
+    result: EvaluationResult, reference: str, threshold_m: float | None
+) -> ReferenceRow | None:
+    """Return the pooled row of a reference, None where it was not counted.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    reference
+        Key of `REFERENCE_LABELS`.
+    threshold_m
+        Threshold [m]; a reference that has none serves for all.
+    """
+    for row in result.references:
+        at_threshold = row.threshold_m is None or row.threshold_m == threshold_m
+        if row.trip == POOLED and row.reference == reference and at_threshold:
+            return row
+    return None
 
 
 def pooled_tracking(result: EvaluationResult, policy: str, threshold_m: float) -> list[TrackingRow]:

@@ -15,7 +15,15 @@ from modelcast.evaluation.result import POOLED, EvaluationResult, TrackingRow, T
 from modelcast.report.captions import PROTOCOLS, TITLES, captions, loss_conditions
 from modelcast.report.console import scope_line
 from modelcast.report.figures import Drawing, draw_figures, write_drawings
-from modelcast.report.headline import evaluated_ratios, headlines, nearest_ratio, policy_label, rate_basis
+from modelcast.report.headline import (
+    REFERENCE_LABELS,
+    evaluated_ratios,
+    headlines,
+    nearest_ratio,
+    policy_label,
+    pooled_reference,
+    rate_basis,
+)
 from modelcast.report.page import CSS, number, page, table
 
 __all__ = ["report_document", "write_report"]
@@ -87,7 +95,7 @@ def _protocols(result: EvaluationResult) -> str:
 
 
 def _headline_table(result: EvaluationResult) -> str:
-    return _rate_table(result) + _loss_table(result)
+    return _rate_table(result) + _reference_table(result) + _loss_table(result)
 
 
 def _rate_table(result: EvaluationResult) -> str:
@@ -117,6 +125,23 @@ def _rate_table(result: EvaluationResult) -> str:
     note = (
         "Messages on an ideal channel without keep-alive, all trips pooled by time; the baseline is "
         "error-driven at the same threshold. Bytes are application bytes by a plain size model."
+    )
+    return table(head, rows) + f'<p class="note">{escape(note)}</p>'
+
+
+def _reference_table(result: EvaluationResult) -> str:
+    if not result.references:
+        return ""
+    head = ["threshold [cm]", *(f"{label} [1/s]" for label in REFERENCE_LABELS.values())]
+    rows: list[list[str]] = []
+    for line in headlines(result):
+        found = [pooled_reference(result, name, line.threshold_m) for name in REFERENCE_LABELS]
+        rows.append([number(100 * line.threshold_m, 4), *(number(row and row.rate_hz) for row in found)])
+    undecided = sum(row.undecided for row in result.references if row.trip == POOLED)
+    note = (
+        "References, messages over time observed: the fewest messages of a sender that knows the future and "
+        "sends one polynomial of that degree for each axis, and the triggering rules of ETSI EN 302 637-2. "
+        f"Undecided tests, taken as failed: {undecided}."
     )
     return table(head, rows) + f'<p class="note">{escape(note)}</p>'
 

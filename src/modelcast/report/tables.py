@@ -10,12 +10,29 @@ from typing import Any
 
 import polars as pl
 
-from modelcast.evaluation.result import EvaluationResult, RateRow, TrackingRow, TripRow
+from modelcast.evaluation.result import EvaluationResult, RateRow, ReferenceRow, TrackingRow, TripRow
 from modelcast.io.arrow import columns_table, plain_text, sample_tables
 
-__all__ = ["events_frame", "rates_frame", "samples_frame", "tracking_frame", "trips_frame"]
+__all__ = [
+    "events_frame",
+    "rates_frame",
+    "references_frame",
+    "samples_frame",
+    "tracking_frame",
+    "trips_frame",
+]
 
-_TEXT = {"id", "source", "protocol", "velocity_estimator", "trip", "policy", "bank", "rate_basis"}
+_TEXT = {
+    "id",
+    "source",
+    "protocol",
+    "velocity_estimator",
+    "trip",
+    "policy",
+    "bank",
+    "rate_basis",
+    "reference",
+}
 _WHOLE = {
     "vehicles",
     "samples",
@@ -27,6 +44,9 @@ _WHOLE = {
     "excluded_samples",
     "skipped",
     "repaired",
+    "messages",
+    "least_messages",
+    "undecided",
 }
 _FLAG = {"resampled", "conditioned"}
 
@@ -34,6 +54,11 @@ _FLAG = {"resampled", "conditioned"}
 def rates_frame(result: EvaluationResult) -> pl.DataFrame:
     """Return one row for each trip, policy, bank and threshold of the rate runs."""
     return _frame(result.rates, RateRow)
+
+
+def references_frame(result: EvaluationResult) -> pl.DataFrame:
+    """Return one row for each trip, reference and threshold."""
+    return _frame(result.references, ReferenceRow)
 
 
 def tracking_frame(result: EvaluationResult) -> pl.DataFrame:
@@ -70,7 +95,10 @@ def samples_frame(result: EvaluationResult) -> pl.DataFrame:
     return _from_arrow(sample_tables(result.samples))
 
 
-def _frame(rows: Sequence[RateRow | TrackingRow], row_type: type[RateRow | TrackingRow]) -> pl.DataFrame:
+def _frame(
+    rows: Sequence[RateRow | ReferenceRow | TrackingRow],
+    row_type: type[RateRow | ReferenceRow | TrackingRow],
+) -> pl.DataFrame:
     names = [item.name for item in fields(row_type)]
     columns: dict[str, list[Any]] = {name: [getattr(row, name) for row in rows] for name in names}
     return pl.DataFrame(columns, schema={name: _dtype(name) for name in names})

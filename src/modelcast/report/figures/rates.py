@@ -1,15 +1,17 @@
-"""Message rate against threshold, MBC beside the baseline."""
+"""Message rate against threshold: MBC beside the baseline, and the references across both."""
 
 from matplotlib.axes import Axes
 from matplotlib.container import BarContainer
 from matplotlib.figure import Figure
+from matplotlib.typing import LineStyleType
 
 from modelcast.evaluation.result import EvaluationResult
 from modelcast.report.figures.panels import empty_figure
-from modelcast.report.headline import Headline, headlines
+from modelcast.report.headline import REFERENCE_LABELS, Headline, headlines, pooled_reference
 from modelcast.report.style import (
     COLUMN_IN,
     IDENTIFICATION_COLOUR,
+    INK,
     PAGE_IN,
     POLICY_COLOURS,
     new_figure,
@@ -19,11 +21,20 @@ from modelcast.report.style import (
 __all__ = ["plot_rates"]
 
 _WIDTH = 0.38
+_REACH = 0.46
 _MOST_IN_COLUMN = 6
+_REFERENCE_LINES: dict[str, LineStyleType] = {
+    "clairvoyant-1": "-",
+    "clairvoyant-2": (0, (3.5, 1.0)),
+    "clairvoyant-3": (0, (1.0, 0.8)),
+    "cam": (0, (5.0, 1.2, 1.0, 1.2)),
+}
 
 
 def plot_rates(result: EvaluationResult) -> Figure:
     """Return bars of the pooled message rate at each threshold: MBC, stacked by kind, and the baseline.
+
+    The references are thin lines across both bars of a threshold, or across all where they know none.
 
     Parameters
     ----------
@@ -35,18 +46,17 @@ def plot_rates(result: EvaluationResult) -> Figure:
         if not lines:
             return empty_figure("No message rates were evaluated.")
         wide = len(lines) > _MOST_IN_COLUMN
-        figure = new_figure(PAGE_IN if wide else COLUMN_IN, 2.7)
+        figure = new_figure(PAGE_IN if wide else COLUMN_IN, 3.1 if result.references else 2.7)
         axes = figure.subplots()
         _draw_bars(axes, lines)
+        _draw_references(axes, result, lines)
         axes.set_xticks(range(len(lines)), [f"{100 * line.threshold_m:.4g}" for line in lines])
         axes.set_xlim(-0.6, len(lines) - 0.4)
         axes.set_xlabel("Tracking-error threshold [cm]")
         axes.set_ylabel("Message rate [1/s]")
         axes.grid(visible=False, axis="x")
         axes.margins(y=0.09)
-        figure.legend(
-            *axes.get_legend_handles_labels(), loc="outside upper center", ncols=3, columnspacing=1.2
-        )
+        _legend(figure, axes, wide=wide)
         return figure
 
 
@@ -69,6 +79,43 @@ def _draw_bars(axes: Axes, lines: list[Headline]) -> None:
     _label_tops(axes, tops, [None if line.mbc is None else line.mbc.total_rate_hz for line in lines])
     _label_tops(
         axes, beside, [None if line.baseline is None else line.baseline.total_rate_hz for line in lines]
+    )
+
+
+def _draw_references(axes: Axes, result: EvaluationResult, lines: list[Headline]) -> None:
+    """Draw a line a threshold for each degree, on white to stand out from the bars, and one for all CAM."""
+    for name, dashes in _REFERENCE_LINES.items():
+        rows = [pooled_reference(result, name, line.threshold_m) for line in lines]
+        found = [(at, row.rate_hz) for at, row in enumerate(rows) if row is not None]
+        if not found:
+            continue
+        rates_hz = [rate_hz for _, rate_hz in found]
+        if name == "cam":
+            axes.axhline(
+                rates_hz[0], color=INK, linestyle=dashes, linewidth=0.9, label=REFERENCE_LABELS[name]
+            )
+            continue
+        left, right = [at - _REACH for at, _ in found], [at + _REACH for at, _ in found]
+        axes.hlines(rates_hz, left, right, colors="white", linewidths=1.9)
+        axes.hlines(
+            rates_hz, left, right, colors=INK, linestyles=dashes, linewidths=0.9, label=REFERENCE_LABELS[name]
+        )
+
+
+def _legend(figure: Figure, axes: Axes, *, wide: bool) -> None:
+    """Name the bars first, then the line for all thresholds, then the lines of each."""
+    handles, labels = axes.get_legend_handles_labels()
+    named = dict(zip(labels, handles, strict=True))
+    bars = [label for label in labels if label not in REFERENCE_LABELS.values()]
+    references = sorted(set(labels) - set(bars))
+    shown = [*bars, *references]
+    columns = 3 if not references else 4 if wide else 2
+    figure.legend(
+        [named[label] for label in shown],
+        shown,
+        loc="outside upper center",
+        ncols=columns,
+        columnspacing=1.2,
     )
 
 
