@@ -29,6 +29,10 @@ _REFERENCE_LINES: dict[str, LineStyleType] = {
     "clairvoyant-3": (0, (1.0, 0.8)),
     "cam": (0, (5.0, 1.2, 1.0, 1.2)),
 }
+_TALLEST_RATIO = 1.4
+"""A line this much higher than the tallest bar would squeeze the bars."""
+
+_HEADROOM = 1.25
 
 
 def plot_rates(result: EvaluationResult) -> Figure:
@@ -56,6 +60,7 @@ def plot_rates(result: EvaluationResult) -> Figure:
         axes.set_ylabel("Message rate [1/s]")
         axes.grid(visible=False, axis="x")
         axes.margins(y=0.09)
+        _keep_bars_large(axes, result, lines)
         _legend(figure, axes, wide=wide)
         return figure
 
@@ -100,6 +105,18 @@ def _draw_references(axes: Axes, result: EvaluationResult, lines: list[Headline]
         axes.hlines(
             rates_hz, left, right, colors=INK, linestyles=dashes, linewidths=0.9, label=REFERENCE_LABELS[name]
         )
+
+
+def _keep_bars_large(axes: Axes, result: EvaluationResult, lines: list[Headline]) -> None:
+    """Leave a far higher CAM rate off the scale, and say how high it is."""
+    cam = pooled_reference(result, "cam", lines[0].threshold_m)
+    rows = [row for line in lines for row in (line.mbc, line.baseline) if row is not None]
+    tallest_hz = max(row.total_rate_hz for row in rows)
+    if cam is None or tallest_hz == 0.0 or cam.rate_hz <= _TALLEST_RATIO * tallest_hz:
+        return
+    axes.set_ylim(0.0, _HEADROOM * tallest_hz)
+    note = f"{REFERENCE_LABELS['cam']}: {cam.rate_hz:.2f}, off the scale"
+    axes.text(0.99, 0.985, note, transform=axes.transAxes, ha="right", va="top", fontsize=6.0, color=INK)
 
 
 def _legend(figure: Figure, axes: Axes, *, wide: bool) -> None:
