@@ -36,7 +36,7 @@ def fitted() -> FloatArray:
     t = np.arange(-9, 1) * 0.1
     position = [20 * np.sin(t / 2), 20 * np.cos(t / 2)]
     velocity = [10 * np.cos(t / 2), -10 * np.sin(t / 2)]
-    bend = np.stack([*position, *velocity, np.zeros(10), np.full(10, 0.5)], axis=1)
+    bend = np.stack([*position, *velocity, np.zeros(10), np.full(10, 0.5), np.zeros(10)], axis=1)
     return BANK.fit(Windows(bend[None], dt_s=0.1))[0, 1:]
 
 

@@ -82,9 +82,10 @@ class Windows:
     Parameters
     ----------
     samples
-        (B, n, 6): east, north [m]; the east, north velocity [m/s], the acceleration along the course [m/s²]
-        and the yaw rate, clockwise [rad/s], that one named causal estimator each gives at each sample. Row -1
-        is the newest.
+        (B, n, 7): east, north [m]; the east, north velocity [m/s], the acceleration along the course [m/s²],
+        the yaw rate, clockwise [rad/s], and the standard deviation of the white position noise an axis [m],
+        that one named causal estimator each gives at each sample; a noise of 0 says that it is not known.
+        Row -1 is the newest.
     dt_s
         Sampling interval [s].
 
@@ -116,7 +117,7 @@ class PointFunctions:
     Parameters
     ----------
     fit
-        ``fit(window (n, 6), constants (K,), out_parameters (P,))``, compiled with `FIT_SIGNATURE`.
+        ``fit(window (n, 7), constants (K,), out_parameters (P,))``, compiled with `FIT_SIGNATURE`.
     predict
         ``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,))``, compiled with
         `PREDICT_SIGNATURE`.

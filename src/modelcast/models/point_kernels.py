@@ -10,6 +10,7 @@ __all__ = [
     "EAST",
     "FIT_SIGNATURE",
     "NORTH",
+    "POSITION_NOISE",
     "PREDICT_SIGNATURE",
     "SAMPLE_COLUMNS",
     "VELOCITY_EAST",
@@ -20,17 +21,17 @@ __all__ = [
     "predict_each",
 ]
 
-EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH, ACCELERATION, YAW_RATE = range(6)
-"""Columns of a window's samples: [m], [m/s], along the course [m/s²], clockwise [rad/s]."""
+EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH, ACCELERATION, YAW_RATE, POSITION_NOISE = range(7)
+"""Columns of a window's samples: [m], [m/s], along the course [m/s²], clockwise [rad/s], an axis [m]."""
 
-SAMPLE_COLUMNS = 6
+SAMPLE_COLUMNS = 7
 """How many columns a window's samples have."""
 
 _vector = types.float64[::1]
 _matrix = types.float64[:, ::1]
 
 FIT_SIGNATURE = types.void(_matrix, _vector, _vector)
-"""``fit(window (n, 6), constants (K,), out_parameters (P,))``."""
+"""``fit(window (n, 7), constants (K,), out_parameters (P,))``."""
 
 PREDICT_SIGNATURE = types.void(_vector, types.float64, _vector, _vector)
 """``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,))``."""
@@ -41,7 +42,7 @@ _jit: Any = numba.njit(cache=True, nogil=True)
 
 @_jit
 def fit_batch(fit: Any, samples: Any, constants: Any, out: Any) -> None:
-    """Fit (B, n, 6) windows one by one into ``out`` (B, P)."""
+    """Fit (B, n, 7) windows one by one into ``out`` (B, P)."""
     for row in range(samples.shape[0]):
         fit(samples[row], constants, out[row])
 
