@@ -219,6 +219,7 @@ def _replay(
             ready.predicts,
             ready.constants,
             ready.bank.offsets,
+            ready.bank.trust,
             case.truth.t_s,
             ready.samples,
             ready.parameters,
