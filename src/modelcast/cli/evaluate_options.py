@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from modelcast.policy.rules import IdentifyRule, StartRule
+
 if TYPE_CHECKING:
     from modelcast.evaluation.settings import EvaluationSettings
 
@@ -78,8 +80,8 @@ class EvaluateOptions:
     bank: str = "paper"
     window: int = 10
     noise_floor: float | None = None
-    start: Literal["order", "keep", "survivor"] = "order"
-    identify: Literal["on-failure", "final", "best"] = "on-failure"
+    start: StartRule = "order"
+    identify: IdentifyRule = "on-failure"
     keep_alive: float = 2.0
     burst: float = 0.0
     delay: float = 0.0
