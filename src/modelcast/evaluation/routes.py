@@ -76,7 +76,7 @@ def routes(trips: Sequence[Trajectory], rule: RouteRule = "auto") -> IntArray:
         linked &= ~_apart_in_time(trips)
         linked[part] &= _bounds_meet(surfaces)
         linked[part] |= _same_ground(surfaces)
-    _, labels = csgraph.connected_components(sparse.csr_array(linked), directed=False)
+    _, labels = csgraph.connected_components(sparse.csr_array(linked.astype(np.int64)), directed=False)
     _, first = np.unique(labels, return_index=True)
     rank = np.empty(first.size, dtype=np.int64)
     rank[np.argsort(first)] = np.arange(first.size)
@@ -95,7 +95,7 @@ def route_names(trips: Sequence[Trajectory], route: IntArray) -> list[str]:
     """
     names: list[str] = []
     for number in range(int(route.max(initial=-1)) + 1):
-        members = [trips[at].trip_id for at in np.flatnonzero(route == number)]
+        members = [trip.trip_id for trip, own in zip(trips, route.tolist(), strict=True) if own == number]
         files = list(dict.fromkeys(PurePosixPath(name).parts[0] for name in members))
         if len(members) == 1:
             names.append(members[0])
@@ -126,7 +126,8 @@ def _bounds_meet(surfaces: Sequence[FloatArray]) -> BoolArray:
         return np.zeros((0, 0), dtype=np.bool_)
     low = np.stack([points.min(axis=0) for points in surfaces]) - 0.5 * CELL_M
     high = np.stack([points.max(axis=0) for points in surfaces]) + 0.5 * CELL_M
-    return ((low[:, None] <= high) & (low <= high[:, None])).all(axis=2)
+    meet: BoolArray = np.all((low[:, None] <= high) & (low <= high[:, None]), axis=2)
+    return meet
 
 
 def _same_ground(surfaces: Sequence[FloatArray]) -> BoolArray:

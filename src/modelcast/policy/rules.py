@@ -1,4 +1,4 @@
-"""Names of what the paper's algorithm leaves open: the one list that policy, settings and command line share."""
+"""Names of what the algorithm leaves open: the one list that policy, settings and command line share."""
 
 from typing import Literal
 
