@@ -13,7 +13,7 @@ from modelcast.models.kinematic import (
 )
 from modelcast.models.trusted import Trusted
 
-__all__ = ["bank_from_text"]
+__all__ = ["MEMBER_NAMES", "bank_from_text"]
 
 INTERCEPT_NOISE_FLOOR_M = 1e-3
 """Smallest noise of the ``gp-intercept`` form where the user names none [m]."""
@@ -24,6 +24,9 @@ _KINEMATIC: dict[str, AbstractSubModel] = {
     "ctrv": ConstantTurnRateVelocity(),
     "ctra": ConstantTurnRateAcceleration(),
 }
+
+MEMBER_NAMES = (*_KINEMATIC, "gp-anchored", "gp-intercept")
+"""Sub-models that a bank may be made of."""
 
 
 def bank_from_text(
@@ -80,5 +83,5 @@ def _member(name: str, noise_floor_m: float | None, window: int) -> AbstractSubM
     if name == "gp-intercept":
         floor_m = INTERCEPT_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
         return GaussianProcess(window, "intercept", noise_floor_m=floor_m)
-    known = ", ".join([*_KINEMATIC, "gp-anchored"])
-    raise ValueError(f"no sub-model is named '{name}'; there are {known} and gp-intercept")
+    known = f"{', '.join(MEMBER_NAMES[:-1])} and {MEMBER_NAMES[-1]}"
+    raise ValueError(f"no sub-model is named '{name}'; there are {known}")
