@@ -1,0 +1,11 @@
+"""The learned sub-model: a small network over the last two seconds corrects constant turn rate and acceleration.
+
+Only the sender runs the network. What it sends are a few coefficients of the correction against time, so that
+a host needs neither the network nor the window.
+"""
+
+from modelcast.models.learned.features import FeatureMap
+from modelcast.models.learned.learned_trajectory import LearnedTrajectory
+from modelcast.models.learned.network import Network
+
+__all__ = ["FeatureMap", "LearnedTrajectory", "Network"]

@@ -1,0 +1,93 @@
+"""What the learned sub-model looks at: slopes of the last two seconds, in the vehicle's own frame.
+
+Positions and velocities of the window are turned into the frame of the newest velocity (along the course and
+to its left) and read off at every tenth of a second, whatever the sampling interval. Polynomials of several
+degrees and lengths are fitted to them by least squares; their value and derivatives at the newest sample are
+the inputs. All of it is linear, and one matrix each for positions and velocities. Beside them stand the speed,
+the acceleration, the lateral acceleration ``v·yaw rate``, and the logarithm of the position noise.
+
+Mirroring the world changes the sign of every input that `FeatureMap.mirrors` marks, and of nothing else.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray
+
+__all__ = ["LAG_STEP_S", "FeatureMap"]
+
+LAG_STEP_S = 0.1
+"""Positions and velocities are read off at multiples of this time before the newest sample [s]."""
+
+_POSITION_FITS = ((3, 2), (5, 2), (10, 2), (10, 3), (20, 2), (20, 3), (20, 4))
+_VELOCITY_FITS = ((5, 1), (10, 1), (10, 2), (20, 1), (20, 2), (20, 3))
+
+_ALONE = 3
+"""Speed, acceleration, lateral acceleration come before the polynomials; the noise after them."""
+
+
+@dataclass(frozen=True)
+class FeatureMap:
+    """The linear part of the inputs.
+
+    Parameters
+    ----------
+    lags
+        How many steps of `LAG_STEP_S` the window reaches back.
+
+    Raises
+    ------
+    ValueError
+        Where the shortest polynomial does not fit in.
+
+    Examples
+    --------
+    >>> FeatureMap(20).inputs
+    86
+    """
+
+    lags: int = 20
+
+    def __post_init__(self) -> None:
+        if self.lags < 10:
+            raise ValueError(f"lags must be at least 10, got {self.lags}")
+
+    @cached_property
+    def positions(self) -> FloatArray:
+        """Rows that turn positions at lags 0..lags, less constant velocity, into inputs, (P, lags + 1)."""
+        return _rows(_POSITION_FITS, self.lags)
+
+    @cached_property
+    def velocities(self) -> FloatArray:
+        """The same for velocities less the newest, (V, lags + 1)."""
+        return _rows(_VELOCITY_FITS, self.lags)
+
+    @property
+    def inputs(self) -> int:
+        """How many inputs there are."""
+        return _ALONE + 2 * (self.positions.shape[0] + self.velocities.shape[0]) + 1
+
+    @cached_property
+    def mirrors(self) -> FloatArray:
+        """-1 for an input that changes its sign in the mirror, 1 for the others, (inputs,)."""
+        signs = np.ones(self.inputs)
+        signs[2] = -1.0
+        signs[_ALONE + 1 : -1 : 2] = -1.0
+        return signs
+
+
+def _rows(fits: tuple[tuple[int, int], ...], lags: int) -> FloatArray:
+    """Value and derivatives at lag 0 of least-squares polynomials, one row each."""
+    rows: list[FloatArray] = []
+    for length, degree in fits:
+        if length > lags:
+            continue
+        t_s = -LAG_STEP_S * np.arange(length + 1)
+        solved = np.linalg.pinv(np.vander(t_s, degree + 1, increasing=True))
+        for power in range(degree + 1):
+            row = np.zeros(lags + 1)
+            row[: length + 1] = solved[power] * float(np.prod(np.arange(1, power + 1)))
+            rows.append(row)
+    return np.stack(rows)
