@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from cyclopts import App, CycloptsError
 
 from modelcast.cli.convert import convert
+from modelcast.cli.coverage import coverage
 from modelcast.cli.demo import demo
 from modelcast.cli.evaluate import evaluate
 from modelcast.cli.trips import trips
@@ -39,6 +40,7 @@ app.command(demo)
 app.command(evaluate)
 app.command(trips)
 app.command(convert)
+app.command(coverage)
 
 
 def run(arguments: Sequence[str]) -> int:
