@@ -1,4 +1,4 @@
-"""``modelcast coverage``: are the predictive covariances honest on trips they were not fitted to?"""
+"""``modelcast coverage``: how honest the covariances are on trips they were not learnt from."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal

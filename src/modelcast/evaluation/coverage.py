@@ -1,4 +1,4 @@
-"""Coverage: how many errors lie inside the ellipses that should hold 50, 90 and 95 % of them, on unseen trips.
+"""Coverage: how many errors of unseen trips lie inside the ellipses that should hold 50, 90 and 95 %.
 
 Three ellipses are compared: the *nominal* one of the sub-model's own covariance; the *calibrated* one, whose
 covariance was learnt on other trips and whose radius is a Gaussian's; and the *mapped* one, the same
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import rankdata
 
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.evaluation.case import TripCase
 from modelcast.evaluation.training.calibration import (
     PredictionErrors,
@@ -164,7 +164,7 @@ def measure_coverage(
         for name, calibration in learnt.items():
             calibrations[name][member.name] = calibration
         rows += _coverage_rows(member, groups, learnt, stride)
-        times += _time_rows(member, groups, learnt, thresholds_m, 4 * stride, watch)
+        times += _time_rows(member, groups, learnt, thresholds_m, stride=4 * stride, watch=watch)
     return CoverageResult(tuple(rows), tuple(times), calibrations)
 
 
@@ -251,6 +251,7 @@ def _time_rows(
     groups: Mapping[str, Sequence[TripCase]],
     learnt: Mapping[str, Calibration],
     thresholds_m: Sequence[float],
+    *,
     stride: int,
     watch: _Watch,
 ) -> list[TimeRow]:
@@ -289,8 +290,8 @@ def _time_rows(
 def _observed_s(length_m: FloatArray, horizons_s: FloatArray, threshold_m: float) -> FloatArray:
     """Horizon at which each error first reaches the threshold, straight between horizons, (N,) [s]."""
     out = length_m >= threshold_m
-    first = np.argmax(out, axis=1)
-    rows = np.arange(first.size)
+    first: IntArray = np.argmax(out, axis=1)
+    rows = np.arange(len(first))
     before_m = np.where(first > 0, length_m[rows, np.maximum(first - 1, 0)], 0.0)
     before_s = np.where(first > 0, horizons_s[np.maximum(first - 1, 0)], 0.0)
     share = (threshold_m - before_m) / np.maximum(length_m[rows, first] - before_m, 1e-9)
@@ -303,7 +304,8 @@ def _time_row(
 ) -> TimeRow:
     if not observed_s.size:
         return TimeRow(sub_model, form, threshold_m, np.nan, np.nan, np.nan, instants=0)
-    one, other = rankdata(expected_s), rankdata(observed_s)
+    # A covariance that is the same at every instant must not be ranked by its rounding.
+    one, other = rankdata(expected_s.round(6)), rankdata(observed_s)
     varies = np.ptp(one) > 0 and np.ptp(other) > 0
     return TimeRow(
         sub_model,

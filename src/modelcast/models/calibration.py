@@ -26,7 +26,7 @@ SMALLEST_M = 1e-3
 """Standard deviation that is always added: a nominal covariance may be zero [m]."""
 
 UNMODELLED_M, UNMODELLED_MPS = 0.02, 0.05
-"""Position and velocity error no nominal covariance has; `Calibration.unmodelled` is the share taken of it."""
+"""Error in position and velocity that no nominal covariance has; `unmodelled` is a share of it."""
 
 _STANDS_M = 1e-9
 
@@ -247,4 +247,5 @@ class Calibration:
         """Columns of a table (H', C) at these horizons, (H, C)."""
         known = np.log(self.horizons_s)
         wanted = np.log(np.maximum(horizons_s, self.horizons_s[0]))
-        return np.stack([np.interp(wanted, known, column) for column in table.T], axis=1)
+        columns: list[FloatArray] = [np.interp(wanted, known, table[:, k]) for k in range(table.shape[1])]
+        return np.stack(columns, axis=1)

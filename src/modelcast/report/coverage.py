@@ -1,5 +1,7 @@
 """Coverage in the terminal: shares inside the ellipses, and expected against observed times."""
 
+from math import isnan
+
 from rich.console import Group, RenderableType
 from rich.table import Table
 
@@ -23,7 +25,7 @@ def coverage_report(result: CoverageResult) -> RenderableType:
 
 
 def _coverage_table(result: CoverageResult) -> Table:
-    table = Table(title="Errors inside the ellipses of 50 / 90 / 95 % [%]", title_justify="left")
+    table = Table(title="Errors inside the ellipses of 50/90/95 % [%]", title_justify="left")
     table.add_column("sub-model")
     table.add_column("ellipse")
     for horizon_s in _SHOWN_S:
@@ -32,7 +34,7 @@ def _coverage_table(result: CoverageResult) -> Table:
     for name in dict.fromkeys(row.sub_model for row in result.rows):
         for form in FORMS:
             cells = [
-                " / ".join(
+                "/".join(
                     f"{100 * found[key]:.0f}" if (key := (name, form, horizon_s, level)) in found else "-"
                     for level in LEVELS
                 )
@@ -43,13 +45,11 @@ def _coverage_table(result: CoverageResult) -> Table:
 
 
 def _times_table(result: CoverageResult) -> Table:
-    table = Table(
-        title="Time until the threshold, at most 5 s: expected / observed [s]", title_justify="left"
-    )
-    for heading in ("sub-model", "ellipse", "threshold", "expected / observed", "rank correlation"):
+    table = Table(title="Time until the threshold [s]", title_justify="left")
+    for heading in ("sub-model", "ellipse", "threshold", "expected / observed", "correlation"):
         table.add_column(heading, justify="left" if heading in {"sub-model", "ellipse"} else "right")
     for row in result.times:
-        correlation = "-" if row.rank_correlation != row.rank_correlation else f"{row.rank_correlation:.2f}"  # noqa: PLR0124 - NaN
+        correlation = "-" if isnan(row.rank_correlation) else f"{row.rank_correlation:.2f}"
         table.add_row(
             row.sub_model,
             row.form,

@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 from modelcast.evaluation.coverage import FORMS, CoverageRow
 from modelcast.models.calibration import LEVELS
 from modelcast.report.figures.panels import empty_figure, printable
-from modelcast.report.style import FAINT, INK, PAGE_IN, POLICY_COLOURS, new_figure, style
+from modelcast.report.style import INK, PAGE_IN, POLICY_COLOURS, new_figure, style
 
 __all__ = ["plot_coverage"]
 
-_COLUMNS = 3
+_MOST_COLUMNS = 3
 _COLOURS = {
     "nominal": "#888888",
     "calibrated": POLICY_COLOURS["baseline"],
@@ -36,9 +36,9 @@ def plot_coverage(rows: Sequence[CoverageRow]) -> Figure:
     with style():
         if not names:
             return empty_figure("No coverage was measured.")
-        columns = min(_COLUMNS, len(names))
+        columns = len(names) if len(names) <= 2 else 2 if len(names) == 4 else _MOST_COLUMNS
         lines = -(-len(names) // columns)
-        figure = new_figure(PAGE_IN * max(columns, 2) / _COLUMNS, 0.7 + 1.9 * lines)
+        figure = new_figure(PAGE_IN * max(columns, 2) / _MOST_COLUMNS, 0.7 + 1.9 * lines)
         grid = figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
         for at, axes in enumerate(grid.flat):
             if at >= len(names):
@@ -50,7 +50,7 @@ def plot_coverage(rows: Sequence[CoverageRow]) -> Figure:
         figure.supxlabel("Age of the prediction [s]", fontsize=7.5)
         figure.supylabel("Errors inside the ellipse [%]", fontsize=7.5)
         handles, labels = grid.flat[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=len(FORMS))
+        figure.legend(handles, labels, loc="outside upper center", ncols=len(handles), columnspacing=1.2)
         return figure
 
 
@@ -60,7 +60,7 @@ def _draw(axes: Axes, name: str, rows: Sequence[CoverageRow]) -> None:
     axes.set_yticks([0.0, *(100 * level for level in LEVELS)], ["0", "50", "90", ""])
     axes.grid(visible=False)
     for level in LEVELS:
-        axes.axhline(100 * level, color=FAINT if level < LEVELS[-1] else INK, linewidth=0.6, zorder=0.5)
+        axes.axhline(100 * level, color=INK, linewidth=0.5, zorder=0.5)
         for form in FORMS:
             shown = [row for row in rows if row.form == form and row.level == level]
             axes.plot(
@@ -69,7 +69,10 @@ def _draw(axes: Axes, name: str, rows: Sequence[CoverageRow]) -> None:
                 _LINES[form],
                 marker=_MARKERS[level],
                 color=_COLOURS[form],
-                label=form if level == LEVELS[0] else None,
                 linewidth=1.0,
                 markersize=2.8,
             )
+    for form in FORMS:
+        axes.plot([], [], _LINES[form], color=_COLOURS[form], label=form)
+    for level in LEVELS:
+        axes.plot([], [], marker=_MARKERS[level], color=INK, linestyle="", label=f"{100 * level:g} %")
