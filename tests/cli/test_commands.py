@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -429,7 +430,7 @@ def test_coverage_writes_document_and_figure_and_repeats_itself(
     tmp_path: Path, short_drive: Trajectory, capsys: pytest.CaptureFixture[str]
 ) -> None:
     other = tmp_path / "other.csv"
-    write_csv([short_drive.moved(1.0, (50.0, 0.0))], other)
+    write_csv([replace(short_drive.moved(1.0, (50.0, 0.0)), trip_id="other/1")], other)
     first = tmp_path / "first.csv"
     write_csv([short_drive], first)
     arguments = ["coverage", str(first), str(other), "--bank", "cv+ctra", "--threshold", "0.3"]
@@ -440,7 +441,7 @@ def test_coverage_writes_document_and_figure_and_repeats_itself(
     for name in ("coverage.json", "coverage.png"):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
     assert printed == json.loads((tmp_path / "one" / "coverage.json").read_text())
-    assert set(printed["calibrations"]) == {"first", "other"}
+    assert set(printed["calibrations"]) == {"drive", "other"}
     assert {row["sub_model"] for row in printed["coverage"]} == {"cv", "ctra"}
     assert {row["threshold_m"] for row in printed["times"]} == {0.3}
 

@@ -127,7 +127,7 @@ def coverage(
 def _cases(
     source: "TripSource", settings: "EvaluationSettings", *, quiet: bool
 ) -> dict[str, list["TripCase"]]:
-    """The trips made ready, by file."""
+    """The trips made ready, by the first part of their identifier: the file, unless a table names trips."""
     from modelcast.cli.reading import watched
     from modelcast.core.exceptions import ConfigError
     from modelcast.evaluation.case import make_case
