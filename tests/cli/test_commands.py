@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -423,3 +424,39 @@ def test_help_imports_none_of_the_heavy_libraries() -> None:
         "assert not heavy, heavy"
     )
     subprocess.run([sys.executable, "-c", script], check=True, capture_output=True)  # noqa: S603 - our own script
+
+
+def test_coverage_writes_document_and_figure_and_repeats_itself(
+    tmp_path: Path, short_drive: Trajectory, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = tmp_path / "other.csv"
+    write_csv([replace(short_drive.moved(1.0, (50.0, 0.0)), trip_id="other/1")], other)
+    first = tmp_path / "first.csv"
+    write_csv([short_drive], first)
+    arguments = ["coverage", str(first), str(other), "--bank", "cv+ctra", "--threshold", "0.3"]
+    assert run([*arguments, "--out", str(tmp_path / "one"), "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert run([*arguments, "--out", str(tmp_path / "two")]) == 0
+    assert "mapped" in capsys.readouterr().out
+    for name in ("coverage.json", "coverage.png"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+    assert printed == json.loads((tmp_path / "one" / "coverage.json").read_text())
+    assert set(printed["calibrations"]) == {"drive", "other"}
+    assert {row["sub_model"] for row in printed["coverage"]} == {"cv", "ctra"}
+    assert {row["threshold_m"] for row in printed["times"]} == {0.3}
+
+
+def test_coverage_learns_from_other_files_where_these_are_named(tmp_path: Path, drive_csv: Path) -> None:
+    out = tmp_path / "out"
+    arguments = ["coverage", str(drive_csv), "--train", str(drive_csv), "--bank", "ctrv"]
+    assert run([*arguments, "--out", str(out), "--quiet"]) == 0
+    document = json.loads((out / "coverage.json").read_text())
+    assert set(document["calibrations"]) == {"drive"}
+
+
+def test_coverage_of_one_file_alone_is_refused(
+    tmp_path: Path, drive_csv: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["coverage", str(drive_csv), "--out", str(tmp_path / "out"), "--quiet"]) == 2
+    assert "cannot be split" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -16,6 +16,7 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
+from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.models.trusted import Trusted
 from modelcast.models.velocity import velocity_estimator_for
 from modelcast.policy.error_driven import ErrorDriven
@@ -37,7 +38,9 @@ def windows(count: int = 20) -> Windows:
     position = np.stack([-speed / turn * np.cos(course), speed / turn * np.sin(course)], axis=2)
     position += rng.normal(0.0, 0.01, position.shape)
     rates = np.stack(np.broadcast_arrays(rng.normal(0.0, 2.0, (count, 1)), turn + 0 * t), axis=2)
-    return Windows(np.concatenate([position, velocity, rates], axis=2), dt_s=DT_S)
+    samples = np.zeros((count, 10, SAMPLE_COLUMNS))
+    samples[:, :, :6] = np.concatenate([position, velocity, rates], axis=2)
+    return Windows(samples, dt_s=DT_S)
 
 
 def predicted(model: AbstractSubModel, ages_s: FloatArray = AGES_S) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib import rcParams
 
+from modelcast.evaluation.coverage import FORMS, CoverageRow
 from modelcast.evaluation.result import EvaluationResult, ReferenceRow
 from modelcast.report.figures import (
     FIGURES,
@@ -19,6 +20,7 @@ from modelcast.report.figures import (
     plot_trips,
     write_figures,
 )
+from modelcast.report.figures.coverage import plot_coverage
 from modelcast.report.figures.trips import MOST_ROWS
 from modelcast.report.style import POLICY_COLOURS, style
 
@@ -211,3 +213,22 @@ def test_the_users_own_parameters_are_neither_used_nor_changed(
     monkeypatch.setitem(rcParams, "axes.facecolor", "black")
     assert plot_rates(make_result()).axes[0].get_facecolor() == (1.0, 1.0, 1.0, 1.0)
     assert rcParams["axes.facecolor"] == "black"
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 4, 5])
+def test_coverage_draws_a_panel_for_every_sub_model(count: int) -> None:
+    rows = [
+        CoverageRow(f"model-{m}", form, horizon_s, level, covered_ratio=0.9 * level, errors=9)
+        for m in range(count)
+        for form in FORMS
+        for horizon_s in (0.5, 2.0)
+        for level in (0.5, 0.9, 0.95)
+    ]
+    figure = plot_coverage(rows)
+    with style():
+        figure.draw_without_rendering()
+    shown = [axes for axes in figure.axes if axes.axison]
+    assert [axes.get_title() for axes in shown] == [f"model-{m}" for m in range(count)]
+    for axes in shown:
+        drawn = [line for line in axes.lines if len(line.get_xdata()) == 2 and line.get_marker() != "None"]
+        assert [line.get_ydata()[0] for line in drawn] == pytest.approx([45.0] * 3 + [81.0] * 3 + [85.5] * 3)

@@ -11,6 +11,7 @@ from cyclopts import App, CycloptsError
 
 from modelcast.cli.compare import compare
 from modelcast.cli.convert import convert
+from modelcast.cli.coverage import coverage
 from modelcast.cli.demo import demo
 from modelcast.cli.evaluate import evaluate
 from modelcast.cli.trips import trips
@@ -41,6 +42,7 @@ app.command(evaluate)
 app.command(compare)
 app.command(trips)
 app.command(convert)
+app.command(coverage)
 
 
 def run(arguments: Sequence[str]) -> int:

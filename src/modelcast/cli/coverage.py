@@ -1,0 +1,141 @@
+"""``modelcast coverage``: how honest the covariances are on trips they were not learnt from."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+from modelcast.cli.options import Columns, Format
+
+if TYPE_CHECKING:
+    from modelcast.cli.reading import TripSource
+    from modelcast.evaluation.case import TripCase
+    from modelcast.evaluation.settings import EvaluationSettings
+
+__all__ = ["coverage"]
+
+
+def coverage(
+    *paths: Path,
+    out: Path = Path("out/coverage"),
+    train: Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative="")] = (),
+    bank: str = "cv+ctrv+ctra+gp-intercept",
+    noise_floor: float | None = None,
+    trusted_horizon: float = 0.0,
+    protocol: Literal["auto", "recorded", "sensor"] = "auto",
+    threshold: Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")] = (0.2, 0.5),
+    seed: int = 0,
+    format: Format = None,  # noqa: A002 - the word a user would type
+    columns: Columns = None,
+    trip: str = "*",
+    json: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Calibrate each sub-model's covariance, and count errors of other trips inside its ellipses.
+
+    Every file is tested with what the other files taught, or all with what --train taught. Writes
+    coverage.json and coverage.png.
+
+    Parameters
+    ----------
+    paths
+        Files or folders with recorded trips to test on.
+    out
+        Output folder; one that an earlier run wrote is replaced.
+    train
+        Files to learn from instead; put the tested trips before this option.
+    bank
+        Sub-models, joined by '+', as in 'modelcast evaluate'.
+    noise_floor
+        Smallest position noise a Gaussian process may assume [m].
+    trusted_horizon
+        Age beyond which sub-models are damped [s]; 0 for never.
+    protocol
+        As in 'modelcast evaluate'.
+    threshold
+        Tracking errors that end the times compared [m].
+    seed
+        Seed of the sensor noise.
+    format
+        Name of the files' format; found from their content where not given.
+    columns
+        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
+    trip
+        Take only trips whose identifier matches this shell pattern.
+    json
+        Print coverage.json instead of tables.
+    quiet
+        Print nothing but errors.
+    """
+    import sys
+
+    from rich.console import Console
+
+    from modelcast.cli.banks import bank_from_text
+    from modelcast.cli.options import parse_columns
+    from modelcast.cli.reading import TripSource
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.evaluation.coverage import measure_coverage
+    from modelcast.evaluation.settings import EvaluationSettings
+    from modelcast.io.coverage import coverage_document, write_coverage
+    from modelcast.io.output import atomic_folder
+    from modelcast.report.coverage import coverage_report
+    from modelcast.report.figures.coverage import plot_coverage
+    from modelcast.report.style import style
+
+    if not paths:
+        raise ConfigError("name at least one trip file or folder (modelcast coverage --help)")
+    members = bank_from_text(
+        bank, noise_floor_m=noise_floor, trusted_horizon_s=trusted_horizon or None
+    ).members
+    names = parse_columns(columns)
+    tested = TripSource(paths, format_name=format, columns=names, pattern=trip)
+    taught = TripSource(train, format_name=format, columns=names)
+    try:
+        settings = EvaluationSettings(tuple(threshold), protocol=protocol, seed=seed)
+        with atomic_folder(out) as folder:
+            groups = _cases(tested, settings, quiet=quiet or json)
+            training = _cases(taught, settings, quiet=quiet or json) if train else {}
+            result = measure_coverage(
+                groups,
+                members,
+                train=[case for cases in training.values() for case in cases],
+                thresholds_m=settings.thresholds_m,
+            )
+            document = coverage_document(
+                result,
+                protocol=protocol,
+                bank=bank,
+                tested={name: [case.truth.trip_id for case in cases] for name, cases in groups.items()},
+                failures={**tested.failures, **taught.failures},
+            )
+            path = write_coverage(document, folder)
+            text = path.read_text(encoding="utf-8")
+            with style():
+                plot_coverage(result.rows).savefig(folder / "coverage.png", metadata={"Software": None})
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
+    if json:
+        sys.stdout.write(text)
+    elif not quiet:
+        console = Console()
+        console.print(coverage_report(result))
+        console.print(f"figure: {out / 'coverage.png'}", highlight=False, soft_wrap=True)
+    return max(tested.exit_code, taught.exit_code)
+
+
+def _cases(
+    source: "TripSource", settings: "EvaluationSettings", *, quiet: bool
+) -> dict[str, list["TripCase"]]:
+    """The trips made ready, by the first part of their identifier: the file, unless a table names trips."""
+    from modelcast.cli.reading import watched
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.evaluation.case import make_case
+
+    groups: dict[str, list[TripCase]] = {}
+    with watched(source, quiet=quiet) as trips:
+        for one in trips:
+            groups.setdefault(one.trip_id.partition("/")[0], []).append(make_case(one, settings))
+    if not groups:
+        raise ConfigError("no usable trip")
+    return groups

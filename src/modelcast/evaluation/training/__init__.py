@@ -1,0 +1,1 @@
+"""Training: what all vehicles share, learnt from recorded trips."""
