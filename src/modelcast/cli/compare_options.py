@@ -86,7 +86,8 @@ class CompareOptions:
     def as_plain(self) -> Mapping[str, Any]:
         """Every option by its name on the command line, as plain values."""
         found = asdict(self)
-        return {**found, **found.pop("sensor")}
+        sensor = found.pop("sensor")
+        return {**found, **sensor}
 
     def settings(self) -> "CompareSettings":
         """The settings they mean.

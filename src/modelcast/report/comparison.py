@@ -64,9 +64,9 @@ def comparison_markdown(result: ComparisonResult) -> str:
 _LEGEND = (
     "Messages and bytes over the baseline's at the same threshold, ratios of sums with 95 % bootstrap "
     "intervals over the trips; difference of the message ratio to `{against}`; 90th and 99th percentile of "
-    "the tracking error over the harder baseline's at equal total rate, worst threshold, at each packet error "
-    "ratio; trips times thresholds with more than max(1.02 x baseline, baseline + 3) messages, and the worst "
-    "of them."
+    "the tracking error over the harder baseline's at equal total rate, worst threshold, at each packet "
+    "error ratio; trips times thresholds with more than max(1.02 x baseline, baseline + 3) messages, and the "
+    "trip with the most beyond that bound."
 )
 
 
@@ -148,7 +148,7 @@ def _rows(result: ComparisonResult, candidate: CandidateRow, protocol: str) -> l
 
 
 def _worst_row(rows: Sequence[RatioRow]) -> RatioRow:
-    return max(rows, key=lambda row: row.worst_ratio)
+    return max(rows, key=lambda row: row.worst_excess)
 
 
 def _worst(result: ComparisonResult, candidate: CandidateRow, protocol: str, percentile: int) -> str:
