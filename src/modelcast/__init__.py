@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from modelcast.core.trajectory import build_trajectory as build_trajectory
     from modelcast.evaluation.case import SensedTrip as SensedTrip
     from modelcast.evaluation.compare.candidate import FixedCandidate as FixedCandidate
+    from modelcast.evaluation.compare.candidate import TrainedCandidate as TrainedCandidate
     from modelcast.evaluation.compare.run import compare as compare
     from modelcast.evaluation.compare.settings import CompareSettings as CompareSettings
     from modelcast.evaluation.evaluate import evaluate as evaluate
@@ -53,6 +54,7 @@ _HOMES = {
     "Periodic": "policy.periodic",
     "SensedTrip": "evaluation.case",
     "SensorModel": "core.sensor",
+    "TrainedCandidate": "evaluation.compare.candidate",
     "Trajectory": "core.trajectory",
     "build_trajectory": "core.trajectory",
     "compare": "evaluation.compare.run",

@@ -1,7 +1,7 @@
 """Claims about comparisons: who is trained on what, agreement with single evaluations, and intervals."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from modelcast.evaluation.compare.bootstrap import (
     ratio_resamples,
     resample_weights,
 )
-from modelcast.evaluation.compare.candidate import AbstractCandidate, FixedCandidate
+from modelcast.evaluation.compare.candidate import FixedCandidate, TrainedCandidate
 from modelcast.evaluation.compare.result import ComparisonResult
 from modelcast.evaluation.compare.run import compare
 from modelcast.evaluation.compare.settings import CompareSettings
@@ -53,41 +53,23 @@ def compared(trips: list[Trajectory]) -> ComparisonResult:
     return compare(trips, CANDIDATES, SETTINGS)
 
 
-@dataclass(frozen=True)
-class Learner(AbstractCandidate):
-    """Learns nothing, and writes down what it was given to learn from."""
+def learner(given: list[list[str]]) -> TrainedCandidate:
+    """A candidate that writes down its training trips; its noise floor tells the folds apart."""
 
-    given: list[list[str]] = field(default_factory=list[list[str]])
+    def learn(trips: Sequence[Trajectory], settings: EvaluationSettings) -> EvaluationSettings:
+        given.append([trip.trip_id for trip in trips])
+        bank = Bank((GaussianProcess(form="intercept", noise_floor_m=0.01 * len(given)),))
+        return replace(settings, bank=bank)
 
-    @property
-    def name(self) -> str:
-        """Name in tables."""
-        return "learner"
-
-    @property
-    def is_trained(self) -> bool:
-        """Always."""
-        return True
-
-    @property
-    def window(self) -> int:
-        """Ten samples."""
-        return 10
-
-    def fitted(self, trips: Sequence[Trajectory], settings: EvaluationSettings) -> EvaluationSettings:
-        """A bank whose noise floor tells the folds apart."""
-        self.given.append([trip.trip_id for trip in trips])
-        return replace(
-            settings, bank=Bank((GaussianProcess(form="intercept", noise_floor_m=0.01 * len(self.given)),))
-        )
+    return TrainedCandidate("learner", learn)
 
 
 def test_a_trained_candidate_never_sees_the_route_it_is_judged_on(trips: list[Trajectory]) -> None:
     platoon = [*trips, replace(trips[0], trip_id="drive0/2")]
-    learner = Learner()
-    result = compare(platoon, [learner], replace(SETTINGS, protocols=("recorded",)))
+    given: list[list[str]] = []
+    result = compare(platoon, [learner(given)], replace(SETTINGS, protocols=("recorded",)))
     assert [row.route for row in result.trips] == [0, 1, 2, 0]
-    assert learner.given == [
+    assert given == [
         ["drive1/1", "drive2/1"],
         ["drive0/1", "drive2/1", "drive0/2"],
         ["drive0/1", "drive1/1", "drive0/2"],
@@ -95,7 +77,7 @@ def test_a_trained_candidate_never_sees_the_route_it_is_judged_on(trips: list[Tr
 
 
 def test_each_trip_is_judged_with_what_was_learnt_on_the_other_routes(trips: list[Trajectory]) -> None:
-    result = compare(trips, [Learner()], replace(SETTINGS, protocols=("recorded",)))
+    result = compare(trips, [learner([])], replace(SETTINGS, protocols=("recorded",)))
     for at, trip in enumerate(trips):
         bank = Bank((GaussianProcess(form="intercept", noise_floor_m=0.01 * (at + 1)),))
         alone = evaluate([trip], replace(SHARED, bank=bank, protocol="recorded", references=False))
@@ -105,7 +87,7 @@ def test_each_trip_is_judged_with_what_was_learnt_on_the_other_routes(trips: lis
 
 def test_a_trained_candidate_needs_another_route(trips: list[Trajectory]) -> None:
     with pytest.raises(ConfigError, match=r"all trips lie on one route.*learner.*other routes.*profile"):
-        compare(trips[:1], [Learner()], SETTINGS)
+        compare(trips[:1], [learner([])], SETTINGS)
 
 
 @pytest.mark.parametrize("protocol", ["recorded", "sensor"])

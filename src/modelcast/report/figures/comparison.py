@@ -89,7 +89,7 @@ def plot_comparison(result: ComparisonResult) -> Figure:
             _draw_tracking(axes[2], result, protocol, looks, percentile=90)
             _draw_tracking(axes[3], result, protocol, looks, percentile=99)
             axes[0].set_ylabel(f"{protocol}\nratio to the baseline")
-        titles = ("Messages", "Bytes", "PTE p90, worst threshold", "PTE p99, worst threshold")
+        titles = ("Messages", "Bytes", "p90, worst threshold", "p99, worst threshold")
         for axes, title in zip(grid[0], titles, strict=True):
             axes.set_title(title)
         for at, axes in enumerate(grid[-1]):
