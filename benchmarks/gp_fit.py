@@ -17,6 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from modelcast.models.base import Windows
 from modelcast.models.gp import GaussianProcess, fit_axis
+from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from windows import real_windows
 
 __all__ = ["main"]
@@ -122,7 +123,9 @@ def joint_study(windows: Array, timed: int) -> None:
     """Compare the intercept form, both axes together."""
     model = GaussianProcess(form="intercept")
     y = windows - windows[:, -1:]
-    full = Windows(np.concatenate([windows, np.zeros((*windows.shape[:2], 4))], axis=2), dt_s=DT_S)
+    full = Windows(
+        np.concatenate([windows, np.zeros((*windows.shape[:2], SAMPLE_COLUMNS - 2))], axis=2), dt_s=DT_S
+    )
     seconds = least_seconds(lambda: model.fit(full)) / len(windows)
     parameters = model.fit(full)
     names = model.parameter_names

@@ -21,7 +21,8 @@ def arcs(count: int, length: int) -> Windows:
     position = (radius * np.sin(angle), radius * np.cos(angle))
     velocity = (12 * np.cos(angle), -12 * np.sin(angle))
     rates = (np.zeros_like(angle), np.broadcast_to(12.0 / radius, angle.shape))
-    return Windows(np.stack([*position, *velocity, *rates], axis=-1), dt_s=0.1)
+    columns = [*position, *velocity, *rates, np.zeros_like(angle)]
+    return Windows(np.stack(columns, axis=-1), dt_s=0.1)
 
 
 def test_a_bank_needs_a_member_and_distinct_names() -> None:

@@ -20,7 +20,7 @@ def test_on_constant_acceleration_it_errs_by_half_a_t_squared(
     vx: float, vy: float, ax: float, ay: float, horizon_s: float
 ) -> None:
     model = ConstantVelocity()
-    parameters = model.fit(Windows(np.array([[[5.0, 7.0, vx, vy, 0.0, 0.0]]]), dt_s=0.1))
+    parameters = model.fit(Windows(np.array([[[5.0, 7.0, vx, vy, 0.0, 0.0, 0.0]]]), dt_s=0.1))
     moved = model.predict(parameters, np.array([horizon_s]), dt_s=0.1)[0, 0]
     true = np.array([vx, vy]) * horizon_s + 0.5 * np.array([ax, ay]) * horizon_s**2
     expected = 0.5 * np.hypot(ax, ay) * horizon_s**2
@@ -28,7 +28,7 @@ def test_on_constant_acceleration_it_errs_by_half_a_t_squared(
 
 
 def test_only_the_newest_sample_counts() -> None:
-    old = np.array([[[9.0, 9.0, -3.0, 2.0, 1.0, 0.1], [0.0, 0.0, 10.0, 1.0, 2.0, 0.2]]])
+    old = np.array([[[9.0, 9.0, -3.0, 2.0, 1.0, 0.1, 0.0], [0.0, 0.0, 10.0, 1.0, 2.0, 0.2, 0.0]]])
     assert ConstantVelocity().fit(Windows(old, dt_s=0.1)).tolist() == [[10.0, 1.0]]
 
 

@@ -18,14 +18,14 @@ FORMS = ("anchored", "intercept")
 
 
 def made_windows(count: int, samples: int = 10, *, noise_m: float = 0.02, seed: int = 0) -> np.ndarray:
-    """Return turning, braking windows with noise, (B, n, 6)."""
+    """Return turning, braking windows with noise, (B, n, 7)."""
     rng = np.random.default_rng(seed)
     t = (np.arange(samples) - samples + 1) * DT_S
     speed = rng.uniform(0, 30, (count, 1)) + rng.uniform(-4, 4, (count, 1)) * t
     heading = rng.uniform(0, 6, (count, 1)) + rng.uniform(-0.5, 0.5, (count, 1)) * t
     step = np.stack([speed * np.cos(heading), speed * np.sin(heading)], axis=2)
     position = np.cumsum(step, axis=1) * DT_S + noise_m * rng.normal(size=step.shape)
-    return np.concatenate([position + 100.0, step, np.zeros_like(step)], axis=2)
+    return np.concatenate([position + 100.0, step, np.zeros((*step.shape[:2], 3))], axis=2)
 
 
 def times(samples: int, dt_s: float = DT_S) -> np.ndarray:
@@ -173,7 +173,7 @@ def exact_prediction(y: np.ndarray, hyper: Hyperparameters, horizon: float) -> f
 
 @pytest.mark.parametrize("noise_ratio", [1e-10, 1e-7, 1e-3])
 def test_fixed_predictions_equal_high_precision(noise_ratio):
-    window = np.zeros((1, 10, 6))
+    window = np.zeros((1, 10, 7))
     window[0, :, 0] = 20 * np.sin(0.4 * times(10))
     hyper = Hyperparameters(8.0, noise_ratio, linear_ratio_per_s2=1e4)
     model = GaussianProcess(hyperparameters=hyper)
@@ -184,7 +184,7 @@ def test_fixed_predictions_equal_high_precision(noise_ratio):
 @pytest.mark.parametrize("floor_m", [1e-6, 1e-5, 1e-3])
 @pytest.mark.parametrize("samples", [10, 20])
 def test_fitted_predictions_equal_high_precision_where_the_noise_vanishes(samples, floor_m):
-    window = np.zeros((1, samples, 6))
+    window = np.zeros((1, samples, 7))
     window[0, :, 0] = 20 * np.sin(0.4 * times(samples))
     model = GaussianProcess(samples, noise_floor_m=floor_m)
     parameters = model.fit(Windows(window, dt_s=DT_S))
@@ -217,7 +217,7 @@ def turned(windows: np.ndarray, angle: float) -> np.ndarray:
 def test_a_shift_of_the_frame_changes_nothing(form):
     model = GaussianProcess(form=form)
     windows = made_windows(5)
-    moved = windows + np.array([300.0, -700.0, 0.0, 0.0, 0.0, 0.0])
+    moved = windows + np.array([300.0, -700.0, *np.zeros(5)])
     h = np.array([0.0, 1.0, 3.0])
     one, two = (model.predict(model.fit(Windows(w, dt_s=DT_S)), h, dt_s=DT_S) for w in (windows, moved))
     np.testing.assert_allclose(one, two, atol=1e-4)
@@ -240,7 +240,7 @@ def test_a_turn_of_the_frame_turns_the_joint_fit_but_changes_the_anchored_one():
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("speed_mps", [0.0, 1e-3, 25.0])
 def test_a_noise_free_line_is_continued(form, speed_mps):
-    windows = np.zeros((1, 10, 6))
+    windows = np.zeros((1, 10, 7))
     windows[0, :, 0] = speed_mps * times(10)
     windows[0, :, 1] = -2 * speed_mps * times(10)
     model = GaussianProcess(form=form)
@@ -271,7 +271,7 @@ def test_prediction_is_continuous_and_ends_in_the_line():
     st.sampled_from([1e-3, 1.0]),
 )
 def test_any_finite_window_gives_finite_numbers(position, form, scale):
-    window = np.zeros((1, 10, 6))
+    window = np.zeros((1, 10, 7))
     window[0, :, :2] = position * scale
     model = GaussianProcess(form=form)
     parameters = model.fit(Windows(window, dt_s=DT_S))
@@ -303,7 +303,7 @@ def test_predictions_on_real_windows_equal_scikit_learn(data_folder):
     windows = windows[np.isfinite(windows).all(axis=(1, 2))]
     h = np.array([0.0, 0.5, 1.0, 2.0])
     fits = fit_axis(windows[:, :, 0], dt_s=DT_S)
-    full = np.concatenate([windows, 0 * windows, 0 * windows], axis=2)
+    full = np.concatenate([windows, np.zeros((*windows.shape[:2], 5))], axis=2)
     model = GaussianProcess()
     found = model.predict(model.fit(Windows(full, dt_s=DT_S)), h, dt_s=DT_S)[:, :, 0]
     for row, window in enumerate(windows[:, :, 0]):

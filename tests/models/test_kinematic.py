@@ -41,7 +41,7 @@ horizons = st.floats(0.0, 10.0)
 def sample(speed: float, course_rad: float, acceleration: float = 0.0, yaw_rate: float = 0.0) -> Windows:
     """One sample; the course is clockwise from north."""
     velocity = speed * np.sin(course_rad), speed * np.cos(course_rad)
-    return Windows(np.array([[[5.0, 7.0, *velocity, acceleration, yaw_rate]]]), dt_s=0.1)
+    return Windows(np.array([[[5.0, 7.0, *velocity, acceleration, yaw_rate, 0.0]]]), dt_s=0.1)
 
 
 def moved(model: AbstractSubModel, window: Windows, *horizons_s: float) -> FloatArray:

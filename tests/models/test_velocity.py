@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.trajectory import Trajectory, build_trajectory
+from modelcast.models.noise import DEFAULT_NOISE
 from modelcast.models.rates import course_rates
 from modelcast.models.velocity import (
     DEFAULT_FROM_POSITIONS,
@@ -110,13 +111,14 @@ def test_a_log_without_heading_gets_the_default_estimator() -> None:
     assert velocity_estimator_for(reported) is REPORTED
 
 
-def test_the_sample_matrix_holds_positions_velocities_and_rates() -> None:
+def test_the_sample_matrix_holds_positions_velocities_rates_and_noise() -> None:
     trip = curved()
     velocity = DEFAULT_FROM_POSITIONS.velocity(trip)
     samples = sample_matrix(trip, DEFAULT_FROM_POSITIONS)
     assert np.array_equal(samples[:, :2], trip.position_m)
     assert np.array_equal(samples[:, 2:4], velocity)
-    assert np.array_equal(samples[:, 4:], course_rates(trip, velocity))
+    assert np.array_equal(samples[:, 4:6], course_rates(trip, velocity))
+    assert np.array_equal(samples[:, 6], DEFAULT_NOISE.standard_deviation_m(trip))
 
 
 @pytest.mark.parametrize(("window", "degree"), [(1, 1), (2, 2), (3, 0), (5, 3), (-2, 1)])

@@ -11,6 +11,7 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
+from modelcast.models.trusted import Trusted
 
 __all__ = ["MEMBER_NAMES", "bank_from_text"]
 
@@ -28,7 +29,13 @@ MEMBER_NAMES = (*_KINEMATIC, "gp-anchored", "gp-intercept")
 """Sub-models that a bank may be made of."""
 
 
-def bank_from_text(text: str, *, noise_floor_m: float | None = None, window: int = 10) -> Bank:
+def bank_from_text(
+    text: str,
+    *,
+    noise_floor_m: float | None = None,
+    window: int = 10,
+    trusted_horizon_s: float | None = None,
+) -> Bank:
     """The bank a user means.
 
     Parameters
@@ -41,6 +48,8 @@ def bank_from_text(text: str, *, noise_floor_m: float | None = None, window: int
         paper's form and 1 mm for the other.
     window
         Samples they are fitted to.
+    trusted_horizon_s
+        Age beyond which sub-models other than constant velocity are damped [s]; None for never.
 
     Raises
     ------
@@ -55,6 +64,11 @@ def bank_from_text(text: str, *, noise_floor_m: float | None = None, window: int
     names = [member.name for member in PAPER_BANK.members] if text == "paper" else text.split("+")
     try:
         members = tuple(_member(name.strip(), noise_floor_m, window) for name in names)
+        if trusted_horizon_s is not None:
+            members = tuple(
+                member if isinstance(member, ConstantVelocity) else Trusted(member, trusted_horizon_s)
+                for member in members
+            )
         return Bank(members, "paper" if text == "paper" else "")
     except ValueError as error:
         raise ConfigError(f"--bank {text}: {error}") from error

@@ -38,6 +38,9 @@ class EvaluateOptions:
     noise_floor
         Smallest position noise a Gaussian process may assume [m]; 0.00001 for gp-anchored (the paper has no
         floor) and 0.001 for gp-intercept where not given.
+    trusted_horizon
+        Age beyond which a sub-model's speed is held and its turn ends, at sender and host alike [s]; 0 for
+        never.
     start
         Sub-model in use after an update: first in order, the one kept, or the longest survivor.
     identify
@@ -72,6 +75,7 @@ class EvaluateOptions:
     bank: str = "paper"
     window: int = 10
     noise_floor: float | None = None
+    trusted_horizon: float = 0.0
     start: StartRule = "order"
     identify: IdentifyRule = "on-failure"
     keep_alive: float = 2.0
@@ -126,7 +130,12 @@ class EvaluateOptions:
         from modelcast.core.exceptions import ConfigError
         from modelcast.evaluation.settings import EvaluationSettings
 
-        bank = bank_from_text(self.bank, noise_floor_m=self.noise_floor, window=self.window)
+        bank = bank_from_text(
+            self.bank,
+            noise_floor_m=self.noise_floor,
+            window=self.window,
+            trusted_horizon_s=self.trusted_horizon or None,
+        )
         try:
             return EvaluationSettings(
                 tuple(self.threshold),

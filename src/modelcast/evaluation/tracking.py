@@ -245,6 +245,7 @@ class LossRuns:
                 ready.predicts,
                 ready.constants,
                 ready.bank.offsets,
+                ready.bank.trust,
                 case.truth.t_s,
                 ready.samples,
                 ready.parameters,

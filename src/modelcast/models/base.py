@@ -82,9 +82,10 @@ class Windows:
     Parameters
     ----------
     samples
-        (B, n, 6): east, north [m]; the east, north velocity [m/s], the acceleration along the course [m/s²]
-        and the yaw rate, clockwise [rad/s], that one named causal estimator each gives at each sample. Row -1
-        is the newest.
+        (B, n, 7): east, north [m]; the east, north velocity [m/s], the acceleration along the course [m/s²],
+        the yaw rate, clockwise [rad/s], and the standard deviation of the white position noise an axis [m],
+        that one named causal estimator each gives at each sample; a noise of 0 says that it is not known.
+        Row -1 is the newest.
     dt_s
         Sampling interval [s].
 
@@ -116,7 +117,7 @@ class PointFunctions:
     Parameters
     ----------
     fit
-        ``fit(window (n, 6), constants (K,), out_parameters (P,))``, compiled with `FIT_SIGNATURE`.
+        ``fit(window (n, 7), constants (K,), out_parameters (P,))``, compiled with `FIT_SIGNATURE`.
     predict
         ``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,))``, compiled with
         `PREDICT_SIGNATURE`.
@@ -253,6 +254,19 @@ class AbstractSubModel(AbstractMotionModel):
     def payload_parameters(self) -> int:
         """How many of the parameters a message carries beyond a core basic safety message, 0..P."""
 
+    @property
+    def trusted_horizon_s(self) -> float:
+        """Age beyond which everybody predicts by a damped continuation [s]; infinite: never.
+
+        `modelcast.models.trusted.Trusted` sets it.
+        """
+        return np.inf
+
+    @property
+    def trusted_turn_s(self) -> float:
+        """How long beyond the trusted horizon the car goes on turning [s]."""
+        return np.inf
+
     @abc.abstractmethod
     def point_functions(self, dt_s: float) -> PointFunctions:
         """Return the compiled functions and tables for a sampling interval."""
@@ -276,7 +290,15 @@ class AbstractSubModel(AbstractMotionModel):
         horizons_s = np.ascontiguousarray(horizons_s, dtype=np.float64)
         out = np.empty((parameters.shape[0], horizons_s.size, 2))
         with quiet_function_pointers():
-            point_kernels.predict_batch(ready.predict_pointer, parameters, horizons_s, ready.constants, out)
+            point_kernels.predict_batch(
+                ready.predict_pointer,
+                parameters,
+                horizons_s,
+                ready.constants,
+                float(self.trusted_horizon_s),
+                float(self.trusted_turn_s),
+                out,
+            )
         return out
 
     def predict_at(self, parameters: FloatArray, ages_s: FloatArray, *, dt_s: float) -> FloatArray:
@@ -286,5 +308,13 @@ class AbstractSubModel(AbstractMotionModel):
         ages_s = np.ascontiguousarray(ages_s, dtype=np.float64)
         out = np.empty((parameters.shape[0], 2))
         with quiet_function_pointers():
-            point_kernels.predict_each(ready.predict_pointer, parameters, ages_s, ready.constants, out)
+            point_kernels.predict_each(
+                ready.predict_pointer,
+                parameters,
+                ages_s,
+                ready.constants,
+                float(self.trusted_horizon_s),
+                float(self.trusted_turn_s),
+                out,
+            )
         return out

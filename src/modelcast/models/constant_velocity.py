@@ -30,7 +30,7 @@ class ConstantVelocity(AbstractSubModel):
     >>> import numpy as np
     >>> from modelcast.models.base import Windows
     >>> model = ConstantVelocity()
-    >>> parameters = model.fit(Windows(np.array([[[0.0, 0.0, 10.0, -1.0, 0.0, 0.0]]]), dt_s=0.1))
+    >>> parameters = model.fit(Windows(np.array([[[0.0, 0.0, 10.0, -1.0, 0.0, 0.0, 0.0]]]), dt_s=0.1))
     >>> model.predict(parameters, np.array([0.5, 2.0]), dt_s=0.1)
     array([[[ 5. , -0.5],
             [20. , -2. ]]])

@@ -45,7 +45,7 @@ class ConstantAcceleration(AbstractSubModel):
     >>> import numpy as np
     >>> from modelcast.models.base import Windows
     >>> model = ConstantAcceleration()
-    >>> braking = np.array([[[0.0, 0.0, 10.0, 0.0, -5.0, 0.0]]])
+    >>> braking = np.array([[[0.0, 0.0, 10.0, 0.0, -5.0, 0.0, 0.0]]])
     >>> parameters = model.fit(Windows(braking, dt_s=0.1))
     >>> model.predict(parameters, np.array([1.0, 2.0, 9.0]), dt_s=0.1)
     array([[[ 7.5,  0. ],
@@ -113,7 +113,7 @@ class ConstantTurnRateVelocity(AbstractSubModel):
     >>> import numpy as np
     >>> from modelcast.models.base import Windows
     >>> model = ConstantTurnRateVelocity()
-    >>> right_turn = np.array([[[0.0, 0.0, 0.0, 10.0, 0.0, np.pi / 2]]])
+    >>> right_turn = np.array([[[0.0, 0.0, 0.0, 10.0, 0.0, np.pi / 2, 0.0]]])
     >>> parameters = model.fit(Windows(right_turn, dt_s=0.1))
     >>> model.predict(parameters, np.array([1.0, 2.0]), dt_s=0.1).round(3) + 0.0
     array([[[ 6.366,  6.366],
@@ -186,7 +186,7 @@ class ConstantTurnRateAcceleration(AbstractSubModel):
     >>> import numpy as np
     >>> from modelcast.models.base import Windows
     >>> model = ConstantTurnRateAcceleration()
-    >>> window = np.array([[[0.0, 0.0, 0.0, 10.0, -2.0, 0.2]]])
+    >>> window = np.array([[[0.0, 0.0, 0.0, 10.0, -2.0, 0.2, 0.0]]])
     >>> parameters = model.fit(Windows(window, dt_s=0.1))
     >>> model.predict(parameters, np.array([1.0, 5.0, 9.0]), dt_s=0.1).round(3)
     array([[[ 0.864,  8.943],

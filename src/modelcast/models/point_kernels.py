@@ -5,11 +5,14 @@ from typing import Any
 import numba
 from numba import types
 
+from modelcast.models.trusted_kernels import predict_trusted
+
 __all__ = [
     "ACCELERATION",
     "EAST",
     "FIT_SIGNATURE",
     "NORTH",
+    "POSITION_NOISE",
     "PREDICT_SIGNATURE",
     "SAMPLE_COLUMNS",
     "VELOCITY_EAST",
@@ -20,17 +23,17 @@ __all__ = [
     "predict_each",
 ]
 
-EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH, ACCELERATION, YAW_RATE = range(6)
-"""Columns of a window's samples: [m], [m/s], along the course [m/s²], clockwise [rad/s]."""
+EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH, ACCELERATION, YAW_RATE, POSITION_NOISE = range(7)
+"""Columns of a window's samples: [m], [m/s], along the course [m/s²], clockwise [rad/s], an axis [m]."""
 
-SAMPLE_COLUMNS = 6
+SAMPLE_COLUMNS = 7
 """How many columns a window's samples have."""
 
 _vector = types.float64[::1]
 _matrix = types.float64[:, ::1]
 
 FIT_SIGNATURE = types.void(_matrix, _vector, _vector)
-"""``fit(window (n, 6), constants (K,), out_parameters (P,))``."""
+"""``fit(window (n, 7), constants (K,), out_parameters (P,))``."""
 
 PREDICT_SIGNATURE = types.void(_vector, types.float64, _vector, _vector)
 """``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,))``."""
@@ -41,21 +44,39 @@ _jit: Any = numba.njit(cache=True, nogil=True)
 
 @_jit
 def fit_batch(fit: Any, samples: Any, constants: Any, out: Any) -> None:
-    """Fit (B, n, 6) windows one by one into ``out`` (B, P)."""
+    """Fit (B, n, 7) windows one by one into ``out`` (B, P)."""
     for row in range(samples.shape[0]):
         fit(samples[row], constants, out[row])
 
 
 @_jit
-def predict_batch(predict: Any, parameters: Any, horizons_s: Any, constants: Any, out: Any) -> None:
+def predict_batch(
+    predict: Any,
+    parameters: Any,
+    horizons_s: Any,
+    constants: Any,
+    trusted_s: float,
+    turn_s: float,
+    out: Any,
+) -> None:
     """Predict (B, P) parameters at every one of (H,) horizons into ``out`` (B, H, 2)."""
     for row in range(parameters.shape[0]):
         for at in range(horizons_s.size):
-            predict(parameters[row], horizons_s[at], constants, out[row, at])
+            predict_trusted(
+                predict, parameters[row], horizons_s[at], constants, trusted_s, turn_s, out[row, at]
+            )
 
 
 @_jit
-def predict_each(predict: Any, parameters: Any, ages_s: Any, constants: Any, out: Any) -> None:
+def predict_each(
+    predict: Any,
+    parameters: Any,
+    ages_s: Any,
+    constants: Any,
+    trusted_s: float,
+    turn_s: float,
+    out: Any,
+) -> None:
     """Predict (B, P) parameters, each at its own age, into ``out`` (B, 2)."""
     for row in range(parameters.shape[0]):
-        predict(parameters[row], ages_s[row], constants, out[row])
+        predict_trusted(predict, parameters[row], ages_s[row], constants, trusted_s, turn_s, out[row])

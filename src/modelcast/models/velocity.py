@@ -13,6 +13,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import heading_to_velocity
 from modelcast.core.trajectory import Trajectory
+from modelcast.models.noise import DEFAULT_NOISE
 from modelcast.models.rates import course_rates
 from modelcast.models.velocity_kernels import end_slopes
 
@@ -108,17 +109,19 @@ def velocity_estimator_for(trip: Trajectory, *, speed_is_stuck: bool = False) ->
 
 
 def sample_matrix(trip: Trajectory, estimator: VelocityEstimator) -> FloatArray:
-    """What windows are cut from, (T, 6).
+    """What windows are cut from, (T, 7).
 
-    East, north [m], their velocities [m/s], acceleration along the course [m/s²] and yaw rate, clockwise
-    [rad/s], at every sample; all from that sample and earlier ones.
+    East, north [m], their velocities [m/s], acceleration along the course [m/s²], yaw rate, clockwise
+    [rad/s], and position noise an axis [m], at every sample; all from that sample and earlier ones.
 
     Parameters
     ----------
     trip
         What the sender sees.
     estimator
-        Of the velocity. Acceleration and yaw rate are those of `modelcast.models.rates.course_rates`.
+        Of the velocity. Acceleration and yaw rate are those of `modelcast.models.rates.course_rates`, the
+        noise that of `modelcast.models.noise.DEFAULT_NOISE`.
     """
     velocity = estimator.velocity(trip)
-    return np.ascontiguousarray(np.hstack([trip.position_m, velocity, course_rates(trip, velocity)]))
+    noise = DEFAULT_NOISE.standard_deviation_m(trip)[:, None]
+    return np.ascontiguousarray(np.hstack([trip.position_m, velocity, course_rates(trip, velocity), noise]))

@@ -88,7 +88,7 @@ class GaussianProcess(AbstractSubModel):
     >>> from modelcast.models.base import Windows
     >>> t = np.arange(-9, 1) * 0.1
     >>> velocity = [10 * np.cos(t), -10 * np.sin(t)]
-    >>> turn = np.stack([10 * np.sin(t), 10 * np.cos(t), *velocity, 0 * t, 1 + 0 * t], axis=1)
+    >>> turn = np.stack([10 * np.sin(t), 10 * np.cos(t), *velocity, 0 * t, 1 + 0 * t, 0 * t], axis=1)
     >>> model = GaussianProcess(form="intercept")
     >>> parameters = model.fit(Windows(turn[None], dt_s=0.1))
     >>> model.predict(parameters, np.array([0.5]), dt_s=0.1).round(1)
