@@ -124,6 +124,15 @@ def test_by_default_every_member_and_the_papers_bank_are_compared() -> None:
     assert [one.name for one in CompareOptions().candidates()] == [*MEMBER_NAMES, "paper"]
 
 
+def test_every_bank_meets_every_trusted_horizon_that_changes_it() -> None:
+    options = CompareOptions(("cv", "ctra"), trusted_horizon=(0.0, 2.0, 4.0))
+    names = [one.name for one in options.candidates()]
+    assert names == ["cv", "ctra", "ctra trusted 2 s", "ctra trusted 4 s"]
+    (alone,) = CompareOptions(("ctra",), trusted_horizon=(2.0,)).candidates()
+    assert alone.name == "ctra"
+    assert alone.bank == options.candidates()[2].bank
+
+
 def test_options_shared_with_evaluate_mean_the_same() -> None:
     sensor = SensorOptions(position_noise=0.05, heading_noise=1.0, latency=0.1)
     shared = CompareOptions(threshold=(0.3,), per=(0.1,), keep_alive=0.0, sensor=sensor).settings().evaluation
