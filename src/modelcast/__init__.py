@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from modelcast.core.trajectory import Trajectory as Trajectory
     from modelcast.core.trajectory import build_trajectory as build_trajectory
     from modelcast.evaluation.case import SensedTrip as SensedTrip
+    from modelcast.evaluation.compare.candidate import FixedCandidate as FixedCandidate
+    from modelcast.evaluation.compare.candidate import TrainedCandidate as TrainedCandidate
+    from modelcast.evaluation.compare.run import compare as compare
+    from modelcast.evaluation.compare.settings import CompareSettings as CompareSettings
     from modelcast.evaluation.evaluate import evaluate as evaluate
     from modelcast.evaluation.result import EvaluationResult as EvaluationResult
     from modelcast.evaluation.settings import EvaluationSettings as EvaluationSettings
@@ -38,18 +42,22 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "Bank": "models.bank",
+    "CompareSettings": "evaluation.compare.settings",
     "ConstantVelocity": "models.constant_velocity",
     "ErrorDriven": "policy.error_driven",
     "EvaluationResult": "evaluation.result",
     "EvaluationSettings": "evaluation.settings",
+    "FixedCandidate": "evaluation.compare.candidate",
     "GaussianProcess": "models.gp",
     "Host": "agents.host",
     "ModelcastError": "core.exceptions",
     "Periodic": "policy.periodic",
     "SensedTrip": "evaluation.case",
     "SensorModel": "core.sensor",
+    "TrainedCandidate": "evaluation.compare.candidate",
     "Trajectory": "core.trajectory",
     "build_trajectory": "core.trajectory",
+    "compare": "evaluation.compare.run",
     "evaluate": "evaluation.evaluate",
     "generate_drive": "simulation.drive",
     "rates_frame": "report.tables",

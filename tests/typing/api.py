@@ -1,5 +1,7 @@
 """User code that must type-check under pyright strict; it is not run."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import assert_type
 
@@ -8,16 +10,20 @@ import numpy as np
 import modelcast
 from modelcast import (
     Bank,
+    CompareSettings,
     ConstantVelocity,
     ErrorDriven,
     EvaluationResult,
     EvaluationSettings,
+    FixedCandidate,
     GaussianProcess,
     Host,
     Periodic,
     SensedTrip,
+    TrainedCandidate,
     Trajectory,
     build_trajectory,
+    compare,
     evaluate,
     generate_drive,
     read_trips,
@@ -42,6 +48,19 @@ def evaluate_files(paths: list[Path]) -> list[Path]:
     assert_type(result.rates[0].update_rate_hz, float)
     assert_type(result.tracking[0].pte_p90_low_m, float | None)
     return write_results(result, Path("out"))
+
+
+def learn(trips: Sequence[Trajectory], settings: EvaluationSettings) -> EvaluationSettings:
+    """Learn a window's length from some trips."""
+    return replace(settings, bank=Bank((GaussianProcess(5 + len(trips)),)))
+
+
+def compare_files(paths: list[Path]) -> float | None:
+    """Compare a bank with one that is trained."""
+    candidates = [FixedCandidate("cv", Bank((ConstantVelocity(),)), "keep"), TrainedCandidate("mine", learn)]
+    result = compare(list(read_trips(paths)), candidates, CompareSettings(against="mine"), progress=show)
+    assert_type(result.ratios[0].message_ratio, float)
+    return result.tracking[0].p90_low
 
 
 def make_trips() -> list[Trajectory | SensedTrip]:

@@ -13,6 +13,7 @@ from modelcast.policy.rules import IdentifyRule, StartRule
 if TYPE_CHECKING:
     from modelcast.evaluation.compare.candidate import FixedCandidate
     from modelcast.evaluation.compare.settings import CompareSettings
+    from modelcast.models.bank import Bank
 
 __all__ = ["CompareOptions"]
 
@@ -57,6 +58,9 @@ class CompareOptions:
         Samples a Gaussian process is fitted to.
     noise_floor
         Smallest position noise a Gaussian process may assume [m]; as in 'modelcast evaluate' where not given.
+    trusted_horizon
+        Ages beyond which a sub-model is damped, as in 'modelcast evaluate', several after one another [s]; 0
+        for never. Every bank is run with each.
     keep_alive
         Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
     references
@@ -79,6 +83,7 @@ class CompareOptions:
     seed: int = 0
     window: int = 10
     noise_floor: float | None = None
+    trusted_horizon: Numbers = (0.0,)
     keep_alive: float = 2.0
     references: bool = True
     sensor: SensorOptions = field(default_factory=SensorOptions)
@@ -86,7 +91,8 @@ class CompareOptions:
     def as_plain(self) -> Mapping[str, Any]:
         """Every option by its name on the command line, as plain values."""
         found = asdict(self)
-        return {**found, **found.pop("sensor")}
+        sensor = found.pop("sensor")
+        return {**found, **sensor}
 
     def settings(self) -> "CompareSettings":
         """The settings they mean.
@@ -121,28 +127,48 @@ class CompareOptions:
             raise ConfigError(str(error)) from error
 
     def candidates(self) -> "list[FixedCandidate]":
-        """What is compared: every bank with every pair of rules, a bank of one sub-model once.
+        """What is compared: every bank with every horizon and pair of rules, none twice.
 
         Raises
         ------
         ConfigError
             Where a bank or rule is unknown.
         """
-        from modelcast.cli.banks import MEMBER_NAMES, bank_from_text
+        from modelcast.cli.banks import MEMBER_NAMES
         from modelcast.core.exceptions import ConfigError
         from modelcast.evaluation.compare.candidate import FixedCandidate
 
         rules = [_rules(text) for text in self.rules]
-        if not rules:
-            raise ConfigError("--rules: name at least one pair, as in order/on-failure")
+        if not rules or not self.trusted_horizon:
+            raise ConfigError("--rules, --trusted-horizon: name at least one, as in order/on-failure and 0")
         found: list[FixedCandidate] = []
         for text in self.bank or (*MEMBER_NAMES, "paper"):
-            bank = bank_from_text(text, noise_floor_m=self.noise_floor, window=self.window)
-            fitting = rules if len(bank.members) > 1 else rules[:1]
-            for start, identify in fitting:
-                label = text if len(fitting) == 1 else f"{text} {start}/{identify}"
-                found.append(FixedCandidate(label, bank, start, identify))
+            for ending, bank in self._banks(text).items():
+                fitting = rules if len(bank.members) > 1 else rules[:1]
+                for start, identify in fitting:
+                    label = f"{text}{ending}" + (f" {start}/{identify}" if len(fitting) > 1 else "")
+                    found.append(FixedCandidate(label, bank, start, identify))
         return found
+
+    def _banks(self, text: str) -> "dict[str, Bank]":
+        """A bank with every trusted horizon, by what its name ends in; equal ones, as of cv alone, once."""
+        from modelcast.cli.banks import bank_from_text
+
+        made = {
+            horizon_s: bank_from_text(
+                text,
+                noise_floor_m=self.noise_floor,
+                window=self.window,
+                trusted_horizon_s=horizon_s or None,
+            )
+            for horizon_s in self.trusted_horizon
+        }
+        distinct: dict[str, Bank] = {}
+        for horizon_s, bank in made.items():
+            if bank not in distinct.values():
+                ending = f" trusted {horizon_s:g} s" if horizon_s and len(made) > 1 else ""
+                distinct[ending] = bank
+        return distinct
 
 
 def _rules(text: str) -> tuple[StartRule, IdentifyRule]:

@@ -91,7 +91,8 @@ class EvaluateOptions:
     def as_plain(self) -> dict[str, Any]:
         """Every option by its name on the command line, as plain values."""
         found = asdict(self)
-        return {**found, **found.pop("sensor")}
+        sensor = found.pop("sensor")
+        return {**found, **sensor}
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "EvaluateOptions":

@@ -5,7 +5,6 @@ them apart: a platoon. Sharing is handed on: where A shares with B and B with C,
 """
 
 from collections.abc import Sequence
-from pathlib import PurePosixPath
 from typing import Literal
 
 import numpy as np
@@ -67,7 +66,7 @@ def routes(trips: Sequence[Trajectory], rule: RouteRule = "auto") -> IntArray:
     if rule not in {"auto", "file"}:
         raise ConfigError(f"routes are told apart by auto, file or trip, not by {rule!r}")
     count = len(trips)
-    files = np.array([PurePosixPath(trip.trip_id).parts[0] for trip in trips], dtype=object)
+    files = np.array([trip.trip_id.partition("/")[0] for trip in trips], dtype=object)
     linked: BoolArray = np.equal.outer(files, files).astype(np.bool_)
     if rule == "auto":
         placed = [at for at, trip in enumerate(trips) if trip.origin is not None]
@@ -96,7 +95,7 @@ def route_names(trips: Sequence[Trajectory], route: IntArray) -> list[str]:
     names: list[str] = []
     for number in range(int(route.max(initial=-1)) + 1):
         members = [trip.trip_id for trip, own in zip(trips, route.tolist(), strict=True) if own == number]
-        files = list(dict.fromkeys(PurePosixPath(name).parts[0] for name in members))
+        files = list(dict.fromkeys(name.partition("/")[0] for name in members))
         if len(members) == 1:
             names.append(members[0])
         else:

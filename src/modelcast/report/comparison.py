@@ -12,6 +12,7 @@ from modelcast.report.console import failures_table
 from modelcast.report.figures.comparison import plot_comparison, worst_rows
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.panels import centimetres
+from modelcast.report.headline import nearest_ratio
 from modelcast.report.style import style
 
 __all__ = ["comparison_console", "comparison_markdown", "write_comparison_report"]
@@ -64,9 +65,9 @@ def comparison_markdown(result: ComparisonResult) -> str:
 _LEGEND = (
     "Messages and bytes over the baseline's at the same threshold, ratios of sums with 95 % bootstrap "
     "intervals over the trips; difference of the message ratio to `{against}`; 90th and 99th percentile of "
-    "the tracking error over the harder baseline's at equal total rate, worst threshold, at each packet error "
-    "ratio; trips times thresholds with more than max(1.02 x baseline, baseline + 3) messages, and the worst "
-    "of them."
+    "the tracking error over the harder baseline's at equal total rate, worst threshold, at each packet "
+    "error ratio; trips times thresholds with more than max(1.02 x baseline, baseline + 3) messages, and the "
+    "trip with the most beyond that bound."
 )
 
 
@@ -94,7 +95,7 @@ def _full_table(result: ComparisonResult, protocol: str) -> tuple[list[str], lis
 
 
 def comparison_console(result: ComparisonResult) -> RenderableType:
-    """Return a short table a protocol, without intervals.
+    """Return a short table a protocol: lowest and highest threshold, one loss ratio, no intervals.
 
     Parameters
     ----------
@@ -102,24 +103,46 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
         The comparison.
     """
     parts: list[RenderableType] = [Text(_scope(result))]
-    thresholds = " / ".join(f"{100 * item:.4g}" for item in _thresholds_m(result))
-    losses = " / ".join(f"{100 * ratio:g}" for ratio in _ratios(result))
+    thresholds_m = _thresholds_m(result)
+    shown_m = sorted({thresholds_m[0], thresholds_m[-1]}) if thresholds_m else []
+    ratio = nearest_ratio(_ratios(result))
+    at = None if ratio is None else _ratios(result).index(ratio)
     for protocol in _protocols(result):
         table = Table(title=f"Over the baseline, {protocol}", title_justify="left", header_style="")
-        heads = ["candidate", f"messages\n{thresholds} cm", f"bytes\n{thresholds} cm"]
-        heads += [f"{name}\nPER {losses} %" for name in ("p90", "p99") if losses]
-        for at, head in enumerate([*heads, "over"]):
-            table.add_column(head, justify="left" if at == 0 else "right")
+        table.add_column("candidate")
+        for head in ("messages", "bytes"):
+            table.add_column(f"{head}\n{' / '.join(centimetres(item) for item in shown_m)}", justify="right")
+        if ratio is not None:
+            table.add_column(f"p90 / p99\nPER {100 * ratio:g} %", justify="right")
+        table.add_column("trips over\nthe bound", justify="right")
         for candidate in result.candidates:
-            rows = _rows(result, candidate, protocol)
-            cells = [" / ".join(f"{row.message_ratio:.2f}" for row in rows)]
-            cells += [" / ".join(f"{row.bytes_ratio:.2f}" for row in rows)]
-            cells += [_worst(result, candidate, protocol, percentile) for percentile in (90, 99) if losses]
-            table.add_row(Text(_shown_name(candidate)), *cells, f"{sum(row.trips_over for row in rows)}")
+            table.add_row(
+                Text(_shown_name(candidate)), *_short_cells(result, candidate, protocol, shown_m, at)
+            )
         parts.append(table)
     if result.failures:
         parts.append(failures_table(result.failures))
     return Group(*parts)
+
+
+def _short_cells(
+    result: ComparisonResult,
+    candidate: CandidateRow,
+    protocol: str,
+    shown_m: Sequence[float],
+    at: int | None,
+) -> list[str]:
+    """Return a candidate's cells for the terminal; `at` is the place of the loss ratio shown."""
+    rows = _rows(result, candidate, protocol)
+    shown = [row for row in rows if row.threshold_m in shown_m]
+    cells = [
+        " / ".join(f"{row.message_ratio:.2f}" for row in shown),
+        " / ".join(f"{row.bytes_ratio:.2f}" for row in shown),
+    ]
+    if at is not None:
+        found = (worst_rows(result, candidate.name, protocol, percentile)[at] for percentile in (90, 99))
+        cells.append(" / ".join(_number(value) for value in found))
+    return [*cells, f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}"]
 
 
 def _scope(result: ComparisonResult) -> str:
@@ -148,12 +171,16 @@ def _rows(result: ComparisonResult, candidate: CandidateRow, protocol: str) -> l
 
 
 def _worst_row(rows: Sequence[RatioRow]) -> RatioRow:
-    return max(rows, key=lambda row: row.worst_ratio)
+    return max(rows, key=lambda row: row.worst_excess)
 
 
 def _worst(result: ComparisonResult, candidate: CandidateRow, protocol: str, percentile: int) -> str:
     found = worst_rows(result, candidate.name, protocol, percentile)
-    return " / ".join(_MISSING if value != value else f"{value:.2f}" for value in found)  # noqa: PLR0124  NaN
+    return " / ".join(_number(value) for value in found)
+
+
+def _number(value: float) -> str:
+    return _MISSING if value != value else f"{value:.2f}"  # noqa: PLR0124  NaN
 
 
 def _with_limits(value: float, low: float | None, high: float | None, form: str = ".2f") -> str:

@@ -1,7 +1,7 @@
 """What is compared: a name, and how to get a bank and its rules for trips that it may not have seen."""
 
 import abc
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from modelcast.core.trajectory import Trajectory
@@ -9,14 +9,13 @@ from modelcast.evaluation.settings import EvaluationSettings
 from modelcast.models.bank import Bank
 from modelcast.policy.rules import IdentifyRule, StartRule
 
-__all__ = ["AbstractCandidate", "FixedCandidate"]
+__all__ = ["AbstractCandidate", "FixedCandidate", "TrainedCandidate"]
 
 
 class AbstractCandidate(abc.ABC):
     """Something that sends: it is given the trips it may learn from, and says how it is to be evaluated.
 
-    Implementations are frozen dataclasses that can be pickled, so that they may be compared in processes of
-    their own.
+    Implementations are frozen dataclasses.
     """
 
     @property
@@ -88,3 +87,42 @@ class FixedCandidate(AbstractCandidate):
     ) -> EvaluationSettings:
         """The settings with this bank and these rules."""
         return replace(settings, bank=self.bank, start=self.start, identify=self.identify)
+
+
+@dataclass(frozen=True, slots=True)
+class TrainedCandidate(AbstractCandidate):
+    """A bank and rules that a function learns from trips.
+
+    Parameters
+    ----------
+    label
+        Name in tables and figures.
+    learn
+        Takes the trips of all other routes and the settings that all candidates share; returns these settings
+        with the bank and rules it learnt.
+    longest_window
+        Samples that the longest window of what it learns holds.
+    """
+
+    label: str
+    learn: Callable[[Sequence[Trajectory], EvaluationSettings], EvaluationSettings]
+    longest_window: int = 10
+
+    @property
+    def name(self) -> str:
+        """The label."""
+        return self.label
+
+    @property
+    def is_trained(self) -> bool:
+        """Always."""
+        return True
+
+    @property
+    def window(self) -> int:
+        """The longest window it may learn."""
+        return self.longest_window
+
+    def fitted(self, trips: Sequence[Trajectory], settings: EvaluationSettings) -> EvaluationSettings:
+        """What was learnt from these trips."""
+        return self.learn(trips, settings)

@@ -165,8 +165,9 @@ class RatioRow:
         Their ratio.
     trips_over
         Trips on which it sent more than `message_bound` allows.
-    worst_trip, worst_ratio
-        The trip with the most messages beyond that bound, and its ratio to the baseline.
+    worst_trip, worst_excess, worst_ratio
+        The trip with the most messages beyond that bound, how many (negative where there is room), and its
+        ratio to the baseline.
     """
 
     candidate: str
@@ -191,6 +192,7 @@ class RatioRow:
     bytes_high: float | None
     trips_over: int
     worst_trip: str
+    worst_excess: float
     worst_ratio: float
 
 

@@ -105,6 +105,7 @@ def _ratio_row(
         bytes_high=bytes_high,
         trips_over=sum(row.excess > 0 for row in rows),
         worst_trip=worst.trip,
+        worst_excess=worst.excess,
         worst_ratio=worst.messages / worst.baseline_messages,
     )
 

@@ -1,9 +1,10 @@
 """Candidates side by side: messages and bytes against threshold, tracking error against loss."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -39,7 +40,16 @@ _REFERENCE_LINES: dict[str, LineStyleType] = {
 _SPREAD = 0.55
 """Share of the distance between two ticks that candidates are spread over, so that intervals do not hide."""
 
-_LONGEST_NAME = 30
+_LONGEST_NAME = 44
+_SHORT_NAME = 24
+"""With a longer name than this the legend has three columns instead of four."""
+
+_CROWD = 8
+_HEIGHT_IN, _CROWDED_HEIGHT_IN = 2.15, 2.9
+"""Height of a row of panels, with up to eight candidates and with more [in]."""
+
+_TALLEST_RATIO = 1.1
+"""A reference this much above all candidates would squeeze them: it is named instead of drawn."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,8 +79,9 @@ def plot_comparison(result: ComparisonResult) -> Figure:
         if not protocols:
             return empty_figure("Nothing was compared.")
         looks = _looks(result)
-        legend_rows = -(-(len(looks) + 5) // 4)
-        figure = new_figure(PAGE_IN, 0.35 + 0.14 * legend_rows + 2.15 * len(protocols))
+        height_in = _HEIGHT_IN if len(looks) <= _CROWD else _CROWDED_HEIGHT_IN
+        legend_in = 0.14 * -(-(len(looks) + 5) // _legend_columns(looks))
+        figure = new_figure(PAGE_IN, 0.35 + legend_in + height_in * len(protocols))
         grid = figure.subplots(len(protocols), 4, squeeze=False)
         for axes, protocol in zip(grid, protocols, strict=True):
             _draw_messages(axes[0], result, protocol, looks)
@@ -78,13 +89,30 @@ def plot_comparison(result: ComparisonResult) -> Figure:
             _draw_tracking(axes[2], result, protocol, looks, percentile=90)
             _draw_tracking(axes[3], result, protocol, looks, percentile=99)
             axes[0].set_ylabel(f"{protocol}\nratio to the baseline")
-        for axes, title in zip(grid[0], ("Messages", "Bytes", "PTE, p90", "PTE, p99"), strict=True):
+        titles = ("Messages", "Bytes", "p90, worst threshold", "p99, worst threshold")
+        for axes, title in zip(grid[0], titles, strict=True):
             axes.set_title(title)
         for at, axes in enumerate(grid[-1]):
             axes.set_xlabel("Threshold [cm]" if at < 2 else "Packet error ratio [%]")
-        handles, labels = grid[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=4, columnspacing=1.4)
+        _legend(figure, [row[0] for row in grid], _legend_columns(looks))
         return figure
+
+
+def _legend_columns(names: Iterable[str]) -> int:
+    return 4 if max(len(name) for name in names) <= _SHORT_NAME else 3
+
+
+def _legend(figure: Figure, panels: Sequence[Axes], columns: int) -> None:
+    """Name what any of the panels shows: a reference may lie off the scale of some."""
+    named: dict[str, Artist] = {}
+    for axes in panels:
+        handles, labels = axes.get_legend_handles_labels()
+        named.update(zip(labels, handles, strict=True))
+    order = [*(name for name in named if name not in REFERENCE_LABELS.values())]
+    order += [name for name in REFERENCE_LABELS.values() if name in named]
+    figure.legend(
+        [named[name] for name in order], order, loc="outside upper center", ncols=columns, columnspacing=1.4
+    )
 
 
 def worst_rows(result: ComparisonResult, candidate: str, protocol: str, percentile: int) -> list[float]:
@@ -115,7 +143,7 @@ def _looks(result: ComparisonResult) -> dict[str, _Look]:
     return {
         row.name: _Look(
             _COLOURS[at % len(_COLOURS)],
-            _MARKERS[at % len(_MARKERS)],
+            _MARKERS[(at + 3 * (at // len(_COLOURS))) % len(_MARKERS)],
             (0, (3.0, 1.0)) if row.is_hybrid else "-",
             1.6 if row.is_hybrid else 0.9,
             float(aside),
@@ -144,15 +172,15 @@ def _draw_messages(axes: Axes, result: ComparisonResult, protocol: str, looks: d
             continue
         values = [found[threshold_m] for threshold_m in thresholds_m]
         label = REFERENCE_LABELS[reference]
-        shown = axes.plot(
-            range(len(values)), values, color=INK, linestyle=dashes, linewidth=0.8, label=label, zorder=1
-        )
-        if min(values) > 1.15 * tallest:
-            shown[0].set_visible(False)
+        if min(values) > _TALLEST_RATIO * tallest:
             note = f"{label}: {min(values):.1f} and more"
             axes.text(
                 0.98, 0.985, note, transform=axes.transAxes, ha="right", va="top", fontsize=5.5, color=INK
             )
+            continue
+        axes.plot(
+            range(len(values)), values, color=INK, linestyle=dashes, linewidth=0.8, label=label, zorder=1
+        )
     axes.set_ylim(0.0, 1.15 * tallest)
 
 

@@ -1,0 +1,255 @@
+"""The table and figure of a comparison show what they are given, whatever that holds."""
+
+import io
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from modelcast.evaluation.compare.result import (
+    CandidateRow,
+    ComparedTrip,
+    ComparisonResult,
+    CountRow,
+    RatioRow,
+    ReferenceRatio,
+    RouteRow,
+    TrackingRatioRow,
+)
+from modelcast.report.comparison import comparison_console, comparison_markdown, write_comparison_report
+from modelcast.report.figures import plot_comparison
+from modelcast.report.style import style
+
+NAMES = ("cv", "ctra", "gp+cv order/on-failure")
+
+
+def made(
+    names: Sequence[str] = NAMES,
+    thresholds: Sequence[float] = (0.2, 0.5),
+    ratios: Sequence[float] = (0.0, 0.4),
+    protocols: Sequence[str] = ("recorded", "sensor"),
+    *,
+    limits: bool = True,
+    references: bool = True,
+) -> ComparisonResult:
+    """A made-up comparison of any size."""
+    value = {name: 0.5 + 0.2 * at for at, name in enumerate(names)}
+    spread = 0.1 if limits else None
+
+    def ends(middle: float) -> tuple[float | None, float | None]:
+        return (None, None) if spread is None else (middle - spread, middle + spread)
+
+    return ComparisonResult(
+        {"seed": 0, "against": names[0]},
+        routes=(RouteRow(0, "hills|and dales", 2, 600.0), RouteRow(1, "<town>", 1, 300.0)),
+        trips=tuple(
+            ComparedTrip(f"t/{at}", "csv", at // 2, duration_s=300.0, samples=3000, dt_s=0.1)
+            for at in range(3)
+        ),
+        candidates=tuple(
+            CandidateRow(
+                name,
+                ("ConstantVelocity()",),
+                start="order",
+                identify="on-failure",
+                is_trained=False,
+                is_hybrid="+" in name,
+                update_bytes=48,
+            )
+            for name in names
+        ),
+        ratios=tuple(
+            RatioRow(
+                name,
+                protocol,
+                threshold_m,
+                trips=3,
+                duration_s=900.0,
+                update_rate_hz=0.6,
+                identification_rate_hz=0.1,
+                baseline_rate_hz=1.4,
+                message_ratio=value[name] + threshold_m,
+                message_low=ends(value[name] + threshold_m)[0],
+                message_high=ends(value[name] + threshold_m)[1],
+                difference=value[name] - value[names[0]],
+                difference_low=ends(0.0)[0],
+                difference_high=ends(0.0)[1],
+                bytes_per_s=90.0,
+                baseline_bytes_per_s=57.0,
+                bytes_ratio=1.6 * value[name],
+                bytes_low=ends(1.6 * value[name])[0],
+                bytes_high=ends(1.6 * value[name])[1],
+                trips_over=1,
+                worst_trip="t/2|$x$",
+                worst_excess=4.0 - threshold_m,
+                worst_ratio=1.25,
+            )
+            for name in names
+            for protocol in protocols
+            for threshold_m in thresholds
+        ),
+        tracking=tuple(
+            tracking(name, protocol, trip, threshold_m=threshold_m, ratio=ratio, value=value[name])
+            for name in names
+            for protocol in protocols
+            for trip in ("all", "t/0")
+            for threshold_m in thresholds
+            for ratio in ratios
+        ),
+        counts=(
+            CountRow(
+                names[0],
+                protocols[0],
+                "t/0",
+                route=0,
+                threshold_m=0.2,
+                updates=10,
+                identifications=2,
+                message_bytes=500,
+                baseline_messages=14,
+                baseline_bytes=560,
+                duration_s=300.0,
+            ),
+        )
+        if protocols
+        else (),
+        references=tuple(
+            ReferenceRatio(reference, protocol, threshold_m, ratio)
+            for reference, ratio in (("clairvoyant-1", 0.3), ("clairvoyant-2", 0.2), ("cam", 2.5))
+            for protocol in protocols
+            for threshold_m in thresholds
+            if references
+        ),
+        failures={"bad|one/1": "its longest part has 3 samples"},
+    )
+
+
+def tracking(
+    name: str, protocol: str, trip: str, *, threshold_m: float, ratio: float, value: float
+) -> TrackingRatioRow:
+    found = value + threshold_m + ratio + (5.0 if trip != "all" else 0.0)
+    return TrackingRatioRow(
+        name,
+        protocol,
+        trip,
+        threshold_m=threshold_m,
+        packet_error_ratio=ratio,
+        message_rate_hz=0.9,
+        matched_rate_hz=0.9,
+        periodic_rate_hz=0.9,
+        p90_m=found,
+        matched_p90_m=1.0,
+        periodic_p90_m=1.2,
+        p90_ratio=found,
+        p90_low=found - 0.1,
+        p90_high=found + 0.1,
+        p99_m=2 * found,
+        matched_p99_m=4.0,
+        periodic_p99_m=5.0,
+        p99_ratio=found / 2,
+        p99_low=None,
+        p99_high=None,
+    )
+
+
+def lines_of(axes: object, label: str) -> np.ndarray:
+    (line,) = (one for one in axes.get_lines() if one.get_label() == label)  # type: ignore[attr-defined]
+    return np.asarray(line.get_ydata())
+
+
+def test_lines_lie_at_the_pooled_ratios() -> None:
+    figure = plot_comparison(made())
+    messages, sizes, p90, p99 = figure.axes[4:]
+    for at, name in enumerate(NAMES):
+        value = 0.5 + 0.2 * at
+        np.testing.assert_allclose(lines_of(messages, name), [value + 0.2, value + 0.5])
+        np.testing.assert_allclose(lines_of(sizes, name), [1.6 * value] * 2)
+        np.testing.assert_allclose(lines_of(p90, name), [value + 0.5, value + 0.9], err_msg="worst threshold")
+        np.testing.assert_allclose(lines_of(p99, name), [(value + 0.5) / 2, (value + 0.9) / 2])
+    np.testing.assert_allclose(lines_of(messages, "Known future, degree 2"), [0.2, 0.2])
+    assert messages.get_ylabel().startswith("sensor")
+
+
+def test_intervals_are_drawn_from_end_to_end() -> None:
+    messages = plot_comparison(made()).axes[0]
+    first = messages.collections[0].get_segments()
+    assert [[point[1] for point in segment] for segment in first] == [
+        pytest.approx([0.6, 0.8]),
+        pytest.approx([0.9, 1.1]),
+    ]
+    bare = plot_comparison(made(limits=False)).axes[0].collections
+    assert all(np.size(segment) == 0 for drawn in bare for segment in drawn.get_segments())
+
+
+def test_a_reference_far_above_is_named_and_not_drawn() -> None:
+    figure = plot_comparison(made())
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names == [*NAMES, "Baseline (CV)", "Known future, degree 1", "Known future, degree 2"]
+    assert [text.get_text() for text in figure.axes[0].texts] == ["ETSI CAM rules: 2.5 and more"]
+    low = replace(made(), references=tuple(replace(row, message_ratio=0.9) for row in made().references))
+    names = [text.get_text() for text in plot_comparison(low).legends[0].get_texts()]
+    assert names[-1] == "ETSI CAM rules"
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"names": ("only",)},
+        {"names": tuple(f"bank-{at}+cv order/on-failure" for at in range(14))},
+        {"thresholds": (0.3,), "ratios": (0.4,)},
+        {"ratios": ()},
+        {"protocols": ("auto",)},
+        {"limits": False, "references": False},
+        {"names": ("路$x$", "a" * 200)},
+        {"protocols": ()},
+    ],
+    ids=str,
+)
+def test_figure_and_tables_are_made_for(options: dict[str, tuple[str, ...]], tmp_path: Path) -> None:
+    result = made(**options)
+    with style():
+        plot_comparison(result).draw_without_rendering()
+    paths = write_comparison_report(result, tmp_path)
+    assert [path.name for path in paths] == ["table.md", "comparison.png", "comparison.svg"]
+    Console(width=100, file=io.StringIO()).print(comparison_console(result))
+
+
+def test_ratios_that_do_not_exist_leave_holes() -> None:
+    result = made()
+    nan = float("nan")
+    rows = tuple(replace(row, p90_ratio=nan, p99_ratio=nan, p90_low=None) for row in result.tracking)
+    holed = replace(result, tracking=rows)
+    with style():
+        plot_comparison(holed).draw_without_rendering()
+    assert "| - / - | - / - |" in comparison_markdown(holed)
+
+
+def test_the_table_is_markdown_with_as_many_cells_in_every_row() -> None:
+    text = comparison_markdown(made())
+    parts = text.split("### ")[1:]
+    assert [part.splitlines()[0] for part in parts] == ["recorded", "sensor"]
+    for part in parts:
+        rows = [line for line in part.splitlines() if line.startswith("|")]
+        assert len({len(re.split(r"(?<!\\)\|", row)) for row in rows}) == 1
+        assert len(rows) == 2 + len(NAMES)
+        assert rows[3].startswith(
+            "| ctra | 0.90 [0.80, 1.00] | 1.20 [1.10, 1.30] | +0.20 [-0.10, +0.10]<br>+0.20"
+        )
+        assert rows[3].endswith(
+            "| 1.12 / 1.12 | 1.20 / 1.60 | 0.60 / 0.80 | 2 of 6 | t/2\\|$x$, 1.25 at 20 cm |"
+        )
+    assert "`clairvoyant-2` 0.20 / 0.20; `cam` 2.50 / 2.50" in text
+    assert "hills\\|and dales, 2 trips, 600 s" in text
+    assert "bad\\|one/1: its longest part" in text
+
+
+def test_files_are_the_same_twice(tmp_path: Path) -> None:
+    contents = []
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        contents.append([path.read_bytes() for path in write_comparison_report(made(), tmp_path / name)])
+    assert contents[0] == contents[1]
