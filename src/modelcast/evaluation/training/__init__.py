@@ -1,0 +1,1 @@
+"""Training: what all vehicles share, learned from windows of many trips."""
