@@ -9,8 +9,8 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.evaluation.training.families import AbstractFamily
 from modelcast.evaluation.training.hyperparameters import (
-    AbstractFamily,
     Progress,
     TrainedPair,
     train_hyperparameters,
