@@ -141,8 +141,8 @@ def test_impossible_requests_are_refused() -> None:
         cut(trip=weaving(3.0))
     with pytest.raises(ValueError, match="no trip"):
         training_windows([], samples=10, longest_s=1.0, count=5, rng=rng)
+    trips = [weaving(), weaving(dt_s=0.2)]
     with pytest.raises(ValueError, match="share one sampling interval"):
-        trips = [weaving(), weaving(dt_s=0.2)]
         training_windows(trips, samples=10, longest_s=1.0, count=5, rng=rng)
     with pytest.raises(ValueError, match="form 'intercept'"):
         FixedFamily(GaussianProcess(form="anchored"))

@@ -6,7 +6,16 @@ import pytest
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractMotionModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import AxisKernel, GaussianProcess, Hyperparameters, VehicleProcess, linear_process
+from modelcast.models.gp import (
+    AxisKernel,
+    GaussianProcess,
+    Hyperparameters,
+    VehicleProcess,
+    derivative_process,
+    linear_process,
+    trained_process,
+    vehicle_process,
+)
 from modelcast.models.kinematic import (
     ConstantAcceleration,
     ConstantTurnRateAcceleration,
@@ -28,9 +37,11 @@ MODELS: dict[str, AbstractMotionModel] = {
     "gp-intercept-fixed": GaussianProcess(form="intercept", hyperparameters=FIXED),
     "gp-adaptive": GaussianProcess(form="intercept", noise="estimated"),
     "gp-linear": linear_process(),
-    "gp-vehicle": VehicleProcess("gp-vehicle"),
+    "gp-vehicle": vehicle_process(),
+    "gp-trained": trained_process(),
     "gp-vehicle-20": VehicleProcess("gp-vehicle-20", AxisKernel(4.0, 5.0), samples=20, degree=3),
-    "gp-derivative": VehicleProcess("gp-derivative", velocities=True, straight_after_s=2.0),
+    "gp-derivative": derivative_process(),
+    "gp-derivative-15": derivative_process(15),
     "gp-derivative+gp-vehicle+gp-trained-1": Bank(
         (
             VehicleProcess("gp-derivative", velocities=True),

@@ -8,6 +8,7 @@ hyper-parameters and likelihoods of one axis.
 from modelcast.models.gp.axis_fit import AxisFits, fit_axis
 from modelcast.models.gp.conditional import AxisKernel
 from modelcast.models.gp.gaussian_process import GaussianProcess, Hyperparameters
+from modelcast.models.gp.trained import derivative_process, trained_process, vehicle_process
 from modelcast.models.gp.vehicle import VehicleProcess, linear_process
 
 __all__ = [
@@ -16,6 +17,9 @@ __all__ = [
     "GaussianProcess",
     "Hyperparameters",
     "VehicleProcess",
+    "derivative_process",
     "fit_axis",
     "linear_process",
+    "trained_process",
+    "vehicle_process",
 ]
