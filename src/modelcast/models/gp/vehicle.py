@@ -72,10 +72,11 @@ class VehicleProcess(AbstractSubModel):
     >>> t = np.arange(-9, 1) * 0.1
     >>> velocity = [10 * np.cos(t), -10 * np.sin(t)]
     >>> turn = np.stack([10 * np.sin(t), 10 * np.cos(t), *velocity, 0 * t, 1 + 0 * t, 0.001 + 0 * t], axis=1)
-    >>> model = VehicleProcess("gp-vehicle")
+    >>> axis = AxisKernel(4.0, 100.0)
+    >>> model = VehicleProcess("gp-vehicle", axis, across=axis)
     >>> parameters = model.fit(Windows(turn[None], dt_s=0.1))
     >>> model.predict(parameters, np.array([0.5]), dt_s=0.1).round(1)
-    array([[[ 4.8, -1.2]]])
+    array([[[ 4.8, -1.3]]])
     """
 
     label: str
