@@ -20,11 +20,13 @@ from modelcast.models.bank import Bank
 from modelcast.models.base import Windows, quiet_function_pointers
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
+from modelcast.models.trusted import Trusted
 from modelcast.policy.base import Message
 
 CV = ConstantVelocity()
 GP = GaussianProcess(form="intercept")
 BANK = Bank((CV, GP))
+DAMPED = Bank((Trusted(GP, 0.7), CV))
 HOST = Host(BANK, expiry_s=3.0)
 
 POSITION_M = 1e-9
@@ -203,20 +205,21 @@ def test_an_expiry_must_be_positive(expiry_s: float) -> None:
 
 
 @pytest.mark.real
+@pytest.mark.parametrize("bank", [BANK, DAMPED], ids=["whole", "damped"])
 @pytest.mark.parametrize("name", ["TESLA_MODELX", "MERCEDES_GLE450"])
 def test_fed_message_by_message_it_believes_what_the_replay_says(
-    name: str, dynamic_trips: dict[str, Trajectory]
+    name: str, bank: Bank, dynamic_trips: dict[str, Trajectory]
 ) -> None:
     """Over a real trip at 40 % losses, with expiry; the replay gives the error in its two parts."""
     trip = dynamic_trips[name]
-    settings = EvaluationSettings((0.2,), (0.4,), bank=BANK, identify="best", protocol="recorded")
+    settings = EvaluationSettings((0.2,), (0.4,), bank=bank, identify="best", protocol="recorded")
     case = make_case(trip, settings)
-    sender = TripBank(case.seen, BANK, case.estimator)
+    sender = TripBank(case.seen, bank, case.estimator)
     walk = sender.walk(settings.policy(0.2, keep_alive=True))
     lost = draw_losses(case, settings)[0, :1]
     errors = replayed(case, sender, walk, lost, expiry_s=1.5)
     number = np.cumsum(np.isin(walk.kind, (Message.UPDATE, Message.KEEP_ALIVE)))
-    state, host = HostState(), Host(BANK, expiry_s=1.5)
+    state, host = HostState(), Host(bank, expiry_s=1.5)
     for now, t_s in enumerate(trip.t_s):
         if walk.transmits[now] and not lost[0, now]:
             state = host.receive(state, sent(sender, walk, now, int(number[now])), received_s=t_s)[1]
@@ -255,6 +258,7 @@ def replayed(case: TripCase, sender: TripBank, walk: Walk, lost: BoolArray, *, e
             sender.predicts,
             sender.constants,
             sender.bank.offsets,
+            sender.bank.trust,
             case.truth.t_s,
             sender.samples,
             sender.parameters,

@@ -263,6 +263,7 @@ def _bad_trips(tmp_path: Path) -> Path:
         (("{drive}", "--window", "2"), "window"),
         (("{drive}", "--window", "600"), "window"),
         (("{drive}", "--noise-floor", "-1"), "noise"),
+        (("{drive}", "--bank", "ctra", "--trusted-horizon", "0.1"), "horizon_s must be at least"),
         (("{drive}", "--delay", "-1"), "delay"),
         (("{drive}", "--position-noise", "nan"), "noise"),
         (("{drive}", "--start", "last"), "start"),

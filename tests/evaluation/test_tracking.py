@@ -196,6 +196,7 @@ def held_after(kinds: list[str], used: list[int], lost: list[int]) -> list[tuple
             bank.predicts,
             bank.constants,
             bank.bank.offsets,
+            bank.bank.trust,
             trip.t_s[10:].copy(),
             bank.samples[10:].copy(),
             bank.parameters[10:].copy(),

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 from cyclopts import App, CycloptsError
 
+from modelcast.cli.compare import compare
 from modelcast.cli.convert import convert
 from modelcast.cli.demo import demo
 from modelcast.cli.evaluate import evaluate
@@ -37,6 +38,7 @@ app = App(
 )
 app.command(demo)
 app.command(evaluate)
+app.command(compare)
 app.command(trips)
 app.command(convert)
 

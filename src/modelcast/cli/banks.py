@@ -19,8 +19,9 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
+from modelcast.models.trusted import Trusted
 
-__all__ = ["bank_from_text"]
+__all__ = ["MEMBER_NAMES", "bank_from_text"]
 
 INTERCEPT_NOISE_FLOOR_M = 1e-3
 """Smallest noise of ``gp-intercept`` and ``gp-adaptive`` where the user names none [m]."""
@@ -40,8 +41,17 @@ _KINEMATIC: dict[str, AbstractSubModel] = {
     "ctra": ConstantTurnRateAcceleration(),
 }
 
+MEMBER_NAMES = (*_KINEMATIC, "gp-anchored", "gp-intercept", "gp-adaptive", *_GIVEN)
+"""Sub-models that a bank may be made of."""
 
-def bank_from_text(text: str, *, noise_floor_m: float | None = None, window: int = 10) -> Bank:
+
+def bank_from_text(
+    text: str,
+    *,
+    noise_floor_m: float | None = None,
+    window: int = 10,
+    trusted_horizon_s: float | None = None,
+) -> Bank:
     """The bank a user means.
 
     Parameters
@@ -55,6 +65,8 @@ def bank_from_text(text: str, *, noise_floor_m: float | None = None, window: int
         to speak of for the paper's form and 1 mm for the others.
     window
         Samples they are fitted to.
+    trusted_horizon_s
+        Age beyond which sub-models other than constant velocity are damped [s]; None for never.
 
     Raises
     ------
@@ -69,6 +81,11 @@ def bank_from_text(text: str, *, noise_floor_m: float | None = None, window: int
     names = [member.name for member in PAPER_BANK.members] if text == "paper" else text.split("+")
     try:
         members = tuple(_member(name.strip(), noise_floor_m, window) for name in names)
+        if trusted_horizon_s is not None:
+            members = tuple(
+                member if isinstance(member, ConstantVelocity) else Trusted(member, trusted_horizon_s)
+                for member in members
+            )
         return Bank(members, "paper" if text == "paper" else "")
     except ValueError as error:
         raise ConfigError(f"--bank {text}: {error}") from error
@@ -86,5 +103,5 @@ def _member(name: str, noise_floor_m: float | None, window: int) -> AbstractSubM
         return GaussianProcess(window, "intercept", noise_floor_m=floor_m, noise=noise)
     if name in _GIVEN:
         return _GIVEN[name](window)
-    known = ", ".join([*_KINEMATIC, "gp-anchored", "gp-intercept", "gp-adaptive", *list(_GIVEN)[:-1]])
-    raise ValueError(f"no sub-model is named '{name}'; there are {known} and {list(_GIVEN)[-1]}")
+    known = f"{', '.join(MEMBER_NAMES[:-1])} and {MEMBER_NAMES[-1]}"
+    raise ValueError(f"no sub-model is named '{name}'; there are {known}")

@@ -1,16 +1,18 @@
 """The options of ``modelcast evaluate``, and the settings they mean."""
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Literal
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+from typing import TYPE_CHECKING, Any, Literal
 
 from cyclopts import Parameter
+
+from modelcast.cli.options import Numbers, SensorOptions
+from modelcast.policy.rules import IdentifyRule, StartRule
 
 if TYPE_CHECKING:
     from modelcast.evaluation.settings import EvaluationSettings
 
 __all__ = ["EvaluateOptions"]
-
-_Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")]
 
 
 @Parameter(name="*")
@@ -36,6 +38,9 @@ class EvaluateOptions:
     noise_floor
         Smallest position noise a Gaussian process may assume [m]; 0.00001 for gp-anchored (the paper has no
         floor) and 0.001 for gp-intercept where not given.
+    trusted_horizon
+        Age beyond which a sub-model's speed is held and its turn ends, at sender and host alike [s]; 0 for
+        never.
     start
         Sub-model in use after an update: first in order, the one kept, or the longest survivor.
     identify
@@ -52,16 +57,8 @@ class EvaluateOptions:
     protocol
         'recorded': the log is both input and truth. 'sensor': the truth is smoothed and the input simulated
         from it. 'auto': sensor where the log lies on a coarse grid or holds values.
-    position_noise
-        White position noise of the sensor protocol [m].
-    slow_noise
-        Slowly varying position noise of the sensor protocol [m].
-    speed_noise
-        Speed noise of the sensor protocol [m/s].
-    heading_noise
-        Heading noise of the sensor protocol [deg].
-    latency
-        Age of what the sender sees, in the sensor protocol [s].
+    sensor
+        What the sender measures in the sensor protocol.
     samples
         Tracking-error samples written to samples.parquet: of the first seed, all seeds, or none.
     references
@@ -71,28 +68,54 @@ class EvaluateOptions:
         Manoeuvre to draw, as TRIP@SECONDS; the sharpest where not given.
     """
 
-    threshold: _Numbers = (0.2, 0.3, 0.4, 0.5)
-    per: _Numbers = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
+    threshold: Numbers = (0.2, 0.3, 0.4, 0.5)
+    per: Numbers = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
     seeds: int = 5
     seed: int = 0
     bank: str = "paper"
     window: int = 10
     noise_floor: float | None = None
-    start: Literal["order", "keep", "survivor"] = "order"
-    identify: Literal["on-failure", "final", "best"] = "on-failure"
+    trusted_horizon: float = 0.0
+    start: StartRule = "order"
+    identify: IdentifyRule = "on-failure"
     keep_alive: float = 2.0
     burst: float = 0.0
     delay: float = 0.0
     expiry: float = 0.0
     protocol: Literal["auto", "recorded", "sensor"] = "auto"
-    position_noise: float = 0.01
-    slow_noise: float = 0.0
-    speed_noise: float = 0.05
-    heading_noise: float = 0.2
-    latency: float = 0.0
+    sensor: SensorOptions = field(default_factory=SensorOptions)
     samples: Literal["first", "all", "none"] = "first"
     references: bool = True
     map: str | None = None
+
+    def as_plain(self) -> dict[str, Any]:
+        """Every option by its name on the command line, as plain values."""
+        found = asdict(self)
+        return {**found, **found.pop("sensor")}
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> "EvaluateOptions":
+        """The options that `as_plain` wrote down.
+
+        Parameters
+        ----------
+        plain
+            Values by name; options that are not named take their defaults.
+
+        Raises
+        ------
+        ValueError
+            Where a name is none of an option.
+        """
+        sensor = {item.name for item in fields(SensorOptions)}
+        own = {item.name for item in fields(cls)} - {"sensor"}
+        unknown = set(plain) - sensor - own
+        if unknown:
+            raise ValueError(f"unknown options {', '.join(sorted(unknown))}")
+        return cls(
+            **{name: value for name, value in plain.items() if name in own},
+            sensor=SensorOptions(**{name: value for name, value in plain.items() if name in sensor}),
+        )
 
     def settings(self) -> "EvaluationSettings":
         """The settings they mean.
@@ -102,14 +125,16 @@ class EvaluateOptions:
         ConfigError
             Where a value is out of its range.
         """
-        import numpy as np
-
         from modelcast.cli.banks import bank_from_text
         from modelcast.core.exceptions import ConfigError
-        from modelcast.core.sensor import SensorModel
         from modelcast.evaluation.settings import EvaluationSettings
 
-        bank = bank_from_text(self.bank, noise_floor_m=self.noise_floor, window=self.window)
+        bank = bank_from_text(
+            self.bank,
+            noise_floor_m=self.noise_floor,
+            window=self.window,
+            trusted_horizon_s=self.trusted_horizon or None,
+        )
         try:
             return EvaluationSettings(
                 tuple(self.threshold),
@@ -124,13 +149,7 @@ class EvaluateOptions:
                 delay_s=self.delay,
                 expiry_s=self.expiry or None,
                 protocol=self.protocol,
-                sensor=SensorModel(
-                    position_noise_m=self.position_noise,
-                    slow_position_noise_m=self.slow_noise,
-                    speed_noise_mps=self.speed_noise,
-                    heading_noise_rad=float(np.deg2rad(self.heading_noise)),
-                    latency_s=self.latency,
-                ),
+                sensor=self.sensor.model(),
                 keep_samples=self.samples,
                 references=self.references,
                 map_at=_map_at(self.map),

@@ -1,10 +1,21 @@
 """Options that several commands share."""
 
-from typing import Annotated
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-__all__ = ["Columns", "Format", "parse_columns"]
+if TYPE_CHECKING:
+    from modelcast.core.sensor import SensorModel
+
+__all__ = ["Columns", "Format", "Numbers", "SensorOptions", "Words", "parse_columns"]
+
+Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")]
+"""Several numbers after one another."""
+
+Words = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")]
+"""Several words after one another."""
+
 
 Format = Annotated[
     str | None,
@@ -18,6 +29,52 @@ Columns = Annotated[
         "'t=time,lat=latitude,lon=longitude', optionally 'vehicle=id'."
     ),
 ]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class SensorOptions:
+    """What the sender measures in the sensor protocol.
+
+    Parameters
+    ----------
+    position_noise
+        White position noise of the sensor protocol [m].
+    slow_noise
+        Slowly varying position noise of the sensor protocol [m].
+    speed_noise
+        Speed noise of the sensor protocol [m/s].
+    heading_noise
+        Heading noise of the sensor protocol [deg].
+    latency
+        Age of what the sender sees, in the sensor protocol [s].
+    """
+
+    position_noise: float = 0.01
+    slow_noise: float = 0.0
+    speed_noise: float = 0.05
+    heading_noise: float = 0.2
+    latency: float = 0.0
+
+    def model(self) -> "SensorModel":
+        """The sensor model they mean.
+
+        Raises
+        ------
+        ValueError
+            Where a value is out of its range.
+        """
+        import numpy as np
+
+        from modelcast.core.sensor import SensorModel
+
+        return SensorModel(
+            position_noise_m=self.position_noise,
+            slow_position_noise_m=self.slow_noise,
+            speed_noise_mps=self.speed_noise,
+            heading_noise_rad=float(np.deg2rad(self.heading_noise)),
+            latency_s=self.latency,
+        )
 
 
 def parse_columns(text: str | None) -> dict[str, str] | None:

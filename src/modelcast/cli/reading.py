@@ -2,7 +2,7 @@
 
 import fnmatch
 import sys
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +21,7 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.core.trajectory import Trajectory
 from modelcast.io.trips import read_trips
 
-__all__ = ["PARTLY_FAILED", "TripSource", "watched"]
+__all__ = ["PARTLY_FAILED", "TripSource", "counted", "watched"]
 
 PARTLY_FAILED = 3
 """Exit code where some trips failed and the rest is complete."""
@@ -104,18 +104,7 @@ def watched(source: TripSource, *, quiet: bool) -> Generator[Iterator[Trajectory
     quiet
         Show nothing.
     """
-    console = Console(file=sys.stderr)
-    bar = Progress(
-        SpinnerColumn(),
-        TextColumn("files"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[note]}"),
-        TimeElapsedColumn(),
-        console=console,
-        transient=True,
-        disable=quiet or not console.is_terminal,
-    )
+    bar = _bar("files", quiet=quiet)
     task = bar.add_task("files", total=len(source), note="")
 
     def shown() -> Iterator[Trajectory]:
@@ -126,3 +115,40 @@ def watched(source: TripSource, *, quiet: bool) -> Generator[Iterator[Trajectory
 
     with bar:
         yield shown()
+
+
+@contextmanager
+def counted(label: str, *, quiet: bool) -> Generator[Callable[[int, int], None]]:
+    """Yield a function that takes steps done and steps to do, shown on the terminal meanwhile.
+
+    Parameters
+    ----------
+    label
+        What the steps are.
+    quiet
+        Show nothing.
+    """
+    bar = _bar(label, quiet=quiet)
+    task = bar.add_task(label, total=None, note="")
+
+    def show(done: int, steps: int) -> None:
+        bar.update(task, completed=done, total=steps)
+
+    with bar:
+        yield show
+
+
+def _bar(label: str, *, quiet: bool) -> Progress:
+    """A progress bar on stderr that leaves nothing behind, and is silent where that is no terminal."""
+    console = Console(file=sys.stderr)
+    return Progress(
+        SpinnerColumn(),
+        TextColumn(label),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[note]}"),
+        TimeElapsedColumn(),
+        console=console,
+        transient=True,
+        disable=quiet or not console.is_terminal,
+    )

@@ -4,7 +4,7 @@ import hashlib
 import json
 import platform
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Any, cast
@@ -46,7 +46,7 @@ class EvaluationRun:
             "format": self.format_name,
             "columns": self.columns,
             "trip": self.trip,
-            "options": asdict(self.options),
+            "options": self.options.as_plain(),
         }
 
 
@@ -114,15 +114,12 @@ def _run_from(arguments: Mapping[str, Any]) -> EvaluationRun:
         name: tuple(cast("list[float]", value)) if isinstance(value, list) else value
         for name, value in arguments["options"].items()
     }
-    unknown = set(options) - {field.name for field in fields(EvaluateOptions)}
-    if unknown:
-        raise ValueError(f"unknown options {', '.join(sorted(unknown))}")
     return EvaluationRun(
         tuple(Path(name) for name in arguments["paths"]),
         arguments["format"],
         arguments["columns"],
         arguments["trip"],
-        EvaluateOptions(**options),
+        EvaluateOptions.from_plain(options),
     )
 
 

@@ -12,7 +12,14 @@ import pymap3d  # its results are untyped: this is the one module that imports i
 
 from modelcast.core.arrays import FloatArray
 
-__all__ = ["Origin", "ecef_to_enu", "geodetic_to_enu", "heading_to_velocity", "wrap_angle_rad"]
+__all__ = [
+    "Origin",
+    "ecef_to_enu",
+    "enu_to_surface",
+    "geodetic_to_enu",
+    "heading_to_velocity",
+    "wrap_angle_rad",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +111,49 @@ def ecef_to_enu(ecef_m: FloatArray, origin: Origin | None = None) -> tuple[Float
         ),
     )
     return _stacked(enu), origin
+
+
+def enu_to_surface(enu_m: FloatArray, origin: Origin) -> FloatArray:
+    """Points of the ellipsoid under local positions, Earth-centred: one frame for places anywhere on Earth.
+
+    Heights are dropped, since receivers do not agree on what they are measured from.
+
+    Parameters
+    ----------
+    enu_m
+        East, north, up, (T, 3) [m].
+    origin
+        Where the local frame touches the ellipsoid.
+
+    Returns
+    -------
+    FloatArray
+        Earth-centred, Earth-fixed positions at height 0, (T, 3) [m].
+
+    Examples
+    --------
+    Two frames give the same place the same point:
+
+    >>> import numpy as np
+    >>> at, beside = Origin(42.0, -83.0), Origin(42.01, -83.0, 250.0)
+    >>> place = np.array([42.005]), np.array([-83.0]), np.array([100.0])
+    >>> one, other = (enu_to_surface(geodetic_to_enu(*place, frame), frame) for frame in (at, beside))
+    >>> bool(np.abs(one - other).max() < 1e-6)
+    True
+    """
+    geodetic = cast(
+        "tuple[FloatArray, FloatArray, FloatArray]",
+        pymap3d.enu2geodetic(
+            enu_m[:, 0],
+            enu_m[:, 1],
+            enu_m[:, 2],
+            origin.latitude_deg,
+            origin.longitude_deg,
+            origin.altitude_m,
+        ),
+    )
+    latitude_deg, longitude_deg, _ = geodetic
+    return _stacked(cast("object", pymap3d.geodetic2ecef(latitude_deg, longitude_deg, 0.0 * latitude_deg)))
 
 
 def _stacked(enu: object) -> FloatArray:

@@ -10,7 +10,7 @@ from modelcast.evaluation.metrics import LANE_M, Histogram, confidence_limits, q
 from modelcast.evaluation.result import Ecdf, TrackingRow
 from modelcast.evaluation.tracking import Contender, TrackingRun
 
-__all__ = ["TrackingPool", "pool_ecdf", "pool_row"]
+__all__ = ["TrackingPool", "pool_ecdf", "pool_row", "sorted_errors"]
 
 _PROBABILITIES = (0.5, 0.9, 0.95, 0.99)
 _ECDF_PROBABILITIES = np.concatenate([np.linspace(0.0, 0.98, 295), np.linspace(0.9805, 1.0, 40)])
@@ -63,16 +63,13 @@ class TrackingPool:
         duration_s
             Time observed [s].
         """
-        after = run.after_m[ratio]
-        valid = np.count_nonzero(~np.isnan(after), axis=1)
-        ordered = np.sort(after, axis=1)  # NaN sorts last
-        rows = [ordered[k, : valid[k]] for k in range(after.shape[0])]
+        rows = sorted_errors(run, ratio)
         self.by_seed_m = [[row] for row in rows]
-        seen = int(valid.sum())
+        seen = sum(row.size for row in rows)
         self.own_threshold_m = run.own_threshold_m
         self.weights_s = [dt_s]
         self.samples = seen
-        self.excluded = after.size - seen
+        self.excluded = run.after_m[ratio].size - seen
         self.messages = run.messages
         self.duration_s = duration_s
         self.total_m = dt_s * float(sum(row.sum(dtype=np.float64) for row in rows))
@@ -109,6 +106,22 @@ class TrackingPool:
         self.weight_s += other.weight_s
         for name in ("before", "along", "cross", "age", "gaps"):
             getattr(self, name).merge(getattr(other, name))
+
+
+def sorted_errors(run: TrackingRun, ratio: int) -> list[SingleArray]:
+    """Errors of one run at the loss ratio of this index, sorted, one array a seed, NaN left out [m].
+
+    Parameters
+    ----------
+    run
+        All of the trip's errors.
+    ratio
+        Index of the loss ratio.
+    """
+    after = run.after_m[ratio]
+    valid = np.count_nonzero(~np.isnan(after), axis=1)
+    ordered = np.sort(after, axis=1)  # NaN sorts last
+    return [ordered[k, : valid[k]] for k in range(after.shape[0])]
 
 
 def pool_row(trip: str, pool: TrackingPool) -> TrackingRow:

@@ -6,6 +6,7 @@ import numba
 import numpy as np
 
 from modelcast.models.point_kernels import EAST, NORTH
+from modelcast.models.trusted_kernels import predict_trusted
 from modelcast.policy.error_driven_kernels import IDENTIFICATION, NOTHING
 
 __all__ = ["replay"]
@@ -18,6 +19,7 @@ def replay(
     predicts: Any,
     constants: Any,
     offsets: Any,
+    trust: Any,
     t_s: Any,
     samples: Any,
     parameters: Any,
@@ -51,6 +53,7 @@ def replay(
         own = parameters[0, :0]
         predict = predicts[0]
         table = constants[0]
+        trusted_s, turn_s = trust[0, 0], trust[0, 1]
         received_s = -np.inf
         arriving = 0
         written = 0
@@ -64,7 +67,7 @@ def replay(
                 if kind[schedule, i] == NOTHING or lost[run, i]:
                     continue
                 if not touched and held >= 0 and t_s[j] - received_s <= expiry_s:
-                    predict(own, t_s[j] - t_s[held], table, displacement)
+                    predict_trusted(predict, own, t_s[j] - t_s[held], table, trusted_s, turn_s, displacement)
                     east = samples[held, EAST] + displacement[0] - truth_m[j, 0]
                     north = samples[held, NORTH] + displacement[1] - truth_m[j, 1]
                     before = np.sqrt(east * east + north * north)
@@ -84,10 +87,11 @@ def replay(
                 own = parameters[held, offsets[member] : offsets[member + 1]]
                 predict = predicts[member]
                 table = constants[member]
+                trusted_s, turn_s = trust[member, 0], trust[member, 1]
             if held < 0 or t_s[j] - received_s > expiry_s:
                 errors[:, run, j] = np.nan
                 continue
-            predict(own, t_s[j] - t_s[held], table, displacement)
+            predict_trusted(predict, own, t_s[j] - t_s[held], table, trusted_s, turn_s, displacement)
             east = samples[held, EAST] + displacement[0] - truth_m[j, 0]
             north = samples[held, NORTH] + displacement[1] - truth_m[j, 1]
             after = np.sqrt(east * east + north * north)

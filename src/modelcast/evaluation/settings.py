@@ -14,6 +14,7 @@ from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.policy.error_driven import ErrorDriven
+from modelcast.policy.rules import IdentifyRule, StartRule
 
 __all__ = ["BASELINE_BANK", "PAPER_BANK", "PAPER_NOISE_FLOOR_M", "EvaluationSettings"]
 
@@ -85,8 +86,8 @@ class EvaluationSettings:
     seeds: int = 5
     seed: int = 0
     bank: Bank = PAPER_BANK
-    start: Literal["order", "keep", "survivor"] = "order"
-    identify: Literal["on-failure", "final", "best"] = "on-failure"
+    start: StartRule = "order"
+    identify: IdentifyRule = "on-failure"
     keep_alive_s: float | None = 2.0
     mean_burst_s: float | None = None
     delay_s: float = 0.0

@@ -114,6 +114,7 @@ class TripBank:
                 self.constants,
                 self.bank.windows,
                 self.bank.offsets,
+                self.bank.trust,
                 self._fallback,
                 self.trip.t_s,
                 self.samples,

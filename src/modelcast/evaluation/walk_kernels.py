@@ -6,6 +6,7 @@ import numba
 import numpy as np
 
 from modelcast.models.point_kernels import EAST, NORTH
+from modelcast.models.trusted_kernels import predict_trusted
 from modelcast.policy.error_driven_kernels import KEEP_ALIVE, NOTHING, UPDATE, start_member, step
 
 __all__ = ["fit_at", "walk"]
@@ -58,6 +59,7 @@ def walk(
     constants: Any,
     windows: Any,
     offsets: Any,
+    trust: Any,
     fallback: int,
     t_s: Any,
     samples: Any,
@@ -76,11 +78,11 @@ def walk(
     """Walk one trip with the error-driven policy.
 
     ``fits``, ``predicts`` and ``constants`` are tuples of the M members' compiled functions and tables;
-    ``windows`` (M,) and ``offsets`` (M + 1,) describe the members; ``fallback`` is the last one where that
-    serves only for want of another, else -1. ``parameters`` (T, P) and ``fitted`` (T,) are the memo of fits
-    by instant, shared by all walks over the trip and bank. Writes, for every sample, the members' errors
-    before its message ``tracking_error_m`` (T, M), the message ``kind`` (T,), and the sub-model ``in_use``
-    (T,) and index of its update ``update_index`` (T,) after the message.
+    ``windows`` (M,), ``offsets`` (M + 1,) and ``trust`` (M, 2) describe the members; ``fallback`` is the last
+    one where that serves only for want of another, else -1. ``parameters`` (T, P) and ``fitted`` (T,) are
+    the memo of fits by instant, shared by all walks over the trip and bank. Writes, for every sample, the
+    members' errors before its message ``tracking_error_m`` (T, M), the message ``kind`` (T,), and the
+    sub-model ``in_use`` (T,) and index of its update ``update_index`` (T,) after the message.
     """
     members = windows.size
     available = np.empty(members, dtype=np.bool_)
@@ -100,7 +102,8 @@ def walk(
             error = np.inf
             if usable[m]:
                 own = parameters[last_update, offsets[m] : offsets[m + 1]]
-                predicts[m](own, t_s[i] - t_s[last_update], constants[m], displacement)
+                age_s = t_s[i] - t_s[last_update]
+                predict_trusted(predicts[m], own, age_s, constants[m], trust[m, 0], trust[m, 1], displacement)
                 east = samples[last_update, EAST] + displacement[0] - samples[i, EAST]
                 north = samples[last_update, NORTH] + displacement[1] - samples[i, NORTH]
                 error = np.sqrt(east * east + north * north)

@@ -16,12 +16,8 @@ The same result gives the same bytes: keys are sorted, and there is no time stam
 """
 
 import csv
-import json
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
-from pathlib import Path, PurePath
-from typing import Any, cast
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -29,15 +25,9 @@ import pyarrow.compute as pc
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.version import package_version
-from modelcast.evaluation.result import (
-    Columns,
-    EvaluationResult,
-    RateRow,
-    ReferenceRow,
-    TrackingRow,
-    TripRow,
-)
+from modelcast.evaluation.result import Columns, EvaluationResult
 from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table, plain_text, sample_tables, write_tables
+from modelcast.io.documents import document_text, plain_value, row_document
 
 __all__ = [
     "SUMMARY_SCHEMA",
@@ -61,13 +51,13 @@ def summary_document(result: EvaluationResult) -> dict[str, Any]:
     return {
         "schema": SUMMARY_SCHEMA,
         "modelcast": package_version(),
-        "settings": _plain(result.settings),
-        "trips": [_row(row) for row in result.trips],
-        "rates": [_row(row) for row in result.rates],
-        "references": [_row(row) for row in result.references],
-        "tracking": [_row(row) for row in result.tracking],
-        "failures": _plain(result.failures),
-        "skipped": _plain(result.skipped),
+        "settings": plain_value(result.settings),
+        "trips": [row_document(row) for row in result.trips],
+        "rates": [row_document(row) for row in result.rates],
+        "references": [row_document(row) for row in result.references],
+        "tracking": [row_document(row) for row in result.tracking],
+        "failures": plain_value(result.failures),
+        "skipped": plain_value(result.skipped),
     }
 
 
@@ -85,7 +75,7 @@ def write_results(result: EvaluationResult, folder: str | Path) -> list[Path]:
     summary, events, samples = (
         folder / name for name in ("summary.json", "events.parquet", "samples.parquet")
     )
-    summary.write_text(_dumped(summary_document(result)), encoding="utf-8", newline="\n")
+    summary.write_text(document_text(summary_document(result)), encoding="utf-8", newline="\n")
     table = columns_table(result.events)
     write_tables([table], table.schema, events)
     write_tables(sample_tables(result.samples), SAMPLES_SCHEMA, samples)
@@ -152,42 +142,3 @@ def _message_trace(events: Columns, *, policy: str, bank: str | None, threshold_
     table = table.select(["t_s", "trip", "size_bytes", "kind"])
     table = table.rename_columns(["t_s", "vehicle", "size_bytes", "kind"])
     return table.sort_by([("t_s", "ascending"), ("vehicle", "ascending")])
-
-
-def _row(row: TripRow | RateRow | ReferenceRow | TrackingRow) -> dict[str, Any]:
-    return {field.name: _plain(getattr(row, field.name)) for field in fields(row)}
-
-
-def _plain(value: Any) -> Any:
-    """Return the value in terms of JSON; NaN and infinities are null, a path is its last part."""
-    if value is None or isinstance(value, str | bool | int):
-        return value
-    if isinstance(value, float):
-        return float(value) if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        items = cast("Mapping[object, object]", value).items()
-        return {str(key): _plain(item) for key, item in items}
-    if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
-    if isinstance(value, Sequence):
-        return [_plain(item) for item in cast("Sequence[object]", value)]
-    if isinstance(value, PurePath):
-        return value.name
-    raise TypeError(f"cannot write {type(value).__name__} to summary.json: {value!r}")
-
-
-def _dumped(document: Mapping[str, Any]) -> str:
-    """Return the document as JSON with one line a row: it diffs well, and the fast encoder does the rows."""
-
-    def dump(value: object) -> str:
-        return json.dumps(value, sort_keys=True, allow_nan=False, ensure_ascii=False)
-
-    parts: list[str] = []
-    for key in sorted(document):
-        value = document[key]
-        rows = cast("list[object]", value) if isinstance(value, list) else []
-        if rows:
-            parts.append(f'"{key}": [\n  ' + ",\n  ".join(dump(row) for row in rows) + "\n ]")
-        else:
-            parts.append(f'"{key}": {dump(cast("object", value))}')
-    return "{\n " + ",\n ".join(parts) + "\n}\n"

@@ -74,6 +74,11 @@ class Bank(AbstractMotionModel):
         """Bounds of each member's parameters after ``in_use``, (M + 1,), from 0."""
         return np.cumsum([0] + [len(member.parameter_names) for member in self.members], dtype=np.int64)
 
+    @cached_property
+    def trust(self) -> FloatArray:
+        """Trusted horizon of each member, and how long it goes on turning beyond, (M, 2) [s]."""
+        return np.array([[member.trusted_horizon_s, member.trusted_turn_s] for member in self.members])
+
     def complete(self) -> "Bank":
         """The bank itself, or with constant velocity added last where no member does with one sample.
 

@@ -254,6 +254,19 @@ class AbstractSubModel(AbstractMotionModel):
     def payload_parameters(self) -> int:
         """How many of the parameters a message carries beyond a core basic safety message, 0..P."""
 
+    @property
+    def trusted_horizon_s(self) -> float:
+        """Age beyond which everybody predicts by a damped continuation [s]; infinite: never.
+
+        `modelcast.models.trusted.Trusted` sets it.
+        """
+        return np.inf
+
+    @property
+    def trusted_turn_s(self) -> float:
+        """How long beyond the trusted horizon the car goes on turning [s]."""
+        return np.inf
+
     @abc.abstractmethod
     def point_functions(self, dt_s: float) -> PointFunctions:
         """Return the compiled functions and tables for a sampling interval."""
@@ -277,7 +290,15 @@ class AbstractSubModel(AbstractMotionModel):
         horizons_s = np.ascontiguousarray(horizons_s, dtype=np.float64)
         out = np.empty((parameters.shape[0], horizons_s.size, 2))
         with quiet_function_pointers():
-            point_kernels.predict_batch(ready.predict_pointer, parameters, horizons_s, ready.constants, out)
+            point_kernels.predict_batch(
+                ready.predict_pointer,
+                parameters,
+                horizons_s,
+                ready.constants,
+                float(self.trusted_horizon_s),
+                float(self.trusted_turn_s),
+                out,
+            )
         return out
 
     def predict_at(self, parameters: FloatArray, ages_s: FloatArray, *, dt_s: float) -> FloatArray:
@@ -287,5 +308,13 @@ class AbstractSubModel(AbstractMotionModel):
         ages_s = np.ascontiguousarray(ages_s, dtype=np.float64)
         out = np.empty((parameters.shape[0], 2))
         with quiet_function_pointers():
-            point_kernels.predict_each(ready.predict_pointer, parameters, ages_s, ready.constants, out)
+            point_kernels.predict_each(
+                ready.predict_pointer,
+                parameters,
+                ages_s,
+                ready.constants,
+                float(self.trusted_horizon_s),
+                float(self.trusted_turn_s),
+                out,
+            )
         return out

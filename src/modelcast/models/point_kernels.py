@@ -5,6 +5,8 @@ from typing import Any
 import numba
 from numba import types
 
+from modelcast.models.trusted_kernels import predict_trusted
+
 __all__ = [
     "ACCELERATION",
     "EAST",
@@ -48,15 +50,33 @@ def fit_batch(fit: Any, samples: Any, constants: Any, out: Any) -> None:
 
 
 @_jit
-def predict_batch(predict: Any, parameters: Any, horizons_s: Any, constants: Any, out: Any) -> None:
+def predict_batch(
+    predict: Any,
+    parameters: Any,
+    horizons_s: Any,
+    constants: Any,
+    trusted_s: float,
+    turn_s: float,
+    out: Any,
+) -> None:
     """Predict (B, P) parameters at every one of (H,) horizons into ``out`` (B, H, 2)."""
     for row in range(parameters.shape[0]):
         for at in range(horizons_s.size):
-            predict(parameters[row], horizons_s[at], constants, out[row, at])
+            predict_trusted(
+                predict, parameters[row], horizons_s[at], constants, trusted_s, turn_s, out[row, at]
+            )
 
 
 @_jit
-def predict_each(predict: Any, parameters: Any, ages_s: Any, constants: Any, out: Any) -> None:
+def predict_each(
+    predict: Any,
+    parameters: Any,
+    ages_s: Any,
+    constants: Any,
+    trusted_s: float,
+    turn_s: float,
+    out: Any,
+) -> None:
     """Predict (B, P) parameters, each at its own age, into ``out`` (B, 2)."""
     for row in range(parameters.shape[0]):
-        predict(parameters[row], ages_s[row], constants, out[row])
+        predict_trusted(predict, parameters[row], ages_s[row], constants, trusted_s, turn_s, out[row])

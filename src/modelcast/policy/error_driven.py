@@ -13,13 +13,13 @@ velocity alone, which never needs an identification.
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.policy import error_driven_kernels as kernels
 from modelcast.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
+from modelcast.policy.rules import IdentifyRule, StartRule
 
 __all__ = ["ErrorDriven", "ErrorDrivenState"]
 
@@ -80,8 +80,8 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
     """
 
     threshold_m: float
-    start: Literal["order", "keep", "survivor"] = "order"
-    identify: Literal["on-failure", "final", "best"] = "on-failure"
+    start: StartRule = "order"
+    identify: IdentifyRule = "on-failure"
     max_inter_transmit_time_s: float | None = None
 
     def __post_init__(self) -> None:

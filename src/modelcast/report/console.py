@@ -3,7 +3,7 @@
 Nothing is printed here; the command line hands what `console_report` returns to a rich console.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -55,7 +55,7 @@ def console_report(result: EvaluationResult) -> RenderableType:
     parts += [Text(line) for line in conditioning_lines(result)]
     parts += [Text(line) for line in skipped_lines(result)]
     if result.failures:
-        parts.append(failures_table(result))
+        parts.append(failures_table(result.failures))
     return Group(*parts)
 
 
@@ -138,12 +138,12 @@ def tracking_table(result: EvaluationResult) -> Table:
     return table
 
 
-def failures_table(result: EvaluationResult) -> Table:
+def failures_table(failures: Mapping[str, str]) -> Table:
     """Return the trips that could not be evaluated, each with its reason."""
-    table = _table(f"Not evaluated: {_counted(len(result.failures), 'trip')}")
+    table = _table(f"Not evaluated: {_counted(len(failures), 'trip')}")
     table.add_column("trip", overflow="fold", max_width=36)
     table.add_column("reason", overflow="fold")
-    for trip, reason in sorted(result.failures.items()):
+    for trip, reason in sorted(failures.items()):
         # Text, not str: a bracket in a name is no markup.
         table.add_row(Text(trip), Text(reason))
     return table

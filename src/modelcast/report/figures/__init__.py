@@ -1,9 +1,10 @@
-"""The six figures of an evaluation; each is a function from a result to a Matplotlib figure.
+"""The six figures of an evaluation and the one of a comparison: functions from a result to a figure.
 
 They draw whatever a result holds: one threshold, one packet error ratio, one trip or one seed. Where the
 data of a figure is missing altogether, the figure says so.
 """
 
+from modelcast.report.figures.comparison import plot_comparison
 from modelcast.report.figures.distribution import plot_distribution
 from modelcast.report.figures.files import FIGURES, Drawing, draw_figures, write_drawings, write_figures
 from modelcast.report.figures.loss import plot_loss
@@ -16,6 +17,7 @@ __all__ = [
     "FIGURES",
     "Drawing",
     "draw_figures",
+    "plot_comparison",
     "plot_distribution",
     "plot_loss",
     "plot_manoeuvre",

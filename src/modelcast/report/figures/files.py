@@ -16,7 +16,7 @@ from modelcast.report.figures.timeline import plot_timeline
 from modelcast.report.figures.trips import plot_trips
 from modelcast.report.style import style
 
-__all__ = ["FIGURES", "Drawing", "draw_figures", "write_drawings", "write_figures"]
+__all__ = ["FIGURES", "Drawing", "draw_figures", "drawn", "write_drawings", "write_figures"]
 
 FIGURES: dict[str, Callable[[EvaluationResult], Figure]] = {
     "message_rate": plot_rates,
@@ -59,7 +59,7 @@ def draw_figures(result: EvaluationResult) -> list[Drawing]:
         The evaluation.
     """
     with style():
-        return [_drawn(name, plot(result)) for name, plot in FIGURES.items()]
+        return [drawn(name, plot(result)) for name, plot in FIGURES.items()]
 
 
 def write_drawings(drawings: Iterable[Drawing], folder: str | Path) -> list[Path]:
@@ -95,7 +95,16 @@ def write_figures(result: EvaluationResult, folder: str | Path) -> list[Path]:
     return write_drawings(draw_figures(result), folder)
 
 
-def _drawn(name: str, figure: Figure) -> Drawing:
+def drawn(name: str, figure: Figure) -> Drawing:
+    """Return a figure laid out and drawn once, as the content of two files; call it inside `style`.
+
+    Parameters
+    ----------
+    name
+        Stem of the files.
+    figure
+        The figure; it is not to be changed afterwards.
+    """
     png, svg = io.BytesIO(), io.BytesIO()
     # With a layout engine in place, Matplotlib would lay out and draw each file twice.
     engine = figure.get_layout_engine()

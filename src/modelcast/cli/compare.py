@@ -1,0 +1,89 @@
+"""``modelcast compare``: members, banks and rules side by side, on routes that none was trained on."""
+
+from pathlib import Path
+
+from modelcast.cli.compare_options import CompareOptions
+from modelcast.cli.options import Columns, Format
+
+__all__ = ["compare"]
+
+
+def compare(
+    *paths: Path,
+    out: Path = Path("out"),
+    format: Format = None,  # noqa: A002 - the word a user would type
+    columns: Columns = None,
+    trip: str = "*",
+    options: CompareOptions = CompareOptions(),  # noqa: B008 - frozen
+    json: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Compare banks and rules on the same trips: messages, bytes and tracking error at equal rate.
+
+    Writes summary.json, table.md, comparison.png, comparison.svg, messages.parquet, tracking.parquet and
+    run.json.
+
+    Parameters
+    ----------
+    paths
+        Files or folders with recorded trips.
+    out
+        Output folder; one that an earlier run wrote is replaced.
+    format
+        Name of the files' format; found from their content where not given.
+    columns
+        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
+    trip
+        Take only trips whose identifier matches this shell pattern.
+    options
+        What changes the figures.
+    json
+        Print summary.json instead of tables.
+    quiet
+        Print nothing but errors.
+    """
+    import json as json_format
+    import sys
+    from dataclasses import replace
+
+    from rich.console import Console
+
+    from modelcast.cli.options import parse_columns
+    from modelcast.cli.reading import PARTLY_FAILED, TripSource, counted, watched
+    from modelcast.cli.run_record import write_run
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.evaluation.compare.run import compare as compare_trips
+    from modelcast.io.comparison import comparison_document, write_comparison
+    from modelcast.io.output import atomic_folder
+    from modelcast.report.comparison import comparison_console, write_comparison_report
+
+    if not paths:
+        raise ConfigError("name at least one trip file or folder (modelcast compare --help)")
+    settings, candidates = options.settings(), options.candidates()
+    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
+    silent = quiet or json
+    with atomic_folder(out) as folder:
+        with watched(source, quiet=silent) as shown:
+            trips = list(shown)
+        with counted("trips", quiet=silent) as progress:
+            found = compare_trips(trips, candidates, settings, progress=progress)
+        failures = {**found.failures, **source.failures}
+        result = replace(found, failures=failures, skipped=dict(source.skipped))
+        asked = {
+            "paths": [str(path) for path in paths],
+            "format": format,
+            "columns": columns,
+            "trip": trip,
+            "options": options.as_plain(),
+        }
+        write_run(folder, "compare", asked, paths)
+        write_comparison(result, folder)
+        write_comparison_report(result, folder)
+    if json:
+        json_format.dump(comparison_document(result), sys.stdout, indent=2, sort_keys=True)
+        print()
+    elif not quiet:
+        console = Console()
+        console.print(comparison_console(result))
+        console.print(f"table and figure: {out}", highlight=False, soft_wrap=True)
+    return PARTLY_FAILED if failures else 0

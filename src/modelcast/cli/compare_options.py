@@ -1,0 +1,160 @@
+"""The options of ``modelcast compare``, and the settings and candidates they mean."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
+
+from cyclopts import Parameter
+
+from modelcast.cli.evaluate_options import EvaluateOptions
+from modelcast.cli.options import Numbers, SensorOptions, Words
+from modelcast.policy.rules import IdentifyRule, StartRule
+
+if TYPE_CHECKING:
+    from modelcast.evaluation.compare.candidate import FixedCandidate
+    from modelcast.evaluation.compare.settings import CompareSettings
+
+__all__ = ["CompareOptions"]
+
+_Protocols = Annotated[
+    tuple[Literal["auto", "recorded", "sensor"], ...], Parameter(consume_multiple=True, negative="")
+]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class CompareOptions:
+    """Everything that changes the figures of a comparison.
+
+    Parameters
+    ----------
+    bank
+        Banks to compare, several after one another, each as in 'modelcast evaluate --bank'; every single
+        sub-model and 'paper' where not given. Put the trips before this option.
+    rules
+        Rules of the policy, several after one another, each as START/IDENTIFY; they make no difference to a
+        bank of one sub-model, which is run once.
+    threshold
+        Tracking-error thresholds [m], several after one another.
+    per
+        Packet error ratios, 0 to 1, several after one another.
+    protocol
+        'recorded', 'sensor', 'auto', or several after one another, as in 'modelcast evaluate'.
+    against
+        Candidate that differences are taken to; the first where not given.
+    route_by
+        How trips are told apart into routes: 'auto' by the ground they drove over and the platoon they drove
+        in, or one route a 'file' or a 'trip'.
+    cluster
+        What the bootstrap resamples: single trips, or whole routes.
+    resamples
+        Bootstrap resamples.
+    seeds
+        Runs drawn for every packet error ratio.
+    seed
+        Seed of all random numbers.
+    window
+        Samples a Gaussian process is fitted to.
+    noise_floor
+        Smallest position noise a Gaussian process may assume [m]; as in 'modelcast evaluate' where not given.
+    keep_alive
+        Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
+    references
+        Count the references too: the fewest messages of a sender that knows the future, and the rules of
+        cooperative awareness messages.
+    sensor
+        What the sender measures in the sensor protocol.
+    """
+
+    bank: Words = ()
+    rules: Words = ("order/on-failure",)
+    threshold: Numbers = (0.2, 0.3, 0.4, 0.5)
+    per: Numbers = (0.0, 0.2, 0.4, 0.6)
+    protocol: _Protocols = ("recorded", "sensor")
+    against: str | None = None
+    route_by: Literal["auto", "file", "trip"] = "auto"
+    cluster: Literal["trip", "route"] = "trip"
+    resamples: int = 2000
+    seeds: int = 3
+    seed: int = 0
+    window: int = 10
+    noise_floor: float | None = None
+    keep_alive: float = 2.0
+    references: bool = True
+    sensor: SensorOptions = field(default_factory=SensorOptions)
+
+    def as_plain(self) -> Mapping[str, Any]:
+        """Every option by its name on the command line, as plain values."""
+        found = asdict(self)
+        return {**found, **found.pop("sensor")}
+
+    def settings(self) -> "CompareSettings":
+        """The settings they mean.
+
+        Raises
+        ------
+        ConfigError
+            Where a value is out of its range.
+        """
+        from modelcast.core.exceptions import ConfigError
+        from modelcast.evaluation.compare.settings import CompareSettings
+
+        shared = EvaluateOptions(
+            threshold=self.threshold,
+            per=self.per,
+            seeds=self.seeds,
+            seed=self.seed,
+            keep_alive=self.keep_alive,
+            references=self.references,
+            sensor=self.sensor,
+        )
+        try:
+            return CompareSettings(
+                shared.settings(),
+                tuple(self.protocol),
+                against=self.against,
+                route_by=self.route_by,
+                resamples=self.resamples,
+                cluster=self.cluster,
+            )
+        except ValueError as error:
+            raise ConfigError(str(error)) from error
+
+    def candidates(self) -> "list[FixedCandidate]":
+        """What is compared: every bank with every pair of rules, a bank of one sub-model once.
+
+        Raises
+        ------
+        ConfigError
+            Where a bank or rule is unknown.
+        """
+        from modelcast.cli.banks import MEMBER_NAMES, bank_from_text
+        from modelcast.core.exceptions import ConfigError
+        from modelcast.evaluation.compare.candidate import FixedCandidate
+
+        rules = [_rules(text) for text in self.rules]
+        if not rules:
+            raise ConfigError("--rules: name at least one pair, as in order/on-failure")
+        found: list[FixedCandidate] = []
+        for text in self.bank or (*MEMBER_NAMES, "paper"):
+            bank = bank_from_text(text, noise_floor_m=self.noise_floor, window=self.window)
+            fitting = rules if len(bank.members) > 1 else rules[:1]
+            for start, identify in fitting:
+                label = text if len(fitting) == 1 else f"{text} {start}/{identify}"
+                found.append(FixedCandidate(label, bank, start, identify))
+        return found
+
+
+def _rules(text: str) -> tuple[StartRule, IdentifyRule]:
+    """A pair of rules from START/IDENTIFY."""
+    from modelcast.core.exceptions import ConfigError
+
+    starts: dict[str, StartRule] = {rule: rule for rule in get_args(StartRule)}
+    identifies: dict[str, IdentifyRule] = {rule: rule for rule in get_args(IdentifyRule)}
+    start, _, identify = text.partition("/")
+    if start not in starts or identify not in identifies:
+        raise ConfigError(
+            f"--rules: '{text}' is not START/IDENTIFY; starts are {', '.join(starts)}, "
+            f"identify rules are {', '.join(identifies)}"
+        )
+    return starts[start], identifies[identify]

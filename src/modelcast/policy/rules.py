@@ -1,0 +1,11 @@
+"""Names of what the algorithm leaves open: the one list that policy, settings and command line share."""
+
+from typing import Literal
+
+__all__ = ["IdentifyRule", "StartRule"]
+
+StartRule = Literal["order", "keep", "survivor"]
+"""Sub-model in use after an update, as `modelcast.policy.error_driven.ErrorDriven` describes them."""
+
+IdentifyRule = Literal["on-failure", "final", "best"]
+"""When another sub-model is named."""

@@ -1,0 +1,201 @@
+"""A comparison for people: the table, as Markdown and for the terminal, and the figure's files."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from modelcast.evaluation.compare.result import CandidateRow, ComparisonResult, RatioRow
+from modelcast.report.console import failures_table
+from modelcast.report.figures.comparison import plot_comparison, worst_rows
+from modelcast.report.figures.files import drawn, write_drawings
+from modelcast.report.figures.panels import centimetres
+from modelcast.report.style import style
+
+__all__ = ["comparison_console", "comparison_markdown", "write_comparison_report"]
+
+_MISSING = "-"
+
+
+def write_comparison_report(result: ComparisonResult, folder: str | Path) -> list[Path]:
+    """Write ``table.md``, ``comparison.png`` and ``comparison.svg``; return their paths.
+
+    Parameters
+    ----------
+    result
+        The comparison.
+    folder
+        An existing folder.
+    """
+    table = Path(folder) / "table.md"
+    table.write_text(comparison_markdown(result), encoding="utf-8", newline="\n")
+    with style():
+        drawing = drawn("comparison", plot_comparison(result))
+    return [table, *write_drawings([drawing], folder)]
+
+
+def comparison_markdown(result: ComparisonResult) -> str:
+    """Return the table of a comparison as Markdown, one part a protocol.
+
+    Parameters
+    ----------
+    result
+        The comparison.
+    """
+    lines = [_scope(result), ""]
+    lines += [
+        f"- route {row.route}: {_escaped(row.name)}, {_counted(row.trips, 'trip')}, {row.duration_s:.0f} s"
+        for row in result.routes
+    ]
+    for protocol in _protocols(result):
+        lines += ["", f"### {protocol}", "", _LEGEND.format(against=_against(result)), ""]
+        heads, cells = _full_table(result, protocol)
+        lines += [_joined(heads), "|" + "---|" * len(heads)]
+        lines += [_joined(row) for row in cells]
+        lines += _reference_lines(result, protocol)
+    left_out = [f"- {_escaped(name)}: {reason}" for name, reason in sorted(result.failures.items())]
+    if left_out:
+        lines += ["", "Left out:", "", *left_out]
+    return "\n".join(lines) + "\n"
+
+
+_LEGEND = (
+    "Messages and bytes over the baseline's at the same threshold, ratios of sums with 95 % bootstrap "
+    "intervals over the trips; difference of the message ratio to `{against}`; 90th and 99th percentile of "
+    "the tracking error over the harder baseline's at equal total rate, worst threshold, at each packet error "
+    "ratio; trips times thresholds with more than max(1.02 x baseline, baseline + 3) messages, and the worst "
+    "of them."
+)
+
+
+def _full_table(result: ComparisonResult, protocol: str) -> tuple[list[str], list[list[str]]]:
+    """Return headings and cells with every interval."""
+    thresholds = _thresholds(result)
+    losses = " / ".join(f"{100 * ratio:g}" for ratio in _ratios(result))
+    heads = ["candidate", *(f"messages, {text}" for text in thresholds)]
+    heads += ["difference, " + " / ".join(thresholds), "bytes, " + " / ".join(thresholds)]
+    heads += [f"p90 at PER {losses} %", f"p99 at PER {losses} %"] if losses else []
+    heads += ["over the bound", "worst trip"]
+    cells: list[list[str]] = []
+    for candidate in result.candidates:
+        rows = _rows(result, candidate, protocol)
+        own = [_escaped(_shown_name(candidate))]
+        own += [_with_limits(row.message_ratio, row.message_low, row.message_high) for row in rows]
+        own += ["<br>".join(_signed(row) for row in rows)]
+        own += [" / ".join(f"{row.bytes_ratio:.2f}" for row in rows)]
+        own += [_worst(result, candidate, protocol, percentile) for percentile in (90, 99) if losses]
+        worst = _worst_row(rows)
+        own += [f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}"]
+        own += [f"{_escaped(worst.worst_trip)}, {worst.worst_ratio:.2f} at {centimetres(worst.threshold_m)}"]
+        cells.append(own)
+    return heads, cells
+
+
+def comparison_console(result: ComparisonResult) -> RenderableType:
+    """Return a short table a protocol, without intervals.
+
+    Parameters
+    ----------
+    result
+        The comparison.
+    """
+    parts: list[RenderableType] = [Text(_scope(result))]
+    thresholds = " / ".join(f"{100 * item:.4g}" for item in _thresholds_m(result))
+    losses = " / ".join(f"{100 * ratio:g}" for ratio in _ratios(result))
+    for protocol in _protocols(result):
+        table = Table(title=f"Over the baseline, {protocol}", title_justify="left", header_style="")
+        heads = ["candidate", f"messages\n{thresholds} cm", f"bytes\n{thresholds} cm"]
+        heads += [f"{name}\nPER {losses} %" for name in ("p90", "p99") if losses]
+        for at, head in enumerate([*heads, "over"]):
+            table.add_column(head, justify="left" if at == 0 else "right")
+        for candidate in result.candidates:
+            rows = _rows(result, candidate, protocol)
+            cells = [" / ".join(f"{row.message_ratio:.2f}" for row in rows)]
+            cells += [" / ".join(f"{row.bytes_ratio:.2f}" for row in rows)]
+            cells += [_worst(result, candidate, protocol, percentile) for percentile in (90, 99) if losses]
+            table.add_row(Text(_shown_name(candidate)), *cells, f"{sum(row.trips_over for row in rows)}")
+        parts.append(table)
+    if result.failures:
+        parts.append(failures_table(result.failures))
+    return Group(*parts)
+
+
+def _scope(result: ComparisonResult) -> str:
+    hours = sum(trip.duration_s for trip in result.trips) / 3600.0
+    return (
+        f"{_counted(len(result.trips), 'trip')}, {hours:.2f} h, {_counted(len(result.routes), 'route')}; "
+        f"{_counted(len(result.candidates), 'candidate')}, seed {result.settings.get('seed')}"
+    )
+
+
+def _reference_lines(result: ComparisonResult, protocol: str) -> list[str]:
+    """Return one line with the references' messages over the baseline's."""
+    found: dict[str, list[str]] = {}
+    for row in sorted(result.references, key=lambda row: row.threshold_m):
+        if row.protocol == protocol:
+            found.setdefault(row.reference, []).append(f"{row.message_ratio:.2f}")
+    if not found:
+        return []
+    text = "; ".join(f"`{name}` {' / '.join(values)}" for name, values in found.items())
+    return ["", f"References, messages over the baseline's: {text}."]
+
+
+def _rows(result: ComparisonResult, candidate: CandidateRow, protocol: str) -> list[RatioRow]:
+    own = (row for row in result.ratios if (row.candidate, row.protocol) == (candidate.name, protocol))
+    return sorted(own, key=lambda row: row.threshold_m)
+
+
+def _worst_row(rows: Sequence[RatioRow]) -> RatioRow:
+    return max(rows, key=lambda row: row.worst_ratio)
+
+
+def _worst(result: ComparisonResult, candidate: CandidateRow, protocol: str, percentile: int) -> str:
+    found = worst_rows(result, candidate.name, protocol, percentile)
+    return " / ".join(_MISSING if value != value else f"{value:.2f}" for value in found)  # noqa: PLR0124  NaN
+
+
+def _with_limits(value: float, low: float | None, high: float | None, form: str = ".2f") -> str:
+    interval = "" if low is None or high is None else f" [{low:{form}}, {high:{form}}]"
+    return f"{value:{form}}{interval}"
+
+
+def _signed(row: RatioRow) -> str:
+    return _with_limits(row.difference, row.difference_low, row.difference_high, "+.2f")
+
+
+def _shown_name(candidate: CandidateRow) -> str:
+    return f"{candidate.name} (trained)" if candidate.is_trained else candidate.name
+
+
+def _protocols(result: ComparisonResult) -> list[str]:
+    return list(dict.fromkeys(row.protocol for row in result.ratios))
+
+
+def _thresholds_m(result: ComparisonResult) -> list[float]:
+    return sorted({row.threshold_m for row in result.ratios})
+
+
+def _thresholds(result: ComparisonResult) -> list[str]:
+    return [centimetres(item) for item in _thresholds_m(result)]
+
+
+def _ratios(result: ComparisonResult) -> list[float]:
+    return sorted({row.packet_error_ratio for row in result.tracking})
+
+
+def _against(result: ComparisonResult) -> str:
+    return str(result.settings.get("against"))
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def _joined(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+def _escaped(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ").replace("<", "&lt;")

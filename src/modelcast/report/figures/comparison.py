@@ -1,0 +1,251 @@
+"""Candidates side by side: messages and bytes against threshold, tracking error against loss."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from matplotlib.typing import LineStyleType
+
+from modelcast.evaluation.compare.result import ComparisonResult, RatioRow, TrackingRatioRow
+from modelcast.evaluation.result import POOLED
+from modelcast.report.figures.panels import empty_figure, printable
+from modelcast.report.headline import REFERENCE_LABELS
+from modelcast.report.style import INK, PAGE_IN, new_figure, style
+
+__all__ = ["plot_comparison", "worst_rows"]
+
+_COLOURS = (
+    "#332288",
+    "#117733",
+    "#88ccee",
+    "#cc6677",
+    "#999933",
+    "#aa4499",
+    "#44aa99",
+    "#882255",
+    "#ddaa33",
+    "#777777",
+)
+_MARKERS = "osD^v<>PX*"
+_REFERENCE_LINES: dict[str, LineStyleType] = {
+    "clairvoyant-1": "-",
+    "clairvoyant-2": (0, (3.5, 1.0)),
+    "clairvoyant-3": (0, (1.0, 0.8)),
+    "cam": (0, (5.0, 1.2, 1.0, 1.2)),
+}
+_SPREAD = 0.55
+"""Share of the distance between two ticks that candidates are spread over, so that intervals do not hide."""
+
+_LONGEST_NAME = 30
+
+
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """How one candidate is drawn, and how far beside its tick, as a share of the distance between ticks."""
+
+    colour: str
+    marker: str
+    line: LineStyleType
+    width: float
+    aside: float
+
+
+def plot_comparison(result: ComparisonResult) -> Figure:
+    """Return a row of panels a protocol: messages, bytes, 90th and 99th percentile over the baseline's.
+
+    Tracking panels show the worst threshold at each packet error ratio, against the harder of the two
+    readings of the equal-rate baseline. Hybrids are drawn thicker and dashed.
+
+    Parameters
+    ----------
+    result
+        The comparison.
+    """
+    protocols = list(dict.fromkeys(row.protocol for row in result.ratios))
+    with style():
+        if not protocols:
+            return empty_figure("Nothing was compared.")
+        looks = _looks(result)
+        legend_rows = -(-(len(looks) + 5) // 4)
+        figure = new_figure(PAGE_IN, 0.35 + 0.14 * legend_rows + 2.15 * len(protocols))
+        grid = figure.subplots(len(protocols), 4, squeeze=False)
+        for axes, protocol in zip(grid, protocols, strict=True):
+            _draw_messages(axes[0], result, protocol, looks)
+            _draw_bytes(axes[1], result, protocol, looks)
+            _draw_tracking(axes[2], result, protocol, looks, percentile=90)
+            _draw_tracking(axes[3], result, protocol, looks, percentile=99)
+            axes[0].set_ylabel(f"{protocol}\nratio to the baseline")
+        for axes, title in zip(grid[0], ("Messages", "Bytes", "PTE, p90", "PTE, p99"), strict=True):
+            axes.set_title(title)
+        for at, axes in enumerate(grid[-1]):
+            axes.set_xlabel("Threshold [cm]" if at < 2 else "Packet error ratio [%]")
+        handles, labels = grid[0][0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=4, columnspacing=1.4)
+        return figure
+
+
+def worst_rows(result: ComparisonResult, candidate: str, protocol: str, percentile: int) -> list[float]:
+    """Return the largest ratio over the thresholds at each packet error ratio, rising.
+
+    Parameters
+    ----------
+    result
+        The comparison.
+    candidate, protocol
+        Whose.
+    percentile
+        90 or 99.
+    """
+    found: dict[float, float] = {}
+    for row in result.tracking:
+        if (row.trip, row.candidate, row.protocol) == (POOLED, candidate, protocol):
+            ratio = row.p90_ratio if percentile == 90 else row.p99_ratio
+            known = found.get(row.packet_error_ratio, float("nan"))
+            found[row.packet_error_ratio] = float(np.fmax(known, ratio))
+    return [found[ratio] for ratio in sorted(found)]
+
+
+def _looks(result: ComparisonResult) -> dict[str, _Look]:
+    """Return how each candidate is drawn: members first, then hybrids."""
+    ordered = sorted(result.candidates, key=lambda row: row.is_hybrid)
+    asides = np.linspace(-0.5, 0.5, len(ordered)) * _SPREAD if len(ordered) > 1 else np.zeros(1)
+    return {
+        row.name: _Look(
+            _COLOURS[at % len(_COLOURS)],
+            _MARKERS[at % len(_MARKERS)],
+            (0, (3.0, 1.0)) if row.is_hybrid else "-",
+            1.6 if row.is_hybrid else 0.9,
+            float(aside),
+        )
+        for at, (row, aside) in enumerate(zip(ordered, asides, strict=True))
+    }
+
+
+def _draw_messages(axes: Axes, result: ComparisonResult, protocol: str, looks: dict[str, _Look]) -> None:
+    rows = [row for row in result.ratios if row.protocol == protocol]
+    thresholds_m = _threshold_axis(axes, rows)
+    tallest = 1.0
+    for name, look in looks.items():
+        own = _by_threshold(rows, name)
+        values = np.array([row.message_ratio for row in own])
+        limits = [(row.message_low, row.message_high) for row in own]
+        tallest = max(tallest, _draw_line(axes, name, look, values, limits))
+    _baseline(axes)
+    for reference, dashes in _REFERENCE_LINES.items():
+        found = {
+            row.threshold_m: row.message_ratio
+            for row in result.references
+            if (row.reference, row.protocol) == (reference, protocol)
+        }
+        if not found:
+            continue
+        values = [found[threshold_m] for threshold_m in thresholds_m]
+        label = REFERENCE_LABELS[reference]
+        shown = axes.plot(
+            range(len(values)), values, color=INK, linestyle=dashes, linewidth=0.8, label=label, zorder=1
+        )
+        if min(values) > 1.15 * tallest:
+            shown[0].set_visible(False)
+            note = f"{label}: {min(values):.1f} and more"
+            axes.text(
+                0.98, 0.985, note, transform=axes.transAxes, ha="right", va="top", fontsize=5.5, color=INK
+            )
+    axes.set_ylim(0.0, 1.15 * tallest)
+
+
+def _draw_bytes(axes: Axes, result: ComparisonResult, protocol: str, looks: dict[str, _Look]) -> None:
+    rows = [row for row in result.ratios if row.protocol == protocol]
+    _threshold_axis(axes, rows)
+    tallest = 1.0
+    for name, look in looks.items():
+        own = _by_threshold(rows, name)
+        limits = [(row.bytes_low, row.bytes_high) for row in own]
+        values = np.array([row.bytes_ratio for row in own])
+        tallest = max(tallest, _draw_line(axes, name, look, values, limits))
+    _baseline(axes)
+    axes.set_ylim(0.0, 1.1 * tallest)
+
+
+def _draw_tracking(
+    axes: Axes, result: ComparisonResult, protocol: str, looks: dict[str, _Look], *, percentile: int
+) -> None:
+    """Draw the worst threshold's ratio at each loss ratio, 2 as far off as 1/2."""
+    ratios = sorted({row.packet_error_ratio for row in result.tracking})
+    if not ratios:
+        axes.text(0.5, 0.5, "not evaluated", transform=axes.transAxes, ha="center", color="#666666")
+        axes.set_xticks([])
+        return
+    axes.set_yscale("log", base=2)
+    for name, look in looks.items():
+        values = np.array(worst_rows(result, name, protocol, percentile))
+        _draw_line(axes, name, look, values, _worst_limits(result, name, protocol, percentile))
+    _baseline(axes)
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:.3g}")
+    axes.set_xticks(range(len(ratios)), [f"{100 * ratio:.4g}" for ratio in ratios])
+    axes.set_xlim(-0.5, len(ratios) - 0.5)
+    axes.grid(visible=False, axis="x")
+
+
+def _worst_limits(
+    result: ComparisonResult, name: str, protocol: str, percentile: int
+) -> list[tuple[float | None, float | None]]:
+    """Return the interval of the threshold that `worst_rows` names, at each loss ratio."""
+    by_ratio: dict[float, list[TrackingRatioRow]] = {}
+    for row in result.tracking:
+        if (row.trip, row.candidate, row.protocol) == (POOLED, name, protocol):
+            by_ratio.setdefault(row.packet_error_ratio, []).append(row)
+    found: list[tuple[float | None, float | None]] = []
+    for ratio in sorted(by_ratio):
+        if percentile == 90:
+            worst = max(by_ratio[ratio], key=lambda row: row.p90_ratio)
+            found.append((worst.p90_low, worst.p90_high))
+        else:
+            worst = max(by_ratio[ratio], key=lambda row: row.p99_ratio)
+            found.append((worst.p99_low, worst.p99_high))
+    return found
+
+
+def _draw_line(
+    axes: Axes,
+    name: str,
+    look: _Look,
+    values: np.ndarray[tuple[int], np.dtype[np.float64]],
+    limits: Sequence[tuple[float | None, float | None]],
+) -> float:
+    """Draw one candidate with its intervals, a little beside the ticks; return the highest point drawn."""
+    places = np.arange(values.size) + look.aside
+    axes.plot(
+        places,
+        values,
+        color=look.colour,
+        marker=look.marker,
+        linestyle=look.line,
+        linewidth=look.width,
+        markersize=3.0,
+        label=printable(name, _LONGEST_NAME),
+        zorder=3,
+    )
+    low, high = np.array(limits, dtype=np.float64).reshape(-1, 2).T
+    axes.vlines(places, low, high, color=look.colour, linewidth=0.8, zorder=2)
+    tops = np.concatenate([values, high])
+    return float(np.nanmax(tops)) if np.isfinite(tops).any() else 0.0
+
+
+def _by_threshold(rows: Sequence[RatioRow], name: str) -> list[RatioRow]:
+    return sorted((row for row in rows if row.candidate == name), key=lambda row: row.threshold_m)
+
+
+def _threshold_axis(axes: Axes, rows: Sequence[RatioRow]) -> list[float]:
+    thresholds_m = sorted({row.threshold_m for row in rows})
+    axes.set_xticks(range(len(thresholds_m)), [f"{100 * item:.4g}" for item in thresholds_m])
+    axes.set_xlim(-0.5, len(thresholds_m) - 0.5)
+    axes.grid(visible=False, axis="x")
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 5, 10]))
+    return thresholds_m
+
+
+def _baseline(axes: Axes) -> None:
+    axes.axhline(1.0, color=INK, linewidth=1.1, label="Baseline (CV)", zorder=1)
