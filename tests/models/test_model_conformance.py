@@ -6,8 +6,16 @@ import pytest
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractMotionModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import GaussianProcess
-from modelcast.models.gp.gaussian_process import Hyperparameters
+from modelcast.models.gp import (
+    AxisKernel,
+    GaussianProcess,
+    Hyperparameters,
+    VehicleProcess,
+    derivative_process,
+    linear_process,
+    trained_process,
+    vehicle_process,
+)
 from modelcast.models.kinematic import (
     ConstantAcceleration,
     ConstantTurnRateAcceleration,
@@ -28,6 +36,20 @@ MODELS: dict[str, AbstractMotionModel] = {
     "gp-intercept-20": GaussianProcess(20, "intercept"),
     "gp-anchored-fixed": GaussianProcess(form="anchored", hyperparameters=FIXED),
     "gp-intercept-fixed": GaussianProcess(form="intercept", hyperparameters=FIXED),
+    "gp-adaptive": GaussianProcess(form="intercept", noise="estimated"),
+    "gp-linear": linear_process(),
+    "gp-vehicle": vehicle_process(),
+    "gp-trained": trained_process(),
+    "gp-vehicle-20": VehicleProcess("gp-vehicle-20", AxisKernel(4.0, 5.0), samples=20, degree=3),
+    "gp-derivative": derivative_process(),
+    "gp-derivative-15": derivative_process(15),
+    "gp-derivative+gp-vehicle+gp-trained-1": Bank(
+        (
+            VehicleProcess("gp-derivative", velocities=True),
+            VehicleProcess("gp-vehicle"),
+            GaussianProcess(form="intercept", hyperparameters=FIXED, label="gp-trained-1"),
+        )
+    ),
     "ctra-damped": Trusted(ConstantTurnRateAcceleration(), 0.5),
     "gp-intercept-damped": Trusted(GaussianProcess(form="intercept"), 1.0),
     "cv+gp-anchored": Bank((ConstantVelocity(), GaussianProcess(form="anchored"))),

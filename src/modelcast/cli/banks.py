@@ -1,11 +1,19 @@
 """Banks of sub-models by name, as users type them."""
 
+from collections.abc import Callable
+
 from modelcast.core.exceptions import ConfigError
 from modelcast.evaluation.settings import PAPER_BANK, PAPER_NOISE_FLOOR_M
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import GaussianProcess
+from modelcast.models.gp import (
+    GaussianProcess,
+    derivative_process,
+    linear_process,
+    trained_process,
+    vehicle_process,
+)
 from modelcast.models.kinematic import (
     ConstantAcceleration,
     ConstantTurnRateAcceleration,
@@ -16,7 +24,15 @@ from modelcast.models.trusted import Trusted
 __all__ = ["MEMBER_NAMES", "bank_from_text"]
 
 INTERCEPT_NOISE_FLOOR_M = 1e-3
-"""Smallest noise of the ``gp-intercept`` form where the user names none [m]."""
+"""Smallest noise of ``gp-intercept`` and ``gp-adaptive`` where the user names none [m]."""
+
+_GIVEN: dict[str, Callable[[int], AbstractSubModel]] = {
+    "gp-linear": linear_process,
+    "gp-trained": trained_process,
+    "gp-vehicle": vehicle_process,
+    "gp-derivative": derivative_process,
+}
+"""Processes with given hyper-parameters, by window length."""
 
 _KINEMATIC: dict[str, AbstractSubModel] = {
     "cv": ConstantVelocity(),
@@ -25,7 +41,7 @@ _KINEMATIC: dict[str, AbstractSubModel] = {
     "ctra": ConstantTurnRateAcceleration(),
 }
 
-MEMBER_NAMES = (*_KINEMATIC, "gp-anchored", "gp-intercept")
+MEMBER_NAMES = (*_KINEMATIC, "gp-anchored", "gp-intercept", "gp-adaptive", *_GIVEN)
 """Sub-models that a bank may be made of."""
 
 
@@ -42,10 +58,11 @@ def bank_from_text(
     ----------
     text
         ``paper`` (constant velocity, then the anchored Gaussian process), or sub-models in order, joined by
-        ``+``: ``cv``, ``ca``, ``ctrv``, ``ctra``, ``gp-anchored``, ``gp-intercept``.
+        ``+``: ``cv``, ``ca``, ``ctrv``, ``ctra``, ``gp-anchored``, ``gp-intercept``, ``gp-adaptive``,
+        ``gp-linear``, ``gp-trained``, ``gp-vehicle``, ``gp-derivative``.
     noise_floor_m
-        Smallest position noise the Gaussian processes may assume [m]; where None, none to speak of for the
-        paper's form and 1 mm for the other.
+        Smallest position noise the Gaussian processes fitted by likelihood may assume [m]; where None, none
+        to speak of for the paper's form and 1 mm for the others.
     window
         Samples they are fitted to.
     trusted_horizon_s
@@ -80,8 +97,11 @@ def _member(name: str, noise_floor_m: float | None, window: int) -> AbstractSubM
     if name == "gp-anchored":
         floor_m = PAPER_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
         return GaussianProcess(window, "anchored", noise_floor_m=floor_m)
-    if name == "gp-intercept":
+    if name in ("gp-intercept", "gp-adaptive"):
         floor_m = INTERCEPT_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
-        return GaussianProcess(window, "intercept", noise_floor_m=floor_m)
+        noise = "estimated" if name == "gp-adaptive" else "floor"
+        return GaussianProcess(window, "intercept", noise_floor_m=floor_m, noise=noise)
+    if name in _GIVEN:
+        return _GIVEN[name](window)
     known = f"{', '.join(MEMBER_NAMES[:-1])} and {MEMBER_NAMES[-1]}"
     raise ValueError(f"no sub-model is named '{name}'; there are {known}")

@@ -1,1 +1,1 @@
-"""Training: what all vehicles share, learnt from recorded trips."""
+"""Training: what all vehicles share, learned from windows of many trips."""

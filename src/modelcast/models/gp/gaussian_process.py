@@ -2,6 +2,7 @@
 
 import functools
 from dataclasses import KW_ONLY, dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -70,6 +71,12 @@ class GaussianProcess(AbstractSubModel):
         Least standard deviation of the white noise [m].
     hyperparameters
         Fixed hyper-parameters, or None to maximise the likelihood of every window.
+    noise
+        "floor": the floor is the same for every window. "estimated": it is the window's own position noise
+        where that is greater; form "intercept" without fixed hyper-parameters only.
+    label
+        Name of the sub-model; empty for ``gp-trained`` with fixed hyper-parameters, ``gp-adaptive`` with
+        estimated noise, else ``gp-`` and the form.
 
     Raises
     ------
@@ -100,6 +107,8 @@ class GaussianProcess(AbstractSubModel):
     _: KW_ONLY
     noise_floor_m: float = 0.001
     hyperparameters: Hyperparameters | None = None
+    noise: Literal["floor", "estimated"] = "floor"
+    label: str = ""
 
     def __post_init__(self) -> None:
         check_window(self.samples)
@@ -110,10 +119,22 @@ class GaussianProcess(AbstractSubModel):
                 f"noise_floor_m must be from 1e-6 m to under {NOISE_CEILING_M} m, got {self.noise_floor_m}"
             )
 
+        if self.noise not in ("floor", "estimated"):
+            raise ValueError(f"noise must be 'floor' or 'estimated', got {self.noise!r}")
+        if self.noise == "estimated" and (self.form != "intercept" or self.hyperparameters is not None):
+            raise ValueError(
+                "noise = 'estimated' needs form 'intercept' and no fixed hyperparameters, "
+                f"got {self.form!r} and {self.hyperparameters}"
+            )
+
     @property
     def name(self) -> str:
-        """Name of the form."""
-        return f"gp-{self.form}"
+        """The label, or a name by what the process does."""
+        if self.label:
+            return self.label
+        if self.hyperparameters is not None:
+            return "gp-trained"
+        return "gp-adaptive" if self.noise == "estimated" else f"gp-{self.form}"
 
     @property
     def window(self) -> int:
@@ -211,6 +232,8 @@ def _point_functions(model: GaussianProcess, dt_s: float) -> PointFunctions:
             np.concatenate([header, *(matrix.ravel() for matrix in matrices)]),
         )
     constants = pack(model.samples, dt_s, model.form, Bounds(model.noise_floor_m))
+    if model.noise == "estimated":
+        return PointFunctions(kernels.fit_adaptive, kernels.predict_intercept, constants)
     if model.form == "intercept":
         return PointFunctions(kernels.fit_intercept, kernels.predict_intercept, constants)
     return PointFunctions(kernels.fit_anchored, kernels.predict_anchored, constants)

@@ -8,6 +8,7 @@ import numpy as np
 from modelcast.models.gp.layout import (
     AT_DT,
     AT_FLAT,
+    AT_NOISE_LOW,
     AT_SAMPLES,
     OUT_CONSTANT,
     OUT_FLOORED,
@@ -20,9 +21,10 @@ from modelcast.models.gp.layout import (
 )
 from modelcast.models.gp.log_kernels import FAST
 from modelcast.models.gp.search_kernels import scratch_size, search
-from modelcast.models.point_kernels import FIT_SIGNATURE, PREDICT_SIGNATURE
+from modelcast.models.point_kernels import FIT_SIGNATURE, POSITION_NOISE, PREDICT_SIGNATURE
 
 __all__ = [
+    "fit_adaptive",
     "fit_anchored",
     "fit_axes",
     "fit_fixed",
@@ -137,6 +139,28 @@ def fit_intercept(window: Any, constants: Any, out: Any) -> None:
     out[tail + 1] = found[OUT_NOISE_RATIO]
     out[tail + 2] = found[OUT_LINEAR_RATIO]
     out[tail + 3] = found[OUT_FLOORED]
+
+
+@_fit
+def fit_adaptive(window: Any, constants: Any, out: Any) -> None:
+    """Fit both axes with common hyper-parameters and no less noise than the window says it has.
+
+    Raising the floor by a factor is the same as shrinking the positions by it, which leaves all tables as
+    they are; the other bounds are stretched by as much.
+    """
+    n = int(constants[AT_SAMPLES])
+    floor = np.sqrt(constants[AT_NOISE_LOW])
+    scale = max(window[n - 1, POSITION_NOISE] / floor, 1.0)
+    shrunk = np.empty((n, 2))
+    for j in range(n):
+        for d in range(2):
+            shrunk[j, d] = (window[j, d] - window[n - 1, d]) / scale
+    fit_intercept(shrunk, constants, out)
+    for i in range(4):
+        out[i] *= scale
+    for j in range(2 * n):
+        out[5 + j] *= scale
+    out[5 + 2 * n] *= scale * scale
 
 
 @_jit
