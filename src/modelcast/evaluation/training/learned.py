@@ -1,0 +1,308 @@
+"""Training of the learned sub-model: windows as many kinds of senders see them, and what came next.
+
+The network learns what constant turn rate and acceleration gets wrong: the difference to the true path over
+the next seconds, in the frame of the newest velocity, as coefficients of a polynomial against time. Three
+choices matter more than the network's size. Errors are clipped where they exceed what any threshold forgives,
+since a sender that has failed has failed. Half the windows are mirrored. And every network sees one range of
+position noise only: a network for millimetres and one for decimetres have little in common.
+"""
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.chance import child_generator
+from modelcast.core.exceptions import MissingExtraError
+from modelcast.core.trajectory import Trajectory
+from modelcast.evaluation.training.learned_kernels import trip_features
+from modelcast.evaluation.training.views import SenderView, Viewed, view_trips
+from modelcast.models.kinematic import ConstantTurnRateAcceleration
+from modelcast.models.learned.features import FeatureMap
+from modelcast.models.learned.learned_trajectory import LearnedTrajectory, feature_constants
+from modelcast.models.learned.network import Network
+from modelcast.models.point_kernels import (
+    ACCELERATION,
+    VELOCITY_EAST,
+    VELOCITY_NORTH,
+    YAW_RATE,
+)
+from modelcast.models.velocity import sample_matrix, velocity_estimator_for
+
+__all__ = ["DEFAULT_STAGES", "LearnedSettings", "NoiseStage", "train_learned"]
+
+Progress = Callable[[int, int], None]
+
+_DEGREE = np.pi / 180.0
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseStage:
+    """One network: which noise it serves, and which senders it is trained on.
+
+    Parameters
+    ----------
+    up_to_noise_m
+        The window's position noise up to which it serves [m].
+    views
+        Kinds of senders.
+    """
+
+    up_to_noise_m: float
+    views: tuple[SenderView, ...]
+
+
+DEFAULT_STAGES = (
+    NoiseStage(0.003, (SenderView("recorded"),)),
+    NoiseStage(
+        0.025,
+        (
+            SenderView("motion", 0.01),
+            SenderView("rates", 0.01),
+            SenderView("motion", 0.005),
+            SenderView("positions", 0.01),
+        ),
+    ),
+    NoiseStage(
+        np.inf,
+        (
+            SenderView("motion", 0.05, speed_noise_mps=0.1, heading_noise_rad=0.5 * _DEGREE),
+            SenderView("rates", 0.1, speed_noise_mps=0.1, heading_noise_rad=0.5 * _DEGREE),
+            SenderView("motion", 0.2, speed_noise_mps=0.1, heading_noise_rad=0.5 * _DEGREE),
+            SenderView("positions", 0.05),
+            SenderView("positions", 0.2),
+        ),
+    ),
+)
+"""Three networks: millimetres, a centimetre, decimetres."""
+
+
+@dataclass(frozen=True, slots=True)
+class LearnedSettings:
+    """How the networks are trained.
+
+    Parameters
+    ----------
+    stages
+        The networks, by rising noise.
+    hidden
+        Sizes of the two hidden layers.
+    coefficients
+        Coefficients of the correction on each axis.
+    epochs
+        Passes over the rows at each of three falling learning rates.
+    rows
+        Windows drawn for one network, at most.
+    penalty
+        Weight of the squared weights in the loss (scikit-learn's ``alpha``).
+    clip
+        Errors over this multiple of their scale count no more.
+    longest_s
+        How far ahead the path is learned [s].
+    seed
+        Of noise, mirrors, first weights and order.
+    """
+
+    stages: tuple[NoiseStage, ...] = DEFAULT_STAGES
+    hidden: tuple[int, int] = (64, 64)
+    _: KW_ONLY
+    coefficients: int = 4
+    epochs: tuple[int, int, int] = (12, 3, 2)
+    rows: int = 120_000
+    penalty: float = 0.1
+    clip: float = 1.0
+    longest_s: float = 5.0
+    seed: int = 0
+    features: FeatureMap = field(default_factory=FeatureMap)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rows:
+    """Inputs (B, I) and errors of the kinematic prediction along and to the left, (B, H, 2) [m]."""
+
+    inputs: FloatArray
+    errors_m: FloatArray
+
+
+def train_learned(
+    trips: Sequence[Trajectory],
+    settings: LearnedSettings | None = None,
+    *,
+    progress: Progress | None = None,
+) -> LearnedTrajectory:
+    """Train the networks of the learned sub-model.
+
+    Parameters
+    ----------
+    trips
+        As read; every network needs a view of at least one of them.
+    settings
+        How.
+    progress
+        Called with passes over the data done and all.
+
+    Raises
+    ------
+    MissingExtraError
+        Where scikit-learn is not installed.
+    ValueError
+        Where a network has no window to learn from.
+    """
+    settings = LearnedSettings() if settings is None else settings
+    horizons_s = np.concatenate([np.arange(0.0, 0.95, 0.1), np.arange(1.0, settings.longest_s + 0.01, 0.2)])
+    every = sum(settings.epochs) * len(settings.stages)
+    networks: list[Network] = []
+    for at, stage in enumerate(settings.stages):
+        rows = _stage_rows(trips, stage, horizons_s, settings)
+
+        def step(done: int, at: int = at) -> None:
+            if progress is not None:
+                progress(at * sum(settings.epochs) + done, every)
+
+        networks.append(_train_network(rows, stage.up_to_noise_m, horizons_s, settings, step))
+    return LearnedTrajectory(
+        tuple(networks), settings.coefficients, time_scale_s=settings.longest_s, lags=settings.features.lags
+    )
+
+
+def _stage_rows(
+    trips: Sequence[Trajectory], stage: NoiseStage, horizons_s: FloatArray, settings: LearnedSettings
+) -> _Rows:
+    found: list[_Rows] = []
+    share = settings.rows // len(stage.views)
+    for view in stage.views:
+        viewed = list(view_trips(trips, view, seed=settings.seed))
+        ends = [_ends(one, settings) for one in viewed]
+        total = sum(rows.size for rows in ends)
+        rng = child_generator(settings.seed, "rows", view.name)
+        for one, rows in zip(viewed, ends, strict=True):
+            count = min(rows.size, round(share * rows.size / total)) if total else 0
+            if count:
+                chosen = np.sort(rng.permutation(rows)[:count])
+                found.append(_cut(one, chosen, horizons_s, settings))
+    if not found:
+        views = ", ".join(view.name for view in stage.views)
+        raise ValueError(f"no trip has {settings.longest_s:g} s after a full window as seen by: {views}")
+    return _Rows(
+        np.concatenate([rows.inputs for rows in found]), np.concatenate([rows.errors_m for rows in found])
+    )
+
+
+def _ends(viewed: Viewed, settings: LearnedSettings) -> IntArray:
+    """Samples with a full window behind and the whole path ahead."""
+    trip = viewed.seen
+    last = np.repeat(trip.segments[1:] - 1, np.diff(trip.segments))
+    enough = np.arange(len(trip)) - trip.segment_start >= settings.features.lags
+    return np.flatnonzero(enough & (trip.t_s[last] - trip.t_s >= settings.longest_s))
+
+
+def _cut(viewed: Viewed, rows: IntArray, horizons_s: FloatArray, settings: LearnedSettings) -> _Rows:
+    seen, truth = viewed.seen, viewed.truth
+    samples = sample_matrix(seen, velocity_estimator_for(seen))
+    features = settings.features
+    inputs = np.empty((rows.size, features.inputs))
+    trip_features(samples, rows, features.lags + 1, feature_constants(features, seen.dt_s), inputs)
+    at_s = seen.t_s[rows][:, None] + horizons_s
+    path = np.stack([np.interp(at_s, truth.t_s, truth.position_m[:, axis]) for axis in range(2)], axis=-1)
+    newest = samples[rows]
+    kinematic = newest[:, [VELOCITY_EAST, VELOCITY_NORTH, ACCELERATION, YAW_RATE]]
+    expected = ConstantTurnRateAcceleration().predict(kinematic, horizons_s, dt_s=seen.dt_s)
+    missed = path - newest[:, None, :2] - expected
+    east, north = _course(newest[:, VELOCITY_EAST], newest[:, VELOCITY_NORTH])
+    along = missed[..., 0] * east[:, None] + missed[..., 1] * north[:, None]
+    left = missed[..., 1] * east[:, None] - missed[..., 0] * north[:, None]
+    return _Rows(inputs, np.stack([along, left], axis=-1))
+
+
+def _course(east: FloatArray, north: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Unit course as the compiled frame has it: north for a car that stands."""
+    from modelcast.models.learned.learned_kernels import FRAME_MPS
+
+    speed = np.hypot(east, north)
+    moves = speed >= FRAME_MPS
+    safe = np.where(moves, speed, 1.0)
+    return np.where(moves, east / safe, 0.0), np.where(moves, north / safe, 1.0)
+
+
+def error_scale_m(horizons_s: FloatArray) -> FloatArray:
+    """Error at each horizon that counts as one: what thresholds of decimetres forgive, growing with time [m]."""
+    return 0.1 + 0.1 * horizons_s + 0.1 * horizons_s**2
+
+
+def _train_network(
+    rows: _Rows,
+    up_to_noise_m: float,
+    horizons_s: FloatArray,
+    settings: LearnedSettings,
+    step: Callable[[int], None],
+) -> Network:
+    scale_m = error_scale_m(horizons_s)
+    rng = child_generator(settings.seed, "mirror", str(up_to_noise_m))
+    mirrored = rng.random(len(rows.inputs)) < 0.5
+    signs = settings.features.mirrors
+    inputs = np.where(mirrored[:, None], rows.inputs * signs, rows.inputs)
+    errors = np.clip(rows.errors_m / scale_m[:, None], -settings.clip, settings.clip)
+    errors[mirrored, :, 1] *= -1.0
+    powers = np.vander(horizons_s / settings.longest_s, settings.coefficients, increasing=True)
+    q, r = np.linalg.qr(powers / scale_m[:, None])
+    wanted = np.concatenate([errors[:, :, 0] @ q, errors[:, :, 1] @ q], axis=1)
+    centre = np.where(signs > 0, np.median(inputs, axis=0), 0.0)
+    width = np.maximum(2.0 * np.median(np.abs(inputs), axis=0), 2e-3)
+    squashed = np.arcsinh((inputs - centre) / width)
+    weights, biases = _fit(squashed, wanted, settings, step)
+    # The network's outputs are coefficients in the orthonormal basis q; those of the powers follow from them.
+    back = np.kron(np.eye(2), np.linalg.inv(r)).T
+    return Network(
+        up_to_noise_m,
+        centre=_rounded(centre),
+        width=_rounded(width),
+        weights_1=_rounded(weights[0]),
+        bias_1=_rounded(biases[0]),
+        weights_2=_rounded(weights[1]),
+        bias_2=_rounded(biases[1]),
+        weights_3=_rounded(weights[2] @ back),
+        bias_3=_rounded(biases[2] @ back),
+    )
+
+
+def _rounded(array: FloatArray) -> FloatArray:
+    """Six digits: a profile is a text, and a weight has no more."""
+    return np.array([float(f"{value:.6g}") for value in array.ravel()]).reshape(array.shape)
+
+
+def _fit(
+    inputs: FloatArray, wanted: FloatArray, settings: LearnedSettings, step: Callable[[int], None]
+) -> tuple[list[FloatArray], list[FloatArray]]:
+    """Fit scikit-learn's network, one pass at a time, at three falling learning rates."""
+    network, converging = _regressor(settings)
+    squashed = np.ascontiguousarray(inputs, dtype=np.float32)
+    targets = np.ascontiguousarray(wanted, dtype=np.float32)
+    done = 0
+    for rate, passes in zip((2e-3, 5e-4, 1e-4), settings.epochs, strict=True):
+        network.set_params(learning_rate_init=rate, max_iter=passes, random_state=settings.seed + done)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", converging)
+            network.fit(squashed, targets)
+        done += passes
+        step(done)
+    weights = [np.asarray(layer, dtype=np.float64) for layer in network.coefs_]
+    biases = [np.asarray(layer, dtype=np.float64) for layer in network.intercepts_]
+    return weights, biases
+
+
+def _regressor(settings: LearnedSettings) -> tuple[Any, type[Warning]]:
+    try:
+        from sklearn.exceptions import ConvergenceWarning
+        from sklearn.neural_network import MLPRegressor
+    except ImportError as error:
+        raise MissingExtraError("modelcast train", "train", "scikit-learn") from error
+    network: Any = MLPRegressor(
+        hidden_layer_sizes=settings.hidden,
+        batch_size=1024,
+        alpha=settings.penalty,
+        warm_start=True,
+    )
+    return network, ConvergenceWarning
