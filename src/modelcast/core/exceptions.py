@@ -4,12 +4,13 @@
 
     ModelcastError
     ├── DataFormatError    a file is not what its format says: path, row, value, remedy
-    └── ConfigError        options that do not fit together, or that fit no trip
+    ├── ConfigError        options that do not fit together, or that fit no trip
+    └── MissingExtraError  an optional part is not installed: the extra that brings it
 
 Mistakes of a caller of the Python interface are plain ``ValueError``.
 """
 
-__all__ = ["ConfigError", "DataFormatError", "ModelcastError"]
+__all__ = ["ConfigError", "DataFormatError", "MissingExtraError", "ModelcastError"]
 
 
 class ModelcastError(Exception):
@@ -42,3 +43,20 @@ class DataFormatError(ModelcastError):
         self.remedy = remedy
         place = path if row is None else f"{path}, row {row}"
         super().__init__(f"{place}: {problem}." + (f" {remedy}" if remedy else ""))
+
+
+class MissingExtraError(ModelcastError):
+    """An optional part of modelcast is not installed.
+
+    Parameters
+    ----------
+    what
+        What the user asked for.
+    extra
+        The extra that brings it.
+    package
+        The package that is missing.
+    """
+
+    def __init__(self, what: str, extra: str, package: str) -> None:
+        super().__init__(f"{what} needs {package}: pip install 'modelcast[{extra}]'")

@@ -22,6 +22,7 @@ from modelcast.evaluation.training.learned_kernels import trip_features
 from modelcast.evaluation.training.views import SenderView, Viewed, view_trips
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned.features import FeatureMap
+from modelcast.models.learned.learned_kernels import FRAME_MPS
 from modelcast.models.learned.learned_trajectory import LearnedTrajectory, feature_constants
 from modelcast.models.learned.network import Network
 from modelcast.models.point_kernels import (
@@ -219,8 +220,6 @@ def _cut(viewed: Viewed, rows: IntArray, horizons_s: FloatArray, settings: Learn
 
 def _course(east: FloatArray, north: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Unit course as the compiled frame has it: north for a car that stands."""
-    from modelcast.models.learned.learned_kernels import FRAME_MPS
-
     speed = np.hypot(east, north)
     moves = speed >= FRAME_MPS
     safe = np.where(moves, speed, 1.0)
@@ -228,7 +227,7 @@ def _course(east: FloatArray, north: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def error_scale_m(horizons_s: FloatArray) -> FloatArray:
-    """Error at each horizon that counts as one: what thresholds of decimetres forgive, growing with time [m]."""
+    """Error at each horizon that counts as one [m]: what thresholds of decimetres forgive, growing."""
     return 0.1 + 0.1 * horizons_s + 0.1 * horizons_s**2
 
 
@@ -295,11 +294,12 @@ def _fit(
 
 def _regressor(settings: LearnedSettings) -> tuple[Any, type[Warning]]:
     try:
-        from sklearn.exceptions import ConvergenceWarning
-        from sklearn.neural_network import MLPRegressor
+        from sklearn.exceptions import ConvergenceWarning  # noqa: PLC0415 - an optional extra
+        from sklearn.neural_network import MLPRegressor  # noqa: PLC0415 - an optional extra
     except ImportError as error:
         raise MissingExtraError("modelcast train", "train", "scikit-learn") from error
-    network: Any = MLPRegressor(
+    regressor: Any = MLPRegressor  # its stubs know batch_size as a text alone
+    network: Any = regressor(
         hidden_layer_sizes=settings.hidden,
         batch_size=1024,
         alpha=settings.penalty,

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.chance import child_generator
 from modelcast.core.conditioning import condition
 from modelcast.core.inspection import inspect
@@ -54,9 +54,7 @@ class SenderView:
 
     def __post_init__(self) -> None:
         if self.columns not in ("recorded", "positions", "motion", "rates"):
-            raise ValueError(
-                f"columns must be recorded, positions, motion or rates, got {self.columns!r}"
-            )
+            raise ValueError(f"columns must be recorded, positions, motion or rates, got {self.columns!r}")
         if self.every < 1:
             raise ValueError(f"every must be at least 1, got {self.every}")
 
@@ -141,7 +139,7 @@ def _thinned(trip: Trajectory, every: int) -> Trajectory:
     """Every so many samples of each part."""
     if every == 1:
         return trip
-    kept = [np.arange(a, b, every) for a, b in pairwise(trip.segments)]
+    kept: list[IntArray] = [np.arange(a, b, every) for a, b in pairwise(trip.segments)]
     rows = np.concatenate(kept)
     bounds = np.cumsum([0] + [part.size for part in kept])
 

@@ -1,4 +1,4 @@
-"""The learned sub-model: a small network over the last two seconds corrects constant turn rate and acceleration.
+"""The learned sub-model: a small network over the last two seconds corrects a turn with acceleration.
 
 Only the sender runs the network. What it sends are a few coefficients of the correction against time, so that
 a host needs neither the network nor the window.

@@ -2,9 +2,9 @@
 
 Positions and velocities of the window are turned into the frame of the newest velocity (along the course and
 to its left) and read off at every tenth of a second, whatever the sampling interval. Polynomials of several
-degrees and lengths are fitted to them by least squares; their value and derivatives at the newest sample are
-the inputs. All of it is linear, and one matrix each for positions and velocities. Beside them stand the speed,
-the acceleration, the lateral acceleration ``v·yaw rate``, and the logarithm of the position noise.
+degrees and lengths are fitted to them by least squares; their value and derivatives at the newest sample
+are the inputs. All of it is linear, and one matrix each for positions and velocities. Beside them stand the
+speed, the acceleration, the lateral acceleration ``v·yaw rate``, and the logarithm of the position noise.
 
 Mirroring the world changes the sign of every input that `FeatureMap.mirrors` marks, and of nothing else.
 """

@@ -29,7 +29,7 @@ KINEMATIC = 4
 """Velocity, acceleration and yaw rate come first among the parameters: a core message carries them."""
 
 HEADER = 8
-"""Sampling interval, lags, rows for positions and velocities, inputs, coefficients an axis, their time, networks."""
+"""Sampling interval, lags, rows for positions and velocities, inputs, coefficients, their time, networks."""
 
 _LEAST_NOISE_M, _MOST_NOISE_M = 5e-4, 0.5
 _TIME_SLACK_S = 1e-6
