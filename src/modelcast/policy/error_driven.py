@@ -28,6 +28,7 @@ _IDENTIFIES = {
     "on-failure": kernels.IDENTIFY_ON_FAILURE,
     "final": kernels.IDENTIFY_FINAL,
     "best": kernels.IDENTIFY_BEST,
+    "never": kernels.IDENTIFY_NEVER,
 }
 
 
@@ -64,7 +65,8 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         with the smallest error; it leaves Algorithm 1's update rule untouched and sends the fewest messages a
         receiver can follow. ``final``: the same, but a sub-model that failed once is not used again before
         the next update, which therefore comes once each has failed at some time, not when all fail at once.
-        ``best``: at every change of the best.
+        ``best``: at every change of the best. ``never``: when the one in use fails, all are fitted anew,
+        whether another still holds or not; only the one in use need be sent.
     max_inter_transmit_time_s
         Longest silence before a keep-alive [s]; None for no limit.
 

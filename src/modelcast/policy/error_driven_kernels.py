@@ -9,6 +9,7 @@ __all__ = [
     "IDENTIFICATION",
     "IDENTIFY_BEST",
     "IDENTIFY_FINAL",
+    "IDENTIFY_NEVER",
     "IDENTIFY_ON_FAILURE",
     "KEEP_ALIVE",
     "NOTHING",
@@ -24,7 +25,7 @@ NOTHING, UPDATE, IDENTIFICATION, KEEP_ALIVE = range(4)
 """Kinds of decision; a keep-alive is a model update that silence, not error, called for."""
 
 START_ORDER, START_KEEP, START_SURVIVOR = range(3)
-IDENTIFY_ON_FAILURE, IDENTIFY_FINAL, IDENTIFY_BEST = range(3)
+IDENTIFY_ON_FAILURE, IDENTIFY_FINAL, IDENTIFY_BEST, IDENTIFY_NEVER = range(4)
 
 _TIME_SLACK_S = 1e-9
 """Sums of sampling steps may fall short of a whole number of seconds by rounding."""
@@ -76,7 +77,7 @@ def step(
                 first_failure_s[m] = age_s
         elif error < best_error and (identify != IDENTIFY_FINAL or first_failure_s[m] == np.inf):
             best, best_error = m, error
-    if best < 0:
+    if best < 0 or (identify == IDENTIFY_NEVER and tracking_error_m[in_use] >= threshold_m):
         return UPDATE, start_member(available, first_failure_s, in_use, start)
     if silence_s >= max_inter_transmit_time_s - _TIME_SLACK_S:
         return KEEP_ALIVE, start_member(available, first_failure_s, in_use, start)

@@ -7,5 +7,5 @@ __all__ = ["IdentifyRule", "StartRule"]
 StartRule = Literal["order", "keep", "survivor"]
 """Sub-model in use after an update, as `modelcast.policy.error_driven.ErrorDriven` describes them."""
 
-IdentifyRule = Literal["on-failure", "final", "best"]
+IdentifyRule = Literal["on-failure", "final", "best", "never"]
 """When another sub-model is named."""

@@ -1,23 +1,23 @@
 """Training of the learned sub-model: windows as many kinds of senders see them, and what came next.
 
 The network learns what constant turn rate and acceleration gets wrong: the difference to the true path over
-the next seconds, in the frame of the newest velocity, as coefficients of a polynomial against time. Three
-choices matter more than the network's size. Errors are clipped where they exceed what any threshold forgives,
-since a sender that has failed has failed. Half the windows are mirrored. And every network sees one range of
-position noise only: a network for millimetres and one for decimetres have little in common.
+the next seconds, in the frame of the newest velocity, as coefficients of a polynomial against time. What it
+makes small is not the error but the number of messages: the loss is the logarithm of the time that the path
+holds under a threshold, softened (`survival_kernels.survival_slopes`). An error that no threshold forgives
+costs nothing more for being larger. Half the windows are mirrored, every road is resized at random, and every
+network sees one range of position noise: a network for millimetres and one for decimetres have little in
+common.
 """
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Any
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.chance import child_generator
-from modelcast.core.exceptions import MissingExtraError
 from modelcast.core.trajectory import Trajectory
+from modelcast.evaluation.training.descent import Descent, Lesson, descend
 from modelcast.evaluation.training.learned_kernels import trip_features
 from modelcast.evaluation.training.views import SenderView, Viewed, view_trips
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
@@ -89,34 +89,31 @@ class LearnedSettings:
     ----------
     stages
         The networks, by rising noise.
-    hidden
-        Sizes of the two hidden layers.
     coefficients
         Coefficients of the correction on each axis.
-    epochs
-        Passes over the rows at each of three falling learning rates.
+    descent
+        Loss and optimiser.
     rows
         Windows drawn for one network, at most.
-    penalty
-        Weight of the squared weights in the loss (scikit-learn's ``alpha``).
-    clip
-        Errors over this multiple of their scale count no more.
     longest_s
         How far ahead the path is learned [s].
+    horizon_s, turn_s
+        Trusted horizon of the sub-model, and how long the car goes on turning beyond it [s].
     seed
         Of noise, mirrors, first weights and order.
+    features
+        What the networks look at.
     """
 
     stages: tuple[NoiseStage, ...] = DEFAULT_STAGES
-    hidden: tuple[int, int] = (64, 64)
     _: KW_ONLY
-    coefficients: int = 4
-    epochs: tuple[int, int, int] = (12, 3, 2)
-    rows: int = 120_000
-    penalty: float = 0.1
-    clip: float = 1.0
-    longest_s: float = 5.0
+    coefficients: int = 3
+    rows: int = 150_000
+    longest_s: float = 6.0
+    horizon_s: float = 3.0
+    turn_s: float = 2.0
     seed: int = 0
+    descent: Descent = field(default_factory=Descent)
     features: FeatureMap = field(default_factory=FeatureMap)
 
 
@@ -148,24 +145,29 @@ def train_learned(
     Raises
     ------
     MissingExtraError
-        Where scikit-learn is not installed.
+        Where scikit-learn, which the extra ``train`` brings, is not installed.
     ValueError
         Where a network has no window to learn from.
     """
     settings = LearnedSettings() if settings is None else settings
-    horizons_s = np.concatenate([np.arange(0.0, 0.95, 0.1), np.arange(1.0, settings.longest_s + 0.01, 0.2)])
-    every = sum(settings.epochs) * len(settings.stages)
+    horizons_s = np.concatenate([np.arange(0.1, 0.95, 0.1), np.arange(1.0, settings.longest_s + 0.01, 0.2)])
+    reports = settings.descent.reports
     networks: list[Network] = []
     for at, stage in enumerate(settings.stages):
         rows = _stage_rows(trips, stage, horizons_s, settings)
 
         def step(done: int, at: int = at) -> None:
             if progress is not None:
-                progress(at * sum(settings.epochs) + done, every)
+                progress(at * reports + done, reports * len(settings.stages))
 
         networks.append(_train_network(rows, stage.up_to_noise_m, horizons_s, settings, step))
     return LearnedTrajectory(
-        tuple(networks), settings.coefficients, time_scale_s=settings.longest_s, lags=settings.features.lags
+        tuple(networks),
+        settings.coefficients,
+        time_scale_s=settings.longest_s,
+        lags=settings.features.lags,
+        horizon_s=settings.horizon_s,
+        turn_s=settings.turn_s,
     )
 
 
@@ -227,7 +229,7 @@ def _course(east: FloatArray, north: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def error_scale_m(horizons_s: FloatArray) -> FloatArray:
-    """Error at each horizon that counts as one [m]: what thresholds of decimetres forgive, growing."""
+    """Error at each horizon that counts alike [m]; it makes the basis of the coefficients, not the loss."""
     return 0.1 + 0.1 * horizons_s + 0.1 * horizons_s**2
 
 
@@ -238,21 +240,23 @@ def _train_network(
     settings: LearnedSettings,
     step: Callable[[int], None],
 ) -> Network:
-    scale_m = error_scale_m(horizons_s)
-    rng = child_generator(settings.seed, "mirror", str(up_to_noise_m))
-    mirrored = rng.random(len(rows.inputs)) < 0.5
     signs = settings.features.mirrors
-    inputs = np.where(mirrored[:, None], rows.inputs * signs, rows.inputs)
-    errors = np.clip(rows.errors_m / scale_m[:, None], -settings.clip, settings.clip)
-    errors[mirrored, :, 1] *= -1.0
+    centre = np.where(signs > 0, np.median(rows.inputs, axis=0), 0.0)
+    width = np.maximum(2.0 * np.median(np.abs(rows.inputs), axis=0), 2e-3)
     powers = np.vander(horizons_s / settings.longest_s, settings.coefficients, increasing=True)
-    q, r = np.linalg.qr(powers / scale_m[:, None])
-    wanted = np.concatenate([errors[:, :, 0] @ q, errors[:, :, 1] @ q], axis=1)
-    centre = np.where(signs > 0, np.median(inputs, axis=0), 0.0)
-    width = np.maximum(2.0 * np.median(np.abs(inputs), axis=0), 2e-3)
-    squashed = np.arcsinh((inputs - centre) / width)
-    weights, biases = _fit(squashed, wanted, settings, step)
-    # The network's outputs are coefficients in the orthonormal basis q; those of the powers follow from them.
+    _, r = np.linalg.qr(powers / error_scale_m(horizons_s)[:, None])
+    # The network's outputs are coefficients in an orthonormal basis; those of the powers follow from them.
+    basis = powers @ np.linalg.inv(r)
+    lesson = Lesson(
+        rows.inputs,
+        rows.errors_m,
+        centre=centre,
+        width=width,
+        mirrors=signs,
+        basis=basis,
+        steps_s=np.diff(horizons_s, prepend=0.0),
+    )
+    weights, biases = descend(lesson, settings.descent, seed=settings.seed, key=str(up_to_noise_m), step=step)
     back = np.kron(np.eye(2), np.linalg.inv(r)).T
     return Network(
         up_to_noise_m,
@@ -270,39 +274,3 @@ def _train_network(
 def _rounded(array: FloatArray) -> FloatArray:
     """Six digits: a profile is a text, and a weight has no more."""
     return np.array([float(f"{value:.6g}") for value in array.ravel()]).reshape(array.shape)
-
-
-def _fit(
-    inputs: FloatArray, wanted: FloatArray, settings: LearnedSettings, step: Callable[[int], None]
-) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Fit scikit-learn's network, one pass at a time, at three falling learning rates."""
-    network, converging = _regressor(settings)
-    squashed = np.ascontiguousarray(inputs, dtype=np.float32)
-    targets = np.ascontiguousarray(wanted, dtype=np.float32)
-    done = 0
-    for rate, passes in zip((2e-3, 5e-4, 1e-4), settings.epochs, strict=True):
-        network.set_params(learning_rate_init=rate, max_iter=passes, random_state=settings.seed + done)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", converging)
-            network.fit(squashed, targets)
-        done += passes
-        step(done)
-    weights = [np.asarray(layer, dtype=np.float64) for layer in network.coefs_]
-    biases = [np.asarray(layer, dtype=np.float64) for layer in network.intercepts_]
-    return weights, biases
-
-
-def _regressor(settings: LearnedSettings) -> tuple[Any, type[Warning]]:
-    try:
-        from sklearn.exceptions import ConvergenceWarning  # noqa: PLC0415 - an optional extra
-        from sklearn.neural_network import MLPRegressor  # noqa: PLC0415 - an optional extra
-    except ImportError as error:
-        raise MissingExtraError("modelcast train", "train", "scikit-learn") from error
-    regressor: Any = MLPRegressor  # its stubs know batch_size as a text alone
-    network: Any = regressor(
-        hidden_layer_sizes=settings.hidden,
-        batch_size=1024,
-        alpha=settings.penalty,
-        warm_start=True,
-    )
-    return network, ConvergenceWarning
