@@ -1,0 +1,36 @@
+"""What must hold for any octets: they are a message that encodes to the same octets, or a `CodecError`."""
+
+from modelcast.core.exceptions import CodecError
+from modelcast.messages.bsm import decode_bsm, encode_bsm
+from modelcast.messages.frame import decode_frame, encode_frame
+
+__all__ = ["check"]
+
+
+def check(data: bytes) -> bool:
+    """Return whether octets are a basic safety message; fail where they are neither that nor refused properly.
+
+    Parameters
+    ----------
+    data
+        Any octets.
+    """
+    try:
+        frame = decode_frame(data)
+    except CodecError as refusal:
+        assert 0 <= refusal.offset_bits <= 8 * len(data)
+    else:
+        assert encode_frame(frame.message_id, frame.value, frame.additions) == data
+    try:
+        message = decode_bsm(data)
+    except CodecError as refusal:
+        assert 0 <= refusal.offset_bits <= 8 * len(data)
+        return False
+    assert data == encode_bsm(
+        message.core,
+        part_ii=message.part_ii,
+        regional=message.regional,
+        additions=message.additions,
+        frame_additions=message.frame_additions,
+    )
+    return True
