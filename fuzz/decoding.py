@@ -1,14 +1,14 @@
 """What must hold for any octets: they are a message that encodes to the same octets, or a `CodecError`."""
 
 from modelcast.core.exceptions import CodecError
-from modelcast.messages.bsm import decode_bsm, encode_bsm
+from modelcast.messages.bsm import decode_bsm, encode_message
 from modelcast.messages.frame import decode_frame, encode_frame
 
 __all__ = ["check"]
 
 
 def check(data: bytes) -> bool:
-    """Return whether octets are a basic safety message; fail where they are neither that nor refused properly.
+    """Return whether octets are a basic safety message; fail where neither that nor properly refused.
 
     Parameters
     ----------
@@ -26,11 +26,5 @@ def check(data: bytes) -> bool:
     except CodecError as refusal:
         assert 0 <= refusal.offset_bits <= 8 * len(data)
         return False
-    assert data == encode_bsm(
-        message.core,
-        part_ii=message.part_ii,
-        regional=message.regional,
-        additions=message.additions,
-        frame_additions=message.frame_additions,
-    )
+    assert encode_message(message) == data
     return True

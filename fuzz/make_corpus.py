@@ -90,7 +90,10 @@ def main() -> None:
     for old in FOLDER.iterdir():
         old.unlink()
     good = messages(random.Random(4))  # noqa: S311 - not for secrets
-    for name, octets in {**good, **{f"refused-{name}": octets for name, octets in refused(good).items()}}.items():
+    for name, octets in {
+        **good,
+        **{f"refused-{name}": octets for name, octets in refused(good).items()},
+    }.items():
         (FOLDER / name).write_bytes(octets)
 
 

@@ -9,7 +9,7 @@ For many messages at once see `bsm_batch`.
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
-from operator import le, lshift, sub
+from operator import le
 from typing import Final
 
 from modelcast.core.exceptions import CodecError
@@ -26,23 +26,25 @@ from modelcast.messages.bsm_fields import (
 )
 from modelcast.messages.frame import check_additions, check_octets, encode_frame, read_header, read_tail
 
-__all__ = ["BasicSafetyMessage", "BsmCore", "Content", "decode_bsm", "encode_bsm"]
+__all__ = ["BasicSafetyMessage", "BsmCore", "Content", "decode_bsm", "encode_bsm", "encode_message"]
 
 Content = tuple[int, bytes]
 """An id and the octets of an open type."""
 
 _LOWS: Final = tuple(field.low for field in CORE_FIELDS)
 _HIGHS: Final = tuple(field.high for field in CORE_FIELDS)
-_SPANS: Final = tuple(field.high - field.low for field in CORE_FIELDS)
 _MASKS: Final = tuple((1 << field.width_bits) - 1 for field in CORE_FIELDS)
 _SHIFTS: Final = tuple(
     CORE_BITS - sum(field.width_bits for field in CORE_FIELDS[: i + 1]) for i in range(len(CORE_FIELDS))
 )
-_TAKE: Final = tuple(zip(_SHIFTS, _MASKS, strict=True))
+_PUT: Final = tuple(zip(_LOWS, _SHIFTS, strict=True))
+_TAKE: Final = tuple(zip(_SHIFTS, _MASKS, _LOWS, strict=True))
 _PREAMBLE_BITS: Final = 3
 """Extension bit, Part II present, regional extensions present."""
 _CORE_OCTETS: Final = (_PREAMBLE_BITS + CORE_BITS + 7) // 8
 _SPARE_BITS: Final = 8 * _CORE_OCTETS - _PREAMBLE_BITS - CORE_BITS
+_CORE_HEADER: Final = (BASIC_SAFETY_MESSAGE << 8 | _CORE_OCTETS) << 8 * _CORE_OCTETS
+"""Message id and length of a frame that holds Part I alone, in front of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +63,8 @@ class BsmCore:
 
     Examples
     --------
-    >>> core = BsmCore.from_values({"message_count": 7, "temporary_id": 1, "speed_mps": 12.345, "yaw_rate_radps": 0})
+    >>> values = {"message_count": 7, "temporary_id": 1, "speed_mps": 12.345, "yaw_rate_radps": 0.0}
+    >>> core = BsmCore.from_values(values)
     >>> core.value("speed_mps"), core.value("latitude_deg")
     (12.34, None)
     """
@@ -119,9 +122,7 @@ class BsmCore:
 
     def values(self) -> dict[str, float | None]:
         """Values of all fields in SI units, by name."""
-        return {
-            field.name: field.value_of(code) for field, code in zip(CORE_FIELDS, self.codes, strict=True)
-        }
+        return {field.name: field.value_of(code) for field, code in zip(CORE_FIELDS, self.codes, strict=True)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,6 +156,8 @@ class BasicSafetyMessage:
     frame_additions: tuple[bytes | None, ...] = ()
 
     def __post_init__(self) -> None:
+        if not (self.part_ii or self.regional or self.additions or self.frame_additions):
+            return
         for name, contents, most, identifier in (
             ("part_ii", self.part_ii, MAX_PART_II, PART_II_ID),
             ("regional", self.regional, MAX_REGIONAL, REGION_ID),
@@ -192,13 +195,12 @@ def encode_bsm(
     --------
     >>> core = BsmCore.from_values({"message_count": 7, "temporary_id": 1, "yaw_rate_radps": 0})
     >>> len(encode_bsm(core)), len(encode_bsm(core, regional=((128, bytes(20)),)))
-    (40, 63)
+    (40, 62)
     """
-    whole = sum(map(lshift, map(sub, core.codes, _LOWS), _SHIFTS))
-    if not (part_ii or regional or additions):
-        # All preamble bits are zero, and so is the padding.
-        value = (whole << _SPARE_BITS).to_bytes(_CORE_OCTETS, "big")
-        return encode_frame(BASIC_SAFETY_MESSAGE, value, frame_additions)
+    whole = sum([code - low << shift for code, (low, shift) in zip(core.codes, _PUT, strict=True)])
+    if not (part_ii or regional or additions or frame_additions):
+        # Preamble and padding are zero bits, and the header is always the same.
+        return (_CORE_HEADER | whole << _SPARE_BITS).to_bytes(3 + _CORE_OCTETS, "big")
     message = BasicSafetyMessage(
         core, part_ii=part_ii, regional=regional, additions=additions, frame_additions=frame_additions
     )
@@ -217,6 +219,28 @@ def encode_bsm(
     if additions:
         writer.additions(message.additions)
     return encode_frame(BASIC_SAFETY_MESSAGE, writer.octets(), frame_additions)
+
+
+def encode_message(message: BasicSafetyMessage) -> bytes:
+    """Octets of a message with all its parts.
+
+    Parameters
+    ----------
+    message
+        Any message; one that was read gives the octets it was read from.
+
+    Raises
+    ------
+    ValueError
+        Where the frame would be longer than `MAX_FRAME_OCTETS`.
+    """
+    return encode_bsm(
+        message.core,
+        part_ii=message.part_ii,
+        regional=message.regional,
+        additions=message.additions,
+        frame_additions=message.frame_additions,
+    )
 
 
 def decode_bsm(data: bytes) -> BasicSafetyMessage:
@@ -244,10 +268,10 @@ def decode_bsm(data: bytes) -> BasicSafetyMessage:
         raise _core_fault(data, start, stop)
     padded = int.from_bytes(data[start : start + _CORE_OCTETS], "big")
     whole = padded >> _SPARE_BITS
-    raw = [whole >> shift & mask for shift, mask in _TAKE]
-    if not all(map(le, raw, _SPANS)):
-        raise _core_fault(data, start, stop)
-    codes = tuple([code + low for code, low in zip(raw, _LOWS, strict=True)])
+    try:
+        core = BsmCore(tuple([(whole >> shift & mask) + low for shift, mask, low in _TAKE]))
+    except ValueError:
+        raise _core_fault(data, start, stop) from None
     preamble = whole >> CORE_BITS
     part_ii: tuple[Content, ...] = ()
     regional: tuple[Content, ...] = ()
@@ -264,7 +288,7 @@ def decode_bsm(data: bytes) -> BasicSafetyMessage:
         reader.finish()
     frame_additions = read_tail(data, header)
     return BasicSafetyMessage(
-        BsmCore(codes),
+        core,
         part_ii=part_ii,
         regional=regional,
         additions=additions,

@@ -128,7 +128,7 @@ def encode_cores(codes: IntArray) -> tuple[OctetArray, IntArray]:
     >>> values[0, [0, 1, 16]] = 7.0, 1.0, 0.0
     >>> frames, lengths = encode_cores(codes_of_values(values))
     >>> frames[0, :8].tobytes().hex(), lengths.tolist()
-    ('0014250380000000', [40])
+    ('00142501c0000000', [40])
     """
     _check_columns(codes)
     frames = np.empty((codes.shape[0], CORE_FRAME_OCTETS), np.uint8)
@@ -141,7 +141,7 @@ def encode_cores(codes: IntArray) -> tuple[OctetArray, IntArray]:
             if not field.low <= code <= field.high
         )
         raise ValueError(f"row {row}: {field.name}: code {code} must lie within {field.low}..{field.high}")
-    return frames, np.full(codes.shape[0], CORE_FRAME_OCTETS, np.int64)
+    return frames, np.full(len(frames), CORE_FRAME_OCTETS, np.int64)
 
 
 def decode_cores(frames: OctetArray, lengths: IntArray) -> CoreBatch:
@@ -162,9 +162,13 @@ def decode_cores(frames: OctetArray, lengths: IntArray) -> CoreBatch:
     if frames.ndim != 2 or lengths.shape != frames.shape[:1]:
         raise ValueError(f"frames (B, L) and lengths (B,) do not fit: {frames.shape}, {lengths.shape}")
     if lengths.size and not 0 <= lengths.min() <= lengths.max() <= frames.shape[1]:
-        raise ValueError(f"lengths must lie within 0..{frames.shape[1]}, got {lengths.min()}..{lengths.max()}")
-    rows = frames.shape[0]
-    found = CoreBatch(np.zeros((rows, len(CORE_FIELDS)), np.int64), np.empty(rows, np.int64), np.empty(rows, np.bool_))
+        raise ValueError(
+            f"lengths must lie within 0..{frames.shape[1]}, got {lengths.min()}..{lengths.max()}"
+        )
+    rows = len(frames)
+    found = CoreBatch(
+        np.zeros((rows, len(CORE_FIELDS)), np.int64), np.empty(rows, np.int64), np.empty(rows, np.bool_)
+    )
     bsm_kernels.unpack(
         np.ascontiguousarray(frames, np.uint8),
         np.ascontiguousarray(lengths, np.int64),

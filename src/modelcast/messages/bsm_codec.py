@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.messages.bsm import BasicSafetyMessage, decode_bsm, encode_bsm
+from modelcast.messages.bsm import BasicSafetyMessage, decode_bsm, encode_message
 from modelcast.messages.bsm_batch import CORE_FRAME_OCTETS, codes_of_values, values_of_codes
 from modelcast.messages.codec import AbstractCodec
 
@@ -30,13 +30,7 @@ class BsmCodec(AbstractCodec[BasicSafetyMessage]):
 
     def encode(self, message: BasicSafetyMessage) -> bytes:
         """Octets of a message."""
-        return encode_bsm(
-            message.core,
-            part_ii=message.part_ii,
-            regional=message.regional,
-            additions=message.additions,
-            frame_additions=message.frame_additions,
-        )
+        return encode_message(message)
 
     def decode(self, data: bytes) -> BasicSafetyMessage:
         """Message in octets."""
@@ -48,4 +42,4 @@ class BsmCodec(AbstractCodec[BasicSafetyMessage]):
 
     def sizes(self, parameters: FloatArray) -> IntArray:
         """Octets of each frame, (B,): always 40."""
-        return np.full(parameters.shape[0], CORE_FRAME_OCTETS, np.int64)
+        return np.full(len(parameters), CORE_FRAME_OCTETS, np.int64)

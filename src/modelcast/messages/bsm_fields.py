@@ -62,22 +62,25 @@ CORE_FIELDS: tuple[Field, ...] = (
         step=(1, 10), unit="m", meaning="above the ellipsoid",
     ),
     Field(
-        "semi_major_m", "semiMajor", low=0, high=255, known=(0, 254), unavailable=255,
+        "semi_major_m", "accuracy.semiMajor", low=0, high=255, known=(0, 254), unavailable=255,
         step=(1, 20), unit="m", meaning="longer axis of the error ellipse, one standard deviation",
     ),
     Field(
-        "semi_minor_m", "semiMinor", low=0, high=255, known=(0, 254), unavailable=255,
+        "semi_minor_m", "accuracy.semiMinor", low=0, high=255, known=(0, 254), unavailable=255,
         step=(1, 20), unit="m", meaning="shorter axis",
     ),
     Field(
-        "ellipse_orientation_rad", "orientation", low=0, high=65535, known=(0, 65534), unavailable=65535,
-        step=(360, 65535), unit="deg", si_per_unit=_DEGREE, outside=Outside.TURN,
+        "ellipse_orientation_rad", "accuracy.orientation", low=0, high=65535, known=(0, 65534),
+        unavailable=65535, step=(360, 65535), unit="deg", si_per_unit=_DEGREE, outside=Outside.TURN,
         meaning="of the longer axis, clockwise from north",
     ),
     Field(
         "transmission", "transmission", low=0, high=7, unavailable=7, outside=Outside.REFUSE,
-        choices=("neutral", "park", "forward", "reverse", "reserved1", "reserved2", "reserved3", "unavailable"),
-        meaning="state of the gearbox; reverse tells the sign of the speed",
+        choices=(
+            "neutral", "park", "forwardGears", "reverseGears",
+            "reserved1", "reserved2", "reserved3", "unavailable",
+        ),
+        meaning="state of the gearbox; reverseGears tells the sign of the speed",
     ),
     Field(
         "speed_mps", "speed", low=0, high=8191, known=(0, 8190), unavailable=8191,
@@ -106,7 +109,8 @@ CORE_FIELDS: tuple[Field, ...] = (
     ),
     Field(
         "yaw_rate_radps", "accelSet.yaw", low=-32767, high=32767,
-        step=(1, 100), unit="deg/s", si_per_unit=_DEGREE, meaning="clockwise positive; no code for unavailable",
+        step=(1, 100), unit="deg/s", si_per_unit=_DEGREE,
+        meaning="clockwise positive; no code for unavailable",
     ),
     Field(
         "wheel_brakes", "brakes.wheelBrakes", low=0, high=31, unavailable=16, outside=Outside.REFUSE,
@@ -131,7 +135,7 @@ CORE_FIELDS: tuple[Field, ...] = (
     ),
     Field(
         "auxiliary_brakes", "brakes.auxBrakes", low=0, high=3, unavailable=0, outside=Outside.REFUSE,
-        choices=("unavailable", "off", "on", "reserved"), meaning="auxiliary brakes, parking brake among them",
+        choices=("unavailable", "off", "on", "reserved"), meaning="auxiliary brakes, often the parking brake",
     ),
     Field(
         "width_m", "size.width", low=0, high=1023, known=(1, 1023), unavailable=0,

@@ -140,7 +140,7 @@ def _code_of(value: float, row: Any) -> Any:
     steps = np.rint(value / row[SCALE] * row[STEP_DENOMINATOR] / row[STEP_NUMERATOR])
     if outside == _REFUSE:
         return steps, first <= steps <= last and steps == value
-    if outside == _TURN and not np.isinf(value):
+    if outside == _TURN and not np.isinf(steps):
         turn = last - first + 1.0
         return first + np.fmod(np.fmod(steps - first, turn) + turn, turn), True
     if first <= steps <= last:

@@ -11,6 +11,9 @@ from enum import IntEnum
 __all__ = ["Field", "Outside"]
 
 
+_UNIT_SUFFIXES = ("_mps2", "_radps", "_mps", "_rad", "_deg", "_m", "_s")
+
+
 class Outside(IntEnum):
     """What becomes of a value that has no code of its own."""
 
@@ -97,6 +100,14 @@ class Field:
         return (self.high - self.low).bit_length()
 
     @property
+    def quantity(self) -> str:
+        """Our name without its unit."""
+        for suffix in _UNIT_SUFFIXES:
+            if self.name.endswith(suffix):
+                return self.name.removesuffix(suffix)
+        return self.name
+
+    @property
     def known_codes(self) -> tuple[int, int]:
         """Lowest and highest code that stand for a value."""
         return (self.low, self.high) if self.known is None else self.known
@@ -123,13 +134,12 @@ class Field:
         if value is None or math.isnan(value):
             return self._unavailable_code()
         first, last = self.known_codes
-        if math.isinf(value):
-            steps = first - 2 if value < 0 else last + 1
-        else:
-            steps = round(value / self.si_per_unit * self.step[1] / self.step[0])
+        exact = value / self.si_per_unit * self.step[1] / self.step[0]
+        endless = math.isinf(exact)
+        steps = (first - 2 if exact < 0 else last + 1) if endless else round(exact)
         if self.outside is Outside.REFUSE and not (first <= steps <= last and steps == value):
             raise ValueError(f"{self.name} must be a whole number within {first}..{last}, got {value}")
-        if self.outside is Outside.TURN and not math.isinf(value):
+        if self.outside is Outside.TURN and not endless:
             return first + (steps - first) % (last - first + 1)
         if first <= steps <= last:
             return steps

@@ -5,6 +5,7 @@ A frame's contents are an open type, so a frame can be read without knowing the 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from modelcast.core.exceptions import CodecError
 from modelcast.messages.bits import MAX_OCTETS, BitReader, BitWriter
@@ -55,9 +56,8 @@ class MessageFrame:
         check_additions("additions", self.additions)
 
 
-@dataclass(frozen=True, slots=True)
-class FrameHeader:
-    """What stands before a message in its frame.
+class FrameHeader(NamedTuple):
+    """What stands before a message in its frame; a tuple, for one is made with every message read.
 
     Parameters
     ----------
@@ -166,8 +166,14 @@ def read_header(data: bytes, expected_id: int | None = None) -> FrameHeader:
     CodecError
         Where the frame is too long, cut short, empty, or holds another message.
     """
-    if len(data) > MAX_FRAME_OCTETS:
-        raise CodecError(f"{len(data)} octets, a frame has {MAX_FRAME_OCTETS} at most", 8 * MAX_FRAME_OCTETS)
+    octets = len(data)
+    if octets > MAX_FRAME_OCTETS:
+        raise CodecError(f"{octets} octets, a frame has {MAX_FRAME_OCTETS} at most", 8 * MAX_FRAME_OCTETS)
+    if octets > 3 and data[0] < 0x80 and 0 < data[2] < 0x80 and data[2] <= octets - 3:
+        # The common case, without a reader: no additions, a length in one octet.
+        message_id = data[0] << 8 | data[1]
+        if expected_id is None or message_id == expected_id:
+            return FrameHeader(message_id, extended=False, start=3, stop=3 + data[2])
     reader = BitReader(data)
     extended = bool(reader.bits(1))
     message_id = reader.bits(15)
