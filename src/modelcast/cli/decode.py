@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator
 
+from modelcast.cli.options import Source
+
 __all__ = ["decode"]
 
 
-def decode(source: str, *, json: bool = False) -> int:
+def decode(source: Source, *, json: bool = False) -> int:
     """Show the fields of encoded basic safety messages, with their units.
 
     Parameters

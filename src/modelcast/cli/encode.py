@@ -5,10 +5,12 @@ from typing import Annotated, cast
 
 from cyclopts import Parameter
 
+from modelcast.cli.options import Source
+
 __all__ = ["encode"]
 
 
-def encode(source: str = "-", *, json: Annotated[bool, Parameter(negative="")] = True) -> int:
+def encode(source: Source = "-", *, json: Annotated[bool, Parameter(negative="")] = True) -> int:
     """Print the octets of basic safety messages as hexadecimal digits, one message a line.
 
     Parameters
