@@ -34,6 +34,8 @@ def messages(rng: random.Random) -> dict[str, bytes]:
         "both": encode_bsm(cores[5], part_ii=((1, some[0]),), regional=((LOCAL_REGION, some[4]),)),
         "additions": encode_bsm(cores[6], additions=(None, some[1], None)),
         "additions-65": encode_bsm(cores[6], additions=(*[None] * 64, some[0])),
+        "additions-most-absent": encode_bsm(cores[6], additions=(*[None] * 16_000, some[0])),
+        "additions-most": encode_bsm(lowest, additions=(some[0],) * 7000),
         "all": encode_bsm(
             cores[7],
             part_ii=((63, some[0]),),

@@ -9,7 +9,7 @@ from functools import cache
 from importlib import resources
 from typing import Any, Protocol, cast
 
-import asn1tools  # pyright: ignore[reportMissingImports]
+import asn1tools
 
 from modelcast.messages.bsm import BasicSafetyMessage, BsmCore
 from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_FIELDS
