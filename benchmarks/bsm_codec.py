@@ -28,10 +28,10 @@ from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_FIELDS
 __all__ = ["main"]
 
 BATCH = 10_000
-ROUNDS = 25
+ROUNDS = 200
 LEAST_BATCH_RATIO = 20
 LEAST_SINGLE_RATIO = 3
-PEER_MESSAGES = 200
+PEER_MESSAGES = 25
 
 
 def random_codes(rng: np.random.Generator, count: int) -> Any:
