@@ -280,7 +280,7 @@ def test_a_core_alone_takes_40_octets_and_an_extension_of_24_takes_26_more() -> 
     core = BsmCore.from_values({"message_count": 0, "temporary_id": 0, "yaw_rate_radps": 0.0})
     assert len(encode_bsm(core)) == 40
     # Two bits of count, eight of id, eight of length, 24 octets; three bits were spare.
-    assert len(encode_bsm(core, regional=((128, bytes(24)),))) == 40 + 26
+    assert len(encode_bsm(core, regional=[(128, bytes(24))])) == 40 + 26
 
 
 @given(CORES)

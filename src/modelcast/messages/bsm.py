@@ -7,7 +7,7 @@ put into it. Whoever knows a regional extension encodes and decodes its octets o
 For many messages at once see `bsm_batch`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from operator import le
 from typing import Final
@@ -174,10 +174,10 @@ class BasicSafetyMessage:
 def encode_bsm(
     core: BsmCore,
     *,
-    part_ii: tuple[Content, ...] = (),
-    regional: tuple[Content, ...] = (),
-    additions: tuple[bytes | None, ...] = (),
-    frame_additions: tuple[bytes | None, ...] = (),
+    part_ii: Sequence[Content] = (),
+    regional: Sequence[Content] = (),
+    additions: Sequence[bytes | None] = (),
+    frame_additions: Sequence[bytes | None] = (),
 ) -> bytes:
     """Octets of a basic safety message in its frame.
 
@@ -202,10 +202,15 @@ def encode_bsm(
         # Preamble and padding are zero bits, and the header is always the same.
         return (_CORE_HEADER | whole << _SPARE_BITS).to_bytes(3 + _CORE_OCTETS, "big")
     message = BasicSafetyMessage(
-        core, part_ii=part_ii, regional=regional, additions=additions, frame_additions=frame_additions
+        core,
+        part_ii=tuple(part_ii),
+        regional=tuple(regional),
+        additions=tuple(additions),
+        frame_additions=tuple(frame_additions),
     )
     writer = BitWriter()
-    writer.bits(bool(additions) << 2 | bool(part_ii) << 1 | bool(regional), _PREAMBLE_BITS)
+    preamble = bool(message.additions) << 2 | bool(message.part_ii) << 1 | bool(message.regional)
+    writer.bits(preamble, _PREAMBLE_BITS)
     writer.bits(whole, CORE_BITS)
     for contents, count_bits, identifier in (
         (message.part_ii, (MAX_PART_II - 1).bit_length(), PART_II_ID),
@@ -216,9 +221,9 @@ def encode_bsm(
             for number, octets in contents:
                 writer.bits(number, identifier.width_bits)
                 writer.open_type(octets)
-    if additions:
+    if message.additions:
         writer.additions(message.additions)
-    return encode_frame(BASIC_SAFETY_MESSAGE, writer.octets(), frame_additions)
+    return encode_frame(BASIC_SAFETY_MESSAGE, writer.octets(), message.frame_additions)
 
 
 def encode_message(message: BasicSafetyMessage) -> bytes:
