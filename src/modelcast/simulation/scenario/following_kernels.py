@@ -92,10 +92,10 @@ def follow(
     else:
         idm = free if z < 1.0 else free + a * (1.0 - z * z)
     la = min(leader_a, a)
-    if leader_v * dv <= -2.0 * s * la:
-        below = leader_v * leader_v - 2.0 * s * la
-        heuristic = v * v * la / below if below > 1e-9 else 0.0
-    else:
+    below = leader_v * leader_v - 2.0 * s * la
+    if leader_v * dv <= -2.0 * s * la and below > 1e-9:
+        heuristic = v * v * la / below
+    else:  # also behind a leader that stands, where the other form is 0 / 0
         heuristic = la - (dv * dv / (2.0 * s) if dv > 0.0 else 0.0)
     if idm >= heuristic:
         return idm
