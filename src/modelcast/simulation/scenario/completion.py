@@ -1,6 +1,7 @@
-"""Frames from files and other simulators, completed: rates that are missing, from the frames around.
+"""Frames from files and other simulators, completed: columns that are missing, from the frames around.
 
-Truth may look ahead, so a frame is completed when the next is known. What is missing is NaN.
+Truth may look ahead: speed and heading come from positions one frame to either side, acceleration and yaw
+rate from speeds and headings in the same way. What is missing is NaN.
 """
 
 from collections.abc import Iterable, Iterator
@@ -13,97 +14,94 @@ from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.core.sensor import HEADING_HOLD_MPS
 from modelcast.simulation.scenario.base import FleetFrame
 
-__all__ = ["complete", "completed"]
+__all__ = ["completed"]
 
 
 def completed(frames: Iterable[FleetFrame]) -> Iterator[FleetFrame]:
-    """Yield frames with every column known, one frame late.
+    """Yield frames with every column known, at most two frames late.
+
+    At a vehicle's first and last frame the difference is on one side; a vehicle seen once has zeros. Below
+    `HEADING_HOLD_MPS` a heading taken from positions keeps its last value.
 
     Parameters
     ----------
     frames
         Frames in order of time; speeds, headings, accelerations and yaw rates that are not known are NaN.
     """
+    return _with_rates(_with_course(frames))
+
+
+def _with_course(frames: Iterable[FleetFrame]) -> Iterator[FleetFrame]:
+    """Yield frames with speed and heading."""
+    done: FleetFrame | None = None
+    for before, now, after in _triples(frames):
+        if not (np.isnan(now.speed_mps).any() or np.isnan(now.heading_rad).any()):
+            done = now
+            yield now
+            continue
+        earlier, had = _beside(now, before)
+        later, has = _beside(now, after)
+        span = _span(now, earlier, had, later, has)
+        moved = (
+            np.where(has[:, None], later.position_m, now.position_m)
+            - np.where(had[:, None], earlier.position_m, now.position_m)
+        ) / span[:, None]
+        speed = _filled(now.speed_mps, np.hypot(moved[:, 0], moved[:, 1]))
+        course = np.arctan2(moved[:, 0], moved[:, 1])
+        if done is not None:
+            course = np.where(had & (speed < HEADING_HOLD_MPS), done.heading_rad, course)
+        heading = wrap_angle_rad(_filled(now.heading_rad, course))
+        done = replace(now, speed_mps=speed * now.active, heading_rad=heading * now.active)
+        yield done
+
+
+def _with_rates(frames: Iterable[FleetFrame]) -> Iterator[FleetFrame]:
+    """Yield frames with acceleration and yaw rate, from frames that have speed and heading."""
+    for before, now, after in _triples(frames):
+        earlier, had = _beside(now, before)
+        later, has = _beside(now, after)
+        span = _span(now, earlier, had, later, has)
+        gained = np.where(has, later.speed_mps, now.speed_mps) - np.where(
+            had, earlier.speed_mps, now.speed_mps
+        )
+        turned = np.where(has, later.heading_rad, now.heading_rad) - np.where(
+            had, earlier.heading_rad, now.heading_rad
+        )
+        yield replace(
+            now,
+            acceleration_mps2=_filled(now.acceleration_mps2, gained / span) * now.active,
+            yaw_rate_radps=_filled(now.yaw_rate_radps, wrap_angle_rad(turned) / span) * now.active,
+        )
+
+
+def _triples(
+    frames: Iterable[FleetFrame],
+) -> Iterator[tuple[FleetFrame | None, FleetFrame, FleetFrame | None]]:
+    """Yield every frame between those before and after it."""
     before: FleetFrame | None = None
     now: FleetFrame | None = None
     for after in frames:
         if now is not None:
-            before = complete(before, now, after)
-            yield before
-        now = after
+            yield before, now, after
+        before, now = now, after
     if now is not None:
-        yield complete(before, now, None)
+        yield before, now, None
 
 
-def complete(before: FleetFrame | None, now: FleetFrame, after: FleetFrame | None) -> FleetFrame:
-    """Return a frame without NaN: differences on both sides, on one side at a vehicle's first and last frame.
-
-    Speed comes from positions, heading from positions where the vehicle is faster than `HEADING_HOLD_MPS`
-    (else the frame before), acceleration from speeds, yaw rate from headings. A vehicle seen once has zeros.
-
-    Parameters
-    ----------
-    before
-        The frame before, complete.
-    now
-        The frame.
-    after
-        The frame after.
-    """
-    earlier, has_earlier = _neighbour(now, before)
-    later, has_later = _neighbour(now, after)
-    span = np.where(has_later, later.t_s, now.t_s) - np.where(has_earlier, earlier.t_s, now.t_s)
-    span = np.where(span > 0.0, span, np.inf)
-    moved = np.where(has_later[:, None], later.position_m, now.position_m) - np.where(
-        has_earlier[:, None], earlier.position_m, now.position_m
-    )
-    speed = _filled(now.speed_mps, np.hypot(moved[:, 0], moved[:, 1]) / span)
-    course = np.arctan2(moved[:, 0], moved[:, 1])
-    held = np.where(has_earlier & (speed < HEADING_HOLD_MPS), earlier.heading_rad, course)
-    heading = wrap_angle_rad(_filled(now.heading_rad, held))
-    gained = _difference(earlier.speed_mps, has_earlier, speed, later.speed_mps, has_later)
-    turned = wrap_angle_rad(
-        _difference(earlier.heading_rad, has_earlier, heading, later.heading_rad, has_later)
-    )
-    here = now.active
-    return replace(
-        now,
-        speed_mps=speed * here,
-        heading_rad=heading * here,
-        acceleration_mps2=_filled(now.acceleration_mps2, _over(gained, has_earlier, has_later, now, later, earlier))
-        * here,
-        yaw_rate_radps=_filled(now.yaw_rate_radps, _over(turned, has_earlier, has_later, now, later, earlier))
-        * here,
-    )
-
-
-def _neighbour(now: FleetFrame, other: FleetFrame | None) -> tuple[FleetFrame, BoolArray]:
+def _beside(now: FleetFrame, other: FleetFrame | None) -> tuple[FleetFrame, BoolArray]:
     """Return a frame beside this one, and in which slots it holds the same vehicle."""
     if other is None:
         return now, np.zeros(len(now), dtype=np.bool_)
-    return other, now.active & other.active & (now.vehicle_id == other.vehicle_id)
+    return other, now.active & (now.vehicle_id == other.vehicle_id)
+
+
+def _span(
+    now: FleetFrame, earlier: FleetFrame, had: BoolArray, later: FleetFrame, has: BoolArray
+) -> FloatArray:
+    """Return the time between a vehicle's neighbouring frames, infinite where it has none, (V,) [s]."""
+    span = np.where(has, later.t_s - now.t_s, 0.0) + np.where(had, now.t_s - earlier.t_s, 0.0)
+    return np.where(span > 0.0, span, np.inf)
 
 
 def _filled(column: FloatArray, with_what: FloatArray) -> FloatArray:
     return np.where(np.isnan(column), with_what, column)
-
-
-def _difference(
-    earlier: FloatArray, has_earlier: BoolArray, now: FloatArray, later: FloatArray, has_later: BoolArray
-) -> FloatArray:
-    """Return the change over the known neighbours; a later value that is not known counts as no neighbour."""
-    after = np.where(has_later & ~np.isnan(later), later, now)
-    return after - np.where(has_earlier, earlier, now)
-
-
-def _over(
-    change: FloatArray,
-    has_earlier: BoolArray,
-    has_later: BoolArray,
-    now: FleetFrame,
-    later: FleetFrame,
-    earlier: FleetFrame,
-) -> FloatArray:
-    """Return a change over the time it took."""
-    span = np.where(has_later, later.t_s - now.t_s, 0.0) + np.where(has_earlier, now.t_s - earlier.t_s, 0.0)
-    return change / np.where(span > 0.0, span, np.inf)

@@ -103,9 +103,7 @@ def follow(
 
 
 @numba.njit(cache=True, nogil=True)
-def wanted(
-    drivers: Any, i: int, v: float, gap: float, leader_v: float, leader_a: float, v0: float
-) -> float:
+def wanted(drivers: Any, i: int, v: float, gap: float, leader_v: float, leader_a: float, v0: float) -> float:
     """Acceleration of driver i behind a leader, with a desired speed of the moment."""
     return follow(
         v,

@@ -100,9 +100,7 @@ def sort_by_link(numbers: Any, integers: Any, order: Any, first: Any) -> None:
 
 
 @numba.njit(cache=True, nogil=True)
-def _perceived(
-    numbers: Any, drivers: Any, i: int, j: int, gap: float, v0: float, perception: float
-) -> float:
+def _perceived(numbers: Any, drivers: Any, i: int, j: int, gap: float, v0: float, perception: float) -> float:
     """Acceleration that driver i, with the errors of the moment, wants behind j."""
     if gap > LOOK_M:
         return wanted(drivers, i, numbers[V, i], FREE_M, 0.0, 0.0, v0)
@@ -143,7 +141,9 @@ def step(
     kept, pedal_kept = exp(-dt / ERROR_S), exp(-dt / PEDAL_S)
     fresh, pedal_fresh = sqrt(1.0 - kept * kept), sqrt(1.0 - pedal_kept * pedal_kept)
     taken = np.zeros(links)
-    user = np.full(links, -1)  # by junction, of which there are fewer: the approach whose vehicles are in it or bound to be
+    user = np.full(
+        links, -1
+    )  # by junction, of which there are fewer: the approach whose vehicles are in it or bound to be
     for i in range(vehicles):
         numbers[GAP_ERR, i] = kept * numbers[GAP_ERR, i] + fresh * normals[0, i]
         numbers[APPROACH_ERR, i] = kept * numbers[APPROACH_ERR, i] + fresh * normals[1, i]
@@ -235,7 +235,14 @@ def step(
 
 @numba.njit(cache=True, nogil=True)
 def poses(
-    numbers: Any, integers: Any, start: Any, direction: Any, connectors: Any, curve: Any, settings: Any, out: Any
+    numbers: Any,
+    integers: Any,
+    start: Any,
+    direction: Any,
+    connectors: Any,
+    curve: Any,
+    settings: Any,
+    out: Any,
 ) -> None:
     """Write the vehicles' motion on the plane, (6, V)."""
     points = curve.shape[1]

@@ -63,7 +63,15 @@ def _is_in(lane: int, numbers: Any, integers: Any, i: int) -> bool:
 
 @numba.njit(cache=True, nogil=True)
 def _neighbour(
-    numbers: Any, integers: Any, order: Any, first: int, end: int, k: int, lane: int, ahead: int, length: float
+    numbers: Any,
+    integers: Any,
+    order: Any,
+    first: int,
+    end: int,
+    k: int,
+    lane: int,
+    ahead: int,
+    length: float,
 ) -> tuple[int, float]:
     """Nearest other vehicle in a lane, ahead (1) or behind (-1) of the k-th, and the distance of middles."""
     own = numbers[S, order[k]]
@@ -91,7 +99,15 @@ def _behind(numbers: Any, drivers: Any, i: int, j: int, distance: float) -> floa
 
 @numba.njit(cache=True, nogil=True)
 def _gain(
-    numbers: Any, integers: Any, order: Any, drivers: Any, first: int, end: int, k: int, lane: int, length: float
+    numbers: Any,
+    integers: Any,
+    order: Any,
+    drivers: Any,
+    first: int,
+    end: int,
+    k: int,
+    lane: int,
+    length: float,
 ) -> float:
     """What a change to a lane is worth (MOBIL), minus infinity where it is not safe [m/s²]."""
     i = order[k]
@@ -121,7 +137,15 @@ def _gain(
 
 @numba.njit(cache=True, nogil=True)
 def _choose_lane(
-    numbers: Any, integers: Any, order: Any, drivers: Any, settings: Any, first: int, end: int, k: int, lanes: int
+    numbers: Any,
+    integers: Any,
+    order: Any,
+    drivers: Any,
+    settings: Any,
+    first: int,
+    end: int,
+    k: int,
+    lanes: int,
 ) -> None:
     """Begin a lane change where it is worth more than the threshold; lane 0 is the rightmost."""
     i = order[k]
@@ -151,9 +175,7 @@ def _behind_in_lane(
     leader_v = max(0.0, numbers[V, j] - error)
     if gap > LOOK_M:
         seen = FREE_M
-    return wanted(
-        drivers, i, numbers[V, i], seen, leader_v, numbers[A, j], drivers[DESIRED_SPEED, i]
-    ), gap
+    return wanted(drivers, i, numbers[V, i], seen, leader_v, numbers[A, j], drivers[DESIRED_SPEED, i]), gap
 
 
 @numba.njit(cache=True, nogil=True)

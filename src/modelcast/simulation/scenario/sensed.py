@@ -172,7 +172,12 @@ def sensed(
 
 
 def _advanced(
-    slow: FloatArray, fresh: BoolArray, elapsed_s: float, correlation_s: float, noise: FloatArray, first: FloatArray
+    slow: FloatArray,
+    fresh: BoolArray,
+    elapsed_s: float,
+    correlation_s: float,
+    noise: FloatArray,
+    first: FloatArray,
 ) -> FloatArray:
     """Return the slow errors after a step of the Gauss-Markov process; new vehicles begin stationary."""
     kept = float(np.exp(-elapsed_s / correlation_s)) if np.isfinite(elapsed_s) else 0.0

@@ -92,9 +92,7 @@ def turn_curve(tangent_m: float) -> tuple[float, FloatArray]:
     return length_m, np.concatenate([unit * length_m, tangent[:, None]], axis=1)
 
 
-def make_streets(
-    columns: int, rows: int, *, block_m: float, junction_m: float, green_s: float
-) -> Streets:
+def make_streets(columns: int, rows: int, *, block_m: float, junction_m: float, green_s: float) -> Streets:
     """Return the tables of a grid of junctions, the south-western one at the origin.
 
     Parameters
