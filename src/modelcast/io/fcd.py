@@ -116,7 +116,9 @@ def _frames(path: str, slots: int, length_m: float, *, front_bumper: bool) -> It
         yield frame
 
 
-def _shift_back(path: str, rows: list[FcdRow], numbers: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> None:
+def _shift_back(
+    path: str, rows: list[FcdRow], numbers: np.ndarray[tuple[int, int], np.dtype[np.float64]]
+) -> None:
     """Move positions from front bumpers to middles, in place."""
     for row, entry in zip(rows, numbers, strict=True):
         heading, half = float(entry[_HEADING]), 0.5 * float(entry[_LENGTH])

@@ -9,7 +9,15 @@ from modelcast.simulation.scenario.base import NOBODY, FleetFrame
 
 __all__ = ["RAW_COLUMNS", "FleetSlots"]
 
-RAW_COLUMNS = ("east_m", "north_m", "speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps", "length_m")
+RAW_COLUMNS = (
+    "east_m",
+    "north_m",
+    "speed_mps",
+    "heading_rad",
+    "acceleration_mps2",
+    "yaw_rate_radps",
+    "length_m",
+)
 """Columns of the rows that `FleetSlots.frame` takes."""
 
 

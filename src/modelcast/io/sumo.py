@@ -60,7 +60,9 @@ def run_sumo(
         Where SUMO refuses the input, or there are more vehicles than slots.
     """
     library = _library()
-    return completed(_frames(library, source, slots, round(duration_s / STEP_S), seed, round(warm_up_s / STEP_S)))
+    return completed(
+        _frames(library, source, slots, round(duration_s / STEP_S), seed, round(warm_up_s / STEP_S))
+    )
 
 
 def _library() -> Any:
@@ -82,7 +84,7 @@ def _frames(
         library.start(
             [
                 "sumo", "-n", str(source.network), "-r", str(source.routes), "--step-length", str(STEP_S),
-                "--lateral-resolution", str(_LATERAL_M), "--step-method.ballistic", "true",
+                "--lateral-resolution", str(_LATERAL_M),
                 "--seed", str(seed), "--no-step-log", "true", "--no-warnings", "true",
                 "--time-to-teleport", "-1", "--collision.action", "none",
             ]
@@ -103,7 +105,9 @@ def _frames(
             t_s = round((step - warm_up) * STEP_S, 6)
             frame = seats.frame(t_s, labels, rows)
             if frame is None:
-                raise ConfigError(f"{len(labels)} vehicles at {t_s} s do not fit into {slots} slots: raise slots")
+                raise ConfigError(
+                    f"{len(labels)} vehicles at {t_s} s do not fit into {slots} slots: raise slots"
+                )
             yield frame
     finally:
         library.close()

@@ -20,7 +20,14 @@ from modelcast.core.exceptions import ConfigError, MissingExtraError
 __all__ = ["SumoInput", "grid_input", "highway_input", "junction_input", "sumo_home"]
 
 _LONGEST_EDGE_M = 400.0
-_SMOOTH = ("--junctions.corner-detail", "10", "--junctions.internal-link-detail", "20", "--no-turnarounds", "true")
+_SMOOTH = (
+    "--junctions.corner-detail",
+    "10",
+    "--junctions.internal-link-detail",
+    "20",
+    "--no-turnarounds",
+    "true",
+)
 _TYPE = (
     '<vType id="car" carFollowModel="EIDM" laneChangeModel="SL2015" length="4.6" width="1.8" minGap="2.0" '
     'tau="1.2" accel="1.5" decel="2.0" emergencyDecel="8.0" maxSpeed="50" '
