@@ -96,7 +96,7 @@ def test_a_vehicle_that_comes_again_is_a_new_one(tmp_path: Path) -> None:
         ("t,x,y\n0,1,2\n", 1, "vehicle"),
         ("timestep_time;vehicle_id;vehicle_x;vehicle_y\n0;a;1;2\n", 2, "heading"),
         ('<fcd-export>\n<timestep time="0">\n<vehicle id="a" x="b" y="2"/>\n', 3, "'b'"),
-        ('<fcd-export>\n<timestep time="0">\n<vehicle id="a" x="1" y="2"\n', 4, "well-formed"),
+        ('<fcd-export>\n<timestep time="0">\n<vehicle id="a" x="1" y="2"\n', 3, "well-formed"),
         ('<routes>\n<vehicle id="a"/></routes>', 2, "blank"),
         ("<routes></routes>", 1, "fcd-export"),
     ],

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.io.fcd_rows import FcdRow, is_sumo, read_rows
@@ -32,8 +33,8 @@ def read_fcd(
 ) -> Iterator[FleetFrame]:
     """Yield a file's frames at the file's own times, counted from its first.
 
-    Only a few frames are held at a time. A step of 0.1 s is what senders need; `modelcast.simulation.scenario.
-    resampling.resampled` makes it of a coarser one.
+    Only a few frames are held at a time. A step of 0.1 s is what senders need; `resampled`, in
+    `modelcast.simulation.scenario.resampling`, makes it of a coarser one.
 
     Parameters
     ----------
@@ -94,7 +95,7 @@ def _frames(path: str, slots: int, length_m: float, *, front_bumper: bool) -> It
             if row.vehicle in labels:
                 raise DataFormatError(
                     path,
-                    f"vehicle {row.vehicle} occurs twice at time {row.t_s}, first in row {labels[row.vehicle]}",
+                    f"vehicle {row.vehicle} occurs twice at {row.t_s} s, also in row {labels[row.vehicle]}",
                     row=row.row,
                     remedy="Leave one row a vehicle and time.",
                 )
@@ -116,9 +117,7 @@ def _frames(path: str, slots: int, length_m: float, *, front_bumper: bool) -> It
         yield frame
 
 
-def _shift_back(
-    path: str, rows: list[FcdRow], numbers: np.ndarray[tuple[int, int], np.dtype[np.float64]]
-) -> None:
+def _shift_back(path: str, rows: list[FcdRow], numbers: FloatArray) -> None:
     """Move positions from front bumpers to middles, in place."""
     for row, entry in zip(rows, numbers, strict=True):
         heading, half = float(entry[_HEADING]), 0.5 * float(entry[_LENGTH])

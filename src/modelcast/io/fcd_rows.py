@@ -1,4 +1,4 @@
-"""Rows of floating-car data from CSV, Parquet and SUMO's XML, one at a time, each with its number in the file.
+"""Rows of floating-car data from CSV, Parquet and SUMO's XML, each with its number in the file.
 
 =================  =======================  ========================================================
 Meaning            Unit                     Names, the first that is there
@@ -27,7 +27,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import inf, nan, pi
 from pathlib import Path
 from typing import Any, NamedTuple
-from xml.parsers import expat  # noqa: S407 - expat itself limits entity expansion
+from xml.parsers import expat
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -244,10 +244,10 @@ def _xml_rows(path: str) -> Iterator[FcdRow]:
     try:
         with Path(path).open("rb") as file:
             while chunk := file.read(_CHUNK):
-                parser.Parse(chunk, False)  # noqa: FBT003 - positional in expat
+                parser.Parse(chunk, False)
                 yield from found
                 found.clear()
-            parser.Parse(b"", True)  # noqa: FBT003
+            parser.Parse(b"", True)
     except expat.ExpatError as error:
         yield from found
         raise DataFormatError(

@@ -60,9 +60,8 @@ def run_sumo(
         Where SUMO refuses the input, or there are more vehicles than slots.
     """
     library = _library()
-    return completed(
-        _frames(library, source, slots, round(duration_s / STEP_S), seed, round(warm_up_s / STEP_S))
-    )
+    steps, warm_up = round(duration_s / STEP_S), round(warm_up_s / STEP_S)
+    return completed(_frames(library, source, slots, steps=steps, seed=seed, warm_up=warm_up))
 
 
 def _library() -> Any:
@@ -77,7 +76,7 @@ def _library() -> Any:
 
 
 def _frames(
-    library: Any, source: SumoInput, slots: int, steps: int, seed: int, warm_up: int
+    library: Any, source: SumoInput, slots: int, *, steps: int, seed: int, warm_up: int
 ) -> Iterator[FleetFrame]:
     seats = FleetSlots(slots)
     try:

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from xml.etree import ElementTree as ET  # noqa: S405 - reads only what netgenerate has just written
+from xml.etree import ElementTree as ET
 
 import numpy as np
 
@@ -64,8 +64,8 @@ def sumo_home() -> Path:
 
 
 def highway_input(
-    folder: str | Path, *, length_m: float = 2000.0, density_per_km: float = 60.0, lanes: int = 3, seed: int = 0,
-    duration_s: float = 300.0,
+    folder: str | Path, *, length_m: float = 2000.0, density_per_km: float = 60.0, lanes: int = 3,
+    seed: int = 0, duration_s: float = 300.0,
 ) -> SumoInput:  # fmt: skip
     """Highway in both directions, begun at a density and kept near it by what flows in at both ends.
 
@@ -119,20 +119,21 @@ def highway_input(
                 edge, pos = divmod(float(place), piece_m)
                 out.append(
                     f'<vehicle id="v{number}" type="car" route="{way}" depart="0" departEdge="{int(edge)}" '
-                    f'departPos="{max(pos, 5.0):.2f}" departLane="{lane}" departSpeed="{0.8 * speed_mps:.2f}"/>'
+                    f'departPos="{max(pos, 5.0):.2f}" departLane="{lane}" '
+                    f'departSpeed="{0.8 * speed_mps:.2f}"/>'
                 )
                 number += 1
-        period = 1.0 / max(per_lane * lanes * speed_mps / 1000.0, 1e-3)
+        rate = max(per_lane * lanes * speed_mps / 1000.0, 1e-3)
         out.append(
-            f'<flow id="{way}f" type="car" route="{way}" begin="0" end="{duration_s}" period="exp({1 / period:.5f})" '
-            'departLane="best" departSpeed="desired"/>'
+            f'<flow id="{way}f" type="car" route="{way}" begin="0" end="{duration_s}" '
+            f'period="exp({rate:.5f})" departLane="best" departSpeed="desired"/>'
         )
     return SumoInput(network, _routes(at, out))
 
 
 def grid_input(
-    folder: str | Path, *, columns: int = 5, rows: int = 5, density_per_km: float = 20.0, block_m: float = 200.0,
-    seed: int = 0, duration_s: float = 300.0,
+    folder: str | Path, *, columns: int = 5, rows: int = 5, density_per_km: float = 20.0,
+    block_m: float = 200.0, seed: int = 0, duration_s: float = 300.0,
 ) -> SumoInput:  # fmt: skip
     """Manhattan grid with signals; vehicles wander at random and nobody leaves before the end.
 
@@ -236,7 +237,7 @@ def junction_input(
 
 def _begin(flow: str) -> float:
     """Return when a flow begins: SUMO wants them in this order."""
-    return float(flow.split('begin="')[1].split('"')[0])
+    return float(flow.partition('begin="')[2].partition('"')[0])
 
 
 def _prepared(folder: str | Path) -> Path:

@@ -218,7 +218,6 @@ class Grid(AbstractScenario[GridState]):
             streets.direction,
             streets.connector_m,
             streets.curve,
-            self._settings(),
             out,
         )
         return FleetFrame(

@@ -33,7 +33,8 @@ COLUMNS = 9
 LINK, MOVE, NEXT_MOVE, COMMITTED, CAME_FROM = range(5)
 INTEGERS = 5
 """Rows of the state's integers: link; how the vehicle came onto it, and how it will leave it (0 straight on,
-1 left, 2 right); whether it has made up its mind to pass the stop line; the link it came from, -1 before its first junction."""
+1 left, 2 right); whether it has made up its mind to pass the stop line; the link it came from, -1 before its
+first junction."""
 
 NORMALS = 4
 
@@ -112,8 +113,8 @@ def _perceived(numbers: Any, drivers: Any, i: int, j: int, gap: float, v0: float
 @numba.njit(cache=True, nogil=True)
 def step(
     numbers: Any, integers: Any, order: Any, first: Any, left_last: Any, drivers: Any, follower: Any,
-    connectors: Any, ends: Any, green_start: Any, cycle: Any, settings: Any, normals: Any, uniforms: Any, t_s: float,
-    dt: float,
+    connectors: Any, ends: Any, green_start: Any, cycle: Any, settings: Any, normals: Any, uniforms: Any,
+    t_s: float, dt: float,
 ) -> None:  # fmt: skip
     """Advance all vehicles by a step, in place.
 
@@ -241,7 +242,6 @@ def poses(
     direction: Any,
     connectors: Any,
     curve: Any,
-    settings: Any,
     out: Any,
 ) -> None:
     """Write the vehicles' motion on the plane, (6, V)."""

@@ -1,4 +1,4 @@
-"""A highway of several lanes in both directions, periodic along its length, so that its density never changes.
+"""A highway of several lanes in both directions, periodic, so that its density never changes.
 
 Drivers follow (`following_kernels`), change lanes where it pays (MOBIL) along a curve of least jerk, and
 wander a little in their lanes. Two shapes: a straight road on which who leaves at the end comes in again at
@@ -152,7 +152,9 @@ class Highway(AbstractScenario[HighwayState]):
         integers = np.zeros((3, vehicles), dtype=np.int64)
         for first, end in ((0, self.forward), (self.forward, vehicles)):
             for lane in range(self.lanes):
-                self._lay_out(np.arange(first + lane, end, self.lanes), lane, traits, numbers, integers, rng)
+                who = np.arange(first + lane, end, self.lanes)
+                integers[kernels.LANE : kernels.OLD_LANE + 1, who] = lane
+                self._lay_out(who, traits, numbers, rng)
         numbers[kernels.PROGRESS] = 1.0
         numbers[kernels.SINCE_CHANGE_S] = rng.uniform(0.0, 10.0, vehicles)
         numbers[kernels.GAP_ERR : kernels.PEDAL + 1] = rng.standard_normal((3, vehicles))
@@ -229,10 +231,8 @@ class Highway(AbstractScenario[HighwayState]):
     def _lay_out(
         self,
         who: IntArray,
-        lane: int,
         traits: FloatArray,
         numbers: FloatArray,
-        integers: IntArray,
         rng: np.random.Generator,
     ) -> None:
         """Place vehicles in a lane, with gaps random around their mean, at the speed these gaps allow."""
@@ -252,4 +252,3 @@ class Highway(AbstractScenario[HighwayState]):
         numbers[kernels.S, who] = (behind + rng.uniform(0.0, self.length_m)) % self.length_m
         mean = spare_m / who.size / float(traits[following.HEADWAY, who].mean())
         numbers[kernels.V, who] = min(0.9 * mean, 0.9 * float(traits[following.DESIRED_SPEED, who].min()))
-        integers[kernels.LANE, who] = integers[kernels.OLD_LANE, who] = lane

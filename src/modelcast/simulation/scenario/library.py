@@ -63,9 +63,9 @@ class TripRoadState:
 class TripRoad(AbstractScenario[TripRoadState]):
     """A straight road on which recorded trips drive.
 
-    Speed is the trip's own, smoothed over 0.3 s. The lateral motion is the trip's deviation from its own path smoothed over 3 s (a Gaussian window), drawn
-    in where its root mean square over some seconds nears 1 m: a bend of the recorded road shows as a sway of
-    about a metre.
+    Speed is the trip's own, smoothed over 0.3 s. The lateral motion is the trip's deviation from its own path
+    smoothed over 3 s (Gaussian windows), drawn in where its root mean square over some seconds nears 1 m: a
+    bend of the recorded road shows as a sway of about a metre.
 
     Parameters
     ----------
@@ -161,13 +161,13 @@ class TripRoad(AbstractScenario[TripRoadState]):
 
     def frame(self, state: TripRoadState) -> FleetFrame:
         """Return the fleet; every slot is active."""
-        along, left, speed, course, acceleration, yaw_rate = self._library[:, state.sample]
+        along, left, speed, course, acceleration, yaw_rate = self._rows(state)
         place = along + state.offset_m
         back = state.lane >= self.lanes
         lane = state.lane % self.lanes
         centre = 0.5 * self.median_m + (self.lanes - 0.5 - lane) * self.lane_width_m
         sign = np.where(back, -1.0, 1.0)
-        east = np.where(back, self.length_m - place, place)
+        east: FloatArray = np.where(back, self.length_m - place, place)
         north = sign * (left - centre)
         heading = wrap_angle_rad(sign * 0.5 * np.pi - course)
         return FleetFrame(
@@ -182,6 +182,11 @@ class TripRoad(AbstractScenario[TripRoadState]):
             active=np.ones(self.slots, dtype=np.bool_),
         )
 
+    def _rows(self, state: TripRoadState) -> tuple[FloatArray, ...]:
+        """Return the library's rows at the vehicles' samples."""
+        rows: FloatArray = self._library[:, state.sample]
+        return tuple(rows)
+
     def _drawn(self, count: int, rng: np.random.Generator) -> IntArray:
         """Return samples of the library to begin at, none of them the last of its part."""
         return rng.choice(np.flatnonzero(self._left > 0), count)
@@ -195,9 +200,10 @@ def _parts(trip: Trajectory) -> list[FloatArray]:
     """
     if abs(trip.dt_s - STEP_S) > 0.01 * STEP_S:
         return []
-    speed = with_motion(trip).speed_mps
+    known = with_motion(trip).speed_mps
+    speed: FloatArray = np.zeros(len(trip)) if known is None else known
     return [
-        _along_lane(trip.position_m[a:b], np.zeros(b - a) if speed is None else speed[a:b])
+        _along_lane(trip.position_m[a:b], speed[a:b])
         for a, b in zip(trip.segments[:-1], trip.segments[1:], strict=True)
         if (b - a) * STEP_S >= _LEAST_S
     ]

@@ -10,7 +10,7 @@ from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 
-from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.core.sensor import HEADING_HOLD_MPS, SensorModel
 from modelcast.simulation.scenario.base import NOBODY, FleetFrame
@@ -112,9 +112,8 @@ class FleetSensor:
         recent = _kept(state.recent, frame, model.latency_s)
         seen = _delayed(recent, frame.t_s - model.latency_s) if model.latency_s > 0.0 else frame
         fresh = frame.vehicle_id != state.vehicle_id
-        slow = _advanced(
-            state.slow, fresh, frame.t_s - state.t_s, model.slow_correlation_s, noise[2:4].T, noise[8:10].T
-        )
+        slow = _advanced(state.slow, frame.t_s - state.t_s, model.slow_correlation_s, noise[2:4].T)
+        slow = np.where(fresh[:, None], noise[8:10].T, slow)  # a new vehicle begins with one of its own
         course = wrap_angle_rad(seen.heading_rad + model.heading_noise_rad * noise[5])
         heading = np.where((seen.speed_mps >= HEADING_HOLD_MPS) | fresh, course, state.heading_rad)
         heading = np.where(frame.active, heading, 0.0)
@@ -171,18 +170,10 @@ def sensed(
         yield frame, seen
 
 
-def _advanced(
-    slow: FloatArray,
-    fresh: BoolArray,
-    elapsed_s: float,
-    correlation_s: float,
-    noise: FloatArray,
-    first: FloatArray,
-) -> FloatArray:
-    """Return the slow errors after a step of the Gauss-Markov process; new vehicles begin stationary."""
-    kept = float(np.exp(-elapsed_s / correlation_s)) if np.isfinite(elapsed_s) else 0.0
-    moved = kept * slow + np.sqrt(1.0 - kept**2) * noise
-    return np.where(fresh[:, None], first, moved)
+def _advanced(slow: FloatArray, elapsed_s: float, correlation_s: float, noise: FloatArray) -> FloatArray:
+    """Return the slow errors after a step of the Gauss-Markov process."""
+    kept = float(np.exp(-elapsed_s / correlation_s))
+    return kept * slow + np.sqrt(1.0 - kept**2) * noise
 
 
 def _kept(recent: tuple[FleetFrame, ...], frame: FleetFrame, latency_s: float) -> tuple[FleetFrame, ...]:

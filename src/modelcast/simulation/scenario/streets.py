@@ -106,17 +106,19 @@ def make_streets(columns: int, rows: int, *, block_m: float, junction_m: float, 
     green_s
         Green for each approach [s]; approaches have green one after the other, so that no ways cross.
     """
-    number = {
-        (x, y, d): 0
+    links = [
+        (x, y, d)
         for y in range(rows)
         for x in range(columns)
         for d, (dx, dy) in enumerate(_STEPS)
         if 0 <= x + dx < columns and 0 <= y + dy < rows
-    }
-    for k, key in enumerate(number):
-        number[key] = k
-    links = list(number)
-    start, follower, ends, begin, cycle = [], [], [], [], []
+    ]
+    number = {key: k for k, key in enumerate(links)}
+    start: list[tuple[float, float]] = []
+    follower: list[list[int]] = []
+    ends: list[int] = []
+    begin: list[float] = []
+    cycle: list[float] = []
     phase_s = green_s + AMBER_S + CLEARING_S
     for x, y, d in links:
         dx, dy = _STEPS[d]
