@@ -43,6 +43,13 @@ def test_a_replay_is_over_after_its_last_frame() -> None:
     assert replay.frame(50).vehicle_id.tolist() == [-1]
 
 
+def test_in_a_gap_the_car_is_not_there_and_comes_back_as_a_new_one() -> None:
+    t_s = np.concatenate([np.arange(30), np.arange(50, 80)]) * STEP_S
+    trip = build_trajectory("made/gap", t_s, np.stack([10.0 * t_s, 0.0 * t_s], axis=1))
+    identity = [frame.vehicle_id[0] for frame in frames_of(make_replay([trip], [0.0]), 8.0)]
+    assert identity == [0] * 30 + [-1] * 20 + [1] * 30
+
+
 def test_a_replay_needs_as_many_starts_as_trips_and_a_fine_clock() -> None:
     with pytest.raises(ValueError, match="starts"):
         make_replay([straight(10.0)], [])

@@ -114,9 +114,9 @@ class TripRoad(AbstractScenario[TripRoadState]):
                 f"no gapless part of {_LEAST_S} s at {STEP_S} s a sample in {len(self.trips)} trips"
             )
         library = np.concatenate(parts, axis=1)
-        left = np.concatenate([np.arange(part.shape[1] - 1, -1, -1) for part in parts])
+        left: list[IntArray] = [np.arange(part.shape[1] - 1, -1, -1, dtype=np.int64) for part in parts]
         object.__setattr__(self, "_library", library)
-        object.__setattr__(self, "_left", left.astype(np.int64))
+        object.__setattr__(self, "_left", np.concatenate(left))
 
     @property
     def slots(self) -> int:

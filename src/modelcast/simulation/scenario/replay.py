@@ -1,11 +1,11 @@
 """Recorded trips on one clock: a platoon, or any fleet that was measured together."""
 
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
 
-from modelcast.core.arrays import BoolArray, FloatArray
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.sensor import with_motion
 from modelcast.core.trajectory import Trajectory
 from modelcast.simulation.scenario.base import NOBODY, STEP_S, AbstractScenario, FleetFrame
@@ -17,7 +17,7 @@ __all__ = ["Replay", "make_replay"]
 class Replay(AbstractScenario[int]):
     """Vehicles as they were recorded; the state is the number of the frame, and nothing is random.
 
-    After the last frame no slot is active.
+    After the last frame no slot is active. A vehicle that comes back after a gap is a new one.
 
     Parameters
     ----------
@@ -44,6 +44,7 @@ class Replay(AbstractScenario[int]):
     yaw_rate_radps: FloatArray
     active: BoolArray
     length_m: FloatArray
+    _identity: IntArray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         shape = self.active.shape
@@ -55,6 +56,9 @@ class Replay(AbstractScenario[int]):
         for name in ("speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps"):
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} must have shape {shape}, got {getattr(self, name).shape}")
+        came = self.active & ~np.concatenate([np.zeros((1, shape[1]), dtype=np.bool_), self.active[:-1]])
+        identity = np.arange(shape[1]) + shape[1] * (came.cumsum(axis=0) - 1)
+        object.__setattr__(self, "_identity", np.where(self.active, identity, NOBODY).astype(np.int64))
 
     @property
     def slots(self) -> int:
@@ -87,7 +91,7 @@ class Replay(AbstractScenario[int]):
             acceleration_mps2=self.acceleration_mps2[at] * here,
             yaw_rate_radps=self.yaw_rate_radps[at] * here,
             length_m=self.length_m * here,
-            vehicle_id=np.where(here, np.arange(self.slots), NOBODY).astype(np.int64),
+            vehicle_id=np.where(here, self._identity[at], NOBODY),
             active=here,
         )
 
