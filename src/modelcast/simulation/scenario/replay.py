@@ -57,7 +57,7 @@ class Replay(AbstractScenario[int]):
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} must have shape {shape}, got {getattr(self, name).shape}")
         came = self.active & ~np.concatenate([np.zeros((1, shape[1]), dtype=np.bool_), self.active[:-1]])
-        identity = np.arange(shape[1]) + shape[1] * (came.cumsum(axis=0) - 1)
+        identity: IntArray = np.arange(shape[1]) + shape[1] * (came.cumsum(axis=0) - 1)
         object.__setattr__(self, "_identity", np.where(self.active, identity, NOBODY).astype(np.int64))
 
     @property
