@@ -56,9 +56,10 @@ class Replay(AbstractScenario[int]):
         for name in ("speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps"):
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} must have shape {shape}, got {getattr(self, name).shape}")
-        came = self.active & ~np.concatenate([np.zeros((1, shape[1]), dtype=np.bool_), self.active[:-1]])
-        identity: IntArray = np.arange(shape[1]) + shape[1] * (came.cumsum(axis=0) - 1)
-        object.__setattr__(self, "_identity", np.where(self.active, identity, NOBODY).astype(np.int64))
+        before = np.concatenate([np.zeros((1, shape[1]), dtype=np.bool_), self.active[:-1]])
+        visits = np.cumsum(np.asarray(self.active & ~before, dtype=np.int64), axis=0)
+        identity = np.asarray(np.arange(shape[1]) + shape[1] * (visits - 1), dtype=np.int64)
+        object.__setattr__(self, "_identity", np.where(self.active, identity, NOBODY))
 
     @property
     def slots(self) -> int:

@@ -79,7 +79,7 @@ def turn_curve(tangent_m: float) -> tuple[float, FloatArray]:
     --------
     >>> length_m, points = turn_curve(10.0)
     >>> round(length_m, 2), points[-1].round(6)
-    (17.18, array([10.      , 10.      ,  1.570796]))
+    (17.11, array([10.      , 10.      ,  1.570796]))
     """
     fine = 16
     share = (np.arange((CURVE_POINTS - 1) * fine) + 0.5) / ((CURVE_POINTS - 1) * fine)
