@@ -128,6 +128,25 @@ def test_an_empty_broken_or_missing_file_is_an_error(content: bytes | None, tmp_
         list(read_fcd(path))
 
 
+@pytest.mark.parametrize("write", [write_sumo_csv, write_sumo_parquet, write_sumo_xml])
+def test_damage_raises_nothing_but_format_errors(write: Callable[[Path], None], tmp_path: Path) -> None:
+    path = tmp_path / "made"
+    write(path)
+    whole = path.read_bytes()
+    rng = np.random.default_rng(1)
+    refused = 0
+    for _ in range(60):
+        damaged = bytearray(whole)
+        for at in rng.integers(0, len(whole), 3):
+            damaged[at] = int(rng.integers(256))
+        path.write_bytes(damaged[: int(rng.integers(len(whole) // 2, len(whole) + 1))])
+        try:
+            list(read_fcd(path))
+        except DataFormatError:
+            refused += 1
+    assert refused > 10
+
+
 def test_a_file_is_read_as_a_stream(tmp_path: Path) -> None:
     """A mistake far down the file shows only when the reader comes to it."""
     path = tmp_path / "long.csv"

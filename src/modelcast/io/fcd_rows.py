@@ -149,8 +149,8 @@ def _number(path: str, row: int, name: str, value: Any) -> float:
     if value is None or value == "":
         return nan
     try:
-        number = float(value)
-    except ValueError:
+        number = inf if isinstance(value, str) and "_" in value else float(value)
+    except (TypeError, ValueError, OverflowError):
         number = inf
     if not abs(number) <= LARGEST:
         raise DataFormatError(
@@ -196,7 +196,7 @@ def _parquet_names(path: str) -> list[str]:
     try:
         with pq.ParquetFile(path) as file:
             return [str(name) for name in file.schema_arrow.names]
-    except (pa.ArrowException, OSError, ValueError) as error:
+    except (pa.ArrowException, OSError, ValueError, MemoryError) as error:
         raise DataFormatError(
             path, f"is not readable as Parquet: {error}", remedy="Check that it is complete."
         ) from error
@@ -206,7 +206,7 @@ def _parquet_rows(path: str) -> Iterator[FcdRow]:
     found = _columns(path, _parquet_names(path))
     number = 0
     try:
-        with pq.ParquetFile(path) as file:
+        with pq.ParquetFile(path, page_checksum_verification=True) as file:
             for batch in file.iter_batches(_BATCH, columns=list(found.values())):
                 columns = [batch.column(name).to_pylist() for name in found.values()]
                 for cells in zip(*columns, strict=True):
@@ -214,7 +214,7 @@ def _parquet_rows(path: str) -> Iterator[FcdRow]:
                     values = dict(zip(found, cells, strict=True))
                     if values["vehicle"] is not None or values["east"] is not None:
                         yield _row(path, number, values)
-    except (pa.ArrowException, OSError) as error:
+    except (pa.ArrowException, OSError, ValueError, MemoryError) as error:
         raise DataFormatError(
             path, f"is not readable as Parquet: {error}", remedy="Check that it is complete."
         ) from error
