@@ -146,6 +146,8 @@ class EvaluationSettings:
     @property
     def rules(self) -> tuple[StartRule, IdentifyRule]:
         """The policy's rules, those not given filled in."""
+        if self.start is not None and self.identify is not None:
+            return self.start, self.identify
         start, identify = rules_of(self.bank)
         return self.start or start, self.identify or identify
 

@@ -215,7 +215,10 @@ def _cases(trips: Sequence[Trajectory], seed: int) -> dict[str, list[TripCase]]:
     """The trips in both protocols; a recording that is no truth of its own in one of them only."""
     found: dict[str, list[TripCase]] = {}
     for protocol in _PROTOCOLS:
-        made = [make_case(trip, EvaluationSettings(protocol=protocol, seed=seed)) for trip in trips]
+        asked = EvaluationSettings(
+            protocol=protocol, seed=seed, bank=BASELINE_BANK, start="order", identify="never"
+        )
+        made = [make_case(trip, asked) for trip in trips]
         found[protocol] = [
             case for case in made if protocol in ("sensor", case.inspection.recommended_protocol)
         ]
