@@ -31,6 +31,9 @@ LOCAL_S, LOCAL_EAST_M, LOCAL_NORTH_M, LOCAL_VELOCITY_EAST_MPS, LOCAL_VELOCITY_NO
 
 LOCAL_COLUMNS = 5
 
+_TIME_SLACK_S = 1e-9
+"""Differences of times may miss an age by rounding."""
+
 
 @numba.njit(cache=True, nogil=True)
 def coast(t_s: float, state: Any) -> tuple[float, float]:
@@ -62,12 +65,12 @@ def tracking_error(
     if believed_s == -np.inf:
         return np.inf
     local_age_s, remote_age_s = t_s - local[LOCAL_S], t_s - believed_s
-    if local_age_s > c[LOCAL_MAX_AGE_S] or remote_age_s > c[REMOTE_MAX_AGE_S]:
+    if local_age_s > c[LOCAL_MAX_AGE_S] + _TIME_SLACK_S or remote_age_s > c[REMOTE_MAX_AGE_S] + _TIME_SLACK_S:
         return 0.0
     east_m, north_m = local[LOCAL_EAST_M], local[LOCAL_NORTH_M]
-    if local_age_s >= c[LOCAL_AS_IS_AGE_S]:
+    if local_age_s >= c[LOCAL_AS_IS_AGE_S] - _TIME_SLACK_S:
         east_m, north_m = coast(t_s, local)
-    if remote_age_s >= c[REMOTE_AS_IS_AGE_S]:
+    if remote_age_s >= c[REMOTE_AS_IS_AGE_S] - _TIME_SLACK_S:
         return np.hypot(predicted_east_m - east_m, predicted_north_m - north_m)
     return np.hypot(believed_east_m - east_m, believed_north_m - north_m)
 

@@ -103,7 +103,8 @@ def forget(tables: Any, host: int, t_s: float, expiry_s: float) -> int:
             freed += 1
     if freed > 0:
         index = tables.index[host]
-        index[:] = _EMPTY
+        for at in range(index.size):
+            index[at] = _EMPTY
         for slot in range(tables.used[host]):
             if remotes[slot] != _EMPTY:
                 _insert(index, remotes[slot], slot)
@@ -150,7 +151,8 @@ def hear(
             return _EMPTY
         _insert(tables.index[host], remote, slot)
         tables.remote[host, slot] = remote
-        tables.received[host, slot, :] = 0
+        for at in range(kept):
+            tables.received[host, slot, at] = 0
     else:
         for passed in range(max(tables.newest[host, slot] + 1, number - kept + 1), number + 1):
             tables.received[host, slot, passed % kept] = 0
@@ -172,9 +174,9 @@ def _packet_error_ratio(tables: Any, host: int, slot: int, number: int) -> float
     kept = tables.first.shape[2]
     newest = tables.newest[host, slot]
     received, first, last = 0, -1, -1
-    for counted in range(max(number, newest + 1) - kept + 1, min(number, newest + 1)):
+    for counted in range(max(number, newest) - kept + 1, min(number, newest + 1)):
         at = counted % kept
-        if counted > newest - kept and tables.received[host, slot, at] > 0:
+        if tables.received[host, slot, at] > 0:
             if first < 0:
                 first = tables.first[host, slot, at]
             last = tables.last[host, slot, at]
