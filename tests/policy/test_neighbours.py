@@ -100,7 +100,7 @@ def test_a_full_table_refuses_new_remotes_until_old_ones_have_been_silent() -> N
     slots = [k.hear(tables, 0, remote, 0, 0.1, 0.0, 0.0, 1.0) for remote in (10, 11, 12)]
     assert sorted(slots) == [0, 1, 2]
     assert k.hear(tables, 0, 13, 0, 0.2, 0.0, 0.0, 1.0) == -1
-    assert tables.refused.tolist() == [1]
+    assert tables.hosts["refused"].tolist() == [1]
     k.hear(tables, 0, 11, 1, 6.0, 0.0, 0.0, 1.0)
     # 10 and 12 have been silent for more than 6 s; 11 keeps its slot.
     assert k.hear(tables, 0, 13, 0, 6.2, 0.0, 0.0, 1.0) in {slots[0], slots[2]}

@@ -5,6 +5,7 @@ that owns them calls `neighbours_kernels` directly.
 """
 
 from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,12 +13,51 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.policy import neighbours_kernels as kernels
 from modelcast.policy.j2945_parameters import J2945Parameters
 
-__all__ = ["Neighbours", "neighbour_tables"]
+__all__ = ["HOST_TYPE", "NeighbourTables", "Neighbours", "neighbour_tables", "slot_type"]
+
+HOST_TYPE: Any = np.dtype([("phase_s", "f8"), ("used", "i4"), ("free", "i4"), ("refused", "i8")], align=True)
+"""A host: when its sub-intervals start; no slot from ``used`` on was ever used; how many slots were given up;
+messages for which there was no slot."""
+
+_CACHE_LINE = 64
+
+
+class NeighbourTables(NamedTuple):
+    """Tables of H hosts with C slots each, index length X, and R sub-intervals kept.
+
+    ``hosts`` (H,) of `HOST_TYPE`; ``slots`` (H, C) of `slot_type`; ``index`` (H, X) slots by hash, -1 for
+    none; ``free`` (H, C) slots given up.
+    """
+
+    hosts: Any
+    slots: Any
+    index: Any
+    free: Any
+
+
+def slot_type(kept: int) -> Any:
+    """Return the type of a slot that keeps so many sub-intervals, R; a cache line where R <= 10.
+
+    ``remote`` who is in it, -1 for nobody; ``newest`` number of the last sub-interval with a message;
+    ``heard_s``, ``east_m``, ``north_m`` when that message came and the place it states; ``first``, ``last``,
+    ``received`` (R,) message count of the first and last message of each sub-interval and how many there
+    were, at its number modulo R.
+    """
+    rings = [(name, "u1", (kept,)) for name in ("first", "last", "received")]
+    fields: list[Any] = [
+        ("heard_s", "f8"),
+        ("east_m", "f8"),
+        ("north_m", "f8"),
+        ("remote", "i4"),
+        ("newest", "i4"),
+    ]
+    spare = -(32 + 3 * kept) % _CACHE_LINE
+    return np.dtype(fields + rings + ([("spare", "u1", (spare,))] if spare else []))
 
 
 def neighbour_tables(
     hosts: int, capacity: int, *, sub_intervals: int = 5, phase_s: FloatArray | None = None
-) -> kernels.NeighbourTables:
+) -> NeighbourTables:
     """Return empty tables.
 
     Parameters
@@ -25,7 +65,7 @@ def neighbour_tables(
     hosts
         How many, H.
     capacity
-        Remotes a host can hold at once, C. Messages of further ones are refused and counted.
+        Remotes a host can hold at once, C, up to 32767. Messages of further ones are refused and counted.
     sub_intervals
         How many a packet error ratio covers; one more is kept.
     phase_s
@@ -34,34 +74,31 @@ def neighbour_tables(
     Raises
     ------
     ValueError
-        Where a number is below one, or there is not one phase a host.
+        Where a number is out of its range, or there is not one phase a host.
 
     Notes
     -----
-    A slot takes 66 bytes with the default of five sub-intervals, and its share of the index 8 to 16.
+    A slot takes 66 bytes with up to nine sub-intervals, and its share of the index 4 to 8.
     """
     if min(hosts, capacity, sub_intervals) < 1:
         raise ValueError(
             f"hosts, capacity and sub_intervals must be at least 1, got {hosts}, {capacity}, {sub_intervals}"
         )
+    if capacity >= 2**15:
+        raise ValueError(f"capacity must be below {2**15}, got {capacity}")
     phase = np.zeros(hosts) if phase_s is None else np.array(phase_s, dtype=np.float64)
     if phase.shape != (hosts,):
         raise ValueError(f"phase_s must be ({hosts},), one a host, got {phase.shape}")
     kept = sub_intervals + 1
-    return kernels.NeighbourTables(
-        remote=np.full((hosts, capacity), -1, dtype=np.int32),
-        heard_s=np.zeros((hosts, capacity)),
-        position_m=np.zeros((hosts, capacity, 2)),
-        newest=np.zeros((hosts, capacity), dtype=np.int32),
-        first=np.zeros((hosts, capacity, kept), dtype=np.int16),
-        last=np.zeros((hosts, capacity, kept), dtype=np.int16),
-        received=np.zeros((hosts, capacity, kept), dtype=np.int16),
-        index=np.full((hosts, 1 << (2 * capacity - 1).bit_length()), -1, dtype=np.int32),
-        used=np.zeros(hosts, dtype=np.int32),
-        free=np.zeros((hosts, capacity), dtype=np.int32),
-        free_count=np.zeros(hosts, dtype=np.int32),
-        refused=np.zeros(hosts, dtype=np.int64),
-        phase_s=phase,
+    about: Any = np.zeros(hosts, dtype=HOST_TYPE)
+    about["phase_s"] = phase
+    slots: Any = np.zeros((hosts, capacity), dtype=slot_type(kept))
+    slots["remote"] = -1
+    return NeighbourTables(
+        hosts=about,
+        slots=slots,
+        index=np.full((hosts, 1 << (2 * capacity - 1).bit_length()), -1, dtype=np.int16),
+        free=np.zeros((hosts, capacity), dtype=np.int16),
     )
 
 
@@ -92,7 +129,7 @@ class Neighbours:
     ([1], [0.2])
     """
 
-    tables: kernels.NeighbourTables
+    tables: NeighbourTables
     parameters: J2945Parameters = field(default_factory=J2945Parameters)
 
     def heard(
@@ -124,7 +161,7 @@ class Neighbours:
         ValueError
             Where a number is out of its range.
         """
-        hosts = self.tables.remote.shape[0]
+        hosts = self.tables.hosts.size
         for name, values, end in (
             ("host", host, hosts),
             ("remote", remote, 2**31),
@@ -132,7 +169,7 @@ class Neighbours:
         ):
             if values.size and not (values.min() >= 0 and values.max() < end):
                 raise ValueError(f"{name} must lie in 0..{end - 1}, got {values.min()}..{values.max()}")
-        tables = kernels.NeighbourTables(*(column.copy() for column in self.tables))
+        tables = NeighbourTables(*(column.copy() for column in self.tables))
         kernels.hear_each(
             tables,
             host,

@@ -2,19 +2,20 @@
 
 Every host has C slots and a hashed index of them, twice as long and a power of two. A slot stays where it is
 while its remote is heard, so other arrays can be kept by (host, slot). A message costs one probe of the index
-on average, a survey one pass over the host's slots; neither depends on the size of the fleet.
+on average, a survey one pass over the host's slots; neither depends on the size of the fleet. ``tables`` is a
+`modelcast.policy.neighbours.NeighbourTables`.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numba
 import numpy as np
 
 __all__ = [
     "MESSAGE_COUNTS",
-    "NeighbourTables",
     "count",
+    "count_each",
     "find",
     "forget",
     "hear",
@@ -27,34 +28,14 @@ MESSAGE_COUNTS = 128
 """Messages are counted modulo this (DE_MsgCount of SAE J2735)."""
 
 _EMPTY = -1
+_MOST = 255
+"""Messages of a sub-interval that are counted."""
+
+_NEVER = -(2**30)
+"""Number of a sub-interval before all others."""
+
 _BOUNDARY_SLACK = 1e-6
 """Share of a sub-interval by which a time may fall short of its start through rounding."""
-
-
-class NeighbourTables(NamedTuple):
-    """Tables of H hosts with C slots each, index length X, and R sub-intervals kept.
-
-    ``remote`` (H, C) who is in the slot, -1 for nobody; ``heard_s`` (H, C) and ``position_m`` (H, C, 2) of
-    the last message; ``newest`` (H, C) number of the last sub-interval with a message; ``first``, ``last``,
-    ``received`` (H, C, R) message counts and number of messages of each sub-interval, at its number modulo R;
-    ``index`` (H, X) slots by hash, -1 for none; ``used`` (H,) no slot from here on was ever used; ``free``
-    (H, C), ``free_count`` (H,) slots to use again; ``refused`` (H,) messages for which there was no slot;
-    ``phase_s`` (H,) when the host's sub-intervals start.
-    """
-
-    remote: Any
-    heard_s: Any
-    position_m: Any
-    newest: Any
-    first: Any
-    last: Any
-    received: Any
-    index: Any
-    used: Any
-    free: Any
-    free_count: Any
-    refused: Any
-    phase_s: Any
 
 
 @numba.njit(cache=True, nogil=True)
@@ -72,57 +53,65 @@ def _sub_interval(t_s: float, phase_s: float, sub_interval_s: float) -> int:
 @numba.njit(cache=True, nogil=True)
 def find(tables: Any, host: int, remote: int) -> int:
     """Slot of a remote at a host, -1 where it is not known."""
-    index, remotes = tables.index[host], tables.remote[host]
-    at = _place(remote, index.size)
-    while index[at] != _EMPTY:
-        if remotes[index[at]] == remote:
-            return index[at]
-        at = (at + 1) & (index.size - 1)
-    return _EMPTY
+    length = tables.index.shape[1]
+    at = _place(remote, length)
+    while True:
+        slot = tables.index[host, at]
+        if slot == _EMPTY or tables.slots[host, slot].remote == remote:
+            return slot
+        at = (at + 1) & (length - 1)
 
 
 @numba.njit(cache=True, nogil=True)
-def _insert(index: Any, remote: int, slot: int) -> None:
+def _insert(index: Any, host: int, remote: int, slot: int) -> None:
     """Enter a slot into the index of a host."""
-    at = _place(remote, index.size)
-    while index[at] != _EMPTY:
-        at = (at + 1) & (index.size - 1)
-    index[at] = slot
+    length = index.shape[1]
+    at = _place(remote, length)
+    while index[host, at] != _EMPTY:
+        at = (at + 1) & (length - 1)
+    index[host, at] = slot
 
 
 @numba.njit(cache=True, nogil=True)
 def forget(tables: Any, host: int, t_s: float, expiry_s: float) -> int:
     """Free the slots of remotes not heard for longer than ``expiry_s``; returns how many."""
-    remotes, heard_s = tables.remote[host], tables.heard_s[host]
+    about = tables.hosts[host]
     freed = 0
-    for slot in range(tables.used[host]):
-        if remotes[slot] != _EMPTY and t_s - heard_s[slot] > expiry_s:
-            remotes[slot] = _EMPTY
-            tables.free[host, tables.free_count[host]] = slot
-            tables.free_count[host] += 1
+    for slot in range(about.used):
+        held = tables.slots[host, slot]
+        if held.remote != _EMPTY and t_s - held.heard_s > expiry_s:
+            held.remote = _EMPTY
+            tables.free[host, about.free] = slot
+            about.free += 1
             freed += 1
     if freed > 0:
-        index = tables.index[host]
-        for at in range(index.size):
-            index[at] = _EMPTY
-        for slot in range(tables.used[host]):
-            if remotes[slot] != _EMPTY:
-                _insert(index, remotes[slot], slot)
+        for at in range(tables.index.shape[1]):
+            tables.index[host, at] = _EMPTY
+        for slot in range(about.used):
+            if tables.slots[host, slot].remote != _EMPTY:
+                _insert(tables.index, host, tables.slots[host, slot].remote, slot)
     return freed
 
 
 @numba.njit(cache=True, nogil=True)
-def _new_slot(tables: Any, host: int, t_s: float, expiry_s: float) -> int:
-    """Take a slot for a new remote, -1 where all are taken by remotes heard of late."""
-    if tables.free_count[host] == 0 and tables.used[host] == tables.remote.shape[1]:
+def _new_slot(tables: Any, host: int, remote: int, t_s: float, expiry_s: float) -> int:
+    """Give a new remote a slot, -1 where all are taken by remotes heard of late."""
+    about = tables.hosts[host]
+    if about.free == 0 and about.used == tables.slots.shape[1]:
         forget(tables, host, t_s, expiry_s)
-    if tables.free_count[host] > 0:
-        tables.free_count[host] -= 1
-        return tables.free[host, tables.free_count[host]]
-    if tables.used[host] < tables.remote.shape[1]:
-        tables.used[host] += 1
-        return tables.used[host] - 1
-    return _EMPTY
+    if about.free > 0:
+        about.free -= 1
+        slot = tables.free[host, about.free]
+    elif about.used < tables.slots.shape[1]:
+        slot = about.used
+        about.used += 1
+    else:
+        about.refused += 1
+        return _EMPTY
+    _insert(tables.index, host, remote, slot)
+    tables.slots[host, slot].remote = remote
+    tables.slots[host, slot].newest = _NEVER
+    return slot
 
 
 @numba.njit(cache=True, nogil=True)
@@ -141,70 +130,57 @@ def hear(
     A host's messages come in the order of time. A remote silent for longer than the sub-intervals kept gives
     up its slot where another needs one.
     """
-    kept = tables.first.shape[2]
-    number = _sub_interval(heard_s, tables.phase_s[host], sub_interval_s)
+    kept = tables.slots[host, 0].first.size
     slot = find(tables, host, remote)
     if slot == _EMPTY:
-        slot = _new_slot(tables, host, heard_s, kept * sub_interval_s)
+        slot = _new_slot(tables, host, remote, heard_s, kept * sub_interval_s)
         if slot == _EMPTY:
-            tables.refused[host] += 1
             return _EMPTY
-        _insert(tables.index[host], remote, slot)
-        tables.remote[host, slot] = remote
-        for at in range(kept):
-            tables.received[host, slot, at] = 0
-    else:
-        for passed in range(max(tables.newest[host, slot] + 1, number - kept + 1), number + 1):
-            tables.received[host, slot, passed % kept] = 0
+    held = tables.slots[host, slot]
+    number = _sub_interval(heard_s, tables.hosts[host].phase_s, sub_interval_s)
     at = number % kept
-    if tables.received[host, slot, at] == 0:
-        tables.first[host, slot, at] = message_count
-    tables.last[host, slot, at] = message_count
-    tables.received[host, slot, at] += 1
-    tables.newest[host, slot] = number
-    tables.heard_s[host, slot] = heard_s
-    tables.position_m[host, slot, 0] = east_m
-    tables.position_m[host, slot, 1] = north_m
+    if number != held.newest:
+        for passed in range(max(held.newest + 1, number - kept + 1), number):
+            held.received[passed % kept] = 0
+        held.first[at] = message_count
+        held.received[at] = 0
+        held.newest = number
+    held.last[at] = message_count
+    if held.received[at] < _MOST:
+        held.received[at] += 1
+    held.heard_s = heard_s
+    held.east_m = east_m
+    held.north_m = north_m
     return slot
 
 
 @numba.njit(cache=True, nogil=True)
-def _packet_error_ratio(tables: Any, host: int, slot: int, number: int) -> float:
+def _packet_error_ratio(held: Any, number: int) -> float:
     """Ratio of one remote over the sub-intervals before ``number``; NaN for fewer than two messages."""
-    kept = tables.first.shape[2]
-    newest = tables.newest[host, slot]
-    received, first, last = 0, -1, -1
-    for counted in range(max(number, newest) - kept + 1, min(number, newest + 1)):
-        at = counted % kept
-        if tables.received[host, slot, at] > 0:
-            if first < 0:
-                first = tables.first[host, slot, at]
-            last = tables.last[host, slot, at]
-            received += tables.received[host, slot, at]
+    kept, newest = held.first.size, held.newest
+    received, first, last = 0, 0, 0
+    oldest = max(number, newest) - kept + 1
+    at = oldest % kept
+    for _ in range(oldest, min(number, newest + 1)):
+        here = int(held.received[at])
+        if here > 0:
+            if received == 0:
+                first = int(held.first[at])
+            last = int(held.last[at])
+            received += here
+        at = at + 1 if at + 1 < kept else 0
     if received < 2:
         return np.nan
-    expected = 1 + (last - first) % MESSAGE_COUNTS
+    expected = 1 + ((last - first) & (MESSAGE_COUNTS - 1))
     return max(expected - received, 0) / expected
 
 
 @numba.njit(cache=True, nogil=True)
-def _is_near(
-    tables: Any,
-    host: int,
-    slot: int,
-    t_s: float,
-    east_m: float,
-    north_m: float,
-    sub_interval_s: float,
-    range_m: float,
-) -> bool:
-    """Whether the slot holds a remote heard within a sub-interval, that stated a place within range."""
-    if tables.remote[host, slot] == _EMPTY:
+def _is_near(held: Any, oldest_s: float, east_m: float, north_m: float, range_m: float) -> bool:
+    """Whether a slot holds a remote heard since ``oldest_s`` that stated a place within range."""
+    if held.remote == _EMPTY or held.heard_s < oldest_s:
         return False
-    if tables.heard_s[host, slot] < t_s - sub_interval_s * (1.0 + _BOUNDARY_SLACK):
-        return False
-    east = tables.position_m[host, slot, 0] - east_m
-    north = tables.position_m[host, slot, 1] - north_m
+    east, north = held.east_m - east_m, held.north_m - north_m
     return east * east + north * north <= range_m * range_m
 
 
@@ -213,9 +189,10 @@ def count(
     tables: Any, host: int, t_s: float, east_m: float, north_m: float, sub_interval_s: float, range_m: float
 ) -> int:
     """Count the remotes that `survey` counts, without their packet error ratios."""
+    oldest_s = t_s - sub_interval_s * (1.0 + _BOUNDARY_SLACK)
     near = 0
-    for slot in range(tables.used[host]):
-        if _is_near(tables, host, slot, t_s, east_m, north_m, sub_interval_s, range_m):
+    for slot in range(tables.hosts[host].used):
+        if _is_near(tables.slots[host, slot], oldest_s, east_m, north_m, range_m):
             near += 1
     return near
 
@@ -229,12 +206,14 @@ def survey(
     A ratio covers the sub-intervals that are over, all but one of those kept. The mean is over the remotes
     counted that have one, NaN where none has.
     """
-    number = _sub_interval(t_s, tables.phase_s[host], sub_interval_s)
+    number = _sub_interval(t_s, tables.hosts[host].phase_s, sub_interval_s)
+    oldest_s = t_s - sub_interval_s * (1.0 + _BOUNDARY_SLACK)
     near, ratios, total = 0, 0, 0.0
-    for slot in range(tables.used[host]):
-        if _is_near(tables, host, slot, t_s, east_m, north_m, sub_interval_s, range_m):
+    for slot in range(tables.hosts[host].used):
+        held = tables.slots[host, slot]
+        if _is_near(held, oldest_s, east_m, north_m, range_m):
             near += 1
-            ratio = _packet_error_ratio(tables, host, slot, number)
+            ratio = _packet_error_ratio(held, number)
             if ratio >= 0.0:
                 ratios += 1
                 total += ratio
@@ -263,6 +242,17 @@ def hear_each(
             position_m[k, 0],
             position_m[k, 1],
             sub_interval_s,
+        )
+
+
+@numba.njit(cache=True, nogil=True)
+def count_each(
+    tables: Any, t_s: Any, position_m: Any, sub_interval_s: float, range_m: float, out_count: Any
+) -> None:
+    """Count for every host at its own time and place; all arrays (H,), positions (H, 2)."""
+    for host in range(t_s.size):
+        out_count[host] = count(
+            tables, host, t_s[host], position_m[host, 0], position_m[host, 1], sub_interval_s, range_m
         )
 
 
