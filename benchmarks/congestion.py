@@ -42,7 +42,7 @@ class Fleet:
         """Every host hears every remote once."""
         self.ticks += 1
         neighbours_kernels.hear_each(
-            self.tables,
+            *self.tables,
             self.host,
             self.remote,
             np.full(self.host.size, self.ticks % 128),
@@ -56,12 +56,14 @@ class Fleet:
         """Every host counts, with ratios."""
         now = np.full(self.hosts, 0.1 * self.ticks)
         here = np.zeros((self.hosts, 2))
-        neighbours_kernels.survey_each(self.tables, now, here, 1.0, 100.0, self.found, self.ratio)
+        neighbours_kernels.survey_each(*self.tables[:2], now, here, 1.0, 100.0, self.found, self.ratio)
 
     def count(self) -> None:
         """Every host counts."""
         now = np.full(self.hosts, 0.1 * self.ticks)
-        neighbours_kernels.count_each(self.tables, now, np.zeros((self.hosts, 2)), 1.0, 100.0, self.found)
+        neighbours_kernels.count_each(
+            *self.tables[:2], now, np.zeros((self.hosts, 2)), 1.0, 100.0, self.found
+        )
 
 
 def best_of_three(run: Callable[[], object]) -> float:

@@ -12,6 +12,7 @@ from modelcast.policy import j2945_kernels as k
 from modelcast.policy.base import Air, Decisions, Motion, TransmitInputs
 from modelcast.policy.j2945 import J2945, Cause, J2945State, max_inter_transmit_time, transmit_probability
 from modelcast.policy.j2945_parameters import J2945Parameters, j2945_relaxed_parameters, j3161_parameters
+from modelcast.policy.neighbours import Neighbours, neighbour_tables
 
 STANDARD = J2945Parameters()
 C = STANDARD.constants()
@@ -243,6 +244,7 @@ def driven(
     neighbours: float = 0.0,
     ratio: float = np.nan,
     critical_ratio: float = 0.0,
+    start_s: float | FloatArray = 0.0,
 ) -> tuple[list[TransmitInputs], list[Decisions], list[J2945State]]:
     """Inputs, decisions and the states after them of a fleet asked every step."""
     rng = np.random.default_rng(seed)
@@ -251,7 +253,7 @@ def driven(
     log: tuple[list[TransmitInputs], list[Decisions], list[J2945State]] = ([], [], [])
     full = np.full
     for step in range(steps):
-        now = full(vehicles, step_s * step)
+        now = full(vehicles, step_s * step) + start_s
         errors = error_m if isinstance(error_m, float) else error_m[step]
         inputs = TransmitInputs(
             now,
@@ -259,7 +261,7 @@ def driven(
             silence_s=now,
             tracking_error_m=np.broadcast_to(errors, (vehicles,)).reshape(-1, 1),
             available=np.ones((vehicles, 1), dtype=np.bool_),
-            until_s=full(vehicles, step_s * (step + 1)),
+            until_s=full(vehicles, step_s * (step + 1)) + start_s,
             motion=Motion(
                 np.zeros((vehicles, 2)),
                 np.zeros(vehicles),
@@ -307,6 +309,16 @@ def test_a_lasting_error_sends_at_every_rate_control_at_full_power() -> None:
     assert {int(state.cause[0]) for _, state in late} == {Cause.DYNAMICS}
     assert {decision.power_dbm[0] for decision, _ in late if decision.kind[0]} == {20.0}
     assert np.diff(sent_s([d for d, _ in late], 0)) == pytest.approx(0.1, abs=ROUNDING)
+
+
+def test_asked_at_their_phases_vehicles_with_an_error_do_not_send_together() -> None:
+    policy = J2945(J2945Parameters(density_weight=1.0))
+    phase_s = 0.1 * policy.phases(20)
+    _, decisions, states = driven(
+        policy, vehicles=20, steps=40, step_s=0.1, error_m=1.0, start_s=phase_s, neighbours=400.0
+    )
+    assert set(states[-1].cause) == {Cause.DYNAMICS}
+    assert np.diff(np.sort(decisions[-1].send_s)).min() > 0.001
 
 
 def test_lost_messages_are_believed_lost_as_often_as_the_channel_quality_says() -> None:
@@ -375,6 +387,56 @@ def test_the_same_seed_gives_the_same_messages_and_another_seed_others() -> None
     times = [np.array([decision.send_s for decision in run]) for run in runs]
     assert np.array_equal(times[0], times[1])
     assert not np.array_equal(times[0], times[2])
+
+
+@pytest.mark.parametrize(("vehicles", "loss", "gap_s"), [(20, 0.0, 0.1), (51, 0.2, 0.2)])
+def test_a_cluster_that_hears_itself_settles_at_the_time_its_size_asks_for(
+    vehicles: int, loss: float, gap_s: float
+) -> None:
+    """All within 100 m: each counts the others, 19 or 50; 50 ask for 100·50/25 = 200 ms."""
+    rng = np.random.default_rng(0)
+    policy = J2945()
+    state = policy.init(vehicles, 1)
+    heard = Neighbours(neighbour_tables(vehicles, 64))
+    everyone = np.arange(vehicles)
+    place = rng.uniform(-30.0, 30.0, (vehicles, 2))
+    message_count = np.zeros(vehicles, dtype=np.int64)
+    times: list[list[float]] = [[] for _ in everyone]
+    none, still = np.zeros(vehicles), np.zeros(vehicles, dtype=np.bool_)
+    for step in range(300):
+        now = np.full(vehicles, 0.05 * step)
+        count, ratio = heard.survey(now, place)
+        inputs = TransmitInputs(
+            now,
+            now,
+            silence_s=now,
+            tracking_error_m=np.zeros((vehicles, 1)),
+            available=np.ones((vehicles, 1), dtype=np.bool_),
+            until_s=now + 0.05,
+            motion=Motion(place, none, heading_rad=none, critical=still),
+            air=Air(none, count.astype(np.float64), packet_error_ratio=ratio, airtime_s=none),
+        )
+        decisions, state = policy.decide(state, inputs, rng)
+        sender = np.flatnonzero(decisions.kind)
+        sender = sender[np.argsort(decisions.send_s[sender])]
+        message_count[sender] = (message_count[sender] + 1) % 128
+        remote = np.repeat(sender, vehicles)
+        host = np.tile(everyone, sender.size)
+        arrives = (host != remote) & (rng.random(host.size) >= loss)
+        remote, host = remote[arrives], host[arrives]
+        heard = heard.heard(
+            host,
+            remote,
+            message_count=message_count[remote],
+            heard_s=decisions.send_s[remote],
+            position_m=place[remote],
+        )
+        for one in sender:
+            times[one].append(float(decisions.send_s[one]))
+    assert state.density == pytest.approx(vehicles - 1, abs=0.5)
+    assert np.mean([np.diff(each[-10:]).mean() for each in times]) == pytest.approx(gap_s, rel=0.03)
+    # A ratio runs from a message received to another: of about 25, two are sure to have arrived.
+    assert state.channel_quality.mean() == pytest.approx(loss * 23 / 25, abs=0.02)
 
 
 # Other sets of constants.

@@ -78,7 +78,7 @@ def test_the_mean_is_over_remotes_with_a_ratio() -> None:
     count, ratio = state.survey(np.ones(1), HERE)
     assert count.tolist() == [3]
     assert ratio[0] == pytest.approx(1 / 6)
-    assert k.count(state.tables, 0, 1.0, 0.0, 0.0, 1.0, 100.0) == 3
+    assert k.count(state.tables.hosts, state.tables.slots, 0, 1.0, 0.0, 0.0, 1.0, 100.0) == 3
 
 
 def test_sub_intervals_start_at_the_hosts_own_phase() -> None:
@@ -97,25 +97,25 @@ def test_the_given_tables_are_left_alone() -> None:
 
 def test_a_full_table_refuses_new_remotes_until_old_ones_have_been_silent() -> None:
     tables = neighbour_tables(1, 3)
-    slots = [k.hear(tables, 0, remote, 0, 0.1, 0.0, 0.0, 1.0) for remote in (10, 11, 12)]
+    slots = [k.hear(*tables, 0, remote, 0, 0.1, 0.0, 0.0, 1.0) for remote in (10, 11, 12)]
     assert sorted(slots) == [0, 1, 2]
-    assert k.hear(tables, 0, 13, 0, 0.2, 0.0, 0.0, 1.0) == -1
+    assert k.hear(*tables, 0, 13, 0, 0.2, 0.0, 0.0, 1.0) == -1
     assert tables.hosts["refused"].tolist() == [1]
-    k.hear(tables, 0, 11, 1, 6.0, 0.0, 0.0, 1.0)
+    k.hear(*tables, 0, 11, 1, 6.0, 0.0, 0.0, 1.0)
     # 10 and 12 have been silent for more than 6 s; 11 keeps its slot.
-    assert k.hear(tables, 0, 13, 0, 6.2, 0.0, 0.0, 1.0) in {slots[0], slots[2]}
-    assert k.find(tables, 0, 11) == slots[1]
-    assert k.find(tables, 0, 10) == -1
+    assert k.hear(*tables, 0, 13, 0, 6.2, 0.0, 0.0, 1.0) in {slots[0], slots[2]}
+    assert k.find(tables.slots, tables.index, 0, 11) == slots[1]
+    assert k.find(tables.slots, tables.index, 0, 10) == -1
 
 
 def test_forgetting_frees_slots_and_keeps_the_others_in_place() -> None:
     tables = neighbour_tables(1, 64)
     for remote in range(60):
-        k.hear(tables, 0, remote, 0, 0.01 * remote, 0.0, 0.0, 1.0)
-    slots = {remote: k.find(tables, 0, remote) for remote in range(60)}
-    assert k.forget(tables, 0, 1.3, 1.0) == 30
-    assert [k.find(tables, 0, remote) for remote in range(30)] == [-1] * 30
-    assert all(k.find(tables, 0, remote) == slots[remote] for remote in range(30, 60))
+        k.hear(*tables, 0, remote, 0, 0.01 * remote, 0.0, 0.0, 1.0)
+    slots = {remote: k.find(tables.slots, tables.index, 0, remote) for remote in range(60)}
+    assert k.forget(*tables, 0, 1.3, 1.0) == 30
+    assert [k.find(tables.slots, tables.index, 0, remote) for remote in range(30)] == [-1] * 30
+    assert all(k.find(tables.slots, tables.index, 0, remote) == slots[remote] for remote in range(30, 60))
 
 
 def plain_survey(
@@ -158,11 +158,11 @@ def test_random_traffic_is_counted_as_the_words_say(seed: int, remotes: int, los
             if rng.random() < loss:
                 continue
             log.append((now, remote * 1000 + int(count[remote]), float(place[remote])))
-            k.hear(tables, 0, remote, count[remote], now, place[remote], 0.0, 1.0)
+            k.hear(*tables, 0, remote, count[remote], now, place[remote], 0.0, 1.0)
         if step % 7 == 0:
             # A little later, so that no message is exactly as old as a bound.
             asked_s = now + 0.0011
-            near, ratio = k.survey(tables, 0, asked_s, 0.0, 0.0, 1.0, 100.0)
+            near, ratio = k.survey(tables.hosts, tables.slots, 0, asked_s, 0.0, 0.0, 1.0, 100.0)
             expected = plain_survey(log, asked_s, np.zeros(2), parameters)
             assert (near, ratio) == pytest.approx(expected, nan_ok=True)
 

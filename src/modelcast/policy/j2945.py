@@ -80,7 +80,9 @@ class J2945(AbstractTransmitPolicy[J2945State]):
     Asked at ``t_s``, it answers for the interval up to ``until_s``, one rate control interval where that is
     None. A message leaves within it, at ``Decisions.send_s``. A second one that falls due in the same
     interval leaves at the start of the next; in intervals up to the shortest inter-transmit time less the
-    jitter, 95 ms, there is none.
+    jitter, 95 ms, there is none. An engine with steps as long as the rate control interval should ask each
+    vehicle at its own phase within the step (`phases`): messages by error leave at ``t_s``, and would else
+    all leave together.
 
     It needs `Motion`, for critical events, and `Air`. The tracking error is one column, (B, 1), against what
     the remotes are believed to hold.
@@ -105,11 +107,22 @@ class J2945(AbstractTransmitPolicy[J2945State]):
     start_s: float = 0.0
     phase_ratio: FloatArray | None = None
 
-    def init(self, vehicles: int, sub_models: int) -> J2945State:  # noqa: ARG002 - any bank will do
-        """Nothing sent; the first message falls due within one rate control interval."""
+    def phases(self, vehicles: int) -> FloatArray:
+        """Where in a timer's interval each of so many vehicles begins, (B,).
+
+        Raises
+        ------
+        ValueError
+            Where `phase_ratio` is not one a vehicle.
+        """
         phase = np.arange(vehicles) * _GOLDEN % 1.0 if self.phase_ratio is None else self.phase_ratio
         if phase.shape != (vehicles,):
             raise ValueError(f"phase_ratio must be ({vehicles},), one a vehicle, got {phase.shape}")
+        return phase
+
+    def init(self, vehicles: int, sub_models: int) -> J2945State:  # noqa: ARG002 - any bank will do
+        """Nothing sent; the first message falls due within one rate control interval."""
+        phase = self.phases(vehicles)
         rows = np.empty((vehicles, kernels.STATE_COLUMNS))
         constants = self.parameters.constants()
         for row, share in zip(rows, phase, strict=True):

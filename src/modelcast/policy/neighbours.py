@@ -171,7 +171,7 @@ class Neighbours:
                 raise ValueError(f"{name} must lie in 0..{end - 1}, got {values.min()}..{values.max()}")
         tables = NeighbourTables(*(column.copy() for column in self.tables))
         kernels.hear_each(
-            tables,
+            *tables,
             host,
             remote,
             message_count,
@@ -202,7 +202,8 @@ class Neighbours:
         count = np.empty(t_s.size, dtype=np.int64)
         ratio = np.empty(t_s.size)
         kernels.survey_each(
-            self.tables,
+            self.tables.hosts,
+            self.tables.slots,
             np.ascontiguousarray(t_s, dtype=np.float64),
             np.ascontiguousarray(position_m, dtype=np.float64),
             self.parameters.per_sub_interval_s,

@@ -2,8 +2,9 @@
 
 Every host has C slots and a hashed index of them, twice as long and a power of two. A slot stays where it is
 while its remote is heard, so other arrays can be kept by (host, slot). A message costs one probe of the index
-on average, a survey one pass over the host's slots; neither depends on the size of the fleet. ``tables`` is a
-`modelcast.policy.neighbours.NeighbourTables`.
+on average, a survey one pass over the host's slots; neither depends on the size of the fleet.
+
+``hosts``, ``slots``, ``index`` and ``free`` are those of `modelcast.policy.neighbours.NeighbourTables`.
 """
 
 import math
@@ -51,13 +52,13 @@ def _sub_interval(t_s: float, phase_s: float, sub_interval_s: float) -> int:
 
 
 @numba.njit(cache=True, nogil=True)
-def find(tables: Any, host: int, remote: int) -> int:
+def find(slots: Any, index: Any, host: int, remote: int) -> int:
     """Slot of a remote at a host, -1 where it is not known."""
-    length = tables.index.shape[1]
+    length = index.shape[1]
     at = _place(remote, length)
     while True:
-        slot = tables.index[host, at]
-        if slot == _EMPTY or tables.slots[host, slot].remote == remote:
+        slot = index[host, at]
+        if slot == _EMPTY or slots[host, slot].remote == remote:
             return slot
         at = (at + 1) & (length - 1)
 
@@ -73,50 +74,55 @@ def _insert(index: Any, host: int, remote: int, slot: int) -> None:
 
 
 @numba.njit(cache=True, nogil=True)
-def forget(tables: Any, host: int, t_s: float, expiry_s: float) -> int:
+def forget(hosts: Any, slots: Any, index: Any, free: Any, host: int, t_s: float, expiry_s: float) -> int:
     """Free the slots of remotes not heard for longer than ``expiry_s``; returns how many."""
-    about = tables.hosts[host]
+    about = hosts[host]
     freed = 0
     for slot in range(about.used):
-        held = tables.slots[host, slot]
+        held = slots[host, slot]
         if held.remote != _EMPTY and t_s - held.heard_s > expiry_s:
             held.remote = _EMPTY
-            tables.free[host, about.free] = slot
+            free[host, about.free] = slot
             about.free += 1
             freed += 1
     if freed > 0:
-        for at in range(tables.index.shape[1]):
-            tables.index[host, at] = _EMPTY
+        for at in range(index.shape[1]):
+            index[host, at] = _EMPTY
         for slot in range(about.used):
-            if tables.slots[host, slot].remote != _EMPTY:
-                _insert(tables.index, host, tables.slots[host, slot].remote, slot)
+            if slots[host, slot].remote != _EMPTY:
+                _insert(index, host, slots[host, slot].remote, slot)
     return freed
 
 
 @numba.njit(cache=True, nogil=True)
-def _new_slot(tables: Any, host: int, remote: int, t_s: float, expiry_s: float) -> int:
+def _new_slot(
+    hosts: Any, slots: Any, index: Any, free: Any, host: int, remote: int, t_s: float, expiry_s: float
+) -> int:
     """Give a new remote a slot, -1 where all are taken by remotes heard of late."""
-    about = tables.hosts[host]
-    if about.free == 0 and about.used == tables.slots.shape[1]:
-        forget(tables, host, t_s, expiry_s)
+    about = hosts[host]
+    if about.free == 0 and about.used == slots.shape[1]:
+        forget(hosts, slots, index, free, host, t_s, expiry_s)
     if about.free > 0:
         about.free -= 1
-        slot = tables.free[host, about.free]
-    elif about.used < tables.slots.shape[1]:
+        slot = free[host, about.free]
+    elif about.used < slots.shape[1]:
         slot = about.used
         about.used += 1
     else:
         about.refused += 1
         return _EMPTY
-    _insert(tables.index, host, remote, slot)
-    tables.slots[host, slot].remote = remote
-    tables.slots[host, slot].newest = _NEVER
+    _insert(index, host, remote, slot)
+    slots[host, slot].remote = remote
+    slots[host, slot].newest = _NEVER
     return slot
 
 
 @numba.njit(cache=True, nogil=True)
 def hear(
-    tables: Any,
+    hosts: Any,
+    slots: Any,
+    index: Any,
+    free: Any,
     host: int,
     remote: int,
     message_count: int,
@@ -130,14 +136,14 @@ def hear(
     A host's messages come in the order of time. A remote silent for longer than the sub-intervals kept gives
     up its slot where another needs one.
     """
-    kept = tables.slots[host, 0].first.size
-    slot = find(tables, host, remote)
+    kept = slots[host, 0].first.size
+    slot = find(slots, index, host, remote)
     if slot == _EMPTY:
-        slot = _new_slot(tables, host, remote, heard_s, kept * sub_interval_s)
+        slot = _new_slot(hosts, slots, index, free, host, remote, heard_s, kept * sub_interval_s)
         if slot == _EMPTY:
             return _EMPTY
-    held = tables.slots[host, slot]
-    number = _sub_interval(heard_s, tables.hosts[host].phase_s, sub_interval_s)
+    held = slots[host, slot]
+    number = _sub_interval(heard_s, hosts[host].phase_s, sub_interval_s)
     at = number % kept
     if number != held.newest:
         for passed in range(max(held.newest + 1, number - kept + 1), number):
@@ -186,31 +192,45 @@ def _is_near(held: Any, oldest_s: float, east_m: float, north_m: float, range_m:
 
 @numba.njit(cache=True, nogil=True)
 def count(
-    tables: Any, host: int, t_s: float, east_m: float, north_m: float, sub_interval_s: float, range_m: float
+    hosts: Any,
+    slots: Any,
+    host: int,
+    t_s: float,
+    east_m: float,
+    north_m: float,
+    sub_interval_s: float,
+    range_m: float,
 ) -> int:
     """Count the remotes that `survey` counts, without their packet error ratios."""
     oldest_s = t_s - sub_interval_s * (1.0 + _BOUNDARY_SLACK)
     near = 0
-    for slot in range(tables.hosts[host].used):
-        if _is_near(tables.slots[host, slot], oldest_s, east_m, north_m, range_m):
+    for slot in range(hosts[host].used):
+        if _is_near(slots[host, slot], oldest_s, east_m, north_m, range_m):
             near += 1
     return near
 
 
 @numba.njit(cache=True, nogil=True)
 def survey(
-    tables: Any, host: int, t_s: float, east_m: float, north_m: float, sub_interval_s: float, range_m: float
+    hosts: Any,
+    slots: Any,
+    host: int,
+    t_s: float,
+    east_m: float,
+    north_m: float,
+    sub_interval_s: float,
+    range_m: float,
 ) -> tuple[int, float]:
     """Count the remotes heard within a sub-interval and a range: (how many, mean packet error ratio).
 
     A ratio covers the sub-intervals that are over, all but one of those kept. The mean is over the remotes
     counted that have one, NaN where none has.
     """
-    number = _sub_interval(t_s, tables.hosts[host].phase_s, sub_interval_s)
+    number = _sub_interval(t_s, hosts[host].phase_s, sub_interval_s)
     oldest_s = t_s - sub_interval_s * (1.0 + _BOUNDARY_SLACK)
     near, ratios, total = 0, 0, 0.0
-    for slot in range(tables.hosts[host].used):
-        held = tables.slots[host, slot]
+    for slot in range(hosts[host].used):
+        held = slots[host, slot]
         if _is_near(held, oldest_s, east_m, north_m, range_m):
             near += 1
             ratio = _packet_error_ratio(held, number)
@@ -222,7 +242,10 @@ def survey(
 
 @numba.njit(cache=True, nogil=True)
 def hear_each(
-    tables: Any,
+    hosts: Any,
+    slots: Any,
+    index: Any,
+    free: Any,
     host: Any,
     remote: Any,
     message_count: Any,
@@ -234,7 +257,10 @@ def hear_each(
     """Take in K receptions in the order given; all arrays (K,), positions (K, 2)."""
     for k in range(host.size):
         out_slot[k] = hear(
-            tables,
+            hosts,
+            slots,
+            index,
+            free,
             host[k],
             remote[k],
             message_count[k],
@@ -247,18 +273,19 @@ def hear_each(
 
 @numba.njit(cache=True, nogil=True)
 def count_each(
-    tables: Any, t_s: Any, position_m: Any, sub_interval_s: float, range_m: float, out_count: Any
+    hosts: Any, slots: Any, t_s: Any, position_m: Any, sub_interval_s: float, range_m: float, out_count: Any
 ) -> None:
     """Count for every host at its own time and place; all arrays (H,), positions (H, 2)."""
     for host in range(t_s.size):
         out_count[host] = count(
-            tables, host, t_s[host], position_m[host, 0], position_m[host, 1], sub_interval_s, range_m
+            hosts, slots, host, t_s[host], position_m[host, 0], position_m[host, 1], sub_interval_s, range_m
         )
 
 
 @numba.njit(cache=True, nogil=True)
 def survey_each(
-    tables: Any,
+    hosts: Any,
+    slots: Any,
     t_s: Any,
     position_m: Any,
     sub_interval_s: float,
@@ -269,5 +296,5 @@ def survey_each(
     """Survey every host at its own time and place; all arrays (H,), positions (H, 2)."""
     for host in range(t_s.size):
         out_count[host], out_ratio[host] = survey(
-            tables, host, t_s[host], position_m[host, 0], position_m[host, 1], sub_interval_s, range_m
+            hosts, slots, host, t_s[host], position_m[host, 0], position_m[host, 1], sub_interval_s, range_m
         )
