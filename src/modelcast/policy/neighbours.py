@@ -67,7 +67,7 @@ def neighbour_tables(
     capacity
         Remotes a host can hold at once, C, up to 32767. Messages of further ones are refused and counted.
     sub_intervals
-        How many a packet error ratio covers; one more is kept.
+        How many a packet error ratio covers, `J2945Parameters.sub_intervals`; one more is kept.
     phase_s
         When each host's sub-intervals start, (H,) [s]; None for 0.
 
