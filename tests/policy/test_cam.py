@@ -183,3 +183,16 @@ def test_a_busy_channel_stretches_the_time_between_messages() -> None:
     # T_GenCam_Dcc stays within T_GenCamMin and T_GenCamMax however long the airtime.
     slow = np.diff(asked(CooperativeAwareness(control=held), drive, airtime_s=0.1))
     assert set(slow.tolist()) == {10}
+
+
+def test_congestion_control_never_allows_less_than_100_ms() -> None:
+    """Asked every 50 ms and moving 5 m in them: a share of 0.03 alone would allow a message every 25 ms."""
+    t_s = 0.05 * np.arange(100)
+    drive = build_trajectory(
+        "made/faster",
+        t_s,
+        np.stack([100.0 * t_s, 0.0 * t_s], axis=1),
+        speed_mps=np.full(100, 100.0),
+        heading_rad=np.full(100, 0.5 * np.pi),
+    )
+    assert set(np.diff(asked(CooperativeAwareness(), drive)).tolist()) == {2}
