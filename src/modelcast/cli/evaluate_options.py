@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from cyclopts import Parameter
@@ -96,6 +97,11 @@ class EvaluateOptions:
         found = asdict(self)
         sensor = found.pop("sensor")
         return {**found, **sensor}
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The profile's file, where the bank is one."""
+        return (Path(self.bank),) if self.bank.endswith(".json") else ()
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "EvaluateOptions":
