@@ -278,7 +278,7 @@ def test_settings_name_everything_that_changes_the_numbers() -> None:
         ({"keep_alive_s": -1.0}, "max_inter_transmit_time_s|keep_alive_s"),
         ({"mean_burst_s": -1.0}, "mean_burst_s"),
         ({"start": "first"}, "start"),
-        ({"identify": "never"}, "identify"),
+        ({"identify": "sometimes"}, "identify"),
         ({"protocol": "real"}, "protocol"),
         ({"keep_samples": "some"}, "keep_samples"),
     ],

@@ -46,6 +46,9 @@ class TransmitInputs:
         nothing was sent yet, (B, M) [m].
     available
         Which sub-models have a full window now, (B, M).
+    predicted_life
+        How long each sub-model is predicted to last if it were sent now, in any unit that rises with it,
+        (B, M); NaN where nothing is predicted, None where no policy asks.
     """
 
     t_s: FloatArray
@@ -54,6 +57,7 @@ class TransmitInputs:
     silence_s: FloatArray
     tracking_error_m: FloatArray
     available: BoolArray
+    predicted_life: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -143,7 +143,7 @@ def run_trial(
     numbers: list[int] = route.tolist()
     for trip, number in zip(staged, numbers, strict=True):
         settings = folds[number]
-        ready = TripBank(trip.case.seen, settings.bank, trip.case.estimator)
+        ready = TripBank(trip.case.seen, settings.bank, trip.case.estimator, settings.selector_in_use)
         trial.counts.extend(_count_rows(name, protocol, trip, ready, settings, route=number))
         _add_errors(trial, trip, ready, settings)
         step()
