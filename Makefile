@@ -6,7 +6,7 @@ SOURCES := $(shell find src -name '*.py' 2>/dev/null | LC_ALL=C sort)
 # A cached Numba caller does not notice a changed callee, so the cache folder is named by a hash of the source.
 export NUMBA_CACHE_DIR := $(CURDIR)/.numba_cache/$(shell cat $(SOURCES) 2>/dev/null | git hash-object --stdin | cut -c1-16)
 
-.PHONY: demo test check bench setup setup-dev lock clean
+.PHONY: demo test check bench fuzz setup setup-dev lock clean
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -21,6 +21,13 @@ check: setup-dev
 
 bench: setup-dev
 	$(BIN)/python benchmarks/run_all.py
+
+# Ten million inputs; FUZZ_ARGUMENTS are libFuzzer's. What it finds is kept in out/fuzz.
+FUZZ_ARGUMENTS ?= -runs=10000000 -max_len=4096
+fuzz: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-fuzz.lock
+	mkdir -p out/fuzz/corpus
+	$(BIN)/python fuzz/run.py out/fuzz/corpus fuzz/corpus -artifact_prefix=out/fuzz/ $(FUZZ_ARGUMENTS)
 
 setup: $(VENV)/.runtime
 setup-dev: $(VENV)/.dev
@@ -41,6 +48,8 @@ lock:
 		pyproject.toml --group build -o requirements.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 		pyproject.toml --group dev -o requirements-dev.lock
+	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
+		pyproject.toml --group fuzz -o requirements-fuzz.lock
 
 clean:
 	rm -rf $(VENV) .numba_cache out build dist

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from modelcast.evaluation.settings import EvaluationSettings as EvaluationSettings
     from modelcast.io.results import write_results as write_results
     from modelcast.io.trips import read_trips as read_trips
+    from modelcast.messages.bsm import BsmCore as BsmCore
+    from modelcast.messages.bsm import decode_bsm as decode_bsm
+    from modelcast.messages.bsm import encode_bsm as encode_bsm
     from modelcast.models.bank import Bank as Bank
     from modelcast.models.constant_velocity import ConstantVelocity as ConstantVelocity
     from modelcast.models.gp import GaussianProcess as GaussianProcess
@@ -42,6 +45,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "Bank": "models.bank",
+    "BsmCore": "messages.bsm",
     "CompareSettings": "evaluation.compare.settings",
     "ConstantVelocity": "models.constant_velocity",
     "ErrorDriven": "policy.error_driven",
@@ -58,6 +62,8 @@ _HOMES = {
     "Trajectory": "core.trajectory",
     "build_trajectory": "core.trajectory",
     "compare": "evaluation.compare.run",
+    "decode_bsm": "messages.bsm",
+    "encode_bsm": "messages.bsm",
     "evaluate": "evaluation.evaluate",
     "generate_drive": "simulation.drive",
     "rates_frame": "report.tables",

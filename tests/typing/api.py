@@ -10,6 +10,7 @@ import numpy as np
 import modelcast
 from modelcast import (
     Bank,
+    BsmCore,
     CompareSettings,
     ConstantVelocity,
     ErrorDriven,
@@ -24,6 +25,8 @@ from modelcast import (
     Trajectory,
     build_trajectory,
     compare,
+    decode_bsm,
+    encode_bsm,
     evaluate,
     generate_drive,
     read_trips,
@@ -79,6 +82,14 @@ def policies() -> tuple[ErrorDriven, Periodic, Host]:
     state = error_driven.init(4, 2)
     assert_type(state, ErrorDrivenState)
     return error_driven, Periodic(2.0), Host(Bank((ConstantVelocity(),)), expiry_s=3.0)
+
+
+def pass_on(octets: bytes, model: bytes) -> bytes:
+    """Add a model to a message that was received."""
+    message = decode_bsm(octets)
+    assert_type(message.core, BsmCore)
+    assert_type(message.core.value("speed_mps"), float | None)
+    return encode_bsm(message.core, part_ii=message.part_ii, regional=((128, model),))
 
 
 def version() -> str:

@@ -12,8 +12,11 @@ from cyclopts import App, CycloptsError
 from modelcast.cli.compare import compare
 from modelcast.cli.convert import convert
 from modelcast.cli.coverage import coverage
+from modelcast.cli.decode import decode
 from modelcast.cli.demo import demo
+from modelcast.cli.encode import encode
 from modelcast.cli.evaluate import evaluate
+from modelcast.cli.train import train
 from modelcast.cli.trips import trips
 from modelcast.core.exceptions import ModelcastError
 
@@ -43,6 +46,9 @@ app.command(compare)
 app.command(trips)
 app.command(convert)
 app.command(coverage)
+app.command(train)
+app.command(decode)
+app.command(encode)
 
 
 def run(arguments: Sequence[str]) -> int:

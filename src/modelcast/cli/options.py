@@ -8,7 +8,7 @@ from cyclopts import Parameter
 if TYPE_CHECKING:
     from modelcast.core.sensor import SensorModel
 
-__all__ = ["Columns", "Format", "Numbers", "SensorOptions", "Words", "parse_columns"]
+__all__ = ["Columns", "Format", "Numbers", "SensorOptions", "Source", "Words", "parse_columns"]
 
 Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")]
 """Several numbers after one another."""
@@ -16,6 +16,9 @@ Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative
 Words = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")]
 """Several words after one another."""
 
+
+Source = Annotated[str, Parameter(allow_leading_hyphen=True)]
+"""A file, or - for the standard input, or the content itself."""
 
 Format = Annotated[
     str | None,

@@ -3,6 +3,7 @@
 ::
 
     ModelcastError
+    ├── CodecError         bytes are not a message: reason, offset in bits
     ├── DataFormatError    a file is not what its format says: path, row, value, remedy
     ├── ConfigError        options that do not fit together, or that fit no trip
     └── MissingExtraError  an optional part is not installed: the extra that brings it
@@ -10,11 +11,28 @@
 Mistakes of a caller of the Python interface are plain ``ValueError``.
 """
 
-__all__ = ["ConfigError", "DataFormatError", "MissingExtraError", "ModelcastError"]
+__all__ = ["CodecError", "ConfigError", "DataFormatError", "MissingExtraError", "ModelcastError"]
 
 
 class ModelcastError(Exception):
     """Base of every error modelcast raises on purpose."""
+
+
+class CodecError(ModelcastError):
+    """Bytes that are not a message.
+
+    Parameters
+    ----------
+    reason
+        What is wrong, with the offending value.
+    offset_bits
+        Where: bits from the start of the bytes given, the most significant bit of the first octet being 0.
+    """
+
+    def __init__(self, reason: str, offset_bits: int) -> None:
+        self.reason = reason
+        self.offset_bits = offset_bits
+        super().__init__(f"bit {offset_bits}: {reason}")
 
 
 class ConfigError(ModelcastError):

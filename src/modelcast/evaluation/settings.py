@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, asdict, dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -14,11 +14,12 @@ from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.learned import Selector
+from modelcast.models.profile import default_profile
 from modelcast.policy.costs import CostTable
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.policy.rules import IdentifyRule, StartRule
 
-__all__ = ["BASELINE_BANK", "PAPER_BANK", "PAPER_NOISE_FLOOR_M", "EvaluationSettings"]
+__all__ = ["BASELINE_BANK", "PAPER_BANK", "PAPER_NOISE_FLOOR_M", "EvaluationSettings", "rules_of"]
 
 PAPER_NOISE_FLOOR_M = 1e-5
 """The paper's Gaussian process has no noise floor: a hundredth of a millimetre stands for none [m]."""
@@ -31,6 +32,20 @@ PAPER_BANK = Bank(
 
 BASELINE_BANK = Bank((ConstantVelocity(),), "cv")
 """Raw basic safety messages: the receiver coasts at constant velocity."""
+
+
+def rules_of(bank: Bank) -> tuple[StartRule, IdentifyRule]:
+    """The rules that a bank is used with where nobody says otherwise.
+
+    Parameters
+    ----------
+    bank
+        The shipped profile's bank is used as that profile says, any other as the paper reads.
+    """
+    profile = default_profile()
+    if bank == profile.bank:
+        return cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
+    return "order", "on-failure"
 
 
 def _require_known(name: str, value: str, known: tuple[str, ...]) -> None:
@@ -51,9 +66,10 @@ class EvaluationSettings:
     seeds, seed
         How many runs are drawn for every loss ratio, and the seed they are spawned from.
     bank
-        Sub-models of model-based communication.
+        Sub-models of model-based communication; the shipped profile's where not given.
     start, identify
-        The policy's rules, as in `ErrorDriven`.
+        The policy's rules, as in `ErrorDriven`. Where None, those of that profile for its bank, and the plain
+        reading of the paper, ``order`` and ``on-failure``, for any other.
     selector
         Predicts which sub-model of the bank lasts; needed for ``start`` ``predicted``.
     costs
@@ -91,9 +107,9 @@ class EvaluationSettings:
     _: KW_ONLY
     seeds: int = 5
     seed: int = 0
-    bank: Bank = PAPER_BANK
-    start: StartRule = "order"
-    identify: IdentifyRule = "on-failure"
+    bank: Bank = field(default_factory=lambda: default_profile().bank)
+    start: StartRule | None = None
+    identify: IdentifyRule | None = None
     selector: Selector | None = None
     costs: CostTable | None = None
     keep_alive_s: float | None = 2.0
@@ -133,22 +149,32 @@ class EvaluationSettings:
     def _check_rules(self) -> None:
         """Refuse rules without what they need, or with what was trained for another bank."""
         names = tuple(member.name for member in self.bank.complete().members)
-        if self.start == "predicted":
+        start, identify = self.rules
+        if start == "predicted":
             if self.selector is None:
                 raise ValueError("start 'predicted' needs a selector trained for the bank: take another rule")
             self.selector.check_members(names)
-        if self.identify == "cheapest" and self.costs is not None:
+        if identify == "cheapest" and self.costs is not None:
             self.costs.check_members(len(names))
 
     def policy(self, threshold_m: float, *, keep_alive: bool) -> ErrorDriven:
         """The error-driven policy at a threshold, with or without the keep-alive of the loss runs."""
         longest = self.keep_alive_s if keep_alive else None
-        return ErrorDriven(threshold_m, self.start, self.identify, longest, self.costs)
+        start, identify = self.rules
+        return ErrorDriven(threshold_m, start, identify, longest, self.costs)
+
+    @property
+    def rules(self) -> tuple[StartRule, IdentifyRule]:
+        """The policy's rules, those not given filled in."""
+        if self.start is not None and self.identify is not None:
+            return self.start, self.identify
+        start, identify = rules_of(self.bank)
+        return self.start or start, self.identify or identify
 
     @property
     def selector_in_use(self) -> Selector | None:
         """The selector, where the start rule asks it."""
-        return self.selector if self.start == "predicted" else None
+        return self.selector if self.rules[0] == "predicted" else None
 
     def channel(self, ratio: float) -> AbstractChannel:
         """The channel that loses this share of messages."""
@@ -165,8 +191,8 @@ class EvaluationSettings:
             "seed": self.seed,
             "bank": self.bank.name,
             "sub_models": [repr(member) for member in self.bank.members],
-            "start": self.start,
-            "identify": self.identify,
+            "start": self.rules[0],
+            "identify": self.rules[1],
             "selector": None if self.selector is None else self.selector.summary,
             "costs": None if self.costs is None else self.costs.as_plain(),
             "keep_alive_s": self.keep_alive_s,

@@ -47,7 +47,9 @@ def hindsight_scores(ages_s: FloatArray, errors_m: FloatArray, threshold_m: floa
     members, lags = errors_m.shape
     if ages_s.shape != (lags,):
         raise ValueError(f"ages_s must be ({lags},), one a column of errors_m, got {ages_s.shape}")
-    scores: FloatArray = np.zeros(members) if lags else np.full(members, np.nan)
+    scores = np.zeros(members)
+    if not lags:
+        scores += np.nan
     for m in range(members):
         for lag in range(lags):
             scores[m] += kernels.log_life(float(ages_s[lag]), float(errors_m[m, lag]), threshold_m) / lags

@@ -15,6 +15,7 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import MissingExtraError
 from modelcast.evaluation.training.survival_kernels import survival_slopes
+from modelcast.models.learned.features import NOISES
 
 __all__ = ["Descent", "LayerAverage", "Lesson", "descend", "make_regressor"]
 
@@ -82,7 +83,7 @@ class Lesson:
     Parameters
     ----------
     inputs
-        (B, I); the last one is no length and is not resized.
+        (B, I); the last `NOISES` are no lengths and are not resized.
     errors_m
         What the outputs are to correct, along and to the left, (B, H, 2) [m].
     centre, width
@@ -169,7 +170,7 @@ def _varied(
     mirrored = rng.random(chosen.size) < 0.5
     inputs = np.where(mirrored[:, None], lesson.inputs[chosen] * lesson.mirrors, lesson.inputs[chosen])
     size = np.exp(how.resize * rng.uniform(-1.0, 1.0, chosen.size))
-    inputs[:, :-1] *= size[:, None]
+    inputs[:, :-NOISES] *= size[:, None]
     errors_m = lesson.errors_m[chosen] * size[:, None, None]
     errors_m[mirrored, :, 1] *= -1.0
     return inputs, errors_m

@@ -25,6 +25,7 @@ from modelcast.models.learned.features import FeatureMap
 from modelcast.models.learned.learned_kernels import FRAME_MPS
 from modelcast.models.learned.learned_trajectory import LearnedTrajectory, feature_constants
 from modelcast.models.learned.network import Network
+from modelcast.models.noise import DEFAULT_NOISE
 from modelcast.models.point_kernels import (
     ACCELERATION,
     VELOCITY_EAST,
@@ -46,39 +47,61 @@ class NoiseStage:
 
     Parameters
     ----------
-    up_to_noise_m
-        The window's position noise up to which it serves [m].
+    noise_range_m
+        The window's position noise from which and up to which it serves [m].
     views
-        Kinds of senders.
+        Kinds of senders; of each, only windows in that range (and a little beyond) are learned from.
     """
 
-    up_to_noise_m: float
+    noise_range_m: tuple[float, float]
     views: tuple[SenderView, ...]
 
 
+def _poor(columns: str, position_noise_m: float) -> SenderView:
+    """Return a view with a worse speed and heading."""
+    return SenderView(columns, position_noise_m, speed_noise_mps=0.1, heading_noise_rad=0.5 * _DEGREE)
+
+
 DEFAULT_STAGES = (
-    NoiseStage(0.003, (SenderView("recorded"),)),
+    NoiseStage((0.0, 0.003), (SenderView("recorded"), SenderView("motion", 0.002))),
     NoiseStage(
-        0.025,
+        (0.003, 0.025),
         (
+            SenderView("recorded"),
+            SenderView("recorded", 0.01),
             SenderView("motion", 0.01),
+            SenderView("motion", 0.02),
             SenderView("rates", 0.01),
             SenderView("motion", 0.005),
             SenderView("positions", 0.01),
         ),
     ),
     NoiseStage(
-        np.inf,
+        (0.025, 0.08),
         (
-            SenderView("motion", 0.05, speed_noise_mps=0.1, heading_noise_rad=0.5 * _DEGREE),
-            SenderView("rates", 0.1, speed_noise_mps=0.1, heading_noise_rad=0.5 * _DEGREE),
-            SenderView("motion", 0.2, speed_noise_mps=0.1, heading_noise_rad=0.5 * _DEGREE),
+            SenderView("motion", 0.03),
+            SenderView("motion", 0.05),
+            _poor("motion", 0.05),
+            SenderView("rates", 0.05),
             SenderView("positions", 0.05),
-            SenderView("positions", 0.2),
+        ),
+    ),
+    NoiseStage(
+        (0.08, np.inf),
+        (
+            SenderView("motion", 0.1),
+            _poor("rates", 0.1),
+            SenderView("motion", 0.2),
+            _poor("motion", 0.4),
+            SenderView("positions", 0.1),
+            SenderView("positions", 0.3),
         ),
     ),
 )
-"""Three networks: millimetres, a centimetre, decimetres."""
+"""Four networks: millimetres, a centimetre, five, decimetres."""
+
+_OVERLAP = 1.5
+"""A network also learns from windows whose noise is beyond its range by this factor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +183,7 @@ def train_learned(
             if progress is not None:
                 progress(at * reports + done, reports * len(settings.stages))
 
-        networks.append(_train_network(rows, stage.up_to_noise_m, horizons_s, settings, step))
+        networks.append(_train_network(rows, stage.noise_range_m[1], horizons_s, settings, step))
     return LearnedTrajectory(
         tuple(networks),
         settings.coefficients,
@@ -178,7 +201,7 @@ def _stage_rows(
     share = settings.rows // len(stage.views)
     for view in stage.views:
         viewed = list(view_trips(trips, view, seed=settings.seed))
-        ends = [_ends(one, settings) for one in viewed]
+        ends = [_ends(one, settings, stage.noise_range_m) for one in viewed]
         total = sum(rows.size for rows in ends)
         rng = child_generator(settings.seed, "rows", view.name)
         for one, rows in zip(viewed, ends, strict=True):
@@ -194,11 +217,13 @@ def _stage_rows(
     )
 
 
-def _ends(viewed: Viewed, settings: LearnedSettings) -> IntArray:
-    """Samples with a full window behind and the whole path ahead."""
+def _ends(viewed: Viewed, settings: LearnedSettings, noises_m: tuple[float, float]) -> IntArray:
+    """Samples with a noise in this range, a full window behind and the whole path ahead."""
     trip = viewed.seen
     last = np.repeat(trip.segments[1:] - 1, np.diff(trip.segments))
     enough = np.arange(len(trip)) - trip.segment_start >= settings.features.lags
+    noise_m = DEFAULT_NOISE.standard_deviation_m(trip)
+    enough &= (noise_m >= noises_m[0] / _OVERLAP) & (noise_m <= noises_m[1] * _OVERLAP)
     return np.flatnonzero(enough & (trip.t_s[last] - trip.t_s >= settings.longest_s))
 
 
@@ -272,5 +297,5 @@ def _train_network(
 
 
 def _rounded(array: FloatArray) -> FloatArray:
-    """Six digits: a profile is a text, and a weight has no more."""
-    return np.array([float(f"{value:.6g}") for value in array.ravel()]).reshape(array.shape)
+    """As a profile keeps it: in 32 bits."""
+    return array.astype(np.float32).astype(np.float64)

@@ -62,7 +62,10 @@ class SenderView:
     def name(self) -> str:
         """As in the training record."""
         thinned = "" if self.every == 1 else f" 1/{self.every}"
-        return f"{self.columns} {1000 * self.position_noise_m:g} mm{thinned}"
+        found = f"{self.columns} {1000 * self.position_noise_m:g} mm{thinned}"
+        if self.columns in ("motion", "rates"):
+            found += f", {self.speed_noise_mps:g} m/s, {np.rad2deg(self.heading_noise_rad):.2g} deg"
+        return found
 
 
 @dataclass(frozen=True, slots=True)

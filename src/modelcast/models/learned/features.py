@@ -4,7 +4,10 @@ Positions and velocities of the window are turned into the frame of the newest v
 to its left) and read off at every tenth of a second, whatever the sampling interval. Polynomials of several
 degrees and lengths are fitted to them by least squares; their value and derivatives at the newest sample
 are the inputs. All of it is linear, and one matrix each for positions and velocities. Beside them stand the
-speed, the acceleration, the lateral acceleration ``v·yaw rate``, and the logarithm of the position noise.
+speed, the acceleration, the lateral acceleration ``v·yaw rate``; and, in logarithms, how noisy the sender is:
+the roughness of its velocity along and to the left (root mean square of third differences, scaled to the
+noise of one velocity), and the noise of its positions. A velocity made from positions of 1 cm and one of a
+wheel sensor look alike but for that.
 
 Mirroring the world changes the sign of every input that `FeatureMap.mirrors` marks, and of nothing else.
 """
@@ -16,7 +19,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 
-__all__ = ["LAG_STEP_S", "FeatureMap"]
+__all__ = ["LAG_STEP_S", "NOISES", "FeatureMap"]
 
 LAG_STEP_S = 0.1
 """Positions and velocities are read off at multiples of this time before the newest sample [s]."""
@@ -25,7 +28,10 @@ _POSITION_FITS = ((3, 2), (5, 2), (10, 2), (10, 3), (20, 2), (20, 3), (20, 4))
 _VELOCITY_FITS = ((5, 1), (10, 1), (10, 2), (20, 1), (20, 2), (20, 3))
 
 _ALONE = 3
-"""Speed, acceleration, lateral acceleration come before the polynomials; the noise after them."""
+"""Speed, acceleration, lateral acceleration come before the polynomials."""
+
+NOISES = 3
+"""The last inputs: logarithms of noise, which neither a mirror nor a larger road changes."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +51,7 @@ class FeatureMap:
     Examples
     --------
     >>> FeatureMap(20).inputs
-    86
+    88
     """
 
     lags: int = 20
@@ -67,14 +73,14 @@ class FeatureMap:
     @property
     def inputs(self) -> int:
         """How many inputs there are."""
-        return _ALONE + 2 * (self.positions.shape[0] + self.velocities.shape[0]) + 1
+        return _ALONE + 2 * (self.positions.shape[0] + self.velocities.shape[0]) + NOISES
 
     @cached_property
     def mirrors(self) -> FloatArray:
         """-1 for an input that changes its sign in the mirror, 1 for the others, (inputs,)."""
         signs = np.ones(self.inputs)
         signs[2] = -1.0
-        signs[_ALONE + 1 : -1 : 2] = -1.0
+        signs[_ALONE + 1 : -NOISES : 2] = -1.0
         return signs
 
 

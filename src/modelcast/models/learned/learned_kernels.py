@@ -1,6 +1,6 @@
 """Compiled functions of the learned sub-model: its inputs, the network, and the corrected path."""
 
-from math import asinh, hypot, log
+from math import asinh, hypot, log, sqrt
 from typing import Any
 
 import numba
@@ -32,6 +32,8 @@ HEADER = 8
 """Sampling interval, lags, rows for positions and velocities, inputs, coefficients, their time, networks."""
 
 _LEAST_NOISE_M, _MOST_NOISE_M = 5e-4, 0.5
+_LEAST_ROUGH_MPS, _MOST_ROUGH_MPS = 1e-3, 5.0
+_THIRD_DIFFERENCE_GAIN = 20.0  # of the variance of white noise: 1 + 9 + 9 + 1
 _TIME_SLACK_S = 1e-6
 
 _fast: Any = numba.njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "nsz", "arcp"})
@@ -52,6 +54,17 @@ def _dot(a: Any, b: Any) -> float:
     for i in range(a.size):
         total += a[i] * b[i]
     return total
+
+
+@numba.njit(cache=True, nogil=True)
+def _roughness(path: Any) -> float:
+    """Logarithm of the noise that a velocity's third differences show (lags,)."""
+    total = 0.0
+    for lag in range(path.size - 3):
+        third = path[lag] - 3.0 * path[lag + 1] + 3.0 * path[lag + 2] - path[lag + 3]
+        total += third * third
+    noise = sqrt(total / (_THIRD_DIFFERENCE_GAIN * (path.size - 3)))
+    return log(min(max(noise, _LEAST_ROUGH_MPS), _MOST_ROUGH_MPS))
 
 
 @numba.njit(cache=True, nogil=True)
@@ -99,7 +112,8 @@ def window_features(window: Any, constants: Any, out: Any) -> bool:
         out[at], out[at + 1] = _dot(row, path[2]), _dot(row, path[3])
         at += 2
         begin += lags + 1
-    out[at] = log(min(max(window[last, POSITION_NOISE], _LEAST_NOISE_M), _MOST_NOISE_M))
+    out[at], out[at + 1] = _roughness(path[2]), _roughness(path[3])
+    out[at + 2] = log(min(max(window[last, POSITION_NOISE], _LEAST_NOISE_M), _MOST_NOISE_M))
     return True
 
 

@@ -1,0 +1,103 @@
+"""Write the committed corpus anew: messages of our own encoder, and the same cut, bent and padded.
+
+The files are the starting points of the fuzzer, and the inputs of the bounded run in the tests. They hold
+every shape a message can take, and every reason for which one is refused.
+"""
+
+import random
+from pathlib import Path
+
+from modelcast.messages.bits import BitWriter
+from modelcast.messages.bsm import BsmCore, encode_bsm
+from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_BITS, CORE_FIELDS, LOCAL_REGION
+from modelcast.messages.frame import encode_frame
+
+__all__ = ["main"]
+
+FOLDER = Path(__file__).parent / "corpus"
+
+
+def messages(rng: random.Random) -> dict[str, bytes]:
+    """Return messages of all shapes, by name."""
+    cores = [BsmCore(tuple(rng.randint(f.low, f.high) for f in CORE_FIELDS)) for _ in range(8)]
+    lowest = BsmCore(tuple(f.low for f in CORE_FIELDS))
+    highest = BsmCore(tuple(f.high for f in CORE_FIELDS))
+    some = [rng.randbytes(count) for count in (1, 7, 24, 126, 200, 1000)]
+    return {
+        "lowest": encode_bsm(lowest),
+        "highest": encode_bsm(highest),
+        "random": encode_bsm(cores[0]),
+        "part-ii": encode_bsm(cores[1], part_ii=((0, some[3]), (2, some[1]))),
+        "part-ii-full": encode_bsm(cores[2], part_ii=tuple((i, some[i % 3]) for i in range(8))),
+        "regional": encode_bsm(cores[3], regional=((LOCAL_REGION, some[2]),)),
+        "regional-full": encode_bsm(cores[4], regional=tuple((64 * i, some[i]) for i in range(4))),
+        "both": encode_bsm(cores[5], part_ii=((1, some[0]),), regional=((LOCAL_REGION, some[4]),)),
+        "additions": encode_bsm(cores[6], additions=(None, some[1], None)),
+        "additions-65": encode_bsm(cores[6], additions=(*[None] * 64, some[0])),
+        "additions-most-absent": encode_bsm(cores[6], additions=(*[None] * 16_000, some[0])),
+        "additions-most": encode_bsm(lowest, additions=(some[0],) * 7000),
+        "all": encode_bsm(
+            cores[7],
+            part_ii=((63, some[0]),),
+            regional=((255, some[0]),),
+            additions=(some[1],),
+            frame_additions=(None, some[2]),
+        ),
+        "long": encode_bsm(lowest, regional=((LOCAL_REGION, rng.randbytes(16_300)),)),
+        "other-message": encode_frame(18, some[2]),
+        "other-message-extended": encode_frame(240, some[5], (some[0],)),
+    }
+
+
+def extended(value: bytes, preamble: int, *after: tuple[int, int]) -> bytes:
+    """Return Part I of a message that has nothing else, with another preamble and some bits after it."""
+    writer = BitWriter()
+    writer.bits(preamble, 3)
+    writer.bits(int.from_bytes(value, "big") >> 8 * len(value) - 3 - CORE_BITS, CORE_BITS)
+    for number, width in after:
+        writer.bits(number, width)
+    return encode_frame(BASIC_SAFETY_MESSAGE, writer.octets())
+
+
+def refused(good: dict[str, bytes]) -> dict[str, bytes]:
+    """Return octets that are refused, by reason."""
+    core, full = good["random"], good["all"]
+    value = core[3:]
+    return {
+        "empty": b"",
+        "one-octet": core[:1],
+        "no-length": core[:2],
+        "cut-in-part-i": core[:20],
+        "value-cut-in-part-i": core[:2] + bytes([17]) + core[3:20],
+        "cut-in-additions": full[:-5],
+        "left-over": core + b"\0",
+        "left-over-in-value": core[:2] + bytes([len(value) + 2]) + value + b"\0\0",
+        "padding": core[:-1] + bytes([core[-1] | 1]),
+        "length-long-form": core[:2] + bytes([0x80, len(value)]) + value,
+        "length-fragmented": core[:2] + b"\xc1" + bytes(16_384),
+        "no-value": core[:2] + b"\0",
+        "all-ones": b"\0\x14\x25" + b"\xff" * 37,
+        "all-zero": bytes(40),
+        "ones": b"\xff" * 300,
+        "too-long": bytes(16_500),
+        "empty-open-type": extended(value, 1, (0, 2), (LOCAL_REGION, 8), (0, 8)),
+        "no-addition-present": extended(value, 4, (2, 7), (0, 3)),
+        "few-additions-in-long-form": extended(value, 4, (1, 1), (3, 8), (7, 3)),
+    }
+
+
+def main() -> None:
+    """Write all files."""
+    FOLDER.mkdir(exist_ok=True)
+    for old in FOLDER.iterdir():
+        old.unlink()
+    good = messages(random.Random(4))  # noqa: S311 - not for secrets
+    for name, octets in {
+        **good,
+        **{f"refused-{name}": octets for name, octets in refused(good).items()},
+    }.items():
+        (FOLDER / name).write_bytes(octets)
+
+
+if __name__ == "__main__":
+    main()

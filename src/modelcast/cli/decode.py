@@ -1,0 +1,97 @@
+"""``modelcast decode``: octets of messages as a table, or as JSON."""
+
+from collections.abc import Iterator
+
+from modelcast.cli.options import Source
+
+__all__ = ["decode"]
+
+
+def decode(source: Source, *, json: bool = False) -> int:
+    """Show the fields of encoded basic safety messages, with their units.
+
+    Parameters
+    ----------
+    source
+        Hexadecimal digits of one message; or a file of hexadecimal digits, one message a line; or a file that
+        is one message; or - for the standard input.
+    json
+        Print one JSON document a line instead of tables, in SI units; `modelcast encode` reads them back.
+    """
+    import json as json_format
+    import sys
+
+    from rich.console import Console
+
+    from modelcast.core.exceptions import CodecError, ConfigError
+    from modelcast.messages.bsm import decode_bsm
+    from modelcast.messages.bsm_document import document_of
+    from modelcast.report.messages import message_table
+
+    console = Console()
+    good = bad = 0
+    for place, octets in _messages(source):
+        if octets is None:
+            print(f"modelcast: {place}: not an even number of hexadecimal digits", file=sys.stderr)
+            bad += 1
+            continue
+        try:
+            message = decode_bsm(octets)
+        except CodecError as error:
+            print(f"modelcast: {place}: {error}", file=sys.stderr)
+            bad += 1
+            continue
+        good += 1
+        if json:
+            print(json_format.dumps(document_of(message)))
+        else:
+            console.print(message_table(message, f"{place}: basic safety message, {len(octets)} bytes"))
+    if not good + bad:
+        raise ConfigError(f"{source} holds no message")
+    return 0 if not bad else 3 if good else 2
+
+
+def _messages(source: str) -> Iterator[tuple[str, bytes | None]]:
+    """Yield a message's place and octets; None where a line is not what it should be."""
+    from modelcast.core.exceptions import ConfigError
+
+    content = _content(source)
+    if content is None:
+        octets = _unhex(source)
+        if octets is None:
+            raise ConfigError(f"'{source[:60]}' is neither a file nor an even number of hexadecimal digits")
+        yield "argument", octets
+        return
+    name = "standard input" if source == "-" else source
+    if not all(octet in b"\t\n\r" or 0x20 <= octet < 0x7F for octet in content):
+        yield name, content
+        return
+    for number, line in enumerate(content.decode("ascii").splitlines(), start=1):
+        if line.strip() and not line.lstrip().startswith("#"):
+            yield f"{name}, line {number}", _unhex(line)
+
+
+def _content(source: str) -> bytes | None:
+    """Octets of a file or of the standard input; None where there is no such file."""
+    import sys
+    from pathlib import Path
+
+    if source == "-":
+        return sys.stdin.buffer.read()
+    try:
+        return Path(source).read_bytes()
+    except (FileNotFoundError, ValueError):
+        return None
+    except OSError:
+        # Digits of a long message are too long a name for a file.
+        if _unhex(source) is None:
+            raise
+        return None
+
+
+def _unhex(text: str) -> bytes | None:
+    """Octets of hexadecimal digits, blanks between octets allowed; None where they are none."""
+    try:
+        return bytes.fromhex(text.strip().removeprefix("0x")) or None
+    except ValueError:
+        return None

@@ -1,0 +1,86 @@
+"""``modelcast encode``: messages as JSON to octets."""
+
+from collections.abc import Iterator
+from typing import Annotated, cast
+
+from cyclopts import Parameter
+
+from modelcast.cli.options import Source
+
+__all__ = ["encode"]
+
+
+def encode(source: Source = "-", *, json: Annotated[bool, Parameter(negative="")] = True) -> int:
+    """Print the octets of basic safety messages as hexadecimal digits, one message a line.
+
+    Parameters
+    ----------
+    source
+        A JSON file, or JSON itself, or - for the standard input: one document, a list of them, or one a line,
+        as `modelcast decode --json` prints them. Fields are in SI units; those left out are unavailable.
+    json
+        The form of the source; there is no other.
+    """
+    import sys
+
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.messages.bsm import encode_message
+    from modelcast.messages.bsm_document import message_of
+
+    del json
+    good = bad = 0
+    for place, document in _documents(source):
+        try:
+            octets = encode_message(message_of(document))
+        except ValueError as error:
+            print(f"modelcast: {place}: {error}", file=sys.stderr)
+            bad += 1
+            continue
+        good += 1
+        print(octets.hex())
+    if not good + bad:
+        raise ConfigError(f"{source} holds no message")
+    return 0 if not bad else 3 if good else 2
+
+
+def _documents(source: str) -> Iterator[tuple[str, object]]:
+    """Yield each document and where it stands."""
+    import json as json_format
+    import sys
+    from pathlib import Path
+
+    from modelcast.core.exceptions import ConfigError
+
+    name = "standard input" if source == "-" else source
+    if source.lstrip().startswith(("{", "[")):
+        name, text = "argument", source
+    else:
+        try:
+            text = (sys.stdin.buffer.read() if source == "-" else Path(source).read_bytes()).decode()
+        except FileNotFoundError:
+            raise ConfigError(f"there is no file {source}, and it is not JSON either") from None
+        except UnicodeDecodeError:
+            raise ConfigError(f"{name} is not text") from None
+    try:
+        whole = json_format.loads(text)
+    except (ValueError, RecursionError):
+        yield from _lines(name, text)
+        return
+    documents = cast("list[object]", whole) if isinstance(whole, list) else [whole]
+    for number, document in enumerate(documents, start=1):
+        yield f"{name}, message {number}", document
+
+
+def _lines(name: str, text: str) -> Iterator[tuple[str, object]]:
+    """Yield the document of each line."""
+    import json as json_format
+
+    from modelcast.core.exceptions import ConfigError
+
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.strip():
+            try:
+                document = json_format.loads(line)
+            except (ValueError, RecursionError) as error:
+                raise ConfigError(f"{name}, line {number}: not JSON: {error}") from error
+            yield f"{name}, line {number}", document

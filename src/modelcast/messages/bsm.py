@@ -1,0 +1,322 @@
+"""The basic safety message of SAE J2735, one at a time: octets to values and back.
+
+Part I is understood field by field (`bsm_fields`). Part II, regional extensions and extension additions are
+kept as octets, so that a message that was read can be written again to the same octets, whatever its sender
+put into it. Whoever knows a regional extension encodes and decodes its octets on their own.
+
+For many messages at once see `bsm_batch`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
+from operator import le
+from typing import Final
+
+from modelcast.core.exceptions import CodecError
+from modelcast.messages.bits import BitReader, BitWriter
+from modelcast.messages.bsm_fields import (
+    BASIC_SAFETY_MESSAGE,
+    CORE_BITS,
+    CORE_FIELDS,
+    CORE_INDEX,
+    MAX_PART_II,
+    MAX_REGIONAL,
+    PART_II_ID,
+    REGION_ID,
+)
+from modelcast.messages.frame import check_additions, check_octets, encode_frame, read_header, read_tail
+
+__all__ = ["BasicSafetyMessage", "BsmCore", "Content", "decode_bsm", "encode_bsm", "encode_message"]
+
+Content = tuple[int, bytes]
+"""An id and the octets of an open type."""
+
+_LOWS: Final = tuple(field.low for field in CORE_FIELDS)
+_HIGHS: Final = tuple(field.high for field in CORE_FIELDS)
+_MASKS: Final = tuple((1 << field.width_bits) - 1 for field in CORE_FIELDS)
+_SHIFTS: Final = tuple(
+    CORE_BITS - sum(field.width_bits for field in CORE_FIELDS[: i + 1]) for i in range(len(CORE_FIELDS))
+)
+_PUT: Final = tuple(zip(_LOWS, _SHIFTS, strict=True))
+_TAKE: Final = tuple(zip(_SHIFTS, _MASKS, _LOWS, strict=True))
+_PREAMBLE_BITS: Final = 3
+"""Extension bit, Part II present, regional extensions present."""
+_CORE_OCTETS: Final = (_PREAMBLE_BITS + CORE_BITS + 7) // 8
+_SPARE_BITS: Final = 8 * _CORE_OCTETS - _PREAMBLE_BITS - CORE_BITS
+_CORE_HEADER: Final = (BASIC_SAFETY_MESSAGE << 8 | _CORE_OCTETS) << 8 * _CORE_OCTETS
+"""Message id and length of a frame that holds Part I alone, in front of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class BsmCore:
+    """Part I of a basic safety message, as the codes on the wire.
+
+    Parameters
+    ----------
+    codes
+        One whole number a field, in the order of `CORE_FIELDS`.
+
+    Raises
+    ------
+    ValueError
+        Where there are not as many codes as fields, or one is out of its range.
+
+    Examples
+    --------
+    >>> values = {"message_count": 7, "temporary_id": 1, "speed_mps": 12.345, "yaw_rate_radps": 0.0}
+    >>> core = BsmCore.from_values(values)
+    >>> core.value("speed_mps"), core.value("latitude_deg")
+    (12.34, None)
+    """
+
+    codes: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        codes = self.codes
+        if len(codes) != len(CORE_FIELDS):
+            raise ValueError(f"codes must be {len(CORE_FIELDS)}, got {len(codes)}")
+        if not (all(map(le, _LOWS, codes)) and all(map(le, codes, _HIGHS))):
+            field, code = next(
+                (field, code)
+                for field, code in zip(CORE_FIELDS, codes, strict=True)
+                if not field.low <= code <= field.high
+            )
+            raise ValueError(f"{field.name}: code {code} must lie within {field.low}..{field.high}")
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, float | None]) -> "BsmCore":
+        """Nearest codes of values in SI units.
+
+        Parameters
+        ----------
+        values
+            By the names of `CORE_FIELDS`; enumerations and bit strings as their codes. A field that is left
+            out, None, or not a number becomes unavailable.
+
+        Raises
+        ------
+        ValueError
+            Where a name is unknown, a value is refused, or a field without a code for unavailable
+            (``message_count``, ``temporary_id``, ``yaw_rate_radps``) is left out.
+        """
+        unknown = values.keys() - CORE_INDEX.keys()
+        if unknown:
+            raise ValueError(f"no field is called {sorted(unknown)}; the fields are {list(CORE_INDEX)}")
+        return cls(tuple(field.code_of(values.get(field.name)) for field in CORE_FIELDS))
+
+    def value(self, name: str) -> float | None:
+        """Value of one field in SI units, None where unavailable or reserved.
+
+        Parameters
+        ----------
+        name
+            Our name of the field.
+
+        Raises
+        ------
+        KeyError
+            Where there is no such field.
+        """
+        index = CORE_INDEX[name]
+        return CORE_FIELDS[index].value_of(self.codes[index])
+
+    def values(self) -> dict[str, float | None]:
+        """Values of all fields in SI units, by name."""
+        return {field.name: field.value_of(code) for field, code in zip(CORE_FIELDS, self.codes, strict=True)}
+
+
+@dataclass(frozen=True, slots=True)
+class BasicSafetyMessage:
+    """A basic safety message in its frame.
+
+    Parameters
+    ----------
+    core
+        Part I.
+    part_ii
+        Id (0 to 63) and octets of up to eight entries; empty where Part II is absent.
+    regional
+        Region id (0 to 255) and octets of up to four extensions; empty where there are none.
+    additions
+        Octets of extension additions of the message, None where absent: what a later edition may add.
+    frame_additions
+        The same of the frame.
+
+    Raises
+    ------
+    ValueError
+        Where there are too many entries, or an id or length is out of its range.
+    """
+
+    core: BsmCore
+    _: KW_ONLY
+    part_ii: tuple[Content, ...] = ()
+    regional: tuple[Content, ...] = ()
+    additions: tuple[bytes | None, ...] = ()
+    frame_additions: tuple[bytes | None, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not (self.part_ii or self.regional or self.additions or self.frame_additions):
+            return
+        for name, contents, most, identifier in (
+            ("part_ii", self.part_ii, MAX_PART_II, PART_II_ID),
+            ("regional", self.regional, MAX_REGIONAL, REGION_ID),
+        ):
+            if len(contents) > most:
+                raise ValueError(f"{name} must have {most} entries at most, got {len(contents)}")
+            for number, octets in contents:
+                identifier.code_of(number)
+                check_octets(f"each of {name}", octets)
+        check_additions("additions", self.additions)
+        check_additions("frame_additions", self.frame_additions)
+
+
+def encode_bsm(
+    core: BsmCore,
+    *,
+    part_ii: Sequence[Content] = (),
+    regional: Sequence[Content] = (),
+    additions: Sequence[bytes | None] = (),
+    frame_additions: Sequence[bytes | None] = (),
+) -> bytes:
+    """Octets of a basic safety message in its frame.
+
+    Parameters
+    ----------
+    core, part_ii, regional, additions, frame_additions
+        As in `BasicSafetyMessage`.
+
+    Raises
+    ------
+    ValueError
+        Where they cannot be written.
+
+    Examples
+    --------
+    >>> core = BsmCore.from_values({"message_count": 7, "temporary_id": 1, "yaw_rate_radps": 0})
+    >>> len(encode_bsm(core)), len(encode_bsm(core, regional=((128, bytes(20)),)))
+    (40, 62)
+    """
+    whole = sum([code - low << shift for code, (low, shift) in zip(core.codes, _PUT, strict=True)])
+    if not (part_ii or regional or additions or frame_additions):
+        # Preamble and padding are zero bits, and the header is always the same.
+        return (_CORE_HEADER | whole << _SPARE_BITS).to_bytes(3 + _CORE_OCTETS, "big")
+    message = BasicSafetyMessage(
+        core,
+        part_ii=tuple(part_ii),
+        regional=tuple(regional),
+        additions=tuple(additions),
+        frame_additions=tuple(frame_additions),
+    )
+    writer = BitWriter()
+    preamble = bool(message.additions) << 2 | bool(message.part_ii) << 1 | bool(message.regional)
+    writer.bits(preamble, _PREAMBLE_BITS)
+    writer.bits(whole, CORE_BITS)
+    for contents, count_bits, identifier in (
+        (message.part_ii, (MAX_PART_II - 1).bit_length(), PART_II_ID),
+        (message.regional, (MAX_REGIONAL - 1).bit_length(), REGION_ID),
+    ):
+        if contents:
+            writer.bits(len(contents) - 1, count_bits)
+            for number, octets in contents:
+                writer.bits(number, identifier.width_bits)
+                writer.open_type(octets)
+    if message.additions:
+        writer.additions(message.additions)
+    return encode_frame(BASIC_SAFETY_MESSAGE, writer.octets(), message.frame_additions)
+
+
+def encode_message(message: BasicSafetyMessage) -> bytes:
+    """Octets of a message with all its parts.
+
+    Parameters
+    ----------
+    message
+        Any message; one that was read gives the octets it was read from.
+
+    Raises
+    ------
+    ValueError
+        Where the frame would be longer than `MAX_FRAME_OCTETS`.
+    """
+    return encode_bsm(
+        message.core,
+        part_ii=message.part_ii,
+        regional=message.regional,
+        additions=message.additions,
+        frame_additions=message.frame_additions,
+    )
+
+
+def decode_bsm(data: bytes) -> BasicSafetyMessage:
+    """Read a basic safety message in its frame.
+
+    Parameters
+    ----------
+    data
+        The octets of the frame, no more and no fewer.
+
+    Raises
+    ------
+    CodecError
+        Where they are not such a message; the first fault in the order of the wire.
+
+    Examples
+    --------
+    >>> core = BsmCore.from_values({"message_count": 7, "temporary_id": 1, "yaw_rate_radps": 0})
+    >>> decode_bsm(encode_bsm(core)).core == core
+    True
+    """
+    header = read_header(data, BASIC_SAFETY_MESSAGE)
+    start, stop = header.start, header.stop
+    if stop - start < _CORE_OCTETS:
+        raise _core_fault(data, start, stop)
+    padded = int.from_bytes(data[start : start + _CORE_OCTETS], "big")
+    whole = padded >> _SPARE_BITS
+    try:
+        core = BsmCore(tuple([(whole >> shift & mask) + low for shift, mask, low in _TAKE]))
+    except ValueError:
+        raise _core_fault(data, start, stop) from None
+    preamble = whole >> CORE_BITS
+    part_ii: tuple[Content, ...] = ()
+    regional: tuple[Content, ...] = ()
+    additions: tuple[bytes | None, ...] = ()
+    if preamble or padded != whole << _SPARE_BITS or stop - start != _CORE_OCTETS:
+        reader = BitReader(data, start, stop)
+        reader.position += _PREAMBLE_BITS + CORE_BITS
+        if preamble & 2:
+            part_ii = _contents(reader, MAX_PART_II, PART_II_ID.width_bits)
+        if preamble & 1:
+            regional = _contents(reader, MAX_REGIONAL, REGION_ID.width_bits)
+        if preamble & 4:
+            additions = reader.additions()
+        reader.finish()
+    frame_additions = read_tail(data, header)
+    return BasicSafetyMessage(
+        core,
+        part_ii=part_ii,
+        regional=regional,
+        additions=additions,
+        frame_additions=frame_additions,
+    )
+
+
+def _contents(reader: BitReader, most: int, identifier_bits: int) -> tuple[Content, ...]:
+    """Entries of Part II or regional extensions."""
+    count = reader.bits((most - 1).bit_length()) + 1
+    return tuple([(reader.bits(identifier_bits), reader.open_type()) for _ in range(count)])
+
+
+def _core_fault(data: bytes, start: int, stop: int) -> CodecError:
+    """Error that tells the first fault of a Part I that is known to have one."""
+    reader = BitReader(data, start, stop)
+    try:
+        reader.bits(_PREAMBLE_BITS)
+        for field in CORE_FIELDS:
+            begin = reader.position
+            code = reader.bits(field.width_bits) + field.low
+            if code > field.high:
+                return CodecError(f"{field.standard_name} {code} is beyond {field.high}", begin)
+    except CodecError as fault:
+        return fault
+    return CodecError("Part I is cut short", reader.position)

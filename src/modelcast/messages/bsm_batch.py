@@ -1,0 +1,186 @@
+"""Many basic safety messages at once: values, codes and octets as arrays.
+
+Only Part I is handled here: that is all a simulation needs of a plain message. The faults found are those of
+`decode_bsm`, at the same bits; what is wrong there, `decode_bsm` on the one row tells.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.messages import bsm_kernels
+from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_BITS, CORE_FIELDS
+from modelcast.messages.fields import Field
+
+__all__ = [
+    "CORE_FRAME_OCTETS",
+    "CoreBatch",
+    "OctetArray",
+    "codes_of_values",
+    "decode_cores",
+    "encode_cores",
+    "values_of_codes",
+]
+
+OctetArray = npt.NDArray[np.uint8]
+
+_PREAMBLE_BITS: Final = 3
+_CORE_OCTETS: Final = (_PREAMBLE_BITS + CORE_BITS + 7) // 8
+_HEADER: Final = np.array([BASIC_SAFETY_MESSAGE >> 8, BASIC_SAFETY_MESSAGE & 0xFF, _CORE_OCTETS], np.uint8)
+CORE_FRAME_OCTETS: Final = _HEADER.size + _CORE_OCTETS
+"""Octets of a frame that holds Part I alone: 40."""
+
+_LAYOUT: Final = np.array([(f.low, f.high - f.low, f.width_bits) for f in CORE_FIELDS], np.int64)
+
+
+def _meaning(field: Field) -> tuple[float, ...]:
+    """Row of a field in the kernels' order."""
+    unavailable = np.nan if field.unavailable is None else float(field.unavailable)
+    return (*field.known_codes, unavailable, *field.step, field.si_per_unit, float(field.outside))
+
+
+_MEANING: Final = np.array([_meaning(field) for field in CORE_FIELDS], np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class CoreBatch:
+    """Part I of many messages, or where they are faulty.
+
+    Parameters
+    ----------
+    codes
+        As on the wire, (B, 25); zeros where faulty.
+    fault_bits
+        Bit of the first fault, (B,); -1 where there is none.
+    more
+        Whether anything follows Part I that was not looked at, (B,): Part II, regional extensions, extension
+        additions.
+    """
+
+    codes: IntArray
+    fault_bits: IntArray
+    more: BoolArray
+
+
+def codes_of_values(values: FloatArray) -> IntArray:
+    """Nearest codes of values, (B, 25).
+
+    Parameters
+    ----------
+    values
+        In SI units, columns in the order of `CORE_FIELDS`, (B, 25); not a number where not known,
+        enumerations and bit strings as their codes.
+
+    Raises
+    ------
+    ValueError
+        Where the shape is wrong, or a value has no code.
+    """
+    _check_columns(values)
+    codes = np.empty(values.shape, np.int64)
+    row, at = bsm_kernels.codes_of(np.ascontiguousarray(values, np.float64), _MEANING, codes)
+    if row >= 0:
+        try:
+            CORE_FIELDS[at].code_of(float(values[row, at]))
+        except ValueError as error:
+            raise ValueError(f"row {row}: {error}") from None
+    return codes
+
+
+def values_of_codes(codes: IntArray) -> FloatArray:
+    """Values of codes in SI units, (B, 25); not a number where unavailable or reserved.
+
+    Parameters
+    ----------
+    codes
+        As on the wire, (B, 25).
+
+    Raises
+    ------
+    ValueError
+        Where the shape is wrong.
+    """
+    _check_columns(codes)
+    values = np.empty(codes.shape, np.float64)
+    bsm_kernels.values_of(np.ascontiguousarray(codes, np.int64), _MEANING, values)
+    return values
+
+
+def encode_cores(codes: IntArray) -> tuple[OctetArray, IntArray]:
+    """Octets of frames that hold Part I alone, (B, 40), and how many of them count, (B,).
+
+    Parameters
+    ----------
+    codes
+        As on the wire, (B, 25).
+
+    Raises
+    ------
+    ValueError
+        Where the shape is wrong, or a code is out of its range.
+
+    Examples
+    --------
+    >>> values = np.full((1, 25), np.nan)
+    >>> values[0, [0, 1, 16]] = 7.0, 1.0, 0.0
+    >>> frames, lengths = encode_cores(codes_of_values(values))
+    >>> frames[0, :8].tobytes().hex(), lengths.tolist()
+    ('00142501c0000000', [40])
+    """
+    _check_columns(codes)
+    frames = np.empty((codes.shape[0], CORE_FRAME_OCTETS), np.uint8)
+    whole = np.ascontiguousarray(codes, np.int64)
+    row = bsm_kernels.pack(whole, _LAYOUT, _HEADER, _PREAMBLE_BITS, frames)
+    if row >= 0:
+        field, code = next(
+            (field, int(code))
+            for field, code in zip(CORE_FIELDS, whole[row], strict=True)
+            if not field.low <= code <= field.high
+        )
+        raise ValueError(f"row {row}: {field.name}: code {code} must lie within {field.low}..{field.high}")
+    return frames, np.full(len(frames), CORE_FRAME_OCTETS, np.int64)
+
+
+def decode_cores(frames: OctetArray, lengths: IntArray) -> CoreBatch:
+    """Part I of basic safety messages in their frames.
+
+    Parameters
+    ----------
+    frames
+        Octets, one frame a row, (B, L).
+    lengths
+        How many octets of each row count, (B,).
+
+    Raises
+    ------
+    ValueError
+        Where the shapes do not fit, or a length is beyond its row.
+    """
+    if frames.ndim != 2 or lengths.shape != frames.shape[:1]:
+        raise ValueError(f"frames (B, L) and lengths (B,) do not fit: {frames.shape}, {lengths.shape}")
+    if lengths.size and not 0 <= lengths.min() <= lengths.max() <= frames.shape[1]:
+        raise ValueError(
+            f"lengths must lie within 0..{frames.shape[1]}, got {lengths.min()}..{lengths.max()}"
+        )
+    rows = len(frames)
+    found = CoreBatch(
+        np.zeros((rows, len(CORE_FIELDS)), np.int64), np.empty(rows, np.int64), np.empty(rows, np.bool_)
+    )
+    bsm_kernels.unpack(
+        np.ascontiguousarray(frames, np.uint8),
+        np.ascontiguousarray(lengths, np.int64),
+        _LAYOUT,
+        BASIC_SAFETY_MESSAGE,
+        found.codes,
+        found.fault_bits,
+        found.more,
+    )
+    return found
+
+
+def _check_columns(table: FloatArray | IntArray) -> None:
+    if table.ndim != 2 or table.shape[1] != len(CORE_FIELDS):
+        raise ValueError(f"one column a field is needed, (B, {len(CORE_FIELDS)}), got {table.shape}")

@@ -1,0 +1,177 @@
+"""Compiled packing of Part I for many basic safety messages at once, driven by the table of fields.
+
+The columns of `layout` (F, 3) are lowest code, span of codes and bits of every field. Those of `meaning`
+(F, 7) say what the codes stand for; `Field.code_of` and `Field.value_of` say the same for one value.
+"""
+
+from typing import Any
+
+import numba
+import numpy as np
+
+__all__ = [
+    "FIRST",
+    "LAST",
+    "LOW",
+    "OUTSIDE",
+    "SCALE",
+    "SPAN",
+    "STEP_DENOMINATOR",
+    "STEP_NUMERATOR",
+    "UNAVAILABLE",
+    "WIDTH",
+    "codes_of",
+    "pack",
+    "unpack",
+    "values_of",
+]
+
+LOW, SPAN, WIDTH = 0, 1, 2
+FIRST, LAST, UNAVAILABLE, STEP_NUMERATOR, STEP_DENOMINATOR, SCALE, OUTSIDE = 0, 1, 2, 3, 4, 5, 6
+
+_CLAMP, _TURN, _MERIDIAN, _REFUSE = 0.0, 2.0, 3.0, 4.0
+"""Values of `fields.Outside`."""
+
+_INTACT = -1
+_OVERLONG = 0xC0
+_LONG = 0x80
+
+
+@numba.njit(cache=True, nogil=True)
+def pack(codes: Any, layout: Any, header: Any, preamble_bits: int, out: Any) -> int:
+    """Write frames, ``out`` (B, L); return the first row with a code out of its range, or -1."""
+    for row in range(codes.shape[0]):
+        at = header.size
+        for i in range(at):
+            out[row, i] = header[i]
+        held = np.uint64(0)
+        bits = preamble_bits
+        for f in range(layout.shape[0]):
+            raw = codes[row, f] - layout[f, LOW]
+            if raw < 0 or raw > layout[f, SPAN]:
+                return row
+            held = (held << np.uint64(layout[f, WIDTH])) | np.uint64(raw)
+            bits += layout[f, WIDTH]
+            while bits >= 8:
+                bits -= 8
+                out[row, at] = (held >> np.uint64(bits)) & np.uint64(0xFF)
+                at += 1
+        if bits > 0:
+            out[row, at] = (held << np.uint64(8 - bits)) & np.uint64(0xFF)
+    return -1
+
+
+@numba.njit(cache=True, nogil=True)
+def _unpack_row(octets: Any, length: int, layout: Any, message_id: int, codes: Any) -> Any:
+    """Read one frame's Part I: the bit of its first fault or -1, and whether more follows Part I."""
+    if length < 2:
+        return (0 if length < 1 else 1), False
+    more = octets[0] >= _LONG
+    if ((octets[0] & 0x7F) << 8 | octets[1]) != message_id:
+        return 1, False
+    if length < 3:
+        return 16, False
+    start = 3
+    size = np.int64(octets[2])
+    if size >= _OVERLONG:
+        return 16, False
+    if size >= _LONG:
+        if length < 4:
+            return 24, False
+        start = 4
+        size = (size & 0x3F) << 8 | octets[3]
+        if size < _LONG:
+            return 16, False
+    if size == 0:
+        return 16, False
+    if start + size > length:
+        return 8 * start, False
+    at = 8 * start
+    end = at + 8 * size
+    preamble = octets[start] >> 5
+    at += 3
+    for f in range(layout.shape[0]):
+        width = layout[f, WIDTH]
+        if at + width > end:
+            return at, False
+        raw = np.int64(0)
+        byte = at >> 3
+        last = (at + width - 1) >> 3
+        raw = np.int64(octets[byte]) & (0xFF >> (at & 7))
+        while byte < last:
+            byte += 1
+            raw = raw << 8 | octets[byte]
+        raw >>= 7 - ((at + width - 1) & 7)
+        if raw > layout[f, SPAN]:
+            return at, False
+        codes[f] = raw + layout[f, LOW]
+        at += width
+    if preamble != 0:
+        return _INTACT, True
+    spare = -at & 7
+    if octets[at >> 3] & ((1 << spare) - 1) != 0:
+        return at, False
+    if at + spare < end:
+        return at + spare, False
+    if not more and end < 8 * length:
+        return end, False
+    return _INTACT, more
+
+
+@numba.njit(cache=True, nogil=True)
+def unpack(
+    octets: Any, lengths: Any, layout: Any, message_id: int, codes: Any, fault_bits: Any, more: Any
+) -> None:
+    """Read Part I of frames (B, L) into ``codes`` (B, F), ``fault_bits`` (B,) and ``more`` (B,)."""
+    for row in range(octets.shape[0]):
+        fault_bits[row], more[row] = _unpack_row(octets[row], lengths[row], layout, message_id, codes[row])
+        if fault_bits[row] != _INTACT:
+            codes[row] = 0
+
+
+@numba.njit(cache=True, nogil=True)
+def _code_of(value: float, row: Any) -> Any:
+    """Code nearest to a value, and whether there is one."""
+    first, last, unavailable = row[FIRST], row[LAST], row[UNAVAILABLE]
+    known = not np.isnan(unavailable)
+    if np.isnan(value):
+        return unavailable, known
+    outside = row[OUTSIDE]
+    steps = np.rint(value / row[SCALE] * row[STEP_DENOMINATOR] / row[STEP_NUMERATOR])
+    if outside == _REFUSE:
+        return steps, first <= steps <= last and steps == value
+    if outside == _TURN and not np.isinf(steps):
+        turn = last - first + 1.0
+        return first + np.fmod(np.fmod(steps - first, turn) + turn, turn), True
+    if first <= steps <= last:
+        return steps, True
+    if outside == _CLAMP:
+        return min(max(steps, first), last), True
+    if outside == _MERIDIAN and steps == first - 1.0:
+        return last, True
+    return unavailable, known
+
+
+@numba.njit(cache=True, nogil=True)
+def codes_of(values: Any, meaning: Any, codes: Any) -> Any:
+    """Write codes of values, (B, F) both; return row and field of the first refused value, or -1, -1."""
+    for row in range(values.shape[0]):
+        for f in range(values.shape[1]):
+            code, held = _code_of(values[row, f], meaning[f])
+            if not held:
+                return row, f
+            codes[row, f] = np.int64(code)
+    return -1, -1
+
+
+@numba.njit(cache=True, nogil=True)
+def values_of(codes: Any, meaning: Any, values: Any) -> None:
+    """Write values of codes, (B, F) both; not a number where unavailable or reserved."""
+    for row in range(codes.shape[0]):
+        for f in range(codes.shape[1]):
+            code = float(codes[row, f])
+            if code == meaning[f, UNAVAILABLE] or code < meaning[f, FIRST] or code > meaning[f, LAST]:
+                values[row, f] = np.nan
+            else:
+                step = code * meaning[f, STEP_NUMERATOR] / meaning[f, STEP_DENOMINATOR]
+                values[row, f] = step * meaning[f, SCALE]

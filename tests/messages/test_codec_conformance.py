@@ -1,0 +1,117 @@
+"""The contract of `AbstractCodec`, over every codec: add yours to `CODECS`."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+from modelcast.core.arrays import FloatArray
+from modelcast.core.exceptions import CodecError
+from modelcast.messages.bsm import BasicSafetyMessage, BsmCore
+from modelcast.messages.bsm_codec import BsmCodec
+from modelcast.messages.bsm_fields import CORE_FIELDS
+from modelcast.messages.codec import AbstractCodec
+from modelcast.messages.fields import Outside
+
+BENT = 300
+"""Random changes of octets that are tried on each message."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A codec, messages that use all it has, and rows of parameters with the messages they stand for."""
+
+    codec: AbstractCodec[Any]
+    messages: Sequence[Any]
+    parameters: FloatArray
+    message_of: Callable[[list[float]], Any]
+    parameters_of: Callable[[Any], list[float]]
+
+
+def bsm_case() -> Case:
+    rng = np.random.default_rng(3)
+    codes = np.stack([rng.integers(field.low, field.high + 1, 5) for field in CORE_FIELDS], axis=1)
+    cores = [BsmCore(tuple(row)) for row in codes.tolist()]
+    messages = [
+        BasicSafetyMessage(cores[0]),
+        BasicSafetyMessage(cores[1], part_ii=((0, bytes(130)),)),
+        BasicSafetyMessage(cores[2], regional=((128, b"model"), (1, b"x"))),
+        BasicSafetyMessage(cores[3], additions=(None, b"later"), frame_additions=(b"frame",)),
+    ]
+    columns = [
+        rng.integers(*field.known_codes, 50, endpoint=True).astype(float)
+        if field.outside is Outside.REFUSE
+        else rng.uniform(1.2 * field.low * field.resolution, 1.2 * field.high * field.resolution, 50)
+        for field in CORE_FIELDS
+    ]
+
+    def message_of(row: list[float]) -> BasicSafetyMessage:
+        values = zip((field.name for field in CORE_FIELDS), row, strict=True)
+        return BasicSafetyMessage(BsmCore.from_values(dict(values)))
+
+    def parameters_of(message: BasicSafetyMessage) -> list[float]:
+        return [np.nan if value is None else value for value in message.core.values().values()]
+
+    return Case(BsmCodec(), messages, np.stack(columns, axis=1), message_of, parameters_of)
+
+
+CODECS = {"bsm": bsm_case}
+
+
+@pytest.fixture(params=CODECS, scope="module")
+def case(request: pytest.FixtureRequest) -> Case:
+    return CODECS[request.param]()
+
+
+def test_decoding_inverts_encoding(case: Case) -> None:
+    for message in case.messages:
+        octets = case.codec.encode(message)
+        assert case.codec.decode(octets) == message
+        assert case.codec.encode(case.codec.decode(octets)) == octets
+
+
+def test_octets_are_a_message_or_a_codec_error(case: Case) -> None:
+    rng = np.random.default_rng(5)
+    for message in case.messages:
+        octets = case.codec.encode(message)
+        for _ in range(BENT):
+            bent = bytearray(octets)
+            bent[rng.integers(len(bent))] ^= rng.integers(1, 256)
+            bent = bent[: rng.integers(len(bent) + 1)] if rng.random() < 0.3 else bent
+            try:
+                again = case.codec.encode(case.codec.decode(bytes(bent)))
+            except CodecError as refusal:
+                inside = 0 <= refusal.offset_bits <= 8 * len(bent)
+                assert inside, refusal  # noqa: PT017 - any message may be refused, and none need be
+            else:
+                assert again == bytes(bent)
+
+
+def test_quantised_parameters_are_what_the_receiver_decodes(case: Case) -> None:
+    held = case.codec.quantise(case.parameters)
+    assert held.shape == case.parameters.shape
+    for sent, one in zip(case.parameters.tolist(), held, strict=True):
+        received = case.codec.decode(case.codec.encode(case.message_of(sent)))
+        assert np.array_equal(case.parameters_of(received), one, equal_nan=True)
+
+
+def test_a_row_is_quantised_alike_alone_and_in_a_batch(case: Case) -> None:
+    together = case.codec.quantise(case.parameters)
+    for index in range(len(case.parameters)):
+        alone = case.codec.quantise(case.parameters[index : index + 1])
+        assert np.array_equal(alone[0], together[index], equal_nan=True)
+
+
+def test_quantising_leaves_its_argument_alone(case: Case) -> None:
+    before = case.parameters.copy()
+    case.codec.quantise(case.parameters)
+    assert np.array_equal(before, case.parameters, equal_nan=True)
+
+
+def test_sizes_are_those_of_the_octets(case: Case) -> None:
+    sizes = case.codec.sizes(case.parameters)
+    assert sizes.tolist() == [
+        len(case.codec.encode(case.message_of(row))) for row in case.parameters.tolist()
+    ]
