@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,15 @@ from modelcast.evaluation.compare.candidate import FixedCandidate
 from modelcast.evaluation.settings import BASELINE_BANK, EvaluationSettings
 from modelcast.evaluation.training.costs import CostSettings, train_costs
 from modelcast.evaluation.training.descent import Descent
+from modelcast.evaluation.training.members import MemberSettings, choose_members
 from modelcast.evaluation.training.selection import SelectorSettings, member_lives_s, train_selector
 from modelcast.evaluation.walk import TripBank, Walk
+from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.base import Windows
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.kinematic import ConstantTurnRateAcceleration
+from modelcast.models.gp import GaussianProcess
+from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
 from modelcast.models.learned import Selector
 from modelcast.models.velocity import velocity_estimator_for
 from modelcast.policy.base import Message, TransmitInputs
@@ -160,6 +164,31 @@ def test_lives_are_what_walks_of_one_sub_model_last(case: TripCase) -> None:
     assert np.diff(case.seen.t_s[at]) == pytest.approx(lives_s[at[:-1], 0, 0])
     ended = np.isfinite(lives_s).all(axis=(1, 2))
     assert (lives_s[ended][:, 1] >= lives_s[ended][:, 0]).all()
+
+
+def test_members_are_chosen_while_they_save_messages(case: TripCase) -> None:
+    """A second copy of a sub-model saves nothing."""
+    turn = ConstantTurnRateAcceleration()
+    found = choose_members([case], (*BANK.members, ConstantAcceleration()), MemberSettings((0.3,), most=3))
+    alone = found.steps[0]
+    assert found.bank.members[0].name == min(alone, key=lambda name: alone[name])
+    assert alone["cv"] == 1.0
+    lowest = [min(step.values()) for step in found.steps[: len(found.bank.members)]]
+    assert all(after <= 0.995 * before for before, after in pairwise(lowest))
+    order = MemberSettings((0.3,), start="order")
+    assert choose_members([case], (turn, ConstantVelocity()), order).bank.members == (turn,)
+    for settings in ({"most": 0}, {"least_gain": 1.0}, {"start": "predicted"}, {"identify": "cheapest"}):
+        with pytest.raises(ValueError, match=r"most|least_gain|chosen"):
+            MemberSettings(**settings)
+    with pytest.raises(ValueError, match="at least one"):
+        choose_members([], BANK.members)
+
+
+def test_only_the_sub_model_in_use_is_paid_for_where_no_other_is_named() -> None:
+    sizes, bank = SizeModel(), Bank((ConstantVelocity(), GaussianProcess()))
+    alone = sizes.each_update_bytes(bank, "never").tolist()
+    assert alone == [sizes.update_bytes(Bank((member,))) for member in bank.members]
+    assert sizes.each_update_bytes(bank, "on-failure").tolist() == [sizes.update_bytes(bank)] * 2
 
 
 def test_hindsight_prefers_what_did_well_and_is_silent_without_a_past() -> None:

@@ -107,7 +107,7 @@ def candidate_row(candidate: AbstractCandidate, settings: EvaluationSettings) ->
         identify=settings.rules[1],
         is_trained=candidate.is_trained,
         is_hybrid=len(settings.bank.members) > 1,
-        update_bytes=settings.sizes.update_bytes(settings.bank),
+        update_bytes=int(settings.sizes.each_update_bytes(settings.bank, settings.rules[1]).max()),
     )
 
 
