@@ -18,7 +18,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.policy import error_driven_kernels as kernels
-from modelcast.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
+from modelcast.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs, column
 from modelcast.policy.costs import CostTable
 from modelcast.policy.rules import IdentifyRule, StartRule
 
@@ -146,30 +146,24 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         inputs: TransmitInputs,
         rng: np.random.Generator,  # noqa: ARG002 - this policy draws nothing
     ) -> tuple[Decisions, ErrorDrivenState]:
-        """Run the compiled steps for every vehicle."""
-        members = state.first_failure_s.shape[1]
+        """Run the compiled steps for every vehicle; the message leaves at once."""
         if self.costs is not None and self.identify == "cheapest":
-            self.costs.check_members(members)
+            self.costs.check_members(state.first_failure_s.shape[1])
         kind = np.empty_like(state.in_use)
         in_use = np.empty_like(state.in_use)
         first_failure_s = state.first_failure_s.copy()
         scores = inputs.predicted_life
-        if scores is None:
-            scores = np.full(first_failure_s.shape, np.nan)
-        codes = self.codes
-        for row in range(kind.size):
-            before = int(state.in_use[row])
-            kind[row], in_use[row] = kernels.step(
-                inputs.tracking_error_m[row],
-                first_failure_s[row],
-                before,
-                float(inputs.age_s[row]),
-                float(inputs.silence_s[row]),
-                *codes,
-            )
-            if kind[row] in (kernels.UPDATE, kernels.KEEP_ALIVE):
-                in_use[row] = kernels.start_member(
-                    inputs.available[row], first_failure_s[row], scores[row], before, self.start_code
-                )
-        first_failure_s[(kind == kernels.UPDATE) | (kind == kernels.KEEP_ALIVE)] = np.inf
-        return Decisions(kind, in_use), ErrorDrivenState(in_use, first_failure_s)
+        kernels.step_each(
+            np.ascontiguousarray(inputs.tracking_error_m, dtype=np.float64),
+            np.ascontiguousarray(inputs.available),
+            first_failure_s,
+            np.full_like(first_failure_s, np.nan) if scores is None else column(scores),
+            state.in_use,
+            np.ascontiguousarray(inputs.age_s, dtype=np.float64),
+            np.ascontiguousarray(inputs.silence_s, dtype=np.float64),
+            self.start_code,
+            *self.codes,
+            kind,
+            in_use,
+        )
+        return Decisions.at_once(kind, in_use, inputs.t_s), ErrorDrivenState(in_use, first_failure_s)

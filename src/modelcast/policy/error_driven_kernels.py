@@ -26,6 +26,7 @@ __all__ = [
     "residual_life_s",
     "start_member",
     "step",
+    "step_each",
 ]
 
 NOTHING, UPDATE, IDENTIFICATION, KEEP_ALIVE = range(4)
@@ -46,8 +47,7 @@ def start_member(available: Any, first_failure_s: Any, scores: Any, in_use: int,
     """Sub-model to use after an update; -1 where none has a full window.
 
     ``scores`` (M,) say how long each is predicted to last if sent now, in any unit that rises with it; NaN
-    where nothing is predicted. Only `START_PREDICTED` and
-    `START_HINDSIGHT` read them.
+    where nothing is predicted. Only `START_PREDICTED` and `START_HINDSIGHT` read them.
     """
     first = -1
     for m in range(available.size):
@@ -142,3 +142,39 @@ def step(
     elif failed:
         return IDENTIFICATION, best
     return NOTHING, in_use
+
+
+@numba.njit(cache=True, nogil=True)
+def step_each(
+    tracking_error_m: Any,
+    available: Any,
+    first_failure_s: Any,
+    scores: Any,
+    in_use: Any,
+    age_s: Any,
+    silence_s: Any,
+    start: int,
+    threshold_m: float,
+    max_inter_transmit_time_s: float,
+    identify: int,
+    costs: Any,
+    out_kind: Any,
+    out_in_use: Any,
+) -> None:
+    """Decide for every vehicle, a row each; an update clears its row of ``first_failure_s`` (B, M)."""
+    for row in range(in_use.size):
+        kind, member = step(
+            tracking_error_m[row],
+            first_failure_s[row],
+            in_use[row],
+            age_s[row],
+            silence_s[row],
+            threshold_m,
+            max_inter_transmit_time_s,
+            identify,
+            costs,
+        )
+        if kind in (UPDATE, KEEP_ALIVE):
+            member = start_member(available[row], first_failure_s[row], scores[row], in_use[row], start)
+            first_failure_s[row] = np.inf
+        out_kind[row], out_in_use[row] = kind, member
