@@ -152,7 +152,10 @@ def test_evaluate_options_survive_being_written_down() -> None:
     [
         (("--bank", "ctra+nothing"), "no sub-model is named 'nothing'; there are cv, ca, ctrv, ctra"),
         (("--bank", "ctra", "ctra"), "two candidates are named ctra"),
-        (("--rules", "order"), "--rules: 'order' is not START/IDENTIFY; starts are order, keep, survivor"),
+        (
+            ("--rules", "order"),
+            "--rules: 'order' is not START/IDENTIFY; starts are order, keep, survivor, predicted, hindsight",
+        ),
         (("--against", "ctrb"), "no candidate is named 'ctrb'; there are cv, ca"),
         (("--protocol", "recorded", "recorded"), "protocols must be one or more, each once"),
         (("--threshold", "0"), "threshold_m must be positive"),

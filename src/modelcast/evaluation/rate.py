@@ -9,6 +9,7 @@ from modelcast.evaluation.case import TripCase
 from modelcast.evaluation.result import POOLED, RateRow
 from modelcast.evaluation.settings import EvaluationSettings
 from modelcast.evaluation.walk import TripBank, Walk
+from modelcast.policy.base import Message
 
 __all__ = ["RateCount", "count_rates", "pooled_rates", "rate_row"]
 
@@ -54,13 +55,16 @@ def count_rates(
     settings
         Thresholds, rules and sizes.
     """
-    update_bytes = settings.sizes.update_bytes(mbc.bank)
+    update_bytes = settings.sizes.each_update_bytes(mbc.bank, settings.rules[1])
     counts: list[tuple[RateCount, Walk]] = []
     for threshold_m in settings.thresholds_m:
         policy = settings.policy(threshold_m, keep_alive=False)
         for name, ready in (("mbc", mbc), ("baseline", baseline)):
             walk = ready.walk(policy)
-            each = update_bytes if name == "mbc" else settings.sizes.baseline_bytes()
+            updated = np.isin(walk.kind, (Message.UPDATE, Message.KEEP_ALIVE))
+            carried = walk.updates * settings.sizes.baseline_bytes()
+            if name == "mbc":
+                carried = int(update_bytes[walk.in_use[updated]].sum())
             count = RateCount(
                 name,
                 ready.bank.name,
@@ -70,7 +74,7 @@ def count_rates(
                 int((walk.transmits & ~case.standing).sum()),
                 case.truth.duration_s,
                 float(np.count_nonzero(~case.standing) * case.truth.dt_s),
-                walk.updates * each + walk.identifications * settings.sizes.identification_bytes,
+                carried + walk.identifications * settings.sizes.identification_bytes,
             )
             counts.append((count, walk))
     return counts

@@ -85,9 +85,10 @@ class EventRecorder:
         self._numbers["threshold_m"].append(np.full(at.size, count.threshold_m))
         self._numbers["t_s"].append(case.truth.t_s[at])
         sizes = self._settings.sizes
-        full = sizes.baseline_bytes()
+        full = np.full(at.size, sizes.baseline_bytes())
         if count.policy == "mbc":
-            full = sizes.update_bytes(self._settings.bank)
+            bank = self._settings.bank.complete()
+            full = sizes.each_update_bytes(bank, self._settings.rules[1])[walk.in_use[at]]
         named = walk.kind[at] == Message.IDENTIFICATION
         self._bytes.append(np.where(named, sizes.identification_bytes, full).astype(np.int32))
 

@@ -8,6 +8,9 @@ identification names its update and a sub-model, nothing else.
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from modelcast.core.arrays import IntArray
 from modelcast.models.bank import Bank
 
 __all__ = ["SizeModel"]
@@ -55,3 +58,19 @@ class SizeModel:
         """
         carried = sum(member.payload_parameters for member in bank.members)
         return self.core_bytes + self.update_header_bytes + self.parameter_bytes * carried
+
+    def each_update_bytes(self, bank: Bank, identify: str) -> IntArray:
+        """A model update by the sub-model in use, (M,).
+
+        Where no other is ever named, the parameters of the one in use are all that need be sent.
+
+        Parameters
+        ----------
+        bank
+            The sub-models.
+        identify
+            The identification rule, as in `modelcast.policy.error_driven.ErrorDriven`.
+        """
+        if identify == "never":
+            return np.array([self.update_bytes(Bank((member,))) for member in bank.members])
+        return np.full(len(bank.members), self.update_bytes(bank))
