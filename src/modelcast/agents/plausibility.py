@@ -13,10 +13,11 @@ import numpy as np
 
 from modelcast.agents import plausibility_kernels
 from modelcast.agents.plausibility_limits import DEFAULT_LIMITS, PlausibilityLimits
-from modelcast.agents.reports import Reports
+from modelcast.agents.reports import Reports, reports_of
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.trajectory import Trajectory
 
-__all__ = ["Finding", "Plausibility", "PlausibilityState"]
+__all__ = ["Finding", "Plausibility", "PlausibilityState", "trip_findings"]
 
 
 class Finding(IntEnum):
@@ -114,8 +115,8 @@ class Plausibility:
     a constant error of the heading does not count. A message also fails where the last whole window did, or
     where it states a speed over ``max_speed_mps``.
 
-    *Stuck speed*: the same, where the stated speed has not changed for ``stuck_after_s``. The window is longer
-    then, up to ``stuck_window_s``. A constant speed that agrees with the displacement is plausible.
+    *Stuck speed*: the same, where the stated speed has not changed for ``stuck_after_s``. The window is then
+    longer, up to ``stuck_window_s``. A constant speed that agrees with the displacement is plausible.
 
     Examples
     --------
@@ -195,3 +196,20 @@ class Plausibility:
     ) -> PlausibilityState:
         more = np.bincount(findings, minlength=len(Finding))
         return PlausibilityState(vehicle, rows, counts + more)
+
+
+def trip_findings(trip: Trajectory, checks: Plausibility | None = None) -> Mapping[Finding, int] | None:
+    """Samples of a trip by finding, as if each were a message; None without a column of speed or heading.
+
+    Parameters
+    ----------
+    trip
+        A recorded trip.
+    checks
+        What judges; the default limits where None.
+    """
+    reports = reports_of(trip)
+    if reports is None:
+        return None
+    _, state = (checks or Plausibility()).check(PlausibilityState(), reports)
+    return state.by_reason

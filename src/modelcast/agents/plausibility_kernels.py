@@ -7,7 +7,7 @@ import numpy as np
 
 __all__ = ["COLUMNS", "judge"]
 
-COLUMNS = 14
+COLUMNS = 15
 """Numbers a remote: those named below."""
 
 (
@@ -25,6 +25,7 @@ COLUMNS = 14
     _FAILED,  # 1 where the last whole window failed
     _SAME_SINCE,  # time since which the stated speed is the same [s]
     _SPEED,  # that speed [m/s]
+    _FAILED_SPEED,  # the speed stated all through the last window, where that failed [m/s]
 ) = range(COLUMNS)
 
 _PLAUSIBLE, _IN_FUTURE, _STALE, _REPEATED, _OVERTAKEN, _JUMP, _MISMATCH, _STUCK = range(8)
@@ -81,6 +82,7 @@ def _judge_one(
         row[_FAILED] = 0.0
         row[_SAME_SINCE] = t_s
         row[_SPEED] = speed_mps
+        row[_FAILED_SPEED] = np.nan
         return _PLAUSIBLE
     mean_east = 0.5 * (velocity_mps[0] + row[_VELOCITY_EAST])
     mean_north = 0.5 * (velocity_mps[1] + row[_VELOCITY_NORTH])
@@ -104,10 +106,15 @@ def _judge_one(
     finding = _PLAUSIBLE
     if fails or row[_FAILED] == 1.0:
         finding = _STUCK if t_s - row[_SAME_SINCE] >= stuck_after_s else _MISMATCH
-    # While the speed stays the same the window goes on: a small error shows over a longer way.
-    same = row[_SAME_SINCE] <= row[_START] and lasted_s < stuck_window_s
-    if lasted_s >= window_s and (fails or not same):
+    # While the speed stays the same the window goes on: a small error shows over a longer way. After a
+    # failure only the speed that failed does that: one good window clears a speed that recovered.
+    same = row[_SAME_SINCE] <= row[_START]
+    goes_on = same and lasted_s < stuck_window_s
+    if row[_FAILED] == 1.0 and not abs(speed_mps - row[_FAILED_SPEED]) <= speed_step_mps:
+        goes_on = False
+    if lasted_s >= window_s and (fails or not goes_on):
         row[_FAILED] = 1.0 if fails else 0.0
+        row[_FAILED_SPEED] = speed_mps if fails and same else np.nan
         _begin(row, t_s, position_m)
     return finding
 
