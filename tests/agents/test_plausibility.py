@@ -62,7 +62,7 @@ steps = st.lists(
         *[st.tuples(st.floats(0, 1), st.floats(-np.pi, np.pi)) for _ in range(2)],
     ),
     min_size=1,
-    max_size=40,
+    max_size=25,
 )
 
 
