@@ -153,14 +153,15 @@ class Plausibility:
         if reports.vehicle.size == 0:
             return np.empty(0, dtype=np.int64), state
         fresh = state.rows[:, 0] >= reports.received_s.min() - self.memory_s
-        known = state.vehicle[fresh]
-        vehicle = np.union1d(known, reports.vehicle)
-        rows = np.full((vehicle.size, plausibility_kernels.COLUMNS), np.nan)
-        rows[np.searchsorted(vehicle, known)] = state.rows[fresh]
+        vehicle, rows = state.vehicle[fresh], state.rows[fresh]
+        of = np.searchsorted(vehicle, reports.vehicle)
+        if (of == vehicle.size).any() or (vehicle[of] != reports.vehicle).any():
+            vehicle, rows = _with_new(vehicle, rows, reports.vehicle)
+            of = np.searchsorted(vehicle, reports.vehicle)
         findings = np.empty(reports.vehicle.size, dtype=np.int64)
         plausibility_kernels.judge(
             rows,
-            np.searchsorted(vehicle, reports.vehicle),
+            of,
             reports.t_s,
             reports.position_m,
             reports.velocity_mps,
@@ -169,7 +170,9 @@ class Plausibility:
             findings,
         )
         entered = ~np.isnan(rows[:, 0])
-        return findings, self._counted(vehicle[entered], rows[entered], state.counts, findings)
+        if not entered.all():
+            vehicle, rows = vehicle[entered], rows[entered]
+        return findings, self._counted(vehicle, rows, state.counts, findings)
 
     def check_times(
         self, state: PlausibilityState, t_s: FloatArray, received_s: FloatArray
@@ -196,6 +199,14 @@ class Plausibility:
     ) -> PlausibilityState:
         more = np.bincount(findings, minlength=len(Finding))
         return PlausibilityState(vehicle, rows, counts + more)
+
+
+def _with_new(known: IntArray, held: FloatArray, reported: IntArray) -> tuple[IntArray, FloatArray]:
+    """Remotes known and reported, by rising id, and their rows, empty for the new ones."""
+    vehicle = np.union1d(known, reported)
+    rows = np.full((vehicle.size, plausibility_kernels.COLUMNS), np.nan)
+    rows[np.searchsorted(vehicle, known)] = held
+    return vehicle, rows
 
 
 def trip_findings(trip: Trajectory, checks: Plausibility | None = None) -> Mapping[Finding, int] | None:
