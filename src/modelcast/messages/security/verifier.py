@@ -114,9 +114,8 @@ class Verifier:
         message = decode_signed(octets)
         now_us = microseconds(t_s)
         outcome = self._timely(message, now_us)
-        held = state.store.get(message.digest)
-        sender = held
-        if outcome is None and isinstance(message.signer, Certificate) and _differs(held, message.signer):
+        sender = state.store.get(message.digest)
+        if outcome is None and sender is None and isinstance(message.signer, Certificate):
             sender = self._vouched(message.signer)
             outcome = Outcome.UNTRUSTED_CERTIFICATE if sender is None else None
         if outcome is None:
@@ -183,7 +182,3 @@ class Verifier:
             window = ReplayWindow()
         window = window.admit(message.generation_us, content, self.parameters.remembered)
         return replace(state, windows=MappingProxyType({**windows, digest: window}))
-
-
-def _differs(held: Sender | None, certificate: Certificate) -> bool:
-    return held is None or held.certificate != certificate
