@@ -12,6 +12,7 @@ SCRIPTS = (
     "rate_evaluation.py",
     "evaluate_command.py",
     "traffic.py",
+    "congestion.py",
 )
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 

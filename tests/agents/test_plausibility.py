@@ -95,10 +95,12 @@ def test_no_motion_within_the_limits_is_ever_found_implausible(
 
 @pytest.mark.parametrize(("excess_m", "finding"), [(-0.01, "PLAUSIBLE"), (0.01, "SPEED_MISMATCH")])
 def test_the_bound_is_the_way_of_full_throttle_then_full_brakes(excess_m: float, finding: str) -> None:
-    """Equal speeds at both ends, 4 s apart: A dt²/4 farther than at that speed, and the two tolerances."""
+    """Two messages 4 s apart: A dt²/4 farther than at their mean speed, and the two tolerances."""
     allowed_m = 10.0 * 4.0**2 / 4 + LIMITS.position_tolerance_m + 4.0 * LIMITS.speed_tolerance_mps
-    far_m = 10.0 * 4.0 + allowed_m + excess_m
-    assert found(reports([0.0, 4.0], [[0.0, 0.0], [far_m, 0.0]], [10.0, 0.0]))[1].name == finding
+    far_m = 10.1 * 4.0 + allowed_m + excess_m
+    assert (
+        found(reports([0.0, 4.0], [[0.0, 0.0], [far_m, 0.0]], [[10.0, 0.0], [10.2, 0.0]]))[1].name == finding
+    )
 
 
 def test_a_speed_that_contradicts_the_displacement_is_found_within_a_second() -> None:

@@ -120,8 +120,8 @@ def test_json_is_the_summary_and_tables_are_printed_otherwise(
     assert "1 trip, 0.03 h, 1 route; 1 candidate" in shown
 
 
-def test_by_default_every_member_and_the_papers_bank_are_compared() -> None:
-    assert [one.name for one in CompareOptions().candidates()] == [*MEMBER_NAMES, "paper"]
+def test_by_default_every_member_and_both_named_banks_are_compared() -> None:
+    assert [one.name for one in CompareOptions().candidates()] == [*MEMBER_NAMES, "paper", "default"]
 
 
 def test_every_bank_meets_every_trusted_horizon_that_changes_it() -> None:

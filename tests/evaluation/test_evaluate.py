@@ -11,13 +11,15 @@ from modelcast.core.trajectory import Trajectory, build_trajectory
 from modelcast.evaluation.case import STANDING_SPEED_MPS, SensedTrip, make_case
 from modelcast.evaluation.evaluate import evaluate
 from modelcast.evaluation.result import POOLED, EvaluationResult, RateRow
-from modelcast.evaluation.settings import EvaluationSettings
+from modelcast.evaluation.settings import PAPER_BANK, EvaluationSettings
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.simulation.drive import generate_drive
 
-SETTINGS = EvaluationSettings((0.3,), (0.0, 0.4), seeds=3, protocol="recorded", keep_samples="all")
+SETTINGS = EvaluationSettings(
+    (0.3,), (0.0, 0.4), seeds=3, protocol="recorded", keep_samples="all", bank=PAPER_BANK
+)
 
 SINGLE_RATIO = 1e-6
 """Samples are kept in single precision."""
@@ -278,7 +280,7 @@ def test_settings_name_everything_that_changes_the_numbers() -> None:
         ({"keep_alive_s": -1.0}, "max_inter_transmit_time_s|keep_alive_s"),
         ({"mean_burst_s": -1.0}, "mean_burst_s"),
         ({"start": "first"}, "start"),
-        ({"identify": "never"}, "identify"),
+        ({"identify": "seldom"}, "identify"),
         ({"protocol": "real"}, "protocol"),
         ({"keep_samples": "some"}, "keep_samples"),
     ],

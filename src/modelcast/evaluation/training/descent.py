@@ -53,8 +53,8 @@ class Descent:
     softness: float = 0.25
     _: KW_ONLY
     hidden: tuple[int, int] = (96, 96)
-    steps: int = 1500
-    averaged: int = 500
+    steps: int = 2500
+    averaged: int = 800
     batch: int = 1024
     learning_rate: float = 1e-3
     penalty: float = 0.1
