@@ -11,6 +11,8 @@ from modelcast.messages.bits import BitWriter
 from modelcast.messages.bsm import BsmCore, encode_bsm
 from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_BITS, CORE_FIELDS, LOCAL_REGION
 from modelcast.messages.frame import encode_frame
+from modelcast.messages.security.certificate import Certificate
+from modelcast.messages.security.signed import SignedMessage
 
 __all__ = ["main"]
 
@@ -46,6 +48,27 @@ def messages(rng: random.Random) -> dict[str, bytes]:
         "long": encode_bsm(lowest, regional=((LOCAL_REGION, rng.randbytes(16_300)),)),
         "other-message": encode_frame(18, some[2]),
         "other-message-extended": encode_frame(240, some[5], (some[0],)),
+    }
+
+
+def signed(rng: random.Random) -> dict[str, bytes]:
+    """Return signed messages, by name; nobody signed them, since nobody verifies."""
+    certificate = Certificate(
+        rng.randbytes(8),
+        rng.getrandbits(32),
+        duration_s=3600,
+        public_key=b"\x03" + rng.randbytes(32),
+        signature=rng.randbytes(64),
+    )
+    return {
+        f"other-signed-{name}": SignedMessage(
+            rng.getrandbits(52), rng.randbytes(count), signer, rng.randbytes(64)
+        ).octets
+        for name, signer, count in (
+            ("digest", certificate.digest, 64),
+            ("certificate", certificate, 40),
+            ("long", certificate.digest, 700),
+        )
     }
 
 
@@ -92,8 +115,10 @@ def main() -> None:
     for old in FOLDER.iterdir():
         old.unlink()
     good = messages(random.Random(4))  # noqa: S311 - not for secrets
+    sealed = signed(random.Random(1609))  # noqa: S311 - not for secrets
     for name, octets in {
         **good,
+        **sealed,
         **{f"refused-{name}": octets for name, octets in refused(good).items()},
     }.items():
         (FOLDER / name).write_bytes(octets)
