@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-SCRIPTS = ("gp_fit.py", "gp_peers.py", "rate_evaluation.py", "evaluate_command.py")
+SCRIPTS = ("gp_fit.py", "gp_peers.py", "rate_evaluation.py", "evaluate_command.py", "dsrc_channel.py")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 

@@ -396,7 +396,7 @@ class Dsrc(AbstractRadio[DsrcState]):
         transmissions, position_m, until_t_s
             As for `step`.
         """
-        self._check(state, transmissions, position_m, until_t_s)
+        transmissions.check(state.t_s, until_t_s, position_m, state.vehicles, self.parameters.max_power_dbm)
         who, when, outcomes, expired, receiver, mw, flag, pairs, count = advance(
             state.t_s,
             until_t_s,
@@ -441,26 +441,6 @@ class Dsrc(AbstractRadio[DsrcState]):
     def channel_busy_ratio(self, state: DsrcState) -> FloatArray:
         """Busy share of the last full 100 ms of every vehicle, 0..1, (V,)."""
         return state.station[:, BUSY_RATIO].copy()
-
-    def _check(
-        self, state: DsrcState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
-    ) -> None:
-        if position_m.shape != (state.vehicles, 2):
-            raise ValueError(f"position_m must be ({state.vehicles}, 2), got {position_m.shape}")
-        if not until_t_s >= state.t_s:
-            raise ValueError(f"until_t_s must not lie before the state's {state.t_s} s, got {until_t_s}")
-        if transmissions.size == 0:
-            return
-        if transmissions.ready_s[0] < state.t_s or transmissions.ready_s[-1] >= until_t_s:
-            raise ValueError(f"ready_s must lie within {state.t_s} s..{until_t_s} s, the end excluded")
-        if int(transmissions.sender.max()) >= state.vehicles:
-            raise ValueError(f"sender must be below {state.vehicles}, got {int(transmissions.sender.max())}")
-        loudest_dbm = float(transmissions.power_dbm.max())
-        if loudest_dbm > self.parameters.max_power_dbm:
-            raise ValueError(
-                f"power_dbm must not exceed max_power_dbm = {self.parameters.max_power_dbm}, "
-                f"got {loudest_dbm}"
-            )
 
 
 def _ratio(decibels: float) -> float:

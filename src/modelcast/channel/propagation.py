@@ -207,11 +207,13 @@ class Propagation:
             East and north of both ends, (N, 2) [m].
         """
         if self.streets is None:
-            return np.ones(from_m.shape[0], dtype=np.bool_)
+            everybody: BoolArray = np.ones(len(from_m), dtype=np.bool_)
+            return everybody
         block_m, half_m = self.streets.block_m, 0.5 * self.streets.street_m
         first, second = np.round(from_m / block_m), np.round(to_m / block_m)
-        on_street = (np.abs(from_m - first * block_m) <= half_m) & (np.abs(to_m - second * block_m) <= half_m)
-        return np.any(on_street & (first == second), axis=1)
+        near_first, near_second = np.abs(from_m - first * block_m), np.abs(to_m - second * block_m)
+        on_street = (near_first <= half_m) & (near_second <= half_m) & (first == second)
+        return np.asarray(on_street[:, 0] | on_street[:, 1], dtype=np.bool_)
 
     def gain_db(self, from_m: FloatArray, to_m: FloatArray) -> FloatArray:
         """Median gain of pairs of places, path loss only, never above 0, (N,) [dB]."""

@@ -83,6 +83,41 @@ class Transmissions:
         """Number of messages."""
         return self.sender.size
 
+    def check(
+        self, t_s: float, until_t_s: float, position_m: FloatArray, vehicles: int, max_power_dbm: float
+    ) -> None:
+        """Refuse what does not fit a step of a radio.
+
+        Parameters
+        ----------
+        t_s, until_t_s
+            Bounds of the interval [s].
+        position_m
+            What should be (V, 2).
+        vehicles
+            V.
+        max_power_dbm
+            The radio's limit [dBm].
+
+        Raises
+        ------
+        ValueError
+            Where positions, times, senders or powers are out of bounds.
+        """
+        if position_m.shape != (vehicles, 2):
+            raise ValueError(f"position_m must be ({vehicles}, 2), got {position_m.shape}")
+        if not until_t_s >= t_s:
+            raise ValueError(f"until_t_s must not lie before the state's {t_s} s, got {until_t_s}")
+        if self.size == 0:
+            return
+        if self.ready_s[0] < t_s or self.ready_s[-1] >= until_t_s:
+            raise ValueError(f"ready_s must lie within {t_s} s..{until_t_s} s, the end excluded")
+        if int(self.sender.max()) >= vehicles:
+            raise ValueError(f"sender must be below {vehicles}, got {int(self.sender.max())}")
+        loudest_dbm = float(self.power_dbm.max())
+        if loudest_dbm > max_power_dbm:
+            raise ValueError(f"power_dbm must not exceed max_power_dbm = {max_power_dbm}, got {loudest_dbm}")
+
 
 @dataclass(frozen=True, slots=True)
 class Receptions:
