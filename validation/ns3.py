@@ -14,7 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from modelcast.channel.dsrc import AccessCategory, Dsrc, DsrcParameters
+from modelcast.channel.dsrc import Dsrc
+from modelcast.channel.dsrc_parameters import AccessCategory, DsrcParameters
 from modelcast.channel.path_loss import LogDistance
 from modelcast.channel.propagation import NakagamiFading, Propagation
 from modelcast.channel.radio import Transmissions

@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 
 from highway import Road, count_outcomes
-from modelcast.channel.dsrc import Dsrc, DsrcParameters
+from modelcast.channel.dsrc import Dsrc
+from modelcast.channel.dsrc_parameters import DsrcParameters
 from modelcast.channel.error_models import AbstractErrorModel, TabulatedErrorModel, ThresholdErrorModel
 from modelcast.channel.propagation import Propagation, Shadowing
 from modelcast.channel.radio import OUTCOMES, AbstractRadio
-from modelcast.channel.sidelink import BITS_PER_BLOCK, Sidelink, SidelinkParameters
+from modelcast.channel.sidelink import Sidelink
+from modelcast.channel.sidelink_parameters import BITS_PER_BLOCK, SidelinkParameters
 
 ROAD = Road(2000.0, 200, 3, 4.0, 240.0 / 3.6, 10.0, 300, 23.0)
 SECONDS, SEEDS, FINE_M, COARSE = 15.0, 4, 10.0, 5

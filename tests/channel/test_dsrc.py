@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from modelcast.channel.dsrc import BIT_RATES, AccessCategory, Dsrc, DsrcParameters, DsrcState
-from modelcast.channel.dsrc_kernels import AIR, MESSAGE
+from modelcast.channel.dsrc import Dsrc, DsrcState
+from modelcast.channel.dsrc_parameters import BIT_RATES, AccessCategory, DsrcParameters
+from modelcast.channel.dsrc_station_kernels import AIR, MESSAGE
 from modelcast.channel.error_models import ThresholdErrorModel
 from modelcast.channel.path_loss import LogDistance
 from modelcast.channel.propagation import Propagation
@@ -211,7 +212,7 @@ def test_invariants_hold_for_any_traffic(seed: int, vehicles: int, messages: int
         own = (heard.receiver == case.sender[number]) & (heard.t_s <= end_s)
         assert not np.any(own & (heard.t_s > end_s - airtime_s[number]))
     assert not set(heard.expired.tolist()) & set(sent)
-    left = int((state.message >= 0).sum())
+    left = int((state.message[:, :2] >= 0).sum())
     apart_m = np.hypot(*(place_m[:, None] - place_m[None]).transpose(2, 0, 1))
     near = (apart_m <= radio.range_m).sum(axis=1) - 1
     if left == 0:

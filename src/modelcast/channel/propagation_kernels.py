@@ -171,7 +171,7 @@ def grow_pairs(pairs: Any, position_m: Any, range_m: float, room: int) -> Any:
                 keep[k] = True
                 live += 1
     capacity = 1024
-    while capacity < 3 * (live + room):
+    while capacity < 2.2 * (live + room):
         capacity *= 2
     fresh, count = empty_pairs(capacity)
     for k in range(pairs.shape[0]):

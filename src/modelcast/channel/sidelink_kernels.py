@@ -4,13 +4,13 @@ In every subframe of 1 ms: messages become ready and choose a resource if they h
 it is send; everybody else adds up the power in each sub-channel, decodes what it can, and remembers both.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numba
 import numpy as np
 
 from modelcast.channel.borrowing_kernels import borrowing
-from modelcast.channel.error_models import HAZARD_MIN_DB, HAZARD_PER_DB, HAZARD_SIZE
+from modelcast.channel.error_kernels import hazard_at
 from modelcast.channel.grid_kernels import build_grid, cell_span
 from modelcast.channel.propagation_kernels import (
     fading_factor,
@@ -20,70 +20,20 @@ from modelcast.channel.propagation_kernels import (
     pair_shadowing,
 )
 from modelcast.channel.random_kernels import next_word, uniform
+from modelcast.channel.sidelink_selection_kernels import MEMORY, select_resource
 
 __all__ = [
     "BAND",
     "GRANT_COLUMNS",
-    "MEMORY",
     "MESSAGE",
     "NEXT",
-    "SidelinkConstants",
     "advance",
 ]
-
-MEMORY = 1000
-"""Subframes of the sensing window; TS 36.213, 14.1.1.6."""
 
 # Columns of ``grant`` (V, GRANT_COLUMNS): integers.
 BAND, NEXT, _COUNTER, _UNUSED, _LENGTH, MESSAGE, _READY, _BYTES = 0, 1, 2, 3, 4, 5, 6, 7
 GRANT_COLUMNS = 8
 _RECEIVED, _HALF_DUPLEX, _WEAK, _HIDDEN, _CONCURRENT = 0, 1, 2, 3, 4
-_STEP = 100
-
-
-class SidelinkConstants(NamedTuple):
-    """Parameters as numbers; made by `Sidelink`. Powers are in mW."""
-
-    sub_channels: int
-    overlapping: bool
-    first: int
-    last: int
-    interval: int
-    one_shot: bool
-    counter_low: int
-    counter_high: int
-    keep_ratio: float
-    reselect_after: int
-    best_ratio: float
-    reserved_mw: float
-    elements: float
-    noise_mw: float
-    sensitivity_mw: float
-    control_ratio: float
-    load_mw: float
-    window: int
-    gain_db: float
-    range_m: float
-    sensing_range_m: float
-    bin_m: float
-    bins: int
-    blocks: int
-    bits_per_block: float
-    control_blocks: int
-    units_fixed: float
-    units_per_byte: float
-    shadowed: bool
-
-
-@borrowing
-def _hazard(ratio: float, table: Any) -> float:
-    at = (10.0 * np.log10(ratio) - HAZARD_MIN_DB) * HAZARD_PER_DB
-    if at <= 0.0:
-        return table[0]
-    if at >= HAZARD_SIZE - 1:
-        return table[HAZARD_SIZE - 1]
-    k = int(at)
-    return table[k] + (at - k) * (table[k + 1] - table[k])
 
 
 @borrowing
@@ -96,45 +46,6 @@ def _used(size_bytes: int, constants: Any) -> int:
 def _draw_counter(random: Any, constants: Any) -> int:
     span = constants.counter_high - constants.counter_low + 1
     return constants.counter_low + int(uniform(random) * span)
-
-
-@numba.njit(cache=True, nogil=True)
-def _select(v: int, now: int, length: int, sensed: Any, reserved: Any, random: Any, constants: Any) -> Any:
-    """Return subframe and first sub-channel of a resource chosen by sensing (TS 36.213, 14.1.1.6)."""
-    step = 1 if constants.overlapping else length
-    bands = (constants.sub_channels - length) // step + 1
-    subframes = constants.last - constants.first + 1
-    total = subframes * bands
-    mean = np.empty(total)
-    strongest = np.empty(total)
-    for n in range(subframes):
-        subframe = now + constants.first + n
-        for b in range(bands):
-            power = 0.0
-            rsrp = 0.0
-            for s in range(b * step, b * step + length):
-                rsrp = max(rsrp, reserved[v, subframe % constants.interval, s])
-                for k in range(1, MEMORY // _STEP + 1):
-                    power += sensed[v, (subframe - _STEP * k) % MEMORY, s]
-            # A part in a million of chance decides between resources that are equally quiet.
-            mean[n * bands + b] = power * (1.0 + 1e-6 * uniform(random))
-            strongest[n * bands + b] = rsrp
-    wanted = int(np.ceil(constants.best_ratio * total))
-    possible = np.isfinite(mean).sum()
-    wanted = max(min(wanted, possible), 1)
-    limit = constants.reserved_mw
-    free = np.isfinite(mean) & (strongest <= limit)
-    while free.sum() < wanted and limit < 1e6:
-        limit *= 2.0
-        free = np.isfinite(mean) & (strongest <= limit)
-    chosen = np.flatnonzero(free)
-    if chosen.size == 0:
-        pick = int(uniform(random) * total)
-    else:
-        if chosen.size > wanted:
-            chosen = chosen[np.argsort(mean[chosen])[:wanted]]
-        pick = chosen[int(uniform(random) * chosen.size)]
-    return now + constants.first + pick // bands, (pick % bands) * step
 
 
 @borrowing
@@ -159,6 +70,8 @@ def _receive_powers(
     link_bin: Any,
     used: int,
     constants: Any,
+    sends: Any,
+    outcomes: Any,
 ) -> int:
     """Add the power of one sender to everybody in range; return how many links there are now."""
     vehicles = position_m.shape[0]
@@ -197,6 +110,11 @@ def _receive_powers(
             power_mw = np.exp(sent_ln + min(ln, 0.0)) * fading_factor(
                 distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m
             )
+            group = min(int(distance_m / constants.bin_m), constants.bins)
+            if power_mw < constants.quiet_mw:
+                if group < constants.bins:
+                    outcomes[group, _HALF_DUPLEX if sends[j] else _WEAK] += 1
+                continue
             density_mw = power_mw * constants.blocks / used_blocks
             for s in range(constants.sub_channels):
                 share_mw = density_mw * leak[length - 1, band, s]
@@ -211,7 +129,7 @@ def _receive_powers(
                 elif share_mw > top_mw[j, s, 1]:
                     top_mw[j, s, 1], top_turn[j, s, 1] = share_mw, turn
             link_receiver[used], link_mw[used] = j, power_mw
-            link_bin[used] = min(int(distance_m / constants.bin_m), constants.bins)
+            link_bin[used] = group
             used += 1
     return used
 
@@ -251,9 +169,9 @@ def _judge(
         return _WEAK, ratio
     units = constants.units_fixed + constants.units_per_byte * size_bytes
     luck = -np.log(1.0 - uniform(random))
-    if units * _hazard(ratio, hazard) <= luck:
+    if units * hazard_at(ratio, hazard) <= luck:
         return _RECEIVED, ratio
-    if units * _hazard(power_mw / noise_mw, hazard) > luck or worst < 0:
+    if units * hazard_at(power_mw / noise_mw, hazard) > luck or worst < 0:
         return _WEAK, ratio
     east, north = place[turn, 0] - place[worst, 0], place[turn, 1] - place[worst, 1]
     reach_m = constants.sensing_range_m
@@ -334,7 +252,7 @@ def advance(
                 or ahead < constants.first
                 or ahead > constants.last
             ):
-                when_next, band = _select(v, subframe, length, sensed, reserved, random, constants)
+                when_next, band = select_resource(v, subframe, length, sensed, reserved, random, constants)
                 grant[v, BAND], grant[v, NEXT], grant[v, _LENGTH] = band, when_next, length
                 grant[v, _COUNTER] = 1 if constants.one_shot else _draw_counter(random, constants)
                 grant[v, _UNUSED] = 0
@@ -375,7 +293,7 @@ def advance(
                 more_bin[:used] = link_bin[:used]
                 link_receiver, link_mw, link_bin = more_receiver, more_mw, more_bin
             if constants.shadowed and 2 * (pair_count[0] + present) > pairs.shape[0]:
-                pairs, pair_count = grow_pairs(pairs, position_m, 1.2 * constants.range_m, present)
+                pairs, pair_count = grow_pairs(pairs, position_m, constants.range_m, present)
             first_link[turn] = used
             used = _receive_powers(
                 v,
@@ -398,6 +316,8 @@ def advance(
                 link_bin,
                 used,
                 constants,
+                sends,
+                outcomes,
             )
         first_link[count] = used
 

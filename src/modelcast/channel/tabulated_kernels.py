@@ -72,9 +72,8 @@ def advance(
                     group = int(distance_m / bin_m)
                     if group >= bins:
                         continue
-                    chance: Any = np.interp(load[j], loads, ratios[:, group])
                     luck = uniform(random)
-                    if luck < chance:
+                    if luck < np.interp(load[j], loads, ratios[:, group]):
                         outcomes[group, 0] += 1
                         who[received, 0], who[received, 1], who[received, 2] = message_id[n], v, j
                         when[received] = ready_s[n] + airtime_s[n]
