@@ -159,7 +159,7 @@ def main() -> int:
             lines[-1] += f" {reference_s / SEEDS:.2f} s and modelcast {mine_s / SEEDS:.3f} s"
             lines[-1] += f" ({reference_s / mine_s:.0f} times). Mean of {SEEDS} seeds."
             lines += [""]
-            print("\n".join(lines[-BINS - 6 :]), flush=True)
+            print("\n".join(lines[-BINS - 7 :]), flush=True)
     if len(sys.argv) > 2:
         Path(sys.argv[2]).write_text("\n".join(lines) + "\n", encoding="utf-8")
     return 0

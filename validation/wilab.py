@@ -45,6 +45,7 @@ def dsrc(error_model: AbstractErrorModel, preamble_db: float) -> Dsrc:
         capture_db=preamble_db,
         sensing_s=13e-6,  # a countdown that ends within the slot goes on
         immediate_access=False,
+        extended_s=0.0,
         bin_m=FINE_M,
         bins=60,
     )

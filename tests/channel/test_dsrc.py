@@ -137,6 +137,20 @@ def test_interference_counts_for_the_part_of_the_frame_it_lasts() -> None:
     assert 100 not in early.message_id.tolist()
 
 
+def test_after_a_spoilt_frame_a_vehicle_waits_longer() -> None:
+    """The middle loses a frame to a hidden sender: AIFS, 120 us and 0..15 slots before its own."""
+    radio = plain(sensitivity_dbm=-80.0, decodable_dbm=-80.0, energy_dbm=-40.0, capture_s=0.0)
+    waits_us = set()
+    for seed in range(30):
+        case = batch([0, 1, 2], [0.01, 0.0101, 0.0102])
+        heard, _ = run(radio, case, line(0.0, 440.0, 220.0), seed)
+        own = heard.t_s[heard.message_id == 102]
+        assert own.size == 2
+        waits_us.add(round(1e6 * (own[0] - AIRTIME_S - (0.01 + AIRTIME_S)) - 110 - 120))
+    assert all(wait_us >= 0 and wait_us % 13 == 0 and wait_us <= 15 * 13 for wait_us in waits_us)
+    assert len(waits_us) > 5
+
+
 def test_a_stronger_frame_takes_a_receiver_over_in_the_preamble_only() -> None:
     radio = plain(sensitivity_dbm=-80.0, decodable_dbm=-80.0, energy_dbm=-40.0, capture_s=32e-6)
     place_m = line(0.0, 420.0, 370.0)

@@ -138,6 +138,7 @@ class Dsrc(AbstractRadio[DsrcState]):
         return DsrcConstants(
             slot_s=p.slot_s,
             aifs_s=p.aifs_s,
+            extended_s=p.extended_s,
             window=p.access.window,
             sensing_s=p.sensing_s,
             immediate=p.immediate_access,

@@ -12,6 +12,8 @@ from modelcast.channel.dsrc_station_kernels import (
     COUNT,
     FIRST,
     HALF_DUPLEX,
+    IDLE_S,
+    LOCK,
     MESSAGE,
     RECEIVED,
     SEED,
@@ -173,14 +175,22 @@ def close_links(
     seed = message[v, SEED]
     for k in range(first, first + links):
         j = link_receiver[k]
+        held = station[j, LOCK] == v
         outcome = finish_reception(station, j, v, link_mw[k], link_flag[k, 0], t_s, hazard, constants, seed)
+        spoilt = held and outcome != RECEIVED
         if link_flag[k, 1] < constants.bins:
             outcomes[link_flag[k, 1], outcome] += 1
         if outcome == RECEIVED:
             who[received, 0], who[received, 1], who[received, 2] = message[v, AIR], v, j
             when[received, 0], when[received, 1] = t_s, link_mw[k]
             received += 1
-        if sense_medium(station, j, t_s, constants) < 0 and message[j, MESSAGE] >= 0:
-            station[j, ACCESS_S] = t_s + constants.aifs_s + station[j, BACKOFF] * constants.slot_s
+        if sense_medium(station, j, t_s, constants) >= 0:
+            continue
+        if spoilt:
+            station[j, IDLE_S] = t_s + constants.extended_s
+        if message[j, MESSAGE] >= 0:
+            station[j, ACCESS_S] = (
+                station[j, IDLE_S] + constants.aifs_s + station[j, BACKOFF] * constants.slot_s
+            )
             count = push_event(times, what, count, station[j, ACCESS_S], 2 * j + ACCESS_EVENT)
     return received, count

@@ -97,6 +97,9 @@ class DsrcParameters:
     immediate_access
         Whether a message that finds the medium idle for AIFS goes out at once (10.23.2.4); else every message
         counts down first.
+    extended_s
+        After a frame it could not decode, a vehicle waits this long more before it counts (EIFS, 10.3.2.3.7):
+        SIFS and an acknowledgement at 3 Mb/s, 32 + 88 us [s].
     noise_figure_db, bandwidth_hz
         The receiver's noise, at 290 K [dB], [Hz].
     sensitivity_dbm
@@ -141,6 +144,7 @@ class DsrcParameters:
     symbol_s: float = 8e-6
     sensing_s: float = 8e-6
     immediate_access: bool = True
+    extended_s: float = 120e-6
     noise_figure_db: float = 6.0
     bandwidth_hz: float = 10e6
     sensitivity_dbm: float = -92.0
@@ -166,6 +170,8 @@ class DsrcParameters:
                 raise ValueError(f"{name} must be positive and finite, got {value}")
         if not 0 <= self.sensing_s <= self.slot_s:
             raise ValueError(f"sensing_s must lie within 0..{self.slot_s} (a slot), got {self.sensing_s}")
+        if not self.extended_s >= 0:
+            raise ValueError(f"extended_s must not be negative, got {self.extended_s}")
         if self.bins < 1:
             raise ValueError(f"bins must be at least 1, got {self.bins}")
 

@@ -88,6 +88,7 @@ class DsrcConstants(NamedTuple):
 
     slot_s: float
     aifs_s: float
+    extended_s: float
     window: int
     sensing_s: float
     immediate: bool
