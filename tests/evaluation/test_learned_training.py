@@ -114,7 +114,7 @@ def test_a_descent_out_of_range_is_refused(wrong: dict[str, object]) -> None:
         replace(SHORT, **wrong)
 
 
-def test_a_profile_orders_its_bank_by_messages_and_records_how(trips: list[Trajectory]) -> None:
+def test_a_profile_chooses_its_bank_by_messages_and_records_how(trips: list[Trajectory]) -> None:
     settings = ProfileSettings(
         CLEAN, process_windows=200, process_evaluations=8, thresholds_m=(0.2, 0.5), validate=True
     )
@@ -125,7 +125,11 @@ def test_a_profile_orders_its_bank_by_messages_and_records_how(trips: list[Traje
     figures = profile.record["figures"]
     totals = {name: sum(sum(row) for row in rows.values()) for name, rows in figures["messages"].items()}
     assert figures["counted_on"] == "routes left out"
-    assert totals[profile.bank.members[0].name] == min(totals.values())
+    singles = {name: total for name, total in totals.items() if name not in ("bank", "baseline")}
+    first = profile.bank.members[0].name
+    assert figures["steps"][0][first] == min(figures["steps"][0].values())
+    assert totals["bank"] <= 1.02 * min(singles.values())
+    assert totals["baseline"] == totals["cv"]
     assert profile.bank.window == 1
     assert {member.name for member in profile.shelf} | {member.name for member in profile.bank.members} >= {
         "learned",

@@ -27,20 +27,21 @@ def training_report(profile: Profile) -> RenderableType:
     table = Table(
         title=f"Messages over the baseline's, counted on {figures['counted_on']}", title_justify="left"
     )
-    table.add_column("sub-model")
+    table.add_column("sub-model", no_wrap=True)
+    levels = " / ".join(f"{100 * threshold_m:g}" for threshold_m in thresholds)
     for protocol in baseline:
-        for threshold_m in thresholds:
-            table.add_column(f"{protocol}\n{100 * threshold_m:g} cm", justify="right")
+        table.add_column(f"{protocol}\n{levels} cm", justify="right")
     for name, rows in messages.items():
-        ratios = [
-            _ratio(one, base)
+        cells = [
+            " / ".join(_ratio(one, base) for one, base in zip(own, baseline[protocol], strict=True))
             for protocol, own in rows.items()
-            for one, base in zip(own, baseline[protocol], strict=True)
         ]
-        table.add_row(name, *ratios)
+        table.add_row(name, *cells)
     kept = ", ".join(f"{name} by {found['kept']}" for name, found in record["processes"].items())
-    return Group(table, f"bank: {profile.bank.name}", f"hyper-parameters: {kept}")
+    return Group(
+        table, f"bank: {profile.bank.name}, {profile.start}/{profile.identify}", f"hyper-parameters: {kept}"
+    )
 
 
 def _ratio(messages: int, baseline: int) -> str:
-    return f"{messages / baseline:.3f}" if baseline else "-"
+    return f"{messages / baseline:.2f}" if baseline else "-"

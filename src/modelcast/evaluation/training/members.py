@@ -13,7 +13,7 @@ from modelcast.models.base import AbstractSubModel
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.policy.rules import IdentifyRule, StartRule
 
-__all__ = ["ChosenMembers", "MemberSettings", "choose_members"]
+__all__ = ["ChosenMembers", "Fold", "MemberSettings", "choose_members", "choose_names"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +51,22 @@ class MemberSettings:
             raise ValueError(f"least_gain must be from 0 to below 1, got {self.least_gain}")
         if self.start == "predicted" or self.identify == "cheapest":
             raise ValueError("members are chosen before 'predicted' and 'cheapest' can be trained")
+
+
+@dataclass(frozen=True, slots=True)
+class Fold:
+    """Trips, and candidates that may be judged on them.
+
+    Parameters
+    ----------
+    cases
+        Trips made ready.
+    candidates
+        Sub-models by distinct names; every fold has the same names.
+    """
+
+    cases: Sequence[TripCase]
+    candidates: Sequence[AbstractSubModel]
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,29 +113,65 @@ def choose_members(
     ValueError
         Where there is no case or no candidate.
     """
+    names, steps = choose_names([Fold(cases, candidates)], settings, progress=progress)
+    named = {one.name: one for one in candidates}
+    return ChosenMembers(Bank(tuple(named[name] for name in names)), steps)
+
+
+def choose_names(
+    folds: Sequence[Fold],
+    settings: MemberSettings | None = None,
+    *,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[tuple[str, ...], tuple[dict[str, float], ...]]:
+    """Choose by name over several folds, each with candidates trained without its trips: (names, steps).
+
+    Parameters
+    ----------
+    folds
+        At least one, with the same names.
+    settings, progress
+        As in `choose_members`; the steps are those of `ChosenMembers`.
+
+    Raises
+    ------
+    ValueError
+        Where there is no case or no candidate, or the folds' names differ.
+    """
     settings = MemberSettings() if settings is None else settings
-    if not cases or not candidates:
+    if not folds or not any(fold.cases for fold in folds) or not folds[0].candidates:
         raise ValueError("members are chosen from at least one candidate on at least one trip")
-    baseline = _messages(cases, BASELINE_BANK, settings)
-    chosen: list[AbstractSubModel] = []
+    names = [one.name for one in folds[0].candidates]
+    shelves = [{one.name: one for one in fold.candidates} for fold in folds]
+    if any(set(shelf) != set(names) for shelf in shelves):
+        raise ValueError(f"every fold needs the candidates {', '.join(names)}")
+
+    def messages(*wanted: str) -> float:
+        return sum(
+            _messages(fold.cases, Bank(tuple(shelf[name] for name in wanted)), settings)
+            for fold, shelf in zip(folds, shelves, strict=True)
+        )
+
+    baseline = sum(_messages(fold.cases, BASELINE_BANK, settings) for fold in folds)
+    chosen: list[str] = []
     steps: list[dict[str, float]] = []
     best, tried = np.inf, 0
-    most = min(settings.most, len(candidates))
+    most = min(settings.most, len(names))
     while len(chosen) < most:
         ratios: dict[str, float] = {}
-        left = [one for one in candidates if one not in chosen]
-        for one in left:
-            ratios[one.name] = _messages(cases, Bank((*chosen, one)), settings) / baseline
+        left = [name for name in names if name not in chosen]
+        for name in left:
+            ratios[name] = messages(*chosen, name) / baseline
             tried += 1
             if progress is not None:
-                progress(tried, most * len(candidates))
+                progress(tried, most * len(names))
         steps.append(ratios)
-        winner = min(left, key=lambda one: ratios[one.name])
-        if ratios[winner.name] > (1.0 - settings.least_gain) * best:
+        winner = min(left, key=lambda name: ratios[name])
+        if ratios[winner] > (1.0 - settings.least_gain) * best:
             break
-        best = ratios[winner.name]
+        best = ratios[winner]
         chosen.append(winner)
-    return ChosenMembers(Bank(tuple(chosen)), tuple(steps))
+    return tuple(chosen), tuple(steps)
 
 
 def _messages(cases: Sequence[TripCase], bank: Bank, settings: MemberSettings) -> float:

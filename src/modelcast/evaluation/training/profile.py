@@ -1,9 +1,9 @@
 """Training of a whole profile: networks, hyper-parameters, calibrations, the bank's order, and the record.
 
-The first sub-model of the bank is the one that sent the fewest messages; behind it stands the best one that
-does with a single sample, for starts and gaps. With ``validate`` the order comes from routes left out of the
-training, else from the training trips themselves, which favours what was fitted to them. The record says
-which.
+The bank's first member is the sub-model that sends the fewest messages alone; others join while they save
+some beside it (`members`), and one that does with a single sample stands last, for starts and gaps. With
+``validate`` the choice is made on routes left out of the training, else on the training trips themselves,
+which favours what was fitted to them. The record says which.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,7 +12,6 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray
 from modelcast.core.chance import child_generator
 from modelcast.core.trajectory import Trajectory
 from modelcast.core.version import package_version
@@ -23,6 +22,7 @@ from modelcast.evaluation.training.calibration import train_calibrations
 from modelcast.evaluation.training.families import VehicleFamily
 from modelcast.evaluation.training.hyperparameters import TrainedPair, train_hyperparameters
 from modelcast.evaluation.training.learned import LearnedSettings, train_learned
+from modelcast.evaluation.training.members import Fold, MemberSettings, choose_names
 from modelcast.evaluation.training.views import SenderView, view_trips
 from modelcast.evaluation.training.windows import TrainingWindows, training_windows
 from modelcast.evaluation.walk import TripBank
@@ -53,8 +53,10 @@ _PROTOCOLS: tuple[Protocol, ...] = ("recorded", "sensor")
 
 _PROCESS_VIEWS = (SenderView("recorded"), SenderView("motion", 0.01), SenderView("motion", 0.05))
 
+_STARTER = ConstantTurnRateAcceleration()
+
 _KINEMATIC: tuple[AbstractSubModel, ...] = (
-    ConstantTurnRateAcceleration(),
+    _STARTER,
     ConstantTurnRateVelocity(),
     ConstantAcceleration(),
     ConstantVelocity(),
@@ -73,6 +75,8 @@ class ProfileSettings:
         Windows that a Gaussian process's hyper-parameters are searched on, and objective evaluations.
     thresholds_m
         Thresholds at which messages are counted [m].
+    members
+        Which of the sub-models make the bank, and its rules.
     validate
         Whether everything is also trained once without each route, and counted on it.
     seed
@@ -89,12 +93,26 @@ class ProfileSettings:
     process_windows: int = 2000
     process_evaluations: int = 60
     thresholds_m: tuple[float, ...] = (0.2, 0.3, 0.4, 0.5)
+    members: MemberSettings = field(default_factory=lambda: MemberSettings((0.2, 0.5)))
     validate: bool = False
     seed: int = 0
 
     def __post_init__(self) -> None:
         if self.process_windows < 1 or self.process_evaluations < 1 or not self.thresholds_m:
             raise ValueError("process_windows, process_evaluations and thresholds_m must be positive")
+
+
+@dataclass(frozen=True, slots=True)
+class _Judged:
+    """Trips by protocol, and sub-models that are judged on them."""
+
+    cases: dict[str, list[TripCase]]
+    members: tuple[AbstractSubModel, ...]
+
+    @property
+    def pooled(self) -> Fold:
+        """All trips together, with the sub-models that a bank may be made of."""
+        return Fold([case for cases in self.cases.values() for case in cases], self.members)
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,26 +146,34 @@ def train_profile(
     """
     settings = ProfileSettings() if settings is None else settings
     shelf = _train(trips, settings, progress, "")
-    cases = _cases(trips, settings.seed)
-    counted, basis = _counts(cases, shelf.members, settings), "training trips"
-    if settings.validate:
-        counted, basis = _held_out(trips, settings, progress), "routes left out"
-    totals = {name: sum(float(row.sum()) for row in rows.values()) for name, rows in counted.items()}
+    folds = _folds(trips, settings, progress) if settings.validate else [_fold(trips, shelf, settings)]
+
+    def choosing(done: int, to_do: int) -> None:
+        if progress is not None:
+            progress("members", done, to_do)
+
+    names, steps = choose_names([fold.pooled for fold in folds], settings.members, progress=choosing)
     named = {member.name: member for member in shelf.members}
-    order = sorted((name for name in named), key=lambda name: totals[name])
-    first = named[order[0]]
-    fallback = next(named[name] for name in order if named[name].window == 1)
-    bank = Bank((first,) if first is fallback else (first, fallback))
+    if all(named[name].window > 1 for name in names):
+        names = (*names, _STARTER.name)
+    bank = Bank(tuple(named[name] for name in names))
+
+    def calibrating(done: int, to_do: int) -> None:
+        if progress is not None:
+            progress("calibrations", done, to_do)
+
+    own = _cases(trips, settings.seed)
     calibrations = train_calibrations(
-        [case for one in cases.values() for case in one],
-        bank.members,
-        progress=None if progress is None else lambda done, to_do: progress("calibrations", done, to_do),
+        [case for cases in own.values() for case in cases], bank.members, progress=calibrating
     )
+    figures = _figures(folds, names, settings)
     return Profile(
         bank,
         shelf=tuple(member for member in shelf.members if member not in (*bank.members, *_KINEMATIC)),
+        start=settings.members.start,
+        identify=settings.members.identify,
         calibrations=calibrations,
-        record=_record(trips, settings, shelf, counted, basis),
+        record=_record(trips, settings, shelf, {**figures, "steps": list(steps)}),
     )
 
 
@@ -225,55 +251,58 @@ def _cases(trips: Sequence[Trajectory], seed: int) -> dict[str, list[TripCase]]:
     return found
 
 
-def _counts(
-    cases: dict[str, list[TripCase]], members: Sequence[AbstractSubModel], settings: ProfileSettings
-) -> dict[str, dict[str, FloatArray]]:
-    """Messages of every sub-model alone and of the baseline, by protocol, (thresholds,) each."""
-    found: dict[str, dict[str, FloatArray]] = {}
-    for name, bank in {
-        **{member.name: Bank((member,)) for member in members},
-        "baseline": BASELINE_BANK,
-    }.items():
-        found[name] = {}
-        for protocol, own in cases.items():
-            total = np.zeros(len(settings.thresholds_m))
-            for case in own:
-                ready = TripBank(case.seen, bank, case.estimator)
-                total += [
-                    ready.walk(ErrorDriven(threshold_m, identify="never")).updates
-                    for threshold_m in settings.thresholds_m
-                ]
-            found[name][protocol] = total
-    return found
+def _fold(trips: Sequence[Trajectory], shelf: _Shelf, settings: ProfileSettings) -> _Judged:
+    return _Judged(_cases(trips, settings.seed), shelf.members)
 
 
-def _held_out(
+def _folds(
     trips: Sequence[Trajectory], settings: ProfileSettings, progress: Progress | None
-) -> dict[str, dict[str, FloatArray]]:
-    """Messages as `_counts` has them, of sub-models trained without the route that each trip is on."""
+) -> list[_Judged]:
+    """The trips of every route, each with sub-models trained without it."""
     route = routes(trips)
     count = int(route.max()) + 1
     if count < 2:
         raise ValueError("all trips lie on one route: there is none to leave out (train without validation)")
-    total: dict[str, dict[str, FloatArray]] = {}
+    folds: list[_Judged] = []
     for left_out in range(count):
         others = [trip for trip, own in zip(trips, route, strict=True) if own != left_out]
         tested = [trip for trip, own in zip(trips, route, strict=True) if own == left_out]
         shelf = _train(others, settings, progress, f" without route {left_out + 1} of {count}")
-        counted = _counts(_cases(tested, settings.seed), shelf.members, settings)
-        for name, rows in counted.items():
-            for protocol, row in rows.items():
-                total.setdefault(name, {}).setdefault(protocol, np.zeros_like(row))
-                total[name][protocol] = total[name][protocol] + row
-    return total
+        folds.append(_fold(tested, shelf, settings))
+    return folds
+
+
+def _figures(folds: Sequence[_Judged], names: Sequence[str], settings: ProfileSettings) -> dict[str, Any]:
+    """Messages of the bank, of every sub-model alone and of the baseline, by protocol, one a threshold."""
+    found: dict[str, dict[str, list[int]]] = {}
+    for fold in folds:
+        named = {member.name: member for member in fold.members}
+        banks = {
+            "bank": Bank(tuple(named[name] for name in names)),
+            **{member.name: Bank((member,)) for member in fold.members},
+            "baseline": BASELINE_BANK,
+        }
+        for name, bank in banks.items():
+            rules = settings.members
+            for protocol, cases in fold.cases.items():
+                row = found.setdefault(name, {}).setdefault(protocol, [0] * len(settings.thresholds_m))
+                for case in cases:
+                    ready = TripBank(case.seen, bank, case.estimator)
+                    for at, threshold_m in enumerate(settings.thresholds_m):
+                        walk = ready.walk(ErrorDriven(threshold_m, rules.start, rules.identify))
+                        row[at] += walk.updates + walk.identifications
+    return {
+        "counted_on": "routes left out" if settings.validate else "training trips",
+        "thresholds_m": list(settings.thresholds_m),
+        "messages": found,
+    }
 
 
 def _record(
     trips: Sequence[Trajectory],
     settings: ProfileSettings,
     shelf: _Shelf,
-    counted: dict[str, dict[str, FloatArray]],
-    basis: str,
+    figures: dict[str, Any],
 ) -> dict[str, Any]:
     """What the profile says of its own making."""
     learned = settings.learned
@@ -313,12 +342,5 @@ def _record(
             }
             for name, pair in shelf.processes.items()
         },
-        "figures": {
-            "counted_on": basis,
-            "thresholds_m": list(settings.thresholds_m),
-            "messages": {
-                name: {protocol: row.astype(int).tolist() for protocol, row in rows.items()}
-                for name, rows in counted.items()
-            },
-        },
+        "figures": figures,
     }
