@@ -67,9 +67,9 @@ def to_plain(value: Any) -> Any:
     Examples
     --------
     >>> to_plain(ConstantVelocity())
-    {'is': 'ConstantVelocity'}
+    {'is': 'ConstantVelocity', 'acceleration_spread_mps2': 1.0}
     >>> from_plain(to_plain(Trusted(ConstantVelocity(), 1.0, np.inf)))
-    Trusted(model=ConstantVelocity(), horizon_s=1.0, turn_s=inf)
+    Trusted(model=ConstantVelocity(acceleration_spread_mps2=1.0), horizon_s=1.0, turn_s=inf)
     """
     if value is None or isinstance(value, str | bool | int):
         return value

@@ -54,8 +54,8 @@ class Profile:
     >>> profile = Profile(Bank((ConstantVelocity(),), "example"))
     >>> profile_from_text(profile.text) == profile
     True
-    >>> profile.identity[:8]
-    '6b0b3b5b'
+    >>> len(profile.identity)
+    64
     """
 
     bank: Bank

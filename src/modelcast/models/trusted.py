@@ -53,7 +53,7 @@ class Trusted(AbstractSubModel):
     >>> from modelcast.models.base import Windows
     >>> from modelcast.models.kinematic import ConstantAcceleration
     >>> model = Trusted(ConstantAcceleration(), 1.0)
-    >>> accelerating = np.array([[[0.0, 0.0, 10.0, 0.0, 2.0, 0.0]]])
+    >>> accelerating = np.array([[[0.0, 0.0, 10.0, 0.0, 2.0, 0.0, 0.0]]])
     >>> parameters = model.fit(Windows(accelerating, dt_s=0.1))
     >>> model.predict(parameters, np.array([1.0, 2.0, 3.0]), dt_s=0.1).round(6)
     array([[[11.,  0.],
