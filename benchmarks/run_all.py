@@ -5,7 +5,15 @@ import subprocess
 import sys
 from pathlib import Path
 
-SCRIPTS = ("bsm_codec.py", "gp_fit.py", "gp_peers.py", "rate_evaluation.py", "evaluate_command.py")
+SCRIPTS = (
+    "bsm_codec.py",
+    "gp_fit.py",
+    "gp_peers.py",
+    "rate_evaluation.py",
+    "evaluate_command.py",
+    "traffic.py",
+    "congestion.py",
+)
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 

@@ -4,6 +4,7 @@ import pytest
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
+from modelcast.io.openacc import read_platoon
 from modelcast.io.trips import read_trips
 
 
@@ -71,3 +72,19 @@ def test_column_without_a_name_is_an_error(made):
 def test_two_cars_of_one_model_keep_different_names(made):
     trips = read_trips(made.write("p.csv", made.openacc(order="GHOST,FIRST,FIRST,")))
     assert [trip.trip_id for trip in trips] == ["p/FIRST-2", "p/FIRST-3"]
+
+
+def test_a_platoon_keeps_the_clock_of_its_file(made):
+    rows = [row(at, second=",,,,," if at < 4 else f"10.0,{90 + at},50,16.8,46.9,230") for at in range(12)]
+    platoon = read_platoon(made.write("p.csv", made.openacc(rows)))
+    assert platoon.slots == 2
+    assert platoon.active[:, 0].all()
+    assert platoon.active[:, 1].tolist() == [False] * 4 + [True] * 8
+    assert (platoon.position_m[4:, 0, 0] - platoon.position_m[4:, 1, 0]).tolist() == pytest.approx([10.0] * 8)
+    assert platoon.heading_rad[5, 0] == pytest.approx(1.5707963)
+
+
+def test_a_platoon_without_a_car_is_an_error(made):
+    rows = [f"{5370 + at / 10},,,,,,,,,,,,," for at in range(4)]
+    with pytest.raises(DataFormatError, match="no car"):
+        read_platoon(made.write("p.csv", made.openacc(rows)))

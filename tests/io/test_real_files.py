@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from modelcast.io.openacc import read_platoon
 from modelcast.io.registry import detect_format
 from modelcast.io.trips import read_trips
 
@@ -102,3 +103,19 @@ def test_stuck_speed_of_the_new_york_target_is_kept(data_folder):
 def test_whole_folder_reads_with_unique_identifiers(data_folder):
     trips = list(read_trips(data_folder))
     assert len({trip.trip_id for trip in trips}) == len(trips) == 61
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if name.startswith("openacc")])
+def test_a_real_platoon_drives_in_line(data_folder, name):
+    """On the file's one clock every car has another within 60 m most of the time, and none on top of it."""
+    platoon = read_platoon(data_folder / name)
+    assert platoon.slots == FILES[name][1]
+    there = platoon.active.all(axis=1)
+    position = platoon.position_m[there]
+    apart = np.hypot(*(position[:, :, None] - position[:, None]).transpose(3, 0, 1, 2))
+    apart[:, np.arange(platoon.slots), np.arange(platoon.slots)] = np.inf
+    nearest = apart.min(axis=2)
+    assert (nearest < 60.0).mean() > 0.9
+    assert nearest.min() > 2.0
+    jerk = np.diff(platoon.acceleration_mps2, axis=0)[platoon.active[1:] & platoon.active[:-1]] * 10.0
+    assert np.sqrt((jerk**2).mean()) < 2.0

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from modelcast.core.trajectory import Trajectory, build_trajectory
-from modelcast.policy.cam import CamTriggering
+from modelcast.policy.base import Air, Motion, TransmitInputs
+from modelcast.policy.cam import CamTriggering, CooperativeAwareness
+from modelcast.policy.dcc import AdaptiveDcc, ReactiveDcc
 from modelcast.simulation.drive import generate_drive
 
 TEN_HZ_S = 0.1 * np.arange(1200)
@@ -118,3 +120,79 @@ def gapped() -> Trajectory:
 def test_what_is_out_of_range_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="must be"):
         CamTriggering(**wrong)
+
+
+def asked(
+    policy: CooperativeAwareness, drive: Trajectory, *, busy: float = 0.0, airtime_s: float = 4e-4
+) -> list[int]:
+    """Samples at which one vehicle sends when asked sample by sample."""
+    assert drive.speed_mps is not None
+    assert drive.heading_rad is not None
+    state = policy.init(1, 1)
+    sent = []
+    one, none = np.ones(1), np.zeros(1)
+    for i, now in enumerate(drive.t_s):
+        inputs = TransmitInputs(
+            np.full(1, now),
+            none,
+            silence_s=none,
+            tracking_error_m=np.zeros((1, 1)),
+            available=np.ones((1, 1), dtype=np.bool_),
+            motion=Motion(
+                drive.position_m[i : i + 1],
+                drive.speed_mps[i : i + 1],
+                heading_rad=drive.heading_rad[i : i + 1],
+                critical=np.zeros(1, dtype=np.bool_),
+            ),
+            air=Air(busy * one, none, packet_error_ratio=none, airtime_s=airtime_s * one),
+        )
+        decisions, state = policy.decide(state, inputs, np.random.default_rng(0))
+        if decisions.kind[0]:
+            sent.append(i)
+    return sent
+
+
+@pytest.mark.parametrize("shortest_s", [0.1, 0.3])
+def test_asked_sample_by_sample_it_sends_what_the_replay_does(shortest_s: float) -> None:
+    drive = generate_drive(seed=5, duration_s=100.0).truth
+    assert drive.speed_mps is not None
+    assert drive.heading_rad is not None
+    triggering = CamTriggering(shortest_s)
+    replayed = triggering.transmit_indices(
+        drive.t_s, drive.position_m, speed_mps=drive.speed_mps, heading_rad=drive.heading_rad
+    )
+    assert asked(CooperativeAwareness(triggering, control=None), drive) == replayed.tolist()
+
+
+def test_a_busy_channel_stretches_the_time_between_messages() -> None:
+    """Fast on a motorway every 0.1-0.2 s; a share of 0.001 and 400 us airtime allow one in 0.4 s."""
+    t_s = 0.1 * np.arange(300)
+    drive = build_trajectory(
+        "made/fast",
+        t_s,
+        np.stack([35.0 * t_s, 0.0 * t_s], axis=1),
+        speed_mps=np.full(300, 35.0),
+        heading_rad=np.full(300, 0.5 * np.pi),
+    )
+    free = np.diff(asked(CooperativeAwareness(), drive, busy=0.1))
+    held = AdaptiveDcc(min_share=0.001, max_share=0.001)
+    assert set(free.tolist()) == {2}
+    assert set(np.diff(asked(CooperativeAwareness(control=held), drive)).tolist()) == {4}
+    table = CooperativeAwareness(control=ReactiveDcc())
+    assert set(np.diff(asked(table, drive, busy=0.55)).tolist()) == {5}
+    # T_GenCam_Dcc stays within T_GenCamMin and T_GenCamMax however long the airtime.
+    slow = np.diff(asked(CooperativeAwareness(control=held), drive, airtime_s=0.1))
+    assert set(slow.tolist()) == {10}
+
+
+def test_congestion_control_never_allows_less_than_100_ms() -> None:
+    """Asked every 50 ms and moving 5 m in them: a share of 0.03 alone would allow a message every 25 ms."""
+    t_s = 0.05 * np.arange(100)
+    drive = build_trajectory(
+        "made/faster",
+        t_s,
+        np.stack([100.0 * t_s, 0.0 * t_s], axis=1),
+        speed_mps=np.full(100, 100.0),
+        heading_rad=np.full(100, 0.5 * np.pi),
+    )
+    assert set(np.diff(asked(CooperativeAwareness(), drive)).tolist()) == {2}

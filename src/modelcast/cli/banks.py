@@ -1,9 +1,13 @@
 """Banks of sub-models by name, as users type them."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from math import isfinite
+from typing import cast
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.evaluation.settings import PAPER_BANK, PAPER_NOISE_FLOOR_M
+from modelcast.evaluation.settings import PAPER_BANK, PAPER_NOISE_FLOOR_M, rules_of
+from modelcast.io.profile import read_profile
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -19,12 +23,16 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
+from modelcast.models.profile import Profile, default_profile
 from modelcast.models.trusted import Trusted
+from modelcast.policy.rules import IdentifyRule, StartRule
 
-__all__ = ["MEMBER_NAMES", "bank_from_text"]
+__all__ = ["MEMBER_NAMES", "NamedBank", "bank_from_text", "named_bank"]
 
 INTERCEPT_NOISE_FLOOR_M = 1e-3
 """Smallest noise of ``gp-intercept`` and ``gp-adaptive`` where the user names none [m]."""
+
+_DEFAULT_WINDOW = 10
 
 _GIVEN: dict[str, Callable[[int], AbstractSubModel]] = {
     "gp-linear": linear_process,
@@ -41,15 +49,75 @@ _KINEMATIC: dict[str, AbstractSubModel] = {
     "ctra": ConstantTurnRateAcceleration(),
 }
 
-MEMBER_NAMES = (*_KINEMATIC, "gp-anchored", "gp-intercept", "gp-adaptive", *_GIVEN)
+MEMBER_NAMES = (*_KINEMATIC, "gp-anchored", "gp-intercept", "gp-adaptive", *_GIVEN, "learned")
 """Sub-models that a bank may be made of."""
+
+
+@dataclass(frozen=True, slots=True)
+class NamedBank:
+    """The bank a user means, and the rules it is used with.
+
+    Parameters
+    ----------
+    bank
+        Its sub-models.
+    start, identify
+        The policy's rules where the user names none.
+    profile
+        The profile it comes from; None where it comes from none.
+    """
+
+    bank: Bank
+    start: StartRule
+    identify: IdentifyRule
+    profile: Profile | None = None
+
+
+def named_bank(
+    text: str,
+    *,
+    noise_floor_m: float | None = None,
+    window: int = _DEFAULT_WINDOW,
+    trusted_horizon_s: float | None = None,
+) -> NamedBank:
+    """The bank a user means, and its rules.
+
+    Parameters
+    ----------
+    text
+        ``default`` (the profile that ships with modelcast), a file that ``modelcast train`` wrote (its name
+        ends in .json), or anything that `bank_from_text` takes.
+    noise_floor_m, window, trusted_horizon_s
+        As for `bank_from_text`; a profile's bank has its own.
+
+    Raises
+    ------
+    ConfigError
+        Where a name is unknown, a value out of range, or an option is given that a profile's bank does not
+        take.
+    DataFormatError
+        Where the file is no profile.
+    """
+    if text != "default" and not text.endswith(".json"):
+        bank = bank_from_text(
+            text, noise_floor_m=noise_floor_m, window=window, trusted_horizon_s=trusted_horizon_s
+        )
+        return NamedBank(bank, *rules_of(bank))
+    if noise_floor_m is not None or trusted_horizon_s is not None or window != _DEFAULT_WINDOW:
+        raise ConfigError(
+            f"--bank {text}: a profile's bank has its own windows, noise floor and trusted horizons; "
+            "leave out --window, --noise-floor and --trusted-horizon, or name the sub-models"
+        )
+    profile = default_profile() if text == "default" else read_profile(text)
+    rules = cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
+    return NamedBank(profile.bank, *rules, profile)
 
 
 def bank_from_text(
     text: str,
     *,
     noise_floor_m: float | None = None,
-    window: int = 10,
+    window: int = _DEFAULT_WINDOW,
     trusted_horizon_s: float | None = None,
 ) -> Bank:
     """The bank a user means.
@@ -59,14 +127,15 @@ def bank_from_text(
     text
         ``paper`` (constant velocity, then the anchored Gaussian process), or sub-models in order, joined by
         ``+``: ``cv``, ``ca``, ``ctrv``, ``ctra``, ``gp-anchored``, ``gp-intercept``, ``gp-adaptive``,
-        ``gp-linear``, ``gp-trained``, ``gp-vehicle``, ``gp-derivative``.
+        ``gp-linear``, ``gp-trained``, ``gp-vehicle``, ``gp-derivative``, ``learned``.
     noise_floor_m
         Smallest position noise the Gaussian processes fitted by likelihood may assume [m]; where None, none
         to speak of for the paper's form and 1 mm for the others.
     window
         Samples they are fitted to.
     trusted_horizon_s
-        Age beyond which sub-models other than constant velocity are damped [s]; None for never.
+        Age beyond which sub-models are damped [s]; None for never. Constant velocity needs none, and a
+        trained sub-model has its own.
 
     Raises
     ------
@@ -83,12 +152,17 @@ def bank_from_text(
         members = tuple(_member(name.strip(), noise_floor_m, window) for name in names)
         if trusted_horizon_s is not None:
             members = tuple(
-                member if isinstance(member, ConstantVelocity) else Trusted(member, trusted_horizon_s)
+                member if _needs_no_horizon(member) else Trusted(member, trusted_horizon_s)
                 for member in members
             )
         return Bank(members, "paper" if text == "paper" else "")
     except ValueError as error:
         raise ConfigError(f"--bank {text}: {error}") from error
+
+
+def _needs_no_horizon(member: AbstractSubModel) -> bool:
+    """Constant velocity, and a model that has a horizon of its own."""
+    return isinstance(member, ConstantVelocity) or isfinite(member.trusted_horizon_s)
 
 
 def _member(name: str, noise_floor_m: float | None, window: int) -> AbstractSubModel:
@@ -101,6 +175,10 @@ def _member(name: str, noise_floor_m: float | None, window: int) -> AbstractSubM
         floor_m = INTERCEPT_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
         noise = "estimated" if name == "gp-adaptive" else "floor"
         return GaussianProcess(window, "intercept", noise_floor_m=floor_m, noise=noise)
+    if name == "learned":
+        found = default_profile().sub_model(name)
+        if found is not None:
+            return found
     if name in _GIVEN:
         return _GIVEN[name](window)
     known = f"{', '.join(MEMBER_NAMES[:-1])} and {MEMBER_NAMES[-1]}"

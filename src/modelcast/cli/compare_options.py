@@ -12,9 +12,9 @@ from modelcast.messages.rules import CertificateRule
 from modelcast.policy.rules import IdentifyRule, StartRule
 
 if TYPE_CHECKING:
-    from modelcast.evaluation.compare.candidate import FixedCandidate
+    from modelcast.cli.banks import NamedBank
+    from modelcast.evaluation.compare.candidate import AbstractCandidate, TrainedCandidate
     from modelcast.evaluation.compare.settings import CompareSettings
-    from modelcast.models.bank import Bank
 
 __all__ = ["CompareOptions"]
 
@@ -31,11 +31,12 @@ class CompareOptions:
     Parameters
     ----------
     bank
-        Banks to compare, several after one another, each as in 'modelcast evaluate --bank'; every single
-        sub-model and 'paper' where not given. Put the trips before this option.
+        Banks to compare, several after one another, each as in 'modelcast evaluate --bank', or 'trained': a
+        profile trained anew without the route that is judged. Every single sub-model, 'paper' and 'default'
+        where not given. Put the trips before this option.
     rules
-        Rules of the policy, several after one another, each as START/IDENTIFY; they make no difference to a
-        bank of one sub-model, which is run once.
+        Rules of the policy, several after one another, each as START/IDENTIFY; each bank's own where not
+        given. They make no difference to a bank of one sub-model, which is run once.
     threshold
         Tracking-error thresholds [m], several after one another.
     per
@@ -76,7 +77,7 @@ class CompareOptions:
     """
 
     bank: Words = ()
-    rules: Words = ("order/on-failure",)
+    rules: Words = ()
     threshold: Numbers = (0.2, 0.3, 0.4, 0.5)
     per: Numbers = (0.0, 0.2, 0.4, 0.6)
     protocol: _Protocols = ("recorded", "sensor")
@@ -135,7 +136,7 @@ class CompareOptions:
         except ValueError as error:
             raise ConfigError(str(error)) from error
 
-    def candidates(self) -> "list[FixedCandidate]":
+    def candidates(self) -> "list[AbstractCandidate]":
         """What is compared: every bank with every horizon and pair of rules, none twice.
 
         Raises
@@ -147,24 +148,28 @@ class CompareOptions:
         from modelcast.core.exceptions import ConfigError
         from modelcast.evaluation.compare.candidate import FixedCandidate
 
+        if not self.trusted_horizon:
+            raise ConfigError("--trusted-horizon: name at least one, as 0")
         rules = [_rules(text) for text in self.rules]
-        if not rules or not self.trusted_horizon:
-            raise ConfigError("--rules, --trusted-horizon: name at least one, as in order/on-failure and 0")
-        found: list[FixedCandidate] = []
-        for text in self.bank or (*MEMBER_NAMES, "paper"):
-            for ending, bank in self._banks(text).items():
-                fitting = rules if len(bank.members) > 1 else rules[:1]
+        found: list[AbstractCandidate] = []
+        for text in self.bank or (*MEMBER_NAMES, "paper", "default"):
+            if text == "trained":
+                found.append(_trained_candidate())
+                continue
+            for ending, named in self._banks(text).items():
+                own: tuple[StartRule, IdentifyRule] = (named.start, named.identify)
+                fitting = rules if rules and len(named.bank.members) > 1 else [own]
                 for start, identify in fitting:
                     label = f"{text}{ending}" + (f" {start}/{identify}" if len(fitting) > 1 else "")
-                    found.append(FixedCandidate(label, bank, start, identify))
+                    found.append(FixedCandidate(label, named.bank, start, identify))
         return found
 
-    def _banks(self, text: str) -> "dict[str, Bank]":
+    def _banks(self, text: str) -> "dict[str, NamedBank]":
         """A bank with every trusted horizon, by what its name ends in; equal ones, as of cv alone, once."""
-        from modelcast.cli.banks import bank_from_text
+        from modelcast.cli.banks import named_bank
 
         made = {
-            horizon_s: bank_from_text(
+            horizon_s: named_bank(
                 text,
                 noise_floor_m=self.noise_floor,
                 window=self.window,
@@ -172,12 +177,20 @@ class CompareOptions:
             )
             for horizon_s in self.trusted_horizon
         }
-        distinct: dict[str, Bank] = {}
-        for horizon_s, bank in made.items():
-            if bank not in distinct.values():
+        distinct: dict[str, NamedBank] = {}
+        for horizon_s, named in made.items():
+            if named.bank not in [other.bank for other in distinct.values()]:
                 ending = f" trusted {horizon_s:g} s" if horizon_s and len(made) > 1 else ""
-                distinct[ending] = bank
+                distinct[ending] = named
         return distinct
+
+
+def _trained_candidate() -> "TrainedCandidate":
+    """A profile trained on the trips of all other routes."""
+    from modelcast.evaluation.compare.candidate import TrainedCandidate
+    from modelcast.evaluation.training.profile import LONGEST_WINDOW, profile_learner
+
+    return TrainedCandidate("trained", profile_learner(), LONGEST_WINDOW)
 
 
 def _rules(text: str) -> tuple[StartRule, IdentifyRule]:

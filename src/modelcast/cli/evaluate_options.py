@@ -32,8 +32,9 @@ class EvaluateOptions:
     seed
         Seed of all random numbers.
     bank
-        Sub-models of model-based communication, first in use first: 'paper', or names joined by '+' among cv,
-        ca, ctrv, ctra, gp-anchored, gp-intercept.
+        Sub-models of model-based communication, first in use first: 'default' (the profile that ships with
+        modelcast), a profile's file, 'paper', or names joined by '+' among cv, ca, ctrv, ctra, gp-anchored,
+        gp-intercept, gp-adaptive, gp-linear, gp-trained, gp-vehicle, gp-derivative, learned.
     window
         Samples a Gaussian process is fitted to.
     noise_floor
@@ -43,10 +44,12 @@ class EvaluateOptions:
         Age beyond which a sub-model's speed is held and its turn ends, at sender and host alike [s]; 0 for
         never.
     start
-        Sub-model in use after an update: first in order, the one kept, or the longest survivor.
+        Sub-model in use after an update: first in order, the one kept, or the longest survivor; the profile's
+        rule or order where not given.
     identify
-        When another sub-model is named: on failure of the one in use, the same but failures are final, or at
-        every change of the best.
+        When another sub-model is named: on failure of the one in use, the same but failures are final, at
+        every change of the best, or never (all are fitted anew when the one in use fails); the profile's rule
+        or on-failure where not given.
     keep_alive
         Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
     burst
@@ -78,12 +81,12 @@ class EvaluateOptions:
     per: Numbers = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
     seeds: int = 5
     seed: int = 0
-    bank: str = "paper"
+    bank: str = "default"
     window: int = 10
     noise_floor: float | None = None
     trusted_horizon: float = 0.0
-    start: StartRule = "order"
-    identify: IdentifyRule = "on-failure"
+    start: StartRule | None = None
+    identify: IdentifyRule | None = None
     keep_alive: float = 2.0
     burst: float = 0.0
     delay: float = 0.0
@@ -134,12 +137,12 @@ class EvaluateOptions:
         ConfigError
             Where a value is out of its range.
         """
-        from modelcast.cli.banks import bank_from_text
+        from modelcast.cli.banks import named_bank
         from modelcast.core.exceptions import ConfigError
         from modelcast.evaluation.settings import EvaluationSettings
         from modelcast.messages.airtime import Stack
 
-        bank = bank_from_text(
+        named = named_bank(
             self.bank,
             noise_floor_m=self.noise_floor,
             window=self.window,
@@ -151,9 +154,9 @@ class EvaluateOptions:
                 tuple(self.per),
                 seeds=self.seeds,
                 seed=self.seed,
-                bank=bank,
-                start=self.start,
-                identify=self.identify,
+                bank=named.bank,
+                start=self.start or named.start,
+                identify=self.identify or named.identify,
                 keep_alive_s=self.keep_alive or None,
                 mean_burst_s=self.burst or None,
                 delay_s=self.delay,

@@ -13,6 +13,7 @@ from rich.progress import (
     MofNCompleteColumn,
     Progress,
     SpinnerColumn,
+    TaskID,
     TextColumn,
     TimeElapsedColumn,
 )
@@ -21,7 +22,7 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.core.trajectory import Trajectory
 from modelcast.io.trips import read_trips
 
-__all__ = ["PARTLY_FAILED", "TripSource", "counted", "watched"]
+__all__ = ["PARTLY_FAILED", "TripSource", "counted", "staged", "watched"]
 
 PARTLY_FAILED = 3
 """Exit code where some trips failed and the rest is complete."""
@@ -133,6 +134,27 @@ def counted(label: str, *, quiet: bool) -> Generator[Callable[[int, int], None]]
 
     def show(done: int, steps: int) -> None:
         bar.update(task, completed=done, total=steps)
+
+    with bar:
+        yield show
+
+
+@contextmanager
+def staged(*, quiet: bool) -> Generator[Callable[[str, int, int], None]]:
+    """Yield a function that takes a stage's name, steps done and steps to do; each stage has its bar.
+
+    Parameters
+    ----------
+    quiet
+        Show nothing.
+    """
+    bar = _bar("", quiet=quiet)
+    tasks: dict[str, TaskID] = {}
+
+    def show(stage: str, done: int, steps: int) -> None:
+        if stage not in tasks:
+            tasks[stage] = bar.add_task(stage, total=steps, note=stage)
+        bar.update(tasks[stage], completed=done, total=steps)
 
     with bar:
         yield show

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, asdict, dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -15,10 +15,11 @@ from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
+from modelcast.models.profile import default_profile
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.policy.rules import IdentifyRule, StartRule
 
-__all__ = ["BASELINE_BANK", "PAPER_BANK", "PAPER_NOISE_FLOOR_M", "EvaluationSettings"]
+__all__ = ["BASELINE_BANK", "PAPER_BANK", "PAPER_NOISE_FLOOR_M", "EvaluationSettings", "rules_of"]
 
 PAPER_NOISE_FLOOR_M = 1e-5
 """The paper's Gaussian process has no noise floor: a hundredth of a millimetre stands for none [m]."""
@@ -31,6 +32,20 @@ PAPER_BANK = Bank(
 
 BASELINE_BANK = Bank((ConstantVelocity(),), "cv")
 """Raw basic safety messages: the receiver coasts at constant velocity."""
+
+
+def rules_of(bank: Bank) -> tuple[StartRule, IdentifyRule]:
+    """The rules that a bank is used with where nobody says otherwise.
+
+    Parameters
+    ----------
+    bank
+        The shipped profile's bank is used as that profile says, any other as the paper reads.
+    """
+    profile = default_profile()
+    if bank == profile.bank:
+        return cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
+    return "order", "on-failure"
 
 
 def _require_known(name: str, value: str, known: tuple[str, ...]) -> None:
@@ -51,9 +66,10 @@ class EvaluationSettings:
     seeds, seed
         How many runs are drawn for every loss ratio, and the seed they are spawned from.
     bank
-        Sub-models of model-based communication.
+        Sub-models of model-based communication; the shipped profile's where not given.
     start, identify
-        The policy's rules, as in `ErrorDriven`.
+        The policy's rules, as in `ErrorDriven`. Where None, those of that profile for its bank, and the plain
+        reading of the paper, ``order`` and ``on-failure``, for any other.
     keep_alive_s
         Longest silence in the loss runs, for every error-driven policy [s]; rate runs have none.
     mean_burst_s
@@ -92,9 +108,9 @@ class EvaluationSettings:
     _: KW_ONLY
     seeds: int = 5
     seed: int = 0
-    bank: Bank = PAPER_BANK
-    start: StartRule = "order"
-    identify: IdentifyRule = "on-failure"
+    bank: Bank = field(default_factory=lambda: default_profile().bank)
+    start: StartRule | None = None
+    identify: IdentifyRule | None = None
     keep_alive_s: float | None = 2.0
     mean_burst_s: float | None = None
     delay_s: float = 0.0
@@ -133,7 +149,16 @@ class EvaluationSettings:
     def policy(self, threshold_m: float, *, keep_alive: bool) -> ErrorDriven:
         """The error-driven policy at a threshold, with or without the keep-alive of the loss runs."""
         longest = self.keep_alive_s if keep_alive else None
-        return ErrorDriven(threshold_m, self.start, self.identify, longest)
+        start, identify = self.rules
+        return ErrorDriven(threshold_m, start, identify, longest)
+
+    @property
+    def rules(self) -> tuple[StartRule, IdentifyRule]:
+        """The policy's rules, those not given filled in."""
+        if self.start is not None and self.identify is not None:
+            return self.start, self.identify
+        start, identify = rules_of(self.bank)
+        return self.start or start, self.identify or identify
 
     @property
     def sent_bank(self) -> Bank:
@@ -160,8 +185,8 @@ class EvaluationSettings:
             "seed": self.seed,
             "bank": self.bank.name,
             "sub_models": [repr(member) for member in self.bank.members],
-            "start": self.start,
-            "identify": self.identify,
+            "start": self.rules[0],
+            "identify": self.rules[1],
             "keep_alive_s": self.keep_alive_s,
             "mean_burst_s": self.mean_burst_s,
             "delay_s": self.delay_s,

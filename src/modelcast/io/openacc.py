@@ -24,6 +24,7 @@ Skipped and counted: rows without a position ("position missing") or time ("time
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -36,8 +37,9 @@ from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.rows import Rows, joined, make_trip
 from modelcast.io.text_blocks import first_lines, number_column, read_blocks, split_fields
+from modelcast.simulation.scenario.replay import Replay, make_replay
 
-__all__ = ["OpenAccReader"]
+__all__ = ["OpenAccReader", "read_platoon"]
 
 _COLUMNS = {"Speed": "speed_mps", "E": "east_m", "N": "north_m", "Lon": "lon", "Lat": "lat", "Alt": "up_m"}
 _HEAD_BYTES = 65536
@@ -55,32 +57,66 @@ class OpenAccReader(AbstractTripReader):
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per car, ``<stem>/<name in Vehicle_order>``; the file is held whole."""
-        names, header, header_line = _layout(path)
-        stem = Path(path).stem
-        cars, partial = _cars(path, header, header_line)
-        origin, east_m, north_m = _origin(cars)
-        for number, name in enumerate(names, start=1):
-            if number not in cars:
-                on_skipped(f"{stem}/{name}", "named in Vehicle_order but without columns")
-                continue
-            rows, tally = cars[number], Tally()
-            tally.skip("partial last line", int(partial))
-            count = len(rows) + int(partial)
-            rows = rows.without(np.isnan(rows.columns["t_s"]), "time missing", tally)
-            rows = rows.without(_unplaced(rows), "position missing", tally)
-            columns = rows.columns
-            rows = rows.having(
-                east_m=columns["east_m"] - east_m,
-                north_m=columns["north_m"] - north_m,
-                up_m=columns["up_m"] - origin.altitude_m,
-            )
-            trip = make_trip(
-                path, f"{stem}/{name}", rows, tally, count=count, source=self.name, origin=origin
-            )
-            if trip is None:
-                on_skipped(f"{stem}/{name}", tally.why_empty())
-            else:
-                yield trip
+        for trip in _trips_on_one_clock(path, on_skipped):
+            yield replace(trip, start_unix_s=None)
+
+
+def read_platoon(path: str | Path, *, length_m: float = 4.5) -> Replay:
+    """Return the cars of a file on their one clock, as a scenario.
+
+    Parameters
+    ----------
+    path
+        The file.
+    length_m
+        Length of the cars, which the format does not say [m].
+
+    Raises
+    ------
+    DataFormatError
+        Where the file breaks a rule of the format, or holds no car.
+    """
+    trips = list(_trips_on_one_clock(str(path), ignore_skipped))
+    if not trips:
+        raise DataFormatError(str(path), "holds no car with a position", remedy="See docs/formats.md.")
+    return make_replay(trips, [trip.start_unix_s or 0.0 for trip in trips], length_m=length_m)
+
+
+def _trips_on_one_clock(path: str, on_skipped: OnSkipped) -> Iterator[Trajectory]:
+    """Yield a trip per car, with the file's time of its first sample as `start_unix_s`."""
+    names, header, header_line = _layout(path)
+    stem = Path(path).stem
+    cars, partial = _cars(path, header, header_line)
+    origin, east_m, north_m = _origin(cars)
+    for number, name in enumerate(names, start=1):
+        if number not in cars:
+            on_skipped(f"{stem}/{name}", "named in Vehicle_order but without columns")
+            continue
+        rows, tally = cars[number], Tally()
+        tally.skip("partial last line", int(partial))
+        count = len(rows) + int(partial)
+        rows = rows.without(np.isnan(rows.columns["t_s"]), "time missing", tally)
+        rows = rows.without(_unplaced(rows), "position missing", tally)
+        columns = rows.columns
+        rows = rows.having(
+            east_m=columns["east_m"] - east_m,
+            north_m=columns["north_m"] - north_m,
+            up_m=columns["up_m"] - origin.altitude_m,
+        )
+        trip = make_trip(
+            path,
+            f"{stem}/{name}",
+            rows,
+            tally,
+            count=count,
+            source=OpenAccReader.name,
+            origin=origin,
+            unix_offset_s=0.0,
+        )
+        if trip is None:
+            on_skipped(f"{stem}/{name}", tally.why_empty())
+        else:
+            yield trip
 
 
 def _layout(path: str) -> tuple[list[str], list[str], int]:

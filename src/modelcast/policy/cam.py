@@ -1,18 +1,23 @@
-"""The triggering rules of cooperative awareness messages, replayed over one trip: a reference for rates.
+"""The triggering rules of cooperative awareness messages, over one trip and for a fleet.
 
 A station checks its rules at every sample. It generates a message where heading, position or speed has
 changed enough since the last one, else where the time `T_GenCam` is up. Nothing here depends on a tracking
-error, so a trip has one rate whatever the threshold.
+error, so a trip has one rate whatever the threshold. `CamTriggering` replays a trip, as a reference for
+rates; `CooperativeAwareness` is the same rule as a policy, with the least time between messages from
+decentralised congestion control.
 """
 
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.policy.cam_kernels import trigger
+from modelcast.policy import cam_kernels as kernels
+from modelcast.policy import dcc_kernels
+from modelcast.policy.base import AbstractTransmitPolicy, Decisions, Message, TransmitInputs, column, required
+from modelcast.policy.dcc import AdaptiveDcc, ReactiveDcc
 
-__all__ = ["CamTriggering"]
+__all__ = ["CamState", "CamTriggering", "CooperativeAwareness"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +82,18 @@ class CamTriggering:
         if self.timeouts < 1:
             raise ValueError(f"timeouts must be at least 1, got {self.timeouts}")
 
+    def constants(self) -> FloatArray:
+        """Constants as the compiled rule takes them, (5,)."""
+        return np.array(
+            [
+                self.heading_change_rad,
+                self.distance_m,
+                self.speed_change_mps,
+                self.max_inter_transmit_time_s,
+                float(self.timeouts),
+            ]
+        )
+
     def transmit_indices(
         self,
         t_s: FloatArray,
@@ -102,18 +119,103 @@ class CamTriggering:
         """
         bounds = np.array([0, t_s.size]) if segments is None else segments
         transmits = np.empty(t_s.size, dtype=np.bool_)
-        trigger(
+        kernels.trigger(
             t_s,
             np.ascontiguousarray(position_m, dtype=np.float64),
             np.ascontiguousarray(speed_mps, dtype=np.float64),
             np.ascontiguousarray(heading_rad, dtype=np.float64),
             np.repeat(bounds[:-1], np.diff(bounds)),
-            self.heading_change_rad,
-            self.distance_m,
-            self.speed_change_mps,
             self.min_inter_transmit_time_s,
-            self.max_inter_transmit_time_s,
-            self.timeouts,
+            self.constants(),
             transmits,
         )
         return np.flatnonzero(transmits)
+
+
+@dataclass(frozen=True, slots=True)
+class CamState:
+    """State of B vehicles, as the columns that `cam_kernels` and `dcc_kernels` name.
+
+    Parameters
+    ----------
+    rows
+        Of the triggering rule, (B, 7).
+    control
+        Of congestion control, (B, 5).
+    """
+
+    rows: FloatArray
+    control: FloatArray
+
+    @property
+    def share(self) -> FloatArray:
+        """Share of the channel each may take under `AdaptiveDcc`, the state's number under `ReactiveDcc`."""
+        return self.control[:, dcc_kernels.SHARE]
+
+
+@dataclass(frozen=True, slots=True)
+class CooperativeAwareness(AbstractTransmitPolicy[CamState]):
+    """Cooperative awareness messages under decentralised congestion control.
+
+    Asked at least every 100 ms (T_CheckCamGen), it needs `Motion`, and under control `Air` too: the channel
+    busy ratio over the last T_CBR, and the airtime of the message.
+
+    Parameters
+    ----------
+    triggering
+        The rules; their least time is T_GenCam_Dcc without control, T_GenCamMin with it.
+    control
+        Gives T_GenCam_Dcc; None for no congestion control.
+
+    Examples
+    --------
+    >>> CooperativeAwareness().control.target_busy_ratio
+    0.68
+    """
+
+    triggering: CamTriggering = field(default_factory=CamTriggering)
+    control: AdaptiveDcc | ReactiveDcc | None = field(default_factory=AdaptiveDcc)
+
+    def init(self, vehicles: int, sub_models: int) -> CamState:  # noqa: ARG002 - any bank will do
+        """Nothing sent, nothing measured."""
+        rows = np.zeros((vehicles, kernels.STATE_COLUMNS))
+        constants = self.triggering.constants()
+        for row in rows:
+            kernels.start(row, constants)
+        if self.control is None:
+            return CamState(rows, np.zeros((vehicles, dcc_kernels.STATE_COLUMNS)))
+        return CamState(rows, self.control.rows(vehicles, np.zeros(vehicles)))
+
+    def decide(
+        self,
+        state: CamState,
+        inputs: TransmitInputs,
+        rng: np.random.Generator,  # noqa: ARG002 - this policy draws nothing
+    ) -> tuple[Decisions, CamState]:
+        """Take measures where due, then check the rules; the message leaves at once."""
+        motion = required(inputs.motion, "motion", "CooperativeAwareness")
+        busy_ratio = airtime_s = np.zeros(inputs.t_s.size)
+        code, control_constants = dcc_kernels.NONE, np.zeros(0)
+        if self.control is not None:
+            air = required(inputs.air, "air", "CooperativeAwareness")
+            busy_ratio, airtime_s = air.channel_busy_ratio, air.airtime_s
+            code, control_constants = self.control.code, self.control.constants()
+        rows, control = state.rows.copy(), state.control.copy()
+        sends = np.empty(rows.shape[0], dtype=np.bool_)
+        kernels.step_each(
+            rows,
+            control,
+            code,
+            column(inputs.t_s),
+            column(motion.position_m),
+            column(motion.speed_mps),
+            column(motion.heading_rad),
+            column(busy_ratio),
+            column(airtime_s),
+            self.triggering.min_inter_transmit_time_s,
+            self.triggering.constants(),
+            control_constants,
+            sends,
+        )
+        kind = np.where(sends, Message.UPDATE, Message.NOTHING).astype(np.int64)
+        return Decisions.at_once(kind, np.zeros_like(kind), inputs.t_s), CamState(rows, control)

@@ -120,19 +120,19 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         inputs: TransmitInputs,
         rng: np.random.Generator,  # noqa: ARG002 - this policy draws nothing
     ) -> tuple[Decisions, ErrorDrivenState]:
-        """Run the compiled step for every vehicle."""
+        """Run the compiled step for every vehicle; the message leaves at once."""
         kind = np.empty_like(state.in_use)
         in_use = np.empty_like(state.in_use)
         first_failure_s = state.first_failure_s.copy()
-        for row in range(kind.size):
-            kind[row], in_use[row] = kernels.step(
-                inputs.tracking_error_m[row],
-                inputs.available[row],
-                first_failure_s[row],
-                int(state.in_use[row]),
-                float(inputs.age_s[row]),
-                float(inputs.silence_s[row]),
-                *self.codes,
-            )
-        first_failure_s[(kind == kernels.UPDATE) | (kind == kernels.KEEP_ALIVE)] = np.inf
-        return Decisions(kind, in_use), ErrorDrivenState(in_use, first_failure_s)
+        kernels.step_each(
+            np.ascontiguousarray(inputs.tracking_error_m, dtype=np.float64),
+            np.ascontiguousarray(inputs.available),
+            first_failure_s,
+            state.in_use,
+            np.ascontiguousarray(inputs.age_s, dtype=np.float64),
+            np.ascontiguousarray(inputs.silence_s, dtype=np.float64),
+            *self.codes,
+            kind,
+            in_use,
+        )
+        return Decisions.at_once(kind, in_use, inputs.t_s), ErrorDrivenState(in_use, first_failure_s)

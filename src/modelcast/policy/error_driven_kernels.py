@@ -19,6 +19,7 @@ __all__ = [
     "UPDATE",
     "start_member",
     "step",
+    "step_each",
 ]
 
 NOTHING, UPDATE, IDENTIFICATION, KEEP_ALIVE = range(4)
@@ -87,3 +88,37 @@ def step(
     elif tracking_error_m[in_use] >= threshold_m:
         return IDENTIFICATION, best
     return NOTHING, in_use
+
+
+@numba.njit(cache=True, nogil=True)
+def step_each(
+    tracking_error_m: Any,
+    available: Any,
+    first_failure_s: Any,
+    in_use: Any,
+    age_s: Any,
+    silence_s: Any,
+    threshold_m: float,
+    max_inter_transmit_time_s: float,
+    start: int,
+    identify: int,
+    out_kind: Any,
+    out_in_use: Any,
+) -> None:
+    """Decide for every vehicle, a row each; an update clears its row of ``first_failure_s`` (B, M)."""
+    for row in range(in_use.size):
+        kind, member = step(
+            tracking_error_m[row],
+            available[row],
+            first_failure_s[row],
+            in_use[row],
+            age_s[row],
+            silence_s[row],
+            threshold_m,
+            max_inter_transmit_time_s,
+            start,
+            identify,
+        )
+        if kind in (UPDATE, KEEP_ALIVE):
+            first_failure_s[row] = np.inf
+        out_kind[row], out_in_use[row] = kind, member

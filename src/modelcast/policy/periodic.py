@@ -6,6 +6,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.policy import error_driven_kernels as kernels
+from modelcast.policy import periodic_kernels
 from modelcast.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
 
 __all__ = ["Periodic"]
@@ -46,17 +47,13 @@ class Periodic(AbstractTransmitPolicy[FloatArray]):
     def decide(
         self, state: FloatArray, inputs: TransmitInputs, rng: np.random.Generator
     ) -> tuple[Decisions, FloatArray]:
-        """Send where due; the phase is drawn with the first message."""
-        due = inputs.t_s >= state - _TIME_SLACK_S
-        period_s = 1.0 / self.rate_hz
-        first = np.isneginf(state)
-        phase_s = inputs.t_s + period_s * (1.0 - rng.random(state.size))
-        # All that fell due by now leave as one message: a gap in the samples must not end in a burst.
-        was_due_s = np.where(first, inputs.t_s, state)
-        passed = np.floor((inputs.t_s - was_due_s + _TIME_SLACK_S) / period_s) + 1.0
-        later = np.where(first, phase_s, np.where(due, was_due_s + passed * period_s, state))
+        """Send where due, at once; the phase is drawn with the first message."""
+        due = np.empty(state.size, dtype=np.bool_)
+        later = np.empty(state.size)
+        t_s = np.ascontiguousarray(inputs.t_s, dtype=np.float64)
+        periodic_kernels.step_each(state, t_s, 1.0 / self.rate_hz, rng.random(state.size), due, later)
         kind = np.where(due, kernels.UPDATE, kernels.NOTHING).astype(np.int64)
-        return Decisions(kind, np.zeros_like(kind)), later
+        return Decisions.at_once(kind, np.zeros_like(kind), inputs.t_s), later
 
     def transmit_indices(self, t_s: FloatArray, rng: np.random.Generator) -> IntArray:
         """Indices of the samples of one trip at which messages leave, the first sample among them.

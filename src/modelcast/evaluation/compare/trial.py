@@ -103,8 +103,8 @@ def candidate_row(candidate: AbstractCandidate, settings: EvaluationSettings) ->
     return CandidateRow(
         candidate.name,
         tuple(repr(member) for member in settings.bank.members),
-        start=settings.start,
-        identify=settings.identify,
+        start=settings.rules[0],
+        identify=settings.rules[1],
         is_trained=candidate.is_trained,
         is_hybrid=len(settings.bank.members) > 1,
         update_bytes=int(settings.sizes.update_bytes(settings.bank, settings.identify)[0]),

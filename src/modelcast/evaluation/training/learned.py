@@ -297,5 +297,5 @@ def _train_network(
 
 
 def _rounded(array: FloatArray) -> FloatArray:
-    """Six digits: a profile is a text, and a weight has no more."""
-    return np.array([float(f"{value:.6g}") for value in array.ravel()]).reshape(array.shape)
+    """As a profile keeps it: in 32 bits."""
+    return array.astype(np.float32).astype(np.float64)

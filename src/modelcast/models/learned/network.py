@@ -1,5 +1,6 @@
 """A small network as plain arrays: squashed inputs, two layers of rectifiers, linear outputs."""
 
+import hashlib
 from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ from modelcast.core.arrays import FloatArray
 __all__ = ["Network"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Network:
     """Weights of one network: ``asinh((x - centre) / width)``, two hidden layers, a linear output.
 
@@ -83,6 +84,11 @@ class Network:
             return NotImplemented
         same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in self._shapes())
         return same and self.up_to_noise_m == other.up_to_noise_m
+
+    def __repr__(self) -> str:
+        digest = hashlib.sha256(self.packed().tobytes()).hexdigest()[:12]
+        sizes = f"{self.inputs}-{self.bias_1.size}-{self.bias_2.size}-{self.outputs}"
+        return f"Network({self.up_to_noise_m!r}, layers={sizes}, sha256={digest})"
 
     def __hash__(self) -> int:
         return hash((self.up_to_noise_m, self.weights_1.tobytes(), self.weights_3.tobytes()))

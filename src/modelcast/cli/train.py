@@ -1,0 +1,102 @@
+"""``modelcast train``: what all vehicles share, learned from trips."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from modelcast.cli.options import Columns, Format
+
+__all__ = ["train"]
+
+
+def train(
+    *paths: Path,
+    out: Path = Path("profile.json"),
+    validate: bool = False,
+    hidden: Annotated[tuple[int, int], Parameter(consume_multiple=True)] = (96, 96),
+    coefficients: int = 3,
+    steps: int = 1500,
+    seed: int = 0,
+    format: Format = None,  # noqa: A002 - the word a user would type
+    columns: Columns = None,
+    trip: str = "*",
+    json: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Train a profile: the learned sub-model, the Gaussian processes, calibrations, and the bank's order.
+
+    The file is canonical JSON; its SHA-256 is the profile's identity. Use it with --bank FILE. Needs the
+    extra train (scikit-learn). The same trips, options and package versions give the same bytes.
+
+    Parameters
+    ----------
+    paths
+        Files or folders with recorded trips to learn from.
+    out
+        The profile's file; its folder must exist.
+    validate
+        Train once more without each route and count messages there: the record then holds honest figures, and
+        the bank's order follows from them. Takes that many times longer.
+    hidden
+        Sizes of the networks' two hidden layers.
+    coefficients
+        Coefficients of the learned path on each axis: its payload is twice as many numbers.
+    steps
+        Batches each network is trained on.
+    seed
+        Seed of all random numbers.
+    format
+        Name of the files' format; found from their content where not given.
+    columns
+        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
+    trip
+        Take only trips whose identifier matches this shell pattern.
+    json
+        Print the training record instead of a table.
+    quiet
+        Print nothing but errors.
+    """
+    import json as json_format
+    import sys
+
+    from rich.console import Console
+
+    from modelcast.cli.options import parse_columns
+    from modelcast.cli.reading import TripSource, staged, watched
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.evaluation.training.descent import Descent
+    from modelcast.evaluation.training.learned import LearnedSettings
+    from modelcast.evaluation.training.profile import ProfileSettings, train_profile
+    from modelcast.io.profile import write_profile
+    from modelcast.report.training import training_report
+
+    if not paths:
+        raise ConfigError("name at least one trip file or folder (modelcast train --help)")
+    if not out.resolve().parent.is_dir():
+        raise ConfigError(f"--out {out}: its folder does not exist")
+    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
+    silent = quiet or json
+    with watched(source, quiet=silent) as shown:
+        trips = list(shown)
+    if not trips:
+        raise ConfigError("no usable trip")
+    try:
+        descent = Descent(hidden=hidden, steps=steps, averaged=max(1, steps // 3))
+        settings = ProfileSettings(
+            LearnedSettings(coefficients=coefficients, descent=descent), validate=validate, seed=seed
+        )
+        with staged(quiet=silent) as progress:
+            profile = train_profile(trips, settings, progress=progress)
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
+    write_profile(profile, out)
+    if json:
+        document = {"profile": str(out), "sha256": profile.identity, **profile.record}
+        json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
+        print()
+    elif not quiet:
+        console = Console()
+        console.print(training_report(profile))
+        console.print(f"profile: {out}, sha256 {profile.identity}", highlight=False, soft_wrap=True)
+    return source.exit_code

@@ -1,0 +1,171 @@
+"""A profile: what all vehicles share about their sub-models, learned once and named in every message.
+
+It holds the bank with everything learned, the policy's rules, the calibrations and a record of the training.
+Its text is canonical JSON (sorted keys, no spaces, one final newline), and its name on the air is the SHA-256
+of these bytes: who holds the same profile holds the same bytes. One profile ships with modelcast.
+"""
+
+import functools
+import hashlib
+import importlib.resources
+import json
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any, cast
+
+from modelcast.models.bank import Bank
+from modelcast.models.base import AbstractSubModel
+from modelcast.models.calibration import Calibration
+from modelcast.models.plain import from_plain, to_plain
+
+__all__ = ["PROFILE_SCHEMA", "Profile", "default_profile", "profile_from_text"]
+
+PROFILE_SCHEMA = 1
+"""Version of the layout; it rises when a key changes its meaning or goes away."""
+
+_KEYS = ("schema", "label", "members", "shelf", "start", "identify", "calibrations", "record")
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """A bank with everything learned, and how it is used.
+
+    Parameters
+    ----------
+    bank
+        The sub-models, in order.
+    shelf
+        Other sub-models that were trained, to make other banks of.
+    start, identify
+        The policy's rules, as in `modelcast.policy.error_driven.ErrorDriven`.
+    calibrations
+        Calibration of each sub-model's covariance, by name; some or none.
+    record
+        How it was trained: trips, seeds, settings, figures. Plain values.
+
+    Raises
+    ------
+    ValueError
+        Where a calibration is of no sub-model of the bank.
+
+    Examples
+    --------
+    >>> from modelcast.models.constant_velocity import ConstantVelocity
+    >>> profile = Profile(Bank((ConstantVelocity(),), "example"))
+    >>> profile_from_text(profile.text) == profile
+    True
+    >>> profile.identity[:8]
+    '6b0b3b5b'
+    """
+
+    bank: Bank
+    _: KW_ONLY
+    shelf: tuple[AbstractSubModel, ...] = ()
+    start: str = "order"
+    identify: str = "never"
+    calibrations: Mapping[str, Calibration] = field(default_factory=dict[str, Calibration])
+    record: Mapping[str, Any] = field(default_factory=dict[str, Any])
+
+    def __post_init__(self) -> None:
+        names = {member.name for member in self.bank.members}
+        foreign = sorted(set(self.calibrations) - names)
+        if foreign:
+            raise ValueError(f"calibrations of no sub-model of the bank: {', '.join(foreign)}")
+
+    def sub_model(self, name: str) -> AbstractSubModel | None:
+        """The trained sub-model of that name, or None.
+
+        Parameters
+        ----------
+        name
+            As in banks.
+        """
+        found = [member for member in (*self.bank.members, *self.shelf) if member.name == name]
+        return found[0] if found else None
+
+    @functools.cached_property
+    def text(self) -> str:
+        """Canonical JSON."""
+        document = {
+            "schema": PROFILE_SCHEMA,
+            "label": self.bank.label,
+            "members": to_plain(self.bank.members),
+            "shelf": to_plain(self.shelf),
+            "start": self.start,
+            "identify": self.identify,
+            "calibrations": {name: one.as_plain() for name, one in self.calibrations.items()},
+            "record": self.record,
+        }
+        return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n"
+
+    def __eq__(self, other: object) -> bool:
+        return self.text == other.text if isinstance(other, Profile) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.text)
+
+    @functools.cached_property
+    def identity(self) -> str:
+        """SHA-256 of the text's bytes, in hexadecimal digits."""
+        return hashlib.sha256(self.text.encode("utf-8")).hexdigest()
+
+
+def profile_from_text(text: str) -> Profile:
+    """The profile that a text describes.
+
+    Parameters
+    ----------
+    text
+        As `Profile.text`.
+
+    Raises
+    ------
+    ValueError
+        Where it is no profile, is of another schema, or what it holds is refused.
+    """
+    try:
+        document: Any = json.loads(text)
+    except ValueError as error:
+        raise ValueError(f"no JSON: {error}") from error
+    if not isinstance(document, dict) or "schema" not in document:
+        raise ValueError("no profile: it has no 'schema'")
+    plain = cast("dict[str, Any]", document)
+    if plain["schema"] != PROFILE_SCHEMA:
+        raise ValueError(f"schema {plain['schema']!r}; this version reads schema {PROFILE_SCHEMA}")
+    missing = [key for key in _KEYS if key not in plain]
+    if missing:
+        raise ValueError(f"{', '.join(missing)} missing")
+    calibrations, record = plain["calibrations"], plain["record"]
+    if not isinstance(calibrations, dict) or not isinstance(record, dict):
+        raise ValueError("calibrations and record must be mappings")  # noqa: TRY004 - a matter of the text
+    return Profile(
+        Bank(_sub_models(plain, "members"), str(plain["label"])),
+        shelf=_sub_models(plain, "shelf"),
+        start=str(plain["start"]),
+        identify=str(plain["identify"]),
+        calibrations=_calibrations(cast("dict[str, Any]", calibrations)),
+        record=cast("dict[str, Any]", record),
+    )
+
+
+def _sub_models(plain: Mapping[str, Any], key: str) -> tuple[AbstractSubModel, ...]:
+    found: Any = from_plain(plain[key])
+    if not isinstance(found, tuple) or not all(
+        isinstance(member, AbstractSubModel) for member in cast("tuple[Any, ...]", found)
+    ):
+        raise ValueError(f"{key} must be a list of sub-models")
+    return cast("tuple[AbstractSubModel, ...]", found)
+
+
+def _calibrations(plain: Mapping[str, Any]) -> dict[str, Calibration]:
+    try:
+        return {name: Calibration.from_plain(one) for name, one in plain.items()}
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"damaged calibration: {error!r}") from error
+
+
+@functools.cache
+def default_profile() -> Profile:
+    """The profile that ships with modelcast: the best bank measured so far."""
+    place = importlib.resources.files("modelcast") / "profiles" / "default.json"
+    return profile_from_text(place.read_text(encoding="utf-8"))

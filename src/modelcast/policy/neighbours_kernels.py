@@ -1,0 +1,300 @@
+"""Compiled tables of the remotes that each host hears: what density and packet error ratio are counted from.
+
+Every host has C slots and a hashed index of them, twice as long and a power of two. A slot stays where it is
+while its remote is heard, so other arrays can be kept by (host, slot). A message costs one probe of the index
+on average, a survey one pass over the host's slots; neither depends on the size of the fleet.
+
+``hosts``, ``slots``, ``index`` and ``free`` are those of `modelcast.policy.neighbours.NeighbourTables`.
+"""
+
+import math
+from typing import Any
+
+import numba
+import numpy as np
+
+__all__ = [
+    "MESSAGE_COUNTS",
+    "count",
+    "count_each",
+    "find",
+    "forget",
+    "hear",
+    "hear_each",
+    "survey",
+    "survey_each",
+]
+
+MESSAGE_COUNTS = 128
+"""Messages are counted modulo this (DE_MsgCount of SAE J2735)."""
+
+_EMPTY = -1
+_MOST = 255
+"""Messages of a sub-interval that are counted."""
+
+_NEVER = -(2**30)
+"""Number of a sub-interval before all others."""
+
+_BOUNDARY_SLACK = 1e-6
+"""Share of a sub-interval by which a time may fall short of its start through rounding."""
+
+
+@numba.njit(cache=True, nogil=True)
+def _place(remote: int, length: int) -> int:
+    """Where in an index of that length, a power of two, the search for a remote starts."""
+    return ((remote * 0x9E3779B1) >> 11) & (length - 1)
+
+
+@numba.njit(cache=True, nogil=True)
+def _sub_interval(t_s: float, phase_s: float, sub_interval_s: float) -> int:
+    """Number of the sub-interval that a time is in."""
+    return math.floor((t_s - phase_s) / sub_interval_s + _BOUNDARY_SLACK)
+
+
+@numba.njit(cache=True, nogil=True)
+def find(slots: Any, index: Any, host: int, remote: int) -> int:
+    """Slot of a remote at a host, -1 where it is not known."""
+    length = index.shape[1]
+    at = _place(remote, length)
+    while True:
+        slot = index[host, at]
+        if slot == _EMPTY or slots[host, slot].remote == remote:
+            return slot
+        at = (at + 1) & (length - 1)
+
+
+@numba.njit(cache=True, nogil=True)
+def _insert(index: Any, host: int, remote: int, slot: int) -> None:
+    """Enter a slot into the index of a host."""
+    length = index.shape[1]
+    at = _place(remote, length)
+    while index[host, at] != _EMPTY:
+        at = (at + 1) & (length - 1)
+    index[host, at] = slot
+
+
+@numba.njit(cache=True, nogil=True)
+def forget(hosts: Any, slots: Any, index: Any, free: Any, host: int, t_s: float, expiry_s: float) -> int:
+    """Free the slots of remotes not heard for longer than ``expiry_s``; returns how many."""
+    about = hosts[host]
+    freed = 0
+    for slot in range(about.used):
+        held = slots[host, slot]
+        if held.remote != _EMPTY and t_s - held.heard_s > expiry_s:
+            held.remote = _EMPTY
+            free[host, about.free] = slot
+            about.free += 1
+            freed += 1
+    if freed > 0:
+        for at in range(index.shape[1]):
+            index[host, at] = _EMPTY
+        for slot in range(about.used):
+            if slots[host, slot].remote != _EMPTY:
+                _insert(index, host, slots[host, slot].remote, slot)
+    return freed
+
+
+@numba.njit(cache=True, nogil=True)
+def _new_slot(
+    hosts: Any, slots: Any, index: Any, free: Any, host: int, remote: int, t_s: float, expiry_s: float
+) -> int:
+    """Give a new remote a slot, -1 where all are taken by remotes heard of late."""
+    about = hosts[host]
+    if about.free == 0 and about.used == slots.shape[1]:
+        forget(hosts, slots, index, free, host, t_s, expiry_s)
+    if about.free > 0:
+        about.free -= 1
+        slot = free[host, about.free]
+    elif about.used < slots.shape[1]:
+        slot = about.used
+        about.used += 1
+    else:
+        about.refused += 1
+        return _EMPTY
+    _insert(index, host, remote, slot)
+    slots[host, slot].remote = remote
+    slots[host, slot].newest = _NEVER
+    return slot
+
+
+@numba.njit(cache=True, nogil=True)
+def hear(
+    hosts: Any,
+    slots: Any,
+    index: Any,
+    free: Any,
+    host: int,
+    remote: int,
+    message_count: int,
+    heard_s: float,
+    east_m: float,
+    north_m: float,
+    sub_interval_s: float,
+) -> int:
+    """Take in one message that a host received: its slot, -1 where the table is full.
+
+    A host's messages come in the order of time. A remote silent for longer than the sub-intervals kept gives
+    up its slot where another needs one.
+    """
+    kept = slots[host, 0].first.size
+    slot = find(slots, index, host, remote)
+    if slot == _EMPTY:
+        slot = _new_slot(hosts, slots, index, free, host, remote, heard_s, kept * sub_interval_s)
+        if slot == _EMPTY:
+            return _EMPTY
+    held = slots[host, slot]
+    number = _sub_interval(heard_s, hosts[host].phase_s, sub_interval_s)
+    at = number % kept
+    if number != held.newest:
+        for passed in range(max(held.newest + 1, number - kept + 1), number):
+            held.received[passed % kept] = 0
+        held.first[at] = message_count
+        held.received[at] = 0
+        held.newest = number
+    held.last[at] = message_count
+    if held.received[at] < _MOST:
+        held.received[at] += 1
+    held.heard_s = heard_s
+    held.east_m = east_m
+    held.north_m = north_m
+    return slot
+
+
+@numba.njit(cache=True, nogil=True)
+def _packet_error_ratio(held: Any, number: int) -> float:
+    """Ratio of one remote over the sub-intervals before ``number``; NaN for fewer than two messages."""
+    kept, newest = held.first.size, held.newest
+    received, first, last = 0, 0, 0
+    oldest = max(number, newest) - kept + 1
+    at = oldest % kept
+    for _ in range(oldest, min(number, newest + 1)):
+        here = int(held.received[at])
+        if here > 0:
+            if received == 0:
+                first = int(held.first[at])
+            last = int(held.last[at])
+            received += here
+        at = at + 1 if at + 1 < kept else 0
+    if received < 2:
+        return np.nan
+    expected = 1 + ((last - first) & (MESSAGE_COUNTS - 1))
+    return max(expected - received, 0) / expected
+
+
+@numba.njit(cache=True, nogil=True)
+def _is_near(held: Any, oldest_s: float, east_m: float, north_m: float, range_m: float) -> bool:
+    """Whether a slot holds a remote heard since ``oldest_s`` that stated a place within range."""
+    if held.remote == _EMPTY or held.heard_s < oldest_s:
+        return False
+    east, north = held.east_m - east_m, held.north_m - north_m
+    return east * east + north * north <= range_m * range_m
+
+
+@numba.njit(cache=True, nogil=True)
+def count(
+    hosts: Any,
+    slots: Any,
+    host: int,
+    t_s: float,
+    east_m: float,
+    north_m: float,
+    sub_interval_s: float,
+    range_m: float,
+) -> int:
+    """Count the remotes that `survey` counts, without their packet error ratios."""
+    oldest_s = t_s - sub_interval_s * (1.0 + _BOUNDARY_SLACK)
+    near = 0
+    for slot in range(hosts[host].used):
+        if _is_near(slots[host, slot], oldest_s, east_m, north_m, range_m):
+            near += 1
+    return near
+
+
+@numba.njit(cache=True, nogil=True)
+def survey(
+    hosts: Any,
+    slots: Any,
+    host: int,
+    t_s: float,
+    east_m: float,
+    north_m: float,
+    sub_interval_s: float,
+    range_m: float,
+) -> tuple[int, float]:
+    """Count the remotes heard within a sub-interval and a range: (how many, mean packet error ratio).
+
+    A ratio covers the sub-intervals that are over, all but one of those kept. The mean is over the remotes
+    counted that have one, NaN where none has.
+    """
+    number = _sub_interval(t_s, hosts[host].phase_s, sub_interval_s)
+    oldest_s = t_s - sub_interval_s * (1.0 + _BOUNDARY_SLACK)
+    near, ratios, total = 0, 0, 0.0
+    for slot in range(hosts[host].used):
+        held = slots[host, slot]
+        if _is_near(held, oldest_s, east_m, north_m, range_m):
+            near += 1
+            ratio = _packet_error_ratio(held, number)
+            if ratio >= 0.0:
+                ratios += 1
+                total += ratio
+    return near, total / ratios if ratios > 0 else np.nan
+
+
+@numba.njit(cache=True, nogil=True)
+def hear_each(
+    hosts: Any,
+    slots: Any,
+    index: Any,
+    free: Any,
+    host: Any,
+    remote: Any,
+    message_count: Any,
+    heard_s: Any,
+    position_m: Any,
+    sub_interval_s: float,
+    out_slot: Any,
+) -> None:
+    """Take in K receptions in the order given; all arrays (K,), positions (K, 2)."""
+    for k in range(host.size):
+        out_slot[k] = hear(
+            hosts,
+            slots,
+            index,
+            free,
+            host[k],
+            remote[k],
+            message_count[k],
+            heard_s[k],
+            position_m[k, 0],
+            position_m[k, 1],
+            sub_interval_s,
+        )
+
+
+@numba.njit(cache=True, nogil=True)
+def count_each(
+    hosts: Any, slots: Any, t_s: Any, position_m: Any, sub_interval_s: float, range_m: float, out_count: Any
+) -> None:
+    """Count for every host at its own time and place; all arrays (H,), positions (H, 2)."""
+    for host in range(t_s.size):
+        out_count[host] = count(
+            hosts, slots, host, t_s[host], position_m[host, 0], position_m[host, 1], sub_interval_s, range_m
+        )
+
+
+@numba.njit(cache=True, nogil=True)
+def survey_each(
+    hosts: Any,
+    slots: Any,
+    t_s: Any,
+    position_m: Any,
+    sub_interval_s: float,
+    range_m: float,
+    out_count: Any,
+    out_ratio: Any,
+) -> None:
+    """Survey every host at its own time and place; all arrays (H,), positions (H, 2)."""
+    for host in range(t_s.size):
+        out_count[host], out_ratio[host] = survey(
+            hosts, slots, host, t_s[host], position_m[host, 0], position_m[host, 1], sub_interval_s, range_m
+        )
