@@ -107,7 +107,7 @@ def candidate_row(candidate: AbstractCandidate, settings: EvaluationSettings) ->
         identify=settings.rules[1],
         is_trained=candidate.is_trained,
         is_hybrid=len(settings.bank.members) > 1,
-        update_bytes=int(settings.sizes.update_bytes(settings.bank, settings.identify)[0]),
+        update_bytes=int(settings.sizes.update_bytes(settings.bank, settings.rules[1])[0]),
     )
 
 
