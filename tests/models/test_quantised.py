@@ -85,6 +85,15 @@ def test_what_was_quantised_once_stays_as_it_is(model: AbstractSubModel) -> None
     np.testing.assert_allclose(layout.quantise(held[:, places]), held[:, places], atol=ROUNDING)
 
 
+@pytest.mark.parametrize("model", [*default_profile().bank.members, ConstantVelocity(), vehicle_process()])
+def test_no_model_that_a_message_carries_predicts_by_the_sampling_interval(model: AbstractSubModel) -> None:
+    """So no message says what it was."""
+    assert model.payload_layout is not None
+    parameters = model.fit(windows(states(20)))
+    one, other = (model.predict(parameters, np.array([0.4, 3.0]), dt_s=dt_s) for dt_s in (DT_S, 0.05))
+    np.testing.assert_array_equal(one, other)
+
+
 def test_fine_steps_change_nothing() -> None:
     model = ConstantTurnRateAcceleration()
     fine = CoreSteps(
