@@ -133,7 +133,7 @@ def draw(choices: list[Choice], folder: Path) -> None:
     """Bytes of the model against messages, tracking error and airtime."""
     panels = (
         ("messages, ratio to the baseline at 20 cm", lambda one: one.message_ratio[0]),
-        ("p90 of the tracking error at PER 40 % [m]", lambda one: one.lossy_p90_m),
+        ("p90 of the tracking error without loss, 20 cm [m]", lambda one: one.p90_m),
         ("airtime, ratio to the baseline at 20 cm", lambda one: one.airtime_ratio[0]),
     )
     with style():
