@@ -12,6 +12,7 @@ from modelcast.messages.mbc_wire import (
     encode_extension,
     encode_identification,
 )
+from modelcast.messages.security.signed import decode_signed
 
 __all__ = ["check"]
 
@@ -31,6 +32,12 @@ def check(data: bytes) -> bool:
     else:
         assert encode_frame(frame.message_id, frame.value, frame.additions) == data
     _check_model(data)
+    try:
+        signed = decode_signed(data)
+    except CodecError as refusal:
+        assert 0 <= refusal.offset_bits <= 8 * len(data)
+    else:
+        assert signed.octets == data
     try:
         message = decode_bsm(data)
     except CodecError as refusal:

@@ -17,6 +17,8 @@ from modelcast.messages.mbc_wire import (
     encode_extension,
     encode_identification,
 )
+from modelcast.messages.security.certificate import Certificate
+from modelcast.messages.security.signed import SignedMessage
 
 __all__ = ["main"]
 
@@ -67,6 +69,27 @@ def _model(rng: random.Random, octets: int) -> bytes:
     return encode_extension(ModelExtension(rng.getrandbits(24), 2, coefficients=rng.randbytes(octets)))
 
 
+def signed(rng: random.Random) -> dict[str, bytes]:
+    """Return signed messages, by name; nobody signed them, since nobody verifies."""
+    certificate = Certificate(
+        rng.randbytes(8),
+        rng.getrandbits(32),
+        duration_s=3600,
+        public_key=b"\x03" + rng.randbytes(32),
+        signature=rng.randbytes(64),
+    )
+    return {
+        f"other-signed-{name}": SignedMessage(
+            rng.getrandbits(52), rng.randbytes(count), signer, rng.randbytes(64)
+        ).octets
+        for name, signer, count in (
+            ("digest", certificate.digest, 64),
+            ("certificate", certificate, 40),
+            ("long", certificate.digest, 700),
+        )
+    }
+
+
 def extended(value: bytes, preamble: int, *after: tuple[int, int]) -> bytes:
     """Return Part I of a message that has nothing else, with another preamble and some bits after it."""
     writer = BitWriter()
@@ -112,8 +135,10 @@ def main() -> None:
     for old in FOLDER.iterdir():
         old.unlink()
     good = messages(random.Random(4))  # noqa: S311 - not for secrets
+    sealed = signed(random.Random(1609))  # noqa: S311 - not for secrets
     for name, octets in {
         **good,
+        **sealed,
         **{f"refused-{name}": octets for name, octets in refused(good).items()},
     }.items():
         (FOLDER / name).write_bytes(octets)

@@ -120,8 +120,8 @@ def test_json_is_the_summary_and_tables_are_printed_otherwise(
     assert "1 trip, 0.03 h, 1 route; 1 candidate" in shown
 
 
-def test_by_default_every_member_and_the_papers_bank_are_compared() -> None:
-    assert [one.name for one in CompareOptions().candidates()] == [*MEMBER_NAMES, "paper"]
+def test_by_default_every_member_and_both_named_banks_are_compared() -> None:
+    assert [one.name for one in CompareOptions().candidates()] == [*MEMBER_NAMES, "paper", "default"]
 
 
 def test_every_bank_meets_every_trusted_horizon_that_changes_it() -> None:
@@ -152,7 +152,10 @@ def test_evaluate_options_survive_being_written_down() -> None:
     [
         (("--bank", "ctra+nothing"), "no sub-model is named 'nothing'; there are cv, ca, ctrv, ctra"),
         (("--bank", "ctra", "ctra"), "two candidates are named ctra"),
-        (("--rules", "order"), "--rules: 'order' is not START/IDENTIFY; starts are order, keep, survivor"),
+        (
+            ("--rules", "order"),
+            "--rules: 'order' is not START/IDENTIFY; starts are order, keep, survivor, predicted, hindsight",
+        ),
         (("--against", "ctrb"), "no candidate is named 'ctrb'; there are cv, ca"),
         (("--protocol", "recorded", "recorded"), "protocols must be one or more, each once"),
         (("--threshold", "0"), "threshold_m must be positive"),

@@ -68,22 +68,24 @@ def test_sizes_are_those_of_the_codec(identify: str) -> None:
     parameters = np.zeros((len(bank.members), columns))
     parameters[:, 25] = np.arange(len(bank.members))
     sizes = UpdateCodec(wire, carries_all=identify != "never").sizes(parameters)
-    assert SizeModel().update_bytes(bank, identify).tolist() == sizes.tolist()
+    assert SizeModel().each_update_bytes(bank, identify).tolist() == sizes.tolist()
 
 
 def test_constant_velocity_alone_is_a_plain_message() -> None:
     sizes = SizeModel()
-    assert sizes.update_bytes(Bank((ConstantVelocity(),)), "on-failure").tolist() == [sizes.baseline_bytes()]
+    assert sizes.each_update_bytes(Bank((ConstantVelocity(),)), "on-failure").tolist() == [
+        sizes.baseline_bytes()
+    ]
     pair = Bank((ConstantTurnRateAcceleration(), ConstantVelocity()))
-    assert sizes.update_bytes(pair, "never").tolist() == [47, 40]
-    assert SizeModel(more_bytes=30).update_bytes(pair, "never").tolist() == [77, 70]
+    assert sizes.each_update_bytes(pair, "never").tolist() == [47, 40]
+    assert SizeModel(more_bytes=30).each_update_bytes(pair, "never").tolist() == [77, 70]
 
 
 def test_weights_that_cannot_be_carried_are_counted_at_two_bytes() -> None:
     gp = GaussianProcess()
-    with_all = SizeModel().update_bytes(Bank((ConstantVelocity(), gp)), "on-failure")
-    assert with_all[0] - SizeModel().update_bytes(Bank((ConstantTurnRateAcceleration(),)), "never")[0] == (
-        2 * gp.payload_parameters
-    )
+    with_all = SizeModel().each_update_bytes(Bank((ConstantVelocity(), gp)), "on-failure")
+    assert with_all[0] - SizeModel().each_update_bytes(Bank((ConstantTurnRateAcceleration(),)), "never")[
+        0
+    ] == (2 * gp.payload_parameters)
     with pytest.raises(ValueError, match="more_bytes"):
         SizeModel(more_bytes=-1)

@@ -15,7 +15,7 @@ from modelcast.models.payload import PayloadField, PayloadLayout
 __all__ = ["DEFAULT_CARRIED", "LearnedTrajectory"]
 
 DEFAULT_CARRIED = ((0.05, 6), (0.4, 8))
-"""Step [m] and bits of the coefficients of power 0, and of all higher ones (decision 015)."""
+"""Step [m] and bits of the coefficients of power 0, and of all higher ones (decision 018)."""
 
 
 @dataclass(frozen=True, slots=True)
