@@ -187,8 +187,9 @@ def test_members_are_chosen_while_they_save_messages(case: TripCase) -> None:
 def test_only_the_sub_model_in_use_is_paid_for_where_no_other_is_named() -> None:
     sizes, bank = SizeModel(), Bank((ConstantVelocity(), GaussianProcess()))
     alone = sizes.each_update_bytes(bank, "never").tolist()
-    assert alone == [sizes.update_bytes(Bank((member,))) for member in bank.members]
-    assert sizes.each_update_bytes(bank, "on-failure").tolist() == [sizes.update_bytes(bank)] * 2
+    assert alone == [sizes.each_update_bytes(Bank((member,)), "never")[0] for member in bank.members]
+    first, second = sizes.each_update_bytes(bank, "on-failure").tolist()
+    assert first == second >= max(alone)
 
 
 def test_hindsight_prefers_what_did_well_and_is_silent_without_a_past() -> None:

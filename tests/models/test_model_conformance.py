@@ -22,6 +22,7 @@ from modelcast.models.kinematic import (
     ConstantTurnRateVelocity,
 )
 from modelcast.models.profile import default_profile
+from modelcast.models.quantised import CoreSteps, Quantised
 from modelcast.models.trusted import Trusted
 
 
@@ -33,6 +34,18 @@ def _learned() -> AbstractSubModel:
 
 
 FIXED = Hyperparameters(2.0, 1e-4, linear_ratio_per_s2=1.0, variance_m2=25.0)
+
+STEPS = CoreSteps(
+    0.02,
+    0.01,
+    heading_rad=np.deg2rad(0.0125),
+    yaw_rate_radps=np.deg2rad(0.01),
+    last_speed=8190,
+    last_acceleration=2000,
+    last_yaw_rate=32767,
+    position_m=0.0,
+)
+"""Positions are left as they are: a grid moves with the frame."""
 
 MODELS: dict[str, AbstractMotionModel] = {
     "cv": ConstantVelocity(),
@@ -63,6 +76,9 @@ MODELS: dict[str, AbstractMotionModel] = {
     "learned+ctra": Bank((_learned(), ConstantTurnRateAcceleration())),
     "ctra-damped": Trusted(ConstantTurnRateAcceleration(), 0.5),
     "gp-intercept-damped": Trusted(GaussianProcess(form="intercept"), 1.0),
+    "ctra-quantised": Quantised(ConstantTurnRateAcceleration(), STEPS),
+    "gp-vehicle-quantised": Quantised(Trusted(vehicle_process(), 2.0), STEPS),
+    "gp-intercept-quantised": Quantised(GaussianProcess(form="intercept"), STEPS),
     "cv+gp-anchored": Bank((ConstantVelocity(), GaussianProcess(form="anchored"))),
     "gp-intercept+cv": Bank((GaussianProcess(form="intercept"), ConstantVelocity())),
     "ctra+ca+cv": Bank((ConstantTurnRateAcceleration(), ConstantAcceleration(), ConstantVelocity())),
