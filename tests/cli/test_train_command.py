@@ -69,6 +69,7 @@ def test_it_prints_the_record(drives: Path, tmp_path: Path, capsys: pytest.Captu
         ([], "name at least one trip"),
         (["{drives}", "--out", "{drives}/none/p.json"], "its folder does not exist"),
         (["{drives}", "--trip", "nothing", "--out", "{drives}/p.json"], "no usable trip"),
+        (["{drives}", *QUICK, "--bank", "learned+gp", "--out", "{drives}/p.json"], "named gp;"),
         (["{drives}", "--steps", "0", "--out", "{drives}/p.json"], "steps"),
     ],
 )

@@ -192,11 +192,13 @@ class CompareOptions:
 
 
 def _trained_candidate() -> "TrainedCandidate":
-    """A profile trained on the trips of all other routes."""
+    """A profile trained on the trips of all other routes, its bank of the same members as the shipped one's."""
     from modelcast.evaluation.compare.candidate import TrainedCandidate
-    from modelcast.evaluation.training.profile import LONGEST_WINDOW, profile_learner
+    from modelcast.evaluation.training.profile import LONGEST_WINDOW, ProfileSettings, profile_learner
+    from modelcast.models.profile import default_profile
 
-    return TrainedCandidate("trained", profile_learner(), LONGEST_WINDOW)
+    names = tuple(member.name for member in default_profile().bank.members)
+    return TrainedCandidate("trained", profile_learner(ProfileSettings(names=names)), LONGEST_WINDOW)
 
 
 def _rules(text: str) -> tuple[StartRule, IdentifyRule]:

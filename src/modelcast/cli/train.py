@@ -13,6 +13,7 @@ __all__ = ["train"]
 def train(
     *paths: Path,
     out: Path = Path("profile.json"),
+    bank: str | None = None,
     validate: bool = False,
     hidden: Annotated[tuple[int, int], Parameter(consume_multiple=True)] = (96, 96),
     coefficients: int = 3,
@@ -35,6 +36,9 @@ def train(
         Files or folders with recorded trips to learn from.
     out
         The profile's file; its folder must exist.
+    bank
+        Members of the bank in order, joined by '+', among learned, gp-vehicle, gp-derivative, ctra, ctrv, ca
+        and cv; chosen by the messages they save where not given.
     validate
         Train once more without each route and count messages there: the record then holds honest figures, and
         the bank's order follows from them. Takes that many times longer.
@@ -82,9 +86,13 @@ def train(
     if not trips:
         raise ConfigError("no usable trip")
     try:
+        names = tuple(bank.split("+")) if bank else ()
         descent = Descent(hidden=hidden, steps=steps, averaged=max(1, steps // 3))
         settings = ProfileSettings(
-            LearnedSettings(coefficients=coefficients, descent=descent), validate=validate, seed=seed
+            LearnedSettings(coefficients=coefficients, descent=descent),
+            names=names,
+            validate=validate,
+            seed=seed,
         )
         with staged(quiet=silent) as progress:
             profile = train_profile(trips, settings, progress=progress)

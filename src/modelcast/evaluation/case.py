@@ -1,6 +1,6 @@
 """One trip made ready for evaluation: which protocol holds, what is true, and what the sender sees."""
 
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 
@@ -85,7 +85,8 @@ def make_case(trip: Trajectory | SensedTrip, settings: EvaluationSettings) -> Tr
     """Inspect a trip, choose its protocol and prepare truth and input.
 
     In the ``recorded`` protocol the log is both. In the ``sensor`` protocol the truth is the smoothed log,
-    where the log needs smoothing, and the input is that truth through the stated sensor model.
+    where the log needs smoothing, and the input is that truth through the stated sensor model; a speed column
+    that is stuck is no part of the truth.
 
     Parameters
     ----------
@@ -106,6 +107,9 @@ def make_case(trip: Trajectory | SensedTrip, settings: EvaluationSettings) -> Tr
         if protocol == "sensor":
             if inspection.recommended_protocol == "sensor":
                 truth, conditioning = condition(recorded)
+            if inspection.speed_is_stuck:
+                # A column that contradicts the positions is no truth; its sensor would mislead every sub-model.
+                truth = replace(truth, speed_mps=None)
             rng = child_generator(settings.seed, 0, recorded.trip_id, "sensor")
             seen = sense(truth, settings.sensor, rng)
     direction, speed_mps = _course(truth)

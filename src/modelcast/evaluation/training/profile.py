@@ -76,7 +76,9 @@ class ProfileSettings:
     thresholds_m
         Thresholds at which messages are counted [m].
     members
-        Which of the sub-models make the bank, and its rules.
+        How the bank's members are chosen, and its rules.
+    names
+        The bank's members in order, where they are not to be chosen.
     validate
         Whether everything is also trained once without each route, and counted on it.
     seed
@@ -94,6 +96,7 @@ class ProfileSettings:
     process_evaluations: int = 60
     thresholds_m: tuple[float, ...] = (0.2, 0.3, 0.4, 0.5)
     members: MemberSettings = field(default_factory=lambda: MemberSettings((0.2, 0.5)))
+    names: tuple[str, ...] = ()
     validate: bool = False
     seed: int = 0
 
@@ -152,8 +155,13 @@ def train_profile(
         if progress is not None:
             progress("members", done, to_do)
 
-    names, steps = choose_names([fold.pooled for fold in folds], settings.members, progress=choosing)
     named = {member.name: member for member in shelf.members}
+    names, steps = settings.names, ()
+    if not names:
+        names, steps = choose_names([fold.pooled for fold in folds], settings.members, progress=choosing)
+    unknown = [name for name in names if name not in named]
+    if unknown:
+        raise ValueError(f"no trained sub-model is named {unknown[0]}; there are {', '.join(named)}")
     if all(named[name].window > 1 for name in names):
         names = (*names, _STARTER.name)
     bank = Bank(tuple(named[name] for name in names))
