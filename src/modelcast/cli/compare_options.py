@@ -192,7 +192,7 @@ class CompareOptions:
 
 
 def _trained_candidate() -> "TrainedCandidate":
-    """A profile trained on the trips of all other routes, its bank of the same members as the shipped one's."""
+    """A profile trained on all other routes, its bank of the same members as the shipped one."""
     from modelcast.evaluation.compare.candidate import TrainedCandidate
     from modelcast.evaluation.training.profile import LONGEST_WINDOW, ProfileSettings, profile_learner
     from modelcast.models.profile import default_profile

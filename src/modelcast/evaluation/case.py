@@ -108,7 +108,7 @@ def make_case(trip: Trajectory | SensedTrip, settings: EvaluationSettings) -> Tr
             if inspection.recommended_protocol == "sensor":
                 truth, conditioning = condition(recorded)
             if inspection.speed_is_stuck:
-                # A column that contradicts the positions is no truth; its sensor would mislead every sub-model.
+                # It contradicts the positions: a sensor made of it would mislead every sub-model.
                 truth = replace(truth, speed_mps=None)
             rng = child_generator(settings.seed, 0, recorded.trip_id, "sensor")
             seen = sense(truth, settings.sensor, rng)
