@@ -36,6 +36,7 @@ from modelcast.models.kinematic import (
     ConstantTurnRateVelocity,
 )
 from modelcast.models.profile import Profile
+from modelcast.models.trusted import Trusted
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.policy.rules import IdentifyRule, StartRule
 
@@ -53,7 +54,8 @@ _PROTOCOLS: tuple[Protocol, ...] = ("recorded", "sensor")
 
 _PROCESS_VIEWS = (SenderView("recorded"), SenderView("motion", 0.01), SenderView("motion", 0.05))
 
-_STARTER = ConstantTurnRateAcceleration()
+_STARTER = Trusted(ConstantTurnRateAcceleration(), 1.5)
+"""The horizon is that of decision 010: what must end is the acceleration."""
 
 _KINEMATIC: tuple[AbstractSubModel, ...] = (
     _STARTER,
