@@ -112,8 +112,9 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
     for protocol in _protocols(result):
         table = Table(title=f"Over the baseline, {protocol}", title_justify="left", header_style="")
         table.add_column("candidate")
+        levels = " / ".join(f"{100 * item:g}" for item in shown_m)
         for head in ("messages", "bytes", "airtime"):
-            table.add_column(f"{head}\n{' / '.join(centimetres(item) for item in shown_m)}", justify="right")
+            table.add_column(f"{head}\n{levels} cm", justify="right")
         if ratio is not None:
             table.add_column(f"p90 / p99\nPER {100 * ratio:g} %", justify="right")
         table.add_column("trips over\nthe bound", justify="right")
