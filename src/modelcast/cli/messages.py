@@ -170,8 +170,9 @@ def octets_of(document: object, profiles: Profiles) -> bytes:
     if kind == IDENTIFICATION_KIND:
         return encode_identification(identification_of(given))
     if kind == SIGNED_KIND:
-        payload = cast("Mapping[str, object]", given.get("payload"))
-        if not isinstance(payload, Mapping) or payload.get("message") == SIGNED_KIND:
+        found = given.get("payload")
+        payload = cast("Mapping[str, object]", found if isinstance(found, Mapping) else {})
+        if not payload or payload.get("message") == SIGNED_KIND:
             raise ValueError("the payload of a signed message is the document of another kind of message")
         if payload.get("message") == "octets" and isinstance(payload.get("octets"), str):
             inner = bytes.fromhex(cast("str", payload["octets"]))
