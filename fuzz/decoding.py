@@ -1,11 +1,12 @@
 """What must hold for any octets: they are a message that encodes to the same octets, or a `CodecError`.
 
-The octets are tried as a frame, a basic safety message, an identification and the model in an update.
+The octets are tried as a frame, a basic safety message, an identification, a signed message and an update.
 """
 
 from modelcast.core.exceptions import CodecError
 from modelcast.messages.bsm import decode_bsm, encode_message
 from modelcast.messages.frame import decode_frame, encode_frame
+from modelcast.messages.mbc_codec import UpdateCodec, UpdateReading, WireProfile, read_update
 from modelcast.messages.mbc_wire import (
     decode_extension,
     decode_identification,
@@ -13,8 +14,16 @@ from modelcast.messages.mbc_wire import (
     encode_identification,
 )
 from modelcast.messages.security.signed import decode_signed
+from modelcast.models.payload import PayloadField, PayloadLayout
 
-__all__ = ["check"]
+__all__ = ["PROFILES", "check"]
+
+_FIELDS = (PayloadField("along_m", 0.1, bits=6), PayloadField("level", 1.0, bits=3, signed=False))
+PROFILES = {
+    number: WireProfile(number, (PayloadLayout(_FIELDS), PayloadLayout(), PayloadLayout(_FIELDS[:1])))
+    for number in (0, 0x44136F)
+}
+"""Made-up profiles that are known: sub-models with a gap at the end, with nothing, and with one field."""
 
 
 def check(data: bytes) -> bool:
@@ -46,7 +55,23 @@ def check(data: bytes) -> bool:
     assert encode_message(message) == data
     for _, octets in message.regional:
         _check_model(octets)
+    _check_update(data)
     return True
+
+
+def _check_update(data: bytes) -> None:
+    """Fail where a message's model neither encodes to the same octets nor is properly refused."""
+    try:
+        found = read_update(data, PROFILES)
+    except CodecError as refusal:
+        assert 0 <= refusal.offset_bits <= 8 * len(data)
+        return
+    assert (found.update is not None) is (found.reading is UpdateReading.MODEL)
+    if found.update is not None:
+        assert found.profile is not None
+        assert found.extension is not None
+        again = read_update(UpdateCodec(found.profile).encode(found.update), PROFILES)
+        assert (again.update, again.extension) == (found.update, found.extension)
 
 
 def _check_model(data: bytes) -> None:

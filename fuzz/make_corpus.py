@@ -55,12 +55,33 @@ def messages(rng: random.Random) -> dict[str, bytes]:
         "update": encode_bsm(cores[3], regional=((LOCAL_REGION, _model(rng, 6)),)),
         "update-plain": encode_bsm(cores[4], regional=((LOCAL_REGION, _model(rng, 0)),)),
         "update-longest": encode_bsm(cores[5], regional=((LOCAL_REGION, _model(rng, 127)),)),
+        **{
+            f"update-known-{name}": encode_bsm(cores[6], regional=((LOCAL_REGION, octets),))
+            for name, octets in known().items()
+        },
         "other-identification": encode_identification(
             IdentificationMessage(rng.getrandbits(32), 100, sub_model=5, age=130)
         ),
         "other-model": _model(rng, 6),
         "other-message": encode_frame(18, some[2]),
         "other-message-extended": encode_frame(240, some[5], (some[0],)),
+    }
+
+
+def known() -> dict[str, bytes]:
+    """Return models of a profile that the fuzz target knows, by name: read, and refused for each reason."""
+    return {
+        name: encode_extension(
+            ModelExtension(0x44136F, sub_model, carries_all=carries_all, coefficients=bytes.fromhex(digits))
+        )
+        for name, sub_model, carries_all, digits in (
+            ("one", 0, False, "a480"),
+            ("none", 1, False, ""),
+            ("all", 2, True, "a4d2"),
+            ("sub-model", 3, False, ""),
+            ("length", 0, False, "a4"),
+            ("padding", 0, False, "a481"),
+        )
     }
 
 

@@ -21,7 +21,7 @@ RICH = encode_message(
     BasicSafetyMessage(
         BsmCore(tuple(field.high for field in CORE_FIELDS)),
         part_ii=((0, b"part"), (9, b"two")),
-        regional=((128, b"model"),),
+        regional=((200, b"other"),),
         additions=(None, b"later"),
         frame_additions=(b"frame",),
     )
@@ -53,7 +53,7 @@ def test_what_is_not_looked_into_is_shown_as_octets(capsys: pytest.CaptureFixtur
     for text in (
         "part II, id 0, vehicle safety extensions, 4 bytes: 70617274",
         "part II, id 9, unknown, 3 bytes",
-        "regional extension, id 128, 5 bytes: 6d6f64656c",
+        "regional extension, id 200, 5 bytes: 6f74686572",
         "extension addition, number 1, 5 bytes",
         "extension addition of the frame, number 0, 5 bytes",
     ):
@@ -84,7 +84,7 @@ def test_json_has_si_units_names_and_nulls(capsys: pytest.CaptureFixture[str]) -
     assert document["temporary_id"] == "ffffffff"
     assert document["transmission"] == "unavailable"
     assert document["wheel_brakes"][0] == "unavailable"
-    assert document["regional"] == [{"id": 128, "octets": b"model".hex()}]
+    assert document["regional"] == [{"id": 200, "octets": b"other".hex()}]
     assert document["additions"] == [None, b"later".hex()]
 
 

@@ -1,14 +1,15 @@
 """``modelcast decode``: octets of messages as a table, or as JSON."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 from modelcast.cli.options import Source
 
 __all__ = ["decode"]
 
 
-def decode(source: Source, *, json: bool = False) -> int:
-    """Show the fields of encoded basic safety messages, with their units.
+def decode(source: Source, *, json: bool = False, profile: Path | None = None) -> int:
+    """Show the fields of encoded messages, with their units: basic safety messages, models, identifications.
 
     Parameters
     ----------
@@ -17,17 +18,18 @@ def decode(source: Source, *, json: bool = False) -> int:
         is one message; or - for the standard input.
     json
         Print one JSON document a line instead of tables, in SI units; `modelcast encode` reads them back.
+    profile
+        A profile that `modelcast train` wrote, held beside the one that ships with modelcast.
     """
     import json as json_format
     import sys
 
     from rich.console import Console
 
+    from modelcast.cli.messages import Profiles, show
     from modelcast.core.exceptions import CodecError, ConfigError
-    from modelcast.messages.bsm import decode_bsm
-    from modelcast.messages.bsm_document import document_of
-    from modelcast.report.messages import message_table
 
+    profiles = Profiles(profile)
     console = Console()
     good = bad = 0
     for place, octets in _messages(source):
@@ -36,16 +38,19 @@ def decode(source: Source, *, json: bool = False) -> int:
             bad += 1
             continue
         try:
-            message = decode_bsm(octets)
+            shown = show(octets, place, profiles)
         except CodecError as error:
             print(f"modelcast: {place}: {error}", file=sys.stderr)
             bad += 1
             continue
         good += 1
+        bad += bool(shown.faults)
+        for fault in shown.faults:
+            print(f"modelcast: {place}: {fault}", file=sys.stderr)
         if json:
-            print(json_format.dumps(document_of(message)))
+            print(json_format.dumps(shown.document))
         else:
-            console.print(message_table(message, f"{place}: basic safety message, {len(octets)} bytes"))
+            console.print(*shown.tables, sep="\n")
     if not good + bad:
         raise ConfigError(f"{source} holds no message")
     return 0 if not bad else 3 if good else 2

@@ -1,6 +1,7 @@
 """``modelcast encode``: messages as JSON to octets."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Annotated, cast
 
 from cyclopts import Parameter
@@ -10,8 +11,13 @@ from modelcast.cli.options import Source
 __all__ = ["encode"]
 
 
-def encode(source: Source = "-", *, json: Annotated[bool, Parameter(negative="")] = True) -> int:
-    """Print the octets of basic safety messages as hexadecimal digits, one message a line.
+def encode(
+    source: Source = "-",
+    *,
+    json: Annotated[bool, Parameter(negative="")] = True,
+    profile: Path | None = None,
+) -> int:
+    """Print the octets of messages as hexadecimal digits, one message a line.
 
     Parameters
     ----------
@@ -20,18 +26,20 @@ def encode(source: Source = "-", *, json: Annotated[bool, Parameter(negative="")
         as `modelcast decode --json` prints them. Fields are in SI units; those left out are unavailable.
     json
         The form of the source; there is no other.
+    profile
+        A profile that `modelcast train` wrote, held beside the one that ships with modelcast.
     """
     import sys
 
+    from modelcast.cli.messages import Profiles, octets_of
     from modelcast.core.exceptions import ConfigError
-    from modelcast.messages.bsm import encode_message
-    from modelcast.messages.bsm_document import message_of
 
     del json
+    profiles = Profiles(profile)
     good = bad = 0
     for place, document in _documents(source):
         try:
-            octets = encode_message(message_of(document))
+            octets = octets_of(document, profiles)
         except ValueError as error:
             print(f"modelcast: {place}: {error}", file=sys.stderr)
             bad += 1
@@ -47,7 +55,6 @@ def _documents(source: str) -> Iterator[tuple[str, object]]:
     """Yield each document and where it stands."""
     import json as json_format
     import sys
-    from pathlib import Path
 
     from modelcast.core.exceptions import ConfigError
 

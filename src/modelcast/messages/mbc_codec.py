@@ -54,6 +54,7 @@ __all__ = [
     "UpdateReading",
     "WireProfile",
     "extension_octets",
+    "extension_of",
     "read_update",
     "update_octets",
 ]
@@ -241,8 +242,21 @@ def update_octets(coefficient_bits: int) -> int:
     return value + (3 if value < _LONG_LENGTH else 4)
 
 
-def _extension_of(update: UpdateMessage, profile: WireProfile) -> ModelExtension:
-    """The model as octets; refuses what does not fit the profile."""
+def extension_of(update: UpdateMessage, profile: WireProfile) -> ModelExtension:
+    """The model of an update as it stands in its message.
+
+    Parameters
+    ----------
+    update
+        The update.
+    profile
+        Its profile.
+
+    Raises
+    ------
+    ValueError
+        Where it does not fit the profile.
+    """
     members = profile.carried(update.sub_model, carries_all=update.carries_all)
     if not 0 <= update.sub_model < len(profile.layouts):
         raise ValueError(f"sub_model must be within 0..{len(profile.layouts) - 1}, got {update.sub_model}")
@@ -348,7 +362,7 @@ class UpdateCodec(AbstractCodec[UpdateMessage]):
 
     def encode(self, message: UpdateMessage) -> bytes:
         """Octets of an update."""
-        octets = encode_extension(_extension_of(message, self.profile))
+        octets = encode_extension(extension_of(message, self.profile))
         return encode_bsm(message.core, regional=((LOCAL_REGION, octets),))
 
     def decode(self, data: bytes) -> UpdateMessage:

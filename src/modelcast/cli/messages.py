@@ -1,0 +1,210 @@
+"""Messages of every kind that `decode` shows and `encode` writes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, cast
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rich.console import RenderableType
+
+    from modelcast.messages.update_document import HeldProfile
+
+__all__ = ["Profiles", "Shown", "octets_of", "show"]
+
+_SIGNED_HEADS = (2, 3)
+"""First octet of a signed message; a frame of so high a message id is none that is read here."""
+
+
+@dataclass
+class Profiles:
+    """The profiles held, loaded only where a model asks for them.
+
+    Parameters
+    ----------
+    path
+        A profile's file, held beside the one that ships with modelcast.
+    """
+
+    path: "Path | None" = None
+    _held: "tuple[HeldProfile, ...] | None" = None
+
+    def held(self) -> "tuple[HeldProfile, ...]":
+        """Profiles known here.
+
+        Raises
+        ------
+        ConfigError, DataFormatError
+            Where the file is no profile, or not one that messages can carry.
+        """
+        from modelcast.io.profile import read_profile
+        from modelcast.messages.update_document import HeldProfile
+        from modelcast.models.profile import default_profile
+
+        if self._held is None:
+            named = () if self.path is None else (HeldProfile.of(read_profile(self.path)),)
+            self._held = (*named, HeldProfile.of(default_profile()))
+        return self._held
+
+
+@dataclass
+class Shown:
+    """A message as tables and as a document, and what is wrong with its inner parts."""
+
+    tables: "list[RenderableType]"
+    document: dict[str, Any]
+    faults: list[str] = field(default_factory=list[str])
+
+
+def show(octets: bytes, place: str, profiles: Profiles, *, signed: bool = True) -> Shown:
+    """Read a message of any kind.
+
+    Parameters
+    ----------
+    octets
+        The message.
+    place
+        Where it stands.
+    profiles
+        The profiles held.
+    signed
+        Whether it may be a signed message.
+
+    Raises
+    ------
+    CodecError
+        Where nothing of it can be shown.
+    """
+    from modelcast.core.exceptions import CodecError
+    from modelcast.messages.frame import read_header
+    from modelcast.messages.identification_document import identification_document
+    from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identification
+    from modelcast.report.model_messages import identification_table
+
+    if signed and octets[0] in _SIGNED_HEADS:
+        return _signed(octets, place, profiles)
+    try:
+        identifies = read_header(octets).message_id == IDENTIFICATION_MESSAGE
+    except CodecError:
+        identifies = False
+    if identifies:
+        message = decode_identification(octets)
+        title = f"{place}: sub-model identification, {len(octets)} bytes"
+        return Shown([identification_table(message, title)], identification_document(message))
+    return _bsm(octets, place, profiles)
+
+
+def _bsm(octets: bytes, place: str, profiles: Profiles) -> Shown:
+    from modelcast.core.exceptions import CodecError
+    from modelcast.messages.bsm import decode_bsm
+    from modelcast.messages.bsm_document import document_of
+    from modelcast.messages.bsm_fields import LOCAL_REGION
+    from modelcast.report.messages import message_table
+
+    message = decode_bsm(octets)
+    title = f"{place}: basic safety message, {len(octets)} bytes"
+    shown = Shown([message_table(message, title)], document_of(message))
+    regions = [region for region, _ in message.regional]
+    if LOCAL_REGION not in regions:
+        return shown
+
+    from modelcast.messages.update_document import model_document, read_model
+    from modelcast.report.model_messages import model_table
+
+    held = profiles.held()
+    try:
+        reading = read_model(octets, held)
+    except CodecError as error:
+        shown.faults.append(str(error))
+        shown.document["fault"] = {"bit": error.offset_bits, "reason": error.reason}
+        return shown
+    if reading is not None:
+        shown.tables.append(model_table(reading))
+        at = regions.index(LOCAL_REGION)
+        shown.document["regional"][at] = {"id": LOCAL_REGION, "model": model_document(reading)}
+    return shown
+
+
+def _signed(octets: bytes, place: str, profiles: Profiles) -> Shown:
+    from modelcast.core.exceptions import CodecError
+    from modelcast.messages.security.document import signed_document
+    from modelcast.messages.security.signed import decode_signed
+    from modelcast.report.model_messages import envelope_table
+
+    envelope = decode_signed(octets)
+    title = f"{place}: signed message, {len(octets)} bytes"
+    tables = [envelope_table(envelope, title)]
+    try:
+        inner = show(envelope.payload, f"{place}, payload", profiles, signed=False)
+    except CodecError as error:
+        document = {"message": "octets", "octets": envelope.payload.hex()}
+        inner = Shown([], document, [str(error)])
+    faults = [f"payload: {fault}" for fault in inner.faults]
+    return Shown([*tables, *inner.tables], signed_document(envelope, inner.document), faults)
+
+
+def octets_of(document: object, profiles: Profiles) -> bytes:
+    """Octets of the message that a document describes, of any kind.
+
+    Parameters
+    ----------
+    document
+        As `Shown.document`.
+    profiles
+        The profiles held.
+
+    Raises
+    ------
+    ValueError
+        Where it describes none.
+    """
+    from modelcast.messages.bsm import encode_message
+    from modelcast.messages.bsm_document import message_of
+    from modelcast.messages.identification_document import IDENTIFICATION_KIND, identification_of
+    from modelcast.messages.mbc_wire import encode_identification
+    from modelcast.messages.security.document import SIGNED_KIND, signed_of
+
+    given = cast("Mapping[str, object]", document if isinstance(document, Mapping) else {})
+    kind = given.get("message")
+    if kind == IDENTIFICATION_KIND:
+        return encode_identification(identification_of(given))
+    if kind == SIGNED_KIND:
+        found = given.get("payload")
+        payload = cast("Mapping[str, object]", found if isinstance(found, Mapping) else {})
+        if not payload or payload.get("message") == SIGNED_KIND:
+            raise ValueError("the payload of a signed message is the document of another kind of message")
+        if payload.get("message") == "octets" and isinstance(payload.get("octets"), str):
+            inner = bytes.fromhex(cast("str", payload["octets"]))
+        else:
+            inner = octets_of(payload, profiles)
+        return signed_of(given, inner).octets
+    if not isinstance(document, Mapping):
+        return encode_message(message_of(document))
+    return encode_message(message_of(_without_models(given, profiles)))
+
+
+def _without_models(given: Mapping[str, object], profiles: Profiles) -> dict[str, object]:
+    """The same document with octets in place of models, without what is only told."""
+    from modelcast.messages.bsm_document import message_of
+
+    plain = {name: value for name, value in given.items() if name != "fault"}
+    regional = plain.get("regional")
+    entries = cast("list[object]", regional if isinstance(regional, list) else [])
+    maps = [cast("Mapping[str, object]", entry) for entry in entries if isinstance(entry, Mapping)]
+    if not any("model" in entry for entry in maps) or len(maps) != len(entries):
+        return plain
+
+    from modelcast.messages.update_document import octets_of_model
+
+    core = message_of({name: value for name, value in plain.items() if name != "regional"}).core
+    plain["regional"] = [
+        {
+            **{name: value for name, value in entry.items() if name != "model"},
+            "octets": octets_of_model(entry["model"], core, profiles.held()).hex(),
+        }
+        if "model" in entry
+        else entry
+        for entry in maps
+    ]
+    return plain
