@@ -6,7 +6,7 @@ SOURCES := $(shell find src -name '*.py' 2>/dev/null | LC_ALL=C sort)
 # A cached Numba caller does not notice a changed callee, so the cache folder is named by a hash of the source.
 export NUMBA_CACHE_DIR := $(CURDIR)/.numba_cache/$(shell cat $(SOURCES) 2>/dev/null | git hash-object --stdin | cut -c1-16)
 
-.PHONY: demo test check bench fuzz setup setup-dev lock clean
+.PHONY: demo test check bench fuzz validate setup setup-dev lock clean
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -28,6 +28,13 @@ fuzz: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-fuzz.lock
 	mkdir -p out/fuzz/corpus
 	$(BIN)/python fuzz/run.py out/fuzz/corpus fuzz/corpus -artifact_prefix=out/fuzz/ $(FUZZ_ARGUMENTS)
+
+# Needs the folder of reference figures in MODELCAST_REFERENCE, and in MODELCAST_NS3_PYTHON an interpreter that has
+# pip's ns3 3.44; what is not named is skipped.
+validate: setup-dev
+	$(if $(MODELCAST_REFERENCE),$(BIN)/python validation/wilab.py)
+	$(BIN)/python validation/mode4_published.py
+	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3.py)
 
 setup: $(VENV)/.runtime
 setup-dev: $(VENV)/.dev

@@ -13,6 +13,7 @@ SCRIPTS = (
     "evaluate_command.py",
     "traffic.py",
     "congestion.py",
+    "dsrc_channel.py",
 )
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 

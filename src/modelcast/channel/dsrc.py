@@ -1,0 +1,247 @@
+"""IEEE 802.11p broadcast: senders that listen first, count down in slots, and still collide.
+
+`Dsrc` simulates EDCA of one channel event by event for a whole fleet. A vehicle holds one message at most; a
+newer one takes its place (awareness messages age). There is no acknowledgement, no retry and no window
+growth.
+"""
+
+from dataclasses import KW_ONLY, dataclass, field, replace
+
+import numpy as np
+
+from modelcast.channel.dsrc_kernels import advance
+from modelcast.channel.dsrc_parameters import DsrcParameters, power_ratio
+from modelcast.channel.dsrc_station_kernels import BUSY_RATIO, DsrcConstants, silent_station
+from modelcast.channel.error_models import AbstractErrorModel, NistErrorModel
+from modelcast.channel.propagation import Propagation
+from modelcast.channel.propagation_kernels import PropagationTables, empty_pairs
+from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
+from modelcast.core.arrays import FloatArray, IntArray
+
+__all__ = ["Dsrc", "DsrcState"]
+
+
+@dataclass(frozen=True, slots=True)
+class DsrcState:
+    """A channel at one instant: plain arrays, whose columns are named in ``dsrc_station_kernels``.
+
+    Parameters
+    ----------
+    t_s
+        Now [s].
+    random
+        Word of the random generator, (1,).
+    station
+        Receiver, medium access and frame of every vehicle, (V, COLUMNS).
+    message
+        Messages that wait, that are on the air, and their chance, (V, 3).
+    air_receiver, air_mw, air_flag
+        Links of the frames on the air, (L,), (L,), (L, 2).
+    pairs, pair_count
+        Shadowing of pairs: open addressing, (C, 4), (1,).
+    """
+
+    t_s: float
+    random: np.ndarray[tuple[int], np.dtype[np.uint64]]
+    _: KW_ONLY
+    station: FloatArray
+    message: IntArray
+    air_receiver: np.ndarray[tuple[int], np.dtype[np.int32]]
+    air_mw: FloatArray
+    air_flag: np.ndarray[tuple[int, int], np.dtype[np.int16]]
+    pairs: FloatArray
+    pair_count: IntArray
+
+    @property
+    def vehicles(self) -> int:
+        """Number of vehicles V."""
+        return self.station.shape[0]
+
+    def copy(self) -> "DsrcState":
+        """Same state in arrays of its own."""
+        return replace(
+            self,
+            random=self.random.copy(),
+            station=self.station.copy(),
+            message=self.message.copy(),
+            pairs=self.pairs.copy(),
+            pair_count=self.pair_count.copy(),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Dsrc(AbstractRadio[DsrcState]):
+    """IEEE 802.11p broadcast of a fleet on one channel.
+
+    Parameters
+    ----------
+    parameters
+        Constants of the radio.
+    propagation
+        What becomes of the power.
+    error_model
+        Packet error against SINR; None for the NIST model of the bit rate.
+
+    Notes
+    -----
+    A receiver locks on to a frame that is strong enough and stands out of what is on the air at its
+    beginning. It stays locked to the end, save for capture in the preamble, or its own countdown ending
+    before it has sensed the frame. Interference is all other power in range, over the payload. Preamble and
+    SIGNAL fail only at their beginning. A vehicle's queue holds one message.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> radio = Dsrc()
+    >>> state = radio.init(2, np.random.default_rng(1))
+    >>> one = Transmissions(
+    ...     np.array([0]),
+    ...     np.array([0.01]),
+    ...     size_bytes=np.array([300]),
+    ...     power_dbm=np.array([20.0]),
+    ...     message_id=np.array([7]),
+    ... )
+    >>> heard, state = radio.step(state, one, np.array([[0.0, 0.0], [50.0, 0.0]]), 0.1)
+    >>> heard.message_id.tolist(), heard.receiver.tolist(), heard.t_s.round(6).tolist()
+    ([7], [1], [0.010448])
+    """
+
+    parameters: DsrcParameters = field(default_factory=DsrcParameters)
+    propagation: Propagation = field(default_factory=Propagation)
+    error_model: AbstractErrorModel | None = None
+    constants: DsrcConstants = field(init=False, repr=False, compare=False)
+    hazard: FloatArray = field(init=False, repr=False, compare=False)
+    tables: PropagationTables = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        error_model = self.error_model
+        if error_model is None:
+            rate = self.parameters.bit_rate
+            error_model = NistErrorModel(rate.bits_per_subcarrier, rate.code_rate)
+        constants = self._constants(error_model)
+        object.__setattr__(self, "constants", constants)
+        object.__setattr__(self, "hazard", np.ascontiguousarray(error_model.hazards()))
+        object.__setattr__(self, "tables", self.propagation.tables(constants.range_m))
+
+    @property
+    def range_m(self) -> float:
+        """Distance beyond which nothing is heard or disturbed [m]."""
+        return self.constants.range_m
+
+    def _constants(self, error_model: AbstractErrorModel) -> DsrcConstants:
+        p = self.parameters
+        loudest_dbm = p.max_power_dbm + 2.0 * p.antenna_gain_db
+        range_m = self.propagation.range_m(loudest_dbm - (p.noise_dbm - p.margin_db))
+        units_fixed = float(error_model.units(np.array([0.0]))[0])
+        units_per_byte = float(error_model.units(np.array([1.0]))[0]) - units_fixed
+        shadowing = self.propagation.shadowing
+        return DsrcConstants(
+            slot_s=p.slot_s,
+            aifs_s=p.aifs_s,
+            extended_s=p.extended_s,
+            window=p.access.window,
+            sensing_s=p.sensing_s,
+            immediate=p.immediate_access,
+            preamble_s=p.preamble_s,
+            symbol_s=p.symbol_s,
+            bits_per_symbol=p.bit_rate.bits_per_symbol,
+            capture_s=p.capture_s,
+            capture_ratio=power_ratio(p.capture_db),
+            preamble_ratio=power_ratio(p.preamble_db),
+            noise_mw=power_ratio(p.noise_dbm),
+            sensitivity_mw=power_ratio(p.sensitivity_dbm),
+            decodable_mw=power_ratio(p.decodable_dbm),
+            energy_mw=power_ratio(p.energy_dbm),
+            load_mw=power_ratio(p.load_dbm),
+            quiet_mw=power_ratio(p.noise_dbm - p.margin_db),
+            gain_db=2.0 * p.antenna_gain_db,
+            range_m=range_m,
+            bin_m=p.bin_m,
+            bins=p.bins,
+            window_s=p.busy_window_s,
+            by_stretch=error_model.by_stretch,
+            units_fixed=units_fixed,
+            units_per_byte=units_per_byte,
+            shadowed=shadowing is not None and (shadowing.los_db > 0 or shadowing.nlos_db > 0),
+        )
+
+    def init(self, vehicles: int, rng: np.random.Generator) -> DsrcState:
+        """State of a silent channel at time 0."""
+        if vehicles < 1:
+            raise ValueError(f"vehicles must be at least 1, got {vehicles}")
+        pairs, pair_count = empty_pairs(1024)
+        return DsrcState(
+            0.0,
+            rng.integers(0, 2**64, size=1, dtype=np.uint64),
+            station=silent_station(vehicles),
+            message=np.full((vehicles, 3), -1, dtype=np.int64),
+            air_receiver=np.empty(0, dtype=np.int32),
+            air_mw=np.empty(0),
+            air_flag=np.empty((0, 2), dtype=np.int16),
+            pairs=pairs,
+            pair_count=pair_count,
+        )
+
+    def step(
+        self, state: DsrcState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+    ) -> tuple[Receptions, DsrcState]:
+        """Carry one interval; the given state is left alone."""
+        return self.carry(state.copy(), transmissions, position_m, until_t_s)
+
+    def carry(
+        self, state: DsrcState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+    ) -> tuple[Receptions, DsrcState]:
+        """Carry one interval and use the given state up: faster than `step`, for a loop that owns its state.
+
+        Parameters
+        ----------
+        state
+            Its arrays are written into; do not use it again.
+        transmissions, position_m, until_t_s
+            As for `step`.
+        """
+        transmissions.check(state.t_s, until_t_s, position_m, state.vehicles, self.parameters.max_power_dbm)
+        who, when, outcomes, expired, receiver, mw, flag, pairs, count = advance(
+            state.t_s,
+            until_t_s,
+            state.random,
+            state.station,
+            state.message,
+            state.air_receiver,
+            state.air_mw,
+            state.air_flag,
+            state.pairs,
+            state.pair_count,
+            transmissions.sender,
+            transmissions.ready_s,
+            transmissions.size_bytes,
+            transmissions.power_dbm,
+            transmissions.message_id,
+            np.ascontiguousarray(position_m, dtype=np.float64),
+            self.hazard,
+            self.tables,
+            self.constants,
+        )
+        receptions = Receptions(
+            who[:, 0],
+            who[:, 1],
+            receiver=who[:, 2],
+            t_s=when[:, 0],
+            rssi_dbm=10.0 * np.log10(when[:, 1]),
+            outcomes=outcomes,
+            expired=expired,
+        )
+        after = replace(
+            state,
+            t_s=until_t_s,
+            air_receiver=receiver,
+            air_mw=mw,
+            air_flag=flag,
+            pairs=pairs,
+            pair_count=count,
+        )
+        return receptions, after
+
+    def channel_busy_ratio(self, state: DsrcState) -> FloatArray:
+        """Busy share of the last full 100 ms of every vehicle, 0..1, (V,)."""
+        return state.station[:, BUSY_RATIO].copy()

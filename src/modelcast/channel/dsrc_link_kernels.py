@@ -1,0 +1,196 @@
+"""Compiled links of IEEE 802.11p frames: what a frame's beginning and end do to everybody in range."""
+
+from typing import Any
+
+import numpy as np
+
+from modelcast.channel.borrowing_kernels import borrowing
+from modelcast.channel.dsrc_station_kernels import (
+    ACCESS_S,
+    AIR,
+    BACKOFF,
+    COUNT,
+    FIRST,
+    HALF_DUPLEX,
+    IDLE_S,
+    LOCK,
+    MESSAGE,
+    RECEIVED,
+    SEED,
+    SENDING_S,
+    WEAK,
+    begin_reception,
+    finish_reception,
+    sense_medium,
+)
+from modelcast.channel.event_heap_kernels import push_event
+from modelcast.channel.grid_kernels import cell_span
+from modelcast.channel.propagation_kernels import (
+    fading_factor,
+    looked_up,
+    median_ln,
+    pair_row,
+    pair_shadowing,
+)
+from modelcast.channel.random_kernels import word_of
+
+__all__ = ["ACCESS_EVENT", "END_EVENT", "close_links", "heard_within_m", "open_links"]
+
+ACCESS_EVENT, END_EVENT = 0, 1
+"""Low bit of an event: a countdown ends, a frame ends; the other bits are the vehicle."""
+
+
+@borrowing
+def heard_within_m(sent_ln: float, tables: Any, quiet_mw: float, range_m: float) -> float:
+    """Return the distance at which a frame's median power falls below ``quiet_mw``, at most the range."""
+    needed_ln = np.log(quiet_mw) - sent_ln
+    low, high = 0, min(int(range_m * tables.per_m) + 1, tables.los_ln.size - 1)
+    if tables.los_ln[high] >= needed_ln:
+        return range_m
+    while high - low > 1:
+        middle = (low + high) // 2
+        if tables.los_ln[middle] >= needed_ln:
+            low = middle
+        else:
+            high = middle
+    return min(high / tables.per_m, range_m)
+
+
+@borrowing
+def open_links(
+    v: int,
+    t_s: float,
+    end_s: float,
+    sent_ln: float,
+    seed: int,
+    station: Any,
+    link_receiver: Any,
+    link_mw: Any,
+    link_flag: Any,
+    used: int,
+    pairs: Any,
+    pair_count: Any,
+    position_m: Any,
+    grid: Any,
+    hazard: Any,
+    tables: Any,
+    constants: Any,
+    outcomes: Any,
+    near: Any,
+) -> int:
+    """A frame of ``v`` begins at all vehicles in range; return how much of the pool is used."""
+    vehicles = station.shape[0]
+    range_m = constants.range_m
+    open_ground = tables.nlos_kind == 0
+    east, north = position_m[v, 0], position_m[v, 1]
+    column_from, column_to = cell_span(east, grid.corner_east_m, grid.cell_m, grid.columns, range_m)
+    row_from, row_to = cell_span(north, grid.corner_north_m, grid.cell_m, grid.rows, range_m)
+    reach_m = heard_within_m(sent_ln, tables, constants.quiet_mw, range_m)
+    # First who is near, and where the pair's shadowing is kept: a short loop lets cache misses overlap.
+    count = 0
+    for row in range(row_from, row_to + 1):
+        low = grid.start[row * grid.columns + column_from]
+        high = grid.start[row * grid.columns + column_to + 1]
+        for k in range(low, high):
+            away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
+            square = away_east * away_east + away_north * away_north
+            j = grid.order[k]
+            if square > reach_m * reach_m:
+                group = int(np.sqrt(square) / constants.bin_m)
+                if square <= range_m * range_m and group < constants.bins:
+                    outcomes[group, HALF_DUPLEX if station[j, SENDING_S] > t_s else WEAK] += 1
+            elif j != v:
+                near[count, 0] = k
+                if constants.shadowed:
+                    near[count, 1] = pair_row(min(v, j) * vehicles + max(v, j), pairs)
+                count += 1
+    for n in range(count):
+        k = near[n, 0]
+        j = grid.order[k]
+        away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
+        distance_m = np.sqrt(away_east * away_east + away_north * away_north)
+        if open_ground:
+            ln, los = looked_up(tables.los_ln, distance_m * tables.per_m), True
+        else:
+            ln, los = median_ln(east, north, grid.place[k, 0], grid.place[k, 1], distance_m, tables)
+        word = word_of(seed, j)
+        if constants.shadowed:
+            key = min(v, j) * vehicles + max(v, j)
+            row = near[n, 1]
+            if pairs[row, 0] != key:  # a new pair of this very frame may have taken the free row
+                row = pair_row(key, pairs)
+            sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
+            sign = 1.0 if v < j else -1.0
+            shadow = pair_shadowing(
+                row,
+                key,
+                sign * away_east,
+                sign * away_north,
+                word,
+                tables.normal,
+                tables.decorrelation_m,
+                pairs,
+                pair_count,
+            )
+            ln += sigma * shadow
+        power_mw = np.exp(sent_ln + min(ln, 0.0)) * fading_factor(
+            distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m
+        )
+        group = int(distance_m / constants.bin_m)
+        if power_mw < constants.quiet_mw:
+            if group < constants.bins:
+                outcomes[group, HALF_DUPLEX if station[j, SENDING_S] > t_s else WEAK] += 1
+            continue
+        flag = begin_reception(station, j, v, power_mw, t_s, end_s, hazard, constants)
+        link_receiver[used], link_mw[used] = j, power_mw
+        link_flag[used, 0], link_flag[used, 1] = flag, min(group, constants.bins)
+        used += 1
+        turned = sense_medium(station, j, t_s, constants)
+        if turned > 0 and station[j, ACCESS_S] >= t_s + constants.sensing_s:
+            station[j, ACCESS_S] = np.inf
+    return used
+
+
+@borrowing
+def close_links(
+    v: int,
+    t_s: float,
+    station: Any,
+    message: Any,
+    link_receiver: Any,
+    link_mw: Any,
+    link_flag: Any,
+    hazard: Any,
+    constants: Any,
+    who: Any,
+    when: Any,
+    received: int,
+    outcomes: Any,
+    times: Any,
+    what: Any,
+    count: int,
+) -> Any:
+    """A frame of ``v`` ends at all its receivers; return the numbers of receptions and of events."""
+    first, links = int(station[v, FIRST]), int(station[v, COUNT])
+    seed = message[v, SEED]
+    for k in range(first, first + links):
+        j = link_receiver[k]
+        held = station[j, LOCK] == v
+        outcome = finish_reception(station, j, v, link_mw[k], link_flag[k, 0], t_s, hazard, constants, seed)
+        spoilt = held and outcome != RECEIVED
+        if link_flag[k, 1] < constants.bins:
+            outcomes[link_flag[k, 1], outcome] += 1
+        if outcome == RECEIVED:
+            who[received, 0], who[received, 1], who[received, 2] = message[v, AIR], v, j
+            when[received, 0], when[received, 1] = t_s, link_mw[k]
+            received += 1
+        if sense_medium(station, j, t_s, constants) >= 0:
+            continue
+        if spoilt:
+            station[j, IDLE_S] = t_s + constants.extended_s
+        if message[j, MESSAGE] >= 0:
+            station[j, ACCESS_S] = (
+                station[j, IDLE_S] + constants.aifs_s + station[j, BACKOFF] * constants.slot_s
+            )
+            count = push_event(times, what, count, station[j, ACCESS_S], 2 * j + ACCESS_EVENT)
+    return received, count

@@ -1,0 +1,285 @@
+"""Compiled receiver and carrier sense of one IEEE 802.11p station.
+
+A station is a row of numbers; this module names them. `begin_reception` and `finish_reception` are what a
+frame's beginning and end do to one receiver, `sense_medium` what follows for its access to the medium.
+"""
+
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+
+from modelcast.channel.borrowing_kernels import borrowing
+from modelcast.channel.error_kernels import hazard_at
+from modelcast.channel.random_kernels import uniform, uniform_of
+
+__all__ = [
+    "ACCESS_S",
+    "AIR",
+    "AIR_BYTES",
+    "BACKOFF",
+    "BUSY",
+    "BUSY_RATIO",
+    "BUSY_S",
+    "BYTES",
+    "CAPTURED_S",
+    "CHANGED_S",
+    "COLUMNS",
+    "CONCURRENT",
+    "COUNT",
+    "DBM",
+    "END_S",
+    "EXPOSURE",
+    "FIRST",
+    "HALF_DUPLEX",
+    "HIDDEN",
+    "IDLE_S",
+    "IS_CONCURRENT",
+    "IS_HIDDEN",
+    "LOAD",
+    "LOADED_S",
+    "LOCK",
+    "LOCKED",
+    "LOCK_MW",
+    "LOCK_S",
+    "MESSAGE",
+    "NEVER",
+    "READY_S",
+    "RECEIVED",
+    "RECENT_MW",
+    "RECENT_S",
+    "SEED",
+    "SENDING_S",
+    "SIGNAL",
+    "SIGNALS",
+    "START_S",
+    "WEAK",
+    "DsrcConstants",
+    "begin_reception",
+    "draw_backoff",
+    "finish_reception",
+    "sense_medium",
+    "silent_station",
+]
+
+# Columns of ``station`` (V, COLUMNS).
+SIGNAL, SIGNALS, LOCK, LOCK_MW, LOCK_S, CHANGED_S, EXPOSURE = 0, 1, 2, 3, 4, 5, 6
+HIDDEN, CONCURRENT, CAPTURED_S, RECENT_S, RECENT_MW = 7, 8, 9, 10, 11
+BUSY, BUSY_S, IDLE_S, SENDING_S, BACKOFF, ACCESS_S = 12, 13, 14, 15, 16, 17
+LOADED_S, LOAD, BUSY_RATIO = 18, 19, 20
+READY_S, BYTES, DBM = 21, 22, 23
+START_S, END_S, AIR_BYTES, FIRST, COUNT = 24, 25, 26, 27, 28
+COLUMNS = 29
+
+MESSAGE, AIR, SEED = 0, 1, 2
+"""Columns of ``message`` (V, 3): the message that waits, the one on the air (-1 for none), and its chance."""
+
+LOCKED, HALF_DUPLEX, WEAK, IS_HIDDEN, IS_CONCURRENT = 0, 1, 2, 3, 4
+RECEIVED = 0
+NEVER = -1e9
+
+
+_LUCK = 1 << 32
+"""Apart from the indices of vehicles: a frame's fading and its luck are independent."""
+
+
+class DsrcConstants(NamedTuple):
+    """Parameters as numbers; made by `Dsrc`. Powers are in mW, times in s."""
+
+    slot_s: float
+    aifs_s: float
+    extended_s: float
+    window: int
+    sensing_s: float
+    immediate: bool
+    preamble_s: float
+    symbol_s: float
+    bits_per_symbol: int
+    capture_s: float
+    capture_ratio: float
+    preamble_ratio: float
+    noise_mw: float
+    sensitivity_mw: float
+    decodable_mw: float
+    energy_mw: float
+    load_mw: float
+    quiet_mw: float
+    gain_db: float
+    range_m: float
+    bin_m: float
+    bins: int
+    window_s: float
+    by_stretch: bool
+    units_fixed: float
+    units_per_byte: float
+    shadowed: bool
+
+
+@numba.njit(cache=True, nogil=True)
+def silent_station(vehicles: int) -> Any:
+    """Return the station columns of a silent channel, (V, COLUMNS)."""
+    station = np.zeros((vehicles, COLUMNS))
+    for v in range(vehicles):
+        station[v, LOCK] = -1.0
+        for column in (CAPTURED_S, RECENT_S, BUSY_S, IDLE_S, SENDING_S, START_S, END_S):
+            station[v, column] = NEVER
+        station[v, ACCESS_S] = np.inf
+        station[v, LOADED_S] = -1.0
+    return station
+
+
+@borrowing
+def settle(station: Any, j: int, t_s: float, hazard: Any, constants: Any) -> None:
+    """Count what a locked receiver suffered since its surroundings last changed."""
+    holder = int(station[j, LOCK])
+    airtime_s = station[holder, END_S] - station[holder, START_S]
+    payload_from = station[j, LOCK_S] + constants.preamble_s
+    since = max(station[j, CHANGED_S], payload_from)
+    station[j, CHANGED_S] = t_s
+    if t_s <= since:
+        return
+    other_mw = max(station[j, SIGNAL] - station[j, LOCK_MW], 0.0)
+    if station[j, SIGNALS] < 1.5:
+        other_mw = 0.0
+    if constants.by_stretch:
+        share = (t_s - since) / (airtime_s - constants.preamble_s)
+        ratio = station[j, LOCK_MW] / (constants.noise_mw + other_mw)
+        units = constants.units_fixed + constants.units_per_byte * station[holder, AIR_BYTES]
+        station[j, EXPOSURE] += units * share * hazard_at(ratio, hazard)
+    else:
+        station[j, EXPOSURE] += other_mw * (t_s - since)
+
+
+@borrowing
+def sense_medium(station: Any, j: int, t_s: float, constants: Any) -> int:
+    """Bring carrier sense and load up to date; return 1 where it turned busy, -1 where it turned idle."""
+    sending = station[j, SENDING_S] > t_s
+    busy = (
+        sending
+        or (station[j, LOCK] >= 0.0 and station[j, LOCK_MW] >= constants.decodable_mw)
+        or station[j, SIGNAL] >= constants.energy_mw
+    )
+    loaded = sending or station[j, SIGNAL] >= constants.load_mw
+    if loaded:
+        if station[j, LOADED_S] < 0.0:
+            station[j, LOADED_S] = t_s
+    elif station[j, LOADED_S] >= 0.0:
+        station[j, LOAD] += t_s - station[j, LOADED_S]
+        station[j, LOADED_S] = -1.0
+    if busy:
+        if station[j, BUSY] == 0.0:
+            station[j, BUSY], station[j, BUSY_S] = 1.0, t_s
+            if station[j, BACKOFF] > 0.0 and not (station[j, ACCESS_S] < t_s + constants.sensing_s):
+                passed = np.floor((t_s - station[j, IDLE_S] - constants.aifs_s) / constants.slot_s + 1e-6)
+                station[j, BACKOFF] = max(station[j, BACKOFF] - max(passed, 0.0), 0.0)
+            return 1
+        return 0
+    if station[j, BUSY] == 1.0:
+        station[j, BUSY], station[j, IDLE_S] = 0.0, t_s
+        return -1
+    return 0
+
+
+@borrowing
+def draw_backoff(random: Any, window: int) -> float:
+    """Return a number of slots in 0..window."""
+    return np.floor(uniform(random) * (window + 1))
+
+
+@borrowing
+def is_concurrent(first_s: float, second_s: float, slot_s: float) -> bool:
+    return abs(first_s - second_s) < slot_s
+
+
+@borrowing
+def begin_reception(
+    station: Any, j: int, sender: int, power_mw: float, t_s: float, end_s: float, hazard: Any, constants: Any
+) -> int:
+    """A frame begins at one receiver: add its power, lock or not; return the flag of this pair."""
+    slot_s = constants.slot_s
+    before_mw = station[j, SIGNAL] if station[j, SIGNALS] > 0.5 else 0.0
+    locked = station[j, LOCK] >= 0.0
+    airtime_s = end_s - t_s
+    concurrent_before = is_concurrent(station[j, RECENT_S], t_s, slot_s)
+    if locked:
+        settle(station, j, t_s, hazard, constants)
+    flag = LOCKED
+    if station[j, SENDING_S] > t_s:
+        flag = HALF_DUPLEX
+    elif power_mw < constants.sensitivity_mw or power_mw < constants.preamble_ratio * constants.noise_mw:
+        flag = WEAK
+    else:
+        heard = power_mw >= constants.preamble_ratio * (constants.noise_mw + before_mw)
+        if locked:
+            heard = t_s - station[
+                j, LOCK_S
+            ] <= constants.capture_s and power_mw >= constants.capture_ratio * (
+                constants.noise_mw + before_mw
+            )
+        if not heard:
+            at_fault_s = station[j, LOCK_S] if locked else station[j, RECENT_S]
+            flag = IS_CONCURRENT if is_concurrent(at_fault_s, t_s, slot_s) else IS_HIDDEN
+    if flag == LOCKED:
+        if locked:
+            station[j, CAPTURED_S] = t_s
+        station[j, LOCK], station[j, LOCK_MW], station[j, LOCK_S] = sender, power_mw, t_s
+        station[j, CHANGED_S], station[j, EXPOSURE] = t_s, 0.0
+        recent_mw = min(station[j, RECENT_MW], before_mw) if concurrent_before else 0.0
+        station[j, CONCURRENT] = recent_mw * airtime_s
+        station[j, HIDDEN] = (before_mw - recent_mw) * airtime_s
+    elif locked:
+        overlap_s = min(end_s, station[int(station[j, LOCK]), END_S]) - t_s
+        if is_concurrent(station[j, LOCK_S], t_s, slot_s):
+            station[j, CONCURRENT] += power_mw * overlap_s
+        else:
+            station[j, HIDDEN] += power_mw * overlap_s
+    station[j, SIGNAL] = before_mw + power_mw
+    station[j, SIGNALS] += 1.0
+    station[j, RECENT_S], station[j, RECENT_MW] = t_s, power_mw
+    return flag
+
+
+@borrowing
+def finish_reception(
+    station: Any,
+    j: int,
+    sender: int,
+    power_mw: float,
+    flag: int,
+    t_s: float,
+    hazard: Any,
+    constants: Any,
+    seed: int,
+) -> int:
+    """A frame ends at one receiver: take its power away; return what became of it."""
+    start_s = station[sender, START_S]
+    outcome = flag
+    mine = station[j, LOCK] == sender
+    if station[j, LOCK] >= 0.0:
+        settle(station, j, t_s, hazard, constants)
+    if station[j, SENDING_S] > start_s:
+        outcome = HALF_DUPLEX
+    elif mine:
+        units = constants.units_fixed + constants.units_per_byte * station[sender, AIR_BYTES]
+        alone = units * hazard_at(power_mw / constants.noise_mw, hazard)
+        if constants.by_stretch:
+            suffered = station[j, EXPOSURE]
+        else:
+            mean_mw = station[j, EXPOSURE] / (t_s - start_s - constants.preamble_s)
+            suffered = units * hazard_at(power_mw / (constants.noise_mw + mean_mw), hazard)
+        luck = -np.log(1.0 - uniform_of(seed, j + _LUCK))
+        if suffered <= luck:
+            outcome = RECEIVED
+        elif alone > luck:
+            outcome = WEAK
+        else:
+            outcome = IS_CONCURRENT if station[j, CONCURRENT] > station[j, HIDDEN] else IS_HIDDEN
+    elif flag == LOCKED:  # a stronger frame took the receiver away
+        outcome = (
+            IS_CONCURRENT if is_concurrent(station[j, CAPTURED_S], start_s, constants.slot_s) else IS_HIDDEN
+        )
+    if mine:
+        station[j, LOCK], station[j, LOCK_MW] = -1.0, 0.0
+    station[j, SIGNALS] -= 1.0
+    station[j, SIGNAL] = max(station[j, SIGNAL] - power_mw, 0.0) if station[j, SIGNALS] > 0.5 else 0.0
+    return outcome

@@ -1,0 +1,22 @@
+"""Compiled look-up of an error model's hazard."""
+
+from typing import Any
+
+import numpy as np
+
+from modelcast.channel.borrowing_kernels import borrowing
+from modelcast.channel.error_models import HAZARD_MIN_DB, HAZARD_PER_DB, HAZARD_SIZE
+
+__all__ = ["hazard_at"]
+
+
+@borrowing
+def hazard_at(ratio: float, table: Any) -> float:
+    """Return the hazard of a unit at a power ratio."""
+    at = (10.0 * np.log10(ratio) - HAZARD_MIN_DB) * HAZARD_PER_DB
+    if at <= 0.0:
+        return table[0]
+    if at >= HAZARD_SIZE - 1:
+        return table[HAZARD_SIZE - 1]
+    k = int(at)
+    return table[k] + (at - k) * (table[k + 1] - table[k])

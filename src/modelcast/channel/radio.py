@@ -1,0 +1,193 @@
+"""What a radio does to the messages of a whole fleet: the second kind of channel.
+
+`AbstractChannel` (`channel/base.py`) loses messages of one recorded trip, instant by instant. `AbstractRadio`
+carries all transmissions of an interval together, so that they contend: who hears whom depends on who else
+sends. State goes in and comes out; a lost message is an absent reception, counted by cause and distance.
+"""
+
+import abc
+from dataclasses import KW_ONLY, dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray, IntArray
+
+__all__ = ["OUTCOMES", "AbstractRadio", "Receptions", "Transmissions"]
+
+OUTCOMES = ("received", "half-duplex", "below-sensitivity", "hidden", "concurrent")
+"""What can become of a frame at a vehicle in reach: columns of `Receptions.outcomes`.
+
+``half-duplex``: the receiver was sending. ``below-sensitivity``: too weak even without interference.
+Otherwise interference decided: ``concurrent`` where most of it began in the same slot (or chose the same
+resource at the same time), so that neither sender could have known, ``hidden`` where it began while the
+other was on the air.
+"""
+
+State = TypeVar("State")
+
+
+@dataclass(frozen=True, slots=True)
+class Transmissions:
+    """Messages that vehicles hand to their radios within one interval.
+
+    Parameters
+    ----------
+    sender
+        Index of the sending vehicle, (N,).
+    ready_s
+        When the message is ready, (N,), not falling [s].
+    size_bytes
+        Bytes handed to the physical layer, MAC header included, (N,).
+    power_dbm
+        Transmit power at the antenna connector, (N,) [dBm].
+    message_id
+        The caller's number of the message, not negative; receptions carry it, (N,).
+
+    Raises
+    ------
+    ValueError
+        Where lengths differ, times fall, or a size or number is out of range.
+    """
+
+    sender: IntArray
+    ready_s: FloatArray
+    _: KW_ONLY
+    size_bytes: IntArray
+    power_dbm: FloatArray
+    message_id: IntArray
+
+    def __post_init__(self) -> None:
+        sizes = {
+            self.sender.size,
+            self.ready_s.size,
+            self.size_bytes.size,
+            self.power_dbm.size,
+            self.message_id.size,
+        }
+        if len(sizes) != 1:
+            raise ValueError(f"all columns must have one length, got {sorted(sizes)}")
+        if self.sender.size == 0:
+            return
+        if not np.all(np.diff(self.ready_s) >= 0):
+            raise ValueError("ready_s must not fall: sort the transmissions by time")
+        if int(self.size_bytes.min()) < 1:
+            raise ValueError(f"size_bytes must be at least 1, got {int(self.size_bytes.min())}")
+        if int(self.message_id.min()) < 0 or int(self.sender.min()) < 0:
+            raise ValueError("sender and message_id must not be negative")
+        if not np.all(np.isfinite(self.power_dbm)):
+            raise ValueError("power_dbm must be finite")
+
+    @property
+    def size(self) -> int:
+        """Number of messages."""
+        return self.sender.size
+
+    def check(
+        self, t_s: float, until_t_s: float, position_m: FloatArray, vehicles: int, max_power_dbm: float
+    ) -> None:
+        """Refuse what does not fit a step of a radio.
+
+        Parameters
+        ----------
+        t_s, until_t_s
+            Bounds of the interval [s].
+        position_m
+            What should be (V, 2).
+        vehicles
+            V.
+        max_power_dbm
+            The radio's limit [dBm].
+
+        Raises
+        ------
+        ValueError
+            Where positions, times, senders or powers are out of bounds.
+        """
+        if position_m.shape != (vehicles, 2):
+            raise ValueError(f"position_m must be ({vehicles}, 2), got {position_m.shape}")
+        if not until_t_s >= t_s:
+            raise ValueError(f"until_t_s must not lie before the state's {t_s} s, got {until_t_s}")
+        if self.size == 0:
+            return
+        if self.ready_s[0] < t_s or self.ready_s[-1] >= until_t_s:
+            raise ValueError(f"ready_s must lie within {t_s} s..{until_t_s} s, the end excluded")
+        if int(self.sender.max()) >= vehicles:
+            raise ValueError(f"sender must be below {vehicles}, got {int(self.sender.max())}")
+        loudest_dbm = float(self.power_dbm.max())
+        if loudest_dbm > max_power_dbm:
+            raise ValueError(f"power_dbm must not exceed max_power_dbm = {max_power_dbm}, got {loudest_dbm}")
+
+
+@dataclass(frozen=True, slots=True)
+class Receptions:
+    """What arrived in one interval, in order of time.
+
+    Parameters
+    ----------
+    message_id, sender, receiver
+        Which message, from and to which vehicle, (R,).
+    t_s
+        When its last bit arrived, (R,) [s].
+    rssi_dbm
+        Received power, (R,) [dBm].
+    outcomes
+        Pairs of frame and vehicle in reach by distance bin and cause, (bins, len(OUTCOMES)). A frame counts
+        in the interval in which it ends.
+    expired
+        Numbers of the messages never sent: a newer message of the same vehicle took their place, or the
+        vehicle was not there, (E,).
+    """
+
+    message_id: IntArray
+    sender: IntArray
+    _: KW_ONLY
+    receiver: IntArray
+    t_s: FloatArray
+    rssi_dbm: FloatArray
+    outcomes: IntArray
+    expired: IntArray
+
+    @property
+    def size(self) -> int:
+        """Number of receptions."""
+        return self.receiver.size
+
+
+class AbstractRadio(abc.ABC, Generic[State]):
+    """A radio technology shared by a fleet."""
+
+    @abc.abstractmethod
+    def init(self, vehicles: int, rng: np.random.Generator) -> State:
+        """State of a silent channel at time 0.
+
+        Parameters
+        ----------
+        vehicles
+            Number V of vehicles; places are given with every step.
+        rng
+            Seeds the channel's own random numbers; nothing else is drawn from it.
+        """
+
+    @abc.abstractmethod
+    def step(
+        self, state: State, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+    ) -> tuple[Receptions, State]:
+        """Carry one interval, from the state's time to ``until_t_s``; the given state is left alone.
+
+        Parameters
+        ----------
+        state
+            What `init` or the last step returned.
+        transmissions
+            Messages ready within the interval.
+        position_m
+            East and north of all vehicles, held for the interval, (V, 2) [m]. A vehicle at NaN is absent: it
+            neither sends nor hears.
+        until_t_s
+            End of the interval [s]. Frames on the air and messages that wait stay in the state.
+        """
+
+    @abc.abstractmethod
+    def channel_busy_ratio(self, state: State) -> FloatArray:
+        """Busy share of the last full measuring window of every vehicle, 0..1, (V,)."""

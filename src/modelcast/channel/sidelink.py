@@ -1,0 +1,278 @@
+"""LTE-V2X mode 4: vehicles that listen for a second, reserve a resource, and come back to it.
+
+`Sidelink` simulates sensing-based semi-persistent scheduling of one pool of sub-channels. A vehicle holds one
+message at most; a newer one takes its place. Periodic traffic suits it; for messages at uneven times there
+is the one-shot grant (`SidelinkParameters.one_shot`), chosen by the same sensing and never announced.
+"""
+
+from dataclasses import KW_ONLY, dataclass, field, replace
+
+import numpy as np
+
+from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
+from modelcast.channel.error_models import AbstractErrorModel, TabulatedErrorModel
+from modelcast.channel.propagation import Propagation
+from modelcast.channel.propagation_kernels import PropagationTables, empty_pairs
+from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
+from modelcast.channel.sidelink_kernels import BAND, GRANT_COLUMNS, MESSAGE, advance
+from modelcast.channel.sidelink_parameters import (
+    BITS_PER_BLOCK,
+    BLOCK_ELEMENTS,
+    COUNTER,
+    COUNTERS,
+    SidelinkParameters,
+    in_band_emission,
+)
+from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants
+from modelcast.core.arrays import FloatArray, IntArray, SingleArray
+
+__all__ = ["Sidelink", "SidelinkState"]
+
+
+@dataclass(frozen=True, slots=True)
+class SidelinkState:
+    """A pool at one instant: plain arrays.
+
+    Parameters
+    ----------
+    t_s
+        Now; a whole millisecond [s].
+    random
+        Word of the random generator, (1,).
+    grant
+        Resource and waiting message of every vehicle, (V, GRANT_COLUMNS).
+    power_dbm
+        Power of the waiting message, (V,) [dBm].
+    sensed
+        S-RSSI of the last 1000 subframes, infinite where the vehicle sent, (V, 1000, sub-channels) [mW].
+    reserved
+        Power of an element of the strongest reservation by phase of the interval, (V, interval, sub-channels)
+        [mW].
+    busy_ratio
+        Of the last full window, (V,).
+    pairs, pair_count
+        Shadowing of pairs: open addressing, (C, 4), (1,).
+    """
+
+    t_s: float
+    random: np.ndarray[tuple[int], np.dtype[np.uint64]]
+    _: KW_ONLY
+    grant: IntArray
+    power_dbm: FloatArray
+    sensed: SingleArray
+    reserved: SingleArray
+    busy_ratio: FloatArray
+    pairs: FloatArray
+    pair_count: IntArray
+
+    @property
+    def vehicles(self) -> int:
+        """Number of vehicles V."""
+        return self.grant.shape[0]
+
+    def copy(self) -> "SidelinkState":
+        """Same state in arrays of its own."""
+        return replace(
+            self,
+            random=self.random.copy(),
+            grant=self.grant.copy(),
+            power_dbm=self.power_dbm.copy(),
+            sensed=self.sensed.copy(),
+            reserved=self.reserved.copy(),
+            busy_ratio=self.busy_ratio.copy(),
+            pairs=self.pairs.copy(),
+            pair_count=self.pair_count.copy(),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Sidelink(AbstractRadio[SidelinkState]):
+    """LTE-V2X mode 4 of a fleet on one pool.
+
+    Parameters
+    ----------
+    parameters
+        Constants of the radio.
+    propagation
+        What becomes of the power. The default has no fast fading: the error curve holds it.
+    error_model
+        Packet error against SINR.
+
+    Notes
+    -----
+    Time runs in subframes of 1 ms; steps must end on one. A message ready in subframe n is looked at in n
+    and sent in n + T1 to n + T2. All have one reservation interval. Of lost frames, ``concurrent`` means
+    that the strongest interferer was near enough to hear the sender's reservations (median power),
+    ``hidden`` that it was not.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> radio = Sidelink()
+    >>> state = radio.init(2, np.random.default_rng(1))
+    >>> one = Transmissions(
+    ...     np.array([0]),
+    ...     np.array([0.01]),
+    ...     size_bytes=np.array([300]),
+    ...     power_dbm=np.array([23.0]),
+    ...     message_id=np.array([7]),
+    ... )
+    >>> heard, state = radio.step(state, one, np.array([[0.0, 0.0], [50.0, 0.0]]), 0.2)
+    >>> heard.message_id.tolist(), bool(0.012 <= heard.t_s[0] <= 0.111)
+    ([7], True)
+    """
+
+    parameters: SidelinkParameters = field(default_factory=SidelinkParameters)
+    propagation: Propagation = field(default_factory=lambda: Propagation(fading=None))
+    error_model: AbstractErrorModel = field(default_factory=TabulatedErrorModel.sidelink_mcs5)
+    constants: SidelinkConstants = field(init=False, repr=False, compare=False)
+    hazard: FloatArray = field(init=False, repr=False, compare=False)
+    leak: FloatArray = field(init=False, repr=False, compare=False)
+    tables: PropagationTables = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        constants = self._constants()
+        object.__setattr__(self, "constants", constants)
+        object.__setattr__(self, "hazard", np.ascontiguousarray(self.error_model.hazards()))
+        object.__setattr__(
+            self, "leak", in_band_emission(self.parameters.sub_channels, self.parameters.blocks)
+        )
+        object.__setattr__(self, "tables", self.propagation.tables(constants.range_m))
+
+    @property
+    def range_m(self) -> float:
+        """Distance beyond which nothing is heard or disturbed [m]."""
+        return self.constants.range_m
+
+    def _constants(self) -> SidelinkConstants:
+        p = self.parameters
+        noise_dbm = thermal_noise_dbm(p.sub_channel_hz) + p.noise_figure_db
+        loudest_dbm = p.max_power_dbm + 2.0 * p.antenna_gain_db
+        elements = float(p.blocks * BLOCK_ELEMENTS)
+        reserved_dbm = p.reserved_dbm + 10.0 * np.log10(elements)  # over one sub-channel
+        units_fixed = float(self.error_model.units(np.array([0.0]))[0])
+        units_per_byte = float(self.error_model.units(np.array([1.0]))[0]) - units_fixed
+        shadowing = self.propagation.shadowing
+        low, high = COUNTERS.get(p.interval_ms, COUNTER)
+        return SidelinkConstants(
+            sub_channels=p.sub_channels,
+            overlapping=p.overlapping,
+            first=p.first_ms,
+            last=min(p.last_ms, p.interval_ms),
+            interval=p.interval_ms,
+            one_shot=p.one_shot,
+            counter_low=low,
+            counter_high=high,
+            keep_ratio=p.keep_ratio,
+            reselect_after=p.reselect_after,
+            best_ratio=p.best_ratio,
+            reserved_mw=power_ratio(p.reserved_dbm),
+            elements=float(BLOCK_ELEMENTS),
+            noise_mw=power_ratio(noise_dbm),
+            sensitivity_mw=power_ratio(p.sensitivity_dbm),
+            quiet_mw=power_ratio(noise_dbm - p.margin_db),
+            control_ratio=power_ratio(p.control_db),
+            load_mw=power_ratio(p.load_dbm),
+            window=p.busy_window_ms,
+            gain_db=2.0 * p.antenna_gain_db,
+            range_m=self.propagation.range_m(loudest_dbm - noise_dbm + p.margin_db),
+            sensing_range_m=self.propagation.range_m(loudest_dbm - reserved_dbm),
+            bin_m=p.bin_m,
+            bins=p.bins,
+            blocks=p.blocks,
+            bits_per_block=BITS_PER_BLOCK[p.mcs],
+            control_blocks=p.control_blocks,
+            units_fixed=units_fixed,
+            units_per_byte=units_per_byte,
+            shadowed=shadowing is not None and (shadowing.los_db > 0 or shadowing.nlos_db > 0),
+        )
+
+    def init(self, vehicles: int, rng: np.random.Generator) -> SidelinkState:
+        """State of a silent pool at time 0."""
+        if vehicles < 1:
+            raise ValueError(f"vehicles must be at least 1, got {vehicles}")
+        p = self.parameters
+        grant = np.zeros((vehicles, GRANT_COLUMNS), dtype=np.int64)
+        grant[:, BAND] = grant[:, MESSAGE] = -1
+        pairs, pair_count = empty_pairs(1024)
+        return SidelinkState(
+            0.0,
+            rng.integers(0, 2**64, size=1, dtype=np.uint64),
+            grant=grant,
+            power_dbm=np.zeros(vehicles),
+            sensed=np.full((vehicles, MEMORY, p.sub_channels), self.constants.noise_mw, dtype=np.float32),
+            reserved=np.zeros((vehicles, p.interval_ms, p.sub_channels), dtype=np.float32),
+            busy_ratio=np.zeros(vehicles),
+            pairs=pairs,
+            pair_count=pair_count,
+        )
+
+    def step(
+        self, state: SidelinkState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+    ) -> tuple[Receptions, SidelinkState]:
+        """Carry one interval; the given state is left alone."""
+        return self.carry(state.copy(), transmissions, position_m, until_t_s)
+
+    def carry(
+        self, state: SidelinkState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+    ) -> tuple[Receptions, SidelinkState]:
+        """Carry one interval and use the given state up: faster than `step`, for a loop that owns its state.
+
+        Parameters
+        ----------
+        state
+            Its arrays are written into; do not use it again.
+        transmissions, position_m, until_t_s
+            As for `step`.
+        """
+        self._check(state, transmissions, position_m, until_t_s)
+        who, when, outcomes, expired, pairs, pair_count = advance(
+            round(state.t_s * 1e3),
+            round(until_t_s * 1e3),
+            state.random,
+            state.grant,
+            state.power_dbm,
+            state.sensed,
+            state.reserved,
+            state.busy_ratio,
+            state.pairs,
+            state.pair_count,
+            transmissions.sender,
+            np.floor(transmissions.ready_s * 1e3 + 1e-6).astype(np.int64),
+            transmissions.size_bytes,
+            transmissions.power_dbm,
+            transmissions.message_id,
+            np.ascontiguousarray(position_m, dtype=np.float64),
+            self.hazard,
+            self.leak,
+            self.tables,
+            self.constants,
+        )
+        receptions = Receptions(
+            who[:, 0],
+            who[:, 1],
+            receiver=who[:, 2],
+            t_s=when[:, 0],
+            rssi_dbm=10.0 * np.log10(when[:, 1]),
+            outcomes=outcomes,
+            expired=expired,
+        )
+        return receptions, replace(state, t_s=until_t_s, pairs=pairs, pair_count=pair_count)
+
+    def channel_busy_ratio(self, state: SidelinkState) -> FloatArray:
+        """Share of sub-channels above -94 dBm in the last full 100 subframes of every vehicle, 0..1, (V,)."""
+        return state.busy_ratio.copy()
+
+    def _check(
+        self, state: SidelinkState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+    ) -> None:
+        if abs(until_t_s * 1e3 - round(until_t_s * 1e3)) > 1e-6:
+            raise ValueError(f"until_t_s must be a whole number of milliseconds, got {until_t_s} s")
+        transmissions.check(state.t_s, until_t_s, position_m, state.vehicles, self.parameters.max_power_dbm)
+        if transmissions.size > 0:
+            longest = int(self.parameters.length(transmissions.size_bytes).max())
+            if longest > self.parameters.sub_channels:
+                raise ValueError(
+                    f"size_bytes must fit into {self.parameters.sub_channels} sub-channels, "
+                    f"got {int(transmissions.size_bytes.max())} bytes, which take {longest}"
+                )

@@ -1,0 +1,98 @@
+"""Compiled choice of a resource by sensing: reservations exclude, power ranks, then chance decides."""
+
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+
+from modelcast.channel.random_kernels import uniform
+
+__all__ = ["MEMORY", "SidelinkConstants", "select_resource"]
+
+MEMORY = 1000
+"""Subframes of the sensing window; TS 36.213, 14.1.1.6."""
+
+_STEP = 100
+"""Power is averaged over subframes at this distance; the same clause."""
+
+
+class SidelinkConstants(NamedTuple):
+    """Parameters as numbers; made by `Sidelink`. Powers are in mW."""
+
+    sub_channels: int
+    overlapping: bool
+    first: int
+    last: int
+    interval: int
+    one_shot: bool
+    counter_low: int
+    counter_high: int
+    keep_ratio: float
+    reselect_after: int
+    best_ratio: float
+    reserved_mw: float
+    elements: float
+    noise_mw: float
+    sensitivity_mw: float
+    quiet_mw: float
+    control_ratio: float
+    load_mw: float
+    window: int
+    gain_db: float
+    range_m: float
+    sensing_range_m: float
+    bin_m: float
+    bins: int
+    blocks: int
+    bits_per_block: float
+    control_blocks: int
+    units_fixed: float
+    units_per_byte: float
+    shadowed: bool
+
+
+@numba.njit(cache=True, nogil=True)
+def select_resource(
+    v: int, now: int, length: int, sensed: Any, reserved: Any, random: Any, constants: Any
+) -> Any:
+    """Return subframe and first sub-channel of a resource chosen by sensing (TS 36.213, 14.1.1.6)."""
+    step = 1 if constants.overlapping else length
+    bands = (constants.sub_channels - length) // step + 1
+    subframes = constants.last - constants.first + 1
+    total = subframes * bands
+    channels = constants.sub_channels
+    past = np.zeros((subframes, channels))
+    for k in range(1, MEMORY // _STEP + 1):
+        for n in range(subframes):
+            at = (now + constants.first + n - _STEP * k) % MEMORY
+            for s in range(channels):
+                past[n, s] += sensed[v, at, s]
+    mean = np.empty(total)
+    strongest = np.empty(total)
+    for n in range(subframes):
+        phase = (now + constants.first + n) % constants.interval
+        for b in range(bands):
+            power = 0.0
+            rsrp = 0.0
+            for s in range(b * step, b * step + length):
+                rsrp = max(rsrp, reserved[v, phase, s])
+                power += past[n, s]
+            # A part in a million of chance decides between resources that are equally quiet.
+            mean[n * bands + b] = power * (1.0 + 1e-6 * uniform(random))
+            strongest[n * bands + b] = rsrp
+    wanted = int(np.ceil(constants.best_ratio * total))
+    possible = np.isfinite(mean).sum()
+    wanted = max(min(wanted, possible), 1)
+    limit = constants.reserved_mw
+    free = np.isfinite(mean) & (strongest <= limit)
+    while free.sum() < wanted and limit < 1e6:
+        limit *= 2.0
+        free = np.isfinite(mean) & (strongest <= limit)
+    chosen = np.flatnonzero(free)
+    if chosen.size == 0:
+        pick = int(uniform(random) * total)
+    else:
+        if chosen.size > wanted:
+            chosen = chosen[np.argsort(mean[chosen])[:wanted]]
+        pick = chosen[int(uniform(random) * chosen.size)]
+    return now + constants.first + pick // bands, (pick % bands) * step

@@ -1,0 +1,87 @@
+"""Compiled radio from a table: chance of reception by distance and load."""
+
+from typing import Any
+
+import numba
+import numpy as np
+
+from modelcast.channel.grid_kernels import build_grid, cell_span
+from modelcast.channel.random_kernels import uniform
+
+__all__ = ["advance"]
+
+
+@numba.njit(cache=True, nogil=True)
+def advance(
+    random: Any,
+    sender: Any,
+    ready_s: Any,
+    airtime_s: Any,
+    message_id: Any,
+    position_m: Any,
+    interval_s: float,
+    load_range_m: float,
+    bin_m: float,
+    loads: Any,
+    ratios: Any,
+) -> Any:
+    """Carry one interval; ``ratios`` (L, bins) is the table, ``loads`` (L,) its rising loads.
+
+    Returns receptions ((R, 3) integers and their times (R,)), outcomes (bins, 5), expired messages, and the
+    load of every vehicle.
+    """
+    bins = ratios.shape[1]
+    range_m = bins * bin_m
+    reach_m = max(range_m, load_range_m)
+    grid = build_grid(position_m, reach_m)
+    load = np.zeros(position_m.shape[0])
+    outcomes = np.zeros((bins, 5), dtype=np.int64)
+    expired, lapsed = np.empty(sender.size, dtype=np.int64), 0
+    who, when, received = np.empty((1024, 3), dtype=np.int64), np.empty(1024), 0
+    for turn in range(2):  # first the load of everybody, then who receives
+        for n in range(sender.size):
+            v = sender[n]
+            east, north = position_m[v, 0], position_m[v, 1]
+            if not (np.isfinite(east) and np.isfinite(north)):
+                if turn == 0:
+                    expired[lapsed] = message_id[n]
+                    lapsed += 1
+                continue
+            if turn == 0:
+                load[v] += airtime_s[n] / interval_s
+            if received + grid.order.size > who.shape[0]:
+                rows = 2 * (received + grid.order.size)
+                more_who, more_when = np.empty((rows, 3), dtype=np.int64), np.empty(rows)
+                more_who[:received], more_when[:received] = who[:received], when[:received]
+                who, when = more_who, more_when
+            column_from, column_to = cell_span(east, grid.corner_east_m, grid.cell_m, grid.columns, reach_m)
+            row_from, row_to = cell_span(north, grid.corner_north_m, grid.cell_m, grid.rows, reach_m)
+            for row in range(row_from, row_to + 1):
+                low = grid.start[row * grid.columns + column_from]
+                high = grid.start[row * grid.columns + column_to + 1]
+                for k in range(low, high):
+                    j = grid.order[k]
+                    away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
+                    distance_m = np.sqrt(away_east * away_east + away_north * away_north)
+                    if j == v:
+                        continue
+                    if turn == 0:
+                        if distance_m <= load_range_m:
+                            load[j] += airtime_s[n] / interval_s
+                        continue
+                    group = int(distance_m / bin_m)
+                    if group >= bins:
+                        continue
+                    luck = uniform(random)
+                    if luck < np.interp(load[j], loads, ratios[:, group]):
+                        outcomes[group, 0] += 1
+                        who[received, 0], who[received, 1], who[received, 2] = message_id[n], v, j
+                        when[received] = ready_s[n] + airtime_s[n]
+                        received += 1
+                    elif luck >= ratios[0, group]:
+                        outcomes[group, 2] += 1
+                    else:
+                        outcomes[group, 3] += 1
+    for v in range(load.size):
+        load[v] = min(load[v], 1.0)
+    return who[:received].copy(), when[:received].copy(), outcomes, expired[:lapsed].copy(), load

@@ -1,0 +1,169 @@
+"""Compare packet reception with ns-3, per 50 m of distance, for 50, 100 and 200 nodes on one kilometre.
+
+Usage: python validation/ns3.py NS3_PYTHON [OUTPUT.md]
+NS3_PYTHON is the interpreter of a virtual environment with pip's ``ns3`` 3.44; without an argument the
+environment variable MODELCAST_NS3_PYTHON names it. Needs g++. Both simulators get the same places and phases.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from modelcast.channel.dsrc import Dsrc
+from modelcast.channel.dsrc_parameters import AccessCategory, DsrcParameters
+from modelcast.channel.path_loss import LogDistance
+from modelcast.channel.propagation import NakagamiFading, Propagation
+from modelcast.channel.radio import Transmissions
+
+LENGTH_M, SECONDS, PERIOD_S, PAYLOAD, BIN_M, BINS = 1000.0, 10.0, 0.1, 300, 50.0, 10
+OVERHEAD = 36  # MAC header 24, FCS 4, LLC and SNAP 8
+SEEDS = 3
+TARGET = 0.05
+MODULES = ("core", "network", "mobility", "propagation", "spectrum", "antenna", "wifi", "stats", "energy")
+
+Places = tuple[np.ndarray, np.ndarray]
+
+
+def places(nodes: int, seed: int) -> Places:
+    """Positions (N, 2) and phases (N,)."""
+    rng = np.random.default_rng([seed, nodes])
+    position_m = np.stack([rng.uniform(0.0, LENGTH_M, nodes), 4.0 * rng.integers(0, 4, nodes)], axis=1)
+    return position_m, rng.uniform(0.0, PERIOD_S, nodes)
+
+
+def radio() -> Dsrc:
+    """IEEE 802.11p with ns-3's receiver: its defaults where validation/ns3_broadcast.cc does not set them."""
+    parameters = DsrcParameters(
+        access=AccessCategory(2, 15),  # DCF of a station without QoS
+        noise_figure_db=7.0,
+        sensitivity_dbm=-98.0,
+        decodable_dbm=-98.0,  # whoever receives holds the medium busy
+        energy_dbm=-62.0,
+        preamble_db=2.0,
+        capture_s=4e-6,  # the strongest frame of the preamble detection time
+        capture_db=2.0,
+        sensing_s=4e-6,
+        max_power_dbm=20.0,
+        bin_m=BIN_M,
+        bins=BINS,
+    )
+    return Dsrc(parameters, Propagation(LogDistance(2.4, 47.86), None, NakagamiFading()))
+
+
+def ours(position_m: np.ndarray, phase_s: np.ndarray, seed: int) -> tuple[np.ndarray, float]:
+    """Outcomes (BINS, 5), and the time it took."""
+    channel = radio()
+    state = channel.init(phase_s.size, np.random.default_rng(seed))
+    outcomes = np.zeros((BINS, 5), dtype=np.int64)
+    order = np.argsort(phase_s)
+    start = time.perf_counter()
+    for k in range(round(SECONDS / PERIOD_S)):
+        batch = Transmissions(
+            order,
+            k * PERIOD_S + phase_s[order],
+            size_bytes=np.full(order.size, PAYLOAD + OVERHEAD),
+            power_dbm=np.full(order.size, 20.0),
+            message_id=order + k * order.size,
+        )
+        heard, state = channel.carry(state, batch, position_m, (k + 1) * PERIOD_S)
+        outcomes += heard.outcomes
+    return outcomes, time.perf_counter() - start
+
+
+def build(python: str, folder: Path) -> tuple[Path, dict[str, str]]:
+    """Compile the driver against the wheel; return it and the environment it runs in."""
+    query = [python, "-c", "import sysconfig; print(sysconfig.get_paths()['purelib'])"]
+    asked = subprocess.run(query, capture_output=True, text=True, check=True)  # noqa: S603 - named by the caller
+    site = Path(asked.stdout.strip()) / "ns3"
+    library = site / "lib64"
+    found = [name for name in MODULES if (library / f"libns3.44-{name}.so").exists()]
+    program = folder / "ns3_broadcast"
+    source = Path(__file__).with_name("ns3_broadcast.cc")
+    command = ["g++", "-std=c++20", "-O2", f"-I{site / 'include'}", str(source), "-o", str(program)]
+    command += [f"-L{library}", *(f"-lns3.44-{name}" for name in found), f"-Wl,-rpath,{library}"]
+    command += ["-Wl,--unresolved-symbols=ignore-in-shared-libs"]
+    subprocess.run(command, check=True)  # noqa: S603 - our own source
+    return program, {**os.environ, "LD_LIBRARY_PATH": str(library)}
+
+
+def theirs(
+    program: Path, environment: dict[str, str], where: Places, seed: int, folder: Path
+) -> tuple[np.ndarray, float]:
+    """Pairs and receptions by bin (BINS, 2), and the time it took."""
+    position_m, phase_s = where
+    nodes = folder / "nodes.txt"
+    np.savetxt(nodes, np.column_stack([position_m, phase_s]))
+    start = time.perf_counter()
+    command = [
+        str(program),
+        f"--nodes={nodes}",
+        f"--seconds={SECONDS}",
+        f"--bytes={PAYLOAD}",
+        f"--seed={seed + 1}",
+    ]
+    run = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)  # noqa: S603
+    took_s = time.perf_counter() - start
+    distance_m = np.hypot(*(position_m[:, None] - position_m[None]).transpose(2, 0, 1))
+    group = (distance_m / BIN_M).astype(int)
+    counts = np.zeros((BINS + 1, 2))
+    off = ~np.eye(phase_s.size, dtype=bool)
+    np.add.at(counts[:, 0], np.minimum(group[off], BINS), round(SECONDS / PERIOD_S))
+    for line in run.stdout.splitlines():
+        sender, receiver, received = map(int, line.split())
+        counts[min(group[sender, receiver], BINS), 1] += received
+    return counts[:BINS], took_s
+
+
+def main() -> int:
+    """Print the tables, and write them where asked."""
+    python = sys.argv[1] if len(sys.argv) > 1 else os.environ.get("MODELCAST_NS3_PYTHON", "")
+    if not python:
+        print("name the interpreter that has ns3, as an argument or in MODELCAST_NS3_PYTHON")
+        return 2
+    lines: list[str] = []
+    ours(*places(10, 0), 0)  # compiles
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        program, environment = build(python, folder)
+        for nodes in (50, 100, 200):
+            mine, reference = np.zeros((BINS, 5)), np.zeros((BINS, 2))
+            mine_s = reference_s = 0.0
+            for seed in range(SEEDS):
+                where = places(nodes, seed)
+                outcomes, took_s = ours(*where, seed)
+                mine, mine_s = mine + outcomes, mine_s + took_s
+                counts, took_s = theirs(program, environment, where, seed, folder)
+                reference, reference_s = reference + counts, reference_s + took_s
+            lines += [
+                f"### {nodes} nodes",
+                "",
+                "| distance m | ns-3 | modelcast | difference |",
+                "|---|---|---|---|",
+            ]
+            ratio, own = reference[:, 1] / reference[:, 0], mine[:, 0] / mine.sum(axis=1)
+            for k in range(BINS):
+                lines.append(
+                    f"| {k * BIN_M:.0f}-{(k + 1) * BIN_M:.0f} | {ratio[k]:.3f} | {own[k]:.3f} |"
+                    f" {own[k] - ratio[k]:+.3f} |"
+                )
+            worst = np.abs(own - ratio).max()
+            lines += [
+                "",
+                f"Largest difference {worst:.3f}; target {TARGET}. {SECONDS:.0f} s simulated took ns-3",
+            ]
+            lines[-1] += f" {reference_s / SEEDS:.2f} s and modelcast {mine_s / SEEDS:.3f} s"
+            lines[-1] += f" ({reference_s / mine_s:.0f} times). Mean of {SEEDS} seeds."
+            lines += [""]
+            print("\n".join(lines[-BINS - 7 :]), flush=True)
+    if len(sys.argv) > 2:
+        Path(sys.argv[2]).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
