@@ -255,7 +255,9 @@ def test_settings_name_everything_that_changes_the_numbers() -> None:
         "protocol": "sensor",
         "sensor": replace(base.sensor, position_noise_m=0.5),
         "keep_samples": "all",
-        "sizes": replace(base.sizes, core_bytes=50),
+        "quantised": False,
+        "sizes": replace(base.sizes, more_bytes=10),
+        "stack": replace(base.stack, certificates="digest"),
         "references": False,
     }
     assert {*changed, "map_at"} == {item.name for item in fields(EvaluationSettings)}

@@ -68,6 +68,7 @@ def build_result(
             "kind": np.tile(np.array(["update", "identification", "update", "update"]), len(trips)),
             "sub_model": np.tile(np.array(["cv", "gp", "cv", "cv"]), len(trips)),
             "size_bytes": np.full(4 * len(trips), 40),
+            "airtime_s": np.full(4 * len(trips), 0.36e-3),
         },
         samples=tuple(_block(name, basis, ratios) for name in trips for basis in (None, "total")),
         failures={"broken/<b>7</b>": "fewer than 11 samples [bold]", "broken/8": "time does not increase"},
@@ -130,6 +131,7 @@ def _rate(trip: str, at: int, policy: str, threshold_m: float) -> RateRow:
         total_rate_hz=total,
         moving_total_rate_hz=1.05 * total,
         bytes_per_s=40 * total,
+        airtime_per_s=0.36e-3 * total,
     )
 
 

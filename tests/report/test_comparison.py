@@ -83,6 +83,11 @@ def made(
                 bytes_ratio=1.6 * value[name],
                 bytes_low=ends(1.6 * value[name])[0],
                 bytes_high=ends(1.6 * value[name])[1],
+                airtime_per_s=0.6e-3,
+                baseline_airtime_per_s=0.5e-3,
+                airtime_ratio=1.2 * value[name],
+                airtime_low=ends(1.2 * value[name])[0],
+                airtime_high=ends(1.2 * value[name])[1],
                 trips_over=1,
                 worst_trip="t/2|$x$",
                 worst_excess=4.0 - threshold_m,
@@ -112,6 +117,8 @@ def made(
                 message_bytes=500,
                 baseline_messages=14,
                 baseline_bytes=560,
+                airtime_s=0.004,
+                baseline_airtime_s=0.005,
                 duration_s=300.0,
             ),
         )
@@ -163,11 +170,11 @@ def lines_of(axes: object, label: str) -> np.ndarray:
 
 def test_lines_lie_at_the_pooled_ratios() -> None:
     figure = plot_comparison(made())
-    messages, sizes, p90, p99 = figure.axes[4:]
+    messages, airtime, p90, p99 = figure.axes[4:]
     for at, name in enumerate(NAMES):
         value = 0.5 + 0.2 * at
         np.testing.assert_allclose(lines_of(messages, name), [value + 0.2, value + 0.5])
-        np.testing.assert_allclose(lines_of(sizes, name), [1.6 * value] * 2)
+        np.testing.assert_allclose(lines_of(airtime, name), [1.2 * value] * 2)
         np.testing.assert_allclose(lines_of(p90, name), [value + 0.5, value + 0.9], err_msg="worst threshold")
         np.testing.assert_allclose(lines_of(p99, name), [(value + 0.5) / 2, (value + 0.9) / 2])
     np.testing.assert_allclose(lines_of(messages, "Known future, degree 2"), [0.2, 0.2])
@@ -240,7 +247,8 @@ def test_the_table_is_markdown_with_as_many_cells_in_every_row() -> None:
             "| ctra | 0.90 [0.80, 1.00] | 1.20 [1.10, 1.30] | +0.20 [-0.10, +0.10]<br>+0.20"
         )
         assert rows[3].endswith(
-            "| 1.12 / 1.12 | 1.20 / 1.60 | 0.60 / 0.80 | 2 of 6 | t/2\\|$x$, 1.25 at 20 cm |"
+            "| 1.12 / 1.12 | 0.84 [0.74, 0.94] | 0.84 [0.74, 0.94] "
+            "| 1.20 / 1.60 | 0.60 / 0.80 | 2 of 6 | t/2\\|$x$, 1.25 at 20 cm |"
         )
     assert "`clairvoyant-2` 0.20 / 0.20; `cam` 2.50 / 2.50" in text
     assert "hills\\|and dales, 2 trips, 600 s" in text

@@ -8,6 +8,7 @@ from cyclopts import Parameter
 
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import Numbers, SensorOptions, Words
+from modelcast.messages.rules import CertificateRule
 from modelcast.policy.rules import IdentifyRule, StartRule
 
 if TYPE_CHECKING:
@@ -67,6 +68,10 @@ class CompareOptions:
     references
         Count the references too: the fewest messages of a sender that knows the future, and the rules of
         cooperative awareness messages.
+    quantised
+        Predict with what a message can say, at sender and host alike.
+    certificates
+        Which messages carry the certificate, as in 'modelcast evaluate'.
     sensor
         What the sender measures in the sensor protocol.
     """
@@ -87,6 +92,8 @@ class CompareOptions:
     trusted_horizon: Numbers = (0.0,)
     keep_alive: float = 2.0
     references: bool = True
+    quantised: bool = True
+    certificates: CertificateRule = "gap"
     sensor: SensorOptions = field(default_factory=SensorOptions)
 
     def as_plain(self) -> Mapping[str, Any]:
@@ -113,6 +120,8 @@ class CompareOptions:
             seed=self.seed,
             keep_alive=self.keep_alive,
             references=self.references,
+            quantised=self.quantised,
+            certificates=self.certificates,
             sensor=self.sensor,
         )
         try:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from cyclopts import Parameter
 
 from modelcast.cli.options import Numbers, SensorOptions
+from modelcast.messages.rules import CertificateRule
 from modelcast.policy.rules import IdentifyRule, StartRule
 
 if TYPE_CHECKING:
@@ -69,6 +70,11 @@ class EvaluateOptions:
         cooperative awareness messages.
     map
         Manoeuvre to draw, as TRIP@SECONDS; the sharpest where not given.
+    quantised
+        Predict with what a message can say, at sender and host alike.
+    certificates
+        Which messages carry the certificate, for the airtime: those that follow a gap of 450 ms, one every
+        450 ms, all, none (all carry its digest), or no message is signed.
     """
 
     threshold: Numbers = (0.2, 0.3, 0.4, 0.5)
@@ -90,6 +96,8 @@ class EvaluateOptions:
     samples: Literal["first", "all", "none"] = "first"
     references: bool = True
     map: str | None = None
+    quantised: bool = True
+    certificates: CertificateRule = "gap"
 
     def as_plain(self) -> dict[str, Any]:
         """Every option by its name on the command line, as plain values."""
@@ -132,6 +140,7 @@ class EvaluateOptions:
         from modelcast.cli.banks import named_bank
         from modelcast.core.exceptions import ConfigError
         from modelcast.evaluation.settings import EvaluationSettings
+        from modelcast.messages.airtime import Stack
 
         named = named_bank(
             self.bank,
@@ -157,6 +166,8 @@ class EvaluateOptions:
                 keep_samples=self.samples,
                 references=self.references,
                 map_at=_map_at(self.map),
+                quantised=self.quantised,
+                stack=Stack(self.certificates),
             )
         except ValueError as error:
             raise ConfigError(str(error)) from error

@@ -15,6 +15,7 @@ from modelcast.core.arrays import FloatArray
 __all__ = [
     "Origin",
     "ecef_to_enu",
+    "enu_to_geodetic",
     "enu_to_surface",
     "geodetic_to_enu",
     "heading_to_velocity",
@@ -113,6 +114,36 @@ def ecef_to_enu(ecef_m: FloatArray, origin: Origin | None = None) -> tuple[Float
     return _stacked(enu), origin
 
 
+def enu_to_geodetic(enu_m: FloatArray, origin: Origin) -> FloatArray:
+    """Latitude and longitude [deg] and height above the ellipsoid [m] of local positions, (T, 3).
+
+    Parameters
+    ----------
+    enu_m
+        East, north, up, (T, 3) [m].
+    origin
+        Where the local frame touches the ellipsoid.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> enu_to_geodetic(np.zeros((1, 3)), Origin(42.0, -83.0)).round(9) + 0.0
+    array([[ 42., -83.,   0.]])
+    """
+    geodetic = cast(
+        "object",
+        pymap3d.enu2geodetic(
+            enu_m[:, 0],
+            enu_m[:, 1],
+            enu_m[:, 2],
+            origin.latitude_deg,
+            origin.longitude_deg,
+            origin.altitude_m,
+        ),
+    )
+    return _stacked(geodetic)
+
+
 def enu_to_surface(enu_m: FloatArray, origin: Origin) -> FloatArray:
     """Points of the ellipsoid under local positions, Earth-centred: one frame for places anywhere on Earth.
 
@@ -141,18 +172,7 @@ def enu_to_surface(enu_m: FloatArray, origin: Origin) -> FloatArray:
     >>> bool(np.abs(one - other).max() < 1e-6)
     True
     """
-    geodetic = cast(
-        "tuple[FloatArray, FloatArray, FloatArray]",
-        pymap3d.enu2geodetic(
-            enu_m[:, 0],
-            enu_m[:, 1],
-            enu_m[:, 2],
-            origin.latitude_deg,
-            origin.longitude_deg,
-            origin.altitude_m,
-        ),
-    )
-    latitude_deg, longitude_deg, _ = geodetic
+    latitude_deg, longitude_deg, _ = enu_to_geodetic(enu_m, origin).T
     return _stacked(cast("object", pymap3d.geodetic2ecef(latitude_deg, longitude_deg, 0.0 * latitude_deg)))
 
 

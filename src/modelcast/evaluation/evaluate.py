@@ -24,7 +24,7 @@ from modelcast.evaluation.result import (
     TrackingRow,
     TripRow,
 )
-from modelcast.evaluation.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.evaluation.settings import EvaluationSettings
 from modelcast.evaluation.tracking import Contender, run_tracking
 from modelcast.evaluation.walk import TripBank, Walk
 
@@ -132,8 +132,8 @@ def _evaluate_trip(
         collected.failures[trip_id] = f"its longest part has {longest} samples, a window needs {needed}"
         return
     case = make_case(trip, settings)
-    mbc = TripBank(case.seen, settings.bank, case.estimator)
-    baseline = TripBank(case.seen, BASELINE_BANK, case.estimator)
+    mbc = TripBank(case.seen, settings.sent_bank, case.estimator)
+    baseline = TripBank(case.seen, settings.baseline_bank, case.estimator)
     collected.trips.append(_trip_row(case))
     counted = count_rates(case, mbc, baseline, settings)
     for count, walk in counted:

@@ -7,6 +7,7 @@ import numpy as np
 
 from modelcast.evaluation.case import TripCase
 from modelcast.evaluation.result import POOLED, RateRow
+from modelcast.evaluation.sent import sent_messages
 from modelcast.evaluation.settings import EvaluationSettings
 from modelcast.evaluation.walk import TripBank, Walk
 
@@ -27,6 +28,8 @@ class RateCount:
         Time observed and time moving [s].
     message_bytes
         Application bytes sent.
+    airtime_s
+        How long they occupy the channel [s].
     """
 
     policy: str
@@ -38,6 +41,7 @@ class RateCount:
     duration_s: float
     moving_s: float
     message_bytes: int
+    airtime_s: float
 
 
 def count_rates(
@@ -54,13 +58,12 @@ def count_rates(
     settings
         Thresholds, rules and sizes.
     """
-    update_bytes = settings.sizes.update_bytes(mbc.bank)
     counts: list[tuple[RateCount, Walk]] = []
     for threshold_m in settings.thresholds_m:
         policy = settings.policy(threshold_m, keep_alive=False)
         for name, ready in (("mbc", mbc), ("baseline", baseline)):
             walk = ready.walk(policy)
-            each = update_bytes if name == "mbc" else settings.sizes.baseline_bytes()
+            sent = sent_messages(walk, ready.bank, case.truth.t_s, settings)
             count = RateCount(
                 name,
                 ready.bank.name,
@@ -70,7 +73,8 @@ def count_rates(
                 int((walk.transmits & ~case.standing).sum()),
                 case.truth.duration_s,
                 float(np.count_nonzero(~case.standing) * case.truth.dt_s),
-                walk.updates * each + walk.identifications * settings.sizes.identification_bytes,
+                int(sent.size_bytes.sum()),
+                float(sent.airtime_s.sum()),
             )
             counts.append((count, walk))
     return counts
@@ -93,6 +97,7 @@ def rate_row(trip: str, count: RateCount) -> RateRow:
         total_rate_hz=total / count.duration_s,
         moving_total_rate_hz=count.moving_messages / moving_s if moving_s > 0 else 0.0,
         bytes_per_s=count.message_bytes / count.duration_s,
+        airtime_per_s=count.airtime_s / count.duration_s,
     )
 
 
@@ -112,6 +117,7 @@ def pooled_rates(counts: Sequence[RateCount]) -> list[RateRow]:
                 sum(count.duration_s for count in group),
                 sum(count.moving_s for count in group),
                 sum(count.message_bytes for count in group),
+                sum(count.airtime_s for count in group),
             ),
         )
         for key, group in groups.items()

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from modelcast.evaluation.case import TripCase
 from modelcast.evaluation.rate import RateCount
 from modelcast.evaluation.result import Coded, Columns, SampleBlock
+from modelcast.evaluation.sent import sent_messages
 from modelcast.evaluation.settings import EvaluationSettings
 from modelcast.evaluation.tracking import TrackingRun
 from modelcast.evaluation.walk import Walk
@@ -39,7 +40,7 @@ def _joined(parts: list[npt.NDArray[Scalar]], kind: type[Scalar]) -> npt.NDArray
 
 
 class EventRecorder:
-    """Messages of the rate runs: trip, policy, bank, threshold, time, kind, sub-model and size.
+    """Messages of the rate runs: trip, policy, bank, threshold, time, kind, sub-model, size and airtime.
 
     Parameters
     ----------
@@ -51,7 +52,11 @@ class EventRecorder:
         self._settings = settings
         self._coded = {name: _Names() for name in ("trip", "policy", "bank", "kind", "sub_model")}
         self._codes: dict[str, list[npt.NDArray[np.int32]]] = {name: [] for name in self._coded}
-        self._numbers: dict[str, list[npt.NDArray[np.float64]]] = {"threshold_m": [], "t_s": []}
+        self._numbers: dict[str, list[npt.NDArray[np.float64]]] = {
+            "threshold_m": [],
+            "t_s": [],
+            "airtime_s": [],
+        }
         self._bytes: list[npt.NDArray[np.int32]] = []
 
     def add(self, case: TripCase, count: RateCount, walk: Walk) -> None:
@@ -66,12 +71,11 @@ class EventRecorder:
         walk
             What was sent.
         """
-        at = np.flatnonzero(walk.transmits)
-        members = (
-            ("cv",)
-            if count.policy == "baseline"
-            else tuple(member.name for member in self._settings.bank.complete().members)
-        )
+        given = self._settings.baseline_bank if count.policy == "baseline" else self._settings.sent_bank
+        bank = given.complete()
+        sent = sent_messages(walk, bank, case.truth.t_s, self._settings)
+        at = sent.at
+        members = tuple(member.name for member in bank.members)
         for name, value in (
             ("trip", case.truth.trip_id),
             ("policy", count.policy),
@@ -84,12 +88,8 @@ class EventRecorder:
         self._codes["sub_model"].append(used[walk.in_use[at]])
         self._numbers["threshold_m"].append(np.full(at.size, count.threshold_m))
         self._numbers["t_s"].append(case.truth.t_s[at])
-        sizes = self._settings.sizes
-        full = sizes.baseline_bytes()
-        if count.policy == "mbc":
-            full = sizes.update_bytes(self._settings.bank)
-        named = walk.kind[at] == Message.IDENTIFICATION
-        self._bytes.append(np.where(named, sizes.identification_bytes, full).astype(np.int32))
+        self._numbers["airtime_s"].append(sent.airtime_s)
+        self._bytes.append(sent.size_bytes.astype(np.int32))
 
     def columns(self) -> Columns:
         """Everything recorded so far."""

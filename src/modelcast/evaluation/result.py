@@ -121,7 +121,9 @@ class RateRow:
     moving_total_rate_hz
         All messages sent while moving over the time spent moving [Hz].
     bytes_per_s
-        Application bytes over the time observed, by the size model of `modelcast.messages` [byte/s].
+        Application bytes over the time observed: the messages in their frames [byte/s].
+    airtime_per_s
+        Time on the air over the time observed, all layers and the security header counted [s/s].
     """
 
     trip: str
@@ -137,6 +139,7 @@ class RateRow:
     total_rate_hz: float
     moving_total_rate_hz: float
     bytes_per_s: float
+    airtime_per_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -373,7 +376,8 @@ class EvaluationResult:
     ecdfs, timeline, manoeuvre
         What the figures draw; the last two are None where no trip holds them.
     events
-        One row a message of the rate runs: trip, policy, bank, threshold_m, t_s, kind, sub_model, size_bytes.
+        One row a message of the rate runs: trip, policy, bank, threshold_m, t_s, kind, sub_model, size_bytes,
+        airtime_s.
     samples
         Blocks of the tracking-error samples kept (see the settings).
     failures

@@ -9,6 +9,8 @@ import numpy as np
 from modelcast.channel.base import AbstractChannel
 from modelcast.channel.erasure import GilbertElliott, IndependentErasure
 from modelcast.core.sensor import SensorModel
+from modelcast.messages.airtime import Stack
+from modelcast.messages.quantisation import quantised_bank
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -85,8 +87,13 @@ class EvaluationSettings:
         Whose tracking-error samples are kept: of the ``first`` seed, ``all`` or ``none``.
     map_at
         Trip id and time of the manoeuvre to draw [s]; None picks the sharpest.
+    quantised
+        Whether senders, hosts and the baseline predict with what a message can say (the default), or with
+        the numbers as they were fitted.
     sizes
         How many bytes each kind of message takes.
+    stack
+        What goes round a message on the air, and which carry a certificate.
     references
         Whether the clairvoyant references and the rules of cooperative awareness messages are counted too.
 
@@ -112,7 +119,9 @@ class EvaluationSettings:
     sensor: SensorModel = field(default_factory=SensorModel)
     keep_samples: Literal["first", "all", "none"] = "first"
     map_at: tuple[str, float] | None = None
+    quantised: bool = True
     sizes: SizeModel = field(default_factory=SizeModel)
+    stack: Stack = field(default_factory=Stack)
     references: bool = True
 
     def __post_init__(self) -> None:
@@ -151,6 +160,16 @@ class EvaluationSettings:
         start, identify = rules_of(self.bank)
         return self.start or start, self.identify or identify
 
+    @property
+    def sent_bank(self) -> Bank:
+        """The bank as senders and hosts hold it."""
+        return quantised_bank(self.bank) if self.quantised else self.bank
+
+    @property
+    def baseline_bank(self) -> Bank:
+        """The baseline's, likewise."""
+        return quantised_bank(BASELINE_BANK) if self.quantised else BASELINE_BANK
+
     def channel(self, ratio: float) -> AbstractChannel:
         """The channel that loses this share of messages."""
         if self.mean_burst_s is None:
@@ -174,7 +193,9 @@ class EvaluationSettings:
             "expiry_s": self.expiry_s,
             "protocol": self.protocol,
             "sensor": asdict(self.sensor),
+            "quantised": self.quantised,
             "sizes": asdict(self.sizes),
+            "stack": asdict(self.stack),
             "keep_samples": self.keep_samples,
             "references": self.references,
         }

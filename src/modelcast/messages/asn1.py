@@ -1,7 +1,7 @@
-"""The ASN.1 module of the messages, and the second codec that it gives.
+"""The ASN.1 modules of the messages, and the second codec that they give.
 
-modelcast encodes and decodes with its own codec. The module says in the standard's notation what that codec
-does, for people and for other tools; `reference_codec` compiles it with asn1tools, against which ours is
+modelcast encodes and decodes with its own codec. The modules say in the standard's notation what that codec
+does, for people and for other tools; `reference_codec` compiles them with asn1tools, against which ours is
 checked.
 """
 
@@ -39,8 +39,9 @@ class ReferenceCodec(Protocol):
 
 
 def module_text() -> str:
-    """Text of the ASN.1 module."""
-    return resources.files("modelcast.messages").joinpath("bsm.asn").read_text(encoding="ascii")
+    """Text of both ASN.1 modules: of the standard's messages, and of what modelcast adds to them."""
+    folder = resources.files("modelcast.messages")
+    return "\n".join(folder.joinpath(name).read_text(encoding="ascii") for name in ("bsm.asn", "mbc.asn"))
 
 
 @cache

@@ -1,57 +1,94 @@
-"""How many application bytes each message takes: a plain, stated model.
+"""How many bytes each message takes: those of the codec, for any bank.
 
-It counts the application payload only: no security header, no lower layers. The core basic safety message
-frame of SAE J2735 takes 40 bytes in unaligned PER, as measured on real encoded messages. A model update is
-that core, so that any receiver can use it, followed by a short header and the parameters at 16 bits each. An
-identification names its update and a sub-model, nothing else.
+The baseline is a basic safety message with Part I alone. A model update is the same with a regional
+extension, and an identification is a frame of its own (`mbc_wire`). Only the weights of a Gaussian process
+have no place on the wire; they are counted as if they had two bytes each.
 """
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from modelcast.core.arrays import IntArray
+from modelcast.messages.bsm_batch import CORE_FRAME_OCTETS
+from modelcast.messages.mbc_codec import IDENTIFICATION_OCTETS, update_octets
 from modelcast.models.bank import Bank
+from modelcast.models.base import AbstractSubModel
+from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.quantised import Quantised
 
 __all__ = ["SizeModel"]
 
 
 @dataclass(frozen=True, slots=True)
 class SizeModel:
-    """Application bytes by kind of message.
+    """Bytes by kind of message.
 
     Parameters
     ----------
-    core_bytes
-        Core basic safety message frame: what the baseline sends.
-    update_header_bytes
-        Sequence number, sub-model in use, sampling interval and profile of a model update.
-    parameter_bytes
-        Each model parameter.
-    identification_bytes
-        A whole identification: frame, temporary id, time mark, sequence number, sub-model.
+    more_bytes
+        What every basic safety message holds beside Part I and the model: Part II, for instance.
+    uncarried_parameter_bits
+        Counted for each parameter of a sub-model that the codec cannot carry.
+
+    Raises
+    ------
+    ValueError
+        Where a count is negative.
 
     Examples
     --------
-    >>> from modelcast.models.constant_velocity import ConstantVelocity
+    >>> from modelcast.models.kinematic import ConstantTurnRateAcceleration
+    >>> bank = Bank((ConstantTurnRateAcceleration(), ConstantVelocity()))
     >>> sizes = SizeModel()
-    >>> sizes.baseline_bytes(), sizes.update_bytes(Bank((ConstantVelocity(),)))
-    (40, 48)
+    >>> sizes.baseline_bytes(), sizes.identification_bytes
+    (40, 10)
+    >>> sizes.update_bytes(bank, "on-failure").tolist(), sizes.update_bytes(bank, "never").tolist()
+    ([47, 47], [47, 40])
     """
 
-    core_bytes: int = 40
-    update_header_bytes: int = 8
-    parameter_bytes: int = 2
-    identification_bytes: int = 12
+    more_bytes: int = 0
+    uncarried_parameter_bits: int = 16
+
+    def __post_init__(self) -> None:
+        for name in ("more_bytes", "uncarried_parameter_bits"):
+            if getattr(self, name) < 0:
+                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
+
+    @property
+    def identification_bytes(self) -> int:
+        """A whole identification."""
+        return IDENTIFICATION_OCTETS
 
     def baseline_bytes(self) -> int:
-        """A raw basic safety message."""
-        return self.core_bytes
+        """A plain basic safety message."""
+        return CORE_FRAME_OCTETS + self.more_bytes
 
-    def update_bytes(self, bank: Bank) -> int:
-        """A model update; kinematic models cost nothing, since the core carries all they hold.
+    def update_bytes(self, bank: Bank, identify: str) -> IntArray:
+        """A model update, by the sub-model in use, (M,).
+
+        Where another sub-model may be named later, all are sent. By the rule ``never`` only the one in use
+        is; and where that is constant velocity, the message is a plain one.
 
         Parameters
         ----------
         bank
-            The sub-models whose parameters it holds.
+            The sub-models.
+        identify
+            The policy's rule, as `modelcast.policy.rules` names it.
         """
-        carried = sum(member.payload_parameters for member in bank.members)
-        return self.core_bytes + self.update_header_bytes + self.parameter_bytes * carried
+        bits = [self._bits(member) for member in bank.members]
+        alone = identify == "never" or len(bits) == 1
+        sizes = [update_octets(own if alone else sum(bits)) for own in bits]
+        plain = [alone and _is_plain(member) for member in bank.members]
+        return np.where(plain, CORE_FRAME_OCTETS, sizes).astype(np.int64) + self.more_bytes
+
+    def _bits(self, member: AbstractSubModel) -> int:
+        layout = member.payload_layout
+        return self.uncarried_parameter_bits * member.payload_parameters if layout is None else layout.bits
+
+
+def _is_plain(member: AbstractSubModel) -> bool:
+    """Whether it is what any receiver makes of Part I."""
+    own = member.model if isinstance(member, Quantised) else member
+    return isinstance(own, ConstantVelocity)

@@ -1,6 +1,6 @@
 """A bank of sub-models is one more model: it fits them all and predicts with the one in use."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.models.base import AbstractMotionModel, AbstractSubModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.quantised import Quantised
 
 __all__ = ["Bank"]
 
@@ -83,11 +84,16 @@ class Bank(AbstractMotionModel):
         """The bank itself, or with constant velocity added last where no member does with one sample.
 
         A sender must have something to say at a start and after a gap. Constant velocity added here serves
-        only there: `modelcast.evaluation.walk` uses it where no other member has a full window.
+        only there: `modelcast.evaluation.walk` uses it where no other member has a full window. In a bank of
+        quantised members it is quantised too.
         """
         if self.window == 1:
             return self
-        return Bank((*self.members, ConstantVelocity()), self.name)
+        added: AbstractSubModel = ConstantVelocity()
+        first = self.members[0]
+        if isinstance(first, Quantised):
+            added = replace(first, model=added)
+        return Bank((*self.members, added), self.name)
 
     def fit(self, windows: Windows) -> FloatArray:
         """Parameters of all members, (B, 1 + sum P)."""

@@ -21,6 +21,7 @@ from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from modelcast.core.arrays import FloatArray
 from modelcast.models import point_kernels
+from modelcast.models.payload import PayloadLayout
 
 __all__ = [
     "AbstractMotionModel",
@@ -253,6 +254,11 @@ class AbstractSubModel(AbstractMotionModel):
     @abc.abstractmethod
     def payload_parameters(self) -> int:
         """How many of the parameters a message carries beyond a core basic safety message, 0..P."""
+
+    @property
+    def payload_layout(self) -> PayloadLayout | None:
+        """How a message carries them; None where it cannot. Parameters in neither it nor Part I are zero."""
+        return PayloadLayout() if self.payload_parameters == 0 else None
 
     @property
     def trusted_horizon_s(self) -> float:

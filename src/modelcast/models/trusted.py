@@ -13,6 +13,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.models.base import AbstractSubModel, PointFunctions
+from modelcast.models.payload import PayloadLayout
 
 __all__ = ["SHORTEST_HORIZON_S", "TURN_S", "Trusted"]
 
@@ -92,6 +93,11 @@ class Trusted(AbstractSubModel):
     def payload_parameters(self) -> int:
         """The model's: the receiver knows the horizon as it knows the model."""
         return self.model.payload_parameters
+
+    @property
+    def payload_layout(self) -> PayloadLayout | None:
+        """The model's."""
+        return self.model.payload_layout
 
     @property
     def trusted_horizon_s(self) -> float:

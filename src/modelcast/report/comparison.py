@@ -63,11 +63,11 @@ def comparison_markdown(result: ComparisonResult) -> str:
 
 
 _LEGEND = (
-    "Messages and bytes over the baseline's at the same threshold, ratios of sums with 95 % bootstrap "
-    "intervals over the trips; difference of the message ratio to `{against}`; 90th and 99th percentile of "
-    "the tracking error over the harder baseline's at equal total rate, worst threshold, at each packet "
-    "error ratio; trips times thresholds with more than max(1.02 x baseline, baseline + 3) messages, and the "
-    "trip with the most beyond that bound."
+    "Messages, bytes and airtime over the baseline's at the same threshold, ratios of sums with 95 % "
+    "bootstrap intervals over the trips; difference of the message ratio to `{against}`; 90th and 99th "
+    "percentile of the tracking error over the harder baseline's at equal total rate, worst threshold, at "
+    "each packet error ratio; trips times thresholds with more than max(1.02 x baseline, baseline + 3) "
+    "messages, and the trip with the most beyond that bound."
 )
 
 
@@ -77,6 +77,7 @@ def _full_table(result: ComparisonResult, protocol: str) -> tuple[list[str], lis
     losses = " / ".join(f"{100 * ratio:g}" for ratio in _ratios(result))
     heads = ["candidate", *(f"messages, {text}" for text in thresholds)]
     heads += ["difference, " + " / ".join(thresholds), "bytes, " + " / ".join(thresholds)]
+    heads += [f"airtime, {text}" for text in thresholds]
     heads += [f"p90 at PER {losses} %", f"p99 at PER {losses} %"] if losses else []
     heads += ["over the bound", "worst trip"]
     cells: list[list[str]] = []
@@ -86,6 +87,7 @@ def _full_table(result: ComparisonResult, protocol: str) -> tuple[list[str], lis
         own += [_with_limits(row.message_ratio, row.message_low, row.message_high) for row in rows]
         own += ["<br>".join(_signed(row) for row in rows)]
         own += [" / ".join(f"{row.bytes_ratio:.2f}" for row in rows)]
+        own += [_with_limits(row.airtime_ratio, row.airtime_low, row.airtime_high) for row in rows]
         own += [_worst(result, candidate, protocol, percentile) for percentile in (90, 99) if losses]
         worst = _worst_row(rows)
         own += [f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}"]
@@ -110,7 +112,7 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
     for protocol in _protocols(result):
         table = Table(title=f"Over the baseline, {protocol}", title_justify="left", header_style="")
         table.add_column("candidate")
-        for head in ("messages", "bytes"):
+        for head in ("messages", "bytes", "airtime"):
             table.add_column(f"{head}\n{' / '.join(centimetres(item) for item in shown_m)}", justify="right")
         if ratio is not None:
             table.add_column(f"p90 / p99\nPER {100 * ratio:g} %", justify="right")
@@ -138,6 +140,7 @@ def _short_cells(
     cells = [
         " / ".join(f"{row.message_ratio:.2f}" for row in shown),
         " / ".join(f"{row.bytes_ratio:.2f}" for row in shown),
+        " / ".join(f"{row.airtime_ratio:.2f}" for row in shown),
     ]
     if at is not None:
         found = (worst_rows(result, candidate.name, protocol, percentile)[at] for percentile in (90, 99))

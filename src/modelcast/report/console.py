@@ -106,8 +106,16 @@ def scope_line(result: EvaluationResult) -> str:
 
 def rates_table(result: EvaluationResult) -> Table:
     """Return the pooled message rates at each threshold, MBC beside the baseline."""
-    table = _table("Messages per second, all trips, ideal channel")
-    headings = ("threshold", "MBC updates", "MBC identif.", "MBC total", "baseline", "MBC / baseline")
+    table = _table("Messages per second, all trips, ideal channel; airtime, MBC / baseline")
+    headings = (
+        "threshold",
+        "MBC updates",
+        "MBC identif.",
+        "MBC total",
+        "baseline",
+        "MBC / baseline",
+        "airtime",
+    )
     for heading in headings:
         table.add_column(heading, justify="right")
     for line in headlines(result):
@@ -119,6 +127,7 @@ def rates_table(result: EvaluationResult) -> Table:
             _number(None if mbc is None else mbc.total_rate_hz),
             _number(None if baseline is None else baseline.total_rate_hz),
             _number(line.ratio),
+            _number(line.airtime_ratio),
         )
     return table
 

@@ -77,6 +77,13 @@ class Headline:
             return None
         return self.mbc.total_rate_hz / self.baseline.total_rate_hz
 
+    @property
+    def airtime_ratio(self) -> float | None:
+        """Airtime of MBC over that of the baseline; None where either is missing or nothing was sent."""
+        if self.mbc is None or self.baseline is None or not self.baseline.airtime_per_s > 0:
+            return None
+        return self.mbc.airtime_per_s / self.baseline.airtime_per_s
+
 
 def thresholds_m(result: EvaluationResult) -> list[float]:
     """Return the thresholds evaluated, rising [m]."""

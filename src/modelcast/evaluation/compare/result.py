@@ -86,7 +86,7 @@ class CandidateRow:
     is_hybrid
         Whether it has several members, so that identifications may occur.
     update_bytes
-        Application bytes of one model update.
+        Application bytes of one model update, the first sub-model in use.
     """
 
     name: str
@@ -115,6 +115,8 @@ class CountRow:
         What was sent.
     baseline_messages, baseline_bytes
         What the baseline sent at the same threshold.
+    airtime_s, baseline_airtime_s
+        How long the messages of both occupy the channel, all layers counted [s].
     duration_s
         Time observed [s].
     """
@@ -130,6 +132,8 @@ class CountRow:
     message_bytes: int
     baseline_messages: int
     baseline_bytes: int
+    airtime_s: float
+    baseline_airtime_s: float
     duration_s: float
 
     @property
@@ -163,6 +167,10 @@ class RatioRow:
         Application bytes over the time observed [byte/s].
     bytes_ratio, bytes_low, bytes_high
         Their ratio.
+    airtime_per_s, baseline_airtime_per_s
+        Time on the air over the time observed, all layers and the security header counted [s/s].
+    airtime_ratio, airtime_low, airtime_high
+        Their ratio.
     trips_over
         Trips on which it sent more than `message_bound` allows.
     worst_trip, worst_excess, worst_ratio
@@ -190,6 +198,11 @@ class RatioRow:
     bytes_ratio: float
     bytes_low: float | None
     bytes_high: float | None
+    airtime_per_s: float
+    baseline_airtime_per_s: float
+    airtime_ratio: float
+    airtime_low: float | None
+    airtime_high: float | None
     trips_over: int
     worst_trip: str
     worst_excess: float

@@ -66,7 +66,7 @@ def compare(
     >>> from modelcast.simulation.drive import generate_drive
     >>> asked = CompareSettings(EvaluationSettings((0.5,), (0.0,), seeds=1, references=False), ("recorded",))
     >>> result = compare([generate_drive(1, 90.0).truth], [FixedCandidate("cv", BASELINE_BANK)], asked)
-    >>> result.ratios[0].message_ratio, result.tracking[0].p90_ratio
+    >>> result.ratios[0].message_ratio, result.ratios[0].airtime_ratio
     (1.0, 1.0)
     """
     settings = CompareSettings() if settings is None else settings

@@ -9,7 +9,6 @@ from modelcast.evaluation.compare.result import ReferenceRatio
 from modelcast.evaluation.compare.settings import CompareSettings
 from modelcast.evaluation.reference import count_references, pooled_references
 from modelcast.evaluation.result import POOLED, ReferenceRow
-from modelcast.evaluation.settings import BASELINE_BANK
 from modelcast.evaluation.tracking import LossRuns
 from modelcast.evaluation.walk import TripBank
 
@@ -51,7 +50,7 @@ def stage_trips(trips: Sequence[Trajectory], settings: CompareSettings) -> dict[
         staged[protocol] = []
         for trip in trips:
             case = make_case(trip, own)
-            baseline = TripBank(case.seen, BASELINE_BANK, case.estimator)
+            baseline = TripBank(case.seen, own.baseline_bank, case.estimator)
             staged[protocol].append(StagedTrip(case, baseline, LossRuns(case, baseline, own)))
     return staged
 

@@ -77,11 +77,13 @@ def _ratio_row(
     clusters = resamples.clusters
     duration_s = sum(row.duration_s for row in rows)
     own_bytes, base_bytes = (_column(rows, name) for name in ("message_bytes", "baseline_bytes"))
+    own_air, base_air = (_column(rows, name) for name in ("airtime_s", "baseline_airtime_s"))
     base = sum(row.baseline_messages for row in rows)
     ratio, other = _ratio(rows), _ratio(reference)
     low, high = limits(drawn, clusters)
     difference_low, difference_high = limits(drawn - reference_drawn, clusters)
     bytes_low, bytes_high = limits(ratio_resamples(resamples.weights, own_bytes, base_bytes), clusters)
+    air_low, air_high = limits(ratio_resamples(resamples.weights, own_air, base_air), clusters)
     worst = max(rows, key=lambda row: row.excess)
     return RatioRow(
         rows[0].candidate,
@@ -103,6 +105,11 @@ def _ratio_row(
         bytes_ratio=float(own_bytes.sum() / base_bytes.sum()),
         bytes_low=bytes_low,
         bytes_high=bytes_high,
+        airtime_per_s=float(own_air.sum()) / duration_s,
+        baseline_airtime_per_s=float(base_air.sum()) / duration_s,
+        airtime_ratio=float(own_air.sum() / base_air.sum()),
+        airtime_low=air_low,
+        airtime_high=air_high,
         trips_over=sum(row.excess > 0 for row in rows),
         worst_trip=worst.trip,
         worst_excess=worst.excess,

@@ -107,7 +107,7 @@ def candidate_row(candidate: AbstractCandidate, settings: EvaluationSettings) ->
         identify=settings.rules[1],
         is_trained=candidate.is_trained,
         is_hybrid=len(settings.bank.members) > 1,
-        update_bytes=settings.sizes.update_bytes(settings.bank),
+        update_bytes=int(settings.sizes.update_bytes(settings.bank, settings.identify)[0]),
     )
 
 
@@ -143,7 +143,7 @@ def run_trial(
     numbers: list[int] = route.tolist()
     for trip, number in zip(staged, numbers, strict=True):
         settings = folds[number]
-        ready = TripBank(trip.case.seen, settings.bank, trip.case.estimator)
+        ready = TripBank(trip.case.seen, settings.sent_bank, trip.case.estimator)
         trial.counts.extend(_count_rows(name, protocol, trip, ready, settings, route=number))
         _add_errors(trial, trip, ready, settings)
         step()
@@ -167,6 +167,8 @@ def _count_rows(
             message_bytes=own.message_bytes,
             baseline_messages=base.updates,
             baseline_bytes=base.message_bytes,
+            airtime_s=own.airtime_s,
+            baseline_airtime_s=base.airtime_s,
             duration_s=own.duration_s,
         )
         for own, base in zip(counts[::2], counts[1::2], strict=True)

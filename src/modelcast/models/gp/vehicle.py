@@ -17,6 +17,7 @@ from modelcast.models.base import AbstractSubModel, PointFunctions
 from modelcast.models.gp import vehicle_kernels as kernels
 from modelcast.models.gp.conditional import AxisKernel, Conditional, condition_on
 from modelcast.models.gp.tables import check_window, window_times_s
+from modelcast.models.payload import PayloadField, PayloadLayout
 
 __all__ = [
     "NOISE_LEVELS_M",
@@ -117,6 +118,19 @@ class VehicleProcess(AbstractSubModel):
     def payload_parameters(self) -> int:
         """All."""
         return len(self.parameter_names)
+
+    @property
+    def payload_layout(self) -> PayloadLayout:
+        """The polynomial's coefficients; its end in 128ths of its span; the noise level."""
+        sizes = [(0.05, 7), (0.1, 14)] + [(0.1, 12)] * (self.degree - 1)
+        fields = [
+            PayloadField(f"coefficient_{i}_{axis}_m", step, bits=bits)
+            for axis in ("east", "north")
+            for i, (step, bits) in enumerate(sizes)
+        ]
+        end = PayloadField("end_s", self.straight_after_s / 128, bits=8, signed=False)
+        level = PayloadField("noise_level", 1.0, bits=(_LEVELS - 1).bit_length(), signed=False)
+        return PayloadLayout((*fields, end, level))
 
     def point_functions(self, dt_s: float) -> PointFunctions:
         """Return the compiled functions and matrices; the interval counts to the microsecond."""

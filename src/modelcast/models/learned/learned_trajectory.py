@@ -10,8 +10,17 @@ from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned import learned_kernels
 from modelcast.models.learned.features import FeatureMap
 from modelcast.models.learned.network import Network
+from modelcast.models.payload import PayloadField, PayloadLayout
 
 __all__ = ["LearnedTrajectory"]
+
+_FIRST_STEP_M, _STEP_M, _FIRST_BITS, _BITS = 0.05, 0.4, 6, 8
+"""Step and width of the coefficients of power 0, and of all higher ones (decision 014)."""
+
+
+def _field_sizes(coefficients: int) -> list[tuple[float, int]]:
+    """Step [m] and bits of each coefficient on one axis."""
+    return [(_FIRST_STEP_M, _FIRST_BITS)] + [(_STEP_M, _BITS)] * (coefficients - 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +134,17 @@ class LearnedTrajectory(AbstractSubModel):
     def payload_parameters(self) -> int:
         """The coefficients."""
         return 2 * self.coefficients
+
+    @property
+    def payload_layout(self) -> PayloadLayout:
+        """The coefficients, along and to the left, lowest power first; see docs/messages.md for the steps."""
+        names = self.parameter_names[learned_kernels.KINEMATIC :]
+        return PayloadLayout(
+            tuple(
+                PayloadField(name, step, bits=bits)
+                for name, (step, bits) in zip(names, 2 * _field_sizes(self.coefficients), strict=True)
+            )
+        )
 
     @property
     def trusted_horizon_s(self) -> float:

@@ -64,7 +64,7 @@ class _Look:
 
 
 def plot_comparison(result: ComparisonResult) -> Figure:
-    """Return a row of panels a protocol: messages, bytes, 90th and 99th percentile over the baseline's.
+    """Return a row of panels a protocol: messages, airtime, 90th and 99th percentile over the baseline's.
 
     Tracking panels show the worst threshold at each packet error ratio, against the harder of the two
     readings of the equal-rate baseline. Hybrids are drawn thicker and dashed.
@@ -85,11 +85,11 @@ def plot_comparison(result: ComparisonResult) -> Figure:
         grid = figure.subplots(len(protocols), 4, squeeze=False)
         for axes, protocol in zip(grid, protocols, strict=True):
             _draw_messages(axes[0], result, protocol, looks)
-            _draw_bytes(axes[1], result, protocol, looks)
+            _draw_airtime(axes[1], result, protocol, looks)
             _draw_tracking(axes[2], result, protocol, looks, percentile=90)
             _draw_tracking(axes[3], result, protocol, looks, percentile=99)
             axes[0].set_ylabel(f"{protocol}\nratio to the baseline")
-        titles = ("Messages", "Bytes", "p90, worst threshold", "p99, worst threshold")
+        titles = ("Messages", "Airtime", "p90, worst threshold", "p99, worst threshold")
         for axes, title in zip(grid[0], titles, strict=True):
             axes.set_title(title)
         for at, axes in enumerate(grid[-1]):
@@ -184,14 +184,14 @@ def _draw_messages(axes: Axes, result: ComparisonResult, protocol: str, looks: d
     axes.set_ylim(0.0, 1.15 * tallest)
 
 
-def _draw_bytes(axes: Axes, result: ComparisonResult, protocol: str, looks: dict[str, _Look]) -> None:
+def _draw_airtime(axes: Axes, result: ComparisonResult, protocol: str, looks: dict[str, _Look]) -> None:
     rows = [row for row in result.ratios if row.protocol == protocol]
     _threshold_axis(axes, rows)
     tallest = 1.0
     for name, look in looks.items():
         own = _by_threshold(rows, name)
-        limits = [(row.bytes_low, row.bytes_high) for row in own]
-        values = np.array([row.bytes_ratio for row in own])
+        limits = [(row.airtime_low, row.airtime_high) for row in own]
+        values = np.array([row.airtime_ratio for row in own])
         tallest = max(tallest, _draw_line(axes, name, look, values, limits))
     _baseline(axes)
     axes.set_ylim(0.0, 1.1 * tallest)

@@ -1,0 +1,250 @@
+"""Model updates between values and wire: what a sender's bank fitted, and what a host can predict with.
+
+Here the local frame of one side meets the latitudes and longitudes of the message. Sender and host may have
+frames of their own.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray
+from modelcast.core.geodesy import Origin, enu_to_geodetic, geodetic_to_enu, heading_to_velocity
+from modelcast.messages.bsm import BsmCore
+from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
+from modelcast.messages.mbc_codec import ReceivedUpdate, UpdateMessage, WireProfile
+from modelcast.messages.mbc_wire import AGE, SEQUENCE, IdentificationMessage
+from modelcast.models.bank import Bank
+from modelcast.models.payload import CORE_PARAMETERS
+
+__all__ = [
+    "LocalFrame",
+    "identification_from_wire",
+    "identification_to_wire",
+    "update_from_wire",
+    "update_to_wire",
+]
+
+_MINUTE_S: Final = 60.0
+_FALLBACK: Final = "cv"
+
+
+@dataclass(frozen=True, slots=True)
+class LocalFrame:
+    """Where and when the zero of local positions and times is.
+
+    Parameters
+    ----------
+    origin
+        Of local positions.
+    minute_s
+        Time at which some minute of UTC began [s]: ``secMark`` counts from there, modulo 60 s.
+    """
+
+    origin: Origin
+    minute_s: float = 0.0
+
+
+def update_to_wire(
+    update: ModelUpdate,
+    bank: Bank,
+    profile: WireProfile,
+    frame: LocalFrame,
+    *,
+    carries_all: bool,
+    core: Mapping[str, float | None] | None = None,
+) -> UpdateMessage:
+    """Return the message of an update.
+
+    Parameters
+    ----------
+    update
+        What the sender's bank fitted.
+    bank
+        The sender's.
+    profile
+        The bank's.
+    frame
+        The sender's.
+    carries_all
+        Whether the coefficients of all sub-models go out, or of the one in use alone.
+    core
+        More values of Part I, by name: what a message says beside the motion. Acceleration and yaw rate are
+        those given here where the bank has none.
+
+    Raises
+    ------
+    ValueError
+        Where bank and profile do not fit, no member has a velocity, or a value cannot be written.
+    """
+    by_member = _by_member(bank, update.parameters)
+    if len(by_member) != len(profile.layouts):
+        raise ValueError(f"bank has {len(by_member)} sub-models, profile {len(profile.layouts)}")
+    motion = {name: value for own in by_member for name, value in own.items() if name in CORE_PARAMETERS}
+    # The sub-model in use goes before: one without a full window has zeros.
+    motion |= {name: value for name, value in by_member[update.in_use].items() if name in CORE_PARAMETERS}
+    if CORE_PARAMETERS[0] not in motion:
+        raise ValueError(f"{bank.name}: no sub-model has a velocity, and Part I needs one")
+    east, north = motion[CORE_PARAMETERS[0]], motion[CORE_PARAMETERS[1]]
+    latitude_deg, longitude_deg, _ = enu_to_geodetic(np.array([[*update.position_m, 0.0]]), frame.origin)[
+        0
+    ].tolist()
+    values: dict[str, float | None] = dict(core or {})
+    values.setdefault("yaw_rate_radps", 0.0)
+    values |= {
+        "message_count": update.sequence % (SEQUENCE.high + 1),
+        "temporary_id": update.vehicle,
+        "second_of_minute_s": (update.t_s - frame.minute_s) % _MINUTE_S,
+        "latitude_deg": latitude_deg,
+        "longitude_deg": longitude_deg,
+        "speed_mps": float(np.hypot(east, north)),
+        "heading_rad": float(np.arctan2(east, north)),
+    }
+    for name, field in (
+        ("acceleration_mps2", "acceleration_forward_mps2"),
+        ("yaw_rate_radps", "yaw_rate_radps"),
+    ):
+        if name in motion:
+            values[field] = motion[name]
+    codes = tuple(
+        tuple(layout.codes_of(np.array([[by_member[m][name] for name in layout.names]]))[0].tolist())
+        for m, layout in enumerate(profile.layouts)
+        if m in profile.carried(update.in_use, carries_all=carries_all)
+    )
+    return UpdateMessage(BsmCore.from_values(values), update.in_use, carries_all=carries_all, codes=codes)
+
+
+def update_from_wire(
+    received: ReceivedUpdate, bank: Bank, frame: LocalFrame, *, received_s: float, dt_s: float = 0.1
+) -> ModelUpdate:
+    """Return the update a host tracks with; constant velocity where the message holds no model known here.
+
+    Parameters
+    ----------
+    received
+        As `read_update` gave it.
+    bank
+        The host's. Of a model that is not in the message, parameters are zero.
+    frame
+        The host's.
+    received_s
+        When it arrived [s]: ``secMark`` is taken within half a minute of it.
+    dt_s
+        Sampling interval [s]. No model that a message can carry predicts by it.
+
+    Raises
+    ------
+    ValueError
+        Where Part I lacks position, instant, speed or heading, or constant velocity is needed and the bank
+        has no member of the name ``cv``.
+    """
+    core = received.message.core
+    names = ("second_of_minute_s", "latitude_deg", "longitude_deg", "speed_mps", "heading_rad")
+    found = {name: core.value(name) for name in names}
+    missing = [name for name, value in found.items() if value is None]
+    if missing:
+        raise ValueError(f"Part I lacks {', '.join(missing)}: there is nothing to coast from")
+    mark_s, latitude_deg, longitude_deg, speed, heading = (float(value or 0.0) for value in found.values())
+    since = (received_s - frame.minute_s - mark_s + _MINUTE_S / 2) % _MINUTE_S - _MINUTE_S / 2
+    at_m = geodetic_to_enu(
+        np.array([latitude_deg]), np.array([longitude_deg]), np.array([frame.origin.altitude_m]), frame.origin
+    )
+    velocity = heading_to_velocity(np.array([speed]), np.array([heading]))[0]
+    motion: dict[str, float] = dict(
+        zip(
+            CORE_PARAMETERS,
+            (*velocity, core.value("acceleration_forward_mps2") or 0.0, core.value("yaw_rate_radps") or 0.0),
+            strict=True,
+        )
+    )
+    coefficients: dict[int, dict[str, float]] = {}
+    in_use = _coasting(bank) if received.update is None else received.update.sub_model
+    if received.update is not None and received.profile is not None:
+        coefficients = _coefficients(received.update, received.profile)
+    parameters = [
+        coefficients.get(m, {}).get(name, motion.get(name, 0.0))
+        for m, member in enumerate(bank.members)
+        for name in member.parameter_names
+    ]
+    return ModelUpdate(
+        int(core.value("temporary_id") or 0),
+        int(core.value("message_count") or 0),
+        received_s - since,
+        position_m=at_m[0, :2],
+        in_use=in_use,
+        parameters=np.array(parameters),
+        dt_s=dt_s,
+    )
+
+
+def identification_to_wire(
+    identification: SubModelIdentification, update: ModelUpdate
+) -> IdentificationMessage:
+    """Return the message of an identification.
+
+    Parameters
+    ----------
+    identification
+        What the sender decided.
+    update
+        The update it speaks of.
+
+    Raises
+    ------
+    ValueError
+        Where it is older than that update.
+    """
+    age_s = identification.t_s - update.t_s
+    if age_s < 0:
+        raise ValueError(f"an identification follows its update, this one is {-age_s} s older")
+    return IdentificationMessage(
+        identification.vehicle,
+        identification.sequence % (SEQUENCE.high + 1),
+        sub_model=identification.in_use,
+        age=AGE.code_of(age_s),
+    )
+
+
+def identification_from_wire(message: IdentificationMessage, update: ModelUpdate) -> SubModelIdentification:
+    """Return the identification as a host takes it.
+
+    Parameters
+    ----------
+    message
+        As decoded.
+    update
+        The update that the host holds of this sender; whether it is the one spoken of, the host checks.
+    """
+    return SubModelIdentification(
+        message.temporary_id, message.sequence, update.t_s + message.age_s, in_use=message.sub_model
+    )
+
+
+def _by_member(bank: Bank, parameters: FloatArray) -> list[dict[str, float]]:
+    """Parameters of each member by name."""
+    bounds: list[int] = bank.offsets.tolist()
+    return [
+        dict(zip(member.parameter_names, parameters[first:end].tolist(), strict=True))
+        for member, first, end in zip(bank.members, bounds[:-1], bounds[1:], strict=True)
+    ]
+
+
+def _coefficients(update: UpdateMessage, profile: WireProfile) -> dict[int, dict[str, float]]:
+    """Coefficients that came with an update, by sub-model and name."""
+    members = profile.carried(update.sub_model, carries_all=update.carries_all)
+    found: dict[int, dict[str, float]] = {}
+    for member, codes in zip(members, update.codes, strict=True):
+        layout = profile.layouts[member]
+        values = layout.values_of(np.array([codes], dtype=np.int64).reshape(1, -1))[0]
+        found[member] = dict(zip(layout.names, values.tolist(), strict=True))
+    return found
+
+
+def _coasting(bank: Bank) -> int:
+    """Place of constant velocity in a bank."""
+    names = [member.name for member in bank.members]
+    if _FALLBACK not in names:
+        raise ValueError(f"{bank.name}: constant velocity is needed for a message without a known model")
+    return names.index(_FALLBACK)
