@@ -13,7 +13,13 @@ from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.policy.dcc_kernels import STATE_COLUMNS as DCC_COLUMNS
 from modelcast.policy.j2945_kernels import STATE_COLUMNS as RULE_COLUMNS
 from modelcast.simulation.network.bins_kernels import BINS
-from modelcast.simulation.network.layout_kernels import CAUSES, CONTENT_HEAD, MESSAGES_KEPT, SUMS
+from modelcast.simulation.network.layout_kernels import (
+    BELIEF_COLUMNS,
+    CAUSES,
+    CONTENT_HEAD,
+    MESSAGES_KEPT,
+    SUMS,
+)
 
 __all__ = [
     "Contents",
@@ -53,19 +59,20 @@ class SenderArrays(NamedTuple):
     sent_s: Any
     certified_s: Any
     pending: Any
+    trials: Any
+    origin: Any
+    scores: Any
 
 
 class Contents(NamedTuple):
-    """Messages as decoded, ``rows`` (V, MESSAGES_KEPT, W), and what they predict at one instant.
+    """Messages as decoded, ``rows`` (V, MESSAGES_KEPT, W), and what they make their holders believe.
 
-    ``stamp`` (V, MESSAGES_KEPT) says at which step the bins ``error_bin`` and ``age_bin`` of a message were
-    made: they are the same for all hosts that hold it.
+    ``beliefs`` (V, MESSAGES_KEPT, 4) is worked out once a step for each message, since it is the same for all
+    hosts that hold it.
     """
 
     rows: Any
-    stamp: Any
-    error_bin: Any
-    age_bin: Any
+    beliefs: Any
 
 
 class Outbox(NamedTuple):
@@ -98,7 +105,7 @@ class Tally(NamedTuple):
     sums: Any
 
 
-def sender_arrays(vehicles: int, window: int, phase: Any) -> SenderArrays:
+def sender_arrays(vehicles: int, window: int, phase: Any, *, members: int, parameters: int) -> SenderArrays:
     """Return the arrays of senders that have seen nothing.
 
     Parameters
@@ -109,6 +116,8 @@ def sender_arrays(vehicles: int, window: int, phase: Any) -> SenderArrays:
         Longest window of a sub-model, n.
     phase
         Where in a step each decides, (V,) in [0, 1).
+    members, parameters
+        Sub-models, and most parameters of one.
     """
     return SenderArrays(
         vehicle=np.full(vehicles, -1, dtype=np.int64),
@@ -125,6 +134,9 @@ def sender_arrays(vehicles: int, window: int, phase: Any) -> SenderArrays:
         sent_s=np.full(vehicles, -np.inf),
         certified_s=np.full(vehicles, -np.inf),
         pending=np.full((vehicles, 4), np.inf),
+        trials=np.zeros((vehicles, members, parameters + 1)),
+        origin=np.zeros((vehicles, 3)),
+        scores=np.full((vehicles, members), -1.0),
     )
 
 
@@ -133,9 +145,7 @@ def contents(vehicles: int, parameters: int) -> Contents:
     shape = (vehicles, MESSAGES_KEPT)
     return Contents(
         rows=np.full((*shape, CONTENT_HEAD + parameters), -1.0),
-        stamp=np.full(shape, -1, dtype=np.int64),
-        error_bin=np.zeros(shape, dtype=np.int64),
-        age_bin=np.zeros(shape, dtype=np.int64),
+        beliefs=np.full((*shape, BELIEF_COLUMNS), -1, dtype=np.int32),
     )
 
 

@@ -2,8 +2,9 @@
 
 from typing import Any
 
-import numba
 import numpy as np
+
+from modelcast.channel.borrowing_kernels import borrowing
 
 __all__ = ["BINS", "bin_of", "lower_edge"]
 
@@ -13,7 +14,7 @@ BINS = (28 << 5) + 2
 """Bin 0 holds everything below 2**-14; the last bin everything from 2**14 on."""
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def bin_of(value: float) -> int:
     """Bin of a number that is not negative."""
     at = (np.float32(value).view(np.int32) >> _SHIFT) - _FIRST + 1

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.channel.radio import OUTCOMES, AbstractRadio, Receptions, Transmissions
+from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.chance import child_generator
 from modelcast.models.base import quiet_function_pointers
@@ -36,13 +36,13 @@ from modelcast.simulation.network.arrays import (
     tally,
 )
 from modelcast.simulation.network.layout_kernels import (
-    CAUSES,
     MESSAGES,
     POWER_DBM,
     RULE_CAM,
     RULE_ERROR_DRIVEN,
     RULE_J2945,
     RULE_PERIODIC,
+    SENDER_BITS,
     TRACK_COLUMNS,
 )
 from modelcast.simulation.network.sender import FleetSender
@@ -174,6 +174,8 @@ class FleetLoop:
         sensor: FleetSensor | None = None,
     ) -> None:
         vehicles = len(first)
+        if vehicles >= 1 << SENDER_BITS:
+            raise ValueError(f"a fleet has fewer than {1 << SENDER_BITS} slots, got {vehicles}")
         rng = child_generator(seed, "senders")
         phase = rng.random(vehicles)
         bank, dt_s = sender.bank, settings.dt_s
@@ -190,7 +192,13 @@ class FleetLoop:
             bank.trust,
             sender.payload_bytes,
         )
-        self.senders: SenderArrays = sender_arrays(vehicles, window, phase)
+        self.senders: SenderArrays = sender_arrays(
+            vehicles,
+            window,
+            phase,
+            members=len(bank.members),
+            parameters=int(sender.parameter_counts.max()),
+        )
         self.contents: Contents = contents(vehicles, int(sender.parameter_counts.max()))
         self.outbox: Outbox = outbox(vehicles)
         capacity = _capacity(first, settings)
@@ -305,7 +313,7 @@ class FleetLoop:
         critical = seen.acceleration_mps2 < -c.critical_mps2
         sender_kernels.decide(
             self.models,
-            (self.sender.plain_within_m, self.sender.plain_horizon_s),
+            self.sender.limits,
             c.stack,
             c.rule,
             c.rule_constants,
@@ -418,7 +426,14 @@ def _constants(sender: FleetSender, dt_s: float) -> _Constants:
             ],
             dtype=np.float64,
         ),
-        noise=(kept * DEFAULT_NOISE.prior_m * DEFAULT_NOISE.prior_m, count, clip, kept, prior_samples, float(free)),
+        noise=(
+            kept * DEFAULT_NOISE.prior_m * DEFAULT_NOISE.prior_m,
+            count,
+            clip,
+            kept,
+            prior_samples,
+            float(free),
+        ),
         critical_mps2=critical_mps2,
     )
 

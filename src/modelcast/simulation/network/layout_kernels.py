@@ -2,6 +2,11 @@
 
 __all__ = [
     "AIRTIME_S",
+    "BELIEF_AGE_BIN",
+    "BELIEF_COLUMNS",
+    "BELIEF_ERROR_BIN",
+    "BELIEF_NUMBER",
+    "BELIEF_STEP",
     "CAUSES",
     "CERTIFICATES",
     "CONTENT_BYTES",
@@ -25,6 +30,7 @@ __all__ = [
     "RULE_ERROR_DRIVEN",
     "RULE_J2945",
     "RULE_PERIODIC",
+    "SENDER_BITS",
     "STALE",
     "SUMS",
     "TAKEN",
@@ -36,6 +42,9 @@ __all__ = [
 
 MESSAGES_KEPT = 128
 """Messages of a sender that its ring holds; the message count on the air (DE_MsgCount) runs modulo it too."""
+
+SENDER_BITS = 20
+"""Bits of a message's id on the radio that say whose it is; its number stands above them."""
 
 (
     CONTENT_VEHICLE,
@@ -51,6 +60,12 @@ MESSAGES_KEPT = 128
 the radio; the position stated; the sub-model; payload bytes. Parameters follow."""
 
 CONTENT_HEAD = 8
+
+BELIEF_NUMBER, BELIEF_STEP, BELIEF_ERROR_BIN, BELIEF_AGE_BIN = range(4)
+"""Columns of what a message makes its holders believe at one step: its number; the step; bins of the tracking
+error (-1 where its sender has left) and of the information age."""
+
+BELIEF_COLUMNS = 4
 
 TRACK_MESSAGE, TRACK_RECEIVED_S, TRACK_VEHICLE = range(3)
 """Columns of a track: id of the message held, when the last one arrived, whose they are."""

@@ -12,6 +12,7 @@
 """
 
 from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
@@ -69,10 +70,14 @@ class FleetSender:
     jitter_s
         A message that leaves at once is handed to the radio up to this much later, so that two vehicles do
         not meet on the air again and again; vTxRand of SAE J2945/1 [s].
+    choice
+        Which sub-model a message carries. ``order``: the first of the bank that has a full window, but a
+        plain message where its path and that of coasting are the same within `plain_within_m`, half-way to
+        `plain_horizon_s` and there. ``recent``: the smallest message whose sub-model, fitted at one message
+        and judged at the next, erred no more of late than the best one's, but for `plain_within_m` (mean
+        squares).
     plain_within_m, plain_horizon_s
-        Where the model's path and that of coasting differ by no more than the first, half-way to the second
-        and there, a plain message is sent. The default is the step of the position on the wire, over a second
-        [m], [s].
+        The default of the first is the step of the position on the wire [m], [s].
 
     Raises
     ------
@@ -96,7 +101,8 @@ class FleetSender:
     power_dbm: float = 20.0
     jitter_s: float = _JITTER_S
     plain_within_m: float = field(default_factory=lambda: core_steps().position_m)
-    plain_horizon_s: float = 1.0
+    plain_horizon_s: float = 2.0
+    choice: Literal["order", "recent"] = "order"
 
     def __post_init__(self) -> None:
         policy = self.policy
@@ -115,6 +121,11 @@ class FleetSender:
             plain = quantised_bank(Bank((ConstantVelocity(),)))
             bank = Bank((*bank.members, *plain.members), bank.name)
         object.__setattr__(self, "bank", bank)
+
+    @property
+    def limits(self) -> tuple[float, float, float]:
+        """What chooses the sub-model, as the compiled loop takes it."""
+        return self.plain_within_m, self.plain_horizon_s, float(self.choice == "recent")
 
     @property
     def payload_bytes(self) -> IntArray:
@@ -196,23 +207,24 @@ def named_sender(
         Where there is no such name.
     """
     timers = engine_parameters() if parameters is None else parameters
-    relaxed = {"j2945-mbc-relaxed": 2.0, "j2945-mbc-relaxed-5": 5.0}
     coasting = Bank((ConstantVelocity(),), "cv")
-    model = default_profile().bank if bank is None else bank
-    error_driven = ErrorDriven(threshold_m, identify="never", max_inter_transmit_time_s=keep_alive_s)
-    around = Stack() if stack is None else stack
-    if name == "bsm-10hz":
-        return FleetSender(name, Periodic(10.0), coasting, stack=around)
-    if name == "baseline":
-        return FleetSender(name, error_driven, coasting, stack=around)
-    if name == "mbc":
-        return FleetSender(name, error_driven, model, stack=around)
-    if name == "j2945":
-        return FleetSender(name, J2945(timers), coasting, stack=around)
-    if name == "j2945-mbc":
-        return FleetSender(name, J2945(timers), model, stack=around)
+    relaxed = {"j2945-mbc-relaxed": 2.0, "j2945-mbc-relaxed-5": 5.0}
+    if name not in SENDERS:
+        raise ValueError(f"sender must be one of {', '.join(SENDERS)}, got {name!r}")
     if name in relaxed:
-        return FleetSender(name, J2945(j2945_relaxed_parameters(relaxed[name], timers)), model, stack=around)
-    if name == "cam":
-        return FleetSender(name, CooperativeAwareness(), coasting, stack=around)
-    raise ValueError(f"sender must be one of {', '.join(SENDERS)}, got {name!r}")
+        timers = j2945_relaxed_parameters(relaxed[name], timers)
+    policy: Rule = J2945(timers)
+    if name == "bsm-10hz":
+        policy = Periodic(10.0)
+    elif name in {"baseline", "mbc"}:
+        policy = ErrorDriven(threshold_m, identify="never", max_inter_transmit_time_s=keep_alive_s)
+    elif name == "cam":
+        policy = CooperativeAwareness()
+    sends_models = "mbc" in name
+    return FleetSender(
+        name,
+        policy,
+        (default_profile().bank if bank is None else bank) if sends_models else coasting,
+        stack=Stack() if stack is None else stack,
+        choice="recent" if sends_models and isinstance(policy, J2945) else "order",
+    )

@@ -23,6 +23,8 @@ from modelcast.policy.belief_kernels import LOCAL_COLUMNS, tracking_error_of_mod
 from modelcast.policy.neighbours_kernels import count, survey
 from modelcast.simulation.network.layout_kernels import (
     AIRTIME_S,
+    BELIEF_NUMBER,
+    BELIEF_STEP,
     CERTIFICATES,
     CONTENT_BYTES,
     CONTENT_EAST_M,
@@ -43,6 +45,7 @@ from modelcast.simulation.network.layout_kernels import (
     RULE_ERROR_DRIVEN,
     RULE_J2945,
     RULE_PERIODIC,
+    SENDER_BITS,
 )
 
 __all__ = ["CERTIFICATE_RULES", "compose", "decide", "take_samples"]
@@ -50,6 +53,9 @@ __all__ = ["CERTIFICATE_RULES", "compose", "decide", "take_samples"]
 CERTIFICATE_RULES = ("gap", "timer", "always", "digest", "unsigned")
 _GAP, _TIMER, _ALWAYS = range(3)
 _TIME_SLACK_S = 1e-9
+
+_SCORE_WEIGHT = 0.2
+"""Of the newest error in the mean that chooses a sub-model: about the last five messages count."""
 
 
 @numba.njit(cache=True, nogil=True)
@@ -114,9 +120,10 @@ def _moved(models: Any, member: int, parameters: Any, age_s: float, out: Any) ->
 
 
 @numba.njit(cache=True, nogil=True)
-def _adds_nothing(models: Any, member: int, parameters: Any, plain: Any, limits: Any, scratch: Any) -> bool:
+def _adds_nothing(
+    models: Any, member: int, parameters: Any, plain: Any, within_m: float, horizon_s: float, scratch: Any
+) -> bool:
     """Whether two paths are the same within a resolution, half-way to a horizon and there."""
-    within_m, horizon_s = limits
     plain_member = len(models[0]) - 1
     for share in (0.5, 1.0):
         _moved(models, member, parameters, share * horizon_s, scratch)
@@ -128,29 +135,77 @@ def _adds_nothing(models: Any, member: int, parameters: Any, plain: Any, limits:
 
 
 @numba.njit(cache=True, nogil=True)
-def compose(models: Any, limits: Any, s: Any, v: int, at: int, row: Any, scratch: Any) -> None:
+def _judge(models: Any, s: Any, v: int, t_s: float, sample: Any, scratch: Any) -> None:
+    """Set every sub-model fitted at the last message against the newest sample."""
+    for member in range(len(models[0])):
+        trial = s.trials[v, member]
+        count = models[4][member]
+        if trial[trial.size - 1] == 0.0:
+            continue
+        _moved(models, member, trial[:count], t_s - s.origin[v, 0], scratch)
+        east = s.origin[v, 1] + scratch[0] - sample[EAST]
+        north = s.origin[v, 2] + scratch[1] - sample[NORTH]
+        square, before = east * east + north * north, s.scores[v, member]
+        s.scores[v, member] = square if before < 0.0 else before + _SCORE_WEIGHT * (square - before)
+
+
+@numba.njit(cache=True, nogil=True)
+def _recent_choice(models: Any, s: Any, v: int, within_m: float) -> int:
+    """Smallest sub-model that erred no more than the best of late, but for a resolution; -1 for no score."""
+    payload_bytes = models[6]
+    best = np.inf
+    for member in range(len(models[0])):
+        if s.trials[v, member, s.trials.shape[2] - 1] != 0.0 and s.scores[v, member] >= 0.0:
+            best = min(best, s.scores[v, member])
+    chosen = -1
+    for member in range(len(models[0])):
+        usable = s.trials[v, member, s.trials.shape[2] - 1] != 0.0 and s.scores[v, member] >= 0.0
+        good = usable and s.scores[v, member] <= best + within_m * within_m
+        if good and (chosen < 0 or payload_bytes[member] < payload_bytes[chosen]):
+            chosen = member
+    return chosen
+
+
+@numba.njit(cache=True, nogil=True)
+def compose(models: Any, limits: Any, s: Any, v: int, at: int, t_s: float, row: Any, scratch: Any) -> None:
     """Write the content (W,) of a vehicle's message from its newest sample, as a receiver decodes it.
 
     ``models`` holds the members' compiled fits, predictions and constants as tuples, their windows, numbers
     of parameters, trusted horizons and payload bytes. The last member is that of a plain basic safety
-    message: it serves where no other has a full window, or where the model adds nothing.
+    message. ``limits`` is the resolution below which paths are the same [m], the horizon over which they are
+    compared [s], and whether recent errors choose the sub-model.
     """
     fits, _, constants, windows, counts, _, payload_bytes = models
     plain_member = len(fits) - 1
+    within_m, horizon_s, by_errors = limits
     end = at + s.times.size // 2 + 1
+    own = s.samples[v]
     member = 0
     while member < plain_member and s.history[v] < windows[member]:
         member += 1
-    own = s.samples[v]
     parameters = row[CONTENT_HEAD : CONTENT_HEAD + counts[member]]
-    fits[member](own[end - windows[member] : end], constants[member], parameters)
-    if member < plain_member:
-        plain = np.empty(counts[plain_member])
-        fits[plain_member](own[end - 1 : end], constants[plain_member], plain)
-        if _adds_nothing(models, member, parameters, plain, limits, scratch):
-            member = plain_member
-            parameters = row[CONTENT_HEAD : CONTENT_HEAD + counts[member]]
-            parameters[:] = plain
+    if by_errors > 0.0:
+        _judge(models, s, v, t_s, own[end - 1], scratch)
+        for m in range(plain_member + 1):
+            trial = s.trials[v, m]
+            trial[trial.size - 1] = 0.0
+            if s.history[v] >= windows[m]:
+                fits[m](own[end - windows[m] : end], constants[m], trial[: counts[m]])
+                trial[trial.size - 1] = 1.0
+        s.origin[v, 0], s.origin[v, 1], s.origin[v, 2] = t_s, own[end - 1, EAST], own[end - 1, NORTH]
+        chosen = _recent_choice(models, s, v, within_m)
+        member = chosen if chosen >= 0 else member
+        parameters = row[CONTENT_HEAD : CONTENT_HEAD + counts[member]]
+        parameters[:] = s.trials[v, member, : counts[member]]
+    else:
+        fits[member](own[end - windows[member] : end], constants[member], parameters)
+        if member < plain_member:
+            plain = np.empty(counts[plain_member])
+            fits[plain_member](own[end - 1 : end], constants[plain_member], plain)
+            if _adds_nothing(models, member, parameters, plain, within_m, horizon_s, scratch):
+                member = plain_member
+                parameters = row[CONTENT_HEAD : CONTENT_HEAD + counts[member]]
+                parameters[:] = plain
     last = parameters.size - 1
     # The position sent is on its grid; a receiver has it and no remainder.
     row[CONTENT_EAST_M] = own[end - 1, EAST] + parameters[last - 1]
@@ -202,15 +257,15 @@ def _emit(
     number = s.number[v]
     ring = number % MESSAGES_KEPT
     row = contents.rows[v, ring]
-    compose(models, limits, s, v, at, row, scratch)
-    contents.stamp[v, ring] = -1
+    compose(models, limits, s, v, at, t_s, row, scratch)
+    contents.beliefs[v, ring, BELIEF_NUMBER], contents.beliefs[v, ring, BELIEF_STEP] = number, -1
     row[CONTENT_VEHICLE], row[CONTENT_NUMBER] = s.vehicle[v], number
     row[CONTENT_FIT_S], row[CONTENT_SENT_S] = t_s, sent_s
     certificate = _has_certificate(s, v, sent_s, int(stack[0]), stack[1])
     frame = _frame_bytes(row[CONTENT_BYTES], certificate, stack)
     k = out.count[0]
     out.sender[k], out.ready_s[k], out.size_bytes[k] = v, sent_s, int(frame)
-    out.power_dbm[k], out.message_id[k] = power_dbm, number * s.vehicle.size + v
+    out.power_dbm[k], out.message_id[k] = power_dbm, (number << SENDER_BITS) | v
     out.count[0] = k + 1
     if believed > 0.0:
         s.believed[v] = number
@@ -235,6 +290,8 @@ def _start(s: Any, v: int, rule: int, t_s: float, constants: Any, start_share: f
     s.believed[v] = -1
     s.sent_s[v] = s.certified_s[v] = s.due_s[v] = -np.inf
     s.pending[v] = np.inf
+    s.trials[v, :, -1] = 0.0
+    s.scores[v] = -1.0
     if rule == RULE_J2945:
         j2945_kernels.start(s.rows[v], t_s, s.phase[v], constants)
     elif rule == RULE_CAM:
@@ -290,16 +347,16 @@ def _j2945(
     sub_interval_s, range_m = c[j2945_kernels.PER_SUB_INTERVAL_S], c[j2945_kernels.PER_RANGE_M]
     soon_s = ask_s + c[j2945_kernels.TIME_ACCURACY_S]
     if soon_s >= row[j2945_kernels.SURVEY_S]:
-        near, ratio = survey(
-            hosts, slots, v, ask_s, sample[EAST], sample[NORTH], sub_interval_s, range_m
-        )
+        near, ratio = survey(hosts, slots, v, ask_s, sample[EAST], sample[NORTH], sub_interval_s, range_m)
     elif soon_s >= row[j2945_kernels.COUNT_S]:
         near = count(hosts, slots, v, ask_s, sample[EAST], sample[NORTH], sub_interval_s, range_m)
     return j2945_kernels.step(row, ask_s, until_s, error_m, busy_ratio, near, ratio, event, uniforms, c)
 
 
 @numba.njit(cache=True, nogil=True)
-def _error_driven(models: Any, s: Any, v: int, sample: Any, t_s: float, constants: Any, contents: Any) -> bool:
+def _error_driven(
+    models: Any, s: Any, v: int, sample: Any, t_s: float, constants: Any, contents: Any
+) -> bool:
     """Ask Algorithm 1, where only the sub-model in use is sent."""
     if s.believed[v] < 0:
         return True
@@ -428,7 +485,16 @@ def decide(
             payload = float(models[6][len(models[0]) - 1])
             airtime_s = _airtime(_frame_bytes(payload, True, stack), stack)
             sends = _cam(
-                s, v, sample, ask_s, busy_ratio[v], airtime_s, constants, control, control_constants, interval_s
+                s,
+                v,
+                sample,
+                ask_s,
+                busy_ratio[v],
+                airtime_s,
+                constants,
+                control,
+                control_constants,
+                interval_s,
             )
         if sends:
             message = (ask_s + jitter_s * uniforms[v, 1], power_dbm, 1.0, 1.0)
