@@ -88,8 +88,8 @@ _RECEPTION_RATIOS = (
 def measured_table() -> ReceptionTable:
     """Table of the 802.11p radio `Dsrc` with its defaults at 20 dBm and 168 bytes, up to 350 m.
 
-    Made on 2026-11-25 by ``benchmarks/reception_table.py``: 10 to 600 vehicles a kilometre of straight road send
-    10 times a second. One seed; the rows of few vehicles are uncertain by some hundredths.
+    Made on 2026-11-25 by ``benchmarks/reception_table.py``: 10 to 600 vehicles a kilometre of straight road
+    send 10 times a second. One seed; the rows of few vehicles are uncertain by some hundredths.
 
     Examples
     --------

@@ -178,8 +178,9 @@ def _run_all(
     progress(done, len(cases))
     if jobs == 1 or len(missing) <= 1:
         for case in missing:
-            found[case] = run_case(plan, case)
-            write_case(found[case], case, options, folder)
+            result = run_case(plan, case)
+            write_case(result, case, options, folder)
+            found[case] = result
             done += 1
             progress(done, len(cases))
     else:
@@ -190,8 +191,9 @@ def _run_all(
             waiting = {pool.submit(run_case, plan, case): case for case in missing}
             for future in as_completed(waiting):
                 case = waiting[future]
-                found[case] = future.result()
-                write_case(found[case], case, options, folder)
+                result = future.result()
+                write_case(result, case, options, folder)
+                found[case] = result
                 done += 1
                 progress(done, len(cases))
     return [result for result in found.values() if result is not None]

@@ -1,7 +1,7 @@
 """One run of ``modelcast network``: which traffic, which radio, which sender; what a worker process does."""
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import KW_ONLY, asdict, dataclass
 from pathlib import Path
@@ -87,7 +87,7 @@ class NetworkPlan:
 
 
 @contextmanager
-def _frames(plan: NetworkPlan, case: NetworkCase) -> Iterator[Iterator[FleetFrame]]:
+def _frames(plan: NetworkPlan, case: NetworkCase) -> Generator[Iterator[FleetFrame]]:
     """The traffic of one run; all policies and radios of a seed and density meet the same."""
     rng = child_generator(plan.seed, case.run, "traffic")
     if plan.scenario == "highway":
@@ -122,8 +122,8 @@ def _sumo_frames(plan: NetworkPlan, case: NetworkCase, folder: Path) -> Iterator
         vehicles = density * plan.length_m / 1000.0
     elif plan.scenario == "sumo-grid":
         source = grid_input(
-            folder, columns=plan.blocks, rows=plan.blocks, density_per_km=density, block_m=_BLOCK_M, seed=seed,
-            duration_s=lasts_s,
+            folder, columns=plan.blocks, rows=plan.blocks, density_per_km=density, block_m=_BLOCK_M,
+            seed=seed, duration_s=lasts_s,
         )  # fmt: skip
         vehicles = density * 2.0 * plan.blocks * (plan.blocks - 1) * _BLOCK_M / 1000.0
     else:

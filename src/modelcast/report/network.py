@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from rich.console import Group, RenderableType
@@ -164,8 +164,7 @@ def _pairs(options: Mapping[str, Any], prefix: str = "") -> list[list[str]]:
     rows: list[list[str]] = []
     for name, value in options.items():
         if isinstance(value, Mapping):
-            inner: Mapping[str, Any] = value
-            rows += _pairs(inner, f"{prefix}{name}.")
+            rows += _pairs(cast("Mapping[str, Any]", value), f"{prefix}{name}.")
         else:
             rows.append([f"{prefix}{name}", str(value)])
     return rows

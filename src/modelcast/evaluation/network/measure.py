@@ -18,7 +18,7 @@ from modelcast.simulation.network.engine import NetworkRun, NetworkSettings
 
 __all__ = ["binned_quantiles", "measure"]
 
-_EDGES = lower_edge(np.arange(BINS + 1))
+_EDGES: FloatArray = lower_edge(np.arange(BINS + 1))
 
 
 def binned_quantiles(counts: IntArray, probabilities: tuple[float, ...]) -> list[float]:
@@ -41,7 +41,7 @@ def binned_quantiles(counts: IntArray, probabilities: tuple[float, ...]) -> list
     >>> [round(value, 2) for value in binned_quantiles(counts, (0.1, 0.9))]
     [0.5, 0.51]
     """
-    reached = np.cumsum(counts).astype(np.float64)
+    reached = np.cumsum(counts, dtype=np.float64)
     if reached[-1] == 0:
         return [np.nan] * len(probabilities)
     found: list[float] = []

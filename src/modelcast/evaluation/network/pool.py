@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
+from itertools import pairwise
 
 import numpy as np
 
@@ -111,22 +112,22 @@ def capacities(pooled: Sequence[PooledRow]) -> list[CapacityRow]:
     rows: list[CapacityRow] = []
     for (radio, policy), own in groups.items():
         ordered = sorted(own, key=lambda row: row.density_per_km)
-        for limit_m in LIMITS_M:
-            rows.append(
-                CapacityRow(
-                    radio=radio,
-                    policy=policy,
-                    limit_m=limit_m,
-                    density_per_km=_crossing(ordered, limit_m),
-                    highest_per_km=ordered[-1].density_per_km,
-                    above_at_lowest=ordered[0].value >= limit_m,
-                )
+        rows += [
+            CapacityRow(
+                radio=radio,
+                policy=policy,
+                limit_m=limit_m,
+                density_per_km=_crossing(ordered, limit_m),
+                highest_per_km=ordered[-1].density_per_km,
+                above_at_lowest=ordered[0].value >= limit_m,
             )
+            for limit_m in LIMITS_M
+        ]
     return rows
 
 
 def _crossing(ordered: Sequence[PooledRow], limit_m: float) -> float | None:
-    for before, after in zip(ordered[:-1], ordered[1:], strict=True):
+    for before, after in pairwise(ordered):
         if before.value < limit_m <= after.value:
             share = (limit_m - before.value) / (after.value - before.value)
             low, high = np.log(before.density_per_km), np.log(after.density_per_km)

@@ -1,4 +1,4 @@
-"""Figures of a network evaluation: load, delivery, tracking against distance and density, capacity, settling."""
+"""Figures of a network evaluation: load, delivery, tracking, capacity, settling."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -291,8 +291,7 @@ def _draw_seconds(axes: Axes, rows: Sequence[SecondRow], name: str, factor: floa
 NETWORK_FIGURES: dict[str, tuple[str, Callable[[NetworkResult], Figure]]] = {
     "load": ("Load against density. Bars are 95 % intervals over seeds.", plot_load),
     "delivery": (
-        "What became of frames at vehicles 50 m to 150 m away. The rest was too weak, or met a receiver that "
-        "was sending.",
+        "What became of frames at vehicles 50 m to 150 m away; the rest was too weak or met a sender.",
         plot_delivery,
     ),
     "tracking_density": ("Tracking error of all live tracks 50 m to 150 m away.", plot_tracking),

@@ -17,7 +17,7 @@ BINS = (28 << 5) + 2
 @borrowing
 def bin_of(value: float) -> int:
     """Bin of a number that is not negative."""
-    at = (np.float32(value).view(np.int32) >> _SHIFT) - _FIRST + 1
+    at: Any = (np.float32(value).view(np.int32) >> _SHIFT) - _FIRST + 1
     return min(max(at, 0), BINS - 1)
 
 

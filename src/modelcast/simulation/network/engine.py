@@ -61,7 +61,7 @@ SERIES = (
     "inter_transmit_time_s",
     "channel_quality",
 )
-"""Columns of `NetworkRun.series`: vehicles there, messages sent, receptions, means of channel busy ratio and of
+"""Columns of `NetworkRun.series`: vehicles there, messages sent, receptions, means of channel busy ratio and
 transmit power; and of J2945/1's state: smoothed density, longest time between messages, believed loss."""
 
 _STEP_SLACK_S = 1e-6
@@ -179,24 +179,15 @@ class FleetLoop:
         rng = child_generator(seed, "senders")
         phase = rng.random(vehicles)
         bank, dt_s = sender.bank, settings.dt_s
-        ready = [member.point_functions(dt_s) for member in bank.members]
         window = max(int(bank.windows.max()), DEFAULT_NOISE.order + 1)
         self.sender, self.radio, self.settings = sender, radio, settings
         self.expiry_s = max(settings.expiry_s, 2.0 * sender.longest_silence_s)
-        self.models = (
-            tuple(one.fit_pointer for one in ready),
-            tuple(one.predict_pointer for one in ready),
-            tuple(one.constants for one in ready),
-            bank.windows,
-            sender.parameter_counts,
-            bank.trust,
-            sender.payload_bytes,
-        )
+        self.models = _models(sender, dt_s)
         self.senders: SenderArrays = sender_arrays(
             vehicles,
             window,
             phase,
-            members=len(bank.members),
+            members=len(self.models[0]),
             parameters=int(sender.parameter_counts.max()),
         )
         self.contents: Contents = contents(vehicles, int(sender.parameter_counts.max()))
@@ -389,6 +380,32 @@ class _Constants:
     stack: FloatArray
     noise: tuple[float, float, float, float, float, float]
     critical_mps2: float
+
+
+_MEMBERS = 3
+_NEVER = 2**31
+
+
+def _models(sender: FleetSender, dt_s: float) -> tuple[Any, ...]:
+    """Members as the compiled loop takes them, at least `_MEMBERS`.
+
+    Numba compiles the loop anew for every number of members. So a short bank is filled up in front with
+    members that no window is long enough for.
+    """
+    bank = sender.bank
+    spare = max(0, _MEMBERS - len(bank.members))
+    members = (bank.members[0],) * spare + bank.members
+    chosen = np.array([0] * spare + list(range(len(bank.members))))
+    ready = [member.point_functions(dt_s) for member in members]
+    return (
+        tuple(one.fit_pointer for one in ready),
+        tuple(one.predict_pointer for one in ready),
+        tuple(one.constants for one in ready),
+        np.concatenate([np.full(spare, _NEVER, dtype=np.int64), bank.windows]),
+        sender.parameter_counts[chosen],
+        bank.trust[chosen],
+        sender.payload_bytes[chosen],
+    )
 
 
 def _constants(sender: FleetSender, dt_s: float) -> _Constants:

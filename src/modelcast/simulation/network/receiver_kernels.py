@@ -107,7 +107,7 @@ def _hear_each(
         if east * east + north * north > reach_m * reach_m:
             far += 1
             continue
-        remote = int(rows[sender, ring, CONTENT_VEHICLE])
+        remote, held_id = int(rows[sender, ring, CONTENT_VEHICLE]), float(message_id[k])
         at_s = received_s[k]
         slot = hear(
             hosts, slots, index, free, host, remote, ring, at_s, stated_east_m, stated_north_m, sub_interval_s
@@ -116,16 +116,20 @@ def _hear_each(
             refused += 1
             continue
         if tracks[host, slot, TRACK_MESSAGE] >= 0.0 and tracks[host, slot, TRACK_VEHICLE] == remote:
-            if number <= int(tracks[host, slot, TRACK_MESSAGE]) >> SENDER_BITS:
+            held = int(tracks[host, slot, TRACK_MESSAGE]) >> SENDER_BITS
+            if number <= held:
                 stale += 1
                 continue
+            # Two messages of one sample: the first stays, as in `modelcast.agents.host.Host`.
+            if rows[sender, held % MESSAGES_KEPT, CONTENT_FIT_S] >= rows[sender, ring, CONTENT_FIT_S]:
+                held_id = tracks[host, slot, TRACK_MESSAGE]
             east, north = truth_m[sender, 0] - truth_m[host, 0], truth_m[sender, 1] - truth_m[host, 1]
             if vehicle[sender] == remote:
                 distance = int(sqrt(east * east + north * north) / distance_bin_m)
                 if distance < gap.shape[0]:
                     gap[distance, bin_of(at_s - tracks[host, slot, TRACK_RECEIVED_S])] += 1
         taken += 1
-        tracks[host, slot, TRACK_MESSAGE] = message_id[k]
+        tracks[host, slot, TRACK_MESSAGE] = held_id
         tracks[host, slot, TRACK_RECEIVED_S] = at_s
         tracks[host, slot, TRACK_VEHICLE] = remote
     sums[TAKEN] += taken
@@ -157,8 +161,9 @@ def hear_messages(
     """
     hosts, slots, index, free = tables
     _hear_each(
-        _by_host(receiver, vehicle.size), message_id, receiver, received_s, vehicle, seen_m, truth_m, reach_m,
-        sub_interval_s, distance_bin_m, hosts, slots, index, free, contents.rows, tracks, tally.gap, tally.sums,
+        _by_host(receiver, vehicle.size), message_id, receiver, received_s, vehicle, seen_m, truth_m,
+        reach_m, sub_interval_s, distance_bin_m, hosts, slots, index, free, contents.rows, tracks, tally.gap,
+        tally.sums,
     )  # fmt: skip
 
 
