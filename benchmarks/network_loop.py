@@ -1,4 +1,4 @@
-"""Time the closed loop on one core: how fast against real time, and does a vehicle's cost grow with the fleet?
+"""Time the closed loop on one core: against real time, and what a vehicle costs in fleets of many sizes.
 
 1,000 vehicles on 5 km, J2945/1 with models, IEEE 802.11p, all pairs within 300 m tracked at 10 Hz; then the
 same density on longer roads. Times are processor times, so that other work on the machine counts less. The

@@ -11,6 +11,14 @@ from modelcast.messages.bits import BitWriter
 from modelcast.messages.bsm import BsmCore, encode_bsm
 from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_BITS, CORE_FIELDS, LOCAL_REGION
 from modelcast.messages.frame import encode_frame
+from modelcast.messages.mbc_wire import (
+    IdentificationMessage,
+    ModelExtension,
+    encode_extension,
+    encode_identification,
+)
+from modelcast.messages.security.certificate import Certificate
+from modelcast.messages.security.signed import SignedMessage
 
 __all__ = ["main"]
 
@@ -44,8 +52,41 @@ def messages(rng: random.Random) -> dict[str, bytes]:
             frame_additions=(None, some[2]),
         ),
         "long": encode_bsm(lowest, regional=((LOCAL_REGION, rng.randbytes(16_300)),)),
+        "update": encode_bsm(cores[3], regional=((LOCAL_REGION, _model(rng, 6)),)),
+        "update-plain": encode_bsm(cores[4], regional=((LOCAL_REGION, _model(rng, 0)),)),
+        "update-longest": encode_bsm(cores[5], regional=((LOCAL_REGION, _model(rng, 127)),)),
+        "other-identification": encode_identification(
+            IdentificationMessage(rng.getrandbits(32), 100, sub_model=5, age=130)
+        ),
+        "other-model": _model(rng, 6),
         "other-message": encode_frame(18, some[2]),
         "other-message-extended": encode_frame(240, some[5], (some[0],)),
+    }
+
+
+def _model(rng: random.Random, octets: int) -> bytes:
+    """Return a model with that many octets of coefficients."""
+    return encode_extension(ModelExtension(rng.getrandbits(24), 2, coefficients=rng.randbytes(octets)))
+
+
+def signed(rng: random.Random) -> dict[str, bytes]:
+    """Return signed messages, by name; nobody signed them, since nobody verifies."""
+    certificate = Certificate(
+        rng.randbytes(8),
+        rng.getrandbits(32),
+        duration_s=3600,
+        public_key=b"\x03" + rng.randbytes(32),
+        signature=rng.randbytes(64),
+    )
+    return {
+        f"other-signed-{name}": SignedMessage(
+            rng.getrandbits(52), rng.randbytes(count), signer, rng.randbytes(64)
+        ).octets
+        for name, signer, count in (
+            ("digest", certificate.digest, 64),
+            ("certificate", certificate, 40),
+            ("long", certificate.digest, 700),
+        )
     }
 
 
@@ -80,6 +121,8 @@ def refused(good: dict[str, bytes]) -> dict[str, bytes]:
         "all-zero": bytes(40),
         "ones": b"\xff" * 300,
         "too-long": bytes(16_500),
+        "model-cut": good["other-model"][:-1],
+        "identification-cut": good["other-identification"][:-1],
         "empty-open-type": extended(value, 1, (0, 2), (LOCAL_REGION, 8), (0, 8)),
         "no-addition-present": extended(value, 4, (2, 7), (0, 3)),
         "few-additions-in-long-form": extended(value, 4, (1, 1), (3, 8), (7, 3)),
@@ -92,8 +135,10 @@ def main() -> None:
     for old in FOLDER.iterdir():
         old.unlink()
     good = messages(random.Random(4))  # noqa: S311 - not for secrets
+    sealed = signed(random.Random(1609))  # noqa: S311 - not for secrets
     for name, octets in {
         **good,
+        **sealed,
         **{f"refused-{name}": octets for name, octets in refused(good).items()},
     }.items():
         (FOLDER / name).write_bytes(octets)

@@ -87,6 +87,44 @@ def replica() -> Callable[[Trajectory, Bank], Replica]:
 Events = list[tuple[int, str, int]]
 
 
+def looked_back(sender: Replica, now: int, ready: list[int]) -> list[int]:
+    """Samples ago at which every sub-model that is ready now had a window in the same part of the trip."""
+    backs = sorted({max(int(lag_s / sender.trip.dt_s + 0.5), 1) for lag_s in (0.3, 0.5, 0.8, 1.0, 1.5, 2.0)})
+    first = sender.trip.segment_start[now]
+    return [
+        back for back in backs if now - back >= first and all(sender.has_window(now - back, m) for m in ready)
+    ]
+
+
+def lives_in_hindsight(sender: Replica, now: int, ready: list[int], threshold_m: float) -> dict[int, float]:
+    """Mean logarithm of the life that recent predictions would have had; empty where there are none."""
+    backs = looked_back(sender, now, ready)
+    t_s = sender.trip.t_s
+    found: dict[int, float] = {}
+    for m in ready if backs else []:
+        lives = [
+            np.clip(
+                (t_s[now] - t_s[now - back])
+                * np.sqrt(threshold_m / max(sender.tracking_error_m(now - back, now, m), 1e-4)),
+                0.05,
+                8.0,
+            )
+            for back in backs
+        ]
+        found[m] = float(np.mean(np.log(lives))) + (0.2 if m == 0 else 0.0)
+    return found
+
+
+def serving(
+    identify: str, used: int, errors: dict[int, float], lasted_s: dict[int, float], threshold_m: float
+) -> dict[int, float]:
+    """Errors of the sub-models that may go on or be named."""
+    if identify == "never" and errors[used] >= threshold_m:
+        return {}
+    failed = lasted_s if identify == "final" else {}
+    return {m: error for m, error in errors.items() if error < threshold_m and m not in failed}
+
+
 def algorithm_1(
     sender: Replica, *, threshold_m: float, start: str, identify: str, longest_s: float
 ) -> tuple[Events, float]:
@@ -103,6 +141,9 @@ def algorithm_1(
             return used
         if start == "survivor":
             return max(ready, key=lambda m: lasted_s.get(m, np.inf))
+        if start == "hindsight":
+            lives = lives_in_hindsight(sender, now, ready, threshold_m)
+            return max(ready, key=lambda m: lives.get(m, 0.0))
         return ready[0]
 
     lasted_s: dict[int, float] = {}
@@ -116,9 +157,7 @@ def algorithm_1(
         for m in members:
             if errors[m] >= threshold_m:
                 lasted_s.setdefault(m, t_s[now] - t_s[origin])
-        holding = {m: error for m, error in errors.items() if error < threshold_m}
-        if identify == "final":
-            holding = {m: error for m, error in holding.items() if m not in lasted_s}
+        holding = serving(identify, used, errors, lasted_s, threshold_m)
         overdue = t_s[now] - t_s[spoken] >= longest_s - 1e-9
         if not holding or overdue:
             used = starter(now, used, lasted_s)

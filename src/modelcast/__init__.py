@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from modelcast.evaluation.evaluate import evaluate as evaluate
     from modelcast.evaluation.result import EvaluationResult as EvaluationResult
     from modelcast.evaluation.settings import EvaluationSettings as EvaluationSettings
+    from modelcast.evaluation.training.profile import train_profile as train_profile
+    from modelcast.io.profile import read_profile as read_profile
     from modelcast.io.results import write_results as write_results
     from modelcast.io.trips import read_trips as read_trips
     from modelcast.messages.bsm import BsmCore as BsmCore
@@ -35,6 +37,8 @@ if TYPE_CHECKING:
     from modelcast.models.bank import Bank as Bank
     from modelcast.models.constant_velocity import ConstantVelocity as ConstantVelocity
     from modelcast.models.gp import GaussianProcess as GaussianProcess
+    from modelcast.models.profile import Profile as Profile
+    from modelcast.models.profile import default_profile as default_profile
     from modelcast.policy.error_driven import ErrorDriven as ErrorDriven
     from modelcast.policy.periodic import Periodic as Periodic
     from modelcast.report.html import write_report as write_report
@@ -56,6 +60,7 @@ _HOMES = {
     "Host": "agents.host",
     "ModelcastError": "core.exceptions",
     "Periodic": "policy.periodic",
+    "Profile": "models.profile",
     "SensedTrip": "evaluation.case",
     "SensorModel": "core.sensor",
     "TrainedCandidate": "evaluation.compare.candidate",
@@ -63,13 +68,16 @@ _HOMES = {
     "build_trajectory": "core.trajectory",
     "compare": "evaluation.compare.run",
     "decode_bsm": "messages.bsm",
+    "default_profile": "models.profile",
     "encode_bsm": "messages.bsm",
     "evaluate": "evaluation.evaluate",
     "generate_drive": "simulation.drive",
     "rates_frame": "report.tables",
+    "read_profile": "io.profile",
     "read_trips": "io.trips",
     "references_frame": "report.tables",
     "tracking_frame": "report.tables",
+    "train_profile": "evaluation.training.profile",
     "write_report": "report.html",
     "write_results": "io.results",
 }

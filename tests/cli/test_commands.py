@@ -339,6 +339,20 @@ def test_trips_shows_a_table_or_json(drive_csv: Path, capsys: pytest.CaptureFixt
     assert shown.err == ""
 
 
+def test_trips_counts_implausible_samples_by_reason(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A car at 20 m/s whose speed column says 5 m/s."""
+    path = tmp_path / "stuck.csv"
+    rows = [f"{i / 10},{2.0 * i},0,5,1.5707963" for i in range(60)]
+    path.write_text("\n".join(["t_s,east_m,north_m,speed_mps,heading_rad", *rows]), encoding="utf-8")
+    assert run(["trips", str(path), "--json"]) == 0
+    (trip,) = json.loads(capsys.readouterr().out)["trips"]
+    assert trip["implausible"] == {"speed against displacement": 17, "stuck speed": 40}
+    assert run(["trips", str(path)]) == 0
+    assert "40 (stuck speed)" in capsys.readouterr().out
+
+
 def test_trips_goes_on_after_a_bad_file(
     drive_csv: Path, bad_trips: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -70,7 +70,7 @@ def test_every_bank_meets_every_rule_and_a_single_member_one(done: Path) -> None
 
 def test_rows_a_trip_are_read_back(done: Path) -> None:
     messages = pl.read_parquet(done / "messages.parquet")
-    assert messages.shape == (3 * 2 * 2 * 2, 11)
+    assert messages.shape == (3 * 2 * 2 * 2, 13)
     assert messages.schema["updates"] == pl.Int64
     tracking = pl.read_parquet(done / "tracking.parquet")
     assert set(tracking["trip"]) == {"all", "drive1/1", "drive2/1"}
@@ -152,7 +152,10 @@ def test_evaluate_options_survive_being_written_down() -> None:
     [
         (("--bank", "ctra+nothing"), "no sub-model is named 'nothing'; there are cv, ca, ctrv, ctra"),
         (("--bank", "ctra", "ctra"), "two candidates are named ctra"),
-        (("--rules", "order"), "--rules: 'order' is not START/IDENTIFY; starts are order, keep, survivor"),
+        (
+            ("--rules", "order"),
+            "--rules: 'order' is not START/IDENTIFY; starts are order, keep, survivor, predicted, hindsight",
+        ),
         (("--against", "ctrb"), "no candidate is named 'ctrb'; there are cv, ca"),
         (("--protocol", "recorded", "recorded"), "protocols must be one or more, each once"),
         (("--threshold", "0"), "threshold_m must be positive"),

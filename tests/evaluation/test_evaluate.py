@@ -15,6 +15,8 @@ from modelcast.evaluation.settings import PAPER_BANK, EvaluationSettings
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
+from modelcast.models.learned import FeatureMap, Network, Selector
+from modelcast.policy.costs import CostTable
 from modelcast.simulation.drive import generate_drive
 
 SETTINGS = EvaluationSettings(
@@ -237,6 +239,23 @@ def test_the_course_is_held_through_a_stop() -> None:
     assert case.standing[40:].all()
 
 
+def some_selector(bank: Bank) -> Selector:
+    """A selector that finds all members alike."""
+    inputs, members = FeatureMap().inputs, len(bank.members)
+    network = Network(
+        np.inf,
+        centre=np.zeros(inputs),
+        width=np.ones(inputs),
+        weights_1=np.zeros((inputs, 1)),
+        bias_1=np.zeros(1),
+        weights_2=np.zeros((1, 1)),
+        bias_2=np.zeros(1),
+        weights_3=np.zeros((1, members)),
+        bias_3=np.zeros(members),
+    )
+    return Selector(tuple(member.name for member in bank.members), (0.2,), (network,))
+
+
 def test_settings_name_everything_that_changes_the_numbers() -> None:
     """Two settings that give other numbers must not look the same in a summary."""
     base = EvaluationSettings()
@@ -248,6 +267,16 @@ def test_settings_name_everything_that_changes_the_numbers() -> None:
         "bank": Bank((ConstantVelocity(), GaussianProcess(20, noise_floor_m=1e-5)), "paper"),
         "start": "keep",
         "identify": "best",
+        "selector": some_selector(base.bank),
+        "costs": CostTable(
+            2.0,
+            1.0,
+            thresholds_m=np.array([0.2]),
+            update_life_s=np.array([3.0]),
+            age_edges_s=np.empty(0),
+            share_edges=np.empty(0),
+            residual_life_s=np.ones((1, len(base.bank.members), 1, 1)),
+        ),
         "keep_alive_s": None,
         "mean_burst_s": 1.0,
         "delay_s": 0.1,

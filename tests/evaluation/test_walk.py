@@ -22,8 +22,8 @@ MARGIN_M = 1e-9
 """Two ways to predict differ by less; where an error lies closer to the threshold, neither is wrong."""
 
 THRESHOLDS_M = (0.2, 0.3, 0.4, 0.5)
-STARTS = ("order", "keep", "survivor")
-IDENTIFIES = ("on-failure", "final", "best")
+STARTS = ("order", "keep", "survivor", "hindsight")
+IDENTIFIES = ("on-failure", "final", "best", "never")
 
 TWO_GPS = Bank(
     (
@@ -85,7 +85,7 @@ def test_the_walk_is_algorithm_1_on_test_track_trips(
     algorithm_1: Callable[..., Any],
 ) -> None:
     wrong, compared = differences(dynamic_trips[name], PAPER_BANK, replica, algorithm_1)
-    assert (wrong, compared) == ([], 72)
+    assert (wrong, compared) == ([], 128)
 
 
 @pytest.mark.real
@@ -93,7 +93,7 @@ def test_the_walk_is_algorithm_1_on_the_safety_pilot_log(
     spmd_trip: Trajectory, replica: Callable[..., Any], algorithm_1: Callable[..., Any]
 ) -> None:
     wrong, compared = differences(spmd_trip, PAPER_BANK, replica, algorithm_1)
-    assert (wrong, compared) == ([], 72)
+    assert (wrong, compared) == ([], 128)
 
 
 def test_the_walk_is_algorithm_1_with_three_sub_models_over_gaps(
@@ -101,7 +101,7 @@ def test_the_walk_is_algorithm_1_with_three_sub_models_over_gaps(
 ) -> None:
     wrong, compared = differences(gapped_drive, TWO_GPS, replica, algorithm_1)
     assert wrong == []
-    assert compared > 60
+    assert compared > 100
 
 
 @pytest.mark.real

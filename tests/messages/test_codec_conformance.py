@@ -14,6 +14,9 @@ from modelcast.messages.bsm_codec import BsmCodec
 from modelcast.messages.bsm_fields import CORE_FIELDS
 from modelcast.messages.codec import AbstractCodec
 from modelcast.messages.fields import Outside
+from modelcast.messages.mbc_codec import IdentificationCodec, UpdateCodec, UpdateMessage, WireProfile
+from modelcast.messages.mbc_wire import IdentificationMessage
+from modelcast.models.payload import PayloadField, PayloadLayout
 
 BENT = 300
 """Random changes of octets that are tried on each message."""
@@ -57,7 +60,68 @@ def bsm_case() -> Case:
     return Case(BsmCodec(), messages, np.stack(columns, axis=1), message_of, parameters_of)
 
 
-CODECS = {"bsm": bsm_case}
+PROFILE = WireProfile(
+    0x44136F,
+    (
+        PayloadLayout((PayloadField("along_0_m", 0.05, bits=6), PayloadField("along_1_m", 0.4, bits=9))),
+        PayloadLayout(),
+        PayloadLayout((PayloadField("end_s", 0.1, bits=7, signed=False),)),
+    ),
+)
+
+
+def update_case(*, carries_all: bool) -> Case:
+    rng = np.random.default_rng(7)
+    plain = bsm_case()
+    codec = UpdateCodec(PROFILE, carries_all)
+    extra = np.stack(
+        [rng.integers(0, 3, 50), *(rng.normal(0.0, spread, 50) for spread in (1.0, 60.0, 8.0))], axis=1
+    )
+    parameters = np.concatenate([plain.parameters, extra], axis=1)
+    cores = [message.core for message in plain.messages]
+    messages = [
+        UpdateMessage(cores[0], 0, carries_all=False, codes=((-32, 255),)),
+        UpdateMessage(cores[1], 1, carries_all=False, codes=((),)),
+        UpdateMessage(cores[2], 2, carries_all=False, codes=((127,),)),
+        UpdateMessage(cores[3], 2, carries_all=True, codes=((31, -256), (), (0,))),
+    ]
+
+    def parameters_of(message: UpdateMessage) -> list[float]:
+        values = [np.nan if value is None else value for value in message.core.values().values()]
+        carried = PROFILE.carried(message.sub_model, carries_all=message.carries_all)
+        held = dict(zip(carried, message.codes, strict=True))
+        for member, layout in enumerate(PROFILE.layouts):
+            codes = held.get(member, (np.nan,) * len(layout.fields))
+            values += [code * field.step for code, field in zip(codes, layout.fields, strict=True)]
+            if member == 0:
+                values.insert(len(CORE_FIELDS), float(message.sub_model))
+        return values
+
+    return Case(codec, messages, parameters, codec.message_of, parameters_of)
+
+
+def identification_case() -> Case:
+    rng = np.random.default_rng(9)
+    codec = IdentificationCodec()
+    columns = [rng.integers(0, 2**32, 50), rng.integers(0, 128, 50), rng.integers(0, 8, 50)]
+    parameters = np.stack([*columns, rng.uniform(-1.0, 200.0, 50)], axis=1)
+    messages = [
+        IdentificationMessage(0, 0, sub_model=0, age=0),
+        IdentificationMessage(2**32 - 1, 127, sub_model=7, age=16383),
+    ]
+
+    def parameters_of(message: IdentificationMessage) -> list[float]:
+        return [message.temporary_id, message.sequence, message.sub_model, message.age_s]
+
+    return Case(codec, messages, parameters, codec.message_of, parameters_of)
+
+
+CODECS = {
+    "bsm": bsm_case,
+    "update": lambda: update_case(carries_all=False),
+    "update-of-all": lambda: update_case(carries_all=True),
+    "identification": identification_case,
+}
 
 
 @pytest.fixture(params=CODECS, scope="module")

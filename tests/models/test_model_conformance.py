@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modelcast.models.bank import Bank
-from modelcast.models.base import AbstractMotionModel, Windows
+from modelcast.models.base import AbstractMotionModel, AbstractSubModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import (
     AxisKernel,
@@ -21,9 +21,31 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
+from modelcast.models.profile import default_profile
+from modelcast.models.quantised import CoreSteps, Quantised
 from modelcast.models.trusted import Trusted
 
+
+def _learned() -> AbstractSubModel:
+    """Return the shipped one."""
+    found = default_profile().sub_model("learned")
+    assert found is not None
+    return found
+
+
 FIXED = Hyperparameters(2.0, 1e-4, linear_ratio_per_s2=1.0, variance_m2=25.0)
+
+STEPS = CoreSteps(
+    0.02,
+    0.01,
+    heading_rad=np.deg2rad(0.0125),
+    yaw_rate_radps=np.deg2rad(0.01),
+    last_speed=8190,
+    last_acceleration=2000,
+    last_yaw_rate=32767,
+    position_m=0.0,
+)
+"""Positions are left as they are: a grid moves with the frame."""
 
 MODELS: dict[str, AbstractMotionModel] = {
     "cv": ConstantVelocity(),
@@ -50,8 +72,13 @@ MODELS: dict[str, AbstractMotionModel] = {
             GaussianProcess(form="intercept", hyperparameters=FIXED, label="gp-trained-1"),
         )
     ),
+    "learned": _learned(),
+    "learned+ctra": Bank((_learned(), ConstantTurnRateAcceleration())),
     "ctra-damped": Trusted(ConstantTurnRateAcceleration(), 0.5),
     "gp-intercept-damped": Trusted(GaussianProcess(form="intercept"), 1.0),
+    "ctra-quantised": Quantised(ConstantTurnRateAcceleration(), STEPS),
+    "gp-vehicle-quantised": Quantised(Trusted(vehicle_process(), 2.0), STEPS),
+    "gp-intercept-quantised": Quantised(GaussianProcess(form="intercept"), STEPS),
     "cv+gp-anchored": Bank((ConstantVelocity(), GaussianProcess(form="anchored"))),
     "gp-intercept+cv": Bank((GaussianProcess(form="intercept"), ConstantVelocity())),
     "ctra+ca+cv": Bank((ConstantTurnRateAcceleration(), ConstantAcceleration(), ConstantVelocity())),
@@ -78,7 +105,7 @@ def _model(request: pytest.FixtureRequest) -> AbstractMotionModel:
     return request.param
 
 
-def windows(count: int = 30, length: int = 20) -> Windows:
+def windows(count: int = 30, length: int = 24) -> Windows:
     """Cars that turn and brake, with 1 cm of noise, on a grid of 2**-20 m; the last three stand still."""
     rng = np.random.default_rng(11)
     t = np.arange(1 - length, 1) * DT_S

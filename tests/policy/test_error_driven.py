@@ -38,14 +38,14 @@ def decided(
     return Message(decisions.kind[0]), int(decisions.in_use[0]), after.first_failure_s[0].tolist()
 
 
-@pytest.mark.parametrize("identify", ["on-failure", "final", "best"])
+@pytest.mark.parametrize("identify", ["on-failure", "final", "best", "never"])
 def test_an_update_follows_when_every_sub_model_fails(identify: str) -> None:
     kind, in_use, failed_s = decided(ErrorDriven(TH, identify=identify), [BAD, BAD], in_use=1)
     assert (kind, in_use) == (Message.UPDATE, 0)
     assert failed_s == [np.inf, np.inf]
 
 
-@pytest.mark.parametrize("identify", ["on-failure", "final", "best"])
+@pytest.mark.parametrize("identify", ["on-failure", "final", "best", "never"])
 def test_an_error_equal_to_the_threshold_has_failed(identify: str) -> None:
     policy = ErrorDriven(TH, identify=identify)
     assert decided(policy, [TH, TH])[0] == Message.UPDATE
@@ -57,6 +57,11 @@ def test_another_is_named_when_the_one_in_use_fails(identify: str) -> None:
     kind, in_use, failed_s = decided(ErrorDriven(TH, identify=identify), [BAD, FAIR])
     assert (kind, in_use) == (Message.IDENTIFICATION, 1)
     assert failed_s == [0.4, np.inf]
+
+
+def test_never_fits_anew_when_the_one_in_use_fails() -> None:
+    assert decided(ErrorDriven(TH, identify="never"), [BAD, GOOD])[:2] == (Message.UPDATE, 0)
+    assert decided(ErrorDriven(TH, identify="never"), [GOOD, BAD])[:2] == (Message.NOTHING, 0)
 
 
 def test_the_best_of_those_that_hold_is_named() -> None:
@@ -127,7 +132,7 @@ def test_a_bank_of_one_never_identifies(errors: list[float]) -> None:
 @given(
     seed=st.integers(0, 2**32 - 1),
     start=st.sampled_from(["order", "keep", "survivor"]),
-    identify=st.sampled_from(["on-failure", "final", "best"]),
+    identify=st.sampled_from(["on-failure", "final", "best", "never"]),
 )
 def test_a_vehicle_decides_alike_alone_and_in_a_batch(seed: int, start: str, identify: str) -> None:
     errors = np.random.default_rng(seed).uniform(0.0, 1.0, (30, 4, 3))
@@ -187,7 +192,8 @@ def test_the_given_state_is_left_alone() -> None:
         ({"threshold_m": -1.0}, "threshold_m"),
         ({"threshold_m": np.nan}, "threshold_m"),
         ({"threshold_m": 0.2, "start": "first"}, "start"),
-        ({"threshold_m": 0.2, "identify": "never"}, "identify"),
+        ({"threshold_m": 0.2, "identify": "sometimes"}, "identify"),
+        ({"threshold_m": 0.2, "identify": "cheapest"}, "costs"),
         ({"threshold_m": 0.2, "max_inter_transmit_time_s": 0.0}, "max_inter_transmit_time_s"),
         ({"threshold_m": 0.2, "max_inter_transmit_time_s": np.nan}, "max_inter_transmit_time_s"),
     ],

@@ -47,6 +47,15 @@ def test_bar_heights_are_the_pooled_rates(make_result: Make) -> None:
         assert baseline[at].get_height() == rows["baseline", threshold].total_rate_hz
 
 
+def test_the_panel_below_shows_the_airtime_of_both(make_result: Make) -> None:
+    result = make_result()
+    rows = {(row.policy, row.threshold_m): row for row in result.rates if row.trip == "all"}
+    own, baseline = plot_rates(result).axes[1].containers
+    for at, threshold in enumerate((0.2, 0.3, 0.4, 0.5)):
+        assert own[at].get_height() == 1000 * rows["mbc", threshold].airtime_per_s
+        assert baseline[at].get_height() == 1000 * rows["baseline", threshold].airtime_per_s
+
+
 def test_reference_lines_lie_at_the_pooled_rates_and_are_named(make_result: Make) -> None:
     references = [
         ReferenceRow(

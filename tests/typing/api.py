@@ -20,16 +20,20 @@ from modelcast import (
     GaussianProcess,
     Host,
     Periodic,
+    Profile,
     SensedTrip,
     TrainedCandidate,
     Trajectory,
     build_trajectory,
     compare,
     decode_bsm,
+    default_profile,
     encode_bsm,
     evaluate,
     generate_drive,
+    read_profile,
     read_trips,
+    train_profile,
     write_results,
 )
 from modelcast.policy.error_driven import ErrorDrivenState
@@ -51,6 +55,14 @@ def evaluate_files(paths: list[Path]) -> list[Path]:
     assert_type(result.rates[0].update_rate_hz, float)
     assert_type(result.tracking[0].pte_p90_low_m, float | None)
     return write_results(result, Path("out"))
+
+
+def use_profiles(path: Path, trips: list[Trajectory]) -> str:
+    """Take the shipped profile, one of a file, or one of one's own trips."""
+    assert_type(default_profile(), Profile)
+    mine = train_profile(trips) if trips else read_profile(path)
+    assert_type(mine.bank, Bank)
+    return mine.identity
 
 
 def learn(trips: Sequence[Trajectory], settings: EvaluationSettings) -> EvaluationSettings:

@@ -11,6 +11,8 @@ from types import MappingProxyType
 
 import numpy as np
 
+from modelcast.agents.plausibility import Finding, Plausibility, PlausibilityState
+from modelcast.agents.reports import Reports
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
 from modelcast.models.bank import Bank
@@ -26,6 +28,9 @@ _REACH_M = 2e7
 _IDS = 2**32
 """Temporary ids have four bytes, as in SAE J2735."""
 
+_VELOCITY = ("velocity_east_mps", "velocity_north_mps")
+"""Parameters of a sub-model that states the velocity outright."""
+
 _INTERVALS_S = (1e-3, 10.0)
 _LONGEST_LOOK_S = 60.0
 
@@ -37,6 +42,23 @@ class Receipt(Enum):
     OLDER = "older than what is held"
     UNKNOWN_UPDATE = "names an update that never arrived"
     MALFORMED = "not a possible message"
+    IN_FUTURE = "dated in the future"
+    STALE = "too old on arrival, as if replayed"
+    REPEATED = "of an instant already told"
+    POSITION_JUMP = "farther from the last position than a vehicle gets"
+    SPEED_MISMATCH = "states a speed that its positions contradict"
+    STUCK_SPEED = "states the same speed on and on, and its positions contradict it"
+
+
+_RECEIPTS = {
+    Finding.IN_FUTURE: Receipt.IN_FUTURE,
+    Finding.STALE: Receipt.STALE,
+    Finding.REPEATED: Receipt.REPEATED,
+    Finding.OVERTAKEN: Receipt.OLDER,
+    Finding.POSITION_JUMP: Receipt.POSITION_JUMP,
+    Finding.SPEED_MISMATCH: Receipt.SPEED_MISMATCH,
+    Finding.STUCK_SPEED: Receipt.STUCK_SPEED,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,9 +90,18 @@ def _no_remotes() -> Mapping[int, RemoteTrack]:
 
 @dataclass(frozen=True, slots=True)
 class HostState:
-    """Everything the host holds: one track a remote, by temporary id."""
+    """Everything the host holds.
+
+    Parameters
+    ----------
+    remotes
+        One track a remote, by temporary id.
+    plausibility
+        What the remotes said before and what was found, where the host checks that; None before the first.
+    """
 
     remotes: Mapping[int, RemoteTrack] = field(default_factory=_no_remotes)
+    plausibility: PlausibilityState | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +137,8 @@ class Host:
         The sub-models that the remotes broadcast.
     expiry_s
         Silence after which a remote is dropped [s]; infinite for never.
+    plausibility
+        Refuse what it finds implausible, and count it; None for no such checks.
 
     Examples
     --------
@@ -122,6 +155,7 @@ class Host:
 
     bank: Bank
     expiry_s: float = 5.0
+    plausibility: Plausibility | None = None
 
     def __post_init__(self) -> None:
         if not self.expiry_s > 0:
@@ -143,6 +177,10 @@ class Host:
         """
         if not self._is_possible(message, received_s):
             return Receipt.MALFORMED, state
+        if self.plausibility is not None:
+            finding, state = self._judge(self.plausibility, state, message, received_s)
+            if finding is not Finding.PLAUSIBLE:
+                return _RECEIPTS[finding], state
         # An expired remote is forgotten: an identification does not bring it back.
         live = self._live(state, received_s)
         if isinstance(message, ModelUpdate):
@@ -185,8 +223,6 @@ class Host:
         held = state.remotes.get(message.vehicle)
         if held is not None and message.t_s <= held.update.t_s:
             return Receipt.OLDER, state
-        if not self._predicts(message, message.in_use):
-            return Receipt.MALFORMED, state
         track = RemoteTrack(message, message.in_use, named_s=message.t_s, received_s=received_s)
         return Receipt.ACCEPTED, _with(state, message.vehicle, track)
 
@@ -223,6 +259,7 @@ class Host:
             and message.position_m.shape == (2,)
             and (np.abs(message.position_m) <= _REACH_M).all()
             and _INTERVALS_S[0] <= message.dt_s <= _INTERVALS_S[1]
+            and self._predicts(message, message.in_use)
         )
 
     def _predicts(self, update: ModelUpdate, member: int) -> bool:
@@ -232,6 +269,38 @@ class Host:
         moved = self.bank.predict(parameters, ages_s, dt_s=update.dt_s)
         return bool((np.abs(moved) <= _REACH_M).all())
 
+    def _judge(
+        self,
+        plausibility: Plausibility,
+        state: HostState,
+        message: ModelUpdate | SubModelIdentification,
+        received_s: float,
+    ) -> tuple[Finding, HostState]:
+        """What is found of a possible message, and the state that remembers it."""
+        before = state.plausibility or PlausibilityState()
+        t_s, arrived_s = np.array([message.t_s]), np.array([received_s])
+        if isinstance(message, SubModelIdentification):
+            found, after = plausibility.check_times(before, t_s, arrived_s)
+        else:
+            reports = Reports(
+                np.array([message.vehicle]),
+                t_s,
+                position_m=message.position_m[None],
+                velocity_mps=self._velocity_mps(message)[None],
+                received_s=arrived_s,
+            )
+            found, after = plausibility.check(before, reports)
+        return Finding(found[0]), replace(state, plausibility=after)
+
+    def _velocity_mps(self, update: ModelUpdate) -> FloatArray:
+        """Velocity stated outright, or that in use over the first sampling interval, (2,) [m/s]."""
+        for member, begin in zip(self.bank.members, self.bank.offsets, strict=False):
+            if member.parameter_names == _VELOCITY:
+                return update.parameters[begin : begin + 2]
+        parameters = np.concatenate([[update.in_use], update.parameters])[None]
+        moved = self.bank.predict_at(parameters, np.array([update.dt_s]), dt_s=update.dt_s)
+        return moved[0] / update.dt_s
+
     def _live(self, state: HostState, t_s: float) -> HostState:
         """The state without the remotes that have expired."""
         live = {
@@ -239,8 +308,8 @@ class Host:
             for vehicle, track in state.remotes.items()
             if t_s - track.received_s <= self.expiry_s
         }
-        return HostState(MappingProxyType(live))
+        return replace(state, remotes=MappingProxyType(live))
 
 
 def _with(state: HostState, vehicle: int, track: RemoteTrack) -> HostState:
-    return HostState(MappingProxyType({**state.remotes, vehicle: track}))
+    return replace(state, remotes=MappingProxyType({**state.remotes, vehicle: track}))

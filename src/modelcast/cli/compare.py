@@ -76,7 +76,7 @@ def compare(
             "trip": trip,
             "options": options.as_plain(),
         }
-        write_run(folder, "compare", asked, paths)
+        write_run(folder, "compare", asked, (*paths, *options.files))
         write_comparison(result, folder)
         write_comparison_report(result, folder)
     if json:

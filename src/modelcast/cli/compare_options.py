@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from cyclopts import Parameter
@@ -101,6 +102,11 @@ class CompareOptions:
         found = asdict(self)
         sensor = found.pop("sensor")
         return {**found, **sensor}
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The profiles' files among the banks."""
+        return tuple(Path(text) for text in self.bank if text.endswith(".json"))
 
     def settings(self) -> "CompareSettings":
         """The settings they mean.

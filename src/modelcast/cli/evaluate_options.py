@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from cyclopts import Parameter
@@ -44,12 +45,13 @@ class EvaluateOptions:
         Age beyond which a sub-model's speed is held and its turn ends, at sender and host alike [s]; 0 for
         never.
     start
-        Sub-model in use after an update: first in order, the one kept, or the longest survivor; the profile's
-        rule or order where not given.
+        Sub-model in use after an update: first in order, the one kept, the longest survivor, the one whose
+        predictions of the last two seconds did best (hindsight), or the one a trained selector expects to
+        last (predicted); the profile's rule or order where not given.
     identify
         When another sub-model is named: on failure of the one in use, the same but failures are final, at
-        every change of the best, or never (all are fitted anew when the one in use fails); the profile's rule
-        or on-failure where not given.
+        every change of the best, never (all are fitted anew when the one in use fails), or where it is
+        cheaper than an update by trained costs (cheapest); the profile's rule or on-failure where not given.
     keep_alive
         Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
     burst
@@ -104,6 +106,11 @@ class EvaluateOptions:
         found = asdict(self)
         sensor = found.pop("sensor")
         return {**found, **sensor}
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The profile's file, where the bank is one."""
+        return (Path(self.bank),) if self.bank.endswith(".json") else ()
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "EvaluateOptions":

@@ -49,7 +49,7 @@ def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json:
     )
     with atomic_folder(out) as folder:
         result = evaluate_source(source, settings, quiet=quiet or json)
-        write_run(folder, "evaluate", asked.arguments(), asked.paths)
+        write_run(folder, "evaluate", asked.arguments(), asked.inputs)
         publish(result, folder)
         if trace is not None:
             write_message_trace(result, trace)

@@ -39,6 +39,11 @@ class EvaluationRun:
     trip: str
     options: EvaluateOptions
 
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """Everything it reads: the trips, and the profile where one is named."""
+        return (*self.paths, *self.options.files)
+
     def arguments(self) -> dict[str, Any]:
         """The arguments as plain values."""
         return {
@@ -105,7 +110,7 @@ def load_run(path: Path) -> EvaluationRun:
         raise ConfigError(f"{path} cannot be read: {error.strerror}") from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise ConfigError(f"{path} is not a run.json of modelcast evaluate: {error!r}") from error
-    _require_same_inputs(path, run.paths, recorded)
+    _require_same_inputs(path, run.inputs, recorded)
     return run
 
 

@@ -16,7 +16,7 @@ def train(
     validate: bool = False,
     hidden: Annotated[tuple[int, int], Parameter(consume_multiple=True)] = (96, 96),
     coefficients: int = 3,
-    steps: int = 1500,
+    steps: int = 2500,
     seed: int = 0,
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,

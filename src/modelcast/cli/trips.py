@@ -15,7 +15,7 @@ def trips(
     json: bool = False,
     quiet: bool = False,
 ) -> int:
-    """Show each trip's duration, rate, gaps, position grid, held values, noise, events and skipped rows.
+    """Show each trip's duration, rate, gaps, grid, held values, noise, events, skipped and odd samples.
 
     Parameters
     ----------
@@ -37,6 +37,7 @@ def trips(
 
     from rich.console import Console
 
+    from modelcast.agents.plausibility import trip_findings
     from modelcast.cli.options import parse_columns
     from modelcast.cli.reading import TripSource, watched
     from modelcast.core.exceptions import ConfigError
@@ -47,7 +48,7 @@ def trips(
         raise ConfigError("name at least one trip file or folder (modelcast trips --help)")
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     with watched(source, quiet=quiet or json) as shown:
-        found = [inspect(one) for one in shown]
+        found = [(inspect(one), trip_findings(one)) for one in shown]
     if not found:
         raise ConfigError("no usable trip")
     if json:

@@ -132,7 +132,7 @@ def _evaluate_trip(
         collected.failures[trip_id] = f"its longest part has {longest} samples, a window needs {needed}"
         return
     case = make_case(trip, settings)
-    mbc = TripBank(case.seen, settings.sent_bank, case.estimator)
+    mbc = TripBank(case.seen, settings.sent_bank, case.estimator, settings.selector_in_use)
     baseline = TripBank(case.seen, settings.baseline_bank, case.estimator)
     collected.trips.append(_trip_row(case))
     counted = count_rates(case, mbc, baseline, settings)

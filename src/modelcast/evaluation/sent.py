@@ -47,7 +47,7 @@ def sent_messages(walk: Walk, bank: Bank, t_s: FloatArray, settings: EvaluationS
         Sizes and stack.
     """
     at = np.flatnonzero(walk.transmits)
-    updates = settings.sizes.update_bytes(bank, walk.policy.identify)
+    updates = settings.sizes.each_update_bytes(bank, walk.policy.identify)
     named = walk.kind[at] == Message.IDENTIFICATION
     size_bytes = np.where(named, settings.sizes.identification_bytes, updates[walk.in_use[at]])
     return SentMessages(at, size_bytes, settings.stack.sent_airtime_s(t_s[at], size_bytes))

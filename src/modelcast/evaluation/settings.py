@@ -15,7 +15,9 @@ from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
+from modelcast.models.learned import Selector
 from modelcast.models.profile import default_profile
+from modelcast.policy.costs import CostTable
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.policy.rules import IdentifyRule, StartRule
 
@@ -70,6 +72,10 @@ class EvaluationSettings:
     start, identify
         The policy's rules, as in `ErrorDriven`. Where None, those of that profile for its bank, and the plain
         reading of the paper, ``order`` and ``on-failure``, for any other.
+    selector
+        Predicts which sub-model of the bank lasts; needed for ``start`` ``predicted``.
+    costs
+        What messages cost and how long they serve; needed for ``identify`` ``cheapest``.
     keep_alive_s
         Longest silence in the loss runs, for every error-driven policy [s]; rate runs have none.
     mean_burst_s
@@ -111,6 +117,8 @@ class EvaluationSettings:
     bank: Bank = field(default_factory=lambda: default_profile().bank)
     start: StartRule | None = None
     identify: IdentifyRule | None = None
+    selector: Selector | None = None
+    costs: CostTable | None = None
     keep_alive_s: float | None = 2.0
     mean_burst_s: float | None = None
     delay_s: float = 0.0
@@ -141,16 +149,28 @@ class EvaluationSettings:
             raise ValueError(f"expiry_s must be positive or None, got {self.expiry_s}")
         _require_known("protocol", self.protocol, ("auto", "recorded", "sensor"))
         _require_known("keep_samples", self.keep_samples, ("first", "all", "none"))
+        self._check_rules()
         for threshold_m in self.thresholds_m:
             self.policy(threshold_m, keep_alive=True)
         for ratio in self.packet_error_ratios:
             self.channel(ratio)
 
+    def _check_rules(self) -> None:
+        """Refuse rules without what they need, or with what was trained for another bank."""
+        names = tuple(member.name for member in self.bank.complete().members)
+        start, identify = self.rules
+        if start == "predicted":
+            if self.selector is None:
+                raise ValueError("start 'predicted' needs a selector trained for the bank: take another rule")
+            self.selector.check_members(names)
+        if identify == "cheapest" and self.costs is not None:
+            self.costs.check_members(len(names))
+
     def policy(self, threshold_m: float, *, keep_alive: bool) -> ErrorDriven:
         """The error-driven policy at a threshold, with or without the keep-alive of the loss runs."""
         longest = self.keep_alive_s if keep_alive else None
         start, identify = self.rules
-        return ErrorDriven(threshold_m, start, identify, longest)
+        return ErrorDriven(threshold_m, start, identify, longest, self.costs)
 
     @property
     def rules(self) -> tuple[StartRule, IdentifyRule]:
@@ -170,6 +190,11 @@ class EvaluationSettings:
         """The baseline's, likewise."""
         return quantised_bank(BASELINE_BANK) if self.quantised else BASELINE_BANK
 
+    @property
+    def selector_in_use(self) -> Selector | None:
+        """The selector, where the start rule asks it."""
+        return self.selector if self.rules[0] == "predicted" else None
+
     def channel(self, ratio: float) -> AbstractChannel:
         """The channel that loses this share of messages."""
         if self.mean_burst_s is None:
@@ -187,6 +212,8 @@ class EvaluationSettings:
             "sub_models": [repr(member) for member in self.bank.members],
             "start": self.rules[0],
             "identify": self.rules[1],
+            "selector": None if self.selector is None else self.selector.summary,
+            "costs": None if self.costs is None else self.costs.as_plain(),
             "keep_alive_s": self.keep_alive_s,
             "mean_burst_s": self.mean_burst_s,
             "delay_s": self.delay_s,

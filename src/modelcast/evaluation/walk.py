@@ -13,7 +13,9 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation import walk_kernels
 from modelcast.models.bank import Bank
-from modelcast.models.base import quiet_function_pointers
+from modelcast.models.base import FunctionPointer, function_pointer, quiet_function_pointers
+from modelcast.models.learned import Selector, selector_kernels
+from modelcast.models.point_kernels import FIT_SIGNATURE
 from modelcast.models.velocity import VelocityEstimator, sample_matrix
 from modelcast.policy.base import Message
 from modelcast.policy.error_driven import ErrorDriven
@@ -74,6 +76,13 @@ class TripBank:
         Its sub-models.
     estimator
         The velocity that constant velocity coasts with.
+    selector
+        Predicts which sub-model lasts; needed by policies that start with the predicted one.
+
+    Raises
+    ------
+    ValueError
+        Where the selector was trained for another bank.
 
     Notes
     -----
@@ -81,9 +90,18 @@ class TripBank:
     other member has a full window, and only there.
     """
 
-    def __init__(self, trip: Trajectory, bank: Bank, estimator: VelocityEstimator) -> None:
+    def __init__(
+        self,
+        trip: Trajectory,
+        bank: Bank,
+        estimator: VelocityEstimator,
+        selector: Selector | None = None,
+    ) -> None:
         self.trip = trip
         self.bank = bank.complete()
+        self.selector = selector
+        if selector is not None:
+            selector.check_members(tuple(member.name for member in self.bank.members))
         self._fallback = -1 if self.bank is bank else len(bank.members)
         self.samples = sample_matrix(trip, estimator)
         ready = [member.point_functions(trip.dt_s) for member in self.bank.members]
@@ -101,7 +119,17 @@ class TripBank:
         ----------
         policy
             Threshold, rules and longest silence.
+
+        Raises
+        ------
+        ValueError
+            Where the policy starts with the predicted sub-model and there is no selector, or its costs were
+            counted for a bank of another size.
         """
+        rules = policy if len(self.bank.members) > 1 else policy.alone
+        if rules.costs is not None and rules.identify == "cheapest":
+            rules.costs.check_members(len(self.bank.members))
+        select, constants, window = self._select(rules)
         count = len(self.trip)
         kind = np.empty(count, dtype=np.int64)
         in_use = np.empty(count, dtype=np.int64)
@@ -121,7 +149,12 @@ class TripBank:
                 self._segment_start,
                 self.parameters,
                 self.fitted,
-                *policy.codes,
+                select,
+                constants,
+                window,
+                self.trip.dt_s,
+                rules.start_code,
+                *rules.codes,
                 tracking_error_m,
                 kind,
                 in_use,
@@ -134,6 +167,15 @@ class TripBank:
             update_index=update_index,
             tracking_error_m=tracking_error_m,
         )
+
+    def _select(self, policy: ErrorDriven) -> tuple[FunctionPointer, FloatArray, int]:
+        """The compiled selector with its constants at the policy's threshold, and its window."""
+        if policy.start != "predicted":
+            return function_pointer(selector_kernels.score, FIT_SIGNATURE), np.zeros(1), 1
+        if self.selector is None:
+            raise ValueError("start 'predicted' needs a selector: train one for this bank, or start in order")
+        window = self.selector.window_at(self.trip.dt_s)
+        return self.selector.pointer, self.selector.packed(self.trip.dt_s, policy.threshold_m), window
 
     def fit_at(self, indices: npt.ArrayLike) -> None:
         """Fit every member at these samples, as an update there would.

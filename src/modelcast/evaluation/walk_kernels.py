@@ -7,7 +7,16 @@ import numpy as np
 
 from modelcast.models.point_kernels import EAST, NORTH
 from modelcast.models.trusted_kernels import predict_trusted
-from modelcast.policy.error_driven_kernels import KEEP_ALIVE, NOTHING, UPDATE, start_member, step
+from modelcast.policy.error_driven_kernels import (
+    KEEP_ALIVE,
+    NOTHING,
+    START_HINDSIGHT,
+    START_PREDICTED,
+    UPDATE,
+    start_member,
+    step,
+)
+from modelcast.policy.hindsight_kernels import LAGS_S, MARGIN, log_life
 
 __all__ = ["fit_at", "walk"]
 
@@ -53,6 +62,57 @@ def fit_at(
 
 
 @numba.njit(cache=True, nogil=True)
+def _hindsight(
+    fits: Any,
+    predicts: Any,
+    constants: Any,
+    windows: Any,
+    offsets: Any,
+    trust: Any,
+    available: Any,
+    t_s: Any,
+    samples: Any,
+    history: int,
+    i: int,
+    dt_s: float,
+    parameters: Any,
+    fitted: Any,
+    threshold_m: float,
+    scores: Any,
+) -> None:
+    """Score the members (M,) by what they would have predicted a moment ago; NaN where nothing can be said.
+
+    A lag counts where every member available now had a full window then, in the same part of the trip.
+    """
+    longest = 1
+    for m in range(windows.size):
+        if available[m]:
+            longest = max(longest, windows[m])
+    scores[:] = 0.0
+    displacement = np.empty(2)
+    count, before = 0, 0
+    for lag_s in LAGS_S:
+        back = max(int(lag_s / dt_s + 0.5), 1)
+        if back == before or history - back < longest:
+            continue
+        before = back
+        j = i - back
+        age_s = t_s[i] - t_s[j]
+        _fit_members(fits, constants, windows, offsets, samples, history - back, j, parameters, fitted)
+        for m in range(windows.size):
+            if available[m]:
+                own = parameters[j, offsets[m] : offsets[m + 1]]
+                predict_trusted(predicts[m], own, age_s, constants[m], trust[m, 0], trust[m, 1], displacement)
+                east = samples[j, EAST] + displacement[0] - samples[i, EAST]
+                north = samples[j, NORTH] + displacement[1] - samples[i, NORTH]
+                scores[m] += log_life(age_s, np.sqrt(east * east + north * north), threshold_m)
+        count += 1
+    for m in range(windows.size):
+        scores[m] = scores[m] / count if count and available[m] else np.nan
+    scores[0] += MARGIN
+
+
+@numba.njit(cache=True, nogil=True)
 def walk(
     fits: Any,
     predicts: Any,
@@ -66,10 +126,15 @@ def walk(
     segment_start: Any,
     parameters: Any,
     fitted: Any,
+    select: Any,
+    select_constants: Any,
+    select_window: int,
+    dt_s: float,
+    start: int,
     threshold_m: float,
     max_inter_transmit_time_s: float,
-    start: int,
     identify: int,
+    costs: Any,
     tracking_error_m: Any,
     kind: Any,
     in_use: Any,
@@ -80,7 +145,9 @@ def walk(
     ``fits``, ``predicts`` and ``constants`` are tuples of the M members' compiled functions and tables;
     ``windows`` (M,), ``offsets`` (M + 1,) and ``trust`` (M, 2) describe the members; ``fallback`` is the last
     one where that serves only for want of another, else -1. ``parameters`` (T, P) and ``fitted`` (T,) are
-    the memo of fits by instant, shared by all walks over the trip and bank. Writes, for every sample, the
+    the memo of fits by instant, shared by all walks over the trip and bank. ``select``, with its constants
+    and its window, scores the members at an update where ``start`` asks for it; in hindsight they are scored
+    by fits some multiples of ``dt_s`` ago. Writes, for every sample, the
     members' errors before its message ``tracking_error_m`` (T, M), the message ``kind`` (T,), and the
     sub-model ``in_use`` (T,) and index of its update ``update_index`` (T,) after the message.
     """
@@ -90,6 +157,7 @@ def walk(
     first_failure_s = np.full(members, np.inf)
     displacement = np.empty(2)
     errors = np.empty(members)
+    scores = np.full(members, np.nan)
     current = -1
     last_update = 0
     last_message = 0
@@ -109,25 +177,46 @@ def walk(
                 error = np.sqrt(east * east + north * north)
             errors[m] = error
             tracking_error_m[i, m] = error
-        if i == 0:
-            sent, current = UPDATE, start_member(available, first_failure_s, -1, start)
-        else:
+        sent = UPDATE
+        if i > 0:
             sent, current = step(
                 errors,
-                available,
                 first_failure_s,
                 current,
                 t_s[i] - t_s[last_update],
                 t_s[i] - t_s[last_message],
                 threshold_m,
                 max_inter_transmit_time_s,
-                start,
                 identify,
+                costs,
             )
         if sent != NOTHING:
             last_message = i
         if sent in (UPDATE, KEEP_ALIVE):
             last_update = i
+            if start == START_PREDICTED:
+                first = max(i - select_window + 1, segment_start[i])
+                select(samples[first : i + 1], select_constants, scores)
+            elif start == START_HINDSIGHT:
+                _hindsight(
+                    fits,
+                    predicts,
+                    constants,
+                    windows,
+                    offsets,
+                    trust,
+                    available,
+                    t_s,
+                    samples,
+                    history,
+                    i,
+                    dt_s,
+                    parameters,
+                    fitted,
+                    threshold_m,
+                    scores,
+                )
+            current = start_member(available, first_failure_s, scores, current, start)
             for m in range(members):
                 usable[m] = available[m]
                 first_failure_s[m] = np.inf

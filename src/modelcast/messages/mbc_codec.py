@@ -39,9 +39,11 @@ from modelcast.messages.mbc_wire import (
     decode_identification,
     encode_extension,
     encode_identification,
+    profile_number,
 )
 from modelcast.models.bank import Bank
 from modelcast.models.payload import PayloadLayout
+from modelcast.models.profile import Profile
 
 __all__ = [
     "IDENTIFICATION_OCTETS",
@@ -121,6 +123,22 @@ class WireProfile:
                 raise ValueError(f"{member.name} has no payload layout: messages cannot carry it")
             layouts.append(layout)
         return cls(number, tuple(layouts))
+
+    @classmethod
+    def of_profile(cls, profile: Profile) -> "WireProfile":
+        """Profile by its own bytes.
+
+        Parameters
+        ----------
+        profile
+            The profile.
+
+        Raises
+        ------
+        ValueError
+            Where a sub-model cannot be carried.
+        """
+        return cls.of(profile.bank, profile_number(profile.text.encode("utf-8")))
 
     def carried(self, sub_model: int, *, carries_all: bool) -> tuple[int, ...]:
         """Sub-models whose coefficients a message holds.

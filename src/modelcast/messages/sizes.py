@@ -43,7 +43,7 @@ class SizeModel:
     >>> sizes = SizeModel()
     >>> sizes.baseline_bytes(), sizes.identification_bytes
     (40, 10)
-    >>> sizes.update_bytes(bank, "on-failure").tolist(), sizes.update_bytes(bank, "never").tolist()
+    >>> sizes.each_update_bytes(bank, "on-failure").tolist(), sizes.each_update_bytes(bank, "never").tolist()
     ([47, 47], [47, 40])
     """
 
@@ -64,7 +64,7 @@ class SizeModel:
         """A plain basic safety message."""
         return CORE_FRAME_OCTETS + self.more_bytes
 
-    def update_bytes(self, bank: Bank, identify: str) -> IntArray:
+    def each_update_bytes(self, bank: Bank, identify: str) -> IntArray:
         """A model update, by the sub-model in use, (M,).
 
         Where another sub-model may be named later, all are sent. By the rule ``never`` only the one in use

@@ -101,6 +101,9 @@ class TransmitInputs:
         nothing was sent yet, (B, M) [m].
     available
         Which sub-models have a full window now, (B, M).
+    predicted_life
+        How long each sub-model is predicted to last if it were sent now, in any unit that rises with it,
+        (B, M); NaN where nothing is predicted, None where no policy asks.
     until_s
         End of the interval that is decided on, when `decide` is asked next, (B,) [s]; None leaves it to the
         policy.
@@ -116,6 +119,7 @@ class TransmitInputs:
     silence_s: FloatArray
     tracking_error_m: FloatArray
     available: BoolArray
+    predicted_life: FloatArray | None = None
     until_s: FloatArray | None = None
     motion: Motion | None = None
     air: Air | None = None

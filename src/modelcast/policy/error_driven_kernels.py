@@ -1,22 +1,29 @@
-"""Algorithm 1 of the paper, once: the compiled step that trip walker and fleet engine both call."""
+"""Algorithm 1 of the paper, once: the compiled steps that trip walker and fleet engine both call."""
 
+from math import isnan
 from typing import Any
 
 import numba
 import numpy as np
 
 __all__ = [
+    "COST_HEADER",
     "IDENTIFICATION",
     "IDENTIFY_BEST",
+    "IDENTIFY_CHEAPEST",
     "IDENTIFY_FINAL",
     "IDENTIFY_NEVER",
     "IDENTIFY_ON_FAILURE",
     "KEEP_ALIVE",
     "NOTHING",
+    "START_HINDSIGHT",
     "START_KEEP",
     "START_ORDER",
+    "START_PREDICTED",
     "START_SURVIVOR",
     "UPDATE",
+    "class_of",
+    "residual_life_s",
     "start_member",
     "step",
     "step_each",
@@ -25,16 +32,23 @@ __all__ = [
 NOTHING, UPDATE, IDENTIFICATION, KEEP_ALIVE = range(4)
 """Kinds of decision; a keep-alive is a model update that silence, not error, called for."""
 
-START_ORDER, START_KEEP, START_SURVIVOR = range(3)
-IDENTIFY_ON_FAILURE, IDENTIFY_FINAL, IDENTIFY_BEST, IDENTIFY_NEVER = range(4)
+START_ORDER, START_KEEP, START_SURVIVOR, START_PREDICTED, START_HINDSIGHT = range(5)
+IDENTIFY_ON_FAILURE, IDENTIFY_FINAL, IDENTIFY_BEST, IDENTIFY_NEVER, IDENTIFY_CHEAPEST = range(5)
+
+COST_HEADER = 4
+"""Cost of an identification, cost a second of updates, number of ages, number of error shares."""
 
 _TIME_SLACK_S = 1e-9
 """Sums of sampling steps may fall short of a whole number of seconds by rounding."""
 
 
 @numba.njit(cache=True, nogil=True)
-def start_member(available: Any, first_failure_s: Any, in_use: int, start: int) -> int:
-    """Sub-model to use after an update; -1 where none has a full window."""
+def start_member(available: Any, first_failure_s: Any, scores: Any, in_use: int, start: int) -> int:
+    """Sub-model to use after an update; -1 where none has a full window.
+
+    ``scores`` (M,) say how long each is predicted to last if sent now, in any unit that rises with it; NaN
+    where nothing is predicted. Only `START_PREDICTED` and `START_HINDSIGHT` read them.
+    """
     first = -1
     for m in range(available.size):
         if available[m]:
@@ -42,32 +56,60 @@ def start_member(available: Any, first_failure_s: Any, in_use: int, start: int) 
             break
     if start == START_KEEP and in_use >= 0 and available[in_use]:
         return in_use
+    chosen = first
     if start == START_SURVIVOR:
-        chosen, longest = first, -1.0
+        longest_s = -1.0
         for m in range(available.size):
-            if available[m] and first_failure_s[m] > longest:
-                chosen, longest = m, first_failure_s[m]
-        return chosen
-    return first
+            if available[m] and first_failure_s[m] > longest_s:
+                chosen, longest_s = m, first_failure_s[m]
+    elif start in (START_PREDICTED, START_HINDSIGHT) and first >= 0 and not isnan(scores[first]):
+        for m in range(first + 1, available.size):
+            if available[m] and scores[m] > scores[chosen]:
+                chosen = m
+    return chosen
+
+
+@numba.njit(cache=True, nogil=True)
+def class_of(edges: Any, value: float) -> int:
+    """Class of a value between rising edges; a value at an edge belongs above it."""
+    at = 0
+    while at < edges.size and value >= edges[at]:
+        at += 1
+    return at
+
+
+@numba.njit(cache=True, nogil=True)
+def residual_life_s(costs: Any, member: int, age_s: float, share: float) -> float:
+    """How long a sub-model that holds now is expected to hold on, by its age and error over threshold.
+
+    ``costs`` is `COST_HEADER` numbers, the upper edges of all age classes but the last, those of all share
+    classes but the last, then the table (M, ages, shares) [s].
+    """
+    ages, shares = int(costs[2]), int(costs[3])
+    middle = COST_HEADER + ages - 1
+    table = middle + shares - 1
+    row = class_of(costs[COST_HEADER:middle], age_s)
+    column = class_of(costs[middle:table], share)
+    return float(costs[table + (member * ages + row) * shares + column])
 
 
 @numba.njit(cache=True, nogil=True)
 def step(
     tracking_error_m: Any,
-    available: Any,
     first_failure_s: Any,
     in_use: int,
     age_s: float,
     silence_s: float,
     threshold_m: float,
     max_inter_transmit_time_s: float,
-    start: int,
     identify: int,
+    costs: Any,
 ) -> tuple[int, int]:
     """Decide at one instant: (kind, sub-model in use afterwards). Writes ``first_failure_s`` (M,).
 
+    After `UPDATE` and `KEEP_ALIVE` the sub-model is left as it was: `start_member` names the new one.
     ``tracking_error_m`` (M,) is the error now of every sub-model fitted at the last update, infinite where it
-    had no full window then; ``available`` (M,) says which have a full window now.
+    had no full window then; ``costs`` are read by `IDENTIFY_CHEAPEST` alone.
     """
     best = -1
     best_error = np.inf
@@ -78,14 +120,26 @@ def step(
                 first_failure_s[m] = age_s
         elif error < best_error and (identify != IDENTIFY_FINAL or first_failure_s[m] == np.inf):
             best, best_error = m, error
-    if best < 0 or (identify == IDENTIFY_NEVER and tracking_error_m[in_use] >= threshold_m):
-        return UPDATE, start_member(available, first_failure_s, in_use, start)
+    if best < 0:
+        return UPDATE, in_use
+    failed = tracking_error_m[in_use] >= threshold_m
+    if failed and identify in (IDENTIFY_NEVER, IDENTIFY_CHEAPEST):
+        longest_s = 0.0
+        if identify == IDENTIFY_CHEAPEST:
+            for m in range(tracking_error_m.size):
+                error = tracking_error_m[m]
+                if error < threshold_m:
+                    life_s = residual_life_s(costs, m, age_s, error / threshold_m)
+                    if life_s > longest_s:
+                        best, longest_s = m, life_s
+        if longest_s == 0.0 or costs[0] >= costs[1] * longest_s:
+            return UPDATE, in_use
     if silence_s >= max_inter_transmit_time_s - _TIME_SLACK_S:
-        return KEEP_ALIVE, start_member(available, first_failure_s, in_use, start)
+        return KEEP_ALIVE, in_use
     if identify == IDENTIFY_BEST:
         if best != in_use:
             return IDENTIFICATION, best
-    elif tracking_error_m[in_use] >= threshold_m:
+    elif failed:
         return IDENTIFICATION, best
     return NOTHING, in_use
 
@@ -95,13 +149,15 @@ def step_each(
     tracking_error_m: Any,
     available: Any,
     first_failure_s: Any,
+    scores: Any,
     in_use: Any,
     age_s: Any,
     silence_s: Any,
+    start: int,
     threshold_m: float,
     max_inter_transmit_time_s: float,
-    start: int,
     identify: int,
+    costs: Any,
     out_kind: Any,
     out_in_use: Any,
 ) -> None:
@@ -109,16 +165,16 @@ def step_each(
     for row in range(in_use.size):
         kind, member = step(
             tracking_error_m[row],
-            available[row],
             first_failure_s[row],
             in_use[row],
             age_s[row],
             silence_s[row],
             threshold_m,
             max_inter_transmit_time_s,
-            start,
             identify,
+            costs,
         )
         if kind in (UPDATE, KEEP_ALIVE):
+            member = start_member(available[row], first_failure_s[row], scores[row], in_use[row], start)
             first_failure_s[row] = np.inf
         out_kind[row], out_in_use[row] = kind, member

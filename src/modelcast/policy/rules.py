@@ -4,8 +4,8 @@ from typing import Literal
 
 __all__ = ["IdentifyRule", "StartRule"]
 
-StartRule = Literal["order", "keep", "survivor"]
+StartRule = Literal["order", "keep", "survivor", "predicted", "hindsight"]
 """Sub-model in use after an update, as `modelcast.policy.error_driven.ErrorDriven` describes them."""
 
-IdentifyRule = Literal["on-failure", "final", "best", "never"]
+IdentifyRule = Literal["on-failure", "final", "best", "never", "cheapest"]
 """When another sub-model is named."""

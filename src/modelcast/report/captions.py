@@ -50,7 +50,8 @@ def captions(result: EvaluationResult) -> dict[str, str]:
             f"Messages per second of time observed, all trips pooled{label}, on an ideal channel without "
             f"keep-alive: MBC with the bank {main_bank(result) or 'evaluated'}, split into model updates and "
             "sub-model identifications, beside the baseline. The baseline is error-driven at the same "
-            "threshold; it sends raw state, which its receiver extrapolates at constant velocity."
+            "threshold; it sends raw state, which its receiver extrapolates at constant velocity. "
+            "Below, the time on the air of both, all layers and the security header counted."
             + (_REFERENCES if result.references else "")
         ),
         "tracking_distribution": (

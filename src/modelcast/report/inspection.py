@@ -9,27 +9,31 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from modelcast.agents.plausibility import Finding
 from modelcast.core.inspection import TripInspection
 
-__all__ = ["inspection_document", "inspection_report"]
+__all__ = ["Findings", "inspection_document", "inspection_report"]
+
+Findings = Mapping[Finding, int] | None
+"""Samples of a trip by what plausibility found of them; None where it states no speed or heading."""
 
 
 def inspection_document(
-    found: Sequence[TripInspection], failures: Mapping[str, str], skipped: Mapping[str, str]
+    found: Sequence[tuple[TripInspection, Findings]], failures: Mapping[str, str], skipped: Mapping[str, str]
 ) -> dict[str, Any]:
     """Everything as plain values; a number that does not exist is None.
 
     Parameters
     ----------
     found
-        One inspection a trip.
+        One inspection a trip, with what plausibility found.
     failures
         Files that could not be read, with the reason.
     skipped
         Vehicles and files that held no trip, with the reason.
     """
     trips: list[dict[str, Any]] = []
-    for one in found:
+    for one, findings in found:
         plain = {
             item.name: _finite(getattr(one, item.name)) for item in fields(one) if item.name != "reading"
         }
@@ -37,6 +41,7 @@ def inspection_document(
             "rows": one.reading.rows,
             "skipped": dict(one.reading.skipped),
             "repaired": dict(one.reading.repaired),
+            "implausible": None if findings is None else _implausible(findings),
         }
         trips.append({**plain, **counts, "recommended_protocol": one.recommended_protocol})
     return {"trips": trips, "failures": dict(failures), "skipped": dict(skipped)}
@@ -47,7 +52,7 @@ def _finite(value: Any) -> Any:
 
 
 def inspection_report(
-    found: Sequence[TripInspection], failures: Mapping[str, str], skipped: Mapping[str, str]
+    found: Sequence[tuple[TripInspection, Findings]], failures: Mapping[str, str], skipped: Mapping[str, str]
 ) -> RenderableType:
     """A table a trip, at most 100 columns wide, and what gave no trip.
 
@@ -56,13 +61,13 @@ def inspection_report(
     found, failures, skipped
         As in `inspection_document`.
     """
-    parts: list[RenderableType] = [_trip(one) for one in found]
+    parts: list[RenderableType] = [_trip(*one) for one in found]
     parts += [Text(f"no trip from {name}: {reason}") for name, reason in skipped.items()]
     parts += [Text(f"failed: {name}: {reason}", style="bold") for name, reason in failures.items()]
     return Group(*parts)
 
 
-def _trip(one: TripInspection) -> Table:
+def _trip(one: TripInspection, findings: Findings) -> Table:
     table = Table(
         show_header=False, box=None, title=Text(one.trip_id), title_justify="left", title_style="bold"
     )
@@ -70,6 +75,9 @@ def _trip(one: TripInspection) -> Table:
     table.add_column(overflow="fold")
     for name, value in _lines(one):
         table.add_row(name, Text(value))
+    if findings is not None:
+        implausible = _implausible(findings)
+        table.add_row("implausible", Text(_counts("", implausible).lstrip("; ") or "nothing"))
     return table
 
 
@@ -95,6 +103,11 @@ def _lines(one: TripInspection) -> list[tuple[str, str]]:
         ("repaired", _counts("", one.reading.repaired).lstrip("; ") or "nothing"),
         ("protocol", f"{one.recommended_protocol} by default"),
     ]
+
+
+def _implausible(findings: Mapping[Finding, int]) -> dict[str, int]:
+    """Samples by reason in words, the plausible left out."""
+    return {one.reason: count for one, count in findings.items() if one is not Finding.PLAUSIBLE}
 
 
 def _changes(rate_hz: float | None) -> str:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.settings import EvaluationSettings
 from modelcast.models.bank import Bank
+from modelcast.models.learned import Selector
+from modelcast.policy.costs import CostTable
 from modelcast.policy.rules import IdentifyRule, StartRule
 
 __all__ = ["AbstractCandidate", "FixedCandidate", "TrainedCandidate"]
@@ -58,12 +60,16 @@ class FixedCandidate(AbstractCandidate):
         Its sub-models.
     start, identify
         The policy's rules, as in `modelcast.policy.error_driven.ErrorDriven`.
+    selector, costs
+        What the rules ``predicted`` and ``cheapest`` need.
     """
 
     label: str
     bank: Bank
     start: StartRule = "order"
     identify: IdentifyRule = "on-failure"
+    selector: Selector | None = None
+    costs: CostTable | None = None
 
     @property
     def name(self) -> str:
@@ -86,7 +92,14 @@ class FixedCandidate(AbstractCandidate):
         settings: EvaluationSettings,
     ) -> EvaluationSettings:
         """The settings with this bank and these rules."""
-        return replace(settings, bank=self.bank, start=self.start, identify=self.identify)
+        return replace(
+            settings,
+            bank=self.bank,
+            start=self.start,
+            identify=self.identify,
+            selector=self.selector,
+            costs=self.costs,
+        )
 
 
 @dataclass(frozen=True, slots=True)

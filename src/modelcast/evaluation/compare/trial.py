@@ -107,7 +107,7 @@ def candidate_row(candidate: AbstractCandidate, settings: EvaluationSettings) ->
         identify=settings.rules[1],
         is_trained=candidate.is_trained,
         is_hybrid=len(settings.bank.members) > 1,
-        update_bytes=int(settings.sizes.update_bytes(settings.bank, settings.identify)[0]),
+        update_bytes=int(settings.sizes.each_update_bytes(settings.bank, settings.rules[1]).max()),
     )
 
 
@@ -143,7 +143,7 @@ def run_trial(
     numbers: list[int] = route.tolist()
     for trip, number in zip(staged, numbers, strict=True):
         settings = folds[number]
-        ready = TripBank(trip.case.seen, settings.sent_bank, trip.case.estimator)
+        ready = TripBank(trip.case.seen, settings.sent_bank, trip.case.estimator, settings.selector_in_use)
         trial.counts.extend(_count_rows(name, protocol, trip, ready, settings, route=number))
         _add_errors(trial, trip, ready, settings)
         step()

@@ -18,7 +18,7 @@ from modelcast.simulation.network.engine import NetworkRun, NetworkSettings
 
 __all__ = ["binned_quantiles", "measure"]
 
-_EDGES: FloatArray = lower_edge(np.arange(BINS + 1))
+_EDGES: FloatArray = lower_edge(np.arange(BINS + 1, dtype=np.int64))
 
 
 def binned_quantiles(counts: IntArray, probabilities: tuple[float, ...]) -> list[float]:
@@ -41,13 +41,13 @@ def binned_quantiles(counts: IntArray, probabilities: tuple[float, ...]) -> list
     >>> [round(value, 2) for value in binned_quantiles(counts, (0.1, 0.9))]
     [0.5, 0.51]
     """
-    reached = np.cumsum(counts, dtype=np.float64)
+    reached: FloatArray = np.cumsum(counts, dtype=np.float64)
     if reached[-1] == 0:
         return [np.nan] * len(probabilities)
     found: list[float] = []
     for probability in probabilities:
         target = probability * reached[-1]
-        place = int(reached.searchsorted(target))
+        place = int((reached < target).sum())
         before = reached[place - 1] if place else 0.0
         share = (target - before) / max(float(counts[place]), 1.0)
         found.append(float(_EDGES[place] + share * (_EDGES[place + 1] - _EDGES[place])))

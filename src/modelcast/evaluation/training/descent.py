@@ -17,7 +17,7 @@ from modelcast.core.exceptions import MissingExtraError
 from modelcast.evaluation.training.survival_kernels import survival_slopes
 from modelcast.models.learned.features import NOISES
 
-__all__ = ["Descent", "Lesson", "descend"]
+__all__ = ["Descent", "LayerAverage", "Lesson", "descend", "make_regressor"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +53,8 @@ class Descent:
     softness: float = 0.25
     _: KW_ONLY
     hidden: tuple[int, int] = (96, 96)
-    steps: int = 1500
-    averaged: int = 500
+    steps: int = 2500
+    averaged: int = 800
     batch: int = 1024
     learning_rate: float = 1e-3
     penalty: float = 0.1
@@ -127,12 +127,12 @@ def descend(
     MissingExtraError
         Where scikit-learn is not installed.
     """
-    network, limits = _regressor(how, seed)
+    network, limits = make_regressor(how, seed)
     rng = child_generator(seed, "batches", key)
     outputs = 2 * lesson.basis.shape[1]
     slopes = np.empty((how.batch, outputs))
     thresholds_m = np.array(how.thresholds_m)
-    average = _Average()
+    average = LayerAverage()
     with limits(1):  # one thread: the same sums on any machine, and no waiting for busy cores
         for done, chosen in enumerate(_batches(len(lesson.inputs), how, rng), start=1):
             inputs, errors_m = _varied(lesson, chosen, how, rng)
@@ -176,7 +176,7 @@ def _varied(
     return inputs, errors_m
 
 
-class _Average:
+class LayerAverage:
     """Running mean of the weights: what a falling learning rate would reach."""
 
     def __init__(self) -> None:
@@ -197,8 +197,21 @@ class _Average:
         return [total / self._count for total in self._sums]
 
 
-def _regressor(how: Descent, seed: int) -> tuple[Any, Any]:
-    """scikit-learn's network, and the limit of threads that comes with it."""
+def make_regressor(how: Descent, seed: int) -> tuple[Any, Any]:
+    """scikit-learn's network, and the limit of threads that comes with it.
+
+    Parameters
+    ----------
+    how
+        Layers and optimiser.
+    seed
+        Of the first weights.
+
+    Raises
+    ------
+    MissingExtraError
+        Where scikit-learn is not installed.
+    """
     try:
         from sklearn.neural_network import MLPRegressor  # noqa: PLC0415 - an optional extra
         from threadpoolctl import threadpool_limits  # noqa: PLC0415 - comes with scikit-learn

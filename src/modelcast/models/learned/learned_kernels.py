@@ -20,7 +20,7 @@ from modelcast.models.point_kernels import (
     YAW_RATE,
 )
 
-__all__ = ["FRAME_MPS", "HEADER", "KINEMATIC", "fit", "predict", "window_features"]
+__all__ = ["FRAME_MPS", "HEADER", "KINEMATIC", "fit", "predict", "run_network", "window_features"]
 
 FRAME_MPS = 0.5
 """A slower car has no course to go by: its frame looks north."""
@@ -118,7 +118,7 @@ def window_features(window: Any, constants: Any, out: Any) -> bool:
 
 
 @_fast
-def _run(network: Any, first: int, second: int, inputs: Any, outputs: Any) -> None:
+def run_network(network: Any, first: int, second: int, inputs: Any, outputs: Any) -> None:
     """Run one packed network over raw inputs; ``inputs`` (I,) is overwritten."""
     count = inputs.size
     for i in range(count):
@@ -158,7 +158,7 @@ def fit(window: Any, constants: Any, out: Any) -> None:
         first, second = int(constants[at + 1]), int(constants[at + 2])
         size = 2 * inputs + first * (inputs + 1) + second * (first + 1) + outputs * (second + 1)
         if newest[POSITION_NOISE] <= constants[at] or one == networks - 1:
-            _run(constants[at + 3 : at + 3 + size], first, second, features, out[KINEMATIC:])
+            run_network(constants[at + 3 : at + 3 + size], first, second, features, out[KINEMATIC:])
             return
         at += 3 + size
 

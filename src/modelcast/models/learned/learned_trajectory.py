@@ -12,15 +12,10 @@ from modelcast.models.learned.features import FeatureMap
 from modelcast.models.learned.network import Network
 from modelcast.models.payload import PayloadField, PayloadLayout
 
-__all__ = ["LearnedTrajectory"]
+__all__ = ["DEFAULT_CARRIED", "LearnedTrajectory"]
 
-_FIRST_STEP_M, _STEP_M, _FIRST_BITS, _BITS = 0.05, 0.4, 6, 8
-"""Step and width of the coefficients of power 0, and of all higher ones (decision 014)."""
-
-
-def _field_sizes(coefficients: int) -> list[tuple[float, int]]:
-    """Step [m] and bits of each coefficient on one axis."""
-    return [(_FIRST_STEP_M, _FIRST_BITS)] + [(_STEP_M, _BITS)] * (coefficients - 1)
+DEFAULT_CARRIED = ((0.05, 6), (0.4, 8))
+"""Step [m] and bits of the coefficients of power 0, and of all higher ones (decision 018)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +37,8 @@ class LearnedTrajectory(AbstractSubModel):
         Trusted horizon, and how long the car goes on turning beyond it [s].
     label
         Its name, where a bank holds several.
+    carried
+        Step [m] and bits with which messages carry the coefficients of power 0, and all higher ones.
 
     Raises
     ------
@@ -92,6 +89,7 @@ class LearnedTrajectory(AbstractSubModel):
     horizon_s: float = 3.0
     turn_s: float = 2.0
     label: str = "learned"
+    carried: tuple[tuple[float, int], tuple[float, int]] = DEFAULT_CARRIED
 
     def __post_init__(self) -> None:
         if not self.networks:
@@ -111,6 +109,8 @@ class LearnedTrajectory(AbstractSubModel):
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
         if not self.turn_s >= 0:
             raise ValueError(f"turn_s must not be negative, got {self.turn_s}")
+        if len(self.carried) != 2:
+            raise ValueError(f"carried must say power 0 and all higher ones, got {len(self.carried)} pairs")
 
     @property
     def name(self) -> str:
@@ -137,14 +137,12 @@ class LearnedTrajectory(AbstractSubModel):
 
     @property
     def payload_layout(self) -> PayloadLayout:
-        """The coefficients, along and to the left, lowest power first; see docs/messages.md for the steps."""
+        """The coefficients, along and to the left, lowest power first."""
         names = self.parameter_names[learned_kernels.KINEMATIC :]
-        return PayloadLayout(
-            tuple(
-                PayloadField(name, step, bits=bits)
-                for name, (step, bits) in zip(names, 2 * _field_sizes(self.coefficients), strict=True)
-            )
-        )
+        first, higher = self.carried
+        sizes = 2 * [first, *[higher] * (self.coefficients - 1)]
+        fields = zip(names, sizes, strict=True)
+        return PayloadLayout(tuple(PayloadField(name, step, bits=bits) for name, (step, bits) in fields))
 
     @property
     def trusted_horizon_s(self) -> float:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
+from matplotlib.ticker import LogLocator, NullLocator
 
 from modelcast.evaluation.network.pool import LIMITS_M
 from modelcast.evaluation.network.rows import DistanceRow, NetworkResult, PooledRow, SecondRow
@@ -43,7 +43,7 @@ Panel = tuple[str, str, float]
 
 _LOAD: tuple[Panel, ...] = (
     ("message_rate_hz", "messages a vehicle [1/s]", 1.0),
-    ("bytes_per_s", "bytes on the air a vehicle [kB/s]", 1e-3),
+    ("bytes_per_s", "bytes a vehicle [kB/s]", 1e-3),
     ("busy_ratio", "channel busy ratio [%]", 100.0),
 )
 _DELIVERY: tuple[Panel, ...] = (
@@ -52,9 +52,9 @@ _DELIVERY: tuple[Panel, ...] = (
     ("concurrent_ratio", "lost to concurrent ones [%]", 100.0),
 )
 _TRACKING: tuple[Panel, ...] = (
-    ("pte_p50_m", "tracking error p50, 50-150 m [m]", 1.0),
-    ("pte_p90_m", "tracking error p90, 50-150 m [m]", 1.0),
-    ("pte_p99_m", "tracking error p99, 50-150 m [m]", 1.0),
+    ("pte_p50_m", "PTE p50, 50-150 m [m]", 1.0),
+    ("pte_p90_m", "PTE p90, 50-150 m [m]", 1.0),
+    ("pte_p99_m", "PTE p99, 50-150 m [m]", 1.0),
 )
 
 
@@ -85,7 +85,7 @@ def _against_density(result: NetworkResult, panels: Sequence[Panel], *, log: boo
             _draw_densities(axes, own, factor, _policies(result))
             axes.set_ylabel(label)
             if log:
-                axes.set_yscale("log")
+                _log_scale(axes)
             else:
                 axes.set_ylim(bottom=0.0)
         line[0].set_title(radio, loc="left")
@@ -111,6 +111,14 @@ def _draw_densities(axes: Axes, rows: Sequence[PooledRow], factor: float, polici
     densities = sorted({row.density_per_km for row in rows})
     axes.set_xticks(densities, [f"{density:g}" for density in densities])
     axes.xaxis.set_minor_locator(NullLocator())
+
+
+def _log_scale(axes: Axes) -> None:
+    """A logarithmic axis with plain numbers: the project's style reads no formulas."""
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    axes.yaxis.set_minor_locator(NullLocator())
 
 
 def _legend(figure: Figure, axes: Axes) -> None:
@@ -179,7 +187,7 @@ def plot_capacity(result: NetworkResult) -> Figure:
                     markerfacecolor="none",
                     color=_COLOURS[capacity.policy],
                 )
-        axes.set_yscale("log")
+        _log_scale(axes)
         axes.set_title(radio, loc="left")
         axes.set_xlabel("vehicles a kilometre")
     grid[0][0].set_ylabel("tracking error p90, 75-125 m [m]")
@@ -209,7 +217,7 @@ def plot_distance(result: NetworkResult) -> Figure:
                 ]
                 place, values = _mean_by_distance(own)
                 axes.plot(place, values, label=policy, **_look(policy))
-            axes.set_yscale("log")
+            _log_scale(axes)
             title = f"{density:g}/km" if np.isfinite(density) else "own density"
             axes.set_title(f"{radio}, {title}", loc="left")
         line[0].set_ylabel("tracking error p90 [m]")
@@ -242,10 +250,10 @@ def _mean_by_distance(rows: Sequence[DistanceRow]) -> tuple[list[float], list[fl
 
 
 _SETTLING: tuple[Panel, ...] = (
-    ("message_rate_hz", "messages a vehicle [1/s]", 1.0),
-    ("busy_ratio", "channel busy ratio [%]", 100.0),
-    ("inter_transmit_time_s", "longest time between [s]", 1.0),
-    ("pte_p90_m", "tracking error p90 [m]", 1.0),
+    ("message_rate_hz", "messages [1/s]", 1.0),
+    ("busy_ratio", "CBR [%]", 100.0),
+    ("inter_transmit_time_s", "MaxITT [s]", 1.0),
+    ("pte_p90_m", "PTE p90 [m]", 1.0),
 )
 
 
@@ -275,7 +283,7 @@ def plot_settling(result: NetworkResult) -> Figure:
                 _draw_seconds(axes, own, name, factor, policy)
             axes.set_title(label, loc="left")
         line[0].set_ylabel(radio)
-        line[-1].set_yscale("log")
+        _log_scale(line[-1])
     for axes in grid[-1]:
         axes.set_xlabel("time [s]")
     _legend(figure, grid[0][0])

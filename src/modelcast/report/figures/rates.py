@@ -1,4 +1,4 @@
-"""Message rate against threshold: MBC beside the baseline, and the references across both."""
+"""Message rate and airtime against threshold: MBC beside the baseline, and the references across both."""
 
 from matplotlib.axes import Axes
 from matplotlib.container import BarContainer
@@ -36,7 +36,9 @@ _HEADROOM = 1.25
 
 
 def plot_rates(result: EvaluationResult) -> Figure:
-    """Return bars of the pooled message rate at each threshold: MBC, stacked by kind, and the baseline.
+    """Return bars of the pooled message rate and, below, airtime at each threshold: MBC and the baseline.
+
+    Message rates of MBC are stacked by kind.
 
     The references are thin lines across both bars of a threshold, or across all where they know none.
 
@@ -50,13 +52,13 @@ def plot_rates(result: EvaluationResult) -> Figure:
         if not lines:
             return empty_figure("No message rates were evaluated.")
         wide = len(lines) > _MOST_IN_COLUMN
-        figure = new_figure(PAGE_IN if wide else COLUMN_IN, 3.1 if result.references else 2.7)
-        axes = figure.subplots()
+        figure = new_figure(PAGE_IN if wide else COLUMN_IN, 4.0 if result.references else 3.6)
+        axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.6, 1.0))
         _draw_bars(axes, lines)
         _draw_references(axes, result, lines)
         axes.set_xticks(range(len(lines)), [f"{100 * line.threshold_m:.4g}" for line in lines])
         axes.set_xlim(-0.6, len(lines) - 0.4)
-        axes.set_xlabel("Tracking-error threshold [cm]")
+        _draw_airtime(below, lines)
         axes.set_ylabel("Message rate [1/s]")
         axes.grid(visible=False, axis="x")
         axes.margins(y=0.09)
@@ -85,6 +87,19 @@ def _draw_bars(axes: Axes, lines: list[Headline]) -> None:
     _label_tops(
         axes, beside, [None if line.baseline is None else line.baseline.total_rate_hz for line in lines]
     )
+
+
+def _draw_airtime(axes: Axes, lines: list[Headline]) -> None:
+    for policy, shift in (("mbc", -1), ("baseline", 1)):
+        rows = [line.mbc if policy == "mbc" else line.baseline for line in lines]
+        places = [at + shift * (_WIDTH / 2 + 0.01) for at in range(len(lines))]
+        heights = [0.0 if row is None else 1000.0 * row.airtime_per_s for row in rows]
+        bars = axes.bar(places, heights, _WIDTH, color=POLICY_COLOURS[policy])
+        _label_tops(axes, bars, [None if row is None else 1000.0 * row.airtime_per_s for row in rows])
+    axes.set_ylabel("Airtime [ms/s]")
+    axes.set_xlabel("Tracking-error threshold [cm]")
+    axes.grid(visible=False, axis="x")
+    axes.margins(y=0.25)
 
 
 def _draw_references(axes: Axes, result: EvaluationResult, lines: list[Headline]) -> None:

@@ -130,7 +130,7 @@ class FleetSender:
     @property
     def payload_bytes(self) -> IntArray:
         """Bytes of a message by its sub-model, (M,)."""
-        return self.sizes.update_bytes(self.bank, "never")
+        return self.sizes.each_update_bytes(self.bank, "never")
 
     @property
     def parameter_counts(self) -> IntArray:

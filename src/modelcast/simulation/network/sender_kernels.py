@@ -372,15 +372,14 @@ def _error_driven(
     error_m[0] = sqrt(east * east + north * north)
     kind, _ = error_driven_kernels.step(
         error_m,
-        np.ones(1, dtype=np.bool_),
         failures_s,
         0,
         age_s,
         age_s,
         constants[0],
         constants[1],
-        error_driven_kernels.START_ORDER,
         error_driven_kernels.IDENTIFY_NEVER,
+        np.empty(0),
     )
     return kind != error_driven_kernels.NOTHING
 

@@ -1,0 +1,31 @@
+"""Time on the wire: whole microseconds, 64 bits, as Time64 of IEEE 1609.2.
+
+Sender and receiver have to count from the same instant; 1609.2 counts from 2004-01-01 00:00 TAI.
+"""
+
+import math
+
+__all__ = ["LAST_US", "SECONDS", "microseconds"]
+
+LAST_US = 2**64 - 1
+
+SECONDS = 1_000_000
+"""Microseconds in a second."""
+
+
+def microseconds(t_s: float) -> int:
+    """Nearest whole microsecond.
+
+    Parameters
+    ----------
+    t_s
+        Time since the common instant [s].
+
+    Raises
+    ------
+    ValueError
+        Where it is before that instant, not finite, or beyond 64 bits.
+    """
+    if not (math.isfinite(t_s) and 0 <= t_s * SECONDS <= 2**63):
+        raise ValueError(f"t_s must be from 0 to {2**63 // SECONDS} s after the common instant, got {t_s}")
+    return round(t_s * SECONDS)

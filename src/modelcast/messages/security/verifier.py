@@ -1,0 +1,184 @@
+"""The receiving side: what became of a signed message, and its payload where all is well."""
+
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, field, replace
+from enum import Enum
+from types import MappingProxyType
+
+from modelcast.messages.security.certificate import Certificate
+from modelcast.messages.security.p256 import PublicKey
+from modelcast.messages.security.parameters import DEFAULT_PARAMETERS, SecurityParameters
+from modelcast.messages.security.replay import ReplayWindow
+from modelcast.messages.security.signed import SignedMessage, decode_signed, signed_part
+from modelcast.messages.security.store import CertificateStore, Sender
+from modelcast.messages.security.time64 import SECONDS, microseconds
+
+__all__ = ["Outcome", "Verification", "Verifier", "VerifierState"]
+
+
+class Outcome(Enum):
+    """What became of a signed message; tests are made in this order, the first that fails counts."""
+
+    ACCEPTED = "accepted"
+    TOO_OLD = "generated too long ago"
+    IN_FUTURE = "generated in the future"
+    UNKNOWN_CERTIFICATE = "digest of a certificate not held"
+    UNTRUSTED_CERTIFICATE = "certificate not issued by a trusted authority"
+    EXPIRED = "certificate, or its issuer's, not good at the time"
+    REPLAYED = "seen before, or too old to tell"
+    BAD_SIGNATURE = "signature does not fit"
+
+
+@dataclass(frozen=True, slots=True)
+class Verification:
+    """The outcome for one message.
+
+    Parameters
+    ----------
+    outcome
+        What became of it.
+    sender
+        Digest of the certificate that it names; proved only where accepted.
+    generation_s
+        When it says it was signed, since the common instant [s].
+    payload
+        What was signed; None unless accepted.
+    """
+
+    outcome: Outcome
+    sender: bytes
+    _: KW_ONLY
+    generation_s: float
+    payload: bytes | None = None
+
+
+def _no_windows() -> Mapping[bytes, ReplayWindow]:
+    return MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class VerifierState:
+    """Certificates learnt, and what each sender sent lately, by digest of its certificate."""
+
+    store: CertificateStore = field(default_factory=CertificateStore)
+    windows: Mapping[bytes, ReplayWindow] = field(default_factory=_no_windows)
+
+
+@dataclass(frozen=True, slots=True)
+class Verifier:
+    """Verifies signed messages of all senders.
+
+    Only a message that is accepted changes the state: so nobody fills the store, or moves a replay window,
+    without a key that an authority vouched for.
+
+    Parameters
+    ----------
+    authorities
+        Certificates whose issue is trusted. How they came here is the caller's business.
+    parameters
+        Tolerances of time and limits of memory.
+
+    Raises
+    ------
+    ValueError
+        Where an authority's key is no point of the curve.
+    """
+
+    authorities: tuple[Certificate, ...]
+    parameters: SecurityParameters = DEFAULT_PARAMETERS
+    _trusted: Mapping[bytes, Sender] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        trusted = {one.digest: Sender(one, PublicKey(one.public_key)) for one in self.authorities}
+        object.__setattr__(self, "_trusted", MappingProxyType(trusted))
+
+    def verify(
+        self, state: VerifierState, octets: bytes, *, t_s: float
+    ) -> tuple[Verification, VerifierState]:
+        """Take one message in; returns what became of it and the new state.
+
+        Parameters
+        ----------
+        state
+            What is held.
+        octets
+            As they arrived.
+        t_s
+            Now, since the common instant [s]; it never goes back.
+
+        Raises
+        ------
+        CodecError
+            Where the octets are no signed message.
+        """
+        message = decode_signed(octets)
+        now_us = microseconds(t_s)
+        outcome = self._timely(message, now_us)
+        sender = state.store.get(message.digest)
+        if outcome is None and sender is None and isinstance(message.signer, Certificate):
+            sender = self._vouched(message.signer)
+            outcome = Outcome.UNTRUSTED_CERTIFICATE if sender is None else None
+        if outcome is None:
+            if sender is None:
+                outcome = Outcome.UNKNOWN_CERTIFICATE
+            else:
+                outcome, state = self._judge(state, message, sender, now_us)
+        payload = message.payload if outcome is Outcome.ACCEPTED else None
+        when_s = message.generation_us / SECONDS
+        return Verification(outcome, message.digest, generation_s=when_s, payload=payload), state
+
+    def _timely(self, message: SignedMessage, now_us: int) -> Outcome | None:
+        if message.generation_us > now_us + round(self.parameters.max_ahead_s * SECONDS):
+            return Outcome.IN_FUTURE
+        if message.generation_us < self._oldest_us(now_us):
+            return Outcome.TOO_OLD
+        return None
+
+    def _oldest_us(self, now_us: int) -> int:
+        return now_us - round(self.parameters.max_age_s * SECONDS)
+
+    def _vouched(self, certificate: Certificate) -> Sender | None:
+        """The sender of a certificate that a trusted authority issued."""
+        authority = self._trusted.get(certificate.issuer)
+        if authority is None or not authority.key.verifies(certificate.signed_part, certificate.signature):
+            return None
+        try:
+            key = PublicKey(certificate.public_key)
+        except ValueError:  # an authority that signed what is no point of the curve
+            return None
+        return Sender(certificate, key)
+
+    def _judge(
+        self, state: VerifierState, message: SignedMessage, sender: Sender, now_us: int
+    ) -> tuple[Outcome, VerifierState]:
+        certificate = sender.certificate
+        issuer = self._trusted.get(certificate.issuer)
+        times_s = (message.generation_us / SECONDS, now_us / SECONDS)
+        if issuer is None:
+            return Outcome.UNTRUSTED_CERTIFICATE, state
+        if not all(one.is_good_at(t_s) for one in (certificate, issuer.certificate) for t_s in times_s):
+            return Outcome.EXPIRED, state
+        content = signed_part(message.generation_us, message.payload, certificate)
+        window = state.windows.get(message.digest, ReplayWindow())
+        if window.holds(message.generation_us, content):
+            return Outcome.REPLAYED, state
+        if not sender.key.verifies(content, message.signature):
+            return Outcome.BAD_SIGNATURE, state
+        return Outcome.ACCEPTED, self._taken(state, message, sender, content, now_us)
+
+    def _taken(
+        self, state: VerifierState, message: SignedMessage, sender: Sender, content: bytes, now_us: int
+    ) -> VerifierState:
+        digest = message.digest
+        if state.store.get(digest) is not sender:
+            store = state.store.add(sender, self.parameters.certificates, t_s=now_us / SECONDS)
+            state = replace(state, store=store)
+        windows = state.windows
+        window = windows.get(digest)
+        if window is None:
+            # A sender appears: a good moment to forget those of whom any message would be too old now.
+            oldest_us = self._oldest_us(now_us)
+            windows = {one: known for one, known in windows.items() if known.newest_us >= oldest_us}
+            window = ReplayWindow()
+        window = window.admit(message.generation_us, content, self.parameters.remembered)
+        return replace(state, windows=MappingProxyType({**windows, digest: window}))

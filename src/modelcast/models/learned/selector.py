@@ -1,0 +1,202 @@
+"""The selector: which sub-model of a bank would last longest, by what the window looks like."""
+
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass
+from typing import Any
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray
+from modelcast.core.brackets import log_bracket
+from modelcast.models.base import FunctionPointer, Windows, function_pointer, quiet_function_pointers
+from modelcast.models.learned import selector_kernels
+from modelcast.models.learned.features import LAG_STEP_S, FeatureMap
+from modelcast.models.learned.learned_trajectory import feature_constants
+from modelcast.models.learned.network import Network
+from modelcast.models.point_kernels import FIT_SIGNATURE, fit_batch
+
+__all__ = ["Selector"]
+
+_LAYERS = ("centre", "width", "weights_1", "bias_1", "weights_2", "bias_2", "weights_3", "bias_3")
+_STEP_SLACK = 1e-5
+"""Sampling intervals are measured: a tenth of a second may be a millionth longer or shorter."""
+
+
+@dataclass(frozen=True, slots=True)
+class Selector:
+    """Predicts, from the window at an update, how long every sub-model of a bank would hold.
+
+    Parameters
+    ----------
+    members
+        Names of the bank's sub-models, in order, (M,).
+    thresholds_m
+        Thresholds the networks were trained at, rising, (K,) [m].
+    networks
+        Their mean is taken. The outputs are a score for every threshold and sub-model, threshold by
+        threshold, (K·M,); it rises with the expected life.
+    lags
+        How many tenths of a second the networks look back.
+    margin
+        Added to the first sub-model's score: another must beat it by more.
+
+    Raises
+    ------
+    ValueError
+        Where a network does not fit the members, the thresholds or the lags, or thresholds do not rise.
+
+    Notes
+    -----
+    Between the thresholds the last layer is interpolated over the threshold's logarithm; beyond them the
+    nearest serves. A window that spans less than ``lags`` tenths of a second has no scores (NaN).
+    """
+
+    members: tuple[str, ...]
+    thresholds_m: tuple[float, ...]
+    networks: tuple[Network, ...]
+    _: KW_ONLY
+    lags: int = 20
+    margin: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.members or not self.networks:
+            raise ValueError("a selector needs at least one sub-model and one network")
+        if not self.thresholds_m or min(self.thresholds_m) <= 0.0:
+            raise ValueError(f"thresholds_m must be positive, and at least one, got {self.thresholds_m}")
+        if sorted(set(self.thresholds_m)) != list(self.thresholds_m):
+            raise ValueError(f"thresholds_m must rise, got {self.thresholds_m}")
+        inputs, outputs = FeatureMap(self.lags).inputs, len(self.members) * len(self.thresholds_m)
+        for network in self.networks:
+            if network.inputs != inputs or network.outputs != outputs:
+                raise ValueError(
+                    f"a network must have {inputs} inputs and {outputs} outputs, "
+                    f"got {network.inputs} and {network.outputs}"
+                )
+        if not np.isfinite(self.margin):
+            raise ValueError(f"margin must be finite, got {self.margin}")
+
+    def window_at(self, dt_s: float) -> int:
+        """Samples that span the lags.
+
+        Parameters
+        ----------
+        dt_s
+            Sampling interval [s].
+        """
+        return int(np.ceil(self.lags * LAG_STEP_S / dt_s - _STEP_SLACK)) + 1
+
+    @property
+    def pointer(self) -> FunctionPointer:
+        """The compiled function, with a fit's signature, as compiled loops take it."""
+        return function_pointer(selector_kernels.score, FIT_SIGNATURE)
+
+    def check_members(self, names: tuple[str, ...]) -> None:
+        """Refuse a bank that is not the one it was trained for.
+
+        Parameters
+        ----------
+        names
+            Names of the bank's sub-models, in order.
+
+        Raises
+        ------
+        ValueError
+            Where they are others.
+        """
+        if names != self.members:
+            raise ValueError(
+                f"the selector was trained for {'+'.join(self.members)}, the bank is {'+'.join(names)}"
+            )
+
+    def packed(self, dt_s: float, threshold_m: float) -> FloatArray:
+        """Feature map and networks as the compiled function reads them, at one threshold.
+
+        Parameters
+        ----------
+        dt_s
+            Sampling interval of the windows [s].
+        threshold_m
+            The policy's threshold [m].
+        """
+        at = log_bracket(self.thresholds_m, threshold_m)
+        header = feature_constants(FeatureMap(self.lags), dt_s, networks=len(self.networks))
+        return np.concatenate([header, *(self._at(network, at).packed() for network in self.networks)])
+
+    def scores(self, windows: Windows, threshold_m: float) -> FloatArray:
+        """Scores of the sub-models for every window, (B, M).
+
+        Parameters
+        ----------
+        windows
+            At least `window_at` samples; shorter ones have NaN.
+        threshold_m
+            The policy's threshold [m].
+        """
+        out = np.empty((windows.samples.shape[0], len(self.members)))
+        samples = np.ascontiguousarray(windows.samples[:, -self.window_at(windows.dt_s) :], dtype=np.float64)
+        with quiet_function_pointers():
+            fit_batch(self.pointer, samples, self.packed(windows.dt_s, threshold_m), out)
+        return out
+
+    def _at(self, network: Network, at: tuple[int, int, float]) -> Network:
+        """The network with the outputs of one threshold, between two of those trained."""
+        count = len(self.members)
+        below, above, share = at
+        weights = network.weights_3.reshape(-1, len(self.thresholds_m), count)
+        bias = network.bias_3.reshape(-1, count)
+        first = np.zeros(count)
+        first[0] = self.margin
+        return Network(
+            network.up_to_noise_m,
+            centre=network.centre,
+            width=network.width,
+            weights_1=network.weights_1,
+            bias_1=network.bias_1,
+            weights_2=network.weights_2,
+            bias_2=network.bias_2,
+            weights_3=(1.0 - share) * weights[:, below] + share * weights[:, above],
+            bias_3=(1.0 - share) * bias[below] + share * bias[above] + first,
+        )
+
+    @property
+    def summary(self) -> Mapping[str, Any]:
+        """What it was trained for, without its weights."""
+        return {
+            "members": list(self.members),
+            "thresholds_m": list(self.thresholds_m),
+            "networks": len(self.networks),
+            "margin": self.margin,
+        }
+
+    def as_plain(self) -> Mapping[str, Any]:
+        """The selector as plain values, for a profile."""
+        return {
+            "members": list(self.members),
+            "thresholds_m": list(self.thresholds_m),
+            "lags": self.lags,
+            "margin": self.margin,
+            "networks": [
+                {name: getattr(network, name).tolist() for name in _LAYERS} for network in self.networks
+            ],
+        }
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> "Selector":
+        """The selector that `as_plain` described.
+
+        Parameters
+        ----------
+        plain
+            Plain values, as read from JSON.
+        """
+        networks = tuple(
+            Network(np.inf, **{name: np.asarray(layers[name], dtype=np.float64) for name in _LAYERS})
+            for layers in plain["networks"]
+        )
+        return cls(
+            tuple(str(name) for name in plain["members"]),
+            tuple(float(value) for value in plain["thresholds_m"]),
+            networks,
+            lags=int(plain["lags"]),
+            margin=float(plain["margin"]),
+        )

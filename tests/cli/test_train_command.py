@@ -1,0 +1,93 @@
+"""Claims about ``modelcast train`` and the banks that come from its profiles."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from modelcast.cli.app import run
+from modelcast.cli.banks import named_bank
+from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.io.profile import read_profile
+from modelcast.io.write_trips import write_csv
+from modelcast.simulation.drive import generate_drive
+
+QUICK = ("--steps", "12", "--hidden", "8", "8", "--coefficients", "2")
+
+
+@pytest.fixture(scope="module")
+def drives(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("drives")
+    for seed in (1, 2):
+        write_csv([replace(generate_drive(seed, 90.0).truth, trip_id=f"d{seed}/1")], folder / f"d{seed}.csv")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def profile(drives: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("profile") / "mine.json"
+    assert run(["train", str(drives), *QUICK, "--out", str(out), "--quiet"]) == 0
+    return out
+
+
+def test_the_same_trips_and_options_give_the_same_bytes(drives: Path, profile: Path, tmp_path: Path) -> None:
+    again = tmp_path / "again.json"
+    assert run(["train", str(drives), *QUICK, "--out", str(again), "--quiet"]) == 0
+    assert again.read_bytes() == profile.read_bytes()
+
+
+def test_an_evaluation_takes_bank_and_rules_from_the_file(
+    drives: Path, profile: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    words = ["--bank", str(profile), "--threshold", "0.3", "--per", "0", "--seeds", "1", "--quiet"]
+    assert run(["evaluate", str(drives / "d1.csv"), *words, "--out", str(out)]) == 0
+    settings = json.loads((out / "summary.json").read_text())["settings"]
+    read = read_profile(profile)
+    assert settings["bank"] == read.bank.name
+    assert (settings["start"], settings["identify"]) == (read.start, read.identify)
+    asked = json.loads((out / "run.json").read_text())
+    assert str(profile) in asked["inputs"]
+
+
+def test_it_prints_the_record(drives: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "p.json"
+    assert run(["train", str(drives), *QUICK, "--out", str(out), "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["sha256"] == read_profile(out).identity
+    assert printed["figures"]["counted_on"] == "training trips"
+    assert run(["train", str(drives), *QUICK, "--out", str(out)]) == 0
+    shown = capsys.readouterr().out
+    assert "Messages over the baseline's" in shown
+    assert printed["sha256"] in shown.replace("\n", "")
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        ([], "name at least one trip"),
+        (["{drives}", "--out", "{drives}/none/p.json"], "its folder does not exist"),
+        (["{drives}", "--trip", "nothing", "--out", "{drives}/p.json"], "no usable trip"),
+        (["{drives}", "--steps", "0", "--out", "{drives}/p.json"], "steps"),
+    ],
+)
+def test_mistakes_are_named(
+    words: list[str], named: str, drives: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["train", *(word.format(drives=drives) for word in words)]) == 2
+    assert named in capsys.readouterr().err
+
+
+def test_a_file_that_is_no_profile_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "wrong.json"
+    with pytest.raises(DataFormatError, match=r"wrong\.json: cannot be read"):
+        named_bank(str(path))
+    path.write_text("{}")
+    with pytest.raises(DataFormatError, match=r"wrong\.json: is no profile"):
+        named_bank(str(path))
+
+
+def test_a_profiles_bank_takes_no_window_of_the_users() -> None:
+    with pytest.raises(ConfigError, match="leave out --window"):
+        named_bank("default", window=12)

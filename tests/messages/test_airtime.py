@@ -1,0 +1,91 @@
+"""Claims about what messages cost on the air."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from modelcast.messages.airtime import Stack
+from modelcast.messages.mbc_codec import UpdateCodec, WireProfile
+from modelcast.messages.sizes import SizeModel
+from modelcast.models.bank import Bank
+from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.gp import GaussianProcess, vehicle_process
+from modelcast.models.kinematic import ConstantTurnRateAcceleration
+from modelcast.models.profile import default_profile
+
+times = st.lists(st.integers(1, 30), min_size=1, max_size=40).map(lambda gaps: np.cumsum(gaps) * 0.05)
+
+
+@given(times)
+def test_a_certificate_follows_every_gap_and_the_first_message_has_one(t_s: np.ndarray) -> None:
+    gap = Stack("gap").carries_certificate(t_s)
+    assert gap[0]
+    assert gap[1:].tolist() == [bool(late) for late in np.diff(t_s) > 0.45 + 1e-9]
+
+
+@given(times)
+def test_by_the_timer_no_certificate_is_more_than_one_message_late(t_s: np.ndarray) -> None:
+    carried = Stack("timer").carries_certificate(t_s)
+    with_one = t_s[carried]
+    assert carried[0]
+    assert (np.diff(with_one) >= 0.45 - 1e-6).all()
+    for now, has in zip(t_s, carried, strict=True):
+        if not has:
+            assert now - with_one[with_one <= now][-1] < 0.45
+
+
+def test_ten_messages_a_second_carry_one_certificate_in_five_by_the_timer() -> None:
+    assert Stack("timer").carries_certificate(np.arange(100) * 0.1).sum() == 20
+    assert Stack("gap").carries_certificate(np.arange(100) * 0.1).sum() == 1
+
+
+def test_the_layers_of_a_message_add_up() -> None:
+    one, no, yes = np.array([40]), np.array([False]), np.array([True])
+    assert Stack("unsigned").frame_bytes(one, yes).tolist() == [40 + 24 + 4 + 2 + 5]
+    assert Stack().frame_bytes(one, no).tolist() == [75 + 93]
+    assert Stack().frame_bytes(one, yes).tolist() == [75 + 164]
+    # 22 + 8 · 239 bits are 1,934: 41 symbols.
+    assert Stack().airtime_s(one, yes).tolist() == pytest.approx([40e-6 + 41 * 8e-6])
+
+
+def test_impossible_stacks_are_refused() -> None:
+    with pytest.raises(ValueError, match="certificates"):
+        Stack("sometimes")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="certificate_bytes"):
+        Stack(certificate_bytes=10)
+    with pytest.raises(ValueError, match="mac_bytes"):
+        Stack(mac_bytes=-1)
+    with pytest.raises(ValueError, match="bits_per_symbol"):
+        Stack(bits_per_symbol=0)
+
+
+@pytest.mark.parametrize("identify", ["never", "on-failure"])
+def test_sizes_are_those_of_the_codec(identify: str) -> None:
+    bank = Bank((*default_profile().bank.members, vehicle_process()))
+    wire = WireProfile.of(bank, 1)
+    columns = 26 + sum(len(layout.fields) for layout in wire.layouts)
+    parameters = np.zeros((len(bank.members), columns))
+    parameters[:, 25] = np.arange(len(bank.members))
+    sizes = UpdateCodec(wire, carries_all=identify != "never").sizes(parameters)
+    assert SizeModel().each_update_bytes(bank, identify).tolist() == sizes.tolist()
+
+
+def test_constant_velocity_alone_is_a_plain_message() -> None:
+    sizes = SizeModel()
+    assert sizes.each_update_bytes(Bank((ConstantVelocity(),)), "on-failure").tolist() == [
+        sizes.baseline_bytes()
+    ]
+    pair = Bank((ConstantTurnRateAcceleration(), ConstantVelocity()))
+    assert sizes.each_update_bytes(pair, "never").tolist() == [47, 40]
+    assert SizeModel(more_bytes=30).each_update_bytes(pair, "never").tolist() == [77, 70]
+
+
+def test_weights_that_cannot_be_carried_are_counted_at_two_bytes() -> None:
+    gp = GaussianProcess()
+    with_all = SizeModel().each_update_bytes(Bank((ConstantVelocity(), gp)), "on-failure")
+    assert with_all[0] - SizeModel().each_update_bytes(Bank((ConstantTurnRateAcceleration(),)), "never")[
+        0
+    ] == (2 * gp.payload_parameters)
+    with pytest.raises(ValueError, match="more_bytes"):
+        SizeModel(more_bytes=-1)

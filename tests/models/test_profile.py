@@ -1,0 +1,142 @@
+"""Claims about profiles: their text, their identity, and what is refused."""
+
+import hashlib
+import importlib.resources
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from modelcast.models.bank import Bank
+from modelcast.models.calibration import Calibration
+from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.gp import GaussianProcess, Hyperparameters, derivative_process, vehicle_process
+from modelcast.models.kinematic import ConstantTurnRateAcceleration
+from modelcast.models.learned import LearnedTrajectory
+from modelcast.models.plain import PLAIN_CLASSES, from_plain, to_plain
+from modelcast.models.profile import Profile, default_profile, profile_from_text
+from modelcast.models.trusted import Trusted
+
+
+def example() -> Profile:
+    table = Calibration(
+        "ctra",
+        np.array([1.0, 2.0]),
+        unmodelled=0.1,
+        factors=np.ones((2, 2)),
+        radii=np.array([[1.0, 2.0, 2.5]] * 2),
+        instants=9,
+    )
+    fixed = GaussianProcess(
+        form="intercept", hyperparameters=Hyperparameters(2.0, 1e-4, linear_ratio_per_s2=1.0)
+    )
+    return Profile(
+        Bank((Trusted(ConstantTurnRateAcceleration(), 1.5), ConstantVelocity()), "mine"),
+        shelf=(vehicle_process(), derivative_process(), fixed),
+        calibrations={"ctra": table},
+        record={"trips": ["a"], "seed": 3},
+    )
+
+
+def test_a_profile_survives_its_text() -> None:
+    profile = example()
+    again = profile_from_text(profile.text)
+    assert again == profile
+    assert again.bank == profile.bank
+    assert again.shelf == profile.shelf
+    assert again.text == profile.text
+
+
+def test_its_identity_is_the_hash_of_its_bytes_and_changes_with_any_of_them() -> None:
+    profile = example()
+    assert profile.identity == hashlib.sha256(profile.text.encode()).hexdigest()
+    other = Profile(profile.bank, shelf=profile.shelf, calibrations=profile.calibrations, record={"seed": 4})
+    assert other.identity != profile.identity
+
+
+def test_the_shipped_profile_is_canonical_and_starts_with_the_learned_sub_model() -> None:
+    path = importlib.resources.files("modelcast") / "profiles" / "default.json"
+    profile = default_profile()
+    assert path.read_text(encoding="utf-8") == profile.text
+    assert profile.bank.members[0].name == "learned"
+    assert profile.bank.window == 1
+    assert set(profile.calibrations) == {member.name for member in profile.bank.members}
+    assert isinstance(profile.sub_model("learned"), LearnedTrajectory)
+    assert profile.sub_model("none") is None
+
+
+def test_the_shipped_profile_says_what_it_was_trained_on() -> None:
+    record = default_profile().record
+    assert {trip["format"] for trip in record["trips"]} <= {"openacc", "spmd-bsm", "comma2k19"}
+    assert record["figures"]["counted_on"] == "routes left out"
+    assert set(record["processes"]) == {"gp-vehicle", "gp-derivative"}
+
+
+def changed(**keys: Any) -> str:
+    return json.dumps({**json.loads(example().text), **keys})
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("", "no JSON"),
+        ("[]", "no profile"),
+        (changed(schema=99), "schema 99"),
+        (changed(members=[]), "at least one"),
+        (changed(members=[{"is": "Path"}]), "'Path'"),
+        (changed(members=[{"is": "Trusted"}]), "Trusted"),
+        (changed(members=[{"is": "ConstantVelocity", "mass": 1}]), "mass"),
+        (changed(members=["cv"]), "members must be"),
+        (changed(members=[{"is": "AxisKernel"}]), "members must be"),
+        (changed(calibrations={"ctra": {}}), "damaged calibration"),
+        (changed(calibrations={"other": example().calibrations["ctra"].as_plain()}), "other"),
+        (changed(record=3), "mappings"),
+        ('{"schema":1}', "missing"),
+    ],
+)
+def test_a_text_that_is_no_profile_is_refused_by_what_is_wrong(text: str, named: str) -> None:
+    with pytest.raises(ValueError, match=named):
+        profile_from_text(text)
+
+
+@pytest.mark.parametrize(
+    "array",
+    [
+        {"float32": "####", "shape": [1]},
+        {"float32": "AAAAAA==", "shape": [2]},
+        {"float32": 3, "shape": [1]},
+        {"float32": "AAAAAA==", "shape": [1], "more": 1},
+    ],
+)
+def test_a_damaged_array_is_refused(array: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match="array"):
+        from_plain(array)
+
+
+@given(
+    st.recursive(
+        st.none()
+        | st.booleans()
+        | st.integers(-1000, 1000)
+        | st.floats(allow_nan=False)
+        | st.sampled_from(["a", "cv"]),
+        lambda inner: (
+            st.lists(inner, max_size=3).map(tuple)
+            | st.dictionaries(st.sampled_from(["x", "y"]), inner, max_size=2)
+        ),
+        max_leaves=6,
+    )
+)
+def test_plain_values_come_back_as_they_were(value: Any) -> None:
+    assert from_plain(json.loads(json.dumps(to_plain(value), allow_nan=False))) == value
+
+
+def test_only_listed_classes_and_numbers_are_written() -> None:
+    with pytest.raises(TypeError, match="object"):
+        to_plain(object())
+    with pytest.raises(ValueError, match="NaN"):
+        to_plain(float("nan"))
+    assert "Bank" not in PLAIN_CLASSES
