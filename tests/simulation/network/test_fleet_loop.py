@@ -30,7 +30,7 @@ from modelcast.simulation.scenario.base import FleetFrame, run_scenario
 from modelcast.simulation.scenario.highway import Highway
 from modelcast.simulation.scenario.sensed import FleetSensor
 
-SETTINGS = NetworkSettings(warm_up_s=0.0)
+SETTINGS = NetworkSettings(warm_up_s=0.0, start_spread_s=0.0)
 IDEAL_RADIO = TabulatedRadio(ReceptionTable(np.array([0.0, 1e6]), np.ones((2, 20)), bin_m=500.0))
 """Everything arrives, within 10 km."""
 

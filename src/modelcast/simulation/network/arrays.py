@@ -39,7 +39,8 @@ class SenderArrays(NamedTuple):
     ``vehicle`` (V,) who is in the slot, -1 for nobody; ``history`` (V,) samples since it came; ``samples``
     (V, 2n, 7) and ``times`` (2n,) the last n samples, each written twice so that every window lies in one
     piece; ``noise`` (V, 2) running mean of squares and how many; ``phase`` (V,) where in a step each decides;
-    ``rows`` (V, 15) and ``control`` (V, 5) state of the rule; ``due_s`` (V,) of the periodic one;
+    ``rows`` (V, 15) and ``control`` (V, 5) state of the rule; ``begins_s``
+    and ``begun`` (V,) when each begins to decide, and whether it has; ``due_s`` (V,) of the periodic one;
     ``number`` (V,) of the next message; ``believed`` (V,) of that which the remotes are believed to hold, -1
     for none; ``sent_s`` and ``certified_s`` (V,) when the last message, and the last with a certificate,
     went out; ``pending`` (V, 4) a message of the next step: time, power, whether believed, cause.
@@ -53,6 +54,8 @@ class SenderArrays(NamedTuple):
     phase: Any
     rows: Any
     control: Any
+    begins_s: Any
+    begun: Any
     due_s: Any
     number: Any
     believed: Any
@@ -128,6 +131,8 @@ def sender_arrays(vehicles: int, window: int, phase: Any, *, members: int, param
         phase=np.ascontiguousarray(phase, dtype=np.float64),
         rows=np.zeros((vehicles, RULE_COLUMNS)),
         control=np.zeros((vehicles, DCC_COLUMNS)),
+        begins_s=np.zeros(vehicles),
+        begun=np.zeros(vehicles, dtype=np.bool_),
         due_s=np.full(vehicles, -np.inf),
         number=np.zeros(vehicles, dtype=np.int64),
         believed=np.full(vehicles, -1, dtype=np.int64),

@@ -82,6 +82,9 @@ class NetworkSettings:
         A host passes over remotes that state a place farther away [m].
     expiry_s
         Silence after which a track counts as lost [s]; at least twice what the sender's rule allows is taken.
+    start_spread_s
+        The vehicles of the first frame begin to send within this time [s]; None for the longest silence that
+        the rule allows. Else all would go on sending together.
     distance_bin_m, distances
         Width [m] and number of the bins of distance.
     middle_bins
@@ -98,6 +101,7 @@ class NetworkSettings:
     dt_s: float = 0.1
     reach_m: float = 350.0
     expiry_s: float = 5.0
+    start_spread_s: float | None = None
     distance_bin_m: float = 25.0
     distances: int = 12
     middle_bins: tuple[int, int] = (2, 6)
@@ -204,6 +208,8 @@ class FleetLoop:
         if sensor is not None:
             self._sensor_state = sensor.init(vehicles, child_generator(seed, "sensor"))
         self._constants = _constants(sender, dt_s)
+        spread_s = settings.start_spread_s
+        self._spread_s = sender.longest_silence_s if spread_s is None else spread_s
         self._last_s = -np.inf
 
     def step(self, frame: FleetFrame) -> tuple[Receptions, FloatArray]:
@@ -310,7 +316,7 @@ class FleetLoop:
             c.rule_constants,
             c.control,
             c.control_constants,
-            c.extra,
+            (*c.extra, self._spread_s if self.number == 0 else 0.0),
             now_s,
             self.settings.dt_s,
             self._place,

@@ -442,10 +442,11 @@ def decide(
     """Let every vehicle decide what it sends in [t, t + dt), each at a time of its own in the step.
 
     ``constants`` and ``control_constants`` are those of the rule; ``extra`` is (power [dBm], jitter [s], time
-    between messages or the least one [s], share at the start). ``uniforms`` (V, 4) in [0, 1). Messages go to
+    between messages or the least one [s], share at the start, time over which new vehicles begin [s]).
+    ``uniforms`` (V, 4) in [0, 1). Messages go to
     the outbox; what falls due after the step waits in ``s.pending``.
     """
-    power_dbm, jitter_s, interval_s, start_share = extra
+    power_dbm, jitter_s, interval_s, start_share, spread_s = extra
     length = s.times.size // 2
     local, scratch = np.empty(LOCAL_COLUMNS), np.empty(2)
     out.count[0] = 0
@@ -454,6 +455,12 @@ def decide(
         if s.vehicle[v] < 0:
             continue
         if started[v]:
+            s.begins_s[v], s.begun[v] = t_s + spread_s * uniforms[v, 3], False
+            _start(s, v, rule, t_s, constants, start_share)
+        if not s.begun[v]:
+            if t_s < s.begins_s[v]:
+                continue
+            s.begun[v] = True
             _start(s, v, rule, t_s, constants, start_share)
         sample = s.samples[v, at + length]
         if rule == RULE_J2945:
