@@ -15,6 +15,7 @@ SCRIPTS = (
     "traffic.py",
     "congestion.py",
     "dsrc_channel.py",
+    "network_loop.py",
 )
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 

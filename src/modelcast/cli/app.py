@@ -16,6 +16,7 @@ from modelcast.cli.decode import decode
 from modelcast.cli.demo import demo
 from modelcast.cli.encode import encode
 from modelcast.cli.evaluate import evaluate
+from modelcast.cli.network import network
 from modelcast.cli.train import train
 from modelcast.cli.trips import trips
 from modelcast.core.exceptions import ModelcastError
@@ -46,6 +47,7 @@ app.command(compare)
 app.command(trips)
 app.command(convert)
 app.command(coverage)
+app.command(network)
 app.command(train)
 app.command(decode)
 app.command(encode)

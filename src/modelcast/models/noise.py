@@ -97,17 +97,20 @@ class NoiseEstimator:
         squares = np.empty(len(trip))
         difference_variances(trip.t_s, trip.position_m, trip.segment_start, self.order, squares)
         out = np.empty(len(trip))
-        settle(
-            squares,
-            max(self.span_s / trip.dt_s, 1.0),
-            self.clip,
-            clipped_share(self.clip),
-            self.prior_m,
-            self.prior_samples,
-            _FREE,
-            out,
-        )
+        count, clip, share, prior_samples, free = self.step_constants(trip.dt_s)
+        settle(squares, count, clip, share, self.prior_m, prior_samples, free, out)
         return out
+
+    def step_constants(self, dt_s: float) -> tuple[float, float, float, float, int]:
+        """The trailing arguments of `noise_kernels.settled`, for who takes one sample at a time.
+
+        Parameters
+        ----------
+        dt_s
+            Sampling interval [s].
+        """
+        count = max(self.span_s / dt_s, 1.0)
+        return count, self.clip, clipped_share(self.clip), self.prior_samples, _FREE
 
 
 def clipped_share(clip: float) -> float:

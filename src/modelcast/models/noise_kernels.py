@@ -5,30 +5,58 @@ from typing import Any
 
 import numba
 
-__all__ = ["difference_variances", "settle"]
+__all__ = ["difference_variance", "difference_variances", "settle", "settled"]
+
+
+@numba.njit(cache=True, nogil=True)
+def difference_variance(t_s: Any, position_m: Any, i: int, order: int) -> float:
+    """Mean square of both axes' difference of an order that ends at sample ``i``, at unit noise gain [m²].
+
+    The weights are those of a divided difference at the times given, so that no polynomial of a lower degree
+    enters however uneven the steps. ``t_s`` (T,) and ``position_m`` (T, 2 or more) hold the ``order`` samples
+    before too.
+    """
+    east = north = gain = 0.0
+    for a in range(i - order, i + 1):
+        weight = 1.0
+        for b in range(i - order, i + 1):
+            if a != b:
+                weight *= (t_s[i] - t_s[i - 1]) / (t_s[a] - t_s[b])
+        east += weight * (position_m[a, 0] - position_m[i, 0])
+        north += weight * (position_m[a, 1] - position_m[i, 1])
+        gain += weight * weight
+    return (east * east + north * north) / (2.0 * gain)
 
 
 @numba.njit(cache=True, nogil=True)
 def difference_variances(t_s: Any, position_m: Any, segment_start: Any, order: int, out: Any) -> None:
-    """Mean square of both axes' differences of an order, at unit noise gain, into ``out`` (T,) [m²].
-
-    The weights are those of a divided difference at the times given, so that no polynomial of a lower degree
-    enters however uneven the steps. -1 where a part has too few samples yet.
-    """
+    """`difference_variance` at every sample into ``out`` (T,); -1 where a part has too few samples yet."""
     for i in range(t_s.size):
         out[i] = -1.0
-        if i - segment_start[i] < order:
-            continue
-        east = north = gain = 0.0
-        for a in range(i - order, i + 1):
-            weight = 1.0
-            for b in range(i - order, i + 1):
-                if a != b:
-                    weight *= (t_s[i] - t_s[i - 1]) / (t_s[a] - t_s[b])
-            east += weight * (position_m[a, 0] - position_m[i, 0])
-            north += weight * (position_m[a, 1] - position_m[i, 1])
-            gain += weight * weight
-        out[i] = (east * east + north * north) / (2.0 * gain)
+        if i - segment_start[i] >= order:
+            out[i] = difference_variance(t_s, position_m, i, order)
+
+
+@numba.njit(cache=True, nogil=True)
+def settled(
+    square: float,
+    mean: float,
+    seen: float,
+    count: float,
+    clip: float,
+    share: float,
+    prior_count: float,
+    free: int,
+) -> tuple[float, float]:
+    """Take one square into the running mean: (mean, how many were seen); arguments as in `settle`.
+
+    The mean starts at ``share * prior * prior`` with none seen; the noise is ``sqrt(mean / share)``.
+    """
+    if square > 0.0:
+        seen += 1.0
+        square = share * square if seen <= free else min(square, clip * mean)
+        mean += (square - mean) / min(prior_count + seen, count)
+    return mean, seen
 
 
 @numba.njit(cache=True, nogil=True)
@@ -49,11 +77,7 @@ def settle(
     they say that there was no difference, or that the receiver froze.
     """
     mean = share * prior * prior
-    seen = 0
+    seen = 0.0
     for i in range(squares.size):
-        value = squares[i]
-        if value > 0.0:
-            seen += 1
-            value = share * value if seen <= free else min(value, clip * mean)
-            mean += (value - mean) / min(prior_count + seen, count)
+        mean, seen = settled(squares[i], mean, seen, count, clip, share, prior_count, free)
         out[i] = sqrt(mean / share)

@@ -1,0 +1,199 @@
+"""``modelcast network``: policies and radios in traffic, as a closed loop."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from modelcast.cli.options import Numbers, SensorOptions, Words
+
+if TYPE_CHECKING:
+    from modelcast.cli.network_case import NetworkPlan
+    from modelcast.evaluation.network.rows import CaseResult, NetworkCase
+
+__all__ = ["network"]
+
+
+def network(
+    *,
+    scenario: str = "highway",
+    density: Numbers = (25.0, 100.0, 400.0),
+    radio: Words = ("dsrc",),
+    policy: Words = ("bsm-10hz", "j2945", "j2945-mbc", "mbc", "cam"),
+    duration: float = 30.0,
+    warm_up: float = 10.0,
+    seeds: int = 3,
+    seed: int = 0,
+    length: float = 2000.0,
+    lanes: int = 0,
+    blocks: int = 5,
+    certificates: str = "gap",
+    threshold: float = 0.2,
+    keep_alive: float = 2.0,
+    sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
+    out: Path = Path("out"),
+    jobs: int = 0,
+    json: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Run fleets on a shared channel: traffic moves, senders decide, messages contend, receivers track.
+
+    Writes runs/, summary.json, runs.parquet, distances.parquet, outcomes.parquet, seconds.parquet, table.md,
+    report.html and its figures. Runs that are done in the output folder are kept: the command can be called
+    again with more densities, radios, policies or seeds.
+
+    Parameters
+    ----------
+    scenario
+        highway, grid, sumo-highway, sumo-grid, sumo-junction, or a file of floating-car data (CSV, Parquet or
+        SUMO XML). Files and the junction have their own density.
+    density
+        Vehicles a kilometre of road, both directions, several after one another.
+    radio
+        dsrc, sidelink, abstract, or several after one another.
+    policy
+        bsm-10hz, baseline, mbc, j2945, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5, cam, or several
+        after one another.
+    duration
+        Time simulated [s].
+    warm_up
+        How much of it is left out of all counts but the time series [s].
+    seeds
+        Runs of each combination.
+    seed
+        Seed of all random numbers.
+    length
+        Length of the highway [m].
+    lanes
+        Lanes in each direction of the highway; 0 for as many as the density needs.
+    blocks
+        Junctions on each side of the grid.
+    certificates
+        Which messages carry the certificate: gap, timer, always, digest, unsigned.
+    threshold
+        Tracking-error threshold of baseline and mbc [m].
+    keep_alive
+        Longest silence of baseline and mbc [s].
+    sensor
+        What vehicles see of themselves.
+    out
+        Output folder.
+    jobs
+        Runs at a time; 0 for one a processor.
+    json
+        Print summary.json instead of tables.
+    quiet
+        Print nothing but errors.
+    """
+    import json as json_format
+    import sys
+
+    from rich.console import Console
+
+    from modelcast.cli.network_case import NetworkPlan
+    from modelcast.cli.reading import counted
+    from modelcast.evaluation.network.pool import gather
+    from modelcast.io.network import network_document, write_network
+    from modelcast.report.network import network_console, write_network_report
+
+    plan = NetworkPlan(
+        scenario,
+        duration_s=duration,
+        warm_up_s=warm_up,
+        length_m=length,
+        lanes=lanes,
+        blocks=blocks,
+        seed=seed,
+        certificates=certificates,
+        threshold_m=threshold,
+        keep_alive_s=keep_alive,
+        sensor=sensor,
+    )
+    cases = _cases(plan, density, radio, policy, seeds)
+    silent = quiet or json
+    (out / "runs").mkdir(parents=True, exist_ok=True)
+    with counted("runs", quiet=silent) as progress:
+        results = _run_all(plan, cases, out / "runs", jobs or os.cpu_count() or 1, progress)
+    result = gather(results)
+    options = plan.as_plain()
+    write_network(result, options, out)
+    write_network_report(result, options, out)
+    if json:
+        json_format.dump(network_document(result, options), sys.stdout, indent=2, sort_keys=True)
+        print()
+    elif not quiet:
+        console = Console()
+        console.print(network_console(result))
+        console.print(f"report: {out / 'report.html'}", highlight=False, soft_wrap=True)
+    return 0
+
+
+def _cases(
+    plan: "NetworkPlan", density: Numbers, radio: Words, policy: Words, seeds: int
+) -> "list[NetworkCase]":
+    """All runs asked for, once each."""
+    from itertools import product
+    from math import nan
+
+    from modelcast.cli.network_case import BUILT_IN, RADIOS, SUMO
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.evaluation.network.rows import NetworkCase
+    from modelcast.simulation.network.sender import SENDERS
+
+    for name, given, known in (("radio", radio, RADIOS), ("policy", policy, SENDERS)):
+        unknown = [word for word in given if word not in known]
+        if unknown or not given:
+            raise ConfigError(f"--{name} must be of {', '.join(known)}, got {', '.join(unknown) or 'none'}")
+    named = (*BUILT_IN, *SUMO)
+    if plan.scenario not in named and not Path(plan.scenario).is_file():
+        raise ConfigError(f"--scenario must be {', '.join(named)} or a file, got {plan.scenario!r}")
+    if seeds < 1 or not all(value > 0 for value in density):
+        raise ConfigError(f"--seeds and --density must be positive, got {seeds} and {density}")
+    if not 0 <= plan.warm_up_s < plan.duration_s:
+        raise ConfigError(f"--warm-up must be below --duration, got {plan.warm_up_s} and {plan.duration_s}")
+    own = plan.scenario == "sumo-junction" or plan.scenario not in named
+    densities = (nan,) if own else tuple(dict.fromkeys(density))
+    chosen = product(densities, dict.fromkeys(radio), dict.fromkeys(policy), range(seeds))
+    return [NetworkCase(*one) for one in chosen]
+
+
+def _run_all(
+    plan: "NetworkPlan",
+    cases: "list[NetworkCase]",
+    folder: Path,
+    jobs: int,
+    progress: Callable[[int, int], None],
+) -> "list[CaseResult]":
+    """Rows of all runs: those on disk, and the others run now, each written as soon as it is done."""
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+
+    from modelcast.cli.network_case import run_case
+    from modelcast.io.network import read_case, write_case
+
+    options = plan.as_plain()
+    found = {case: read_case(case, options, folder) for case in cases}
+    missing = [case for case in cases if found[case] is None]
+    done = len(cases) - len(missing)
+    progress(done, len(cases))
+    if jobs == 1 or len(missing) <= 1:
+        for case in missing:
+            result = run_case(plan, case)
+            write_case(result, case, options, folder)
+            found[case] = result
+            done += 1
+            progress(done, len(cases))
+    else:
+        # The largest first, so that no processor waits long for the last one.
+        missing.sort(key=lambda case: -case.density_per_km)
+        context = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(min(jobs, len(missing)), mp_context=context) as pool:
+            waiting = {pool.submit(run_case, plan, case): case for case in missing}
+            for future in as_completed(waiting):
+                case = waiting[future]
+                result = future.result()
+                write_case(result, case, options, folder)
+                found[case] = result
+                done += 1
+                progress(done, len(cases))
+    return [result for result in found.values() if result is not None]

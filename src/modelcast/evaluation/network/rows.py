@@ -1,0 +1,296 @@
+"""Rows of a network evaluation; definitions are in ``docs/nomenclature.md``."""
+
+from collections.abc import Sequence
+from dataclasses import KW_ONLY, dataclass, field
+
+__all__ = [
+    "HEADLINE_M",
+    "CapacityRow",
+    "CaseResult",
+    "DistanceRow",
+    "NetworkCase",
+    "NetworkResult",
+    "OutcomeRow",
+    "PooledRow",
+    "RunRow",
+    "SecondRow",
+]
+
+HEADLINE_M = (50.0, 150.0)
+"""Distances of the headline figures [m]."""
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class NetworkCase:
+    """One run: what is varied.
+
+    Parameters
+    ----------
+    density_per_km
+        As asked for; NaN where the scenario has its own [1/km].
+    radio, policy
+        Names.
+    run
+        Number of the seed, from 0.
+    """
+
+    density_per_km: float
+    radio: str
+    policy: str
+    run: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunRow:
+    """One run; a number that does not exist is NaN.
+
+    Parameters
+    ----------
+    density_per_km, radio, policy, run
+        As in `NetworkCase`.
+    vehicles
+        Mean number.
+    message_rate_hz
+        Messages handed to the radio a vehicle and second [Hz].
+    time_ratio, dynamics_ratio, critical_ratio
+        Shares of the messages by cause; rules without causes count under time.
+    model_ratio, certificate_ratio
+        Shares of the messages with a model and with a certificate.
+    payload_bytes, frame_bytes
+        Mean bytes of a message, and of its frame on the air.
+    bytes_per_s
+        Bytes of frames a vehicle and second.
+    airtime_ratio
+        Share of time that a vehicle is on the air.
+    power_dbm
+        Mean transmit power [dBm].
+    busy_ratio
+        Mean channel busy ratio.
+    expired_ratio
+        Share of the messages that were never sent, since a newer one took their place.
+    delivery_ratio, collision_ratio, hidden_ratio, concurrent_ratio, half_duplex_ratio, weak_ratio
+        Of all pairs of frame and vehicle 50 m to 150 m apart: received; lost to other frames, and of these
+        the hidden and the concurrent ones; lost because the receiver was sending; too weak by themselves.
+    held_ratio
+        Share of the samples of pairs 50 m to 150 m apart in which the host held a live track.
+    pte_p50_m, pte_p90_m, pte_p95_m, pte_p99_m
+        Tracking error, all pairs 50 m to 150 m apart [m].
+    pte_p90_100_m
+        The same, 75 m to 125 m [m].
+    age_p50_s, age_p90_s
+        Information age, 50 m to 150 m [s].
+    gap_p50_s, gap_p90_s, gap_p99_s
+        Inter-packet gap, 50 m to 150 m [s].
+    neighbours, inter_transmit_time_s, channel_quality
+        Means of the state of J2945/1: smoothed density, longest time between messages [s], believed loss.
+    tracks_per_s
+        Tracks sampled a second: a measure of the work done.
+    """
+
+    density_per_km: float
+    radio: str
+    policy: str
+    run: int
+    vehicles: float
+    message_rate_hz: float
+    time_ratio: float
+    dynamics_ratio: float
+    critical_ratio: float
+    model_ratio: float
+    certificate_ratio: float
+    payload_bytes: float
+    frame_bytes: float
+    bytes_per_s: float
+    airtime_ratio: float
+    power_dbm: float
+    busy_ratio: float
+    expired_ratio: float
+    delivery_ratio: float
+    collision_ratio: float
+    hidden_ratio: float
+    concurrent_ratio: float
+    half_duplex_ratio: float
+    weak_ratio: float
+    held_ratio: float
+    pte_p50_m: float
+    pte_p90_m: float
+    pte_p95_m: float
+    pte_p99_m: float
+    pte_p90_100_m: float
+    age_p50_s: float
+    age_p90_s: float
+    gap_p50_s: float
+    gap_p90_s: float
+    gap_p99_s: float
+    neighbours: float
+    inter_transmit_time_s: float
+    channel_quality: float
+    tracks_per_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DistanceRow:
+    """What hosts held of remotes at one distance in one run.
+
+    Parameters
+    ----------
+    density_per_km, radio, policy, run
+        As in `NetworkCase`.
+    low_m, high_m
+        Bounds of the distance [m].
+    pairs
+        Samples of pairs of vehicles, whether tracked or not.
+    held_ratio, pte_p50_m, pte_p90_m, pte_p95_m, pte_p99_m, age_p50_s, age_p90_s, gap_p50_s, gap_p90_s
+        As in `RunRow`, at this distance.
+    """
+
+    density_per_km: float
+    radio: str
+    policy: str
+    run: int
+    low_m: float
+    high_m: float
+    pairs: int
+    held_ratio: float
+    pte_p50_m: float
+    pte_p90_m: float
+    pte_p95_m: float
+    pte_p99_m: float
+    age_p50_s: float
+    age_p90_s: float
+    gap_p50_s: float
+    gap_p90_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutcomeRow:
+    """What became of frames at one distance in one run: shares of all pairs of frame and vehicle in reach.
+
+    Parameters
+    ----------
+    density_per_km, radio, policy, run
+        As in `NetworkCase`.
+    low_m, high_m
+        Bounds of the distance [m].
+    pairs
+        Pairs of frame and vehicle.
+    received_ratio, half_duplex_ratio, weak_ratio, hidden_ratio, concurrent_ratio
+        By `modelcast.channel.radio.OUTCOMES`.
+    """
+
+    density_per_km: float
+    radio: str
+    policy: str
+    run: int
+    low_m: float
+    high_m: float
+    pairs: int
+    received_ratio: float
+    half_duplex_ratio: float
+    weak_ratio: float
+    hidden_ratio: float
+    concurrent_ratio: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SecondRow:
+    """One second of one run, the warm-up among them.
+
+    Parameters
+    ----------
+    density_per_km, radio, policy, run
+        As in `NetworkCase`.
+    t_s
+        Its end [s].
+    message_rate_hz, busy_ratio, power_dbm, neighbours, inter_transmit_time_s, channel_quality, pte_p90_m
+        As in `RunRow`, in this second.
+    """
+
+    density_per_km: float
+    radio: str
+    policy: str
+    run: int
+    t_s: float
+    message_rate_hz: float
+    busy_ratio: float
+    power_dbm: float
+    neighbours: float
+    inter_transmit_time_s: float
+    channel_quality: float
+    pte_p90_m: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PooledRow:
+    """One figure of one density, radio and policy over all seeds: mean and 95 % Student-t interval.
+
+    Parameters
+    ----------
+    density_per_km, radio, policy
+        As in `NetworkCase`.
+    seeds
+        Runs pooled.
+    figure
+        Name of a field of `RunRow`.
+    value, low, high
+        Mean and bounds; bounds are None for a single run.
+    """
+
+    density_per_km: float
+    radio: str
+    policy: str
+    seeds: int
+    figure: str
+    value: float
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CapacityRow:
+    """Density at which the 90th percentile of the tracking error at 100 m reaches a limit.
+
+    Parameters
+    ----------
+    radio, policy
+        Names.
+    limit_m
+        The limit [m].
+    density_per_km
+        Interpolated between the densities run; None where the limit is not reached at any, or at all.
+    highest_per_km
+        Highest density run [1/km].
+    above_at_lowest
+        Whether the limit is exceeded at the lowest density already.
+    """
+
+    radio: str
+    policy: str
+    limit_m: float
+    density_per_km: float | None
+    highest_per_km: float
+    above_at_lowest: bool
+
+
+@dataclass(frozen=True, slots=True)
+class CaseResult:
+    """All rows of one run."""
+
+    run: RunRow
+    distances: Sequence[DistanceRow]
+    _: KW_ONLY
+    outcomes: Sequence[OutcomeRow]
+    seconds: Sequence[SecondRow]
+
+
+@dataclass(frozen=True, slots=True)
+class NetworkResult:
+    """Rows of all runs, in order of density, radio, policy and seed."""
+
+    runs: Sequence[RunRow]
+    distances: Sequence[DistanceRow]
+    _: KW_ONLY
+    outcomes: Sequence[OutcomeRow]
+    seconds: Sequence[SecondRow]
+    pooled: Sequence[PooledRow] = field(default=())
+    capacities: Sequence[CapacityRow] = field(default=())

@@ -1,0 +1,313 @@
+"""Figures of a network evaluation: load, delivery, tracking, capacity, settling."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
+
+from modelcast.evaluation.network.pool import LIMITS_M
+from modelcast.evaluation.network.rows import DistanceRow, NetworkResult, PooledRow, SecondRow
+from modelcast.report.figures.panels import empty_figure
+from modelcast.report.style import INK, PAGE_IN, new_figure
+
+__all__ = [
+    "NETWORK_FIGURES",
+    "plot_capacity",
+    "plot_delivery",
+    "plot_distance",
+    "plot_load",
+    "plot_settling",
+    "plot_tracking",
+]
+
+_COLOURS = {
+    "bsm-10hz": "#777777",
+    "baseline": "#e69f00",
+    "mbc": "#0072b2",
+    "j2945": "#d55e00",
+    "j2945-mbc": "#009e73",
+    "j2945-mbc-relaxed": "#56b4e9",
+    "j2945-mbc-relaxed-5": "#332288",
+    "cam": "#cc79a7",
+}
+_MARKERS = dict(zip(_COLOURS, "xDosv^P<", strict=True))
+_ROW_IN = 2.0
+_MOST_DENSITIES = 4
+_SPREAD = 0.02
+
+Panel = tuple[str, str, float]
+"""Field of `RunRow`, what the axis says, factor to what it shows."""
+
+_LOAD: tuple[Panel, ...] = (
+    ("message_rate_hz", "messages a vehicle [1/s]", 1.0),
+    ("bytes_per_s", "bytes a vehicle [kB/s]", 1e-3),
+    ("busy_ratio", "channel busy ratio [%]", 100.0),
+)
+_DELIVERY: tuple[Panel, ...] = (
+    ("delivery_ratio", "received, 50-150 m [%]", 100.0),
+    ("hidden_ratio", "lost to hidden frames [%]", 100.0),
+    ("concurrent_ratio", "lost to concurrent ones [%]", 100.0),
+)
+_TRACKING: tuple[Panel, ...] = (
+    ("pte_p50_m", "PTE p50, 50-150 m [m]", 1.0),
+    ("pte_p90_m", "PTE p90, 50-150 m [m]", 1.0),
+    ("pte_p99_m", "PTE p99, 50-150 m [m]", 1.0),
+)
+
+
+def _policies(result: NetworkResult) -> list[str]:
+    present = {row.policy for row in result.runs}
+    return [name for name in _COLOURS if name in present]
+
+
+def _radios(result: NetworkResult) -> list[str]:
+    return sorted({row.radio for row in result.runs})
+
+
+def _look(policy: str) -> dict[str, Any]:
+    return {"color": _COLOURS[policy], "marker": _MARKERS[policy], "markersize": 3.0, "linewidth": 1.1}
+
+
+def _against_density(result: NetworkResult, panels: Sequence[Panel], *, log: bool) -> Figure:
+    """Draw a row of panels a radio, with the interval over seeds."""
+    rows = [row for row in result.pooled if np.isfinite(row.density_per_km)]
+    radios = sorted({row.radio for row in rows})
+    if not rows:
+        return empty_figure("no density was varied")
+    figure = new_figure(PAGE_IN, 0.35 + _ROW_IN * len(radios))
+    grid = figure.subplots(len(radios), len(panels), squeeze=False, sharex=True)
+    for line, radio in zip(grid, radios, strict=True):
+        for axes, (name, label, factor) in zip(line, panels, strict=True):
+            own = [row for row in rows if row.radio == radio and row.figure == name]
+            _draw_densities(axes, own, factor, _policies(result))
+            axes.set_ylabel(label)
+            if log:
+                _log_scale(axes)
+            else:
+                axes.set_ylim(bottom=0.0)
+        line[0].set_title(radio, loc="left")
+    for axes in grid[-1]:
+        axes.set_xlabel("vehicles a kilometre")
+    _legend(figure, grid[0][0])
+    return figure
+
+
+def _draw_densities(axes: Axes, rows: Sequence[PooledRow], factor: float, policies: Sequence[str]) -> None:
+    axes.set_xscale("log")
+    for at, policy in enumerate(policies):
+        own = sorted((row for row in rows if row.policy == policy), key=lambda row: row.density_per_km)
+        if not own:
+            continue
+        # Side by side, so that intervals do not hide each other.
+        aside = 1.0 + _SPREAD * (at - 0.5 * (len(policies) - 1))
+        place = np.array([row.density_per_km for row in own]) * aside
+        axes.plot(place, [factor * row.value for row in own], label=policy, **_look(policy))
+        bounds = [(np.nan, np.nan) if row.low is None else (row.low, row.high) for row in own]
+        low, high = factor * np.array(bounds, dtype=np.float64).T
+        axes.vlines(place, np.maximum(low, 1e-6), high, color=_COLOURS[policy], linewidth=0.8)
+    densities = sorted({row.density_per_km for row in rows})
+    axes.set_xticks(densities, [f"{density:g}" for density in densities])
+    axes.xaxis.set_minor_locator(NullLocator())
+
+
+def _log_scale(axes: Axes) -> None:
+    """A logarithmic axis with plain numbers: the project's style reads no formulas."""
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    axes.yaxis.set_minor_locator(NullLocator())
+
+
+def _legend(figure: Figure, axes: Axes) -> None:
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=min(5, max(1, len(labels))))
+
+
+def plot_load(result: NetworkResult) -> Figure:
+    """Messages, bytes and channel busy ratio against density.
+
+    Parameters
+    ----------
+    result
+        All runs.
+    """
+    return _against_density(result, _LOAD, log=False)
+
+
+def plot_delivery(result: NetworkResult) -> Figure:
+    """Delivery and collisions against density.
+
+    Parameters
+    ----------
+    result
+        All runs.
+    """
+    return _against_density(result, _DELIVERY, log=False)
+
+
+def plot_tracking(result: NetworkResult) -> Figure:
+    """Tracking error at 50 m to 150 m against density.
+
+    Parameters
+    ----------
+    result
+        All runs.
+    """
+    return _against_density(result, _TRACKING, log=True)
+
+
+def plot_capacity(result: NetworkResult) -> Figure:
+    """90th percentile of the tracking error at 100 m against density, and where it meets its limits.
+
+    Parameters
+    ----------
+    result
+        All runs.
+    """
+    rows = [row for row in result.pooled if row.figure == "pte_p90_100_m" and np.isfinite(row.density_per_km)]
+    radios = sorted({row.radio for row in rows})
+    if not rows:
+        return empty_figure("no density was varied")
+    figure = new_figure(PAGE_IN, 2.9)
+    grid = figure.subplots(1, len(radios), squeeze=False, sharey=True)
+    for axes, radio in zip(grid[0], radios, strict=True):
+        _draw_densities(axes, [row for row in rows if row.radio == radio], 1.0, _policies(result))
+        for limit_m in LIMITS_M:
+            axes.axhline(limit_m, color=INK, linewidth=0.8, linestyle="--")
+        for capacity in result.capacities:
+            if capacity.radio == radio and capacity.density_per_km is not None:
+                axes.plot(
+                    capacity.density_per_km,
+                    capacity.limit_m,
+                    marker="o",
+                    markersize=6.0,
+                    markerfacecolor="none",
+                    color=_COLOURS[capacity.policy],
+                )
+        _log_scale(axes)
+        axes.set_title(radio, loc="left")
+        axes.set_xlabel("vehicles a kilometre")
+    grid[0][0].set_ylabel("tracking error p90, 75-125 m [m]")
+    _legend(figure, grid[0][0])
+    return figure
+
+
+def plot_distance(result: NetworkResult) -> Figure:
+    """90th percentile of the tracking error against distance, one panel a density.
+
+    Parameters
+    ----------
+    result
+        All runs.
+    """
+    densities = _some(sorted({row.density_per_km for row in result.runs}))
+    radios = _radios(result)
+    figure = new_figure(PAGE_IN, 0.35 + _ROW_IN * len(radios))
+    grid = figure.subplots(len(radios), len(densities), squeeze=False, sharex=True, sharey=True)
+    for line, radio in zip(grid, radios, strict=True):
+        for axes, density in zip(line, densities, strict=True):
+            for policy in _policies(result):
+                own = [
+                    row
+                    for row in result.distances
+                    if (row.radio, row.policy) == (radio, policy) and _same(row.density_per_km, density)
+                ]
+                place, values = _mean_by_distance(own)
+                axes.plot(place, values, label=policy, **_look(policy))
+            _log_scale(axes)
+            title = f"{density:g}/km" if np.isfinite(density) else "own density"
+            axes.set_title(f"{radio}, {title}", loc="left")
+        line[0].set_ylabel("tracking error p90 [m]")
+    for axes in grid[-1]:
+        axes.set_xlabel("distance [m]")
+    _legend(figure, grid[0][0])
+    return figure
+
+
+def _some(densities: list[float]) -> list[float]:
+    """The densities, or some of them where there are too many for panels."""
+    if len(densities) <= _MOST_DENSITIES:
+        return densities
+    chosen = np.linspace(0, len(densities) - 1, _MOST_DENSITIES).round().astype(int)
+    return [densities[at] for at in chosen]
+
+
+def _same(one: float, other: float) -> bool:
+    return one == other or (np.isnan(one) and np.isnan(other))
+
+
+def _mean_by_distance(rows: Sequence[DistanceRow]) -> tuple[list[float], list[float]]:
+    """Middle of every bin and the mean over seeds of its 90th percentile."""
+    groups: dict[float, list[float]] = {}
+    for row in rows:
+        if np.isfinite(row.pte_p90_m):
+            groups.setdefault(0.5 * (row.low_m + row.high_m), []).append(row.pte_p90_m)
+    places = sorted(groups)
+    return places, [float(np.mean(groups[place])) for place in places]
+
+
+_SETTLING: tuple[Panel, ...] = (
+    ("message_rate_hz", "messages [1/s]", 1.0),
+    ("busy_ratio", "CBR [%]", 100.0),
+    ("inter_transmit_time_s", "MaxITT [s]", 1.0),
+    ("pte_p90_m", "PTE p90 [m]", 1.0),
+)
+
+
+def plot_settling(result: NetworkResult) -> Figure:
+    """How the loop settles: the first seed at the highest density, second by second.
+
+    Parameters
+    ----------
+    result
+        All runs.
+    """
+    radios = _radios(result)
+    highest = max(
+        (row.density_per_km for row in result.runs), key=lambda density: (np.isfinite(density), density)
+    )
+    figure = new_figure(PAGE_IN, 0.35 + _ROW_IN * len(radios))
+    grid = figure.subplots(len(radios), len(_SETTLING), squeeze=False, sharex=True)
+    for line, radio in zip(grid, radios, strict=True):
+        for axes, (name, label, factor) in zip(line, _SETTLING, strict=True):
+            for policy in _policies(result):
+                own = [
+                    row
+                    for row in result.seconds
+                    if (row.radio, row.policy, row.run) == (radio, policy, 0)
+                    and _same(row.density_per_km, highest)
+                ]
+                _draw_seconds(axes, own, name, factor, policy)
+            axes.set_title(label, loc="left")
+        line[0].set_ylabel(radio)
+        _log_scale(line[-1])
+    for axes in grid[-1]:
+        axes.set_xlabel("time [s]")
+    _legend(figure, grid[0][0])
+    return figure
+
+
+def _draw_seconds(axes: Axes, rows: Sequence[SecondRow], name: str, factor: float, policy: str) -> None:
+    t_s = [row.t_s for row in rows]
+    values = [factor * getattr(row, name) for row in rows]
+    axes.plot(t_s, values, color=_COLOURS[policy], linewidth=1.0, label=policy)
+
+
+NETWORK_FIGURES: dict[str, tuple[str, Callable[[NetworkResult], Figure]]] = {
+    "load": ("Load against density. Bars are 95 % intervals over seeds.", plot_load),
+    "delivery": (
+        "What became of frames at vehicles 50 m to 150 m away; the rest was too weak or met a sender.",
+        plot_delivery,
+    ),
+    "tracking_density": ("Tracking error of all live tracks 50 m to 150 m away.", plot_tracking),
+    "tracking_distance": ("Tracking error against distance, mean over seeds.", plot_distance),
+    "capacity": (
+        "Tracking error about 100 m away. Dashed: the limits of 0.5 m and 1 m; circles: where they are met.",
+        plot_capacity,
+    ),
+    "settling": ("How the loop settles at the highest density, first seed, warm-up included.", plot_settling),
+}
+"""Captions and figures in the order of the report, by the stem of their files."""

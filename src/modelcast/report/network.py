@@ -1,0 +1,170 @@
+"""A network evaluation for people: the table as Markdown and for the terminal, the page, the figures."""
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+from rich.console import Group, RenderableType
+from rich.table import Table
+
+from modelcast.evaluation.network.rows import NetworkResult, PooledRow
+from modelcast.report.figures.files import drawn, write_drawings
+from modelcast.report.figures.network import NETWORK_FIGURES
+from modelcast.report.page import CSS, number, page, table
+from modelcast.report.style import style
+
+__all__ = ["network_console", "network_markdown", "write_network_report"]
+
+_COLUMNS = (
+    ("message_rate_hz", "messages [1/s]", 1.0),
+    ("model_ratio", "with model [%]", 100.0),
+    ("frame_bytes", "bytes a frame", 1.0),
+    ("bytes_per_s", "bytes/s", 1.0),
+    ("busy_ratio", "CBR [%]", 100.0),
+    ("power_dbm", "power [dBm]", 1.0),
+    ("delivery_ratio", "received [%]", 100.0),
+    ("collision_ratio", "collided [%]", 100.0),
+    ("held_ratio", "tracked [%]", 100.0),
+    ("gap_p90_s", "IPG p90 [s]", 1.0),
+    ("age_p90_s", "age p90 [s]", 1.0),
+    ("pte_p50_m", "PTE p50 [m]", 1.0),
+    ("pte_p90_m", "PTE p90 [m]", 1.0),
+    ("pte_p95_m", "PTE p95 [m]", 1.0),
+    ("pte_p99_m", "PTE p99 [m]", 1.0),
+)
+_TERMINAL = ("message_rate_hz", "bytes_per_s", "busy_ratio", "collision_ratio", "pte_p90_m", "pte_p99_m")
+_KEYS = ("density", "radio", "policy", "seeds")
+_SCOPE = (
+    "Mean over seeds with its 95 % interval. Received, collided, tracked, gaps, ages and tracking errors "
+    "(PTE) are those of vehicles 50 m to 150 m apart; messages and bytes are a vehicle's."
+)
+
+
+def _rows(result: NetworkResult, names: Sequence[str], *, intervals: bool) -> list[list[str]]:
+    groups: dict[tuple[str, str, str, str], dict[str, PooledRow]] = {}
+    for row in result.pooled:
+        density = f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
+        groups.setdefault((density, row.radio, row.policy, str(row.seeds)), {})[row.figure] = row
+    factors = {name: factor for name, _, factor in _COLUMNS}
+    return [
+        [*key, *(_cell(figures[name], factors[name], intervals=intervals) for name in names)]
+        for key, figures in groups.items()
+    ]
+
+
+def _cell(row: PooledRow, factor: float, *, intervals: bool) -> str:
+    middle = number(factor * row.value)
+    if not intervals or row.low is None or row.high is None:
+        return middle
+    return f"{middle} ± {number(factor * 0.5 * (row.high - row.low), 2)}"
+
+
+def network_markdown(result: NetworkResult) -> str:
+    """Return the one table of a network evaluation, and the capacities, as Markdown.
+
+    Parameters
+    ----------
+    result
+        All runs.
+    """
+    names = [name for name, _, _ in _COLUMNS]
+    heads = [*_KEYS, *(title for _, title, _ in _COLUMNS)]
+    lines = [_SCOPE, "", _joined(heads), "|" + "---|" * len(heads)]
+    lines += [_joined(cells) for cells in _rows(result, names, intervals=True)]
+    if result.capacities:
+        heads = ["radio", "policy", "limit [m]", "vehicles a km"]
+        lines += ["", "Density at which the p90 of the tracking error at 100 m meets a limit:", ""]
+        lines += [_joined(heads), "|" + "---|" * len(heads)]
+        lines += [_joined(cells) for cells in _capacity_cells(result)]
+    return "\n".join(lines) + "\n"
+
+
+def _joined(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+def _capacity_cells(result: NetworkResult) -> list[list[str]]:
+    cells: list[list[str]] = []
+    for row in result.capacities:
+        found = f"not up to {row.highest_per_km:g}"
+        if row.density_per_km is not None:
+            found = f"{row.density_per_km:.0f}"
+        elif row.above_at_lowest:
+            found = "above it at the lowest"
+        cells.append([row.radio, row.policy, f"{row.limit_m:g}", found])
+    return cells
+
+
+def network_console(result: NetworkResult) -> RenderableType:
+    """Return the short table for the terminal.
+
+    Parameters
+    ----------
+    result
+        All runs.
+    """
+    titles = {name: title for name, title, _ in _COLUMNS}
+    shown = Table(title="Vehicles 50 m to 150 m apart, mean over seeds", title_justify="left")
+    for head in (*_KEYS, *(titles[name] for name in _TERMINAL)):
+        shown.add_column(head, justify="left" if head in {"radio", "policy"} else "right")
+    for cells in _rows(result, _TERMINAL, intervals=True):
+        shown.add_row(*cells)
+    capacity = Table(title="Density at which PTE p90 at 100 m meets a limit", title_justify="left")
+    for head in ("radio", "policy", "limit [m]", "vehicles a km"):
+        capacity.add_column(head)
+    for cells in _capacity_cells(result):
+        capacity.add_row(*cells)
+    return Group(shown, capacity) if result.capacities else Group(shown)
+
+
+def write_network_report(result: NetworkResult, options: Mapping[str, Any], folder: str | Path) -> list[Path]:
+    """Write ``table.md``, ``report.html`` and the figures as PNG and SVG; return their paths.
+
+    Parameters
+    ----------
+    result
+        All runs.
+    options
+        What they were run with, as plain values.
+    folder
+        An existing folder.
+    """
+    folder = Path(folder)
+    markdown = folder / "table.md"
+    markdown.write_text(network_markdown(result), encoding="utf-8", newline="\n")
+    with style():
+        drawings = [drawn(name, plot(result)) for name, (_, plot) in NETWORK_FIGURES.items()]
+    names = [name for name, _, _ in _COLUMNS]
+    heads = [*_KEYS, *(title for _, title, _ in _COLUMNS)]
+    body = [
+        "<h1>Fleets on a shared channel</h1>",
+        f'<p class="scope">{escape(_SCOPE)}</p>',
+        table(heads, _rows(result, names, intervals=True), text_columns=3),
+    ]
+    if result.capacities:
+        body += [
+            "<h2>Capacity</h2>",
+            table(["radio", "policy", "limit [m]", "vehicles a km"], _capacity_cells(result), text_columns=2),
+        ]
+    for drawing, (caption, _) in zip(drawings, NETWORK_FIGURES.values(), strict=True):
+        body.append(
+            f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
+            f"<figcaption>{escape(caption)}</figcaption></figure>"
+        )
+    body += ["<h2>Options</h2>", table(["option", "value"], _pairs(options), text_columns=2)]
+    html = folder / "report.html"
+    document = page("modelcast: fleets on a shared channel", CSS, body)
+    html.write_text(document, encoding="utf-8", newline="\n")
+    return [markdown, html, *write_drawings(drawings, folder)]
+
+
+def _pairs(options: Mapping[str, Any], prefix: str = "") -> list[list[str]]:
+    rows: list[list[str]] = []
+    for name, value in options.items():
+        if isinstance(value, Mapping):
+            rows += _pairs(cast("Mapping[str, Any]", value), f"{prefix}{name}.")
+        else:
+            rows.append([f"{prefix}{name}", str(value)])
+    return rows
