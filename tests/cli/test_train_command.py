@@ -80,6 +80,28 @@ def test_mistakes_are_named(
     assert named in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("cost", ["messages", "bytes", "airtime"])
+def test_trained_rules_run_with_what_the_profile_holds(
+    cost: str, drives: Path, profile: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    words = ["--bank", str(profile), "--threshold", "0.3", "--per", "0", "--seeds", "1", "--quiet"]
+    rules = ["--start", "predicted", "--identify", "cheapest", "--cost", cost]
+    assert run(["evaluate", str(drives / "d1.csv"), *words, *rules, "--out", str(out)]) == 0
+    settings = json.loads((out / "summary.json").read_text())["settings"]
+    assert settings["selector"]["members"] == [member.name for member in read_profile(profile).bank.members]
+    update, identification = (settings["costs"][name] for name in ("update_cost", "identification_cost"))
+    assert (update == identification) == (cost == "messages")
+
+
+def test_trained_rules_are_refused_where_nothing_was_trained(
+    drives: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["compare", str(drives), "--bank", "paper", "--rules", "predicted/never"]
+    assert run([*words, "--out", str(tmp_path / "out")]) == 2
+    assert "has nothing trained for it" in capsys.readouterr().err
+
+
 def test_a_file_that_is_no_profile_is_named(tmp_path: Path) -> None:
     path = tmp_path / "wrong.json"
     with pytest.raises(DataFormatError, match=r"wrong\.json: cannot be read"):

@@ -66,6 +66,8 @@ def test_the_shipped_profile_is_canonical_and_starts_with_the_learned_sub_model(
     assert set(profile.calibrations) == {member.name for member in profile.bank.members}
     assert isinstance(profile.sub_model("learned"), LearnedTrajectory)
     assert profile.sub_model("none") is None
+    assert profile.selector is not None
+    assert profile.selector.members == tuple(member.name for member in profile.bank.members)
 
 
 def test_the_shipped_profile_says_what_it_was_trained_on() -> None:
@@ -94,6 +96,8 @@ def changed(**keys: Any) -> str:
         (changed(calibrations={"ctra": {}}), "damaged calibration"),
         (changed(calibrations={"other": example().calibrations["ctra"].as_plain()}), "other"),
         (changed(record=3), "mappings"),
+        (changed(costs=[]), "mappings"),
+        (changed(selector={"is": "ConstantVelocity"}), "selector"),
         ('{"schema":1}', "missing"),
     ],
 )

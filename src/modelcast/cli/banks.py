@@ -3,11 +3,15 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite
-from typing import cast
+from typing import Literal, cast
+
+import numpy as np
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.evaluation.settings import PAPER_BANK, PAPER_NOISE_FLOOR_M, rules_of
 from modelcast.io.profile import read_profile
+from modelcast.messages.airtime import Stack
+from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -23,16 +27,21 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
+from modelcast.models.learned import Selector
 from modelcast.models.profile import Profile, default_profile
 from modelcast.models.trusted import Trusted
+from modelcast.policy.costs import CostTable
 from modelcast.policy.rules import IdentifyRule, StartRule
 
-__all__ = ["MEMBER_NAMES", "NamedBank", "bank_from_text", "named_bank"]
+__all__ = ["MEMBER_NAMES", "CostUnit", "NamedBank", "bank_from_text", "named_bank"]
 
 INTERCEPT_NOISE_FLOOR_M = 1e-3
 """Smallest noise of ``gp-intercept`` and ``gp-adaptive`` where the user names none [m]."""
 
 _DEFAULT_WINDOW = 10
+
+CostUnit = Literal["messages", "bytes", "airtime"]
+"""What the rule ``cheapest`` counts."""
 
 _GIVEN: dict[str, Callable[[int], AbstractSubModel]] = {
     "gp-linear": linear_process,
@@ -71,6 +80,40 @@ class NamedBank:
     start: StartRule
     identify: IdentifyRule
     profile: Profile | None = None
+
+    @property
+    def selector(self) -> Selector | None:
+        """What the start rule ``predicted`` asks, where the profile has it."""
+        return None if self.profile is None else self.profile.selector
+
+    def costs(self, unit: CostUnit) -> CostTable | None:
+        """What the rule ``cheapest`` weighs, where the profile has it.
+
+        Parameters
+        ----------
+        unit
+            What a message costs: ``messages`` counts one each, ``bytes`` their octets, ``airtime`` the
+            seconds of their frames with certificates.
+
+        Raises
+        ------
+        ConfigError
+            Where the profile's costs are damaged.
+        """
+        if self.profile is None or not self.profile.costs:
+            return None
+        try:
+            table = CostTable.from_plain(self.profile.costs)
+        except (KeyError, TypeError, ValueError) as error:
+            raise ConfigError(f"the profile's costs are damaged: {error}") from error
+        sizes = SizeModel()
+        octets = np.array([sizes.each_update_bytes(self.bank, "cheapest").max(), sizes.identification_bytes])
+        if unit == "messages":
+            return table.priced(1.0, 1.0)
+        if unit == "bytes":
+            return table.priced(float(octets[0]), float(octets[1]))
+        airtime_s = Stack().airtime_s(octets.astype(np.int64), np.ones(2, dtype=np.bool_))
+        return table.priced(float(airtime_s[0]), float(airtime_s[1]))
 
 
 def named_bank(

@@ -64,6 +64,8 @@ class CompareOptions:
     trusted_horizon
         Ages beyond which a sub-model is damped, as in 'modelcast evaluate', several after one another [s]; 0
         for never. Every bank is run with each.
+    cost
+        What the rule cheapest counts: messages, bytes or airtime.
     keep_alive
         Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
     references
@@ -91,6 +93,7 @@ class CompareOptions:
     window: int = 10
     noise_floor: float | None = None
     trusted_horizon: Numbers = (0.0,)
+    cost: Literal["messages", "bytes", "airtime"] = "bytes"
     keep_alive: float = 2.0
     references: bool = True
     quantised: bool = True
@@ -167,7 +170,17 @@ class CompareOptions:
                 fitting = rules if rules and len(named.bank.members) > 1 else [own]
                 for start, identify in fitting:
                     label = f"{text}{ending}" + (f" {start}/{identify}" if len(fitting) > 1 else "")
-                    found.append(FixedCandidate(label, named.bank, start, identify))
+                    selector, costs = named.selector, named.costs(self.cost)
+                    if (start == "predicted" and selector is None) or (
+                        identify == "cheapest" and costs is None
+                    ):
+                        raise ConfigError(
+                            f"--rules {start}/{identify}: --bank {text} has nothing trained for it; take "
+                            "another rule, or a profile ('default' or a file of modelcast train)"
+                        )
+                    found.append(
+                        FixedCandidate(label, named.bank, start, identify, selector=selector, costs=costs)
+                    )
         return found
 
     def _banks(self, text: str) -> "dict[str, NamedBank]":

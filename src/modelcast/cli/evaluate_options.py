@@ -52,6 +52,8 @@ class EvaluateOptions:
         When another sub-model is named: on failure of the one in use, the same but failures are final, at
         every change of the best, never (all are fitted anew when the one in use fails), or where it is
         cheaper than an update by trained costs (cheapest); the profile's rule or on-failure where not given.
+    cost
+        What the rule cheapest counts: messages, bytes or airtime.
     keep_alive
         Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
     burst
@@ -89,6 +91,7 @@ class EvaluateOptions:
     trusted_horizon: float = 0.0
     start: StartRule | None = None
     identify: IdentifyRule | None = None
+    cost: Literal["messages", "bytes", "airtime"] = "bytes"
     keep_alive: float = 2.0
     burst: float = 0.0
     delay: float = 0.0
@@ -155,6 +158,7 @@ class EvaluateOptions:
             window=self.window,
             trusted_horizon_s=self.trusted_horizon or None,
         )
+        start, identify = self.start or named.start, self.identify or named.identify
         try:
             return EvaluationSettings(
                 tuple(self.threshold),
@@ -162,8 +166,10 @@ class EvaluateOptions:
                 seeds=self.seeds,
                 seed=self.seed,
                 bank=named.bank,
-                start=self.start or named.start,
-                identify=self.identify or named.identify,
+                start=start,
+                identify=identify,
+                selector=named.selector if start == "predicted" else None,
+                costs=named.costs(self.cost) if identify == "cheapest" else None,
                 keep_alive_s=self.keep_alive or None,
                 mean_burst_s=self.burst or None,
                 delay_s=self.delay,

@@ -25,7 +25,7 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
-from modelcast.models.learned import LearnedTrajectory, Network
+from modelcast.models.learned import LearnedTrajectory, Network, Selector
 from modelcast.models.trusted import Trusted
 
 __all__ = ["PLAIN_CLASSES", "from_plain", "to_plain"]
@@ -42,6 +42,7 @@ PLAIN_CLASSES: dict[str, type] = {
         Hyperparameters,
         LearnedTrajectory,
         Network,
+        Selector,
         Trusted,
         VehicleProcess,
     )

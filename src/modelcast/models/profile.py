@@ -16,6 +16,7 @@ from typing import Any, cast
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.calibration import Calibration
+from modelcast.models.learned import Selector
 from modelcast.models.plain import from_plain, to_plain
 
 __all__ = ["PROFILE_SCHEMA", "Profile", "default_profile", "profile_from_text"]
@@ -23,7 +24,18 @@ __all__ = ["PROFILE_SCHEMA", "Profile", "default_profile", "profile_from_text"]
 PROFILE_SCHEMA = 1
 """Version of the layout; it rises when a key changes its meaning or goes away."""
 
-_KEYS = ("schema", "label", "members", "shelf", "start", "identify", "calibrations", "record")
+_KEYS = (
+    "schema",
+    "label",
+    "members",
+    "shelf",
+    "start",
+    "identify",
+    "selector",
+    "costs",
+    "calibrations",
+    "record",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +50,11 @@ class Profile:
         Other sub-models that were trained, to make other banks of.
     start, identify
         The policy's rules, as in `modelcast.policy.error_driven.ErrorDriven`.
+    selector
+        What the start rule ``predicted`` asks; None where there is none.
+    costs
+        What the rule ``cheapest`` weighs, as `modelcast.policy.costs.CostTable.as_plain` has it; empty where
+        there is nothing.
     calibrations
         Calibration of each sub-model's covariance, by name; some or none.
     record
@@ -63,6 +80,8 @@ class Profile:
     shelf: tuple[AbstractSubModel, ...] = ()
     start: str = "order"
     identify: str = "never"
+    selector: Selector | None = None
+    costs: Mapping[str, Any] = field(default_factory=dict[str, Any])
     calibrations: Mapping[str, Calibration] = field(default_factory=dict[str, Calibration])
     record: Mapping[str, Any] = field(default_factory=dict[str, Any])
 
@@ -93,6 +112,8 @@ class Profile:
             "shelf": to_plain(self.shelf),
             "start": self.start,
             "identify": self.identify,
+            "selector": to_plain(self.selector),
+            "costs": self.costs,
             "calibrations": {name: one.as_plain() for name, one in self.calibrations.items()},
             "record": self.record,
         }
@@ -135,14 +156,19 @@ def profile_from_text(text: str) -> Profile:
     missing = [key for key in _KEYS if key not in plain]
     if missing:
         raise ValueError(f"{', '.join(missing)} missing")
-    calibrations, record = plain["calibrations"], plain["record"]
-    if not isinstance(calibrations, dict) or not isinstance(record, dict):
-        raise ValueError("calibrations and record must be mappings")  # noqa: TRY004 - a matter of the text
+    calibrations, record, costs = plain["calibrations"], plain["record"], plain["costs"]
+    if not all(isinstance(item, dict) for item in (calibrations, record, costs)):
+        raise ValueError("calibrations, record and costs must be mappings")
+    selector: Any = from_plain(plain["selector"])
+    if selector is not None and not isinstance(selector, Selector):
+        raise ValueError("selector must be one, or null")
     return Profile(
         Bank(_sub_models(plain, "members"), str(plain["label"])),
         shelf=_sub_models(plain, "shelf"),
         start=str(plain["start"]),
         identify=str(plain["identify"]),
+        selector=selector,
+        costs=cast("dict[str, Any]", costs),
         calibrations=_calibrations(cast("dict[str, Any]", calibrations)),
         record=cast("dict[str, Any]", record),
     )

@@ -21,7 +21,7 @@ from modelcast.evaluation.training.descent import Descent, Lesson, descend
 from modelcast.evaluation.training.learned_kernels import trip_features
 from modelcast.evaluation.training.views import SenderView, Viewed, view_trips
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
-from modelcast.models.learned.features import FeatureMap
+from modelcast.models.learned.features import LAG_STEP_S, SHORTEST_SPAN, FeatureMap
 from modelcast.models.learned.learned_kernels import FRAME_MPS
 from modelcast.models.learned.learned_trajectory import LearnedTrajectory, feature_constants
 from modelcast.models.learned.network import Network
@@ -222,6 +222,7 @@ def _ends(viewed: Viewed, settings: LearnedSettings, noises_m: tuple[float, floa
     trip = viewed.seen
     last = np.repeat(trip.segments[1:] - 1, np.diff(trip.segments))
     enough = np.arange(len(trip)) - trip.segment_start >= settings.features.lags
+    enough &= trip.dt_s >= LAG_STEP_S * SHORTEST_SPAN  # else so many samples do not reach back far enough
     noise_m = DEFAULT_NOISE.standard_deviation_m(trip)
     enough &= (noise_m >= noises_m[0] / _OVERLAP) & (noise_m <= noises_m[1] * _OVERLAP)
     return np.flatnonzero(enough & (trip.t_s[last] - trip.t_s >= settings.longest_s))

@@ -19,10 +19,12 @@ from modelcast.evaluation.case import TripCase, make_case
 from modelcast.evaluation.routes import routes
 from modelcast.evaluation.settings import BASELINE_BANK, EvaluationSettings
 from modelcast.evaluation.training.calibration import train_calibrations
+from modelcast.evaluation.training.costs import train_costs
 from modelcast.evaluation.training.families import VehicleFamily
 from modelcast.evaluation.training.hyperparameters import TrainedPair, train_hyperparameters
 from modelcast.evaluation.training.learned import LearnedSettings, train_learned
 from modelcast.evaluation.training.members import Fold, MemberSettings, choose_names
+from modelcast.evaluation.training.selection import SelectorSettings, train_selector
 from modelcast.evaluation.training.views import SenderView, view_trips
 from modelcast.evaluation.training.windows import TrainingWindows, training_windows
 from modelcast.evaluation.walk import TripBank
@@ -35,8 +37,11 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
+from modelcast.models.learned import Selector
+from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.profile import Profile
 from modelcast.models.trusted import Trusted
+from modelcast.policy.costs import CostTable
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.policy.rules import IdentifyRule, StartRule
 
@@ -81,6 +86,8 @@ class ProfileSettings:
         How the bank's members are chosen, and its rules.
     names
         The bank's members in order, where they are not to be chosen.
+    selector
+        Of what the start rule ``predicted`` asks.
     validate
         Whether everything is also trained once without each route, and counted on it.
     seed
@@ -99,6 +106,7 @@ class ProfileSettings:
     thresholds_m: tuple[float, ...] = (0.2, 0.3, 0.4, 0.5)
     members: MemberSettings = field(default_factory=lambda: MemberSettings((0.2, 0.5)))
     names: tuple[str, ...] = ()
+    selector: SelectorSettings = field(default_factory=SelectorSettings)
     validate: bool = False
     seed: int = 0
 
@@ -177,11 +185,14 @@ def train_profile(
         [case for cases in own.values() for case in cases], bank.members, progress=calibrating
     )
     figures = _figures(folds, names, settings)
+    selector, costs = _selection(folds, names, settings, progress)
     return Profile(
         bank,
         shelf=tuple(member for member in shelf.members if member not in (*bank.members, *_KINEMATIC)),
         start=settings.members.start,
         identify=settings.members.identify,
+        selector=selector,
+        costs=costs.as_plain(),
         calibrations=calibrations,
         record=_record(trips, settings, shelf, {**figures, "steps": list(steps)}),
     )
@@ -259,6 +270,24 @@ def _cases(trips: Sequence[Trajectory], seed: int) -> dict[str, list[TripCase]]:
             case for case in made if protocol in ("sensor", case.inspection.recommended_protocol)
         ]
     return found
+
+
+def _selection(
+    folds: Sequence[_Judged], names: Sequence[str], settings: ProfileSettings, progress: Progress | None
+) -> tuple[Selector, CostTable]:
+    """What ``predicted`` and ``cheapest`` need, from the largest fold, with that fold's own sub-models."""
+
+    def selecting(done: int, to_do: int) -> None:
+        if progress is not None:
+            progress("selector", done, to_do)
+
+    largest = max(folds, key=lambda fold: len(fold.pooled.cases))
+    named = {member.name: member for member in largest.members}
+    bank = Bank(tuple(named[name] for name in names))
+    cases = largest.pooled.cases
+    selector = train_selector(cases, bank, replace(settings.selector, seed=settings.seed), progress=selecting)
+    costs = train_costs(cases, bank, start=settings.members.start)
+    return cast("Selector", from_plain(to_plain(selector))), costs  # rounded as the text keeps it
 
 
 def _fold(trips: Sequence[Trajectory], shelf: _Shelf, settings: ProfileSettings) -> _Judged:

@@ -19,10 +19,13 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 
-__all__ = ["LAG_STEP_S", "NOISES", "FeatureMap"]
+__all__ = ["LAG_STEP_S", "NOISES", "SHORTEST_SPAN", "FeatureMap"]
 
 LAG_STEP_S = 0.1
 """Positions and velocities are read off at multiples of this time before the newest sample [s]."""
+
+SHORTEST_SPAN = 0.99
+"""Share of the lags that a window must reach back: clocks run a little fast."""
 
 _POSITION_FITS = ((3, 2), (5, 2), (10, 2), (10, 3), (20, 2), (20, 3), (20, 4))
 _VELOCITY_FITS = ((5, 1), (10, 1), (10, 2), (20, 1), (20, 2), (20, 3))

@@ -7,7 +7,7 @@ import numba
 import numpy as np
 
 from modelcast.models.kinematic_kernels import predict_acceleration_and_turn
-from modelcast.models.learned.features import LAG_STEP_S
+from modelcast.models.learned.features import LAG_STEP_S, SHORTEST_SPAN
 from modelcast.models.point_kernels import (
     ACCELERATION,
     EAST,
@@ -34,7 +34,6 @@ HEADER = 8
 _LEAST_NOISE_M, _MOST_NOISE_M = 5e-4, 0.5
 _LEAST_ROUGH_MPS, _MOST_ROUGH_MPS = 1e-3, 5.0
 _THIRD_DIFFERENCE_GAIN = 20.0  # of the variance of white noise: 1 + 9 + 9 + 1
-_TIME_SLACK_S = 1e-6
 
 _fast: Any = numba.njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "nsz", "arcp"})
 
@@ -73,7 +72,7 @@ def window_features(window: Any, constants: Any, out: Any) -> bool:
     dt_s, lags = constants[0], int(constants[1])
     position_rows, velocity_rows = int(constants[2]), int(constants[3])
     last = window.shape[0] - 1
-    if last * dt_s < lags * LAG_STEP_S - _TIME_SLACK_S:
+    if last * dt_s < lags * LAG_STEP_S * SHORTEST_SPAN:
         return False
     east, north = window[last, VELOCITY_EAST], window[last, VELOCITY_NORTH]
     speed, ahead_east, ahead_north = _frame(east, north)
