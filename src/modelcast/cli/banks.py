@@ -3,10 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite
-from typing import Literal, cast
+from typing import cast
 
 import numpy as np
 
+from modelcast.cli.options import CostUnit
 from modelcast.core.exceptions import ConfigError
 from modelcast.evaluation.settings import PAPER_BANK, PAPER_NOISE_FLOOR_M, rules_of
 from modelcast.io.profile import read_profile
@@ -33,15 +34,12 @@ from modelcast.models.trusted import Trusted
 from modelcast.policy.costs import CostTable
 from modelcast.policy.rules import IdentifyRule, StartRule
 
-__all__ = ["MEMBER_NAMES", "CostUnit", "NamedBank", "bank_from_text", "named_bank"]
+__all__ = ["MEMBER_NAMES", "NamedBank", "bank_from_text", "named_bank"]
 
 INTERCEPT_NOISE_FLOOR_M = 1e-3
 """Smallest noise of ``gp-intercept`` and ``gp-adaptive`` where the user names none [m]."""
 
 _DEFAULT_WINDOW = 10
-
-CostUnit = Literal["messages", "bytes", "airtime"]
-"""What the rule ``cheapest`` counts."""
 
 _GIVEN: dict[str, Callable[[int], AbstractSubModel]] = {
     "gp-linear": linear_process,

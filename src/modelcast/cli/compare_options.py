@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 from cyclopts import Parameter
 
 from modelcast.cli.evaluate_options import EvaluateOptions
-from modelcast.cli.options import Numbers, SensorOptions, Words
+from modelcast.cli.options import CostUnit, Numbers, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
 from modelcast.policy.rules import IdentifyRule, StartRule
 
@@ -93,7 +93,7 @@ class CompareOptions:
     window: int = 10
     noise_floor: float | None = None
     trusted_horizon: Numbers = (0.0,)
-    cost: Literal["messages", "bytes", "airtime"] = "bytes"
+    cost: CostUnit = "bytes"
     keep_alive: float = 2.0
     references: bool = True
     quantised: bool = True

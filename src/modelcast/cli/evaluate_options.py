@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from cyclopts import Parameter
 
-from modelcast.cli.options import Numbers, SensorOptions
+from modelcast.cli.options import CostUnit, Numbers, SensorOptions
 from modelcast.messages.rules import CertificateRule
 from modelcast.policy.rules import IdentifyRule, StartRule
 
@@ -91,7 +91,7 @@ class EvaluateOptions:
     trusted_horizon: float = 0.0
     start: StartRule | None = None
     identify: IdentifyRule | None = None
-    cost: Literal["messages", "bytes", "airtime"] = "bytes"
+    cost: CostUnit = "bytes"
     keep_alive: float = 2.0
     burst: float = 0.0
     delay: float = 0.0

@@ -1,14 +1,14 @@
 """Options that several commands share."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
     from modelcast.core.sensor import SensorModel
 
-__all__ = ["Columns", "Format", "Numbers", "SensorOptions", "Source", "Words", "parse_columns"]
+__all__ = ["Columns", "CostUnit", "Format", "Numbers", "SensorOptions", "Source", "Words", "parse_columns"]
 
 Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")]
 """Several numbers after one another."""
@@ -16,6 +16,9 @@ Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative
 Words = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")]
 """Several words after one another."""
 
+
+CostUnit = Literal["messages", "bytes", "airtime"]
+"""What the rule ``cheapest`` counts."""
 
 Source = Annotated[str, Parameter(allow_leading_hyphen=True)]
 """A file, or - for the standard input, or the content itself."""

@@ -159,7 +159,8 @@ def train_profile(
     """
     settings = ProfileSettings() if settings is None else settings
     shelf = _train(trips, settings, progress, "")
-    folds = _folds(trips, settings, progress) if settings.validate else [_fold(trips, shelf, settings)]
+    own = _cases(trips, settings.seed)
+    folds = _folds(trips, settings, progress) if settings.validate else [_Judged(own, shelf.members)]
 
     def choosing(done: int, to_do: int) -> None:
         if progress is not None:
@@ -180,7 +181,6 @@ def train_profile(
         if progress is not None:
             progress("calibrations", done, to_do)
 
-    own = _cases(trips, settings.seed)
     calibrations = train_calibrations(
         [case for cases in own.values() for case in cases], bank.members, progress=calibrating
     )
@@ -290,10 +290,6 @@ def _selection(
     return cast("Selector", from_plain(to_plain(selector))), costs  # rounded as the text keeps it
 
 
-def _fold(trips: Sequence[Trajectory], shelf: _Shelf, settings: ProfileSettings) -> _Judged:
-    return _Judged(_cases(trips, settings.seed), shelf.members)
-
-
 def _folds(
     trips: Sequence[Trajectory], settings: ProfileSettings, progress: Progress | None
 ) -> list[_Judged]:
@@ -307,7 +303,7 @@ def _folds(
         others = [trip for trip, own in zip(trips, route, strict=True) if own != left_out]
         tested = [trip for trip, own in zip(trips, route, strict=True) if own == left_out]
         shelf = _train(others, settings, progress, f" without route {left_out + 1} of {count}")
-        folds.append(_fold(tested, shelf, settings))
+        folds.append(_Judged(_cases(tested, settings.seed), shelf.members))
     return folds
 
 

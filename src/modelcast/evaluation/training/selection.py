@@ -183,7 +183,7 @@ def _rows(cases: Sequence[TripCase], bank: Bank, settings: SelectorSettings) -> 
     for case in cases:
         ready = TripBank(case.seen, bank, case.estimator)
         own = member_lives_s(ready, thresholds_m, settings.longest_s).reshape(len(case.seen), -1)
-        window = int(np.ceil(features.lags * 0.1 / case.seen.dt_s - 1e-5)) + 1
+        window = features.window_at(case.seen.dt_s)
         history = np.arange(len(case.seen)) - case.seen.segment_start + 1
         usable: BoolArray = (history >= max(window, int(bank.windows.max()))) & np.isfinite(own).all(axis=1)
         rows = np.flatnonzero(usable)[:: settings.every]

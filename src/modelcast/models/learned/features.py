@@ -27,6 +27,9 @@ LAG_STEP_S = 0.1
 SHORTEST_SPAN = 0.99
 """Share of the lags that a window must reach back: clocks run a little fast."""
 
+_STEP_SLACK = 1e-5
+"""Sampling intervals are measured: a tenth of a second may be a millionth longer or shorter."""
+
 _POSITION_FITS = ((3, 2), (5, 2), (10, 2), (10, 3), (20, 2), (20, 3), (20, 4))
 _VELOCITY_FITS = ((5, 1), (10, 1), (10, 2), (20, 1), (20, 2), (20, 3))
 
@@ -72,6 +75,16 @@ class FeatureMap:
     def velocities(self) -> FloatArray:
         """The same for velocities less the newest, (V, lags + 1)."""
         return _rows(_VELOCITY_FITS, self.lags)
+
+    def window_at(self, dt_s: float) -> int:
+        """Samples that span the lags.
+
+        Parameters
+        ----------
+        dt_s
+            Sampling interval [s].
+        """
+        return int(np.ceil(self.lags * LAG_STEP_S / dt_s - _STEP_SLACK)) + 1
 
     @property
     def inputs(self) -> int:

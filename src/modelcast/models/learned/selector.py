@@ -10,7 +10,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.brackets import log_bracket
 from modelcast.models.base import FunctionPointer, Windows, function_pointer, quiet_function_pointers
 from modelcast.models.learned import selector_kernels
-from modelcast.models.learned.features import LAG_STEP_S, FeatureMap
+from modelcast.models.learned.features import FeatureMap
 from modelcast.models.learned.learned_trajectory import feature_constants
 from modelcast.models.learned.network import Network
 from modelcast.models.point_kernels import FIT_SIGNATURE, fit_batch
@@ -18,8 +18,6 @@ from modelcast.models.point_kernels import FIT_SIGNATURE, fit_batch
 __all__ = ["Selector"]
 
 _LAYERS = ("centre", "width", "weights_1", "bias_1", "weights_2", "bias_2", "weights_3", "bias_3")
-_STEP_SLACK = 1e-5
-"""Sampling intervals are measured: a tenth of a second may be a millionth longer or shorter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +81,7 @@ class Selector:
         dt_s
             Sampling interval [s].
         """
-        return int(np.ceil(self.lags * LAG_STEP_S / dt_s - _STEP_SLACK)) + 1
+        return FeatureMap(self.lags).window_at(dt_s)
 
     @property
     def pointer(self) -> FunctionPointer:
