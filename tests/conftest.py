@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -125,6 +126,71 @@ def serving(
     return {m: error for m, error in errors.items() if error < threshold_m and m not in failed}
 
 
+def named(
+    identify: str, used: int, errors: dict[int, float], holding: dict[int, float], threshold_m: float
+) -> int:
+    """Sub-model that an identification would name; the one in use where there is none to send."""
+    best = min(holding, key=lambda m: holding[m], default=used)
+    return best if identify == "best" or errors[used] >= threshold_m else used
+
+
+@dataclass(frozen=True)
+class VirtualSenders:
+    """Samples at which the bank without a guard, and constant velocity alone, would have sent."""
+
+    free: list[int]
+    alone: list[int]
+    place: int
+
+    def serves(self, sent: int, now: int) -> bool:
+        """Whether constant velocity serves a sender that has sent so many messages by now."""
+        if self.place < 0:
+            return False
+        alone = sum(at <= now for at in self.alone)
+        behind = sent - alone
+        return behind >= 2 and alone - sum(at <= now for at in self.free) < 2**behind
+
+    def calls(self, sent: int, now: int, used: int) -> bool:
+        """Whether a sender that uses constant velocity sends to keep in step."""
+        return now in self.alone and used == self.place and self.serves(sent, now - 1)
+
+
+def virtual_senders(
+    sender: Replica, *, threshold_m: float, identify: str, longest_s: float
+) -> tuple[VirtualSenders, float]:
+    """The virtual senders of a guarded bank, and the least margin of either."""
+    place = [member.name for member in sender.bank.members].index("cv")
+    lone = Replica(sender.trip, Bank((sender.bank.members[place],)))
+
+    def sends(one: Replica, start: str) -> tuple[Events, float]:
+        return algorithm_1(one, threshold_m=threshold_m, start=start, identify=identify, longest_s=longest_s)
+
+    free, margin = sends(sender, "hindsight")
+    alone, other = sends(lone, "order")
+    return VirtualSenders([at for at, *_ in free], [at for at, *_ in alone], place), min(margin, other)
+
+
+def first_choice(
+    sender: Replica,
+    now: int,
+    used: int | None,
+    lasted_s: dict[int, float],
+    *,
+    start: str,
+    threshold_m: float,
+) -> int:
+    """Sub-model that an update starts with."""
+    ready = [m for m in range(len(sender.bank.members)) if sender.has_window(now, m)]
+    if start == "keep" and used in ready:
+        return used
+    if start == "survivor":
+        return max(ready, key=lambda m: lasted_s.get(m, np.inf))
+    if start in ("hindsight", "guarded"):
+        lives = lives_in_hindsight(sender, now, ready, threshold_m)
+        return max(ready, key=lambda m: lives.get(m, 0.0))
+    return ready[0]
+
+
 def algorithm_1(
     sender: Replica, *, threshold_m: float, start: str, identify: str, longest_s: float
 ) -> tuple[Events, float]:
@@ -134,23 +200,22 @@ def algorithm_1(
     """
     t_s = sender.trip.t_s
     members = range(len(sender.bank.members))
+    virtual, margin = VirtualSenders([], [], -1), np.inf
+    if start == "guarded":
+        virtual, margin = virtual_senders(
+            sender, threshold_m=threshold_m, identify=identify, longest_s=longest_s
+        )
+    events: Events = []
 
     def starter(now: int, used: int | None, lasted_s: dict[int, float]) -> int:
-        ready = [m for m in members if sender.has_window(now, m)]
-        if start == "keep" and used in ready:
-            return used
-        if start == "survivor":
-            return max(ready, key=lambda m: lasted_s.get(m, np.inf))
-        if start == "hindsight":
-            lives = lives_in_hindsight(sender, now, ready, threshold_m)
-            return max(ready, key=lambda m: lives.get(m, 0.0))
-        return ready[0]
+        if virtual.serves(len(events) + 1, now):
+            return virtual.place
+        return first_choice(sender, now, used, lasted_s, start=start, threshold_m=threshold_m)
 
     lasted_s: dict[int, float] = {}
     used = starter(0, None, lasted_s)
-    events: Events = [(0, "update", used)]
+    events.append((0, "update", used))
     origin = spoken = 0
-    margin = np.inf
     for now in range(1, len(t_s)):
         errors = {m: sender.tracking_error_m(origin, now, m) for m in members}
         margin = min(margin, *(abs(error - threshold_m) for error in errors.values()))
@@ -158,16 +223,15 @@ def algorithm_1(
             if errors[m] >= threshold_m:
                 lasted_s.setdefault(m, t_s[now] - t_s[origin])
         holding = serving(identify, used, errors, lasted_s, threshold_m)
-        overdue = t_s[now] - t_s[spoken] >= longest_s - 1e-9
-        if not holding or overdue:
+        overdue = bool(holding) and t_s[now] - t_s[spoken] >= longest_s - 1e-9
+        other = named(identify, used, errors, holding, threshold_m)
+        if not holding or overdue or (other == used and virtual.calls(len(events), now, used)):
             used = starter(now, used, lasted_s)
-            events.append((now, "keep-alive" if holding else "update", used))
+            events.append((now, "keep-alive" if overdue else "update", used))
             origin = spoken = now
             lasted_s = {}
-            continue
-        best = min(holding, key=lambda m: holding[m])
-        if best != used and (identify == "best" or errors[used] >= threshold_m):
-            used = best
+        elif other != used:
+            used = other
             spoken = now
             events.append((now, "identification", used))
     return events, margin

@@ -19,6 +19,7 @@ from modelcast.models.learned import Selector
 from modelcast.models.profile import default_profile
 from modelcast.policy.costs import CostTable
 from modelcast.policy.error_driven import ErrorDriven
+from modelcast.policy.guard import GUARD
 from modelcast.policy.rules import IdentifyRule, StartRule
 
 __all__ = ["BASELINE_BANK", "PAPER_BANK", "PAPER_NOISE_FLOOR_M", "EvaluationSettings", "rules_of"]
@@ -163,6 +164,8 @@ class EvaluationSettings:
             if self.selector is None:
                 raise ValueError("start 'predicted' needs a selector trained for the bank: take another rule")
             self.selector.check_members(names)
+        if start == "guarded" and len(names) > 1 and GUARD not in names:
+            raise ValueError(f"start 'guarded' needs {GUARD} in the bank, got {', '.join(names)}: add it")
         if identify == "cheapest" and self.costs is not None:
             self.costs.check_members(len(names))
 

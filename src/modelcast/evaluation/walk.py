@@ -4,7 +4,7 @@ Fits happen only at the instants that some policy visits, and are kept; a walk i
 loss ratios and seeds cost little beyond the first.
 """
 
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ from modelcast.models.point_kernels import FIT_SIGNATURE
 from modelcast.models.velocity import VelocityEstimator, sample_matrix
 from modelcast.policy.base import Message
 from modelcast.policy.error_driven import ErrorDriven
+from modelcast.policy.guard import GUARD
 
 __all__ = ["TripBank", "Walk"]
 
@@ -98,6 +99,7 @@ class TripBank:
         selector: Selector | None = None,
     ) -> None:
         self.trip = trip
+        self._estimator = estimator
         self.bank = bank.complete()
         self.selector = selector
         if selector is not None:
@@ -123,13 +125,14 @@ class TripBank:
         Raises
         ------
         ValueError
-            Where the policy starts with the predicted sub-model and there is no selector, or its costs were
-            counted for a bank of another size.
+            Where the policy starts with the predicted sub-model and there is no selector, its costs were
+            counted for a bank of another size, or it is guarded and the bank lacks constant velocity.
         """
         rules = policy if len(self.bank.members) > 1 else policy.alone
         if rules.costs is not None and rules.identify == "cheapest":
             rules.costs.check_members(len(self.bank.members))
         select, constants, window = self._select(rules)
+        guard, free_sends, guard_sends = self._guard(rules)
         count = len(self.trip)
         kind = np.empty(count, dtype=np.int64)
         in_use = np.empty(count, dtype=np.int64)
@@ -144,6 +147,9 @@ class TripBank:
                 self.bank.offsets,
                 self.bank.trust,
                 self._fallback,
+                guard,
+                free_sends,
+                guard_sends,
                 self.trip.t_s,
                 self.samples,
                 self._segment_start,
@@ -167,6 +173,16 @@ class TripBank:
             update_index=update_index,
             tracking_error_m=tracking_error_m,
         )
+
+    def _guard(self, policy: ErrorDriven) -> tuple[int, BoolArray, BoolArray]:
+        """Constant velocity's place, and when the bank unguarded and constant velocity alone would send."""
+        if policy.start != "guarded":
+            nothing = np.zeros(0, dtype=np.bool_)
+            return -1, nothing, nothing
+        guard = self.bank.place_of(GUARD)
+        alone = TripBank(self.trip, Bank((self.bank.members[guard],)), self._estimator)
+        free = self.walk(replace(policy, start="hindsight"))
+        return guard, free.transmits, alone.walk(policy).transmits
 
     def _select(self, policy: ErrorDriven) -> tuple[FunctionPointer, FloatArray, int]:
         """The compiled selector with its constants at the policy's threshold, and its window."""

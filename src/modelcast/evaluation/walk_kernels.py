@@ -10,12 +10,14 @@ from modelcast.models.trusted_kernels import predict_trusted
 from modelcast.policy.error_driven_kernels import (
     KEEP_ALIVE,
     NOTHING,
+    START_GUARDED,
     START_HINDSIGHT,
     START_PREDICTED,
     UPDATE,
     start_member,
     step,
 )
+from modelcast.policy.guard_kernels import falls_back
 from modelcast.policy.hindsight_kernels import LAGS_S, MARGIN, log_life
 
 __all__ = ["fit_at", "walk"]
@@ -121,6 +123,9 @@ def walk(
     offsets: Any,
     trust: Any,
     fallback: int,
+    guard: int,
+    free_sends: Any,
+    guard_sends: Any,
     t_s: Any,
     samples: Any,
     segment_start: Any,
@@ -144,7 +149,9 @@ def walk(
 
     ``fits``, ``predicts`` and ``constants`` are tuples of the M members' compiled functions and tables;
     ``windows`` (M,), ``offsets`` (M + 1,) and ``trust`` (M, 2) describe the members; ``fallback`` is the last
-    one where that serves only for want of another, else -1. ``parameters`` (T, P) and ``fitted`` (T,) are
+    one where that serves only for want of another, else -1; ``guard`` the one that serves where `falls_back`
+    says so, with ``free_sends`` and ``guard_sends`` (T,) whether the same bank unguarded, and that member
+    alone, would send; -1 for none. ``parameters`` (T, P) and ``fitted`` (T,) are
     the memo of fits by instant, shared by all walks over the trip and bank. ``select``, with its constants
     and its window, scores the members at an update where ``start`` asks for it; in hindsight they are scored
     by fits some multiples of ``dt_s`` ago. Writes, for every sample, the
@@ -161,6 +168,7 @@ def walk(
     current = -1
     last_update = 0
     last_message = 0
+    behind, lead = 0, 0
     for i in range(t_s.size):
         history = i - segment_start[i] + 1
         served = False
@@ -190,6 +198,11 @@ def walk(
                 identify,
                 costs,
             )
+        if guard >= 0:
+            if guard_sends[i] and sent == NOTHING and current == guard and falls_back(behind, lead):
+                sent = UPDATE  # in step with it from now on
+            behind += int(sent != NOTHING) - int(guard_sends[i])
+            lead += int(guard_sends[i]) - int(free_sends[i])
         if sent != NOTHING:
             last_message = i
         if sent in (UPDATE, KEEP_ALIVE):
@@ -197,7 +210,7 @@ def walk(
             if start == START_PREDICTED:
                 first = max(i - select_window + 1, segment_start[i])
                 select(samples[first : i + 1], select_constants, scores)
-            elif start == START_HINDSIGHT:
+            elif start in (START_HINDSIGHT, START_GUARDED):
                 _hindsight(
                     fits,
                     predicts,
@@ -217,6 +230,8 @@ def walk(
                     scores,
                 )
             current = start_member(available, first_failure_s, scores, current, start)
+            if guard >= 0 and falls_back(behind, lead):
+                current = guard
             for m in range(members):
                 usable[m] = available[m]
                 first_failure_s[m] = np.inf

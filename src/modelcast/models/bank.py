@@ -49,6 +49,19 @@ class Bank(AbstractMotionModel):
         if len(set(names)) != len(names):
             raise ValueError(f"sub-models of a bank must have distinct names, got {', '.join(names)}")
 
+    def place_of(self, name: str) -> int:
+        """Index of the member of this name.
+
+        Raises
+        ------
+        ValueError
+            Where there is none.
+        """
+        names = [member.name for member in self.members]
+        if name not in names:
+            raise ValueError(f"the bank has no {name}, only {', '.join(names)}")
+        return names.index(name)
+
     @property
     def name(self) -> str:
         """The label, or the members' names joined by ``+``."""

@@ -30,6 +30,7 @@ _STARTS = {
     "survivor": kernels.START_SURVIVOR,
     "predicted": kernels.START_PREDICTED,
     "hindsight": kernels.START_HINDSIGHT,
+    "guarded": kernels.START_GUARDED,
 }
 _IDENTIFIES = {
     "on-failure": kernels.IDENTIFY_ON_FAILURE,
@@ -72,7 +73,8 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         lasted longest since the last update (``survivor``); or the one that should last longest by what the
         inputs say (`TransmitInputs.predicted_life`), in order where they say nothing. Who makes the inputs
         takes them from a selector (``predicted``, `modelcast.models.learned.Selector`) or from how
-        predictions of the last two seconds did (``hindsight``, `modelcast.policy.hindsight`).
+        predictions of the last two seconds did (``hindsight``, `modelcast.policy.hindsight`; ``guarded``, the
+        same, and constant velocity while the bank has fallen behind it, `modelcast.policy.guard`).
     identify
         ``on-failure`` (default): when the one in use fails while another holds at that instant, name the one
         with the smallest error; it leaves Algorithm 1's update rule untouched and sends the fewest messages a

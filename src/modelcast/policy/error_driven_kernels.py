@@ -16,6 +16,7 @@ __all__ = [
     "IDENTIFY_ON_FAILURE",
     "KEEP_ALIVE",
     "NOTHING",
+    "START_GUARDED",
     "START_HINDSIGHT",
     "START_KEEP",
     "START_ORDER",
@@ -32,7 +33,9 @@ __all__ = [
 NOTHING, UPDATE, IDENTIFICATION, KEEP_ALIVE = range(4)
 """Kinds of decision; a keep-alive is a model update that silence, not error, called for."""
 
-START_ORDER, START_KEEP, START_SURVIVOR, START_PREDICTED, START_HINDSIGHT = range(5)
+START_ORDER, START_KEEP, START_SURVIVOR, START_PREDICTED, START_HINDSIGHT, START_GUARDED = range(6)
+"""Start rules; those from `START_PREDICTED` on read scores."""
+
 IDENTIFY_ON_FAILURE, IDENTIFY_FINAL, IDENTIFY_BEST, IDENTIFY_NEVER, IDENTIFY_CHEAPEST = range(5)
 
 COST_HEADER = 4
@@ -47,7 +50,7 @@ def start_member(available: Any, first_failure_s: Any, scores: Any, in_use: int,
     """Sub-model to use after an update; -1 where none has a full window.
 
     ``scores`` (M,) say how long each is predicted to last if sent now, in any unit that rises with it; NaN
-    where nothing is predicted. Only `START_PREDICTED` and `START_HINDSIGHT` read them.
+    where nothing is predicted. Rules from `START_PREDICTED` on read them.
     """
     first = -1
     for m in range(available.size):
@@ -62,7 +65,9 @@ def start_member(available: Any, first_failure_s: Any, scores: Any, in_use: int,
         for m in range(available.size):
             if available[m] and first_failure_s[m] > longest_s:
                 chosen, longest_s = m, first_failure_s[m]
-    elif start in (START_PREDICTED, START_HINDSIGHT) and first >= 0 and not isnan(scores[first]):
+    elif (
+        start in (START_PREDICTED, START_HINDSIGHT, START_GUARDED) and first >= 0 and not isnan(scores[first])
+    ):
         for m in range(first + 1, available.size):
             if available[m] and scores[m] > scores[chosen]:
                 chosen = m

@@ -4,7 +4,8 @@ The network learns what constant turn rate and acceleration gets wrong: the diff
 the next seconds, in the frame of the newest velocity, as coefficients of a polynomial against time. What it
 makes small is not the error but the number of messages: the loss is the logarithm of the time that the path
 holds under a threshold, softened (`survival_kernels.survival_slopes`). An error that no threshold forgives
-costs nothing more for being larger. Half the windows are mirrored, every road is resized at random, and every
+costs nothing more for being larger. Every trip is also played slower, faster and backwards (`playback`), half
+the windows are mirrored, every road is resized at random, and every
 network sees one range of position noise: a network for millimetres and one for decimetres have little in
 common.
 """
@@ -19,6 +20,7 @@ from modelcast.core.chance import child_generator
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.training.descent import Descent, Lesson, descend
 from modelcast.evaluation.training.learned_kernels import trip_features
+from modelcast.evaluation.training.playback import DEFAULT_PLAYBACKS, Playback
 from modelcast.evaluation.training.views import SenderView, Viewed, view_trips
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned.features import LAG_STEP_S, SHORTEST_SPAN, FeatureMap
@@ -112,6 +114,8 @@ class LearnedSettings:
     ----------
     stages
         The networks, by rising noise.
+    playbacks
+        Ways each trip is played.
     coefficients
         Coefficients of the correction on each axis.
     descent
@@ -130,6 +134,7 @@ class LearnedSettings:
 
     stages: tuple[NoiseStage, ...] = DEFAULT_STAGES
     _: KW_ONLY
+    playbacks: tuple[Playback, ...] = DEFAULT_PLAYBACKS
     coefficients: int = 3
     rows: int = 150_000
     longest_s: float = 6.0
@@ -200,7 +205,7 @@ def _stage_rows(
     found: list[_Rows] = []
     share = settings.rows // len(stage.views)
     for view in stage.views:
-        viewed = list(view_trips(trips, view, seed=settings.seed))
+        viewed = list(view_trips(trips, view, seed=settings.seed, playbacks=settings.playbacks))
         ends = [_ends(one, settings, stage.noise_range_m) for one in viewed]
         total = sum(rows.size for rows in ends)
         rng = child_generator(settings.seed, "rows", view.name)

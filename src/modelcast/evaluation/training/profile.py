@@ -1,7 +1,8 @@
 """Training of a whole profile: networks, hyper-parameters, calibrations, the bank's order, and the record.
 
 The bank's first member is the sub-model that sends the fewest messages alone; others join while they save
-some beside it (`members`), and one that does with a single sample stands last, for starts and gaps. With
+some beside it (`members`), and one that does with a single sample stands last, for starts and gaps; where the
+start rule is ``guarded``, constant velocity. With
 ``validate`` the choice is made on routes left out of the training, else on the training trips themselves,
 which favours what was fitted to them. The record says which.
 """
@@ -43,6 +44,7 @@ from modelcast.models.profile import Profile
 from modelcast.models.trusted import Trusted
 from modelcast.policy.costs import CostTable
 from modelcast.policy.error_driven import ErrorDriven
+from modelcast.policy.guard import GUARD
 from modelcast.policy.rules import IdentifyRule, StartRule
 
 __all__ = ["LONGEST_WINDOW", "ProfileSettings", "profile_learner", "train_profile"]
@@ -175,6 +177,8 @@ def train_profile(
         raise ValueError(f"no trained sub-model is named {unknown[0]}; there are {', '.join(named)}")
     if all(named[name].window > 1 for name in names):
         names = (*names, _STARTER.name)
+    if settings.members.start == "guarded" and GUARD not in names:
+        names = (*names, GUARD)
     bank = Bank(tuple(named[name] for name in names))
 
     def calibrating(done: int, to_do: int) -> None:
@@ -353,6 +357,7 @@ def _record(
             "coefficients": learned.coefficients,
             "steps": learned.descent.steps,
             "windows": learned.rows,
+            "playbacks": [how.name or "as recorded" for how in learned.playbacks],
             "longest_s": learned.longest_s,
             "loss_thresholds_m": list(learned.descent.thresholds_m),
             "stages": [

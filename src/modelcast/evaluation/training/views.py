@@ -2,7 +2,8 @@
 
 Every view makes, from a trip's truth, an input as one kind of sender would have it: positions alone or with
 speed and heading, with or without acceleration and yaw rate, at a stated noise, at the trip's own rate or
-half of it.
+half of it. Trips are few, so each may also be played otherwise: slower or faster on a road as much
+larger or smaller that the accelerations stay, or backwards (`playback`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,6 +18,7 @@ from modelcast.core.conditioning import condition
 from modelcast.core.inspection import inspect
 from modelcast.core.sensor import SensorModel, sense, with_motion
 from modelcast.core.trajectory import Trajectory
+from modelcast.evaluation.training.playback import AS_RECORDED, Playback, play
 
 __all__ = ["SenderView", "Viewed", "view_trips"]
 
@@ -76,8 +78,14 @@ class Viewed:
     seen: Trajectory
 
 
-def view_trips(trips: Sequence[Trajectory], view: SenderView, *, seed: int) -> Iterator[Viewed]:
-    """Yield every trip as that sender sees it.
+def view_trips(
+    trips: Sequence[Trajectory],
+    view: SenderView,
+    *,
+    seed: int,
+    playbacks: Sequence[Playback] = (AS_RECORDED,),
+) -> Iterator[Viewed]:
+    """Yield every trip as that sender sees it, once for each way of playing it.
 
     A trip on a coarse grid or with held values is conditioned first, and has no ``recorded`` view: judged
     against itself it would teach the recorder's errors.
@@ -90,15 +98,18 @@ def view_trips(trips: Sequence[Trajectory], view: SenderView, *, seed: int) -> I
         The kind of sender.
     seed
         Of the noise.
+    playbacks
+        Ways of playing a trip.
     """
     for trip in trips:
         coarse = inspect(trip).recommended_protocol == "sensor"
         if coarse and view.columns == "recorded":
             continue
         truth = condition(trip)[0] if coarse else trip
-        truth = _thinned(truth, view.every)
-        rng = child_generator(seed, trip.trip_id, "view", view.name)
-        yield Viewed(truth, _seen(truth, view, rng))
+        for how in playbacks:
+            played = _thinned(play(truth, how), view.every)
+            rng = child_generator(seed, played.trip_id, "view", view.name)
+            yield Viewed(played, _seen(played, view, rng))
 
 
 def _seen(truth: Trajectory, view: SenderView, rng: np.random.Generator) -> Trajectory:
