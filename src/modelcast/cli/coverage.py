@@ -20,6 +20,7 @@ def coverage(
     out: Path = Path("out/coverage"),
     train: Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative="")] = (),
     bank: str = "cv+ctrv+ctra+gp-intercept",
+    profile: str | None = None,
     noise_floor: float | None = None,
     trusted_horizon: float = 0.0,
     protocol: Literal["auto", "recorded", "sensor"] = "auto",
@@ -45,7 +46,10 @@ def coverage(
     train
         Files to learn from instead; put the tested trips before this option.
     bank
-        Sub-models, joined by '+', as in 'modelcast evaluate'.
+        Sub-models, joined by '+', as in 'modelcast evaluate'; 'default' and a profile's file stand for the
+        members of their banks.
+    profile
+        File of the profile in use, as in 'modelcast evaluate'.
     noise_floor
         Smallest position noise a Gaussian process may assume [m].
     trusted_horizon
@@ -71,7 +75,7 @@ def coverage(
 
     from rich.console import Console
 
-    from modelcast.cli.banks import bank_from_text
+    from modelcast.cli.banks import named_bank, profile_in_use
     from modelcast.cli.options import parse_columns
     from modelcast.cli.reading import TripSource
     from modelcast.core.exceptions import ConfigError
@@ -85,9 +89,12 @@ def coverage(
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast coverage --help)")
-    members = bank_from_text(
-        bank, noise_floor_m=noise_floor, trusted_horizon_s=trusted_horizon or None
-    ).members
+    members = named_bank(
+        bank,
+        noise_floor_m=noise_floor,
+        trusted_horizon_s=trusted_horizon or None,
+        profile=profile_in_use(profile),
+    ).bank.members
     names = parse_columns(columns)
     tested = TripSource(paths, format_name=format, columns=names, pattern=trip)
     taught = TripSource(train, format_name=format, columns=names)
