@@ -34,8 +34,9 @@ def coverage(
 ) -> int:
     """Calibrate each sub-model's covariance, and count errors of other trips inside its ellipses.
 
-    Every file is tested with what the other files taught, or all with what --train taught. Writes
-    coverage.json and coverage.png.
+    Every file is tested with what the other files taught, or all with what --train taught. A bank that starts
+    in hindsight (default, regimes, a profile's file) is counted as a hybrid too. Writes coverage.json and
+    coverage.png.
 
     Parameters
     ----------
@@ -79,7 +80,7 @@ def coverage(
     from modelcast.cli.options import parse_columns
     from modelcast.cli.reading import TripSource
     from modelcast.core.exceptions import ConfigError
-    from modelcast.evaluation.coverage import measure_coverage
+    from modelcast.evaluation.coverage import Hybrid, measure_coverage
     from modelcast.evaluation.settings import EvaluationSettings
     from modelcast.io.coverage import coverage_document, write_coverage
     from modelcast.io.output import atomic_folder
@@ -89,12 +90,14 @@ def coverage(
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast coverage --help)")
-    members = named_bank(
+    named = named_bank(
         bank,
         noise_floor_m=noise_floor,
         trusted_horizon_s=trusted_horizon or None,
         profile=profile_in_use(profile),
-    ).bank.members
+    )
+    members = named.bank.members
+    hybrid = Hybrid(named.bank.name) if named.start == "hindsight" and len(members) > 1 else None
     names = parse_columns(columns)
     tested = TripSource(paths, format_name=format, columns=names, pattern=trip)
     taught = TripSource(train, format_name=format, columns=names)
@@ -108,6 +111,7 @@ def coverage(
                 members,
                 train=[case for cases in training.values() for case in cases],
                 thresholds_m=settings.thresholds_m,
+                hybrid=hybrid,
             )
             document = coverage_document(
                 result,

@@ -2,8 +2,8 @@
 
 The bank's first member is the sub-model that sends the fewest messages alone; others join while they save
 some beside it (`members`), and one that does with a single sample stands last, for starts and gaps. With
-``validate`` the choice is made on routes left out of the training, else on the training trips themselves,
-which favours what was fitted to them. The record says which.
+``validate`` the choice is made and the covariances are calibrated on routes left out of the training, else on
+the training trips themselves, which favours what was fitted to them. The record says which.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,7 +15,7 @@ from modelcast.core.version import package_version
 from modelcast.evaluation.case import TripCase, make_case
 from modelcast.evaluation.routes import routes
 from modelcast.evaluation.settings import BASELINE_BANK, EvaluationSettings
-from modelcast.evaluation.training.calibration import train_calibrations
+from modelcast.evaluation.training.calibration import pooled_calibrations
 from modelcast.evaluation.training.costs import train_costs
 from modelcast.evaluation.training.hyperparameters import TrainedPair
 from modelcast.evaluation.training.learned import LearnedSettings, train_learned
@@ -166,8 +166,10 @@ def train_profile(
     """
     settings = ProfileSettings() if settings is None else settings
     shelf = _train(trips, settings, progress, "")
-    own = _cases(trips, settings.seed)
-    folds = _folds(trips, settings, progress) if settings.validate else [_Judged(own, shelf)]
+    if settings.validate:
+        folds = _folds(trips, settings, progress)
+    else:
+        folds = [_Judged(_cases(trips, settings.seed), shelf)]
 
     def choosing(done: int, to_do: int) -> None:
         if progress is not None:
@@ -185,8 +187,8 @@ def train_profile(
         if progress is not None:
             progress("calibrations", done, to_do)
 
-    calibrations = train_calibrations(
-        [case for cases in own.values() for case in cases], bank.members, progress=calibrating
+    calibrations = pooled_calibrations(
+        [(fold.pooled.cases, fold.shelf.bank(names).members) for fold in folds], progress=calibrating
     )
     figures = _figures(folds, names, settings)
     selector, costs = _selection(folds, names, settings, progress)
