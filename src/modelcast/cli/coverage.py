@@ -21,6 +21,7 @@ def coverage(
     train: Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative="")] = (),
     bank: str = "cv+ctrv+ctra+gp-intercept",
     profile: str | None = None,
+    start: Literal["order", "hindsight"] | None = None,
     noise_floor: float | None = None,
     trusted_horizon: float = 0.0,
     protocol: Literal["auto", "recorded", "sensor"] = "auto",
@@ -35,7 +36,7 @@ def coverage(
     """Calibrate each sub-model's covariance, and count errors of other trips inside its ellipses.
 
     Every file is tested with what the other files taught, or all with what --train taught. A bank that starts
-    in hindsight (default, regimes, a profile's file) is counted as a hybrid too. Writes coverage.json and
+    in hindsight, as default and regimes do, is counted as a hybrid too. Writes coverage.json and
     coverage.png.
 
     Parameters
@@ -51,6 +52,9 @@ def coverage(
         members of their banks.
     profile
         File of the profile in use, as in 'modelcast evaluate'.
+    start
+        Count the sub-models together too: at each instant the one that an update would start with, the first
+        in order or the one that did best (hindsight); the bank's own rule where not given.
     noise_floor
         Smallest position noise a Gaussian process may assume [m].
     trusted_horizon
@@ -97,7 +101,8 @@ def coverage(
         profile=profile_in_use(profile),
     )
     members = named.bank.members
-    hybrid = Hybrid(named.bank.name) if named.start == "hindsight" and len(members) > 1 else None
+    rule = start or ("hindsight" if named.start == "hindsight" else None)
+    hybrid = Hybrid(named.bank.name, rule) if rule and len(members) > 1 else None
     names = parse_columns(columns)
     tested = TripSource(paths, format_name=format, columns=names, pattern=trip)
     taught = TripSource(train, format_name=format, columns=names)
