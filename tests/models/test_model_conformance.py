@@ -146,6 +146,8 @@ def test_an_empty_batch_is_a_batch(model: AbstractMotionModel) -> None:
     parameters = model.fit(Windows(np.empty((0, 24, 7)), dt_s=DT_S))
     assert parameters.shape == (0, len(model.parameter_names))
     assert model.predict(parameters, HORIZONS_S, dt_s=DT_S).shape == (0, HORIZONS_S.size, 2)
+    assert model.covariance(parameters, HORIZONS_S, dt_s=DT_S).shape == (0, HORIZONS_S.size, 2, 2)
+    assert model.predict(parameters, HORIZONS_S, dt_s=DT_S).shape == (0, HORIZONS_S.size, 2)
     assert model.predict_at(parameters, np.empty(0), dt_s=DT_S).shape == (0, 2)
 
 

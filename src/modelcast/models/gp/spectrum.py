@@ -174,4 +174,4 @@ def _rotate(columns: FloatArray, p: int, q: int) -> float:
         c[:, None] * first - s[:, None] * second,
         s[:, None] * first + c[:, None] * second,
     )
-    return float(cosine.max())
+    return float(cosine.max(initial=0.0))
