@@ -36,8 +36,8 @@ def coverage(
     """Calibrate each sub-model's covariance, and count errors of other trips inside its ellipses.
 
     Every file is tested with what the other files taught, or all with what --train taught. A bank that starts
-    in hindsight, as default and regimes do, is counted as a hybrid too. Writes coverage.json and
-    coverage.png.
+    in hindsight, as default and regimes do, is counted as a hybrid too. Writes coverage.json,
+    coverage.png and times.png.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def coverage(
     from modelcast.io.coverage import coverage_document, write_coverage
     from modelcast.io.output import atomic_folder
     from modelcast.report.coverage import coverage_report
-    from modelcast.report.figures.coverage import plot_coverage
+    from modelcast.report.figures.coverage import plot_coverage, plot_times
     from modelcast.report.style import style
 
     if not paths:
@@ -128,7 +128,11 @@ def coverage(
             path = write_coverage(document, folder)
             text = path.read_text(encoding="utf-8")
             with style():
-                plot_coverage(result.rows).savefig(folder / "coverage.png", metadata={"Software": None})
+                for name, figure in (
+                    ("coverage", plot_coverage(result.rows)),
+                    ("times", plot_times(result.times)),
+                ):
+                    figure.savefig(folder / f"{name}.png", metadata={"Software": None})
     except ValueError as error:
         raise ConfigError(str(error)) from error
     if json:
@@ -136,7 +140,7 @@ def coverage(
     elif not quiet:
         console = Console()
         console.print(coverage_report(result))
-        console.print(f"figure: {out / 'coverage.png'}", highlight=False, soft_wrap=True)
+        console.print(f"figures: {out}", highlight=False, soft_wrap=True)
     return max(tested.exit_code, taught.exit_code)
 
 
