@@ -1,11 +1,15 @@
 """Claims about banks by name."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from modelcast.cli.banks import bank_from_text, named_bank
-from modelcast.core.exceptions import ConfigError
+from modelcast.cli.compare_options import CompareOptions
+from modelcast.cli.evaluate_options import EvaluateOptions
+from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.io.profile import write_profile
 from modelcast.models.bank import Bank
 from modelcast.models.gp import AxisKernel, VehicleProcess
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
@@ -72,3 +76,18 @@ def test_an_unknown_name_is_refused_with_the_known_ones() -> None:
         ConfigError, match=r"no sub-model is named 'gp'; there are cv, .*learned.* and gp-regime-3"
     ):
         bank_from_text("gp")
+
+
+def test_a_profile_named_beside_a_bank_is_used_and_counts_as_an_input(tmp_path: Path) -> None:
+    path = tmp_path / "mine.json"
+    process = VehicleProcess("gp-vehicle", AxisKernel(7.0, 3.0))
+    write_profile(Profile(Bank((ConstantTurnRateAcceleration(),)), shelf=(process,)), path)
+    options = EvaluateOptions(bank="gp-vehicle", profile=str(path))
+    assert options.settings().bank.members == (process,)
+    assert options.files == (path,)
+    assert EvaluateOptions.from_plain(options.as_plain()) == options
+    compared = CompareOptions(("gp-vehicle", "default"), profile=str(path))
+    assert [one.name for one in compared.candidates()] == ["gp-vehicle", "default"]
+    assert compared.files == (path,)
+    with pytest.raises(DataFormatError, match=r"missing\.json"):
+        EvaluateOptions(profile=str(tmp_path / "missing.json")).settings()
