@@ -67,6 +67,12 @@ def test_a_profile_survives_its_text() -> None:
     assert again.text == profile.text
 
 
+def test_a_regimes_sub_model_may_stand_in_the_bank_too() -> None:
+    profile = Profile(Bank((*REGIMES.members, ConstantVelocity())), regimes=REGIMES)
+    assert profile_from_text(profile.text) == profile
+    assert [member.name for member in profile.sub_models] == ["gp-regime-1", "gp-regime-2", "cv"]
+
+
 def test_a_profile_without_regimes_keeps_the_bytes_it_had_before_there_were_any() -> None:
     plain = json.loads(Profile(example().bank).text)
     assert "regimes" not in plain
