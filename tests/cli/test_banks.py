@@ -1,9 +1,20 @@
 """Claims about banks by name."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import pytest
 
-from modelcast.cli.banks import bank_from_text
-from modelcast.core.exceptions import ConfigError
+from modelcast.cli.banks import bank_from_text, named_bank
+from modelcast.cli.compare_options import CompareOptions
+from modelcast.cli.evaluate_options import EvaluateOptions
+from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.io.profile import write_profile
+from modelcast.models.bank import Bank
+from modelcast.models.gp import AxisKernel, VehicleProcess
+from modelcast.models.kinematic import ConstantTurnRateAcceleration
+from modelcast.models.profile import Profile, default_profile
+from modelcast.models.trusted import Trusted
 
 NAMES = [
     "cv",
@@ -18,6 +29,9 @@ NAMES = [
     "gp-vehicle",
     "gp-derivative",
     "learned",
+    "gp-regime-1",
+    "gp-regime-2",
+    "gp-regime-3",
 ]
 
 
@@ -32,6 +46,48 @@ def test_all_of_them_fit_into_one_bank() -> None:
     assert len(bank_from_text("+".join(NAMES)).members) == len(NAMES)
 
 
+def test_regimes_stands_for_their_members_alone_and_among_others() -> None:
+    alone = named_bank("regimes")
+    assert alone.bank.name == "regimes"
+    assert [member.name for member in alone.bank.members] == NAMES[-3:]
+    assert (alone.start, alone.identify) == ("hindsight", "never")
+    joined = bank_from_text("ctra+regimes")
+    assert [member.name for member in joined.members] == ["ctra", *NAMES[-3:]]
+
+
+def test_trained_values_come_from_the_profile_in_use() -> None:
+    """The shipped one, or the one named; a longer window keeps them."""
+    mine = Trusted(ConstantTurnRateAcceleration(), 0.5)
+    process = VehicleProcess("gp-vehicle", AxisKernel(7.0, 3.0))
+    profile = Profile(Bank((mine,), "mine"), shelf=(process,), start="keep", identify="final")
+    assert bank_from_text("gp-vehicle", profile=profile).members == (process,)
+    assert bank_from_text("gp-vehicle", profile=profile, window=15).members == (replace(process, samples=15),)
+    assert bank_from_text("gp-vehicle").members == (default_profile().sub_model("gp-vehicle"),)
+    named = named_bank("default", profile=profile)
+    assert (named.bank, named.start, named.identify) == (profile.bank, "keep", "final")
+    with pytest.raises(ConfigError, match=r"named 'learned'; there are cv, .* and gp-vehicle"):
+        bank_from_text("learned", profile=profile)
+    with pytest.raises(ConfigError, match="no regimes"):
+        bank_from_text("regimes", profile=profile)
+
+
 def test_an_unknown_name_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(ConfigError, match=r"no sub-model is named 'gp'; there are cv, .* and learned"):
+    with pytest.raises(
+        ConfigError, match=r"no sub-model is named 'gp'; there are cv, .*learned.* and gp-regime-3"
+    ):
         bank_from_text("gp")
+
+
+def test_a_profile_named_beside_a_bank_is_used_and_counts_as_an_input(tmp_path: Path) -> None:
+    path = tmp_path / "mine.json"
+    process = VehicleProcess("gp-vehicle", AxisKernel(7.0, 3.0))
+    write_profile(Profile(Bank((ConstantTurnRateAcceleration(),)), shelf=(process,)), path)
+    options = EvaluateOptions(bank="gp-vehicle", profile=str(path))
+    assert options.settings().bank.members == (process,)
+    assert options.files == (path,)
+    assert EvaluateOptions.from_plain(options.as_plain()) == options
+    compared = CompareOptions(("gp-vehicle", "default"), profile=str(path))
+    assert [one.name for one in compared.candidates()] == ["gp-vehicle", "default"]
+    assert compared.files == (path,)
+    with pytest.raises(DataFormatError, match=r"missing\.json"):
+        EvaluateOptions(profile=str(tmp_path / "missing.json")).settings()

@@ -448,15 +448,16 @@ def test_coverage_writes_document_and_figure_and_repeats_itself(
     first = tmp_path / "first.csv"
     write_csv([short_drive], first)
     arguments = ["coverage", str(first), str(other), "--bank", "cv+ctra", "--threshold", "0.3"]
+    arguments += ["--start", "hindsight"]
     assert run([*arguments, "--out", str(tmp_path / "one"), "--json"]) == 0
     printed = json.loads(capsys.readouterr().out)
     assert run([*arguments, "--out", str(tmp_path / "two")]) == 0
     assert "mapped" in capsys.readouterr().out
-    for name in ("coverage.json", "coverage.png"):
+    for name in ("coverage.json", "coverage.png", "times.png"):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
     assert printed == json.loads((tmp_path / "one" / "coverage.json").read_text())
     assert set(printed["calibrations"]) == {"drive", "other"}
-    assert {row["sub_model"] for row in printed["coverage"]} == {"cv", "ctra"}
+    assert {row["sub_model"] for row in printed["coverage"]} == {"cv", "ctra", "cv+ctra"}
     assert {row["threshold_m"] for row in printed["times"]} == {0.3}
 
 

@@ -8,11 +8,12 @@ import polars as pl
 import pytest
 
 from modelcast.cli.app import run
-from modelcast.cli.banks import MEMBER_NAMES
+from modelcast.cli.banks import member_names
 from modelcast.cli.compare_options import CompareOptions
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import SensorOptions
 from modelcast.io.write_trips import write_csv
+from modelcast.models.profile import default_profile
 from modelcast.simulation.drive import generate_drive
 
 SMALL = ("--threshold", "0.3", "0.5", "--per", "0", "0.4", "--seeds", "2", "--resamples", "50")
@@ -121,7 +122,15 @@ def test_json_is_the_summary_and_tables_are_printed_otherwise(
 
 
 def test_by_default_every_member_and_both_named_banks_are_compared() -> None:
-    assert [one.name for one in CompareOptions().candidates()] == [*MEMBER_NAMES, "paper", "default"]
+    singles = member_names(default_profile())
+    assert [one.name for one in CompareOptions().candidates()] == [*singles, "regimes", "paper", "default"]
+
+
+def test_a_bank_of_a_profile_trained_anew_is_named_behind_a_colon() -> None:
+    options = CompareOptions(("trained", "trained:regimes", "regimes"))
+    plain, regimes, shipped = options.candidates()
+    assert (plain.name, regimes.name, shipped.name) == ("trained", "trained:regimes", "regimes")
+    assert (plain.is_trained, regimes.is_trained, shipped.is_trained) == (True, True, False)
 
 
 def test_every_bank_meets_every_trusted_horizon_that_changes_it() -> None:

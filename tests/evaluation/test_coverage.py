@@ -1,16 +1,21 @@
 """Claims about calibration and coverage: learnt on some trips, counted on others."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.case import TripCase, make_case
-from modelcast.evaluation.coverage import measure_coverage
+from modelcast.evaluation.coverage import Hybrid, measure_coverage
 from modelcast.evaluation.settings import EvaluationSettings
 from modelcast.evaluation.training.calibration import (
     PredictionErrors,
     calibrate,
+    fitted_at,
     mahalanobis,
+    pooled_calibrations,
+    pooled_errors,
     prediction_errors,
     train_calibrations,
 )
@@ -125,6 +130,45 @@ def test_on_other_drives_the_mapped_ellipses_come_nearest() -> None:
         assert 0.0 < row.expected_s <= 5.0
         assert 0.0 < row.observed_s <= 5.0
     assert set(result.calibrations) == set(groups)
+
+
+def test_a_hybrid_in_order_is_its_first_member() -> None:
+    groups = {str(seed): drives(seed) for seed in (1, 2)}
+    members = (ConstantTurnRateAcceleration(), ConstantVelocity())
+    calls: list[tuple[int, int]] = []
+    result = measure_coverage(
+        groups,
+        members,
+        hybrid=Hybrid("both", "order"),
+        progress=lambda done, total: calls.append((done, total)),
+    )
+    assert calls[-1] == (12, 12)
+    first, both = (
+        [replace(row, sub_model="") for row in result.rows if row.sub_model == name]
+        for name in ("ctra", "both")
+    )
+    assert both == first
+    waits = [[row.observed_s for row in result.times if row.sub_model == name] for name in ("ctra", "both")]
+    assert waits[0] == pytest.approx(waits[1])
+
+
+def test_a_hybrid_in_hindsight_counts_every_instant_once_and_lasts_longer_than_its_worst() -> None:
+    groups = {str(seed): drives(seed) for seed in (1, 2)}
+    members = (ConstantVelocity(), ConstantTurnRateAcceleration())
+    result = measure_coverage(groups, members, hybrid=Hybrid("both", threshold_m=0.5))
+    errors = {(row.sub_model, row.horizon_s): row.errors for row in result.rows if row.form == "nominal"}
+    assert all(errors["both", h] == errors["cv", h] for name, h in errors if name == "cv")
+    lasts = {row.sub_model: row.observed_s for row in result.times if row.threshold_m == 0.5}
+    assert lasts["cv"] < lasts["both"]
+
+
+def test_folds_are_pooled_and_each_is_held_against_its_own_sub_model() -> None:
+    one, other = drives(1), drives(2)
+    first, second = (GaussianProcess(form="intercept", noise_floor_m=floor) for floor in (0.01, 0.05))
+    found = pooled_calibrations([(one, [first]), (other, [second])])
+    parts = [prediction_errors(one[0], first), prediction_errors(other[0], second)]
+    assert found["gp-intercept"].as_plain() == calibrate(pooled_errors(parts)).as_plain()
+    assert fitted_at(one[0], first, 5)[0] == 10
 
 
 @pytest.mark.real

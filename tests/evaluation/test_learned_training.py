@@ -10,18 +10,22 @@ from modelcast.core.exceptions import MissingExtraError
 from modelcast.core.trajectory import Trajectory, build_trajectory
 from modelcast.evaluation.training.descent import Descent
 from modelcast.evaluation.training.learned import LearnedSettings, NoiseStage, train_learned
+from modelcast.evaluation.training.processes import ProcessSettings
 from modelcast.evaluation.training.profile import ProfileSettings, train_profile
 from modelcast.evaluation.training.views import SenderView, view_trips
 from modelcast.evaluation.walk import TripBank
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
+from modelcast.models.profile import profile_from_text
 from modelcast.models.velocity import velocity_estimator_for
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.simulation.drive import generate_drive
 
 SHORT = Descent(hidden=(24, 16), steps=400, averaged=100, batch=512)
 CLEAN = LearnedSettings((NoiseStage((0.0, np.inf), (SenderView("positions"),)),), descent=SHORT)
+
+QUICK = ProcessSettings(200, 8, regimes=2, regime_evaluations=4)
 
 
 def weaving(seed: int) -> Trajectory:
@@ -115,9 +119,7 @@ def test_a_descent_out_of_range_is_refused(wrong: dict[str, object]) -> None:
 
 
 def test_a_profile_chooses_its_bank_by_messages_and_records_how(trips: list[Trajectory]) -> None:
-    settings = ProfileSettings(
-        CLEAN, process_windows=200, process_evaluations=8, thresholds_m=(0.2, 0.5), validate=True
-    )
+    settings = ProfileSettings(CLEAN, processes=QUICK, thresholds_m=(0.2, 0.5), validate=True)
     apart = [
         replace(trip, trip_id=f"file{at}/1", origin=None, start_unix_s=None) for at, trip in enumerate(trips)
     ]
@@ -125,22 +127,24 @@ def test_a_profile_chooses_its_bank_by_messages_and_records_how(trips: list[Traj
     figures = profile.record["figures"]
     totals = {name: sum(sum(row) for row in rows.values()) for name, rows in figures["messages"].items()}
     assert figures["counted_on"] == "routes left out"
-    singles = {name: total for name, total in totals.items() if name not in ("bank", "baseline")}
+    singles = {name: total for name, total in totals.items() if name in figures["steps"][0]}
     first = profile.bank.members[0].name
     assert figures["steps"][0][first] == min(figures["steps"][0].values())
     assert totals["bank"] <= 1.02 * min(singles.values())
     assert totals["baseline"] == totals["cv"]
     assert profile.bank.window == 1
-    assert {member.name for member in profile.shelf} | {member.name for member in profile.bank.members} >= {
-        "learned",
-        "gp-vehicle",
-        "gp-derivative",
-    }
+    trained = {"learned", "gp-vehicle", "gp-derivative", "gp-trained", "gp-regime-1", "gp-regime-2"}
+    assert {member.name for member in profile.sub_models} >= trained
+    assert set(totals) >= {*trained, "regimes", "bank", "baseline"}
+    assert profile.regimes is not None
+    assert profile.regimes.bank.name == "regimes"
+    assert set(profile.record["processes"]) == trained - {"learned"}
+    assert profile_from_text(profile.text) == profile
     assert [one["trip"] for one in profile.record["trips"]] == [trip.trip_id for trip in apart]
 
 
 def test_one_route_alone_cannot_be_left_out(trips: list[Trajectory]) -> None:
-    settings = ProfileSettings(CLEAN, process_windows=50, process_evaluations=2, validate=True)
+    settings = ProfileSettings(CLEAN, processes=QUICK, validate=True)
     together = [replace(trip, trip_id=f"file/{at}") for at, trip in enumerate(trips[:2])]
     with pytest.raises(ValueError, match="one route"):
         train_profile(together, settings)

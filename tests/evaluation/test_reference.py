@@ -9,8 +9,9 @@ from scipy.optimize import minimize
 from modelcast.core.trajectory import Trajectory, build_trajectory
 from modelcast.evaluation.case import TripCase, make_case
 from modelcast.evaluation.clairvoyant import clairvoyant
-from modelcast.evaluation.clairvoyant_kernels import FAILS, HOLDS, decide
+from modelcast.evaluation.clairvoyant_kernels import decide
 from modelcast.evaluation.evaluate import evaluate
+from modelcast.evaluation.minimax_kernels import FAILS, HOLDS
 from modelcast.evaluation.reference import count_references
 from modelcast.evaluation.settings import BASELINE_BANK, EvaluationSettings
 from modelcast.evaluation.walk import TripBank

@@ -8,10 +8,11 @@ import pytest
 from modelcast.core.trajectory import Trajectory, build_trajectory
 from modelcast.evaluation.training.families import AbstractFamily, FixedFamily, VehicleFamily
 from modelcast.evaluation.training.hyperparameters import train_hyperparameters
-from modelcast.evaluation.training.regimes import regime_features, train_regimes
+from modelcast.evaluation.training.regimes import train_regimes
 from modelcast.evaluation.training.windows import TrainingWindows, survival_s, training_windows
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import AxisKernel, GaussianProcess, VehicleProcess
+from modelcast.models.regimes import regime_features
 
 FAMILIES: dict[str, AbstractFamily] = {
     "vehicle": VehicleFamily(VehicleProcess("gp-vehicle", degree=3)),
@@ -121,12 +122,13 @@ def test_regimes_have_distinct_names_and_are_told_apart_by_their_features() -> N
     training = training_windows(trips, samples=10, longest_s=2.0, count=400, rng=rng)
     family = VehicleFamily(VehicleProcess("gp", AxisKernel(3.0, 10.0), degree=3))
     found = train_regimes(
-        training, family, 2, label="gp-trained", rng=np.random.default_rng(1), evaluations=10
+        training, family, 2, label="gp-regime", rng=np.random.default_rng(1), evaluations=10
     )
-    names = [pair.better.model.name for pair in found.trained]
-    assert names == ["gp-trained-1", "gp-trained-2"]
-    assert found.shares.sum() == pytest.approx(1.0)
-    regime = found.of(training.samples)
+    regimes = found.regimes
+    assert [member.name for member in regimes.members] == ["gp-regime-1", "gp-regime-2"]
+    assert regimes.members == tuple(pair.better.model for pair in found.pairs)
+    assert regimes.shares[0] >= regimes.shares[1]
+    regime = regimes.of(training.samples)
     is_fast = regime_features(training.samples)[:, 0] > 15.0
     assert np.unique(regime[is_fast]).size == np.unique(regime[~is_fast]).size == 1
     assert regime[is_fast][0] != regime[~is_fast][0]

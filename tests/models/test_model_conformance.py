@@ -13,7 +13,6 @@ from modelcast.models.gp import (
     VehicleProcess,
     derivative_process,
     linear_process,
-    trained_process,
     vehicle_process,
 )
 from modelcast.models.kinematic import (
@@ -31,6 +30,13 @@ def _learned() -> AbstractSubModel:
     found = default_profile().sub_model("learned")
     assert found is not None
     return found
+
+
+def _regimes() -> Bank:
+    """Return the shipped bank of all regimes."""
+    regimes = default_profile().regimes
+    assert regimes is not None
+    return regimes.bank
 
 
 FIXED = Hyperparameters(2.0, 1e-4, linear_ratio_per_s2=1.0, variance_m2=25.0)
@@ -60,10 +66,10 @@ MODELS: dict[str, AbstractMotionModel] = {
     "gp-intercept-fixed": GaussianProcess(form="intercept", hyperparameters=FIXED),
     "gp-adaptive": GaussianProcess(form="intercept", noise="estimated"),
     "gp-linear": linear_process(),
-    "gp-vehicle": vehicle_process(),
-    "gp-trained": trained_process(),
+    "gp-vehicle-untrained": vehicle_process(),
+    **{member.name: member for member in default_profile().sub_models if member.name.startswith("gp-")},
     "gp-vehicle-20": VehicleProcess("gp-vehicle-20", AxisKernel(4.0, 5.0), samples=20, degree=3),
-    "gp-derivative": derivative_process(),
+    "gp-derivative-untrained": derivative_process(),
     "gp-derivative-15": derivative_process(15),
     "gp-derivative+gp-vehicle+gp-trained-1": Bank(
         (
@@ -72,6 +78,7 @@ MODELS: dict[str, AbstractMotionModel] = {
             GaussianProcess(form="intercept", hyperparameters=FIXED, label="gp-trained-1"),
         )
     ),
+    "regimes": _regimes(),
     "learned": _learned(),
     "learned+ctra": Bank((_learned(), ConstantTurnRateAcceleration())),
     "ctra-damped": Trusted(ConstantTurnRateAcceleration(), 0.5),
@@ -138,6 +145,8 @@ def test_shapes_follow_the_batch(model: AbstractMotionModel) -> None:
 def test_an_empty_batch_is_a_batch(model: AbstractMotionModel) -> None:
     parameters = model.fit(Windows(np.empty((0, 24, 7)), dt_s=DT_S))
     assert parameters.shape == (0, len(model.parameter_names))
+    assert model.predict(parameters, HORIZONS_S, dt_s=DT_S).shape == (0, HORIZONS_S.size, 2)
+    assert model.covariance(parameters, HORIZONS_S, dt_s=DT_S).shape == (0, HORIZONS_S.size, 2, 2)
     assert model.predict(parameters, HORIZONS_S, dt_s=DT_S).shape == (0, HORIZONS_S.size, 2)
     assert model.predict_at(parameters, np.empty(0), dt_s=DT_S).shape == (0, 2)
 

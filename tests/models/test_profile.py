@@ -13,12 +13,26 @@ from hypothesis import strategies as st
 from modelcast.models.bank import Bank
 from modelcast.models.calibration import Calibration
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import GaussianProcess, Hyperparameters, derivative_process, vehicle_process
+from modelcast.models.gp import (
+    GaussianProcess,
+    Hyperparameters,
+    VehicleProcess,
+    derivative_process,
+    vehicle_process,
+)
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned import LearnedTrajectory
 from modelcast.models.plain import PLAIN_CLASSES, from_plain, to_plain
 from modelcast.models.profile import Profile, default_profile, profile_from_text
+from modelcast.models.regimes import Regimes
 from modelcast.models.trusted import Trusted
+
+REGIMES = Regimes(
+    (VehicleProcess("gp-regime-1"), VehicleProcess("gp-regime-2", velocities=True)),
+    ((15.0, 0.2, 0.5), (3.0, 1.2, 0.1)),
+    scales=(6.0, 0.5, 1.0),
+    shares=(0.75, 0.25),
+)
 
 
 def example() -> Profile:
@@ -36,6 +50,7 @@ def example() -> Profile:
     return Profile(
         Bank((Trusted(ConstantTurnRateAcceleration(), 1.5), ConstantVelocity()), "mine"),
         shelf=(vehicle_process(), derivative_process(), fixed),
+        regimes=REGIMES,
         calibrations={"ctra": table},
         record={"trips": ["a"], "seed": 3},
     )
@@ -47,7 +62,21 @@ def test_a_profile_survives_its_text() -> None:
     assert again == profile
     assert again.bank == profile.bank
     assert again.shelf == profile.shelf
+    assert again.regimes == profile.regimes
+    assert again.sub_model("gp-regime-2") == REGIMES.members[1]
     assert again.text == profile.text
+
+
+def test_a_regimes_sub_model_may_stand_in_the_bank_too() -> None:
+    profile = Profile(Bank((*REGIMES.members, ConstantVelocity())), regimes=REGIMES)
+    assert profile_from_text(profile.text) == profile
+    assert [member.name for member in profile.sub_models] == ["gp-regime-1", "gp-regime-2", "cv"]
+
+
+def test_a_profile_without_regimes_keeps_the_bytes_it_had_before_there_were_any() -> None:
+    plain = json.loads(Profile(example().bank).text)
+    assert "regimes" not in plain
+    assert profile_from_text(json.dumps(plain)).regimes is None
 
 
 def test_its_identity_is_the_hash_of_its_bytes_and_changes_with_any_of_them() -> None:
@@ -74,7 +103,10 @@ def test_the_shipped_profile_says_what_it_was_trained_on() -> None:
     record = default_profile().record
     assert {trip["format"] for trip in record["trips"]} <= {"openacc", "spmd-bsm", "comma2k19"}
     assert record["figures"]["counted_on"] == "routes left out"
-    assert set(record["processes"]) == {"gp-vehicle", "gp-derivative"}
+    regimes = default_profile().regimes
+    assert regimes is not None
+    trained = {"gp-vehicle", "gp-derivative", "gp-trained", *(one.name for one in regimes.members)}
+    assert set(record["processes"]) == trained
 
 
 def changed(**keys: Any) -> str:
@@ -98,6 +130,9 @@ def changed(**keys: Any) -> str:
         (changed(record=3), "mappings"),
         (changed(costs=[]), "mappings"),
         (changed(selector={"is": "ConstantVelocity"}), "selector"),
+        (changed(regimes={"is": "ConstantVelocity"}), "regimes"),
+        (changed(regimes={**to_plain(REGIMES), "shares": [1.0]}), "1 shares"),
+        (changed(shelf=[{"is": "VehicleProcess", "label": "gp-regime-1"}]), "twice: gp-regime-1"),
         ('{"schema":1}', "missing"),
     ],
 )

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib import rcParams
+from matplotlib.patches import Rectangle
 
-from modelcast.evaluation.coverage import FORMS, CoverageRow
+from modelcast.evaluation.coverage import FORMS, CoverageRow, TimeRow
 from modelcast.evaluation.result import EvaluationResult, ReferenceRow
 from modelcast.report.figures import (
     FIGURES,
@@ -20,7 +21,7 @@ from modelcast.report.figures import (
     plot_trips,
     write_figures,
 )
-from modelcast.report.figures.coverage import plot_coverage
+from modelcast.report.figures.coverage import plot_coverage, plot_times
 from modelcast.report.figures.trips import MOST_ROWS
 from modelcast.report.style import POLICY_COLOURS, style
 
@@ -241,3 +242,23 @@ def test_coverage_draws_a_panel_for_every_sub_model(count: int) -> None:
     for axes in shown:
         drawn = [line for line in axes.lines if len(line.get_xdata()) == 2 and line.get_marker() != "None"]
         assert [line.get_ydata()[0] for line in drawn] == pytest.approx([45.0] * 3 + [81.0] * 3 + [85.5] * 3)
+
+
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_times_draw_what_was_observed_and_what_every_ellipse_expects(count: int) -> None:
+    rows = [
+        TimeRow(f"model-{m}", form, threshold_m, 1.0 + at, 2.0 + m, rank_correlation=0.1, instants=9)
+        for m in range(count)
+        for at, form in enumerate(FORMS)
+        for threshold_m in (0.2, 0.5)
+    ]
+    figure = plot_times(rows)
+    with style():
+        figure.draw_without_rendering()
+    if not count:
+        return
+    assert [axes.get_title() for axes in figure.axes] == ["until 20 cm", "until 50 cm"]
+    for axes in figure.axes:
+        widths = [bar.get_width() for bar in axes.patches if isinstance(bar, Rectangle)]
+        assert widths == [2.0 + m for m in range(count)]
+        assert [list(line.get_xdata()) for line in axes.lines] == [[1.0 + at] * count for at in range(3)]

@@ -1,8 +1,8 @@
 """Banks of sub-models by name, as users type them."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
+from pathlib import Path
 from typing import cast
 
 import numpy as np
@@ -16,13 +16,7 @@ from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import (
-    GaussianProcess,
-    derivative_process,
-    linear_process,
-    trained_process,
-    vehicle_process,
-)
+from modelcast.models.gp import GaussianProcess, VehicleProcess, linear_process
 from modelcast.models.kinematic import (
     ConstantAcceleration,
     ConstantTurnRateAcceleration,
@@ -30,24 +24,23 @@ from modelcast.models.kinematic import (
 )
 from modelcast.models.learned import Selector
 from modelcast.models.profile import Profile, default_profile
+from modelcast.models.regimes import REGIME_BANK
 from modelcast.models.trusted import Trusted
 from modelcast.policy.costs import CostTable
 from modelcast.policy.rules import IdentifyRule, StartRule
 
-__all__ = ["MEMBER_NAMES", "NamedBank", "bank_from_text", "named_bank"]
+__all__ = [
+    "NamedBank",
+    "bank_from_text",
+    "member_names",
+    "named_bank",
+    "profile_in_use",
+]
 
 INTERCEPT_NOISE_FLOOR_M = 1e-3
 """Smallest noise of ``gp-intercept`` and ``gp-adaptive`` where the user names none [m]."""
 
 _DEFAULT_WINDOW = 10
-
-_GIVEN: dict[str, Callable[[int], AbstractSubModel]] = {
-    "gp-linear": linear_process,
-    "gp-trained": trained_process,
-    "gp-vehicle": vehicle_process,
-    "gp-derivative": derivative_process,
-}
-"""Processes with given hyper-parameters, by window length."""
 
 _KINEMATIC: dict[str, AbstractSubModel] = {
     "cv": ConstantVelocity(),
@@ -56,8 +49,8 @@ _KINEMATIC: dict[str, AbstractSubModel] = {
     "ctra": ConstantTurnRateAcceleration(),
 }
 
-MEMBER_NAMES = (*_KINEMATIC, "gp-anchored", "gp-intercept", "gp-adaptive", *_GIVEN, "learned")
-"""Sub-models that a bank may be made of."""
+_UNTRAINED = (*_KINEMATIC, "gp-anchored", "gp-intercept", "gp-adaptive", "gp-linear")
+"""Sub-models that need no profile."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,22 +107,53 @@ class NamedBank:
         return table.priced(float(airtime_s[0]), float(airtime_s[1]))
 
 
+def profile_in_use(path: str | Path | None) -> Profile:
+    """The profile in a file, or the one that ships with modelcast.
+
+    Parameters
+    ----------
+    path
+        The file; None where the user names none.
+
+    Raises
+    ------
+    DataFormatError
+        Where it is no profile.
+    """
+    return default_profile() if path is None else read_profile(path)
+
+
+def member_names(profile: Profile) -> tuple[str, ...]:
+    """Sub-models that a bank may be made of: those that need no training, then those the profile holds.
+
+    Parameters
+    ----------
+    profile
+        The profile in use.
+    """
+    trained = (member.name for member in profile.sub_models)
+    return (*_UNTRAINED, *(name for name in trained if name not in _UNTRAINED))
+
+
 def named_bank(
     text: str,
     *,
     noise_floor_m: float | None = None,
     window: int = _DEFAULT_WINDOW,
     trusted_horizon_s: float | None = None,
+    profile: Profile | None = None,
 ) -> NamedBank:
     """The bank a user means, and its rules.
 
     Parameters
     ----------
     text
-        ``default`` (the profile that ships with modelcast), a file that ``modelcast train`` wrote (its name
-        ends in .json), or anything that `bank_from_text` takes.
+        ``default`` (the bank of the profile in use), a file that ``modelcast train`` wrote (its name ends in
+        .json), or anything that `bank_from_text` takes.
     noise_floor_m, window, trusted_horizon_s
         As for `bank_from_text`; a profile's bank has its own.
+    profile
+        The profile in use; the one that ships with modelcast where None.
 
     Raises
     ------
@@ -139,18 +163,25 @@ def named_bank(
     DataFormatError
         Where the file is no profile.
     """
+    profile = default_profile() if profile is None else profile
+    rules = cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
     if text != "default" and not text.endswith(".json"):
         bank = bank_from_text(
-            text, noise_floor_m=noise_floor_m, window=window, trusted_horizon_s=trusted_horizon_s
+            text,
+            noise_floor_m=noise_floor_m,
+            window=window,
+            trusted_horizon_s=trusted_horizon_s,
+            profile=profile,
         )
-        return NamedBank(bank, *rules_of(bank))
+        return NamedBank(bank, *(rules if text == REGIME_BANK else rules_of(bank)))
     if noise_floor_m is not None or trusted_horizon_s is not None or window != _DEFAULT_WINDOW:
         raise ConfigError(
             f"--bank {text}: a profile's bank has its own windows, noise floor and trusted horizons; "
             "leave out --window, --noise-floor and --trusted-horizon, or name the sub-models"
         )
-    profile = default_profile() if text == "default" else read_profile(text)
-    rules = cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
+    if text != "default":
+        profile = read_profile(text)
+        rules = cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
     return NamedBank(profile.bank, *rules, profile)
 
 
@@ -160,6 +191,7 @@ def bank_from_text(
     noise_floor_m: float | None = None,
     window: int = _DEFAULT_WINDOW,
     trusted_horizon_s: float | None = None,
+    profile: Profile | None = None,
 ) -> Bank:
     """The bank a user means.
 
@@ -168,15 +200,19 @@ def bank_from_text(
     text
         ``paper`` (constant velocity, then the anchored Gaussian process), or sub-models in order, joined by
         ``+``: ``cv``, ``ca``, ``ctrv``, ``ctra``, ``gp-anchored``, ``gp-intercept``, ``gp-adaptive``,
-        ``gp-linear``, ``gp-trained``, ``gp-vehicle``, ``gp-derivative``, ``learned``.
+        ``gp-linear``, and what the profile in use holds: in the shipped one ``gp-trained``, ``gp-vehicle``,
+        ``gp-derivative``, ``learned`` and ``gp-regime-1`` to ``gp-regime-3``. ``regimes`` stands for the
+        sub-models of all regimes.
     noise_floor_m
         Smallest position noise the Gaussian processes fitted by likelihood may assume [m]; where None, none
         to speak of for the paper's form and 1 mm for the others.
     window
         Samples they are fitted to.
     trusted_horizon_s
-        Age beyond which sub-models are damped [s]; None for never. Constant velocity needs none, and a
-        trained sub-model has its own.
+        Age beyond which sub-models are damped [s]; None for never. Constant velocity needs none, and the
+        learned sub-model has its own.
+    profile
+        The profile in use; the one that ships with modelcast where None.
 
     Raises
     ------
@@ -188,17 +224,29 @@ def bank_from_text(
     >>> bank_from_text("gp-intercept+cv").name
     'gp-intercept+cv'
     """
-    names = [member.name for member in PAPER_BANK.members] if text == "paper" else text.split("+")
+    profile = default_profile() if profile is None else profile
     try:
-        members = tuple(_member(name.strip(), noise_floor_m, window) for name in names)
+        names = [name for part in text.split("+") for name in _members_of(part.strip(), profile)]
+        members = tuple(_member(name, profile, noise_floor_m, window) for name in names)
         if trusted_horizon_s is not None:
             members = tuple(
                 member if _needs_no_horizon(member) else Trusted(member, trusted_horizon_s)
                 for member in members
             )
-        return Bank(members, "paper" if text == "paper" else "")
+        return Bank(members, text if text in ("paper", REGIME_BANK) else "")
     except ValueError as error:
         raise ConfigError(f"--bank {text}: {error}") from error
+
+
+def _members_of(part: str, profile: Profile) -> tuple[str, ...]:
+    """The names that one stands for."""
+    if part == "paper":
+        return tuple(member.name for member in PAPER_BANK.members)
+    if part != REGIME_BANK:
+        return (part,)
+    if profile.regimes is None:
+        raise ValueError("the profile in use has no regimes; train one that has ('modelcast train')")
+    return tuple(member.name for member in profile.regimes.members)
 
 
 def _needs_no_horizon(member: AbstractSubModel) -> bool:
@@ -206,9 +254,11 @@ def _needs_no_horizon(member: AbstractSubModel) -> bool:
     return isinstance(member, ConstantVelocity) or isfinite(member.trusted_horizon_s)
 
 
-def _member(name: str, noise_floor_m: float | None, window: int) -> AbstractSubModel:
+def _member(name: str, profile: Profile, noise_floor_m: float | None, window: int) -> AbstractSubModel:
     if name in _KINEMATIC:
         return _KINEMATIC[name]
+    if name == "gp-linear":
+        return linear_process(window)
     if name == "gp-anchored":
         floor_m = PAPER_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
         return GaussianProcess(window, "anchored", noise_floor_m=floor_m)
@@ -216,11 +266,8 @@ def _member(name: str, noise_floor_m: float | None, window: int) -> AbstractSubM
         floor_m = INTERCEPT_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
         noise = "estimated" if name == "gp-adaptive" else "floor"
         return GaussianProcess(window, "intercept", noise_floor_m=floor_m, noise=noise)
-    if name == "learned":
-        found = default_profile().sub_model(name)
-        if found is not None:
-            return found
-    if name in _GIVEN:
-        return _GIVEN[name](window)
-    known = f"{', '.join(MEMBER_NAMES[:-1])} and {MEMBER_NAMES[-1]}"
-    raise ValueError(f"no sub-model is named '{name}'; there are {known}")
+    found = profile.sub_model(name)
+    if found is None:
+        known = member_names(profile)
+        raise ValueError(f"no sub-model is named '{name}'; there are {', '.join(known[:-1])} and {known[-1]}")
+    return replace(found, samples=window) if isinstance(found, GaussianProcess | VehicleProcess) else found

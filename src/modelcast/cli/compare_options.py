@@ -1,7 +1,7 @@
 """The options of ``modelcast compare``, and the settings and candidates they mean."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
@@ -14,8 +14,11 @@ from modelcast.policy.rules import IdentifyRule, StartRule
 
 if TYPE_CHECKING:
     from modelcast.cli.banks import NamedBank
+    from modelcast.core.trajectory import Trajectory
     from modelcast.evaluation.compare.candidate import AbstractCandidate, TrainedCandidate
     from modelcast.evaluation.compare.settings import CompareSettings
+    from modelcast.evaluation.settings import EvaluationSettings
+    from modelcast.models.profile import Profile
 
 __all__ = ["CompareOptions"]
 
@@ -33,8 +36,11 @@ class CompareOptions:
     ----------
     bank
         Banks to compare, several after one another, each as in 'modelcast evaluate --bank', or 'trained': a
-        profile trained anew without the route that is judged. Every single sub-model, 'paper' and 'default'
-        where not given. Put the trips before this option.
+        profile trained anew without the route that is judged, of which 'trained:regimes' takes the bank
+        regimes, 'trained:gp-vehicle' that sub-model, and so on. Every single sub-model, 'regimes', 'paper'
+        and 'default' where not given. Put the trips before this option.
+    profile
+        File of the profile in use, as in 'modelcast evaluate'.
     rules
         Rules of the policy, several after one another, each as START/IDENTIFY; each bank's own where not
         given. They make no difference to a bank of one sub-model, which is run once.
@@ -80,6 +86,7 @@ class CompareOptions:
     """
 
     bank: Words = ()
+    profile: str | None = None
     rules: Words = ()
     threshold: Numbers = (0.2, 0.3, 0.4, 0.5)
     per: Numbers = (0.0, 0.2, 0.4, 0.6)
@@ -108,8 +115,9 @@ class CompareOptions:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """The profiles' files among the banks."""
-        return tuple(Path(text) for text in self.bank if text.endswith(".json"))
+        """The profiles' files: the one in use, and those among the banks."""
+        named = [text for text in self.bank if text.endswith(".json")]
+        return tuple(Path(text) for text in (*([self.profile] if self.profile else []), *named))
 
     def settings(self) -> "CompareSettings":
         """The settings they mean.
@@ -153,19 +161,23 @@ class CompareOptions:
         ConfigError
             Where a bank or rule is unknown.
         """
-        from modelcast.cli.banks import MEMBER_NAMES
+        from modelcast.cli.banks import member_names, profile_in_use
         from modelcast.core.exceptions import ConfigError
         from modelcast.evaluation.compare.candidate import FixedCandidate
+        from modelcast.models.regimes import REGIME_BANK
 
         if not self.trusted_horizon:
             raise ConfigError("--trusted-horizon: name at least one, as 0")
         rules = [_rules(text) for text in self.rules]
         found: list[AbstractCandidate] = []
-        for text in self.bank or (*MEMBER_NAMES, "paper", "default"):
-            if text == "trained":
-                found.append(_trained_candidate())
+        profile = profile_in_use(self.profile)
+        regimes = () if profile.regimes is None else (REGIME_BANK,)
+        train = _trainer(profile)
+        for text in self.bank or (*member_names(profile), *regimes, "paper", "default"):
+            if text.partition(":")[0] == "trained":
+                found.append(_trained_candidate(text, train))
                 continue
-            for ending, named in self._banks(text).items():
+            for ending, named in self._banks(text, profile).items():
                 own: tuple[StartRule, IdentifyRule] = (named.start, named.identify)
                 fitting = rules if rules and len(named.bank.members) > 1 else [own]
                 for start, identify in fitting:
@@ -183,7 +195,7 @@ class CompareOptions:
                     )
         return found
 
-    def _banks(self, text: str) -> "dict[str, NamedBank]":
+    def _banks(self, text: str, profile: "Profile") -> "dict[str, NamedBank]":
         """A bank with every trusted horizon, by what its name ends in; equal ones, as of cv alone, once."""
         from modelcast.cli.banks import named_bank
 
@@ -193,6 +205,7 @@ class CompareOptions:
                 noise_floor_m=self.noise_floor,
                 window=self.window,
                 trusted_horizon_s=horizon_s or None,
+                profile=profile,
             )
             for horizon_s in self.trusted_horizon
         }
@@ -204,14 +217,33 @@ class CompareOptions:
         return distinct
 
 
-def _trained_candidate() -> "TrainedCandidate":
-    """A profile trained on all other routes, its bank of the same members as the shipped one."""
-    from modelcast.evaluation.compare.candidate import TrainedCandidate
-    from modelcast.evaluation.training.profile import LONGEST_WINDOW, ProfileSettings, profile_learner
-    from modelcast.models.profile import default_profile
+def _trainer(profile: "Profile") -> "Callable[[Sequence[Trajectory]], Profile]":
+    """What trains a profile whose bank has this one's members; once for all candidates on the same trips."""
+    made: dict[tuple[str, ...], Profile] = {}
 
-    names = tuple(member.name for member in default_profile().bank.members)
-    return TrainedCandidate("trained", profile_learner(ProfileSettings(names=names)), LONGEST_WINDOW)
+    def train(trips: "Sequence[Trajectory]") -> "Profile":
+        from modelcast.evaluation.training.profile import ProfileSettings, train_profile
+
+        settings = ProfileSettings(names=tuple(member.name for member in profile.bank.members))
+        key = tuple(trip.trip_id for trip in trips)
+        if key not in made:
+            made[key] = train_profile(trips, settings)
+        return made[key]
+
+    return train
+
+
+def _trained_candidate(text: str, train: "Callable[[Sequence[Trajectory]], Profile]") -> "TrainedCandidate":
+    """A bank of a profile trained on all other routes: the profile's own, or the one named after a colon."""
+    from modelcast.cli.banks import named_bank
+    from modelcast.evaluation.compare.candidate import TrainedCandidate
+    from modelcast.evaluation.training.profile import LONGEST_WINDOW
+
+    def learn(trips: "Sequence[Trajectory]", shared: "EvaluationSettings") -> "EvaluationSettings":
+        named = named_bank(text.partition(":")[2] or "default", profile=train(trips))
+        return replace(shared, bank=named.bank, start=named.start, identify=named.identify)
+
+    return TrainedCandidate(text, learn, LONGEST_WINDOW)
 
 
 def _rules(text: str) -> tuple[StartRule, IdentifyRule]:

@@ -20,6 +20,8 @@ def coverage(
     out: Path = Path("out/coverage"),
     train: Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative="")] = (),
     bank: str = "cv+ctrv+ctra+gp-intercept",
+    profile: str | None = None,
+    start: Literal["order", "hindsight"] | None = None,
     noise_floor: float | None = None,
     trusted_horizon: float = 0.0,
     protocol: Literal["auto", "recorded", "sensor"] = "auto",
@@ -33,8 +35,9 @@ def coverage(
 ) -> int:
     """Calibrate each sub-model's covariance, and count errors of other trips inside its ellipses.
 
-    Every file is tested with what the other files taught, or all with what --train taught. Writes
-    coverage.json and coverage.png.
+    Every file is tested with what the other files taught, or all with what --train taught. A bank that starts
+    in hindsight, as default and regimes do, is counted as a hybrid too. Writes coverage.json,
+    coverage.png and times.png.
 
     Parameters
     ----------
@@ -45,7 +48,13 @@ def coverage(
     train
         Files to learn from instead; put the tested trips before this option.
     bank
-        Sub-models, joined by '+', as in 'modelcast evaluate'.
+        Sub-models, joined by '+', as in 'modelcast evaluate'; 'default' and a profile's file stand for the
+        members of their banks.
+    profile
+        File of the profile in use, as in 'modelcast evaluate'.
+    start
+        Count the sub-models together too: at each instant the one that an update would start with, the first
+        in order or the one that did best (hindsight); the bank's own rule where not given.
     noise_floor
         Smallest position noise a Gaussian process may assume [m].
     trusted_horizon
@@ -71,23 +80,29 @@ def coverage(
 
     from rich.console import Console
 
-    from modelcast.cli.banks import bank_from_text
+    from modelcast.cli.banks import named_bank, profile_in_use
     from modelcast.cli.options import parse_columns
     from modelcast.cli.reading import TripSource
     from modelcast.core.exceptions import ConfigError
-    from modelcast.evaluation.coverage import measure_coverage
+    from modelcast.evaluation.coverage import Hybrid, measure_coverage
     from modelcast.evaluation.settings import EvaluationSettings
     from modelcast.io.coverage import coverage_document, write_coverage
     from modelcast.io.output import atomic_folder
     from modelcast.report.coverage import coverage_report
-    from modelcast.report.figures.coverage import plot_coverage
+    from modelcast.report.figures.coverage import plot_coverage, plot_times
     from modelcast.report.style import style
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast coverage --help)")
-    members = bank_from_text(
-        bank, noise_floor_m=noise_floor, trusted_horizon_s=trusted_horizon or None
-    ).members
+    named = named_bank(
+        bank,
+        noise_floor_m=noise_floor,
+        trusted_horizon_s=trusted_horizon or None,
+        profile=profile_in_use(profile),
+    )
+    members = named.bank.members
+    rule = start or ("hindsight" if named.start == "hindsight" else None)
+    hybrid = Hybrid(named.bank.name, rule) if rule and len(members) > 1 else None
     names = parse_columns(columns)
     tested = TripSource(paths, format_name=format, columns=names, pattern=trip)
     taught = TripSource(train, format_name=format, columns=names)
@@ -101,6 +116,7 @@ def coverage(
                 members,
                 train=[case for cases in training.values() for case in cases],
                 thresholds_m=settings.thresholds_m,
+                hybrid=hybrid,
             )
             document = coverage_document(
                 result,
@@ -112,7 +128,11 @@ def coverage(
             path = write_coverage(document, folder)
             text = path.read_text(encoding="utf-8")
             with style():
-                plot_coverage(result.rows).savefig(folder / "coverage.png", metadata={"Software": None})
+                for name, figure in (
+                    ("coverage", plot_coverage(result.rows)),
+                    ("times", plot_times(result.times)),
+                ):
+                    figure.savefig(folder / f"{name}.png", metadata={"Software": None})
     except ValueError as error:
         raise ConfigError(str(error)) from error
     if json:
@@ -120,7 +140,7 @@ def coverage(
     elif not quiet:
         console = Console()
         console.print(coverage_report(result))
-        console.print(f"figure: {out / 'coverage.png'}", highlight=False, soft_wrap=True)
+        console.print(f"figures: {out}", highlight=False, soft_wrap=True)
     return max(tested.exit_code, taught.exit_code)
 
 

@@ -33,9 +33,13 @@ class EvaluateOptions:
     seed
         Seed of all random numbers.
     bank
-        Sub-models of model-based communication, first in use first: 'default' (the profile that ships with
-        modelcast), a profile's file, 'paper', or names joined by '+' among cv, ca, ctrv, ctra, gp-anchored,
-        gp-intercept, gp-adaptive, gp-linear, gp-trained, gp-vehicle, gp-derivative, learned.
+        Sub-models of model-based communication, first in use first: 'default' (the bank of the profile in
+        use), a profile's file, 'paper', 'regimes' (a Gaussian process for each driving regime), or names
+        joined by '+' among cv, ca, ctrv, ctra, gp-anchored, gp-intercept, gp-adaptive, gp-linear, gp-trained,
+        gp-vehicle, gp-derivative, learned and gp-regime-1, gp-regime-2, gp-regime-3.
+    profile
+        File of the profile in use, from which sub-models get what was trained; the profile that ships with
+        modelcast where not given.
     window
         Samples a Gaussian process is fitted to.
     noise_floor
@@ -87,6 +91,7 @@ class EvaluateOptions:
     seeds: int = 5
     seed: int = 0
     bank: str = "default"
+    profile: str | None = None
     window: int = 10
     noise_floor: float | None = None
     trusted_horizon: float = 0.0
@@ -113,8 +118,9 @@ class EvaluateOptions:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """The profile's file, where the bank is one."""
-        return (Path(self.bank),) if self.bank.endswith(".json") else ()
+        """The profiles' files: the one in use, and the bank where it is one."""
+        named = [self.bank] if self.bank.endswith(".json") else []
+        return tuple(Path(text) for text in (*([self.profile] if self.profile else []), *named))
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "EvaluateOptions":
@@ -148,7 +154,7 @@ class EvaluateOptions:
         ConfigError
             Where a value is out of its range.
         """
-        from modelcast.cli.banks import named_bank
+        from modelcast.cli.banks import named_bank, profile_in_use
         from modelcast.core.exceptions import ConfigError
         from modelcast.evaluation.settings import EvaluationSettings
         from modelcast.messages.airtime import Stack
@@ -158,6 +164,7 @@ class EvaluateOptions:
             noise_floor_m=self.noise_floor,
             window=self.window,
             trusted_horizon_s=self.trusted_horizon or None,
+            profile=profile_in_use(self.profile),
         )
         start, identify = self.start or named.start, self.identify or named.identify
         try:

@@ -18,6 +18,7 @@ def train(
     hidden: Annotated[tuple[int, int], Parameter(consume_multiple=True)] = (96, 96),
     coefficients: int = 3,
     steps: int = 2500,
+    regimes: int = 3,
     seed: int = 0,
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
@@ -37,8 +38,9 @@ def train(
     out
         The profile's file; its folder must exist.
     bank
-        Members of the bank in order, joined by '+', among learned, gp-vehicle, gp-derivative, ctra, ctrv, ca
-        and cv; chosen by the messages they save where not given.
+        Members of the bank in order, joined by '+', among learned, gp-vehicle, gp-derivative, gp-trained,
+        gp-regime-1 and so on, ctra, ctrv, ca and cv; chosen among all but gp-trained and the regimes' by the
+        messages they save where not given.
     validate
         Train once more without each route and count messages there: the record then holds honest figures, and
         the bank's order follows from them. Takes that many times longer.
@@ -48,6 +50,8 @@ def train(
         Coefficients of the learned path on each axis: its payload is twice as many numbers.
     steps
         Batches each network is trained on.
+    regimes
+        Driving regimes that get a Gaussian process of their own, for the bank 'regimes'; 0 for none.
     seed
         Seed of all random numbers.
     format
@@ -71,6 +75,7 @@ def train(
     from modelcast.core.exceptions import ConfigError
     from modelcast.evaluation.training.descent import Descent
     from modelcast.evaluation.training.learned import LearnedSettings
+    from modelcast.evaluation.training.processes import ProcessSettings
     from modelcast.evaluation.training.profile import ProfileSettings, train_profile
     from modelcast.io.profile import write_profile
     from modelcast.report.training import training_report
@@ -90,6 +95,7 @@ def train(
         descent = Descent(hidden=hidden, steps=steps, averaged=max(1, steps // 3))
         settings = ProfileSettings(
             LearnedSettings(coefficients=coefficients, descent=descent),
+            processes=ProcessSettings(regimes=regimes),
             names=names,
             validate=validate,
             seed=seed,

@@ -11,6 +11,7 @@ import numpy as np
 from modelcast.core.arrays import IntArray
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation import clairvoyant_kernels as kernels
+from modelcast.evaluation.minimax_kernels import MOST_DEGREE
 
 __all__ = ["Clairvoyant", "clairvoyant"]
 
@@ -58,7 +59,7 @@ def clairvoyant(trip: Trajectory, degree: int, threshold_m: float) -> Clairvoyan
 
     A stretch is only taken with a polynomial that was seen to hold it, and only refused with weights w >= 0,
     sum w = 1, whose least-squares optimum has sqrt(sum w e²) >= threshold: the greatest error of any
-    polynomial is at least its weighted mean, and that is at least the optimum's (`clairvoyant_kernels`).
+    polynomial is at least its weighted mean, and that is at least the optimum's (`minimax_kernels`).
 
     Each part starts anew, so a sender whose models outlast a gap may save one message a gap.
 
@@ -77,8 +78,8 @@ def clairvoyant(trip: Trajectory, degree: int, threshold_m: float) -> Clairvoyan
     >>> clairvoyant(build_trajectory("made/1", t_s, 10.0 * corner), 1, 0.2).starts.size
     2
     """
-    if not 1 <= degree <= kernels.MOST_DEGREE:
-        raise ValueError(f"degree must be 1 to {kernels.MOST_DEGREE}, got {degree}")
+    if not 1 <= degree <= MOST_DEGREE:
+        raise ValueError(f"degree must be 1 to {MOST_DEGREE}, got {degree}")
     if not (threshold_m > 0 and np.isfinite(threshold_m)):
         raise ValueError(f"threshold_m must be positive, got {threshold_m}")
     starts = np.empty(len(trip), dtype=np.int64)

@@ -1,5 +1,8 @@
 """Coverage: how many errors of unseen trips lie inside the ellipses that should hold 50, 90 and 95 %.
 
+Beside every sub-model alone, a hybrid may be counted: at each instant the sub-model with which a sender that
+updates just then starts, with that sub-model's own calibration.
+
 Three ellipses are compared: the *nominal* one of the sub-model's own covariance; the *calibrated* one, whose
 covariance was learnt on other trips and whose radius is a Gaussian's; and the *mapped* one, the same
 covariance with the radius learnt for its level. From the same covariances comes the expected time until a
@@ -7,26 +10,30 @@ threshold is crossed, held against the time that was observed.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import KW_ONLY, asdict, dataclass
+from typing import Any, Literal
 
 import numpy as np
 from scipy.stats import rankdata
 
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.evaluation.case import TripCase
 from modelcast.evaluation.training.calibration import (
     PredictionErrors,
     calibrate,
+    fitted_at,
     mahalanobis,
     pooled_errors,
     prediction_errors,
 )
+from modelcast.evaluation.walk import TripBank
+from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.calibration import LEVELS, Calibration, gaussian_radius
 from modelcast.models.threshold_time import expected_time_to_threshold
+from modelcast.policy.error_driven import ErrorDriven
 
-__all__ = ["FORMS", "CoverageResult", "CoverageRow", "TimeRow", "measure_coverage"]
+__all__ = ["FORMS", "CoverageResult", "CoverageRow", "Hybrid", "TimeRow", "measure_coverage"]
 
 FORMS = ("nominal", "calibrated", "mapped")
 """The three ellipses."""
@@ -122,12 +129,33 @@ class CoverageResult:
         }
 
 
+@dataclass(frozen=True, slots=True)
+class Hybrid:
+    """How the sub-models are used together.
+
+    Parameters
+    ----------
+    label
+        Name of the hybrid in the rows.
+    start
+        Which sub-model an update starts with; only rules that look at nothing but the window.
+    threshold_m
+        The sender's threshold [m].
+    """
+
+    label: str
+    start: Literal["order", "hindsight"] = "hindsight"
+    _: KW_ONLY
+    threshold_m: float = 0.3
+
+
 def measure_coverage(
     groups: Mapping[str, Sequence[TripCase]],
     members: Sequence[AbstractSubModel],
     *,
     train: Sequence[TripCase] = (),
     thresholds_m: Sequence[float] = (0.2, 0.5),
+    hybrid: Hybrid | None = None,
     stride: int = 5,
     progress: Callable[[int, int], None] | None = None,
 ) -> CoverageResult:
@@ -143,10 +171,12 @@ def measure_coverage(
         Trips to learn from, all apart from the groups.
     thresholds_m
         Thresholds of the times [m].
+    hybrid
+        How they are used together, where that is to be counted too.
     stride
         Samples from one fit to the next.
     progress
-        Called with trips done, over all sub-models, and their number.
+        Called with trips done, over all sub-models and the hybrid, and their number.
 
     Raises
     ------
@@ -155,7 +185,10 @@ def measure_coverage(
     """
     if len(groups) < 2 and not train:
         raise ValueError("one group of trips cannot be split: name several files, or trips to train on")
-    watch = _Watch((sum(map(len, groups.values())) * 2 + len(train)) * len(members), progress)
+    every = sum(map(len, groups.values()))
+    watch = _Watch(
+        (every * 2 + len(train)) * len(members) + (every * len(members) if hybrid else 0), progress
+    )
     rows: list[CoverageRow] = []
     times: list[TimeRow] = []
     calibrations: dict[str, dict[str, Calibration]] = {name: {} for name in groups}
@@ -163,8 +196,13 @@ def measure_coverage(
         learnt = _calibrations(member, groups, train, stride=stride, watch=watch)
         for name, calibration in learnt.items():
             calibrations[name][member.name] = calibration
-        rows += _coverage_rows(member, groups, learnt, stride)
-        times += _time_rows(member, groups, learnt, thresholds_m, stride=4 * stride, watch=watch)
+        parts = [_Part(case, member, learnt[name]) for name, cases in groups.items() for case in cases]
+        rows += _coverage_rows(member.name, parts, stride)
+        times += _time_rows(member.name, parts, thresholds_m, stride=4 * stride, watch=watch)
+    if hybrid is not None:
+        parts = _hybrid_parts(groups, members, calibrations, hybrid)
+        rows += _coverage_rows(hybrid.label, parts, stride)
+        times += _time_rows(hybrid.label, parts, thresholds_m, stride=4 * stride, watch=watch)
     return CoverageResult(tuple(rows), tuple(times), calibrations)
 
 
@@ -178,6 +216,49 @@ class _Watch:
         self.done += 1
         if self.progress is not None:
             self.progress(self.done, self.total)
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """A trip with a sub-model and its calibration, and the samples at which it counts, (T,); None for all."""
+
+    case: TripCase
+    member: AbstractSubModel
+    calibration: Calibration
+    counts: BoolArray | None = None
+
+    def errors(self, horizons_s: Sequence[float], stride: int) -> PredictionErrors:
+        """Errors where it counts."""
+        found = prediction_errors(self.case, self.member, horizons_s, stride=stride)
+        if self.counts is None:
+            return found
+        return found.select(self.counts[fitted_at(self.case, self.member, stride)])
+
+
+def _hybrid_parts(
+    groups: Mapping[str, Sequence[TripCase]],
+    members: Sequence[AbstractSubModel],
+    calibrations: Mapping[str, Mapping[str, Calibration]],
+    hybrid: Hybrid,
+) -> list[_Part]:
+    """Every sub-model with the samples at which an update would start with it."""
+    parts: list[_Part] = []
+    for name, cases in groups.items():
+        for case in cases:
+            ready = TripBank(case.seen, Bank(tuple(members)), case.estimator)
+            # So short a silence makes the sender update at every sample.
+            policy = ErrorDriven(
+                hybrid.threshold_m,
+                hybrid.start,
+                "never",
+                max_inter_transmit_time_s=0.5 * case.seen.dt_s,
+            )
+            in_use = ready.walk(policy).in_use
+            parts += [
+                _Part(case, member, calibrations[name][member.name], in_use == m)
+                for m, member in enumerate(members)
+            ]
+    return parts
 
 
 def _calibrations(
@@ -209,29 +290,23 @@ def _calibrations(
     }
 
 
-def _coverage_rows(
-    member: AbstractSubModel,
-    groups: Mapping[str, Sequence[TripCase]],
-    learnt: Mapping[str, Calibration],
-    stride: int,
-) -> list[CoverageRow]:
+def _coverage_rows(label: str, parts: Sequence[_Part], stride: int) -> list[CoverageRow]:
     horizons_s = np.array(HORIZONS_S)
     inside = np.zeros((len(FORMS), horizons_s.size, len(LEVELS)), dtype=np.int64)
     count = np.zeros(horizons_s.size, dtype=np.int64)
-    for name, cases in groups.items():
-        learned = np.stack([learnt[name].radius(level, horizons_s) for level in LEVELS], axis=1)
+    for part in parts:
+        learned = np.stack([part.calibration.radius(level, horizons_s) for level in LEVELS], axis=1)
         radii = (gaussian_radius(LEVELS), gaussian_radius(LEVELS), learned)
-        for case in cases:
-            own = prediction_errors(case, member, HORIZONS_S, stride=stride)
-            nominal = own.covariance_m2 + _SMALLEST_M2 * np.eye(2)
-            calibrated = learnt[name].scaled(own.covariance_m2, horizons_s)
-            for form, covariance in enumerate((nominal, calibrated, calibrated)):
-                reached = _radii(own.errors_m, covariance)
-                inside[form] += (reached[:, :, None] <= radii[form]).sum(axis=0)
-            count += (~np.isnan(own.errors_m[:, :, 0])).sum(axis=0)
+        own = part.errors(HORIZONS_S, stride)
+        nominal = own.covariance_m2 + _SMALLEST_M2 * np.eye(2)
+        calibrated = part.calibration.scaled(own.covariance_m2, horizons_s)
+        for form, covariance in enumerate((nominal, calibrated, calibrated)):
+            reached = _radii(own.errors_m, covariance)
+            inside[form] += (reached[:, :, None] <= radii[form]).sum(axis=0)
+        count += (~np.isnan(own.errors_m[:, :, 0])).sum(axis=0)
     return [
         CoverageRow(
-            member.name, form, float(horizons_s[h]), level, inside[f, h, k] / count[h], errors=int(count[h])
+            label, form, float(horizons_s[h]), level, inside[f, h, k] / count[h], errors=int(count[h])
         )
         for f, form in enumerate(FORMS)
         for h in range(horizons_s.size)
@@ -247,36 +322,29 @@ def _radii(errors_m: FloatArray, covariance_m2: FloatArray) -> FloatArray:
 
 
 def _time_rows(
-    member: AbstractSubModel,
-    groups: Mapping[str, Sequence[TripCase]],
-    learnt: Mapping[str, Calibration],
-    thresholds_m: Sequence[float],
-    *,
-    stride: int,
-    watch: _Watch,
+    label: str, parts: Sequence[_Part], thresholds_m: Sequence[float], *, stride: int, watch: _Watch
 ) -> list[TimeRow]:
     horizons_s = np.array(TIME_HORIZONS_S)
     expected: dict[tuple[str, float], list[FloatArray]] = {(f, th): [] for f in FORMS for th in thresholds_m}
     observed: dict[float, list[FloatArray]] = {threshold_m: [] for threshold_m in thresholds_m}
-    for name, cases in groups.items():
-        for case in cases:
-            own = prediction_errors(case, member, TIME_HORIZONS_S, stride=stride)
-            watch.step()
-            whole = ~np.isnan(own.errors_m[:, :, 0]).any(axis=1)
-            length_m = np.hypot(own.errors_m[whole, :, 0], own.errors_m[whole, :, 1])
-            nominal = own.covariance_m2[whole]
-            calibrated = learnt[name].scaled(nominal, horizons_s)
-            radii = learnt[name].level_radii(horizons_s)
-            believed = ((nominal, None), (calibrated, None), (calibrated, radii))
-            for threshold_m in thresholds_m:
-                observed[threshold_m].append(_observed_s(length_m, horizons_s, threshold_m))
-                for form, (covariance, radii) in zip(FORMS, believed, strict=True):
-                    expected[form, threshold_m].append(
-                        expected_time_to_threshold(covariance, horizons_s, threshold_m, radii=radii)
-                    )
+    for part in parts:
+        own = part.errors(TIME_HORIZONS_S, stride)
+        watch.step()
+        whole = ~np.isnan(own.errors_m[:, :, 0]).any(axis=1)
+        length_m = np.hypot(own.errors_m[whole, :, 0], own.errors_m[whole, :, 1])
+        nominal = own.covariance_m2[whole]
+        calibrated = part.calibration.scaled(nominal, horizons_s)
+        radii = part.calibration.level_radii(horizons_s)
+        believed = ((nominal, None), (calibrated, None), (calibrated, radii))
+        for threshold_m in thresholds_m:
+            observed[threshold_m].append(_observed_s(length_m, horizons_s, threshold_m))
+            for form, (covariance, own_radii) in zip(FORMS, believed, strict=True):
+                expected[form, threshold_m].append(
+                    expected_time_to_threshold(covariance, horizons_s, threshold_m, radii=own_radii)
+                )
     return [
         _time_row(
-            member.name,
+            label,
             form,
             threshold_m,
             np.concatenate(expected[form, threshold_m]),

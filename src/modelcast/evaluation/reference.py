@@ -7,7 +7,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.evaluation.case import STANDING_SPEED_MPS, TripCase
 from modelcast.evaluation.clairvoyant import clairvoyant
-from modelcast.evaluation.clairvoyant_kernels import MOST_DEGREE
+from modelcast.evaluation.minimax_kernels import MOST_DEGREE
 from modelcast.evaluation.result import POOLED, ReferenceRow
 from modelcast.policy.cam import CamTriggering
 

@@ -5,18 +5,19 @@ and baseline share it.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.models import constant_velocity_kernels
-from modelcast.models.base import AbstractSubModel, PointFunctions
+from modelcast.models.core_model import AbstractCoreModel
 
 __all__ = ["ConstantVelocity"]
 
 
 @dataclass(frozen=True, slots=True)
-class ConstantVelocity(AbstractSubModel):
+class ConstantVelocity(AbstractCoreModel):
     """Coast from the last position at the last velocity.
 
     Parameters
@@ -44,31 +45,16 @@ class ConstantVelocity(AbstractSubModel):
         return "cv"
 
     @property
-    def window(self) -> int:
-        """One sample, with its velocity."""
-        return 1
-
-    @property
     def parameter_names(self) -> tuple[str, ...]:
         """Velocity."""
         return ("velocity_east_mps", "velocity_north_mps")
 
     @property
-    def payload_parameters(self) -> int:
-        """None: the core message has speed and heading."""
-        return 0
+    def functions(self) -> tuple[Any, Any]:
+        """Compiled."""
+        return constant_velocity_kernels.fit, constant_velocity_kernels.predict
 
-    def point_functions(self, dt_s: float) -> PointFunctions:  # noqa: ARG002 - no table depends on it
-        """Return the compiled functions; there are no tables."""
-        return PointFunctions(constant_velocity_kernels.fit, constant_velocity_kernels.predict, np.empty(0))
-
-    def covariance(
-        self,
-        parameters: FloatArray,
-        horizons_s: FloatArray,
-        *,
-        dt_s: float,  # noqa: ARG002 - no table depends on it
-    ) -> FloatArray:
+    def spread_m2(self, parameters: FloatArray, horizons_s: FloatArray) -> FloatArray:
         """Spread of an unmodelled constant acceleration."""
         spread_m = 0.5 * self.acceleration_spread_mps2 * horizons_s**2
         one = spread_m[:, None, None] ** 2 * np.eye(2)

@@ -1,9 +1,7 @@
 """Constant acceleration, constant turn rate, and both: the kinematic models beside constant velocity.
 
 Velocity, acceleration along the course and yaw rate are those that the trip's named causal estimators give at
-the window's last sample (`modelcast.models.velocity`, `modelcast.models.rates`). A core basic safety message
-carries all of them (SAE J2735: speed, heading, and ``accelSet`` with longitudinal acceleration and yaw rate),
-so none of these models adds a byte to it.
+the window's last sample (`modelcast.models.velocity`, `modelcast.models.rates`).
 
 References
 ----------
@@ -12,12 +10,13 @@ Tracking", 11th International Conference on Information Fusion, 2008.
 """
 
 from dataclasses import KW_ONLY, dataclass
+from typing import Any
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.models import kinematic_kernels
-from modelcast.models.base import AbstractSubModel, PointFunctions
+from modelcast.models.core_model import AbstractCoreModel
 
 __all__ = ["ConstantAcceleration", "ConstantTurnRateAcceleration", "ConstantTurnRateVelocity"]
 
@@ -25,7 +24,7 @@ _VELOCITY = ("velocity_east_mps", "velocity_north_mps")
 
 
 @dataclass(frozen=True, slots=True)
-class ConstantAcceleration(AbstractSubModel):
+class ConstantAcceleration(AbstractCoreModel):
     """Go straight on at constant acceleration along the course; a braking car stops and stays.
 
     Parameters
@@ -63,33 +62,16 @@ class ConstantAcceleration(AbstractSubModel):
         return "ca"
 
     @property
-    def window(self) -> int:
-        """One sample, with its velocity and acceleration."""
-        return 1
-
-    @property
     def parameter_names(self) -> tuple[str, ...]:
         """Velocity and acceleration."""
         return (*_VELOCITY, "acceleration_mps2")
 
     @property
-    def payload_parameters(self) -> int:
-        """None: the core message has speed, heading and acceleration."""
-        return 0
+    def functions(self) -> tuple[Any, Any]:
+        """Compiled."""
+        return kinematic_kernels.fit_acceleration, kinematic_kernels.predict_acceleration
 
-    def point_functions(self, dt_s: float) -> PointFunctions:  # noqa: ARG002 - no table depends on it
-        """Return the compiled functions; there are no tables."""
-        return PointFunctions(
-            kinematic_kernels.fit_acceleration, kinematic_kernels.predict_acceleration, np.empty(0)
-        )
-
-    def covariance(
-        self,
-        parameters: FloatArray,
-        horizons_s: FloatArray,
-        *,
-        dt_s: float,  # noqa: ARG002 - no table depends on it
-    ) -> FloatArray:
+    def spread_m2(self, parameters: FloatArray, horizons_s: FloatArray) -> FloatArray:
         """Spread of an unmodelled jerk along the course and acceleration across it."""
         along_m = np.broadcast_to(self.jerk_spread_mps3 * horizons_s**3 / 6.0, _shape(parameters, horizons_s))
         across_m = np.broadcast_to(0.5 * self.lateral_spread_mps2 * horizons_s**2, along_m.shape)
@@ -97,7 +79,7 @@ class ConstantAcceleration(AbstractSubModel):
 
 
 @dataclass(frozen=True, slots=True)
-class ConstantTurnRateVelocity(AbstractSubModel):
+class ConstantTurnRateVelocity(AbstractCoreModel):
     """Follow a circle at constant speed and yaw rate.
 
     Parameters
@@ -130,31 +112,16 @@ class ConstantTurnRateVelocity(AbstractSubModel):
         return "ctrv"
 
     @property
-    def window(self) -> int:
-        """One sample, with its velocity and yaw rate."""
-        return 1
-
-    @property
     def parameter_names(self) -> tuple[str, ...]:
         """Velocity and yaw rate."""
         return (*_VELOCITY, "yaw_rate_radps")
 
     @property
-    def payload_parameters(self) -> int:
-        """None: the core message has speed, heading and yaw rate."""
-        return 0
+    def functions(self) -> tuple[Any, Any]:
+        """Compiled."""
+        return kinematic_kernels.fit_turn, kinematic_kernels.predict_turn
 
-    def point_functions(self, dt_s: float) -> PointFunctions:  # noqa: ARG002 - no table depends on it
-        """Return the compiled functions; there are no tables."""
-        return PointFunctions(kinematic_kernels.fit_turn, kinematic_kernels.predict_turn, np.empty(0))
-
-    def covariance(
-        self,
-        parameters: FloatArray,
-        horizons_s: FloatArray,
-        *,
-        dt_s: float,  # noqa: ARG002 - no table depends on it
-    ) -> FloatArray:
+    def spread_m2(self, parameters: FloatArray, horizons_s: FloatArray) -> FloatArray:
         """Spread of an unmodelled acceleration along the course and yaw acceleration across it."""
         along_m = np.broadcast_to(
             0.5 * self.acceleration_spread_mps2 * horizons_s**2, _shape(parameters, horizons_s)
@@ -164,7 +131,7 @@ class ConstantTurnRateVelocity(AbstractSubModel):
 
 
 @dataclass(frozen=True, slots=True)
-class ConstantTurnRateAcceleration(AbstractSubModel):
+class ConstantTurnRateAcceleration(AbstractCoreModel):
     """Turn at constant yaw rate while accelerating along the course; a braking car stops and stays.
 
     Parameters
@@ -204,35 +171,16 @@ class ConstantTurnRateAcceleration(AbstractSubModel):
         return "ctra"
 
     @property
-    def window(self) -> int:
-        """One sample, with its velocity, acceleration and yaw rate."""
-        return 1
-
-    @property
     def parameter_names(self) -> tuple[str, ...]:
         """Velocity, acceleration and yaw rate."""
         return (*_VELOCITY, "acceleration_mps2", "yaw_rate_radps")
 
     @property
-    def payload_parameters(self) -> int:
-        """None: the core message has speed, heading, acceleration and yaw rate."""
-        return 0
+    def functions(self) -> tuple[Any, Any]:
+        """Compiled."""
+        return kinematic_kernels.fit_acceleration_and_turn, kinematic_kernels.predict_acceleration_and_turn
 
-    def point_functions(self, dt_s: float) -> PointFunctions:  # noqa: ARG002 - no table depends on it
-        """Return the compiled functions; there are no tables."""
-        return PointFunctions(
-            kinematic_kernels.fit_acceleration_and_turn,
-            kinematic_kernels.predict_acceleration_and_turn,
-            np.empty(0),
-        )
-
-    def covariance(
-        self,
-        parameters: FloatArray,
-        horizons_s: FloatArray,
-        *,
-        dt_s: float,  # noqa: ARG002 - no table depends on it
-    ) -> FloatArray:
+    def spread_m2(self, parameters: FloatArray, horizons_s: FloatArray) -> FloatArray:
         """Spread of an unmodelled jerk along the course and yaw acceleration across it."""
         along_m = np.broadcast_to(self.jerk_spread_mps3 * horizons_s**3 / 6.0, _shape(parameters, horizons_s))
         across_m = _swerve_m(parameters, horizons_s, self.yaw_acceleration_spread_radps2)

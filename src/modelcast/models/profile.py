@@ -18,11 +18,16 @@ from modelcast.models.base import AbstractSubModel
 from modelcast.models.calibration import Calibration
 from modelcast.models.learned import Selector
 from modelcast.models.plain import from_plain, to_plain
+from modelcast.models.regimes import Regimes
 
 __all__ = ["PROFILE_SCHEMA", "Profile", "default_profile", "profile_from_text"]
 
 PROFILE_SCHEMA = 1
-"""Version of the layout; it rises when a key changes its meaning or goes away."""
+"""Version of the layout; it rises when a key changes its meaning or goes away.
+
+The key ``regimes`` was added without a new number: a profile that has none does not write it, so that older
+files keep their bytes and with them their identity.
+"""
 
 _KEYS = (
     "schema",
@@ -48,6 +53,8 @@ class Profile:
         The sub-models, in order.
     shelf
         Other sub-models that were trained, to make other banks of.
+    regimes
+        Driving regimes with a sub-model each; None where there are none.
     start, identify
         The policy's rules, as in `modelcast.policy.error_driven.ErrorDriven`.
     selector
@@ -63,7 +70,7 @@ class Profile:
     Raises
     ------
     ValueError
-        Where a calibration is of no sub-model of the bank.
+        Where a calibration is of no sub-model of the bank, or two trained sub-models share a name.
 
     Examples
     --------
@@ -78,6 +85,7 @@ class Profile:
     bank: Bank
     _: KW_ONLY
     shelf: tuple[AbstractSubModel, ...] = ()
+    regimes: Regimes | None = None
     start: str = "order"
     identify: str = "never"
     selector: Selector | None = None
@@ -90,6 +98,16 @@ class Profile:
         foreign = sorted(set(self.calibrations) - names)
         if foreign:
             raise ValueError(f"calibrations of no sub-model of the bank: {', '.join(foreign)}")
+        every = [member.name for member in self.sub_models]
+        twice = sorted({name for name in every if every.count(name) > 1})
+        if twice:
+            raise ValueError(f"sub-models of a profile must have distinct names, twice: {', '.join(twice)}")
+
+    @property
+    def sub_models(self) -> tuple[AbstractSubModel, ...]:
+        """All that it holds: the bank's, the shelf's and the regimes'."""
+        regimes = () if self.regimes is None else self.regimes.members
+        return (*self.bank.members, *self.shelf, *(one for one in regimes if one not in self.bank.members))
 
     def sub_model(self, name: str) -> AbstractSubModel | None:
         """The trained sub-model of that name, or None.
@@ -99,13 +117,13 @@ class Profile:
         name
             As in banks.
         """
-        found = [member for member in (*self.bank.members, *self.shelf) if member.name == name]
+        found = [member for member in self.sub_models if member.name == name]
         return found[0] if found else None
 
     @functools.cached_property
     def text(self) -> str:
         """Canonical JSON."""
-        document = {
+        document: dict[str, Any] = {
             "schema": PROFILE_SCHEMA,
             "label": self.bank.label,
             "members": to_plain(self.bank.members),
@@ -117,6 +135,8 @@ class Profile:
             "calibrations": {name: one.as_plain() for name, one in self.calibrations.items()},
             "record": self.record,
         }
+        if self.regimes is not None:
+            document["regimes"] = to_plain(self.regimes)
         return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n"
 
     def __eq__(self, other: object) -> bool:
@@ -162,9 +182,13 @@ def profile_from_text(text: str) -> Profile:
     selector: Any = from_plain(plain["selector"])
     if selector is not None and not isinstance(selector, Selector):
         raise ValueError("selector must be one, or null")
+    regimes: Any = from_plain(plain.get("regimes"))
+    if regimes is not None and not isinstance(regimes, Regimes):
+        raise ValueError("regimes must be such, or left out")
     return Profile(
         Bank(_sub_models(plain, "members"), str(plain["label"])),
         shelf=_sub_models(plain, "shelf"),
+        regimes=regimes,
         start=str(plain["start"]),
         identify=str(plain["identify"]),
         selector=selector,

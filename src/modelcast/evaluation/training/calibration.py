@@ -22,7 +22,9 @@ __all__ = [
     "HORIZONS_S",
     "PredictionErrors",
     "calibrate",
+    "fitted_at",
     "mahalanobis",
+    "pooled_calibrations",
     "pooled_errors",
     "prediction_errors",
     "train_calibrations",
@@ -62,11 +64,33 @@ class PredictionErrors:
     errors_m: FloatArray
     covariance_m2: FloatArray
 
+    def select(self, rows: BoolArray) -> "PredictionErrors":
+        """Return those of these instants, (N,)."""
+        return PredictionErrors(
+            self.sub_model, self.horizons_s, self.errors_m[rows], self.covariance_m2[rows]
+        )
+
+
+def fitted_at(case: TripCase, member: AbstractSubModel, stride: int) -> IntArray:
+    """Every ``stride``-th sample of a trip that has a full window, (N,).
+
+    Parameters
+    ----------
+    case
+        The trip.
+    member
+        The sub-model.
+    stride
+        Samples from one to the next.
+    """
+    at = np.arange(0, len(case.seen), stride)
+    return at[at - case.seen.segment_start[at] + 1 >= member.window]
+
 
 def prediction_errors(
     case: TripCase, member: AbstractSubModel, horizons_s: Sequence[float] = HORIZONS_S, *, stride: int = 5
 ) -> PredictionErrors:
-    """Errors of a sub-model fitted at every ``stride``-th sample of a trip that has a full window.
+    """Errors of a sub-model fitted at the samples that `fitted_at` gives.
 
     Fitted to what the sender sees, held against the truth of the same part of the trip.
 
@@ -84,8 +108,7 @@ def prediction_errors(
     wanted_s = np.asarray(horizons_s, dtype=np.float64)
     seen, truth = case.seen, case.truth
     ready = TripBank(seen, Bank((member,)), case.estimator)
-    at = np.arange(0, len(seen), stride)
-    at = at[at - seen.segment_start[at] + 1 >= member.window]
+    at = fitted_at(case, member, stride)
     ready.fit_at(at)
     parameters = np.ascontiguousarray(ready.parameters[at, : len(member.parameter_names)])
     moved = member.predict(parameters, wanted_s, dt_s=seen.dt_s)
@@ -222,13 +245,35 @@ def train_calibrations(
     progress
         Called with trips done, over all sub-models, and their number.
     """
-    total = len(cases) * len(members)
+    return pooled_calibrations([(cases, members)], stride=stride, progress=progress)
+
+
+def pooled_calibrations(
+    folds: Sequence[tuple[Sequence[TripCase], Sequence[AbstractSubModel]]],
+    *,
+    stride: int = 5,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, Calibration]:
+    """Calibrations of sub-models that were trained anew without the trips they are held against, by name.
+
+    Parameters
+    ----------
+    folds
+        Trips, and sub-models that learnt nothing from them; in every fold sub-models of the same names in the
+        same order, each the same but for its training.
+    stride, progress
+        As in `train_calibrations`.
+    """
+    total = sum(len(cases) * len(members) for cases, members in folds)
     found: dict[str, Calibration] = {}
-    for which, member in enumerate(members):
+    done = 0
+    for which, named in enumerate(folds[0][1]):
         parts: list[PredictionErrors] = []
-        for done, case in enumerate(cases, start=1):
-            parts.append(prediction_errors(case, member, stride=stride))
-            if progress is not None:
-                progress(which * len(cases) + done, total)
-        found[member.name] = calibrate(pooled_errors(parts))
+        for cases, members in folds:
+            for case in cases:
+                parts.append(prediction_errors(case, members[which], stride=stride))
+                done += 1
+                if progress is not None:
+                    progress(done, total)
+        found[named.name] = calibrate(pooled_errors(parts))
     return found

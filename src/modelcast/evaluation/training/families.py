@@ -10,7 +10,7 @@ from modelcast.evaluation.training.windows import TrainingWindows
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.gp.conditional import AxisKernel, log_likelihood
 from modelcast.models.gp.gaussian_process import GaussianProcess, Hyperparameters
-from modelcast.models.gp.tables import window_times_s
+from modelcast.models.gp.time_grid import TimeGrid
 from modelcast.models.gp.vehicle import VehicleProcess, measured, noise_level, noise_levels_m
 
 __all__ = ["AbstractFamily", "FixedFamily", "VehicleFamily"]
@@ -86,7 +86,7 @@ class VehicleFamily(AbstractFamily):
     def log_likelihood(self, theta: FloatArray, training: TrainingWindows) -> float:
         """By the noise level that each window would be fitted with."""
         model = self.build(theta)
-        times_s = window_times_s(model.samples, training.dt_s)
+        times_s = TimeGrid(model.samples, training.dt_s).times_s
         turned = measured(training.samples[:, -model.samples :], velocities=model.velocities)
         level = noise_level(training.samples[:, -1, -1])
         total = 0.0
@@ -151,7 +151,7 @@ class FixedFamily(AbstractFamily):
         """With one noise for all windows."""
         lengthscale_s, deviation_m, noise_m, slope_mps = (float(value) for value in np.exp(theta))
         kernel = AxisKernel(lengthscale_s, deviation_m, slope_deviation_mps=slope_mps)
-        times_s = window_times_s(self.model.samples, training.dt_s)
+        times_s = TimeGrid(self.model.samples, training.dt_s).times_s
         position_m = training.samples[:, -self.model.samples :, :2]
         moved_m = position_m - position_m[:, -1:]
         both = np.concatenate([moved_m[..., 0], moved_m[..., 1]])

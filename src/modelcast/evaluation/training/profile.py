@@ -2,37 +2,31 @@
 
 The bank's first member is the sub-model that sends the fewest messages alone; others join while they save
 some beside it (`members`), and one that does with a single sample stands last, for starts and gaps; where the
-start rule is ``guarded``, constant velocity. With
-``validate`` the choice is made on routes left out of the training, else on the training trips themselves,
-which favours what was fitted to them. The record says which.
+start rule is ``guarded``, constant velocity. With ``validate`` the choice is made and the covariances are
+calibrated on routes left out of the training, else on the training trips themselves, which favours what was
+fitted to them. The record says which.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import Any, Literal, cast
 
-import numpy as np
-
-from modelcast.core.chance import child_generator
 from modelcast.core.trajectory import Trajectory
 from modelcast.core.version import package_version
 from modelcast.evaluation.case import TripCase, make_case
 from modelcast.evaluation.routes import routes
 from modelcast.evaluation.settings import BASELINE_BANK, EvaluationSettings
-from modelcast.evaluation.training.calibration import train_calibrations
+from modelcast.evaluation.training.calibration import pooled_calibrations
 from modelcast.evaluation.training.costs import train_costs
-from modelcast.evaluation.training.families import VehicleFamily
-from modelcast.evaluation.training.hyperparameters import TrainedPair, train_hyperparameters
+from modelcast.evaluation.training.hyperparameters import TrainedPair
 from modelcast.evaluation.training.learned import LearnedSettings, train_learned
 from modelcast.evaluation.training.members import Fold, MemberSettings, choose_names
+from modelcast.evaluation.training.processes import ProcessSettings, train_processes
 from modelcast.evaluation.training.selection import SelectorSettings, train_selector
-from modelcast.evaluation.training.views import SenderView, view_trips
-from modelcast.evaluation.training.windows import TrainingWindows, training_windows
 from modelcast.evaluation.walk import TripBank
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import derivative_process, vehicle_process
 from modelcast.models.kinematic import (
     ConstantAcceleration,
     ConstantTurnRateAcceleration,
@@ -41,6 +35,7 @@ from modelcast.models.kinematic import (
 from modelcast.models.learned import Selector
 from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.profile import Profile
+from modelcast.models.regimes import REGIME_BANK, Regimes
 from modelcast.models.trusted import Trusted
 from modelcast.policy.costs import CostTable
 from modelcast.policy.error_driven import ErrorDriven
@@ -58,8 +53,6 @@ Progress = Callable[[str, int, int], None]
 Protocol = Literal["recorded", "sensor"]
 
 _PROTOCOLS: tuple[Protocol, ...] = ("recorded", "sensor")
-
-_PROCESS_VIEWS = (SenderView("recorded"), SenderView("motion", 0.01), SenderView("motion", 0.05))
 
 _STARTER = Trusted(ConstantTurnRateAcceleration(), 1.5)
 """The horizon is that of decision 010: what must end is the acceleration."""
@@ -80,8 +73,8 @@ class ProfileSettings:
     ----------
     learned
         Of the learned sub-model.
-    process_windows, process_evaluations
-        Windows that a Gaussian process's hyper-parameters are searched on, and objective evaluations.
+    processes
+        Of the Gaussian processes.
     thresholds_m
         Thresholds at which messages are counted [m].
     members
@@ -98,13 +91,12 @@ class ProfileSettings:
     Raises
     ------
     ValueError
-        Where a number is not positive.
+        Where there is no threshold.
     """
 
     learned: LearnedSettings = field(default_factory=LearnedSettings)
     _: KW_ONLY
-    process_windows: int = 2000
-    process_evaluations: int = 60
+    processes: ProcessSettings = field(default_factory=ProcessSettings)
     thresholds_m: tuple[float, ...] = (0.2, 0.3, 0.4, 0.5)
     members: MemberSettings = field(default_factory=lambda: MemberSettings((0.2, 0.5)))
     names: tuple[str, ...] = ()
@@ -113,8 +105,8 @@ class ProfileSettings:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if self.process_windows < 1 or self.process_evaluations < 1 or not self.thresholds_m:
-            raise ValueError("process_windows, process_evaluations and thresholds_m must be positive")
+        if not self.thresholds_m:
+            raise ValueError("thresholds_m must hold at least one")
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,20 +114,35 @@ class _Judged:
     """Trips by protocol, and sub-models that are judged on them."""
 
     cases: dict[str, list[TripCase]]
-    members: tuple[AbstractSubModel, ...]
+    shelf: "_Shelf"
 
     @property
     def pooled(self) -> Fold:
-        """All trips together, with the sub-models that a bank may be made of."""
-        return Fold([case for cases in self.cases.values() for case in cases], self.members)
+        """All trips together, with the sub-models that a bank is chosen from."""
+        return Fold([case for cases in self.cases.values() for case in cases], self.shelf.candidates)
 
 
 @dataclass(frozen=True, slots=True)
 class _Shelf:
     """All sub-models that training trips taught, and the Gaussian processes' searches."""
 
-    members: tuple[AbstractSubModel, ...]
+    candidates: tuple[AbstractSubModel, ...]
+    aside: tuple[AbstractSubModel, ...]
+    regimes: Regimes | None
     processes: dict[str, TrainedPair]
+
+    @property
+    def members(self) -> tuple[AbstractSubModel, ...]:
+        """What a bank is chosen from, what is only there by name, and the regimes'."""
+        return (*self.candidates, *self.aside, *(() if self.regimes is None else self.regimes.members))
+
+    def bank(self, names: Sequence[str]) -> Bank:
+        """The bank of these members."""
+        named = {member.name: member for member in self.members}
+        unknown = [name for name in names if name not in named]
+        if unknown:
+            raise ValueError(f"no trained sub-model is named {unknown[0]}; there are {', '.join(named)}")
+        return Bank(tuple(named[name] for name in names))
 
 
 def train_profile(
@@ -161,38 +168,42 @@ def train_profile(
     """
     settings = ProfileSettings() if settings is None else settings
     shelf = _train(trips, settings, progress, "")
-    own = _cases(trips, settings.seed)
-    folds = _folds(trips, settings, progress) if settings.validate else [_Judged(own, shelf.members)]
+    if settings.validate:
+        folds = _folds(trips, settings, progress)
+    else:
+        folds = [_Judged(_cases(trips, settings.seed), shelf)]
 
     def choosing(done: int, to_do: int) -> None:
         if progress is not None:
             progress("members", done, to_do)
 
-    named = {member.name: member for member in shelf.members}
     names, steps = settings.names, ()
     if not names:
         names, steps = choose_names([fold.pooled for fold in folds], settings.members, progress=choosing)
-    unknown = [name for name in names if name not in named]
-    if unknown:
-        raise ValueError(f"no trained sub-model is named {unknown[0]}; there are {', '.join(named)}")
-    if all(named[name].window > 1 for name in names):
+    bank = shelf.bank(names)
+    if bank.window > 1:
         names = (*names, _STARTER.name)
     if settings.members.start == "guarded" and GUARD not in names:
         names = (*names, GUARD)
-    bank = Bank(tuple(named[name] for name in names))
+    bank = shelf.bank(names)
 
     def calibrating(done: int, to_do: int) -> None:
         if progress is not None:
             progress("calibrations", done, to_do)
 
-    calibrations = train_calibrations(
-        [case for cases in own.values() for case in cases], bank.members, progress=calibrating
+    calibrations = pooled_calibrations(
+        [(fold.pooled.cases, fold.shelf.bank(names).members) for fold in folds], progress=calibrating
     )
     figures = _figures(folds, names, settings)
     selector, costs = _selection(folds, names, settings, progress)
     return Profile(
         bank,
-        shelf=tuple(member for member in shelf.members if member not in (*bank.members, *_KINEMATIC)),
+        shelf=tuple(
+            member
+            for member in (*shelf.candidates, *shelf.aside)
+            if member not in (*bank.members, *_KINEMATIC)
+        ),
+        regimes=shelf.regimes,
         start=settings.members.start,
         identify=settings.members.identify,
         selector=selector,
@@ -232,34 +243,13 @@ def _train(
         return tell
 
     learned = train_learned(trips, replace(settings.learned, seed=settings.seed), progress=told("networks"))
-    windows = _process_windows(trips, settings)
-    processes = {
-        model.name: train_hyperparameters(
-            windows,
-            VehicleFamily(model),
-            evaluations=settings.process_evaluations,
-            progress=told(model.name),
-        )
-        for model in (vehicle_process(), derivative_process())
-    }
-    found = tuple(pair.better.model for pair in processes.values())
-    return _Shelf((learned, *found, *_KINEMATIC), processes)
-
-
-def _process_windows(trips: Sequence[Trajectory], settings: ProfileSettings) -> TrainingWindows:
-    """Windows of all views, of the trips at the commonest sampling interval."""
-    intervals = np.round([trip.dt_s for trip in trips], 3)
-    values, counts = np.unique(intervals, return_counts=True)
-    dt_s = values[counts.argmax()]
-    chosen = [trip for trip, own in zip(trips, intervals, strict=True) if own == dt_s]
-    seen = [one.seen for view in _PROCESS_VIEWS for one in view_trips(chosen, view, seed=settings.seed)]
-    return training_windows(
-        seen,
-        samples=vehicle_process().window,
-        longest_s=5.0,
-        count=settings.process_windows,
-        rng=child_generator(settings.seed, "process windows"),
+    found = train_processes(
+        trips,
+        settings.processes,
+        seed=settings.seed,
+        progress=lambda what, done, to_do: told(what)(done, to_do),
     )
+    return _Shelf((learned, *found.candidates, *_KINEMATIC), (found.fixed,), found.regimes, found.pairs)
 
 
 def _cases(trips: Sequence[Trajectory], seed: int) -> dict[str, list[TripCase]]:
@@ -286,8 +276,7 @@ def _selection(
             progress("selector", done, to_do)
 
     largest = max(folds, key=lambda fold: len(fold.pooled.cases))
-    named = {member.name: member for member in largest.members}
-    bank = Bank(tuple(named[name] for name in names))
+    bank = largest.shelf.bank(names)
     cases = largest.pooled.cases
     selector = train_selector(cases, bank, replace(settings.selector, seed=settings.seed), progress=selecting)
     costs = train_costs(cases, bank, start=settings.members.start)
@@ -307,7 +296,7 @@ def _folds(
         others = [trip for trip, own in zip(trips, route, strict=True) if own != left_out]
         tested = [trip for trip, own in zip(trips, route, strict=True) if own == left_out]
         shelf = _train(others, settings, progress, f" without route {left_out + 1} of {count}")
-        folds.append(_Judged(_cases(tested, settings.seed), shelf.members))
+        folds.append(_Judged(_cases(tested, settings.seed), shelf))
     return folds
 
 
@@ -315,10 +304,11 @@ def _figures(folds: Sequence[_Judged], names: Sequence[str], settings: ProfileSe
     """Messages of the bank, of every sub-model alone and of the baseline, by protocol, one a threshold."""
     found: dict[str, dict[str, list[int]]] = {}
     for fold in folds:
-        named = {member.name: member for member in fold.members}
+        regimes = fold.shelf.regimes
         banks = {
-            "bank": Bank(tuple(named[name] for name in names)),
-            **{member.name: Bank((member,)) for member in fold.members},
+            "bank": fold.shelf.bank(names),
+            **{member.name: Bank((member,)) for member in fold.shelf.members},
+            **({} if regimes is None else {REGIME_BANK: regimes.bank}),
             "baseline": BASELINE_BANK,
         }
         for name, bank in banks.items():

@@ -1,14 +1,14 @@
-"""A finite bank of kernels: one set of hyper-parameters for each driving regime.
+"""Training of a finite bank of kernels: one set of hyper-parameters for each driving regime.
 
-Windows are grouped by what the sender knows of them at their last sample: speed, how hard it brakes or speeds
-up, how fast it turns. Each group trains a sub-model of its own.
+Windows are grouped by what the sender knows of them at their last sample (`modelcast.models.regimes`). Each
+group trains a sub-model of its own.
 """
 
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import FloatArray
 from modelcast.evaluation.training.families import AbstractFamily
 from modelcast.evaluation.training.hyperparameters import (
     Progress,
@@ -16,57 +16,27 @@ from modelcast.evaluation.training.hyperparameters import (
     train_hyperparameters,
 )
 from modelcast.evaluation.training.windows import TrainingWindows
-from modelcast.models.point_kernels import ACCELERATION, VELOCITY_EAST, VELOCITY_NORTH, YAW_RATE
+from modelcast.models.regimes import Regimes, nearest_centre, regime_features
 
-__all__ = ["Regimes", "regime_features", "train_regimes"]
+__all__ = ["TrainedRegimes", "train_regimes"]
 
 _STEPS = 200
 
 
 @dataclass(frozen=True, slots=True)
-class Regimes:
-    """Driving regimes, each with its trained sub-models; the most frequent first.
+class TrainedRegimes:
+    """Regimes, and what the searches found in each.
 
     Parameters
     ----------
-    centres
-        Mean features of each regime, (R, 3) [m/s, m/s², rad/s].
-    scales
-        Standard deviation of each feature over all windows, (3,).
-    trained
-        What the searches found in each regime, R of them, named ``<label>-1`` and so on.
-    shares
-        Share of the windows in each regime, (R,).
+    regimes
+        With the better sub-model of each regime, the most frequent first.
+    pairs
+        Both searches of each, in the same order.
     """
 
-    centres: FloatArray
-    scales: FloatArray
-    _: KW_ONLY
-    trained: tuple[TrainedPair, ...]
-    shares: FloatArray
-
-    def of(self, samples: FloatArray) -> IntArray:
-        """Return the regime of each window, the one with the nearest centre, (B,).
-
-        Parameters
-        ----------
-        samples
-            Windows, (B, n, 7).
-        """
-        return _nearest(regime_features(samples) / self.scales, self.centres / self.scales)
-
-
-def regime_features(samples: FloatArray) -> FloatArray:
-    """Speed, size of the acceleration along the course and of the yaw rate at the last sample, (B, 3).
-
-    Parameters
-    ----------
-    samples
-        Windows, (B, n, 7).
-    """
-    last = samples[:, -1]
-    speed = np.hypot(last[:, VELOCITY_EAST], last[:, VELOCITY_NORTH])
-    return np.stack([speed, np.abs(last[:, ACCELERATION]), np.abs(last[:, YAW_RATE])], axis=1)
+    regimes: Regimes
+    pairs: tuple[TrainedPair, ...]
 
 
 def train_regimes(
@@ -78,7 +48,7 @@ def train_regimes(
     rng: np.random.Generator,
     evaluations: int = 100,
     progress: Progress | None = None,
-) -> Regimes:
+) -> TrainedRegimes:
     """Group windows by their features and train the family in each group.
 
     Parameters
@@ -90,7 +60,7 @@ def train_regimes(
     count
         How many regimes, 2 or more.
     label
-        The sub-models' names begin with it.
+        The sub-models are named ``<label>-1`` and so on.
     rng
         Draws the first centres.
     evaluations
@@ -108,11 +78,11 @@ def train_regimes(
     features = regime_features(training.samples)
     scales = np.maximum(features.std(axis=0), 1e-9)
     found = _centres(features / scales, count, rng)
-    regime = _nearest(features / scales, found)
+    regime = nearest_centre(features / scales, found)
     size = np.bincount(regime, minlength=count)
     order = np.argsort(-size, kind="stable")
     every = 2 * evaluations * count
-    trained: list[TrainedPair] = []
+    pairs: list[TrainedPair] = []
     for which, at in enumerate(order):
         before = 2 * evaluations * which
 
@@ -121,10 +91,16 @@ def train_regimes(
                 progress(before + done, every)
 
         one = family.renamed(f"{label}-{which + 1}")
-        trained.append(
+        pairs.append(
             train_hyperparameters(training.select(regime == at), one, evaluations=evaluations, progress=step)
         )
-    return Regimes(found[order] * scales, scales, trained=tuple(trained), shares=size[order] / len(training))
+    regimes = Regimes(
+        tuple(pair.better.model for pair in pairs),
+        tuple(tuple(row) for row in (found[order] * scales).tolist()),
+        scales=tuple(scales.tolist()),
+        shares=tuple((size[order] / len(training)).tolist()),
+    )
+    return TrainedRegimes(regimes, tuple(pairs))
 
 
 def _centres(features: FloatArray, count: int, rng: np.random.Generator) -> FloatArray:
@@ -137,7 +113,7 @@ def _centres(features: FloatArray, count: int, rng: np.random.Generator) -> Floa
         drawn = rng.choice(len(features), p=away / away.sum())
         centres = np.vstack([centres, features[drawn]])
     for _ in range(_STEPS):
-        regime = _nearest(features, centres)
+        regime = nearest_centre(features, centres)
         moved = centres.copy()
         for at in np.unique(regime):
             moved[at] = features[regime == at].mean(axis=0)
@@ -145,8 +121,3 @@ def _centres(features: FloatArray, count: int, rng: np.random.Generator) -> Floa
             break
         centres = moved
     return centres
-
-
-def _nearest(features: FloatArray, centres: FloatArray) -> IntArray:
-    """Index of the nearest centre, (B,)."""
-    return ((features[:, None] - centres) ** 2).sum(axis=2).argmin(axis=1)

@@ -7,7 +7,8 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.models.gp import gaussian_process_kernels as kernels
 from modelcast.models.gp import layout
-from modelcast.models.gp.tables import Bounds, Form, check_window, pack
+from modelcast.models.gp.tables import Bounds, Form, pack
+from modelcast.models.gp.time_grid import TimeGrid, check_window
 
 __all__ = ["AxisFits", "fit_axis"]
 
@@ -80,7 +81,7 @@ def fit_axis(
     check_window(samples)
     if not np.isfinite(displacements_m).all():
         raise ValueError("displacements_m must be finite: skip a vehicle without a full window")
-    constants = pack(samples, round(dt_s, 6), form, Bounds(noise_floor_m))
+    constants = pack(TimeGrid(samples, round(dt_s, 6)), form, Bounds(noise_floor_m))
     out = np.empty((displacements_m.shape[0], layout.OUT_WEIGHTS + samples))
     windows = np.ascontiguousarray(displacements_m, dtype=np.float64)[:, :, None]
     kernels.fit_axes(windows, constants, out)

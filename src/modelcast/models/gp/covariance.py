@@ -10,7 +10,8 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.models.gp.spectrum import fold, spectrum
-from modelcast.models.gp.tables import Form, window_times_s
+from modelcast.models.gp.tables import Form
+from modelcast.models.gp.time_grid import TimeGrid
 
 __all__ = ["Inverse", "inverse", "predictive_variance_m2", "projection"]
 
@@ -39,23 +40,21 @@ class Inverse:
         return (count, *columns.shape) if columns.ndim == 1 else columns.shape
 
 
-def inverse(samples: int, dt_s: float, lengthscales_s: FloatArray, noise_ratios: FloatArray) -> Inverse:
+def inverse(grid: TimeGrid, lengthscales_s: FloatArray, noise_ratios: FloatArray) -> Inverse:
     """Return M⁻¹ for each pair of lengthscale and relative noise.
 
     Parameters
     ----------
-    samples
-        Window length n.
-    dt_s
-        Sampling interval [s].
+    grid
+        The window's times.
     lengthscales_s
         Lengthscales, (L,) [s].
     noise_ratios
         White noise relative to the RBF part's variance, (L,).
     """
     distinct, which = np.unique(lengthscales_s, return_inverse=True)
-    even, odd = spectrum(samples, dt_s, distinct)
-    fold_even, fold_odd = fold(np.eye(samples))
+    even, odd = spectrum(grid, distinct)
+    fold_even, fold_odd = fold(np.eye(grid.samples))
     basis = np.concatenate(
         [np.einsum("nj,ljk->lnk", fold_even, even.vectors), np.einsum("nj,ljk->lnk", fold_odd, odd.vectors)],
         axis=2,
@@ -65,8 +64,7 @@ def inverse(samples: int, dt_s: float, lengthscales_s: FloatArray, noise_ratios:
 
 
 def predictive_variance_m2(
-    samples: int,
-    dt_s: float,
+    grid: TimeGrid,
     form: Form,
     horizons_s: FloatArray,
     *,
@@ -79,10 +77,8 @@ def predictive_variance_m2(
 
     Parameters
     ----------
-    samples
-        Window length n.
-    dt_s
-        Sampling interval [s].
+    grid
+        The window's times.
     form
         Form of the linear part; "intercept" adds the variance of the constant.
     horizons_s
@@ -96,8 +92,8 @@ def predictive_variance_m2(
     for the intercept ``s²·(1 - 1ᵀM⁻¹k*)²/o`` more. There, time is measured from the window's middle, which
     makes t and 1 orthogonal in M⁻¹.
     """
-    solved = inverse(samples, dt_s, lengthscales_s, noise_ratios)
-    times = window_times_s(samples, dt_s)
+    solved = inverse(grid, lengthscales_s, noise_ratios)
+    times = grid.times_s
     shift = times.mean() if form == "intercept" else 0.0
     gaps = horizons_s[:, None] - times
     cross = solved.rotate(np.exp(-0.5 * np.square(gaps / lengthscales_s[:, None, None])))
@@ -108,15 +104,14 @@ def predictive_variance_m2(
     ratio = linear_ratios_per_s2[:, None]
     variance = 1.0 - (cross**2 * weights).sum(axis=2) + np.square(left) * ratio / (1.0 + ratio * tau)
     if form == "intercept":
-        constant = solved.rotate(np.ones(samples))[:, None]
+        constant = solved.rotate(np.ones(grid.samples))[:, None]
         missing = 1.0 - (constant * cross * weights).sum(axis=2)
         variance += np.square(missing) / (constant**2 * weights).sum(axis=2)
     return variances_m2[:, None] * np.maximum(variance, 0.0)
 
 
 def projection(
-    samples: int,
-    dt_s: float,
+    grid: TimeGrid,
     form: Form,
     *,
     lengthscale_s: float,
@@ -129,10 +124,8 @@ def projection(
 
     Parameters
     ----------
-    samples
-        Window length n.
-    dt_s
-        Sampling interval [s].
+    grid
+        The window's times.
     form
         Form of the linear part.
     lengthscale_s, noise_ratio, linear_ratio_per_s2
@@ -145,17 +138,17 @@ def projection(
     smallest eigenvalues, which no prediction sees. The product would spread them over all weights: a
     centimetre where b is ``1e-12``.
     """
-    solved = inverse(samples, dt_s, np.array([lengthscale_s]), np.array([noise_ratio]))
+    solved = inverse(grid, np.array([lengthscale_s]), np.array([noise_ratio]))
     basis, weights = solved.basis[0], solved.weights[0]
-    times = window_times_s(samples, dt_s)
+    times = grid.times_s
     shift = times.mean() if form == "intercept" else 0.0
     linear = (times - shift) @ basis
     tau = (linear**2 * weights).sum()
     slope = linear_ratio_per_s2 / (1.0 + linear_ratio_per_s2 * tau) * (linear * weights)
-    residual = np.eye(samples) - np.outer(linear, slope)
+    residual = np.eye(grid.samples) - np.outer(linear, slope)
     lines = [slope]
     if form == "intercept":
-        constant = np.ones(samples) @ basis
+        constant = np.ones(grid.samples) @ basis
         level = constant * weights / (constant**2 * weights).sum()
         residual -= np.outer(constant, level)
         lines = [level - shift * slope, slope]

@@ -10,7 +10,8 @@ from modelcast.core.arrays import FloatArray
 from modelcast.models.base import AbstractSubModel, PointFunctions
 from modelcast.models.gp import gaussian_process_kernels as kernels
 from modelcast.models.gp.covariance import predictive_variance_m2, projection
-from modelcast.models.gp.tables import NOISE_CEILING_M, Bounds, Form, check_window, pack
+from modelcast.models.gp.tables import NOISE_CEILING_M, Bounds, Form, pack
+from modelcast.models.gp.time_grid import TimeGrid, check_window
 
 __all__ = ["GaussianProcess", "Hyperparameters"]
 
@@ -181,8 +182,7 @@ class GaussianProcess(AbstractSubModel):
         for axis in range(2):
             lengthscale, noise, linear, variance = self._hyperparameters(parameters, axis)
             variances[:, :, axis] = predictive_variance_m2(
-                self.samples,
-                round(dt_s, 6),
+                TimeGrid(self.samples, round(dt_s, 6)),
                 self.form,
                 np.asarray(horizons_s, dtype=np.float64),
                 lengthscales_s=lengthscale,
@@ -218,8 +218,7 @@ def _point_functions(model: GaussianProcess, dt_s: float) -> PointFunctions:
     if fixed is not None:
         flat = float(model.form == "intercept")
         matrices = projection(
-            model.samples,
-            dt_s,
+            TimeGrid(model.samples, dt_s),
             model.form,
             lengthscale_s=fixed.lengthscale_s,
             noise_ratio=fixed.noise_ratio,
@@ -231,7 +230,7 @@ def _point_functions(model: GaussianProcess, dt_s: float) -> PointFunctions:
             kernels.predict_fixed,
             np.concatenate([header, *(matrix.ravel() for matrix in matrices)]),
         )
-    constants = pack(model.samples, dt_s, model.form, Bounds(model.noise_floor_m))
+    constants = pack(TimeGrid(model.samples, dt_s), model.form, Bounds(model.noise_floor_m))
     if model.noise == "estimated":
         return PointFunctions(kernels.fit_adaptive, kernels.predict_intercept, constants)
     if model.form == "intercept":

@@ -19,8 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.models.gp.time_grid import TimeGrid
 
-__all__ = ["HalfSpectrum", "fold", "half_times_s", "spectrum"]
+__all__ = ["HalfSpectrum", "fold", "spectrum"]
 
 _LOG_TWO = float(np.log(2.0))
 _LOG_SMALLEST = -130.0
@@ -43,20 +44,6 @@ class HalfSpectrum:
 
     values: FloatArray
     vectors: FloatArray
-
-
-def half_times_s(samples: int, dt_s: float) -> FloatArray:
-    """Return the times from the window's middle to its end, ((n + 1) // 2,) [s].
-
-    Parameters
-    ----------
-    samples
-        Window length n.
-    dt_s
-        Sampling interval [s].
-    """
-    steps = np.arange((samples + 1) // 2, dtype=np.float64) + (0.0 if samples % 2 else 0.5)
-    return steps * dt_s
 
 
 def fold(columns: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -84,26 +71,24 @@ def fold(columns: FloatArray) -> tuple[FloatArray, FloatArray]:
     return even, odd
 
 
-def spectrum(samples: int, dt_s: float, lengthscales_s: FloatArray) -> tuple[HalfSpectrum, HalfSpectrum]:
+def spectrum(grid: TimeGrid, lengthscales_s: FloatArray) -> tuple[HalfSpectrum, HalfSpectrum]:
     """Return the even and the odd half of the RBF kernel's spectrum.
 
     Parameters
     ----------
-    samples
-        Window length n.
-    dt_s
-        Sampling interval [s].
+    grid
+        The window's times.
     lengthscales_s
         Lengthscales, (L,) [s].
 
     Examples
     --------
-    >>> even, odd = spectrum(10, 0.1, np.array([0.3]))
+    >>> even, odd = spectrum(TimeGrid(10, 0.1), np.array([0.3]))
     >>> round(float(even.values.sum() + odd.values.sum()), 12)
     10.0
     """
-    even = _decompose(_factor(samples, dt_s, lengthscales_s, odd=False))
-    odd = _decompose(_factor(samples, dt_s, lengthscales_s, odd=True))
+    even = _decompose(_factor(grid, lengthscales_s, odd=False))
+    odd = _decompose(_factor(grid, lengthscales_s, odd=True))
     return even, odd
 
 
@@ -115,19 +100,19 @@ def _log_cosh(x: FloatArray) -> FloatArray:
     return x + np.log1p(np.exp(-2.0 * x)) - _LOG_TWO
 
 
-def _factor(samples: int, dt_s: float, lengthscales_s: FloatArray, *, odd: bool) -> FloatArray:
+def _factor(grid: TimeGrid, lengthscales_s: FloatArray, *, odd: bool) -> FloatArray:
     """Cholesky factor of one half, (L, h, h), lower triangular.
 
     With ``x = (dt/lengthscale)²``, ``θ_i = i·x`` and ``c_i = cosh θ_i``, entry (i, j) of the half is
     ``N_i·E_i·h_i·p_j(c_i)·E_j·N_j`` with p_j a Chebyshev polynomial of leading coefficient 2^e_j, so that the
     factor is Newton's basis on the nodes c.
     """
-    middle = bool(samples % 2)
-    index = half_times_s(samples, 1.0)
+    middle = bool(grid.samples % 2)
+    index = grid.half_steps
     if odd and middle:
         index = index[1:]
     size = index.size
-    x = np.square(dt_s / lengthscales_s)[:, None]
+    x = np.square(grid.dt_s / lengthscales_s)[:, None]
     theta = index * x
     if middle:
         row = _log_sinh(theta) if odd else np.zeros_like(theta)
@@ -189,4 +174,4 @@ def _rotate(columns: FloatArray, p: int, q: int) -> float:
         c[:, None] * first - s[:, None] * second,
         s[:, None] * first + c[:, None] * second,
     )
-    return float(cosine.max())
+    return float(cosine.max(initial=0.0))

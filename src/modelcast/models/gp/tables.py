@@ -16,13 +16,12 @@ from modelcast.core.arrays import FloatArray
 from modelcast.models.gp import layout as at
 from modelcast.models.gp.layout import COARSE_NOISES, COARSE_STEP, FINE_LENGTHSCALES
 from modelcast.models.gp.spectrum import HalfSpectrum, fold, spectrum
+from modelcast.models.gp.time_grid import TimeGrid
 
-__all__ = ["NOISE_CEILING_M", "Bounds", "Form", "check_window", "lengthscale_grid", "pack", "window_times_s"]
+__all__ = ["NOISE_CEILING_M", "Bounds", "Form", "lengthscale_grid", "pack"]
 
 Form = Literal["anchored", "intercept"]
 
-WINDOW_BOUNDS = (3, 60)
-"""Samples a window may hold: a line and a curvature need 3, the tables stay under 10 MB to 60."""
 LENGTHSCALE_BOUNDS_S = (0.1, 10.0)
 """Bounds of the lengthscale [s]."""
 NOISE_CEILING_M = 1.0
@@ -55,55 +54,35 @@ class Bounds:
     variance_m2: tuple[float, float] = VARIANCE_BOUNDS_M2
 
 
-def check_window(samples: int) -> None:
-    """Raise ``ValueError`` unless a window of this many samples is supported.
-
-    Parameters
-    ----------
-    samples
-        Window length n.
-    """
-    low, high = WINDOW_BOUNDS
-    if not low <= samples <= high:
-        raise ValueError(f"a window must hold {low} to {high} samples, got {samples}")
-
-
 def lengthscale_grid(bounds_s: tuple[float, float] = LENGTHSCALE_BOUNDS_S) -> FloatArray:
     """Return the fine grid of lengthscales, evenly spaced in the logarithm [s]."""
     return np.geomspace(*bounds_s, FINE_LENGTHSCALES)
 
 
-def window_times_s(samples: int, dt_s: float) -> FloatArray:
-    """Return the times of a window's samples, 0 at the last, (n,) [s]."""
-    return (np.arange(samples, dtype=np.float64) - (samples - 1)) * dt_s
-
-
 @functools.lru_cache(maxsize=32)
-def pack(samples: int, dt_s: float, form: Form, bounds: Bounds) -> FloatArray:
+def pack(grid: TimeGrid, form: Form, bounds: Bounds) -> FloatArray:
     """Return the constants of the maximum-likelihood fit, (K,).
 
     Parameters
     ----------
-    samples
-        Window length n.
-    dt_s
-        Sampling interval [s].
+    grid
+        The window's times.
     form
         Form of the linear part.
     bounds
         Bounds of the hyper-parameters.
     """
     lengthscales = lengthscale_grid(bounds.lengthscale_s)
-    halves = spectrum(samples, dt_s, lengthscales)
-    columns = _rows(samples, form, halves, window_times_s(samples, dt_s))
-    width = -(-((samples + 1) // 2) // at.LANES) * at.LANES
+    halves = spectrum(grid, lengthscales)
+    columns = _rows(grid, form, halves)
+    width = -(-((grid.samples + 1) // 2) // at.LANES) * at.LANES
     rows = np.concatenate([*(_padded(half.vectors, width) for half in halves), *columns], axis=1)
     thin = slice(None, None, COARSE_STEP)
     coarse_halves = tuple(HalfSpectrum(half.values[thin], half.vectors[thin]) for half in halves)
     coarse = _coarse(form, (coarse_halves[0], coarse_halves[1]), *(column[thin] for column in columns))
     header = np.zeros(at.HEADER)
-    header[at.AT_SAMPLES] = samples
-    header[at.AT_DT] = dt_s
+    header[at.AT_SAMPLES] = grid.samples
+    header[at.AT_DT] = grid.dt_s
     header[at.AT_FLAT] = form == "intercept"
     header[at.AT_NOISE_LOW] = bounds.noise_floor_m**2
     header[at.AT_NOISE_HIGH] = bounds.noise_ceiling_m**2
@@ -121,12 +100,13 @@ def pack(samples: int, dt_s: float, form: Form, bounds: Bounds) -> FloatArray:
 
 
 def _rows(
-    samples: int, form: Form, halves: tuple[HalfSpectrum, HalfSpectrum], times_s: FloatArray
+    grid: TimeGrid, form: Form, halves: tuple[HalfSpectrum, HalfSpectrum]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Eigenvalues, linear and constant direction in every lengthscale's eigen-basis, (L, n) each."""
     values = np.concatenate([half.values for half in halves], axis=1)
+    times_s = grid.times_s
     centred = times_s - times_s.mean() if form == "intercept" else times_s
-    constant = np.full(samples, float(form == "intercept"))
+    constant = np.full(grid.samples, float(form == "intercept"))
     linear, flat = (
         np.concatenate(
             [

@@ -16,7 +16,7 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.models.base import AbstractSubModel, PointFunctions
 from modelcast.models.gp import vehicle_kernels as kernels
 from modelcast.models.gp.conditional import AxisKernel, Conditional, condition_on
-from modelcast.models.gp.tables import check_window, window_times_s
+from modelcast.models.gp.time_grid import TimeGrid, check_window
 from modelcast.models.payload import PayloadField, PayloadLayout
 
 __all__ = [
@@ -223,7 +223,7 @@ def _conditionals(
     along, across = (
         condition_on(
             axis,
-            window_times_s(model.samples, dt_s),
+            TimeGrid(model.samples, dt_s).times_s,
             horizons_s,
             position_noise_m=noise_m,
             velocities=model.velocities,

@@ -1,16 +1,16 @@
-"""Coverage of the ellipses of 50, 90 and 95 % against the age of the prediction."""
+"""Coverage of the ellipses of 50, 90 and 95 % against the age of the prediction, and times to a threshold."""
 
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from modelcast.evaluation.coverage import FORMS, CoverageRow
+from modelcast.evaluation.coverage import FORMS, CoverageRow, TimeRow
 from modelcast.models.calibration import LEVELS
 from modelcast.report.figures.panels import empty_figure, printable
 from modelcast.report.style import INK, PAGE_IN, POLICY_COLOURS, new_figure, style
 
-__all__ = ["plot_coverage"]
+__all__ = ["plot_coverage", "plot_times"]
 
 _MOST_COLUMNS = 3
 _COLOURS = {
@@ -76,3 +76,53 @@ def _draw(axes: Axes, name: str, rows: Sequence[CoverageRow]) -> None:
         axes.plot([], [], _LINES[form], color=_COLOURS[form], label=form)
     for level in LEVELS:
         axes.plot([], [], marker=_MARKERS[level], color=INK, linestyle="", label=f"{100 * level:g} %")
+
+
+def plot_times(rows: Sequence[TimeRow]) -> Figure:
+    """Return the expected times until a threshold is crossed beside the observed one, one panel a threshold.
+
+    A bar is the mean of the observed times; a marker is the mean that the kind of ellipse lets expect.
+
+    Parameters
+    ----------
+    rows
+        Of `modelcast.evaluation.coverage.measure_coverage`.
+    """
+    names = list(dict.fromkeys(row.sub_model for row in rows if row.instants))
+    thresholds_m = sorted({row.threshold_m for row in rows})
+    with style():
+        if not names:
+            return empty_figure("No time was measured.")
+        figure = new_figure(PAGE_IN, 0.9 + 0.22 * len(names))
+        grid = figure.subplots(1, len(thresholds_m), sharex=True, sharey=True, squeeze=False)
+        for axes, threshold_m in zip(grid.flat, thresholds_m, strict=True):
+            _draw_times(axes, names, [row for row in rows if row.threshold_m == threshold_m and row.instants])
+            axes.set_title(f"until {100 * threshold_m:.4g} cm")
+        grid.flat[0].set_yticks(range(len(names)), [printable(name, 30) for name in names])
+        grid.flat[0].invert_yaxis()
+        figure.supxlabel("Mean time [s]", fontsize=7.5)
+        handles, labels = grid.flat[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=len(handles), columnspacing=1.2)
+        return figure
+
+
+def _draw_times(axes: Axes, names: Sequence[str], rows: Sequence[TimeRow]) -> None:
+    axes.grid(visible=False)
+    first = [row for row in rows if row.form == FORMS[0]]
+    axes.barh(
+        [names.index(row.sub_model) for row in first],
+        [row.observed_s for row in first],
+        height=0.6,
+        color="#dddddd",
+        label="observed",
+    )
+    for form, marker in zip(FORMS, ("x", "s", "o"), strict=True):
+        shown = [row for row in rows if row.form == form]
+        axes.plot(
+            [row.expected_s for row in shown],
+            [names.index(row.sub_model) for row in shown],
+            marker,
+            color=_COLOURS[form],
+            markersize=3.2,
+            label=f"expected, {form}",
+        )

@@ -1,0 +1,61 @@
+"""Sub-models of what a core basic safety message carries: one sample, no tables, no payload."""
+
+import abc
+from typing import Any
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray
+from modelcast.models.base import AbstractSubModel, PointFunctions
+
+__all__ = ["AbstractCoreModel"]
+
+
+class AbstractCoreModel(AbstractSubModel):
+    """A closed form of the newest sample: position, velocity, acceleration along the course, yaw rate.
+
+    A core basic safety message carries all of them (SAE J2735: speed, heading, and ``accelSet`` with
+    longitudinal acceleration and yaw rate), so none of these models adds a byte to it.
+    """
+
+    @property
+    @abc.abstractmethod
+    def functions(self) -> tuple[Any, Any]:
+        """The compiled ``fit`` and ``predict`` of `PointFunctions`."""
+
+    @abc.abstractmethod
+    def spread_m2(self, parameters: FloatArray, horizons_s: FloatArray) -> FloatArray:
+        """Covariance of the displacement, (B, H, 2, 2) [m²], which knows no sampling interval.
+
+        Parameters
+        ----------
+        parameters
+            (B, P), as `fit` returned them.
+        horizons_s
+            Times after the last sample, (H,) [s].
+        """
+
+    @property
+    def window(self) -> int:
+        """One sample."""
+        return 1
+
+    @property
+    def payload_parameters(self) -> int:
+        """None: the core message has them all."""
+        return 0
+
+    def point_functions(self, dt_s: float) -> PointFunctions:  # noqa: ARG002 - no table depends on it
+        """Return the compiled functions; there are no tables."""
+        fit, predict = self.functions
+        return PointFunctions(fit, predict, np.empty(0))
+
+    def covariance(
+        self,
+        parameters: FloatArray,
+        horizons_s: FloatArray,
+        *,
+        dt_s: float,  # noqa: ARG002 - no table depends on it
+    ) -> FloatArray:
+        """Predictive covariance of the displacement, (B, H, 2, 2) [m²]."""
+        return self.spread_m2(parameters, horizons_s)
