@@ -30,6 +30,7 @@ def network(
     certificates: str = "gap",
     threshold: float = 0.2,
     keep_alive: float = 2.0,
+    relaxed_error: float | None = None,
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
     out: Path = Path("out"),
     jobs: int = 0,
@@ -52,8 +53,8 @@ def network(
     radio
         dsrc, sidelink, abstract, or several after one another.
     policy
-        bsm-10hz, baseline, mbc, j2945, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5, cam, or several
-        after one another.
+        bsm-10hz, baseline, mbc, j2945, j2945-filtered, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5,
+        cam, or several after one another.
     duration
         Time simulated [s].
     warm_up
@@ -74,6 +75,9 @@ def network(
         Tracking-error threshold of baseline and mbc [m].
     keep_alive
         Longest silence of baseline and mbc [s].
+    relaxed_error
+        Tracking error that calls for a message of the relaxed policies in thin traffic [m]; where not given,
+        1 cm, or --position-noise where that is more.
     sensor
         What vehicles see of themselves.
     out
@@ -107,6 +111,7 @@ def network(
         certificates=certificates,
         threshold_m=threshold,
         keep_alive_s=keep_alive,
+        relaxed_error_m=relaxed_error,
         sensor=sensor,
     )
     cases = _cases(plan, density, radio, policy, seeds)

@@ -12,6 +12,7 @@ from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
 from modelcast.evaluation.network.measure import measure
 from modelcast.evaluation.network.rows import CaseResult, NetworkCase
+from modelcast.models.motion_filter import filter_for
 from modelcast.simulation.network.engine import NetworkSettings, run_network
 from modelcast.simulation.network.sender import named_sender
 from modelcast.simulation.scenario.base import FleetFrame, run_scenario
@@ -53,6 +54,8 @@ class NetworkPlan:
         Rule of the certificates.
     threshold_m, keep_alive_s
         Of error-driven senders [m], [s].
+    relaxed_error_m
+        Of relaxed senders [m]; None for what fits the sensors.
     sensor
         What vehicles see of themselves.
     """
@@ -68,6 +71,7 @@ class NetworkPlan:
     certificates: str
     threshold_m: float
     keep_alive_s: float
+    relaxed_error_m: float | None
     sensor: SensorOptions
 
     def as_plain(self) -> dict[str, Any]:
@@ -176,14 +180,16 @@ def run_case(plan: NetworkPlan, case: NetworkCase) -> CaseResult:
 
     certificates: Any = plan.certificates
     try:
+        model = plan.sensor.model()
         sender = named_sender(
             case.policy,
             threshold_m=plan.threshold_m,
             keep_alive_s=plan.keep_alive_s,
+            relaxed_error_m=plan.relaxed_error_m,
+            motion=filter_for(model),
             stack=Stack(certificates),
         )
         radio, bin_m = _radio(plan, case.radio)
-        model = plan.sensor.model()
         seed = int(child_generator(plan.seed, case.run, "loop").integers(2**31))
         with _frames(plan, case) as frames:
             run = run_network(frames, sender, radio, plan.settings, seed=seed, sensor=FleetSensor(model))
