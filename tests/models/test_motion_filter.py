@@ -127,6 +127,15 @@ def test_the_first_sample_is_taken_as_it_is_and_arguments_are_left_alone() -> No
     assert (spreads == 1.0).all()
 
 
+def test_a_jump_of_the_receiver_is_followed_at_once_and_leaves_the_speed_alone() -> None:
+    seen = curve(60, yaw_rate_radps=1e-6)[:, None]
+    seen[40:, :, 0] += 0.5
+    shown = filtered(seen, MotionFilter())
+    assert shown[40, 0, 0] - seen[40, 0, 0] == pytest.approx(0.0, abs=0.02)
+    assert shown[40:, 0, 2] == pytest.approx(20.0, abs=0.05)
+    assert np.abs(shown[40:, 0, 3]).max() < 0.005
+
+
 def test_a_car_that_stands_keeps_the_course_it_is_shown() -> None:
     seen = np.zeros((30, 1, 6))
     seen[:, :, 3] = 2.0

@@ -31,8 +31,10 @@ class MotionFilter:
         Standard deviations of the white noise of a sample [m], [m/s], [rad], [m/s²], [rad/s]; the defaults
         are those of `modelcast.core.sensor.SensorModel`.
     jerk_along, jerk_across
-        Root of the spectral density of the jerk along the course and across it [m/s³ over √Hz]. Chosen on
-        the built-in highway: anything from half to twice as much gave the same errors within 5 %.
+        Root of the spectral density of the jerk along the course and across it [m/s³ over √Hz].
+    jump_ratio
+        A position farther from the expected one than so many standard deviations is taken for a jump of the
+        receiver, as recorded ones show: the place is followed at once, speed and course are kept.
 
     Raises
     ------
@@ -58,8 +60,9 @@ class MotionFilter:
     heading_rad: float = 0.2 * np.pi / 180.0
     acceleration_mps2: float = 0.05
     yaw_rate_radps: float = 0.1 * np.pi / 180.0
-    jerk_along: float = 0.4
-    jerk_across: float = 0.4
+    jerk_along: float = 1.0
+    jerk_across: float = 1.0
+    jump_ratio: float = 4.0
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
@@ -67,7 +70,7 @@ class MotionFilter:
                 raise ValueError(f"{name} must be positive and finite, got {getattr(self, name)}")
 
     def constants(self) -> FloatArray:
-        """Return the constants as the compiled filter takes them, (7,)."""
+        """Return the constants as the compiled filter takes them, (8,)."""
         return np.array([getattr(self, name) for name in self.__slots__])
 
     def step(

@@ -14,9 +14,9 @@ __all__ = ["CONSTANTS", "STATES", "advance", "correct", "filter_fleet", "shown",
 
 STATES = 6
 
-CONSTANTS = 7
+CONSTANTS = 8
 """Standard deviations of position, speed, heading, acceleration and yaw rate; density of the jerk along the
-course and across it."""
+course and across it; standard deviations beyond which a position has jumped."""
 
 _LEAST_ACROSS_MPS = 0.01
 """Of the velocity across the measured course: a car slips a little."""
@@ -102,6 +102,12 @@ def correct(seen: Any, c: Any, state: Any, spread: Any) -> None:
     """Take in a measurement (6,); speed and rates count along the measured course and across it."""
     ahead_east, ahead_north = sin(seen[3]), cos(seen[3])
     speed = seen[2]
+    off_east, off_north = seen[0] - state[0], seen[1] - state[1]
+    square = off_east * off_east + off_north * off_north
+    if square > c[7] * c[7] * (0.5 * (spread[0, 0] + spread[1, 1]) + c[0] * c[0]):
+        # The receiver jumped: the place is new, speed and course are not.
+        spread[0, 0] += square
+        spread[1, 1] += square
     _observe(state, spread, 0, 1.0, 0.0, seen[0], c[0])
     _observe(state, spread, 0, 0.0, 1.0, seen[1], c[0])
     _observe(state, spread, 2, ahead_east, ahead_north, speed, c[1])

@@ -479,9 +479,12 @@ def _control(policy: CooperativeAwareness) -> tuple[int, FloatArray, float]:
 
 
 def _capacity(first: FleetFrame, settings: NetworkSettings) -> int:
-    """Slots of a host: half as many again as the fullest has in reach at first, and some."""
+    """Slots of a host: half as many again as the fullest has in reach at first, and some.
+
+    Where slots are empty at first, as in traffic that comes and goes, as many more as if all were taken.
+    """
     place = np.where(first.active[:, None], first.position_m, np.nan)
-    most = receiver_kernels.most_in_reach(place, settings.reach_m)
+    most = receiver_kernels.most_in_reach(place, settings.reach_m) * len(first) / max(first.active.sum(), 1)
     return int(min(len(first) + _SPARE_SLOTS, int(1.5 * most) + _SPARE_SLOTS, 2**15 - 1))
 
 
