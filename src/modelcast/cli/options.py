@@ -9,7 +9,17 @@ from cyclopts import Parameter
 if TYPE_CHECKING:
     from modelcast.core.sensor import SensorModel
 
-__all__ = ["Columns", "CostUnit", "Format", "Numbers", "Paths", "SensorOptions", "Source", "Words", "parse_columns"]
+__all__ = [
+    "Columns",
+    "CostUnit",
+    "Format",
+    "Numbers",
+    "Paths",
+    "SensorOptions",
+    "Source",
+    "Words",
+    "parse_columns",
+]
 
 Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")]
 """Several numbers after one another."""

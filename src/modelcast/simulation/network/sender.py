@@ -224,7 +224,7 @@ def named_sender(
     Raises
     ------
     ValueError
-        Where there is no such name.
+        Where there is no such name, or an error is not positive.
     """
     timers = engine_parameters() if parameters is None else parameters
     coasting = Bank((ConstantVelocity(),), "cv")
@@ -232,6 +232,8 @@ def named_sender(
     relaxed = {"j2945-mbc-relaxed": 2.0, "j2945-mbc-relaxed-5": 5.0}
     if name not in SENDERS:
         raise ValueError(f"sender must be one of {', '.join(SENDERS)}, got {name!r}")
+    if relaxed_error_m is not None and not relaxed_error_m > 0.0:
+        raise ValueError(f"relaxed_error_m must be positive, got {relaxed_error_m}")
     within_m = core_steps().position_m
     if name in relaxed:
         error_m = max(RELAXED_ERROR_M, own.position_m) if relaxed_error_m is None else relaxed_error_m
