@@ -59,7 +59,8 @@ def network(
         dsrc, sidelink, abstract, or several after one another.
     policy
         bsm-10hz, baseline, mbc, j2945, j2945-filtered, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5,
-        cam, or several after one another.
+        cam, or several after one another. mbc sends the first sub-model of the bank that has a full window
+        (start rule order), the j2945-mbc ones what erred least of late; hindsight is not in the loop.
     duration
         Time simulated [s].
     warm_up
