@@ -1,12 +1,22 @@
 """Claims about ``modelcast network``."""
 
 import json
+import pickle
+from importlib.util import find_spec
 from pathlib import Path
 
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
 from modelcast.cli.app import USAGE, run
+from modelcast.core.exceptions import (
+    CodecError,
+    ConfigError,
+    DataFormatError,
+    MissingExtraError,
+    ModelcastError,
+)
 
 DEFAULTS = {
     "--density": ["20"],
@@ -70,6 +80,8 @@ def test_other_options_need_another_folder(folder: Path, capsys: pytest.CaptureF
         ("seeds", "0"),
         ("density", "100000"),
         ("certificates", "gold"),
+        ("relaxed_error", "-1"),
+        ("trips", "somewhere.csv"),
     ],
 )
 def test_mistakes_are_told(option: str, value: str, tmp_path: Path) -> None:
@@ -81,3 +93,126 @@ def test_other_scenarios_and_radios_run(changed: dict[str, str], tmp_path: Path)
     out = tmp_path / "out"
     assert run(words(out, seeds="1", policy="j2945", **changed)) == 0
     assert len(list((out / "runs").iterdir())) == 1
+
+
+FCD = {"csv", "parquet", "xml"}
+HAS_SUMO = find_spec("libsumo") is not None
+
+
+def write_fcd(folder: Path, kind: str) -> Path:
+    """Three cars abreast, 5 s at 2 Hz: the last comes late, and the loop gets 10 Hz of it."""
+    rows = [
+        (0.5 * step, f"car{car}", 7.5 * step, 100.0 * car, 15.0)
+        for step in range(11)
+        for car in range(3)
+        if car < 2 or step > 4
+    ]
+    path = folder / f"traffic.{kind}"
+    names = ("time", "id", "x", "y", "speed")
+    if kind == "csv":
+        lines = [",".join(names), *(",".join(str(value) for value in row) for row in rows)]
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    elif kind == "parquet":
+        columns = dict(zip(names, map(list, zip(*rows, strict=True)), strict=True))
+        pq.write_table(pa.table(columns), path)
+    else:
+        steps = ""
+        for t_s in sorted({row[0] for row in rows}):
+            cars = "".join(
+                f'<vehicle id="{name}" x="{x}" y="{y}" angle="90" speed="{speed}"/>'
+                for t, name, x, y, speed in rows
+                if t == t_s
+            )
+            steps += f'<timestep time="{t_s}">{cars}</timestep>'
+        path.write_text(f"<fcd-export>{steps}</fcd-export>", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("kind", sorted(FCD))
+def test_floating_car_data_of_every_format_run(kind: str, tmp_path: Path) -> None:
+    path = write_fcd(tmp_path, kind)
+    out = tmp_path / "out"
+    assert run(words(out, scenario=str(path), seeds="1", policy="j2945", duration="9")) == 0
+    (row,) = json.loads((out / "summary.json").read_text())["runs"]
+    assert row["density_per_km"] is None
+    assert 2.0 < row["vehicles"] < 3.0
+    assert 9.0 < row["message_rate_hz"] < 11.0
+
+
+def test_a_file_that_is_no_traffic_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "notes.csv"
+    path.write_text("a,b\n1,2\n", encoding="utf-8")
+    assert run(words(tmp_path / "out", scenario=str(path))) == USAGE
+    assert "notes.csv" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("scenario", "trips", "told"),
+    [
+        ("platoon", None, "--trips"),
+        ("trips", None, "--trips"),
+        ("platoon", "missing.csv", "missing.csv: does not exist"),
+        ("highway", "missing.csv", "--trips goes with"),
+    ],
+)
+def test_trips_and_scenario_go_together(
+    scenario: str, trips: str | None, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    changed = {"scenario": scenario} if trips is None else {"scenario": scenario, "trips": trips}
+    assert run(words(tmp_path / "out", **changed)) == USAGE
+    assert told in capsys.readouterr().err
+
+
+@pytest.mark.skipif(HAS_SUMO, reason="the extra sumo is installed")
+def test_without_sumo_the_extra_is_named_before_anything_runs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(words(tmp_path / "out", scenario="sumo-highway")) == USAGE
+    assert "modelcast[sumo]" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not HAS_SUMO, reason="the extra sumo is not installed")
+@pytest.mark.parametrize("scenario", ["sumo-highway", "sumo-grid", "sumo-junction"])
+def test_traffic_by_sumo_runs(scenario: str, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert run(words(out, scenario=scenario, blocks="2", length="600", seeds="1", policy="j2945")) == 0
+    (row,) = json.loads((out / "summary.json").read_text())["runs"]
+    assert row["vehicles"] > 1.0
+
+
+def test_recorded_platoons_run_a_file_a_seed(tmp_path: Path, data_folder: Path) -> None:
+    folder = data_folder / "openacc_zalazone"
+    names = ("short_setting__handling_part14.csv", "short_setting__dynamic_part12.csv")
+    files = [str(folder / name) for name in names]
+    out = tmp_path / "out"
+    line = words(out, scenario="platoon", policy="j2945-mbc-relaxed", duration="6")
+    assert run([*line, "--trips", *files]) == 0
+    rows = json.loads((out / "summary.json").read_text())["runs"]
+    assert len(rows) == 2
+    assert rows[0]["vehicles"] != rows[1]["vehicles"]
+    assert all(5.0 <= row["vehicles"] <= 11.0 and 0.5 < row["message_rate_hz"] < 8.0 for row in rows)
+
+
+def test_real_trips_are_laid_on_a_road_at_a_density(tmp_path: Path, data_folder: Path) -> None:
+    file = str(data_folder / "openacc_zalazone" / "short_setting__handling_part14.csv")
+    out = tmp_path / "out"
+    assert run(words(out, scenario="trips", trips=file, policy="j2945", seeds="1", density="40")) == 0
+    (row,) = json.loads((out / "summary.json").read_text())["runs"]
+    assert row["density_per_km"] == 40.0
+    assert row["vehicles"] == 12.0
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        CodecError("no", 7),
+        ConfigError("no"),
+        DataFormatError("a.csv", "no", row=3, remedy="Yes."),
+        MissingExtraError("Traffic", "sumo", "libsumo"),
+    ],
+)
+def test_an_error_of_a_worker_process_arrives_as_it_was_raised(error: ModelcastError) -> None:
+    back = pickle.loads(pickle.dumps(error))  # noqa: S301 - our own
+    assert type(back) is type(error)
+    assert str(back) == str(error)
+    assert vars(back) == vars(error)

@@ -460,6 +460,46 @@ def test_relaxed_senders_have_one_longest_time_at_every_density(longest_s: float
     assert np.diff(sent_s(decisions, 0)) == pytest.approx(longest_s, abs=0.005 + ROUNDING)
 
 
+def test_a_relaxed_sender_is_certain_to_send_beyond_its_error() -> None:
+    relaxed = j2945_relaxed_parameters(error_m=0.02)
+    assert transmit_probability(np.array([0.0199, 0.02, np.inf]), relaxed).tolist() == [0.0, 1.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("density", "growth"),
+    # 1 up to B = 25, then N_s / 25, at most 6; the standard's own set never grows.
+    [(0.0, 1.0), (25.0, 1.0), (50.0, 2.0), (140.0, 5.6), (150.0, 6.0), (900.0, 6.0)],
+)
+def test_the_error_that_calls_grows_with_density_as_the_standards_time_does(
+    density: float, growth: float
+) -> None:
+    relaxed = j2945_relaxed_parameters(error_m=0.01).constants()
+    assert k.error_growth(density, relaxed) == pytest.approx(growth, rel=ROUNDING)
+    assert k.error_growth(density, C) == 1.0
+    for share, probability in ((0.99, 0.0), (1.01, 1.0)):
+        row = row_at(density=density, neighbours=density)
+        k.control(row, 10.0, share * 0.01 * growth, 0.0, 0.5, relaxed)
+        assert row[k.PROBABILITY] == probability
+
+
+@pytest.mark.parametrize(
+    ("cause", "follow_up_s", "wait_s"),
+    [
+        (Cause.DYNAMICS, 0.3, 0.3),
+        (Cause.DYNAMICS, 0.0, 2.0),
+        (Cause.DYNAMICS, 3.0, 2.0),
+        (Cause.TIME, 0.3, 2.0),
+        (Cause.CRITICAL, 0.3, 2.0),
+    ],
+)
+def test_a_message_by_error_is_followed_up(cause: Cause, follow_up_s: float, wait_s: float) -> None:
+    relaxed = j2945_relaxed_parameters(2.0, follow_up_s=follow_up_s).constants()
+    row = row_at(cause=float(cause), inter_transmit_time_s=2.0)
+    k.sent(row, 10.0, 0.5, 0.9, relaxed)
+    assert row[k.NEXT_S] == pytest.approx(10.0 + wait_s, rel=ROUNDING)
+    assert row[k.CAUSE] == Cause.TIME
+
+
 @pytest.mark.parametrize(
     ("wrong", "named"),
     [
@@ -474,6 +514,8 @@ def test_relaxed_senders_have_one_longest_time_at_every_density(longest_s: float
         ({"max_busy_ratio": 1.2}, "max_busy_ratio"),
         ({"per_interval_s": 4.5}, "per_interval_s"),
         ({"error_sensitivity": np.nan}, "error_sensitivity"),
+        ({"max_error_growth": 0.5}, "max_error_growth"),
+        ({"follow_up_s": 0.05}, "follow_up_s"),
     ],
 )
 def test_impossible_constants_are_refused_by_name(wrong: dict[str, float], named: str) -> None:

@@ -5,10 +5,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from modelcast.cli.options import Numbers, SensorOptions, Words
+from modelcast.cli.options import Numbers, Paths, SensorOptions, Words
 
 if TYPE_CHECKING:
-    from modelcast.cli.network_case import NetworkPlan
+    from modelcast.cli.network_plan import NetworkPlan
     from modelcast.evaluation.network.rows import CaseResult, NetworkCase
 
 __all__ = ["network"]
@@ -17,6 +17,7 @@ __all__ = ["network"]
 def network(
     *,
     scenario: str = "highway",
+    trips: Paths = (),
     density: Numbers = (25.0, 100.0, 400.0),
     radio: Words = ("dsrc",),
     policy: Words = ("bsm-10hz", "j2945", "j2945-mbc", "mbc", "cam"),
@@ -30,6 +31,7 @@ def network(
     certificates: str = "gap",
     threshold: float = 0.2,
     keep_alive: float = 2.0,
+    relaxed_error: float | None = None,
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
     out: Path = Path("out"),
     jobs: int = 0,
@@ -45,15 +47,20 @@ def network(
     Parameters
     ----------
     scenario
-        highway, grid, sumo-highway, sumo-grid, sumo-junction, or a file of floating-car data (CSV, Parquet or
-        SUMO XML). Files and the junction have their own density.
+        highway, grid; sumo-highway, sumo-grid, sumo-junction (extra sumo); platoon: the cars of an OpenACC
+        file on their one clock, as long as it lasts; trips: recorded trips laid on a straight road; or a file
+        of floating-car data (CSV, Parquet or SUMO XML). Platoon, junction and files have their own density.
+    trips
+        Recorded trips of platoon and trips: files or folders, several after one another. Of several platoons
+        seeds take one each in turn.
     density
         Vehicles a kilometre of road, both directions, several after one another.
     radio
         dsrc, sidelink, abstract, or several after one another.
     policy
-        bsm-10hz, baseline, mbc, j2945, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5, cam, or several
-        after one another.
+        bsm-10hz, baseline, mbc, j2945, j2945-filtered, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5,
+        cam, or several after one another. mbc sends the first sub-model of the bank that has a full window
+        (start rule order), the j2945-mbc ones what erred least of late; hindsight is not in the loop.
     duration
         Time simulated [s].
     warm_up
@@ -63,9 +70,9 @@ def network(
     seed
         Seed of all random numbers.
     length
-        Length of the highway [m].
+        Length of the highway, or of the road of trips [m].
     lanes
-        Lanes in each direction of the highway; 0 for as many as the density needs.
+        Lanes in each direction of it; 0 for as many as the density needs.
     blocks
         Junctions on each side of the grid.
     certificates
@@ -74,6 +81,9 @@ def network(
         Tracking-error threshold of baseline and mbc [m].
     keep_alive
         Longest silence of baseline and mbc [s].
+    relaxed_error
+        Tracking error that calls for a message of the relaxed policies in thin traffic [m]; where not given,
+        1 cm, or --position-noise where that is more.
     sensor
         What vehicles see of themselves.
     out
@@ -90,7 +100,7 @@ def network(
 
     from rich.console import Console
 
-    from modelcast.cli.network_case import NetworkPlan
+    from modelcast.cli.network_plan import NetworkPlan
     from modelcast.cli.reading import counted
     from modelcast.evaluation.network.pool import gather
     from modelcast.io.network import network_document, write_network
@@ -98,6 +108,7 @@ def network(
 
     plan = NetworkPlan(
         scenario,
+        trips=tuple(str(path) for path in trips),
         duration_s=duration,
         warm_up_s=warm_up,
         length_m=length,
@@ -107,6 +118,7 @@ def network(
         certificates=certificates,
         threshold_m=threshold,
         keep_alive_s=keep_alive,
+        relaxed_error_m=relaxed_error,
         sensor=sensor,
     )
     cases = _cases(plan, density, radio, policy, seeds)
@@ -135,7 +147,7 @@ def _cases(
     from itertools import product
     from math import nan
 
-    from modelcast.cli.network_case import BUILT_IN, RADIOS, SUMO
+    from modelcast.cli.network_plan import RADIOS
     from modelcast.core.exceptions import ConfigError
     from modelcast.evaluation.network.rows import NetworkCase
     from modelcast.simulation.network.sender import SENDERS
@@ -144,15 +156,12 @@ def _cases(
         unknown = [word for word in given if word not in known]
         if unknown or not given:
             raise ConfigError(f"--{name} must be of {', '.join(known)}, got {', '.join(unknown) or 'none'}")
-    named = (*BUILT_IN, *SUMO)
-    if plan.scenario not in named and not Path(plan.scenario).is_file():
-        raise ConfigError(f"--scenario must be {', '.join(named)} or a file, got {plan.scenario!r}")
+    plan.check_traffic()
     if seeds < 1 or not all(value > 0 for value in density):
         raise ConfigError(f"--seeds and --density must be positive, got {seeds} and {density}")
     if not 0 <= plan.warm_up_s < plan.duration_s:
         raise ConfigError(f"--warm-up must be below --duration, got {plan.warm_up_s} and {plan.duration_s}")
-    own = plan.scenario == "sumo-junction" or plan.scenario not in named
-    densities = (nan,) if own else tuple(dict.fromkeys(density))
+    densities = (nan,) if plan.has_own_density else tuple(dict.fromkeys(density))
     chosen = product(densities, dict.fromkeys(radio), dict.fromkeys(policy), range(seeds))
     return [NetworkCase(*one) for one in chosen]
 

@@ -1,6 +1,7 @@
 """Options that several commands share."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
@@ -8,7 +9,17 @@ from cyclopts import Parameter
 if TYPE_CHECKING:
     from modelcast.core.sensor import SensorModel
 
-__all__ = ["Columns", "CostUnit", "Format", "Numbers", "SensorOptions", "Source", "Words", "parse_columns"]
+__all__ = [
+    "Columns",
+    "CostUnit",
+    "Format",
+    "Numbers",
+    "Paths",
+    "SensorOptions",
+    "Source",
+    "Words",
+    "parse_columns",
+]
 
 Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")]
 """Several numbers after one another."""
@@ -16,6 +27,8 @@ Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative
 Words = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")]
 """Several words after one another."""
 
+Paths = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative="")]
+"""Several files or folders after one another."""
 
 CostUnit = Literal["messages", "bytes", "airtime"]
 """What the rule ``cheapest`` counts."""

@@ -11,11 +11,24 @@
 Mistakes of a caller of the Python interface are plain ``ValueError``.
 """
 
+from typing import Any
+
 __all__ = ["CodecError", "ConfigError", "DataFormatError", "MissingExtraError", "ModelcastError"]
 
 
 class ModelcastError(Exception):
-    """Base of every error modelcast raises on purpose."""
+    """Base of every error modelcast raises on purpose; it comes out of a worker process as it was raised."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Keep the text and the fields: the arguments of a subclass are not its ``args``."""
+        return _raised_elsewhere, (type(self), self.args), self.__dict__
+
+
+def _raised_elsewhere(kind: type[ModelcastError], arguments: tuple[Any, ...]) -> ModelcastError:
+    """Return an error as another process raised it."""
+    error = kind.__new__(kind, *arguments)
+    error.args = arguments
+    return error
 
 
 class CodecError(ModelcastError):

@@ -26,7 +26,7 @@ from modelcast.io.sumo_networks import SumoInput, sumo_home
 from modelcast.simulation.scenario.base import STEP_S, FleetFrame
 from modelcast.simulation.scenario.completion import completed
 
-__all__ = ["run_sumo"]
+__all__ = ["require_sumo", "run_sumo"]
 
 _LATERAL_M = 0.8
 
@@ -62,6 +62,17 @@ def run_sumo(
     library = _library()
     steps, warm_up = round(duration_s / STEP_S), round(warm_up_s / STEP_S)
     return completed(_frames(library, source, slots, steps=steps, seed=seed, warm_up=warm_up))
+
+
+def require_sumo() -> None:
+    """Refuse where SUMO cannot run.
+
+    Raises
+    ------
+    MissingExtraError
+        Where the extra ``sumo`` is not installed.
+    """
+    _library()
 
 
 def _library() -> Any:

@@ -17,6 +17,7 @@ __all__ = [
     "assume_received",
     "control",
     "critical",
+    "error_growth",
     "max_inter_transmit_time",
     "power_for",
     "sent",
@@ -62,7 +63,9 @@ __all__ = [
     POWER_GAIN,
     MIN_BUSY_RATIO,
     MAX_BUSY_RATIO,
-) = range(34)
+    MAX_ERROR_GROWTH,
+    FOLLOW_UP_S,
+) = range(36)
 """Constants, in the order of the fields of `J2945Parameters`."""
 
 (
@@ -119,6 +122,12 @@ def transmit_probability(tracking_error_m: float, c: Any) -> float:
 
 
 @numba.njit(cache=True, nogil=True)
+def error_growth(density: float, c: Any) -> float:
+    """By how much a tracking error may be larger at a smoothed vehicle density; 1 up to the coefficient."""
+    return max(1.0, min(density / c[DENSITY_COEFFICIENT], c[MAX_ERROR_GROWTH]))
+
+
+@numba.njit(cache=True, nogil=True)
 def power_for(channel_busy_ratio: float, c: Any) -> float:
     """Power f(CBP) that a channel busy ratio calls for [dBm]."""
     if channel_busy_ratio <= c[MIN_BUSY_RATIO]:
@@ -172,7 +181,7 @@ def control(
     row[INTER_TRANSMIT_TIME_S] = longest_s
     row[PROBABILITY] = 0.0
     if c[TRACKING_ERROR_TRIGGER] != 0.0:
-        row[PROBABILITY] = transmit_probability(tracking_error_m, c)
+        row[PROBABILITY] = transmit_probability(tracking_error_m / error_growth(row[DENSITY], c), c)
     threshold_s = c[RESCHEDULE_THRESHOLD_S] - _TIME_SLACK_S
     if uniform < row[PROBABILITY] and row[NEXT_S] - t_s >= threshold_s:
         row[NEXT_S], row[CAUSE] = t_s, CAUSE_DYNAMICS
@@ -220,7 +229,10 @@ def sent(row: Any, at_s: float, jitter: float, loss: float, c: Any) -> tuple[flo
         power_dbm = row[POWER_DBM]
     believed = assume_received(row, loss, c)
     row[LAST_S] = at_s
-    row[NEXT_S] = at_s + row[INTER_TRANSMIT_TIME_S] + c[JITTER_S] * (2.0 * jitter - 1.0)
+    wait_s = row[INTER_TRANSMIT_TIME_S]
+    if row[CAUSE] == CAUSE_DYNAMICS and c[FOLLOW_UP_S] > 0.0:
+        wait_s = min(wait_s, c[FOLLOW_UP_S])
+    row[NEXT_S] = at_s + wait_s + c[JITTER_S] * (2.0 * jitter - 1.0)
     row[CAUSE] = CAUSE_TIME
     return power_dbm, believed
 

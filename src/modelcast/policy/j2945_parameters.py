@@ -11,7 +11,10 @@ import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray
 
-__all__ = ["J2945Parameters", "j2945_relaxed_parameters", "j3161_parameters"]
+__all__ = ["RELAXED_ERROR_M", "J2945Parameters", "j2945_relaxed_parameters", "j3161_parameters"]
+
+RELAXED_ERROR_M = 0.01
+"""Tracking error that calls for a message under `j2945_relaxed_parameters` [m]."""
 
 _STANDARD_GRAVITY_MPS2 = 9.80665
 
@@ -120,6 +123,12 @@ class J2945Parameters:
     min_busy_ratio, max_busy_ratio
         vMinChanUtil and vMaxChanUtil: channel busy ratio up to which power is highest, from which it is
         lowest [R].
+    max_error_growth
+        Ours, not the standard's: errors count for less as the smoothed density rises beyond
+        `density_coefficient`, in the same proportion, and at most this much less; 1 is the standard.
+    follow_up_s
+        Ours too: time from a message that an error called for to a second one, which mends a loss of the
+        first; 0 for none, as in the standard [s].
 
     Raises
     ------
@@ -173,6 +182,8 @@ class J2945Parameters:
     power_gain: float = 0.5
     min_busy_ratio: float = 0.5
     max_busy_ratio: float = 0.8
+    max_error_growth: float = 1.0
+    follow_up_s: float = 0.0
 
     def __post_init__(self) -> None:
         for name in _UNIT_INTERVAL:
@@ -198,6 +209,13 @@ class J2945Parameters:
                 raise ValueError(
                     f"{low} must be below {high}, got {getattr(self, low)}, {getattr(self, high)}"
                 )
+        if not self.max_error_growth >= 1.0:
+            raise ValueError(f"max_error_growth must be at least 1, got {self.max_error_growth}")
+        if self.follow_up_s != 0.0 and not self.follow_up_s >= self.rate_control_interval_s:
+            raise ValueError(
+                f"follow_up_s must be 0, for none, or at least {self.rate_control_interval_s}, "
+                f"got {self.follow_up_s}"
+            )
         if not self.min_power_dbm <= self.start_power_dbm <= self.max_power_dbm:
             raise ValueError(
                 f"start_power_dbm must lie between {self.min_power_dbm} and {self.max_power_dbm}, "
@@ -216,7 +234,7 @@ class J2945Parameters:
         return round(self.per_interval_s / self.per_sub_interval_s)
 
     def constants(self) -> FloatArray:
-        """Constants as the compiled rules take them, in the order of the fields, (34,)."""
+        """Constants as the compiled rules take them, in the order of the fields, (36,)."""
         return np.array(astuple(self), dtype=np.float64)
 
     def is_critical(
@@ -267,12 +285,18 @@ def j3161_parameters(*, power_control: bool = False, tracking_error_trigger: boo
 
 
 def j2945_relaxed_parameters(
-    inter_transmit_time_s: float = 2.0, parameters: J2945Parameters | None = None
+    inter_transmit_time_s: float = 2.0,
+    parameters: J2945Parameters | None = None,
+    *,
+    error_m: float = RELAXED_ERROR_M,
+    max_error_growth: float = 6.0,
+    follow_up_s: float = 0.3,
 ) -> J2945Parameters:
-    """Return the set for senders of models: one maximum inter-transmit time at every density.
+    """Return the set for senders of models: errors call for messages, and time hardly ever.
 
-    What the remotes are believed to hold never gets too old to be compared with: the sender still knows what
-    their models say.
+    One maximum inter-transmit time at every density, and a certain message at a small error. What density
+    does to the time between messages in the standard it does to this error here. What the remotes are
+    believed to hold never gets too old to be compared with: the sender still knows what their models say.
 
     Parameters
     ----------
@@ -280,15 +304,36 @@ def j2945_relaxed_parameters(
         Longest time between two messages [s].
     parameters
         What everything else is taken from; None for the standard's.
+    error_m
+        Tracking error that calls for a message where traffic is thin, T and S in one [m].
+    max_error_growth
+        As in `J2945Parameters`; 6 is how much the standard's time grows.
+    follow_up_s
+        As in `J2945Parameters` [s].
+
+    Raises
+    ------
+    ValueError
+        Where a value is out of its range.
+
+    Notes
+    -----
+    An error is the distance of two estimates, so `error_m` should not be less than the noise of the
+    vehicle's positions. `docs/decisions/021-relaxed-timers.md` has the curve the defaults are from.
 
     Examples
     --------
-    >>> j2945_relaxed_parameters(5.0).max_inter_transmit_time_s
-    5.0
+    >>> relaxed = j2945_relaxed_parameters(5.0)
+    >>> relaxed.max_inter_transmit_time_s, relaxed.min_tracking_error_m, relaxed.max_tracking_error_m
+    (5.0, 0.01, 0.01)
     """
     return replace(
         J2945Parameters() if parameters is None else parameters,
         min_inter_transmit_time_s=inter_transmit_time_s,
         max_inter_transmit_time_s=inter_transmit_time_s,
         remote_max_age_s=float("inf"),
+        min_tracking_error_m=error_m,
+        max_tracking_error_m=error_m,
+        max_error_growth=max_error_growth,
+        follow_up_s=follow_up_s,
     )

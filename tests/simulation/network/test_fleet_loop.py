@@ -13,16 +13,19 @@ from modelcast.channel.tabulated import ReceptionTable, TabulatedRadio
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.sensor import SensorModel
 from modelcast.core.trajectory import Trajectory, build_trajectory
+from modelcast.evaluation.network.measure import binned_quantiles
 from modelcast.evaluation.walk import TripBank
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc import ModelUpdate
 from modelcast.messages.quantisation import quantised_bank
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.motion_filter import MotionFilter
 from modelcast.models.profile import default_profile
 from modelcast.models.velocity import REPORTED, sample_matrix
 from modelcast.policy.base import Message
 from modelcast.policy.error_driven import ErrorDriven
+from modelcast.policy.j2945 import J2945
 from modelcast.simulation.network import layout_kernels as at
 from modelcast.simulation.network.engine import FleetLoop, NetworkSettings, run_network
 from modelcast.simulation.network.sender import SENDERS, FleetSender, named_sender
@@ -271,3 +274,28 @@ def test_an_error_driven_sender_with_identifications_is_refused() -> None:
 def test_an_unknown_sender_is_refused() -> None:
     with pytest.raises(ValueError, match="sender must be one of"):
         named_sender("cow")
+
+
+def test_small_errors_at_relaxed_timers_take_fewer_messages_and_track_no_worse() -> None:
+    """In thin traffic, at most 0.6 of J2945/1's messages at no higher 90th percentile of the error."""
+    thin = traffic(12.0, density_per_km=40.0)
+    settings = NetworkSettings(warm_up_s=4.0)
+    p90_m: dict[str, float] = {}
+    sent: dict[str, int] = {}
+    for name in ("j2945", "j2945-mbc-relaxed"):
+        run = run_network(
+            thin, named_sender(name), Dsrc(), settings, seed=5, sensor=FleetSensor(SensorModel())
+        )
+        p90_m[name] = binned_quantiles(run.tally.error[2:6].sum(axis=0), (0.9,))[0]
+        sent[name] = int(run.tally.causes.sum())
+    assert sent["j2945-mbc-relaxed"] <= 0.6 * sent["j2945"]
+    assert p90_m["j2945-mbc-relaxed"] <= p90_m["j2945"]
+
+
+def test_the_error_of_relaxed_senders_is_a_choice() -> None:
+    coarse = named_sender("j2945-mbc-relaxed", relaxed_error_m=0.05).policy
+    assert isinstance(coarse, J2945)
+    assert coarse.parameters.min_tracking_error_m == coarse.parameters.max_tracking_error_m == 0.05
+    noisy = named_sender("j2945-mbc-relaxed", motion=MotionFilter(0.04)).policy
+    assert isinstance(noisy, J2945)
+    assert noisy.parameters.min_tracking_error_m == 0.04

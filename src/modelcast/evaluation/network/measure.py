@@ -13,6 +13,7 @@ from modelcast.evaluation.network.rows import (
     SecondRow,
 )
 from modelcast.simulation.network import layout_kernels as at
+from modelcast.simulation.network.arrays import Tally
 from modelcast.simulation.network.bins_kernels import BINS, lower_edge
 from modelcast.simulation.network.engine import NetworkRun, NetworkSettings
 
@@ -86,14 +87,30 @@ def _span(low_m: float, high_m: float, width_m: float) -> slice:
     return slice(round(low_m / width_m), round(high_m / width_m))
 
 
+def _held(counts: Tally, span: slice) -> dict[str, float]:
+    """What hosts hold at the distances of a span: the columns that a run and a distance share."""
+    pte = binned_quantiles(counts.error[span].sum(axis=0), (0.5, 0.9, 0.95, 0.99))
+    age = binned_quantiles(counts.age[span].sum(axis=0), (0.5, 0.9))
+    gap = binned_quantiles(counts.gap[span].sum(axis=0), (0.5, 0.9))
+    return {
+        "held_ratio": _ratio(float(counts.held[span].sum()), float(counts.pairs[span].sum())),
+        "pte_p50_m": pte[0],
+        "pte_p90_m": pte[1],
+        "pte_p95_m": pte[2],
+        "pte_p99_m": pte[3],
+        "age_p50_s": age[0],
+        "age_p90_s": age[1],
+        "gap_p50_s": gap[0],
+        "gap_p90_s": gap[1],
+    }
+
+
 def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outcome_bin_m: float) -> RunRow:
     counts, sums = run.tally, run.tally.sums
     sent = float(sums[at.MESSAGES])
     middle = _span(*HEADLINE_M, settings.distance_bin_m)
-    pte = binned_quantiles(counts.error[middle].sum(axis=0), (0.5, 0.9, 0.95, 0.99))
     at_100 = counts.error[_span(75.0, 125.0, settings.distance_bin_m)].sum(axis=0)
-    age = binned_quantiles(counts.age[middle].sum(axis=0), (0.5, 0.9))
-    gap = binned_quantiles(counts.gap[middle].sum(axis=0), (0.5, 0.9, 0.99))
+    gap = counts.gap[middle].sum(axis=0)
     fate = run.outcomes[_span(*HEADLINE_M, outcome_bin_m)].sum(axis=0).astype(np.float64)
     frames = float(fate.sum())
     steady = run.series[round(settings.warm_up_s / settings.dt_s) :]
@@ -124,17 +141,9 @@ def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outc
         concurrent_ratio=_ratio(fate[4], frames),
         half_duplex_ratio=_ratio(fate[1], frames),
         weak_ratio=_ratio(fate[2], frames),
-        held_ratio=_ratio(float(counts.held[middle].sum()), float(counts.pairs[middle].sum())),
-        pte_p50_m=pte[0],
-        pte_p90_m=pte[1],
-        pte_p95_m=pte[2],
-        pte_p99_m=pte[3],
+        **_held(counts, middle),
         pte_p90_100_m=binned_quantiles(at_100, (0.9,))[0],
-        age_p50_s=age[0],
-        age_p90_s=age[1],
-        gap_p50_s=gap[0],
-        gap_p90_s=gap[1],
-        gap_p99_s=gap[2],
+        gap_p99_s=binned_quantiles(gap, (0.99,))[0],
         neighbours=means[1],
         inter_transmit_time_s=means[2],
         channel_quality=means[3],
@@ -143,33 +152,19 @@ def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outc
 
 
 def _distance_rows(run: NetworkRun, case: NetworkCase, settings: NetworkSettings) -> list[DistanceRow]:
-    rows: list[DistanceRow] = []
-    for number in range(settings.distances):
-        pte = binned_quantiles(run.tally.error[number], (0.5, 0.9, 0.95, 0.99))
-        age = binned_quantiles(run.tally.age[number], (0.5, 0.9))
-        gap = binned_quantiles(run.tally.gap[number], (0.5, 0.9))
-        pairs = int(run.tally.pairs[number])
-        rows.append(
-            DistanceRow(
-                density_per_km=case.density_per_km,
-                radio=case.radio,
-                policy=case.policy,
-                run=case.run,
-                low_m=number * settings.distance_bin_m,
-                high_m=(number + 1) * settings.distance_bin_m,
-                pairs=pairs,
-                held_ratio=_ratio(float(run.tally.held[number]), pairs),
-                pte_p50_m=pte[0],
-                pte_p90_m=pte[1],
-                pte_p95_m=pte[2],
-                pte_p99_m=pte[3],
-                age_p50_s=age[0],
-                age_p90_s=age[1],
-                gap_p50_s=gap[0],
-                gap_p90_s=gap[1],
-            )
+    return [
+        DistanceRow(
+            density_per_km=case.density_per_km,
+            radio=case.radio,
+            policy=case.policy,
+            run=case.run,
+            low_m=number * settings.distance_bin_m,
+            high_m=(number + 1) * settings.distance_bin_m,
+            pairs=int(run.tally.pairs[number]),
+            **_held(run.tally, slice(number, number + 1)),
         )
-    return rows
+        for number in range(settings.distances)
+    ]
 
 
 def _outcome_rows(run: NetworkRun, case: NetworkCase, bin_m: float) -> list[OutcomeRow]:

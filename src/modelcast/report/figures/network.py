@@ -28,12 +28,13 @@ _COLOURS = {
     "baseline": "#e69f00",
     "mbc": "#0072b2",
     "j2945": "#d55e00",
+    "j2945-filtered": "#882255",
     "j2945-mbc": "#009e73",
     "j2945-mbc-relaxed": "#56b4e9",
     "j2945-mbc-relaxed-5": "#332288",
     "cam": "#cc79a7",
 }
-_MARKERS = dict(zip(_COLOURS, "xDosv^P<", strict=True))
+_MARKERS = dict(zip(_COLOURS, "xDosdv^P<", strict=True))
 _ROW_IN = 2.0
 _MOST_DENSITIES = 4
 _SPREAD = 0.02

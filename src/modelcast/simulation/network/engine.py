@@ -47,6 +47,7 @@ from modelcast.simulation.network.layout_kernels import (
 )
 from modelcast.simulation.network.sender import FleetSender
 from modelcast.simulation.scenario.base import FleetFrame
+from modelcast.simulation.scenario.filtered import FleetFilter, FleetFilterState
 from modelcast.simulation.scenario.sensed import FleetSensor, FleetSensorState
 
 __all__ = ["SERIES", "FleetLoop", "NetworkRun", "NetworkSettings", "run_network"]
@@ -207,6 +208,10 @@ class FleetLoop:
         self._sensor_state: FleetSensorState | None = None
         if sensor is not None:
             self._sensor_state = sensor.init(vehicles, child_generator(seed, "sensor"))
+        self._filter = None if sender.motion is None else FleetFilter(sender.motion)
+        self._filter_state: FleetFilterState | None = None
+        if self._filter is not None:
+            self._filter_state = self._filter.init(vehicles)
         self._constants = _constants(sender, dt_s)
         spread_s = settings.start_spread_s
         self._spread_s = sender.longest_silence_s if spread_s is None else spread_s
@@ -236,6 +241,8 @@ class FleetLoop:
         seen = frame
         if self._sensor is not None and self._sensor_state is not None:
             seen, self._sensor_state = self._sensor.sense(self._sensor_state, frame)
+        if self._filter is not None and self._filter_state is not None:
+            seen, self._filter_state = self._filter.estimate(self._filter_state, seen)
         before = self.tally.sums.copy()
         busy_ratio = self.radio.channel_busy_ratio(self._radio_state)
         with quiet_function_pointers():
@@ -472,9 +479,12 @@ def _control(policy: CooperativeAwareness) -> tuple[int, FloatArray, float]:
 
 
 def _capacity(first: FleetFrame, settings: NetworkSettings) -> int:
-    """Slots of a host: half as many again as the fullest has in reach at first, and some."""
+    """Slots of a host: half as many again as the fullest has in reach at first, and some.
+
+    Where slots are empty at first, as in traffic that comes and goes, as many more as if all were taken.
+    """
     place = np.where(first.active[:, None], first.position_m, np.nan)
-    most = receiver_kernels.most_in_reach(place, settings.reach_m)
+    most = receiver_kernels.most_in_reach(place, settings.reach_m) * len(first) / max(first.active.sum(), 1)
     return int(min(len(first) + _SPARE_SLOTS, int(1.5 * most) + _SPARE_SLOTS, 2**15 - 1))
 
 

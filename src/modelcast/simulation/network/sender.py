@@ -6,9 +6,13 @@
 | `baseline` | `ErrorDriven` with keep-alive | the same |
 | `mbc` | `ErrorDriven` with keep-alive | the model |
 | `j2945` | `J2945` | basic safety message, coasting |
-| `j2945-mbc` | the same, same timers | the model |
-| `j2945-mbc-relaxed`, `j2945-mbc-relaxed-5` | one longest time of 2 s or 5 s | the model |
+| `j2945-filtered` | the same | the same, of the filtered motion |
+| `j2945-mbc` | the same, same timers | the model, of the filtered motion |
+| `j2945-mbc-relaxed`, `j2945-mbc-relaxed-5` | small errors, or 2 s or 5 s of silence | the same |
 | `cam` | `CooperativeAwareness` under adaptive control | basic safety message, coasting |
+
+Filtered motion is what `MotionFilter` makes of a vehicle's samples. `j2945-filtered` is there to tell what
+the filter does from what the models do.
 """
 
 from dataclasses import KW_ONLY, dataclass, field, replace
@@ -22,11 +26,12 @@ from modelcast.messages.quantisation import core_steps, quantised_bank
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.motion_filter import MotionFilter
 from modelcast.models.profile import default_profile
 from modelcast.policy.cam import CooperativeAwareness
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.policy.j2945 import J2945
-from modelcast.policy.j2945_parameters import J2945Parameters, j2945_relaxed_parameters
+from modelcast.policy.j2945_parameters import RELAXED_ERROR_M, J2945Parameters, j2945_relaxed_parameters
 from modelcast.policy.periodic import Periodic
 
 __all__ = ["SENDERS", "FleetSender", "engine_parameters", "named_sender"]
@@ -36,6 +41,7 @@ SENDERS = (
     "baseline",
     "mbc",
     "j2945",
+    "j2945-filtered",
     "j2945-mbc",
     "j2945-mbc-relaxed",
     "j2945-mbc-relaxed-5",
@@ -46,6 +52,9 @@ SENDERS = (
 Rule = Periodic | ErrorDriven | J2945 | CooperativeAwareness
 
 _JITTER_S = 0.005
+
+_PLAIN_SHARE = 0.4
+"""Of the error that calls for a message: a plain one must not spend more of it than this (decision 021)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +85,9 @@ class FleetSender:
         `plain_horizon_s` and there. ``recent``: the smallest message whose sub-model, fitted at one message
         and judged at the next, erred no more of late than the best one's, but for `plain_within_m` (mean
         squares).
+    motion
+        How a vehicle estimates its motion from what its sensors show; None takes the newest sample as it is,
+        as a basic safety message does.
     plain_within_m, plain_horizon_s
         The default of the first is the step of the position on the wire [m], [s].
 
@@ -103,6 +115,7 @@ class FleetSender:
     plain_within_m: float = field(default_factory=lambda: core_steps().position_m)
     plain_horizon_s: float = 2.0
     choice: Literal["order", "recent"] = "order"
+    motion: MotionFilter | None = None
 
     def __post_init__(self) -> None:
         policy = self.policy
@@ -166,7 +179,7 @@ def engine_parameters(parameters: J2945Parameters | None = None) -> J2945Paramet
 
     A fleet is asked at times of its own between two samples. The standard's estimate "as it is" below 50 ms
     would set a position of 40 ms ago against an extrapolated one: at 30 m/s a tracking error of 1.2 m that
-    nobody has, and a message at every step. `docs/decisions/016-closed-loop.md` has the measurement.
+    nobody has, and a message at every step. `docs/decisions/020-closed-loop.md` has the measurement.
 
     Parameters
     ----------
@@ -184,6 +197,8 @@ def named_sender(
     threshold_m: float = 0.2,
     keep_alive_s: float = 2.0,
     parameters: J2945Parameters | None = None,
+    relaxed_error_m: float | None = None,
+    motion: MotionFilter | None = None,
     stack: Stack | None = None,
 ) -> FleetSender:
     """The sender of that name.
@@ -198,21 +213,32 @@ def named_sender(
         Of the error-driven ones [m], [s].
     parameters
         Constants of J2945/1; None for `engine_parameters`.
+    relaxed_error_m
+        Error that calls for a message of the relaxed ones where traffic is thin [m]; None for
+        `RELAXED_ERROR_M`, or the noise of the position that the filter is told where that is more.
+    motion
+        Filter of those that filter their motion; None for one that knows the default sensors.
     stack
         What goes round the payload; None for the default table.
 
     Raises
     ------
     ValueError
-        Where there is no such name.
+        Where there is no such name, or an error is not positive.
     """
     timers = engine_parameters() if parameters is None else parameters
     coasting = Bank((ConstantVelocity(),), "cv")
+    own = MotionFilter() if motion is None else motion
     relaxed = {"j2945-mbc-relaxed": 2.0, "j2945-mbc-relaxed-5": 5.0}
     if name not in SENDERS:
         raise ValueError(f"sender must be one of {', '.join(SENDERS)}, got {name!r}")
+    if relaxed_error_m is not None and not relaxed_error_m > 0.0:
+        raise ValueError(f"relaxed_error_m must be positive, got {relaxed_error_m}")
+    within_m = core_steps().position_m
     if name in relaxed:
-        timers = j2945_relaxed_parameters(relaxed[name], timers)
+        error_m = max(RELAXED_ERROR_M, own.position_m) if relaxed_error_m is None else relaxed_error_m
+        timers = j2945_relaxed_parameters(relaxed[name], timers, error_m=error_m)
+        within_m = min(within_m, _PLAIN_SHARE * error_m)
     policy: Rule = J2945(timers)
     if name == "bsm-10hz":
         policy = Periodic(10.0)
@@ -221,10 +247,13 @@ def named_sender(
     elif name == "cam":
         policy = CooperativeAwareness()
     sends_models = "mbc" in name
+    filters = isinstance(policy, J2945) and name != "j2945"
     return FleetSender(
         name,
         policy,
         (default_profile().bank if bank is None else bank) if sends_models else coasting,
         stack=Stack() if stack is None else stack,
+        plain_within_m=within_m,
         choice="recent" if sends_models and isinstance(policy, J2945) else "order",
+        motion=own if filters else None,
     )

@@ -13,6 +13,7 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.simulation.scenario import following_kernels as following
 from modelcast.simulation.scenario import grid_kernels as kernels
 from modelcast.simulation.scenario.base import STEP_S, AbstractScenario, FleetFrame
+from modelcast.simulation.scenario.bounds import check_positive, vehicle_count
 from modelcast.simulation.scenario.drivers import CITY, Drivers
 from modelcast.simulation.scenario.streets import AMBER_S, LANE_M, Streets, make_streets
 
@@ -114,9 +115,7 @@ class Grid(AbstractScenario[GridState]):
             raise ValueError(
                 f"junction_m must lie between 8 and 0.3 of block_m = {self.block_m}, got {self.junction_m}"
             )
-        for name in ("density_per_km", "green_s", "turn_mps2"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        check_positive(self, "density_per_km", "green_s", "turn_mps2")
         if not self.warm_up_s >= 0.0:
             raise ValueError(f"warm_up_s must be at least 0, got {self.warm_up_s}")
         streets = make_streets(
@@ -139,7 +138,7 @@ class Grid(AbstractScenario[GridState]):
     @property
     def slots(self) -> int:
         """Number of vehicles V."""
-        return round(self.density_per_km * self.street_m / 1000.0)
+        return vehicle_count(self.density_per_km, self.street_m)
 
     def init(self, rng: np.random.Generator) -> GridState:
         """Spread the vehicles over the links, and let them drive for the warm-up."""

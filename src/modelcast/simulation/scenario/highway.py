@@ -14,6 +14,7 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.simulation.scenario import following_kernels as following
 from modelcast.simulation.scenario import highway_kernels as kernels
 from modelcast.simulation.scenario.base import STEP_S, AbstractScenario, FleetFrame
+from modelcast.simulation.scenario.bounds import check_positive, vehicle_count
 from modelcast.simulation.scenario.drivers import HIGHWAY, Drivers
 
 __all__ = ["Highway", "HighwayState"]
@@ -110,9 +111,7 @@ class Highway(AbstractScenario[HighwayState]):
     warm_up_s: float = 60.0
 
     def __post_init__(self) -> None:
-        for name in ("length_m", "density_per_km", "lane_width_m", "lane_change_s"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        check_positive(self, "length_m", "density_per_km", "lane_width_m", "lane_change_s")
         if not (self.warm_up_s >= 0.0 and self.median_m >= 0.0 and self.lanes >= 1):
             raise ValueError(
                 f"warm_up_s and median_m must be at least 0 and lanes at least 1, got {self.warm_up_s}, "
@@ -131,7 +130,7 @@ class Highway(AbstractScenario[HighwayState]):
     @property
     def slots(self) -> int:
         """Number of vehicles V."""
-        return round(self.density_per_km * self.length_m / 1000.0)
+        return vehicle_count(self.density_per_km, self.length_m)
 
     @property
     def forward(self) -> int:

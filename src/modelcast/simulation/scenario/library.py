@@ -17,6 +17,7 @@ from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.core.sensor import with_motion
 from modelcast.core.trajectory import Trajectory
 from modelcast.simulation.scenario.base import STEP_S, AbstractScenario, FleetFrame
+from modelcast.simulation.scenario.bounds import check_positive, vehicle_count
 
 __all__ = ["TripRoad", "TripRoadState"]
 
@@ -100,9 +101,7 @@ class TripRoad(AbstractScenario[TripRoadState]):
     _left: IntArray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        for name in ("length_m", "density_per_km", "lane_width_m", "vehicle_length_m"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        check_positive(self, "length_m", "density_per_km", "lane_width_m", "vehicle_length_m")
         if self.lanes < 1 or not self.median_m >= 0.0 or self.slots < 1:
             raise ValueError(
                 f"lanes and the number of vehicles must be at least 1 and median_m at least 0, got "
@@ -121,7 +120,7 @@ class TripRoad(AbstractScenario[TripRoadState]):
     @property
     def slots(self) -> int:
         """Number of vehicles V."""
-        return round(self.density_per_km * self.length_m / 1000.0)
+        return vehicle_count(self.density_per_km, self.length_m)
 
     def init(self, rng: np.random.Generator) -> TripRoadState:
         """Lay a random stretch at a random place of a random lane for every vehicle."""

@@ -1,0 +1,122 @@
+"""What ``modelcast network`` is asked for: the traffic by name or file, and what all runs share."""
+
+from dataclasses import KW_ONLY, asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from modelcast.cli.options import SensorOptions
+from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.simulation.network.engine import NetworkSettings
+
+__all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
+
+BUILT_IN = ("highway", "grid")
+SUMO = ("sumo-highway", "sumo-grid", "sumo-junction")
+RECORDED = ("platoon", "trips")
+RADIOS = ("dsrc", "sidelink", "abstract")
+
+
+@dataclass(frozen=True, slots=True)
+class NetworkPlan:
+    """What all runs of one call share.
+
+    Parameters
+    ----------
+    scenario
+        A name of `BUILT_IN`, `SUMO` or `RECORDED`, or a file of floating-car data.
+    duration_s, warm_up_s
+        Time simulated, and how much of it is left out of the counts [s].
+    length_m
+        Length of a highway [m].
+    lanes
+        Lanes in each direction of a highway; 0 for as many as the density needs.
+    blocks
+        Junctions on each side of a grid.
+    seed
+        Of all random numbers.
+    certificates
+        Rule of the certificates.
+    threshold_m, keep_alive_s
+        Of error-driven senders [m], [s].
+    relaxed_error_m
+        Of relaxed senders [m]; None for what fits the sensors.
+    sensor
+        What vehicles see of themselves.
+    trips
+        Files or folders of recorded trips, for a scenario of `RECORDED`.
+    """
+
+    scenario: str
+    _: KW_ONLY
+    duration_s: float
+    warm_up_s: float
+    length_m: float
+    lanes: int
+    blocks: int
+    seed: int
+    certificates: str
+    threshold_m: float
+    keep_alive_s: float
+    relaxed_error_m: float | None
+    sensor: SensorOptions
+    trips: tuple[str, ...] = ()
+
+    def as_plain(self) -> dict[str, Any]:
+        """All of it as plain values; files by their names."""
+        names = [Path(path).name for path in self.trips]
+        return {**asdict(self), "scenario": Path(self.scenario).name, "trips": names}
+
+    @property
+    def from_file(self) -> bool:
+        """Whether the traffic is a file of floating-car data."""
+        return self.scenario not in (*BUILT_IN, *SUMO, *RECORDED)
+
+    @property
+    def has_own_density(self) -> bool:
+        """Whether the traffic comes with a density of its own."""
+        return self.scenario in {"sumo-junction", "platoon"} or self.from_file
+
+    @property
+    def is_town(self) -> bool:
+        """Whether buildings stand along the streets."""
+        return self.scenario in {"grid", "sumo-grid"}
+
+    def check_traffic(self) -> None:
+        """Refuse traffic that cannot be had, before anything runs.
+
+        Raises
+        ------
+        ConfigError
+            Where the scenario is not known, or does not go with `trips`.
+        DataFormatError
+            Where a file is missing.
+        MissingExtraError
+            Where SUMO is.
+        """
+        if self.from_file and not Path(self.scenario).is_file():
+            named = ", ".join((*BUILT_IN, *SUMO, *RECORDED))
+            raise ConfigError(f"--scenario must be {named} or a file that exists, got {self.scenario!r}")
+        if self.scenario in RECORDED and not self.trips:
+            raise ConfigError(f"--scenario {self.scenario} needs recorded trips: --trips FILE...")
+        if self.trips and self.scenario not in RECORDED:
+            raise ConfigError(
+                f"--trips goes with --scenario {' or '.join(RECORDED)}, got --scenario {self.scenario}"
+            )
+        for path in self.trips:
+            if not Path(path).exists():
+                raise DataFormatError(path, "does not exist", remedy="Check the path.")
+        if self.scenario in SUMO:
+            from modelcast.io.sumo import require_sumo
+
+            require_sumo()
+
+    @property
+    def settings(self) -> NetworkSettings:
+        """What is tracked and counted."""
+        return NetworkSettings(warm_up_s=self.warm_up_s)
+
+    def lanes_for(self, density_per_km: float) -> int:
+        """Lanes in each direction: as given, or one more for each density that fills the last."""
+        if self.lanes:
+            return self.lanes
+        return 3 + sum(density_per_km > full for full in (200.0, 400.0, 800.0))

@@ -1,0 +1,111 @@
+"""The traffic of one run of ``modelcast network``: frames from a scenario, SUMO, or recordings."""
+
+import functools
+import tempfile
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
+from itertools import takewhile
+from pathlib import Path
+
+from modelcast.cli.network_plan import SUMO, NetworkPlan
+from modelcast.core.chance import child_generator
+from modelcast.core.trajectory import Trajectory
+from modelcast.evaluation.network.rows import NetworkCase
+from modelcast.simulation.scenario.base import STEP_S, FleetFrame, run_scenario
+from modelcast.simulation.scenario.grid import Grid
+from modelcast.simulation.scenario.highway import Highway
+from modelcast.simulation.scenario.library import TripRoad
+from modelcast.simulation.scenario.replay import Replay
+from modelcast.simulation.scenario.resampling import resampled
+
+__all__ = ["BLOCK_M", "traffic"]
+
+BLOCK_M = 200.0
+"""Distance between the junctions of a grid [m]."""
+
+_MOST_SUMO_VEHICLES = 1.6
+"""Slots for SUMO's traffic over the vehicles that the density asks for: what flows in varies."""
+
+
+@contextmanager
+def traffic(plan: NetworkPlan, case: NetworkCase) -> Generator[Iterator[FleetFrame]]:
+    """The traffic of one run; all policies and radios of a seed and density meet the same.
+
+    Parameters
+    ----------
+    plan
+        What all runs share.
+    case
+        The run. Of several platoons, runs take one each in turn.
+
+    Raises
+    ------
+    ModelcastError
+        Where a file is not what it should be, or SUMO refuses its input.
+    ValueError
+        Where vehicles do not fit on the road, or no trip can be used.
+    """
+    rng = child_generator(plan.seed, case.run, "traffic")
+    if plan.scenario == "highway":
+        road = Highway(plan.length_m, case.density_per_km, lanes=plan.lanes_for(case.density_per_km))
+        yield run_scenario(road, rng, duration_s=plan.duration_s)
+    elif plan.scenario == "grid":
+        grid = Grid(plan.blocks, plan.blocks, case.density_per_km, block_m=BLOCK_M)
+        yield run_scenario(grid, rng, duration_s=plan.duration_s)
+    elif plan.scenario in SUMO:
+        with tempfile.TemporaryDirectory(prefix="modelcast-") as name:
+            yield _sumo_frames(plan, case, Path(name))
+    elif plan.scenario == "platoon":
+        platoon = _platoon(plan.trips[case.run % len(plan.trips)])
+        lasts_s = min(plan.duration_s, platoon.duration_s)
+        yield run_scenario(platoon, rng, duration_s=lasts_s)
+    elif plan.scenario == "trips":
+        lanes = plan.lanes_for(case.density_per_km)
+        laid = TripRoad(_trips(plan.trips), plan.length_m, case.density_per_km, lanes=lanes)
+        yield run_scenario(laid, rng, duration_s=plan.duration_s)
+    else:
+        from modelcast.io.fcd import read_fcd
+
+        frames = resampled(read_fcd(plan.scenario), STEP_S)
+        yield takewhile(lambda frame: frame.t_s < plan.duration_s, frames)
+
+
+@functools.lru_cache(maxsize=8)
+def _platoon(path: str) -> Replay:
+    """The cars of an OpenACC file; a process reads it once."""
+    from modelcast.io.openacc import read_platoon
+
+    return read_platoon(path)
+
+
+@functools.lru_cache(maxsize=1)
+def _trips(paths: tuple[str, ...]) -> tuple[Trajectory, ...]:
+    """The trips of all files; a process reads them once."""
+    from modelcast.io.trips import read_trips
+
+    return tuple(read_trips(paths))
+
+
+def _sumo_frames(plan: NetworkPlan, case: NetworkCase, folder: Path) -> Iterator[FleetFrame]:
+    from modelcast.io.sumo import run_sumo
+    from modelcast.io.sumo_networks import grid_input, highway_input, junction_input
+
+    seed, lasts_s = plan.seed + case.run, plan.duration_s + 60.0
+    density = case.density_per_km
+    if plan.scenario == "sumo-highway":
+        source = highway_input(
+            folder, length_m=plan.length_m, density_per_km=density, lanes=plan.lanes_for(density), seed=seed,
+            duration_s=lasts_s,
+        )  # fmt: skip
+        vehicles = density * plan.length_m / 1000.0
+    elif plan.scenario == "sumo-grid":
+        source = grid_input(
+            folder, columns=plan.blocks, rows=plan.blocks, density_per_km=density, block_m=BLOCK_M,
+            seed=seed, duration_s=lasts_s,
+        )  # fmt: skip
+        vehicles = density * 2.0 * plan.blocks * (plan.blocks - 1) * BLOCK_M / 1000.0
+    else:
+        source = junction_input(folder, seed=seed, duration_s=lasts_s)
+        vehicles = 200.0
+    slots = int(_MOST_SUMO_VEHICLES * vehicles) + 50
+    return run_sumo(source, slots=slots, duration_s=plan.duration_s, seed=seed, warm_up_s=30.0)
