@@ -112,7 +112,7 @@ def _part(trip: Trajectory, rows: slice, how: Playback) -> dict[str, FloatArray]
     if trip.speed_mps is not None:
         found["speed_mps"] = np.interp(t_s, at_s, trip.speed_mps[rows][order] * how.stretch)
     if trip.heading_rad is not None:
-        turned = np.unwrap(trip.heading_rad[rows])[order] + (np.pi if how.backwards else 0.0)
-        heading_rad: FloatArray = np.interp(t_s, at_s, turned)
+        turned_rad: FloatArray = np.unwrap(trip.heading_rad[rows])[order] + (np.pi if how.backwards else 0.0)
+        heading_rad = np.asarray(np.interp(t_s, at_s, turned_rad), dtype=np.float64)
         found["heading_rad"] = wrap_angle_rad(heading_rad)
     return found
