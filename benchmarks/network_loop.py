@@ -13,7 +13,7 @@ import numpy as np
 
 from modelcast.channel.dsrc import Dsrc
 from modelcast.core.sensor import SensorModel
-from modelcast.simulation.network import receiver_kernels, sender_kernels
+from modelcast.simulation.network import deciding_kernels, receiver_kernels
 from modelcast.simulation.network.engine import FleetLoop, NetworkSettings, run_network
 from modelcast.simulation.network.sender import named_sender
 from modelcast.simulation.scenario.base import FleetFrame, run_scenario
@@ -25,7 +25,7 @@ SECONDS = 10.0
 PARTS = (
     ("sample the tracks", receiver_kernels, "sample_tracks"),
     ("count the pairs", receiver_kernels, "count_pairs"),
-    ("decide and compose", sender_kernels, "decide"),
+    ("decide and compose", deciding_kernels, "decide"),
     ("carry", FleetLoop, "_carry"),
     ("hear", receiver_kernels, "hear_messages"),
 )

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
 from modelcast.channel.dsrc_station_kernels import (
     ACCESS_S,
     AIR,
@@ -33,6 +32,7 @@ from modelcast.channel.propagation_kernels import (
     pair_shadowing,
 )
 from modelcast.channel.random_kernels import word_of
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = ["ACCESS_EVENT", "END_EVENT", "close_links", "heard_within_m", "open_links"]
 

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
 from modelcast.channel.error_kernels import hazard_at
 from modelcast.channel.random_kernels import uniform, uniform_of
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = [
     "ACCESS_S",

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
 from modelcast.channel.error_models import HAZARD_MIN_DB, HAZARD_PER_DB, HAZARD_SIZE
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = ["hazard_at"]
 

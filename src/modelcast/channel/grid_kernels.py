@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = ["CELLS_A_RANGE", "Grid", "build_grid", "cell_span"]
 

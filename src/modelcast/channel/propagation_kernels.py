@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
 from modelcast.channel.random_kernels import CELL_BITS, next_word
 from modelcast.core.arrays import FloatArray
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = [
     "PropagationTables",

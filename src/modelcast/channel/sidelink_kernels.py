@@ -9,7 +9,6 @@ from typing import Any
 import numba
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
 from modelcast.channel.error_kernels import hazard_at
 from modelcast.channel.grid_kernels import build_grid, cell_span
 from modelcast.channel.propagation_kernels import (
@@ -21,6 +20,7 @@ from modelcast.channel.propagation_kernels import (
 )
 from modelcast.channel.random_kernels import next_word, uniform
 from modelcast.channel.sidelink_selection_kernels import MEMORY, select_resource
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = [
     "BAND",

@@ -18,13 +18,14 @@ from modelcast.core.chance import child_generator
 from modelcast.models.base import quiet_function_pointers
 from modelcast.models.noise import DEFAULT_NOISE
 from modelcast.policy import dcc_kernels, j2945_kernels
+from modelcast.policy.belief_kernels import LOCAL_COLUMNS
 from modelcast.policy.cam import CooperativeAwareness
 from modelcast.policy.dcc import AdaptiveDcc
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.policy.j2945 import J2945
 from modelcast.policy.neighbours import NeighbourTables, neighbour_tables
 from modelcast.policy.periodic import Periodic
-from modelcast.simulation.network import receiver_kernels, sender_kernels
+from modelcast.simulation.network import deciding_kernels, receiver_kernels, sampling_kernels
 from modelcast.simulation.network.arrays import (
     Contents,
     Outbox,
@@ -35,6 +36,7 @@ from modelcast.simulation.network.arrays import (
     sender_arrays,
     tally,
 )
+from modelcast.simulation.network.emitting_kernels import CERTIFICATE_RULES
 from modelcast.simulation.network.layout_kernels import (
     MESSAGES,
     POWER_DBM,
@@ -264,7 +266,7 @@ class FleetLoop:
         """Take samples in, let new vehicles begin anew, and set all tracks against the truth."""
         s, settings = self.senders, self.settings
         self._started = np.zeros(len(frame), dtype=np.bool_)
-        sender_kernels.take_samples(
+        sampling_kernels.take_samples(
             now_s,
             self._place,
             seen.position_m,
@@ -308,7 +310,7 @@ class FleetLoop:
         """Fill the outbox."""
         c = self._constants
         critical = seen.acceleration_mps2 < -c.critical_mps2
-        sender_kernels.decide(
+        deciding_kernels.decide(
             self.models,
             self.sender.limits,
             c.stack,
@@ -329,6 +331,8 @@ class FleetLoop:
             self.contents,
             self.outbox,
             self.tally,
+            np.empty(LOCAL_COLUMNS),
+            np.empty(2 + self.senders.trials.shape[2]),
         )
 
     def _carry(self, truth_m: FloatArray, until_s: float) -> Receptions:
@@ -438,7 +442,7 @@ def _constants(sender: FleetSender, dt_s: float) -> _Constants:
         extra=(sender.power_dbm, sender.jitter_s, interval_s, share),
         stack=np.array(
             [
-                sender_kernels.CERTIFICATE_RULES.index(stack.certificates),
+                CERTIFICATE_RULES.index(stack.certificates),
                 stack.certificate_interval_s,
                 around,
                 stack.certificate_bytes - stack.digest_bytes if signed else 0,

@@ -6,8 +6,8 @@ from typing import Any
 import numba
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
 from modelcast.channel.grid_kernels import build_grid, cell_span
+from modelcast.core.borrowing_kernels import borrowing
 from modelcast.models.trusted_kernels import predict_trusted
 from modelcast.policy.neighbours_kernels import hear
 from modelcast.simulation.network.bins_kernels import bin_of
@@ -37,7 +37,7 @@ from modelcast.simulation.network.layout_kernels import (
 __all__ = ["clear_hosts", "count_pairs", "hear_messages", "most_in_reach", "sample_tracks"]
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def clear_hosts(started: Any, tables: Any, tracks: Any) -> None:
     """Let new vehicles hold nothing: ``started`` (V,) says whose slot has one."""
     hosts, slots, index, _ = tables
@@ -167,7 +167,7 @@ def hear_messages(
     )  # fmt: skip
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def _predicted(models: Any, content: Any, t_s: float, out: Any) -> None:
     """Where a message puts its sender at a time, into ``out`` (2,)."""
     _, predicts, constants, _, counts, trust, _ = models
@@ -251,7 +251,7 @@ def _sample_host(
     return waiting
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def _work_out(
     models: Any, message: int, t_s: float, step: int, vehicle: Any, truth_m: Any, contents: Any, scratch: Any
 ) -> None:
