@@ -9,7 +9,7 @@ import numpy as np
 from modelcast.channel.grid_kernels import build_grid, cell_span
 from modelcast.core.borrowing_kernels import borrowing
 from modelcast.models.trusted_kernels import predict_trusted
-from modelcast.policy.neighbours_kernels import hear
+from modelcast.policy.neighbours_kernels import hear, index_place
 from modelcast.simulation.network.bins_kernels import bin_of
 from modelcast.simulation.network.layout_kernels import (
     BELIEF_AGE_BIN,
@@ -35,6 +35,9 @@ from modelcast.simulation.network.layout_kernels import (
 )
 
 __all__ = ["clear_hosts", "count_pairs", "hear_messages", "most_in_reach", "sample_tracks"]
+
+LOOK_AHEAD = 16
+"""Receptions between the first touch of what one needs and its turn; a power of two."""
 
 
 @borrowing
@@ -69,6 +72,33 @@ def _by_host(receiver: Any, hosts: int) -> Any:
 
 
 @borrowing
+def _look_ahead(
+    n: int,
+    order: Any,
+    message_id: Any,
+    receiver: Any,
+    rows: Any,
+    slots: Any,
+    index: Any,
+    tracks: Any,
+    soon: Any,
+) -> None:
+    """Touch what later receptions need, so that it is in the cache by then: their cache misses overlap.
+
+    First where the index says the remote is, half a window later its slot and track.
+    """
+    last = order.size - 1
+    k = order[min(n + LOOK_AHEAD, last)]
+    sender = message_id[k] & ((1 << SENDER_BITS) - 1)
+    remote = int(rows[sender, (message_id[k] >> SENDER_BITS) % MESSAGES_KEPT, CONTENT_VEHICLE])
+    soon[0, n & (LOOK_AHEAD - 1)] = max(float(index[receiver[k], index_place(remote, index.shape[1])]), 0.0)
+    if n >= -LOOK_AHEAD // 2:
+        at = (n - LOOK_AHEAD // 2) & (LOOK_AHEAD - 1)
+        host, slot = receiver[order[min(n + LOOK_AHEAD // 2, last)]], int(soon[0, at])
+        soon[1, at] = tracks[host, slot, TRACK_RECEIVED_S] + slots[host, slot].heard_s
+
+
+@borrowing
 def _hear_each(
     order: Any,
     message_id: Any,
@@ -88,11 +118,16 @@ def _hear_each(
     tracks: Any,
     gap: Any,
     sums: Any,
+    soon: Any,
 ) -> None:
-    """Take in receptions in an order."""
+    """Take in receptions in an order; ``soon`` (2, LOOK_AHEAD) is overwritten."""
     mask = (1 << SENDER_BITS) - 1
     taken = far = refused = stale = 0
-    for k in order:
+    for n in range(-LOOK_AHEAD if order.size > 0 else 0, order.size):
+        _look_ahead(n, order, message_id, receiver, rows, slots, index, tracks, soon)
+        if n < 0:
+            continue
+        k = order[n]
         host = receiver[k]
         sender, number = message_id[k] & mask, message_id[k] >> SENDER_BITS
         ring = number % MESSAGES_KEPT
@@ -163,7 +198,7 @@ def hear_messages(
     _hear_each(
         _by_host(receiver, vehicle.size), message_id, receiver, received_s, vehicle, seen_m, truth_m,
         reach_m, sub_interval_s, distance_bin_m, hosts, slots, index, free, contents.rows, tracks, tally.gap,
-        tally.sums,
+        tally.sums, np.empty((2, LOOK_AHEAD)),
     )  # fmt: skip
 
 
@@ -252,6 +287,15 @@ def _sample_host(
 
 
 @borrowing
+def _touch_contents(host: int, count: int, waiting: Any, tracks: Any, rows: Any, out: Any) -> None:
+    """Touch the contents of all messages that wait to be worked out, so that their cache misses overlap."""
+    for k in range(count):
+        message = int(tracks[host, waiting[k], TRACK_MESSAGE])
+        sender, ring = message & ((1 << SENDER_BITS) - 1), (message >> SENDER_BITS) % MESSAGES_KEPT
+        out[k] = rows[sender, ring, CONTENT_FIT_S] + rows[sender, ring, CONTENT_HEAD]
+
+
+@borrowing
 def _work_out(
     models: Any, message: int, t_s: float, step: int, vehicle: Any, truth_m: Any, contents: Any, scratch: Any
 ) -> None:
@@ -293,7 +337,7 @@ def sample_tracks(
     """
     hosts = tables[0]
     mask = (1 << SENDER_BITS) - 1
-    waiting = np.empty(tracks.shape[1], dtype=np.int64)
+    waiting, touched = np.empty(tracks.shape[1], dtype=np.int64), np.empty(tracks.shape[1])
     for host in range(vehicle.size):
         if vehicle[host] < 0:
             continue
@@ -302,6 +346,7 @@ def sample_tracks(
             host, used, t_s, step, expiry_s, distance_bin_m, middle, truth_m, contents.beliefs, tracks,
             tally.held, tally.error, tally.age, tally.recent, waiting,
         )  # fmt: skip
+        _touch_contents(host, count, waiting, tracks, contents.rows, touched)
         for k in range(count):
             slot = waiting[k]
             message = int(tracks[host, slot, TRACK_MESSAGE])
