@@ -22,7 +22,6 @@ __all__ = [
     "forget",
     "hear",
     "hear_each",
-    "index_place",
     "survey",
     "survey_each",
 ]
@@ -42,7 +41,7 @@ _BOUNDARY_SLACK = 1e-6
 
 
 @borrowing
-def index_place(remote: int, length: int) -> int:
+def _place(remote: int, length: int) -> int:
     """Where in an index of that length, a power of two, the search for a remote starts."""
     return ((remote * 0x9E3779B1) >> 11) & (length - 1)
 
@@ -57,7 +56,7 @@ def _sub_interval(t_s: float, phase_s: float, sub_interval_s: float) -> int:
 def find(slots: Any, index: Any, host: int, remote: int) -> int:
     """Slot of a remote at a host, -1 where it is not known."""
     length = index.shape[1]
-    at = index_place(remote, length)
+    at = _place(remote, length)
     while True:
         slot = index[host, at]
         if slot == _EMPTY or slots[host, slot].remote == remote:
@@ -69,7 +68,7 @@ def find(slots: Any, index: Any, host: int, remote: int) -> int:
 def _insert(index: Any, host: int, remote: int, slot: int) -> None:
     """Enter a slot into the index of a host."""
     length = index.shape[1]
-    at = index_place(remote, length)
+    at = _place(remote, length)
     while index[host, at] != _EMPTY:
         at = (at + 1) & (length - 1)
     index[host, at] = slot

@@ -9,7 +9,7 @@ import numpy as np
 from modelcast.channel.grid_kernels import build_grid, cell_span
 from modelcast.core.borrowing_kernels import borrowing
 from modelcast.models.trusted_kernels import predict_trusted
-from modelcast.policy.neighbours_kernels import hear, index_place
+from modelcast.policy.neighbours_kernels import hear
 from modelcast.simulation.network.bins_kernels import bin_of
 from modelcast.simulation.network.layout_kernels import (
     BELIEF_AGE_BIN,
@@ -36,8 +36,8 @@ from modelcast.simulation.network.layout_kernels import (
 
 __all__ = ["clear_hosts", "count_pairs", "hear_messages", "most_in_reach", "sample_tracks"]
 
-LOOK_AHEAD = 16
-"""Receptions between the first touch of what one needs and its turn; a power of two."""
+_LINE = 64
+"""Bytes of a cache line."""
 
 
 @borrowing
@@ -72,30 +72,17 @@ def _by_host(receiver: Any, hosts: int) -> Any:
 
 
 @borrowing
-def _look_ahead(
-    n: int,
-    order: Any,
-    message_id: Any,
-    receiver: Any,
-    rows: Any,
-    slots: Any,
-    index: Any,
-    tracks: Any,
-    soon: Any,
-) -> None:
-    """Touch what later receptions need, so that it is in the cache by then: their cache misses overlap.
+def _touch_host(host: int, used: int, slots: Any, index: Any, tracks: Any) -> float:
+    """Read through the tables of a host in the order of memory; return a number that means nothing.
 
-    First where the index says the remote is, half a window later its slot and track.
+    Its messages then find them in the cache: a processor fetches ahead of a walk, not of scattered look-ups.
     """
-    last = order.size - 1
-    k = order[min(n + LOOK_AHEAD, last)]
-    sender = message_id[k] & ((1 << SENDER_BITS) - 1)
-    remote = int(rows[sender, (message_id[k] >> SENDER_BITS) % MESSAGES_KEPT, CONTENT_VEHICLE])
-    soon[0, n & (LOOK_AHEAD - 1)] = max(float(index[receiver[k], index_place(remote, index.shape[1])]), 0.0)
-    if n >= -LOOK_AHEAD // 2:
-        at = (n - LOOK_AHEAD // 2) & (LOOK_AHEAD - 1)
-        host, slot = receiver[order[min(n + LOOK_AHEAD // 2, last)]], int(soon[0, at])
-        soon[1, at] = tracks[host, slot, TRACK_RECEIVED_S] + slots[host, slot].heard_s
+    total = 0.0
+    for at in range(0, index.shape[1], _LINE // 2):
+        total += index[host, at]
+    for slot in range(used):
+        total += slots[host, slot].heard_s + tracks[host, slot, TRACK_RECEIVED_S]
+    return total
 
 
 @borrowing
@@ -118,17 +105,17 @@ def _hear_each(
     tracks: Any,
     gap: Any,
     sums: Any,
-    soon: Any,
+    touched: Any,
 ) -> None:
-    """Take in receptions in an order; ``soon`` (2, LOOK_AHEAD) is overwritten."""
+    """Take in receptions in an order, host by host; ``touched`` (1,) is overwritten."""
     mask = (1 << SENDER_BITS) - 1
     taken = far = refused = stale = 0
-    for n in range(-LOOK_AHEAD if order.size > 0 else 0, order.size):
-        _look_ahead(n, order, message_id, receiver, rows, slots, index, tracks, soon)
-        if n < 0:
-            continue
-        k = order[n]
+    last = -1
+    for k in order:
         host = receiver[k]
+        if host != last:
+            touched[0] = _touch_host(host, hosts[host].used, slots, index, tracks)
+            last = host
         sender, number = message_id[k] & mask, message_id[k] >> SENDER_BITS
         ring = number % MESSAGES_KEPT
         if vehicle[host] < 0 or rows[sender, ring, CONTENT_NUMBER] != number:
@@ -198,7 +185,7 @@ def hear_messages(
     _hear_each(
         _by_host(receiver, vehicle.size), message_id, receiver, received_s, vehicle, seen_m, truth_m,
         reach_m, sub_interval_s, distance_bin_m, hosts, slots, index, free, contents.rows, tracks, tally.gap,
-        tally.sums, np.empty((2, LOOK_AHEAD)),
+        tally.sums, np.empty(1),
     )  # fmt: skip
 
 
