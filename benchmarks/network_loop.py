@@ -15,9 +15,10 @@ import numpy as np
 from modelcast.channel.dsrc import Dsrc
 from modelcast.core.sensor import SensorModel
 from modelcast.simulation.network import deciding_kernels, receiver_kernels
-from modelcast.simulation.network.engine import NetworkSettings, run_network
+from modelcast.simulation.network.engine import run_network
 from modelcast.simulation.network.loop import FleetLoop
 from modelcast.simulation.network.sender import named_sender
+from modelcast.simulation.network.settings import NetworkSettings
 from modelcast.simulation.scenario.base import FleetFrame, run_scenario
 from modelcast.simulation.scenario.highway import Highway
 from modelcast.simulation.scenario.sensed import FleetSensor

@@ -12,8 +12,9 @@ from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
 from modelcast.evaluation.network.measure import measure
 from modelcast.evaluation.network.rows import CaseResult, NetworkCase
-from modelcast.simulation.network.engine import NetworkSettings, run_network
+from modelcast.simulation.network.engine import run_network
 from modelcast.simulation.network.sender import named_sender
+from modelcast.simulation.network.settings import NetworkSettings
 from modelcast.simulation.scenario.base import FleetFrame, run_scenario
 from modelcast.simulation.scenario.grid import Grid
 from modelcast.simulation.scenario.highway import Highway

@@ -24,9 +24,10 @@ from modelcast.models.velocity import REPORTED, sample_matrix
 from modelcast.policy.base import Message
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.simulation.network import layout_kernels as at
-from modelcast.simulation.network.engine import NetworkSettings, run_network
+from modelcast.simulation.network.engine import run_network
 from modelcast.simulation.network.loop import FleetLoop
 from modelcast.simulation.network.sender import SENDERS, FleetSender, named_sender
+from modelcast.simulation.network.settings import NetworkSettings
 from modelcast.simulation.scenario.base import FleetFrame, run_scenario
 from modelcast.simulation.scenario.highway import Highway
 from modelcast.simulation.scenario.sensed import FleetSensor

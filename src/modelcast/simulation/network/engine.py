@@ -16,7 +16,7 @@ from modelcast.simulation.network.settings import NetworkSettings
 from modelcast.simulation.scenario.base import FleetFrame
 from modelcast.simulation.scenario.sensed import FleetSensor
 
-__all__ = ["NetworkRun", "NetworkSettings", "run_network"]
+__all__ = ["NetworkRun", "run_network"]
 
 
 @dataclass(frozen=True, slots=True)
