@@ -1,8 +1,9 @@
 """Time the closed loop on one core: against real time, and what a vehicle costs in fleets of many sizes.
 
 1,000 vehicles on 5 km, J2945/1 with models, IEEE 802.11p, all pairs within 300 m tracked at 10 Hz; then the
-same density on longer roads. Times are processor times, so that other work on the machine counts less. The
-traffic is made beforehand and is not counted; it costs 0.3 ms a step of 1,000 vehicles (`traffic.py`).
+same density on longer roads. Times are processor times, so that other work on the machine counts less; a
+second factor is by the clock on the wall. The traffic is made beforehand and is not counted; it costs 0.3 ms
+a step of 1,000 vehicles (`traffic.py`).
 """
 
 import time
@@ -13,9 +14,11 @@ import numpy as np
 
 from modelcast.channel.dsrc import Dsrc
 from modelcast.core.sensor import SensorModel
-from modelcast.simulation.network import receiver_kernels, sender_kernels
-from modelcast.simulation.network.engine import FleetLoop, NetworkSettings, run_network
+from modelcast.simulation.network import deciding_kernels, receiver_kernels
+from modelcast.simulation.network.engine import run_network
+from modelcast.simulation.network.loop import FleetLoop
 from modelcast.simulation.network.sender import named_sender
+from modelcast.simulation.network.settings import NetworkSettings
 from modelcast.simulation.scenario.base import FleetFrame, run_scenario
 from modelcast.simulation.scenario.highway import Highway
 from modelcast.simulation.scenario.sensed import FleetSensor
@@ -25,7 +28,7 @@ SECONDS = 10.0
 PARTS = (
     ("sample the tracks", receiver_kernels, "sample_tracks"),
     ("count the pairs", receiver_kernels, "count_pairs"),
-    ("decide and compose", sender_kernels, "decide"),
+    ("decide and compose", deciding_kernels, "decide"),
     ("carry", FleetLoop, "_carry"),
     ("hear", receiver_kernels, "hear_messages"),
 )
@@ -50,13 +53,14 @@ def frames_of(vehicles: int, seconds: float) -> list[FleetFrame]:
     return list(run_scenario(road, np.random.default_rng(0), duration_s=seconds))
 
 
-def run_s(frames: list[FleetFrame], policy: str) -> tuple[float, float]:
-    """Processor time of a run, and how many tracks were sampled a simulated second."""
+def run_s(frames: list[FleetFrame], policy: str) -> tuple[float, float, float]:
+    """Processor time and wall time of a run, and how many tracks were sampled a simulated second."""
     settings = NetworkSettings(warm_up_s=0.0)
     sensor = FleetSensor(SensorModel())
-    begun = time.process_time()
+    begun, begun_wall = time.process_time(), time.perf_counter()
     run = run_network(frames, named_sender(policy), Dsrc(), settings, seed=0, sensor=sensor)
-    return time.process_time() - begun, float(run.tally.held.sum()) / (0.1 * len(frames))
+    took_s, wall_s = time.process_time() - begun, time.perf_counter() - begun_wall
+    return took_s, wall_s, float(run.tally.held.sum()) / (0.1 * len(frames))
 
 
 def main() -> None:
@@ -67,9 +71,9 @@ def main() -> None:
     for vehicles in (250, 500, 1000, 2000, 5000):
         seconds = SECONDS if vehicles <= 1000 else 4.0
         frames = frames_of(vehicles, seconds)
-        took_s, tracks = run_s(frames, "j2945-mbc")
+        took_s, wall_s, tracks = run_s(frames, "j2945-mbc")
         print(
-            f"{vehicles} vehicles: {seconds / took_s:.1f} x real time, "
+            f"{vehicles} vehicles: {seconds / took_s:.1f} x real time ({seconds / wall_s:.1f} on the wall), "
             f"{1e6 * took_s / (10.0 * seconds * vehicles):.1f} us a vehicle and step, "
             f"{tracks / 1e6:.2f} million tracks sampled a second",
             flush=True,
@@ -81,7 +85,7 @@ def main() -> None:
     for policy in ("j2945-mbc", "j2945"):
         for name in spent:
             spent[name] = 0.0
-        took_s, _ = run_s(frames, policy)
+        took_s, _, _ = run_s(frames, policy)
         shares = ", ".join(f"{name} {share / SECONDS:.3f}" for name, share in spent.items())
         print(f"{policy}, 1000 vehicles: {took_s / SECONDS:.3f} s a simulated second: {shares}")
 

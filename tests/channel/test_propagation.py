@@ -15,8 +15,7 @@ from modelcast.channel.path_loss import (
     WinnerB1,
 )
 from modelcast.channel.propagation import NakagamiFading, Propagation, Shadowing, StreetGrid
-from modelcast.channel.propagation_kernels import empty_pairs, grow_pairs, pair_row, pair_shadowing
-from modelcast.channel.random_kernels import next_word, uniform
+from modelcast.channel.random_kernels import uniform
 
 MODELS: tuple[AbstractPathLoss, ...] = (
     WinnerB1(),
@@ -121,65 +120,6 @@ def test_fading_drawn_in_batches_has_unit_mean_at_every_distance() -> None:
     for distance_m, shape in ((20.0, 3.0), (100.0, 1.5), (400.0, 1.0)):
         drawn = NakagamiFading().draw(np.full(40_000, distance_m), rng)
         assert drawn.mean() == pytest.approx(1.0, abs=4 / np.sqrt(shape * drawn.size))
-
-
-@pytest.mark.parametrize("moved_m", [5.0, 25.0, 60.0])
-def test_shadowing_decorrelates_with_the_relative_way(moved_m: float) -> None:
-    """Correlation exp(-way/25 m) and deviation, within four standard errors; compiled and batch agree."""
-    pairs, count = empty_pairs(1 << 16)
-    tables = Propagation().tables(100.0)
-    random, number = words(9), 20_000
-    before = np.empty(number)
-    after = np.empty(number)
-    for at_m, values in ((0.0, before), (moved_m, after)):
-        for key in range(number):
-            values[key] = pair_shadowing(
-                pair_row(key, pairs),
-                key,
-                at_m,
-                0.0,
-                np.uint64(next_word(random)),
-                tables.normal,
-                25.0,
-                pairs,
-                count,
-            )
-    expected = np.exp(-moved_m / 25.0)
-    assert count[0] == number
-    assert np.corrcoef(before, after)[0, 1] == pytest.approx(expected, abs=4 / np.sqrt(number))
-    assert after.std() == pytest.approx(1.0, abs=4 / np.sqrt(2 * number))
-    rng = np.random.default_rng(6)
-    start_db = 3.0 * rng.standard_normal(number)
-    next_db = Shadowing().next_db(
-        start_db, np.full(number, moved_m), rng, los=np.ones(number, dtype=np.bool_)
-    )
-    assert np.corrcoef(start_db, next_db)[0, 1] == pytest.approx(expected, abs=4 / np.sqrt(number))
-    assert next_db.std() == pytest.approx(3.0, rel=4 / np.sqrt(2 * number))
-
-
-def test_the_store_of_pairs_keeps_who_is_in_range_and_forgets_the_others() -> None:
-    pairs, count = empty_pairs(1024)
-    tables = Propagation().tables(100.0)
-    random = words(1)
-    kept = {}
-    for other in range(1, 100):
-        kept[other] = pair_shadowing(
-            pair_row(other, pairs),
-            other,
-            1.0,
-            0.0,
-            np.uint64(next_word(random)),
-            tables.normal,
-            25.0,
-            pairs,
-            count,
-        )
-    place_m = np.column_stack([10.0 * np.arange(100), np.zeros(100)])
-    grown, live = grow_pairs(pairs, place_m, 300.0, 5000)
-    assert live[0] == 30
-    for other in range(1, 31):
-        assert grown[pair_row(other, grown), 1] == kept[other]
-    assert grown[pair_row(31, grown), 0] == -1.0
 
 
 def test_uniform_numbers_are_uniform() -> None:

@@ -13,10 +13,12 @@ from modelcast.channel.dsrc_kernels import advance
 from modelcast.channel.dsrc_parameters import DsrcParameters, power_ratio
 from modelcast.channel.dsrc_station_kernels import BUSY_RATIO, DsrcConstants, silent_station
 from modelcast.channel.error_models import AbstractErrorModel, NistErrorModel
+from modelcast.channel.frame_radio import AbstractFrameRadio, error_units, has_shadowing
+from modelcast.channel.pair_kernels import empty_pairs
 from modelcast.channel.propagation import Propagation
-from modelcast.channel.propagation_kernels import PropagationTables, empty_pairs
-from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.channel.propagation_kernels import PropagationTables
+from modelcast.channel.radio import Transmissions
+from modelcast.core.arrays import FloatArray, IntArray, SingleArray
 
 __all__ = ["Dsrc", "DsrcState"]
 
@@ -38,7 +40,7 @@ class DsrcState:
     air_receiver, air_mw, air_flag
         Links of the frames on the air, (L,), (L,), (L, 2).
     pairs, pair_count
-        Shadowing of pairs: open addressing, (C, 4), (1,).
+        Shadowing of pairs, as ``pair_kernels`` has it, (V, S, 4), (V,).
     """
 
     t_s: float
@@ -49,7 +51,7 @@ class DsrcState:
     air_receiver: np.ndarray[tuple[int], np.dtype[np.int32]]
     air_mw: FloatArray
     air_flag: np.ndarray[tuple[int, int], np.dtype[np.int16]]
-    pairs: FloatArray
+    pairs: SingleArray
     pair_count: IntArray
 
     @property
@@ -57,20 +59,9 @@ class DsrcState:
         """Number of vehicles V."""
         return self.station.shape[0]
 
-    def copy(self) -> "DsrcState":
-        """Same state in arrays of its own."""
-        return replace(
-            self,
-            random=self.random.copy(),
-            station=self.station.copy(),
-            message=self.message.copy(),
-            pairs=self.pairs.copy(),
-            pair_count=self.pair_count.copy(),
-        )
-
 
 @dataclass(frozen=True, slots=True)
-class Dsrc(AbstractRadio[DsrcState]):
+class Dsrc(AbstractFrameRadio[DsrcState]):
     """IEEE 802.11p broadcast of a fleet on one channel.
 
     Parameters
@@ -132,9 +123,7 @@ class Dsrc(AbstractRadio[DsrcState]):
         p = self.parameters
         loudest_dbm = p.max_power_dbm + 2.0 * p.antenna_gain_db
         range_m = self.propagation.range_m(loudest_dbm - (p.noise_dbm - p.margin_db))
-        units_fixed = float(error_model.units(np.array([0.0]))[0])
-        units_per_byte = float(error_model.units(np.array([1.0]))[0]) - units_fixed
-        shadowing = self.propagation.shadowing
+        units_fixed, units_per_byte = error_units(error_model)
         return DsrcConstants(
             slot_s=p.slot_s,
             aifs_s=p.aifs_s,
@@ -162,17 +151,15 @@ class Dsrc(AbstractRadio[DsrcState]):
             by_stretch=error_model.by_stretch,
             units_fixed=units_fixed,
             units_per_byte=units_per_byte,
-            shadowed=shadowing is not None and (shadowing.los_db > 0 or shadowing.nlos_db > 0),
+            shadowed=has_shadowing(self.propagation),
         )
 
-    def init(self, vehicles: int, rng: np.random.Generator) -> DsrcState:
-        """State of a silent channel at time 0."""
-        if vehicles < 1:
-            raise ValueError(f"vehicles must be at least 1, got {vehicles}")
-        pairs, pair_count = empty_pairs(1024)
+    def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> DsrcState:
+        """State at time 0 of V vehicles."""
+        pairs, pair_count = empty_pairs(vehicles, 16)
         return DsrcState(
             0.0,
-            rng.integers(0, 2**64, size=1, dtype=np.uint64),
+            random,
             station=silent_station(vehicles),
             message=np.full((vehicles, 3), -1, dtype=np.int64),
             air_receiver=np.empty(0, dtype=np.int32),
@@ -182,24 +169,10 @@ class Dsrc(AbstractRadio[DsrcState]):
             pair_count=pair_count,
         )
 
-    def step(
+    def advance(
         self, state: DsrcState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
-    ) -> tuple[Receptions, DsrcState]:
-        """Carry one interval; the given state is left alone."""
-        return self.carry(state.copy(), transmissions, position_m, until_t_s)
-
-    def carry(
-        self, state: DsrcState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
-    ) -> tuple[Receptions, DsrcState]:
-        """Carry one interval and use the given state up: faster than `step`, for a loop that owns its state.
-
-        Parameters
-        ----------
-        state
-            Its arrays are written into; do not use it again.
-        transmissions, position_m, until_t_s
-            As for `step`.
-        """
+    ) -> tuple[tuple[IntArray, FloatArray, IntArray, IntArray], DsrcState]:
+        """Check what is asked for and carry one interval; the state is used up."""
         transmissions.check(state.t_s, until_t_s, position_m, state.vehicles, self.parameters.max_power_dbm)
         who, when, outcomes, expired, receiver, mw, flag, pairs, count = advance(
             state.t_s,
@@ -217,19 +190,10 @@ class Dsrc(AbstractRadio[DsrcState]):
             transmissions.size_bytes,
             transmissions.power_dbm,
             transmissions.message_id,
-            np.ascontiguousarray(position_m, dtype=np.float64),
+            position_m,
             self.hazard,
             self.tables,
             self.constants,
-        )
-        receptions = Receptions(
-            who[:, 0],
-            who[:, 1],
-            receiver=who[:, 2],
-            t_s=when[:, 0],
-            rssi_dbm=10.0 * np.log10(when[:, 1]),
-            outcomes=outcomes,
-            expired=expired,
         )
         after = replace(
             state,
@@ -240,7 +204,7 @@ class Dsrc(AbstractRadio[DsrcState]):
             pairs=pairs,
             pair_count=count,
         )
-        return receptions, after
+        return (who, when, outcomes, expired), after
 
     def channel_busy_ratio(self, state: DsrcState) -> FloatArray:
         """Busy share of the last full 100 ms of every vehicle, 0..1, (V,)."""

@@ -10,7 +10,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from modelcast.channel.dsrc_link_kernels import ACCESS_EVENT, END_EVENT, close_links, open_links
+from modelcast.channel.dsrc_link_kernels import ACCESS_EVENT, END_EVENT, close_links, find_near, open_links
 from modelcast.channel.dsrc_station_kernels import (
     ACCESS_S,
     AIR,
@@ -39,7 +39,7 @@ from modelcast.channel.dsrc_station_kernels import (
 )
 from modelcast.channel.event_heap_kernels import heap_room, pop_event, push_event
 from modelcast.channel.grid_kernels import build_grid
-from modelcast.channel.propagation_kernels import grow_pairs
+from modelcast.channel.pair_kernels import find_pairs, grow_pairs
 from modelcast.channel.random_kernels import next_word
 
 __all__ = ["advance"]
@@ -236,11 +236,13 @@ def advance(
                     station[k, FIRST] = used
                     used += links
             link_receiver, link_mw, link_flag = new_receiver, new_mw, new_flag
-        if constants.shadowed and 2 * (pair_count[0] + present) > pairs.shape[0]:
-            pairs, pair_count = grow_pairs(pairs, position_m, constants.range_m, present)
 
         station[v, FIRST] = used
         sent_ln = gain_ln + station[v, DBM] * np.log(10.0) / 10.0
+        reached = find_near(v, t_s, sent_ln, station, position_m, grid, tables, constants, outcomes, near)
+        if constants.shadowed:
+            while not find_pairs(v, grid.order, near, reached, pairs, pair_count):
+                pairs, pair_count = grow_pairs(pairs, position_m, constants.range_m)
         used = open_links(
             v,
             t_s,
@@ -253,7 +255,6 @@ def advance(
             link_flag,
             used,
             pairs,
-            pair_count,
             position_m,
             grid,
             hazard,
@@ -261,6 +262,7 @@ def advance(
             constants,
             outcomes,
             near,
+            reached,
         )
         station[v, COUNT] = used - int(station[v, FIRST])
 

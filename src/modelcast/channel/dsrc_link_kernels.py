@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
 from modelcast.channel.dsrc_station_kernels import (
     ACCESS_S,
     AIR,
@@ -25,16 +24,17 @@ from modelcast.channel.dsrc_station_kernels import (
 )
 from modelcast.channel.event_heap_kernels import push_event
 from modelcast.channel.grid_kernels import cell_span
+from modelcast.channel.pair_kernels import pair_shadowing
 from modelcast.channel.propagation_kernels import (
     fading_factor,
     looked_up,
     median_ln,
-    pair_row,
-    pair_shadowing,
 )
 from modelcast.channel.random_kernels import word_of
+from modelcast.core.borrowing_kernels import borrowing
+from modelcast.core.exponential_kernels import fast_exp
 
-__all__ = ["ACCESS_EVENT", "END_EVENT", "close_links", "heard_within_m", "open_links"]
+__all__ = ["ACCESS_EVENT", "END_EVENT", "close_links", "find_near", "heard_within_m", "open_links"]
 
 ACCESS_EVENT, END_EVENT = 0, 1
 """Low bit of an event: a countdown ends, a frame ends; the other bits are the vehicle."""
@@ -57,36 +57,27 @@ def heard_within_m(sent_ln: float, tables: Any, quiet_mw: float, range_m: float)
 
 
 @borrowing
-def open_links(
+def find_near(
     v: int,
     t_s: float,
-    end_s: float,
     sent_ln: float,
-    seed: int,
     station: Any,
-    link_receiver: Any,
-    link_mw: Any,
-    link_flag: Any,
-    used: int,
-    pairs: Any,
-    pair_count: Any,
     position_m: Any,
     grid: Any,
-    hazard: Any,
     tables: Any,
     constants: Any,
     outcomes: Any,
     near: Any,
 ) -> int:
-    """A frame of ``v`` begins at all vehicles in range; return how much of the pool is used."""
-    vehicles = station.shape[0]
+    """Write who a frame of ``v`` can reach, as places in the grid's order, into ``near``; return how many.
+
+    Vehicles in range whose median power is below ``quiet_mw`` are counted right away.
+    """
     range_m = constants.range_m
-    open_ground = tables.nlos_kind == 0
     east, north = position_m[v, 0], position_m[v, 1]
     column_from, column_to = cell_span(east, grid.corner_east_m, grid.cell_m, grid.columns, range_m)
     row_from, row_to = cell_span(north, grid.corner_north_m, grid.cell_m, grid.rows, range_m)
     reach_m = heard_within_m(sent_ln, tables, constants.quiet_mw, range_m)
-    # First who is near, and where the pair's shadowing is kept: a short loop lets cache misses overlap.
     count = 0
     for row in range(row_from, row_to + 1):
         low = grid.start[row * grid.columns + column_from]
@@ -101,9 +92,35 @@ def open_links(
                     outcomes[group, HALF_DUPLEX if station[j, SENDING_S] > t_s else WEAK] += 1
             elif j != v:
                 near[count, 0] = k
-                if constants.shadowed:
-                    near[count, 1] = pair_row(min(v, j) * vehicles + max(v, j), pairs)
                 count += 1
+    return count
+
+
+@borrowing
+def open_links(
+    v: int,
+    t_s: float,
+    end_s: float,
+    sent_ln: float,
+    seed: int,
+    station: Any,
+    link_receiver: Any,
+    link_mw: Any,
+    link_flag: Any,
+    used: int,
+    pairs: Any,
+    position_m: Any,
+    grid: Any,
+    hazard: Any,
+    tables: Any,
+    constants: Any,
+    outcomes: Any,
+    near: Any,
+    count: int,
+) -> int:
+    """A frame of ``v`` begins at the ``count`` vehicles in ``near``; return how much of the pool is used."""
+    open_ground = tables.nlos_kind == 0
+    east, north = position_m[v, 0], position_m[v, 1]
     for n in range(count):
         k = near[n, 0]
         j = grid.order[k]
@@ -115,25 +132,19 @@ def open_links(
             ln, los = median_ln(east, north, grid.place[k, 0], grid.place[k, 1], distance_m, tables)
         word = word_of(seed, j)
         if constants.shadowed:
-            key = min(v, j) * vehicles + max(v, j)
-            row = near[n, 1]
-            if pairs[row, 0] != key:  # a new pair of this very frame may have taken the free row
-                row = pair_row(key, pairs)
             sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
-            sign = 1.0 if v < j else -1.0
-            shadow = pair_shadowing(
-                row,
-                key,
-                sign * away_east,
-                sign * away_north,
+            ln += sigma * pair_shadowing(
+                v,
+                j,
+                near[n, 1],
+                away_east,
+                away_north,
                 word,
                 tables.normal,
                 tables.decorrelation_m,
                 pairs,
-                pair_count,
             )
-            ln += sigma * shadow
-        power_mw = np.exp(sent_ln + min(ln, 0.0)) * fading_factor(
+        power_mw = fast_exp(sent_ln + min(ln, 0.0)) * fading_factor(
             distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m
         )
         group = int(distance_m / constants.bin_m)

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
 from modelcast.channel.error_kernels import hazard_at
 from modelcast.channel.random_kernels import uniform, uniform_of
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = [
     "ACCESS_S",
@@ -261,16 +261,16 @@ def finish_reception(
         outcome = HALF_DUPLEX
     elif mine:
         units = constants.units_fixed + constants.units_per_byte * station[sender, AIR_BYTES]
-        alone = units * hazard_at(power_mw / constants.noise_mw, hazard)
         if constants.by_stretch:
             suffered = station[j, EXPOSURE]
         else:
             mean_mw = station[j, EXPOSURE] / (t_s - start_s - constants.preamble_s)
             suffered = units * hazard_at(power_mw / (constants.noise_mw + mean_mw), hazard)
-        luck = -np.log(1.0 - uniform_of(seed, j + _LUCK))
-        if suffered <= luck:
+        share = uniform_of(seed, j + _LUCK)
+        # -ln(1 - share), never below share: most frames are safe without the logarithm.
+        if suffered <= share or suffered <= -np.log(1.0 - share):
             outcome = RECEIVED
-        elif alone > luck:
+        elif units * hazard_at(power_mw / constants.noise_mw, hazard) > -np.log(1.0 - share):
             outcome = WEAK
         else:
             outcome = IS_CONCURRENT if station[j, CONCURRENT] > station[j, HIDDEN] else IS_HIDDEN

@@ -4,16 +4,21 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
 from modelcast.channel.error_models import HAZARD_MIN_DB, HAZARD_PER_DB, HAZARD_SIZE
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = ["hazard_at"]
+
+_DB_PER_LN = 10.0 / np.log(10.0)
+_HIGHEST = 10.0 ** (0.1 * (HAZARD_MIN_DB + (HAZARD_SIZE - 1) / HAZARD_PER_DB))
 
 
 @borrowing
 def hazard_at(ratio: float, table: Any) -> float:
     """Return the hazard of a unit at a power ratio."""
-    at = (10.0 * np.log10(ratio) - HAZARD_MIN_DB) * HAZARD_PER_DB
+    if ratio >= _HIGHEST:
+        return table[HAZARD_SIZE - 1]
+    at = (np.log(ratio) * _DB_PER_LN - HAZARD_MIN_DB) * HAZARD_PER_DB
     if at <= 0.0:
         return table[0]
     if at >= HAZARD_SIZE - 1:

@@ -5,7 +5,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = ["heap_room", "pop_event", "push_event"]
 

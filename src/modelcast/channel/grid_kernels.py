@@ -5,10 +5,10 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.borrowing_kernels import borrowing
 
-__all__ = ["CELLS_A_RANGE", "Grid", "build_grid", "cell_span"]
+__all__ = ["CELLS_A_RANGE", "Grid", "build_grid", "cell_span", "find_in_range"]
 
 CELLS_A_RANGE = 4
 """Cells a range: small cells waste less of what is looked at."""
@@ -77,3 +77,22 @@ def cell_span(at_m: float, corner_m: float, cell_m: float, cells: int, range_m: 
     first = max(int((at_m - range_m - corner_m) / cell_m), 0)
     last = min(int((at_m + range_m - corner_m) / cell_m), cells - 1)
     return first, last
+
+
+@borrowing
+def find_in_range(v: int, position_m: Any, grid: Any, range_m: float, near: Any) -> int:
+    """Write who is within range of ``v``, as places in the grid's order, into ``near``; return how many."""
+    east, north = position_m[v, 0], position_m[v, 1]
+    column_from, column_to = cell_span(east, grid.corner_east_m, grid.cell_m, grid.columns, range_m)
+    row_from, row_to = cell_span(north, grid.corner_north_m, grid.cell_m, grid.rows, range_m)
+    count = 0
+    for row in range(row_from, row_to + 1):
+        low = grid.start[row * grid.columns + column_from]
+        high = grid.start[row * grid.columns + column_to + 1]
+        for k in range(low, high):
+            away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
+            square = away_east * away_east + away_north * away_north
+            if square <= range_m * range_m and grid.order[k] != v:
+                near[count, 0] = k
+                count += 1
+    return count

@@ -1,33 +1,23 @@
-"""Compiled propagation: gain of a link from tables, and the store of every pair's shadowing.
-
-The store is a hash table with open addressing over pairs of vehicles that were in range of each other. It
-grows with neighbours, not with the square of the fleet; pairs out of range are dropped when it is written
-anew.
-"""
+"""Compiled propagation: gain of a link from tables."""
 
 from typing import Any, NamedTuple
 
 import numba
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
+from modelcast.channel.pair_kernels import empty_pairs, grow_pairs, pair_shadowing, pair_slot
 from modelcast.channel.random_kernels import CELL_BITS, next_word
 from modelcast.core.arrays import FloatArray
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = [
     "PropagationTables",
     "draw_gains",
-    "empty_pairs",
     "fading_factor",
-    "grow_pairs",
     "looked_up",
     "median_ln",
-    "pair_row",
-    "pair_shadowing",
 ]
 
-_MIX = np.uint64(0x9E3779B97F4A7C15)
-_FREE = -1.0
 _CELL_MASK = np.uint64((1 << CELL_BITS) - 1)
 _LN10 = np.log(10.0)
 
@@ -103,91 +93,15 @@ def median_ln(
 def fading_factor(distance_m: float, word: Any, fading: Any, near_m: float, far_m: float) -> float:
     """Return the power factor of fast fading from the low bits of a random word."""
     row = 0 if distance_m < near_m else (1 if distance_m < far_m else 2)
-    return fading[row, np.int64(word & _CELL_MASK) % fading.shape[1]]
-
-
-@numba.njit(cache=True, nogil=True)
-def empty_pairs(capacity: int) -> Any:
-    """Return an empty store: rows (C, 4) of key, value and relative position, and their count (1,).
-
-    ``capacity`` is a power of two. A row is half a cache line: a look-up costs one miss.
-    """
-    pairs = np.zeros((capacity, 4))
-    pairs[:, 0] = _FREE
-    return pairs, np.zeros(1, dtype=np.int64)
-
-
-@borrowing
-def pair_row(key: int, pairs: Any) -> int:
-    """Return the row where a pair is, or where it would go."""
-    mask = pairs.shape[0] - 1
-    at = np.int64((np.uint64(key) * _MIX) >> np.uint64(32)) & mask
-    while pairs[at, 0] != _FREE and pairs[at, 0] != key:
-        at = (at + 1) & mask
-    return at
-
-
-@borrowing
-def pair_shadowing(
-    row: int,
-    key: int,
-    east_m: float,
-    north_m: float,
-    word: Any,
-    normal: Any,
-    decorrelation_m: float,
-    pairs: Any,
-    pair_count: Any,
-) -> float:
-    """Return the pair's normalised shadowing at its relative position now, and keep it in its row."""
-    fresh = normal[np.int64((word >> np.uint64(CELL_BITS)) & _CELL_MASK)]
-    kept = 0.0
-    if pairs[row, 0] == _FREE:
-        pairs[row, 0] = key
-        pair_count[0] += 1
-    else:
-        moved_east, moved_north = east_m - pairs[row, 2], north_m - pairs[row, 3]
-        moved_m = np.sqrt(moved_east * moved_east + moved_north * moved_north)
-        kept = np.exp(-moved_m / decorrelation_m)
-    value = kept * pairs[row, 1] + np.sqrt(1.0 - kept * kept) * fresh
-    pairs[row, 1] = value
-    pairs[row, 2] = east_m
-    pairs[row, 3] = north_m
-    return value
-
-
-@numba.njit(cache=True, nogil=True)
-def grow_pairs(pairs: Any, position_m: Any, range_m: float, room: int) -> Any:
-    """Return a store with the pairs still in range and room for that many more."""
-    vehicles = position_m.shape[0]
-    live = 0
-    keep = np.zeros(pairs.shape[0], dtype=np.bool_)
-    for k in range(pairs.shape[0]):
-        if pairs[k, 0] != _FREE:
-            one, other = int(pairs[k, 0]) // vehicles, int(pairs[k, 0]) % vehicles
-            east = position_m[one, 0] - position_m[other, 0]
-            north = position_m[one, 1] - position_m[other, 1]
-            if east * east + north * north <= range_m * range_m:
-                keep[k] = True
-                live += 1
-    capacity = 1024
-    while capacity < 2.2 * (live + room):
-        capacity *= 2
-    fresh, count = empty_pairs(capacity)
-    for k in range(pairs.shape[0]):
-        if keep[k]:
-            fresh[pair_row(int(pairs[k, 0]), fresh)] = pairs[k]
-    count[0] = live
-    return fresh, count
+    # One cell, or CELLS of them: both are powers of two.
+    return fading[row, np.int64(word & _CELL_MASK) & (fading.shape[1] - 1)]
 
 
 @numba.njit(cache=True, nogil=True)
 def draw_gains(position_m: Any, one: Any, other: Any, tables: Any, random: Any) -> Any:
     """Return power gains of many links in order, (N,), with shadowing that remembers its pair."""
-    pairs, pair_count = empty_pairs(1024)
-    pairs, pair_count = grow_pairs(pairs, position_m, np.inf, one.size)
+    pairs, pair_count = empty_pairs(position_m.shape[0], 16)
     gains = np.empty(one.size)
-    vehicles = position_m.shape[0]
     for n in range(one.size):
         i, j = min(one[n], other[n]), max(one[n], other[n])
         east_m, north_m = position_m[j, 0] - position_m[i, 0], position_m[j, 1] - position_m[i, 1]
@@ -196,16 +110,12 @@ def draw_gains(position_m: Any, one: Any, other: Any, tables: Any, random: Any) 
             position_m[i, 0], position_m[i, 1], position_m[j, 0], position_m[j, 1], distance_m, tables
         )
         word = next_word(random)
+        slot = pair_slot(i, j, pairs, pair_count)
+        while slot < 0:
+            pairs, pair_count = grow_pairs(pairs, position_m, np.inf)
+            slot = pair_slot(i, j, pairs, pair_count)
         shadow = pair_shadowing(
-            pair_row(i * vehicles + j, pairs),
-            i * vehicles + j,
-            east_m,
-            north_m,
-            word,
-            tables.normal,
-            tables.decorrelation_m,
-            pairs,
-            pair_count,
+            i, j, slot, east_m, north_m, word, tables.normal, tables.decorrelation_m, pairs
         )
         sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
         gains[n] = np.exp(ln + sigma * shadow) * fading_factor(

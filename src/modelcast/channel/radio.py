@@ -188,6 +188,20 @@ class AbstractRadio(abc.ABC, Generic[State]):
             End of the interval [s]. Frames on the air and messages that wait stay in the state.
         """
 
+    def carry(
+        self, state: State, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+    ) -> tuple[Receptions, State]:
+        """Carry one interval like `step`, and use the given state up where that is faster.
+
+        Parameters
+        ----------
+        state
+            Do not use it again.
+        transmissions, position_m, until_t_s
+            As for `step`.
+        """
+        return self.step(state, transmissions, position_m, until_t_s)
+
     @abc.abstractmethod
     def channel_busy_ratio(self, state: State) -> FloatArray:
         """Busy share of the last full measuring window of every vehicle, 0..1, (V,)."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = ["CELLS", "CELL_BITS", "next_word", "uniform", "uniform_of", "word_of"]
 

@@ -11,9 +11,11 @@ import numpy as np
 
 from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
 from modelcast.channel.error_models import AbstractErrorModel, TabulatedErrorModel
+from modelcast.channel.frame_radio import AbstractFrameRadio, error_units, has_shadowing
+from modelcast.channel.pair_kernels import empty_pairs
 from modelcast.channel.propagation import Propagation
-from modelcast.channel.propagation_kernels import PropagationTables, empty_pairs
-from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
+from modelcast.channel.propagation_kernels import PropagationTables
+from modelcast.channel.radio import Transmissions
 from modelcast.channel.sidelink_kernels import BAND, GRANT_COLUMNS, MESSAGE, advance
 from modelcast.channel.sidelink_parameters import (
     BITS_PER_BLOCK,
@@ -51,7 +53,7 @@ class SidelinkState:
     busy_ratio
         Of the last full window, (V,).
     pairs, pair_count
-        Shadowing of pairs: open addressing, (C, 4), (1,).
+        Shadowing of pairs, as ``pair_kernels`` has it, (V, S, 4), (V,).
     """
 
     t_s: float
@@ -62,7 +64,7 @@ class SidelinkState:
     sensed: SingleArray
     reserved: SingleArray
     busy_ratio: FloatArray
-    pairs: FloatArray
+    pairs: SingleArray
     pair_count: IntArray
 
     @property
@@ -70,23 +72,9 @@ class SidelinkState:
         """Number of vehicles V."""
         return self.grant.shape[0]
 
-    def copy(self) -> "SidelinkState":
-        """Same state in arrays of its own."""
-        return replace(
-            self,
-            random=self.random.copy(),
-            grant=self.grant.copy(),
-            power_dbm=self.power_dbm.copy(),
-            sensed=self.sensed.copy(),
-            reserved=self.reserved.copy(),
-            busy_ratio=self.busy_ratio.copy(),
-            pairs=self.pairs.copy(),
-            pair_count=self.pair_count.copy(),
-        )
-
 
 @dataclass(frozen=True, slots=True)
-class Sidelink(AbstractRadio[SidelinkState]):
+class Sidelink(AbstractFrameRadio[SidelinkState]):
     """LTE-V2X mode 4 of a fleet on one pool.
 
     Parameters
@@ -150,9 +138,7 @@ class Sidelink(AbstractRadio[SidelinkState]):
         loudest_dbm = p.max_power_dbm + 2.0 * p.antenna_gain_db
         elements = float(p.blocks * BLOCK_ELEMENTS)
         reserved_dbm = p.reserved_dbm + 10.0 * np.log10(elements)  # over one sub-channel
-        units_fixed = float(self.error_model.units(np.array([0.0]))[0])
-        units_per_byte = float(self.error_model.units(np.array([1.0]))[0]) - units_fixed
-        shadowing = self.propagation.shadowing
+        units_fixed, units_per_byte = error_units(self.error_model)
         low, high = COUNTERS.get(p.interval_ms, COUNTER)
         return SidelinkConstants(
             sub_channels=p.sub_channels,
@@ -184,20 +170,18 @@ class Sidelink(AbstractRadio[SidelinkState]):
             control_blocks=p.control_blocks,
             units_fixed=units_fixed,
             units_per_byte=units_per_byte,
-            shadowed=shadowing is not None and (shadowing.los_db > 0 or shadowing.nlos_db > 0),
+            shadowed=has_shadowing(self.propagation),
         )
 
-    def init(self, vehicles: int, rng: np.random.Generator) -> SidelinkState:
-        """State of a silent pool at time 0."""
-        if vehicles < 1:
-            raise ValueError(f"vehicles must be at least 1, got {vehicles}")
+    def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> SidelinkState:
+        """State at time 0 of V vehicles."""
         p = self.parameters
         grant = np.zeros((vehicles, GRANT_COLUMNS), dtype=np.int64)
         grant[:, BAND] = grant[:, MESSAGE] = -1
-        pairs, pair_count = empty_pairs(1024)
+        pairs, pair_count = empty_pairs(vehicles, 16)
         return SidelinkState(
             0.0,
-            rng.integers(0, 2**64, size=1, dtype=np.uint64),
+            random,
             grant=grant,
             power_dbm=np.zeros(vehicles),
             sensed=np.full((vehicles, MEMORY, p.sub_channels), self.constants.noise_mw, dtype=np.float32),
@@ -207,24 +191,10 @@ class Sidelink(AbstractRadio[SidelinkState]):
             pair_count=pair_count,
         )
 
-    def step(
+    def advance(
         self, state: SidelinkState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
-    ) -> tuple[Receptions, SidelinkState]:
-        """Carry one interval; the given state is left alone."""
-        return self.carry(state.copy(), transmissions, position_m, until_t_s)
-
-    def carry(
-        self, state: SidelinkState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
-    ) -> tuple[Receptions, SidelinkState]:
-        """Carry one interval and use the given state up: faster than `step`, for a loop that owns its state.
-
-        Parameters
-        ----------
-        state
-            Its arrays are written into; do not use it again.
-        transmissions, position_m, until_t_s
-            As for `step`.
-        """
+    ) -> tuple[tuple[IntArray, FloatArray, IntArray, IntArray], SidelinkState]:
+        """Check what is asked for and carry one interval; the state is used up."""
         self._check(state, transmissions, position_m, until_t_s)
         who, when, outcomes, expired, pairs, pair_count = advance(
             round(state.t_s * 1e3),
@@ -242,22 +212,14 @@ class Sidelink(AbstractRadio[SidelinkState]):
             transmissions.size_bytes,
             transmissions.power_dbm,
             transmissions.message_id,
-            np.ascontiguousarray(position_m, dtype=np.float64),
+            position_m,
             self.hazard,
             self.leak,
             self.tables,
             self.constants,
         )
-        receptions = Receptions(
-            who[:, 0],
-            who[:, 1],
-            receiver=who[:, 2],
-            t_s=when[:, 0],
-            rssi_dbm=10.0 * np.log10(when[:, 1]),
-            outcomes=outcomes,
-            expired=expired,
-        )
-        return receptions, replace(state, t_s=until_t_s, pairs=pairs, pair_count=pair_count)
+        after = replace(state, t_s=until_t_s, pairs=pairs, pair_count=pair_count)
+        return (who, when, outcomes, expired), after
 
     def channel_busy_ratio(self, state: SidelinkState) -> FloatArray:
         """Share of sub-channels above -94 dBm in the last full 100 subframes of every vehicle, 0..1, (V,)."""

@@ -9,18 +9,14 @@ from typing import Any
 import numba
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
 from modelcast.channel.error_kernels import hazard_at
-from modelcast.channel.grid_kernels import build_grid, cell_span
-from modelcast.channel.propagation_kernels import (
-    fading_factor,
-    grow_pairs,
-    median_ln,
-    pair_row,
-    pair_shadowing,
-)
+from modelcast.channel.grid_kernels import build_grid, find_in_range
+from modelcast.channel.pair_kernels import find_pairs, grow_pairs, pair_shadowing
+from modelcast.channel.propagation_kernels import fading_factor, median_ln
 from modelcast.channel.random_kernels import next_word, uniform
 from modelcast.channel.sidelink_selection_kernels import MEMORY, select_resource
+from modelcast.core.borrowing_kernels import borrowing
+from modelcast.core.exponential_kernels import fast_exp
 
 __all__ = [
     "BAND",
@@ -59,7 +55,6 @@ def _receive_powers(
     grid: Any,
     tables: Any,
     pairs: Any,
-    pair_count: Any,
     random: Any,
     leak: Any,
     power: Any,
@@ -72,65 +67,48 @@ def _receive_powers(
     constants: Any,
     sends: Any,
     outcomes: Any,
+    near: Any,
+    count: int,
 ) -> int:
-    """Add the power of one sender to everybody in range; return how many links there are now."""
-    vehicles = position_m.shape[0]
+    """Add the power of one sender to the ``count`` vehicles in ``near``; return how many links there are."""
     length = (used_blocks + constants.blocks - 1) // constants.blocks
-    range_m = constants.range_m
     east, north = position_m[v, 0], position_m[v, 1]
-    column_from, column_to = cell_span(east, grid.corner_east_m, grid.cell_m, grid.columns, range_m)
-    row_from, row_to = cell_span(north, grid.corner_north_m, grid.cell_m, grid.rows, range_m)
-    for row in range(row_from, row_to + 1):
-        low = grid.start[row * grid.columns + column_from]
-        high = grid.start[row * grid.columns + column_to + 1]
-        for k in range(low, high):
-            away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
-            square = away_east * away_east + away_north * away_north
-            j = grid.order[k]
-            if square > range_m * range_m or j == v:
-                continue
-            distance_m = np.sqrt(square)
-            ln, los = median_ln(east, north, grid.place[k, 0], grid.place[k, 1], distance_m, tables)
-            word = next_word(random)
-            if constants.shadowed:
-                key = min(v, j) * vehicles + max(v, j)
-                sign = 1.0 if v < j else -1.0
-                sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
-                ln += sigma * pair_shadowing(
-                    pair_row(key, pairs),
-                    key,
-                    sign * away_east,
-                    sign * away_north,
-                    word,
-                    tables.normal,
-                    tables.decorrelation_m,
-                    pairs,
-                    pair_count,
-                )
-            power_mw = np.exp(sent_ln + min(ln, 0.0)) * fading_factor(
-                distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m
+    for n in range(count):
+        k = near[n, 0]
+        away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
+        j = grid.order[k]
+        distance_m = np.sqrt(away_east * away_east + away_north * away_north)
+        ln, los = median_ln(east, north, grid.place[k, 0], grid.place[k, 1], distance_m, tables)
+        word = next_word(random)
+        if constants.shadowed:
+            sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
+            ln += sigma * pair_shadowing(
+                v, j, near[n, 1], away_east, away_north, word, tables.normal, tables.decorrelation_m, pairs
             )
-            group = min(int(distance_m / constants.bin_m), constants.bins)
-            if power_mw < constants.quiet_mw:
-                if group < constants.bins:
-                    outcomes[group, _HALF_DUPLEX if sends[j] else _WEAK] += 1
-                continue
-            density_mw = power_mw * constants.blocks / used_blocks
-            for s in range(constants.sub_channels):
-                share_mw = density_mw * leak[length - 1, band, s]
-                if band <= s < band + length:
-                    share_mw *= (
-                        min(used_blocks - (s - band) * constants.blocks, constants.blocks) / constants.blocks
-                    )
-                power[j, s] += share_mw
-                if share_mw > top_mw[j, s, 0]:
-                    top_mw[j, s, 1], top_turn[j, s, 1] = top_mw[j, s, 0], top_turn[j, s, 0]
-                    top_mw[j, s, 0], top_turn[j, s, 0] = share_mw, turn
-                elif share_mw > top_mw[j, s, 1]:
-                    top_mw[j, s, 1], top_turn[j, s, 1] = share_mw, turn
-            link_receiver[used], link_mw[used] = j, power_mw
-            link_bin[used] = group
-            used += 1
+        power_mw = fast_exp(sent_ln + min(ln, 0.0)) * fading_factor(
+            distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m
+        )
+        group = min(int(distance_m / constants.bin_m), constants.bins)
+        if power_mw < constants.quiet_mw:
+            if group < constants.bins:
+                outcomes[group, _HALF_DUPLEX if sends[j] else _WEAK] += 1
+            continue
+        density_mw = power_mw * constants.blocks / used_blocks
+        for s in range(constants.sub_channels):
+            share_mw = density_mw * leak[length - 1, band, s]
+            if band <= s < band + length:
+                share_mw *= (
+                    min(used_blocks - (s - band) * constants.blocks, constants.blocks) / constants.blocks
+                )
+            power[j, s] += share_mw
+            if share_mw > top_mw[j, s, 0]:
+                top_mw[j, s, 1], top_turn[j, s, 1] = top_mw[j, s, 0], top_turn[j, s, 0]
+                top_mw[j, s, 0], top_turn[j, s, 0] = share_mw, turn
+            elif share_mw > top_mw[j, s, 1]:
+                top_mw[j, s, 1], top_turn[j, s, 1] = share_mw, turn
+        link_receiver[used], link_mw[used] = j, power_mw
+        link_bin[used] = group
+        used += 1
     return used
 
 
@@ -228,6 +206,7 @@ def advance(
     place = np.empty((vehicles, 2))
     first_link = np.empty(vehicles + 1, dtype=np.int64)
     reserves = np.zeros(vehicles, dtype=np.bool_)
+    near = np.empty((present, 2), dtype=np.int64)
 
     for subframe in range(now, until):
         # Messages that became ready before this subframe choose their resource.
@@ -292,8 +271,10 @@ def advance(
                 more_receiver[:used], more_mw[:used] = link_receiver[:used], link_mw[:used]
                 more_bin[:used] = link_bin[:used]
                 link_receiver, link_mw, link_bin = more_receiver, more_mw, more_bin
-            if constants.shadowed and 2 * (pair_count[0] + present) > pairs.shape[0]:
-                pairs, pair_count = grow_pairs(pairs, position_m, constants.range_m, present)
+            in_range = find_in_range(v, position_m, grid, constants.range_m, near)
+            if constants.shadowed:
+                while not find_pairs(v, grid.order, near, in_range, pairs, pair_count):
+                    pairs, pair_count = grow_pairs(pairs, position_m, constants.range_m)
             first_link[turn] = used
             used = _receive_powers(
                 v,
@@ -305,7 +286,6 @@ def advance(
                 grid,
                 tables,
                 pairs,
-                pair_count,
                 random,
                 leak,
                 power,
@@ -318,6 +298,8 @@ def advance(
                 constants,
                 sends,
                 outcomes,
+                near,
+                in_range,
             )
         first_link[count] = used
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from modelcast.cli.options import SensorOptions
 from modelcast.core.exceptions import ConfigError, DataFormatError
-from modelcast.simulation.network.engine import NetworkSettings
+from modelcast.simulation.network.settings import NetworkSettings
 
 __all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
 

@@ -5,6 +5,8 @@ from typing import Any
 
 import numba
 
+from modelcast.core.borrowing_kernels import borrowing
+
 __all__ = ["FASTEST_TURN_RADPS", "SLOWEST_TURN_MPS", "STEP_S", "predict_trusted"]
 
 STEP_S = 0.05
@@ -17,7 +19,7 @@ FASTEST_TURN_RADPS = 1.0
 """A model that turns faster there goes straight on [rad/s]: no car on a road does."""
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def _continue(
     predict: Any,
     parameters: Any,

@@ -10,8 +10,9 @@ on average, a survey one pass over the host's slots; neither depends on the size
 import math
 from typing import Any
 
-import numba
 import numpy as np
+
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = [
     "MESSAGE_COUNTS",
@@ -39,19 +40,19 @@ _BOUNDARY_SLACK = 1e-6
 """Share of a sub-interval by which a time may fall short of its start through rounding."""
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def _place(remote: int, length: int) -> int:
     """Where in an index of that length, a power of two, the search for a remote starts."""
     return ((remote * 0x9E3779B1) >> 11) & (length - 1)
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def _sub_interval(t_s: float, phase_s: float, sub_interval_s: float) -> int:
     """Number of the sub-interval that a time is in."""
     return math.floor((t_s - phase_s) / sub_interval_s + _BOUNDARY_SLACK)
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def find(slots: Any, index: Any, host: int, remote: int) -> int:
     """Slot of a remote at a host, -1 where it is not known."""
     length = index.shape[1]
@@ -63,7 +64,7 @@ def find(slots: Any, index: Any, host: int, remote: int) -> int:
         at = (at + 1) & (length - 1)
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def _insert(index: Any, host: int, remote: int, slot: int) -> None:
     """Enter a slot into the index of a host."""
     length = index.shape[1]
@@ -73,7 +74,7 @@ def _insert(index: Any, host: int, remote: int, slot: int) -> None:
     index[host, at] = slot
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def forget(hosts: Any, slots: Any, index: Any, free: Any, host: int, t_s: float, expiry_s: float) -> int:
     """Free the slots of remotes not heard for longer than ``expiry_s``; returns how many."""
     about = hosts[host]
@@ -94,7 +95,7 @@ def forget(hosts: Any, slots: Any, index: Any, free: Any, host: int, t_s: float,
     return freed
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def _new_slot(
     hosts: Any, slots: Any, index: Any, free: Any, host: int, remote: int, t_s: float, expiry_s: float
 ) -> int:
@@ -117,7 +118,7 @@ def _new_slot(
     return slot
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def hear(
     hosts: Any,
     slots: Any,
@@ -160,7 +161,7 @@ def hear(
     return slot
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def _packet_error_ratio(held: Any, number: int) -> float:
     """Ratio of one remote over the sub-intervals before ``number``; NaN for fewer than two messages."""
     kept, newest = held.first.size, held.newest
@@ -181,7 +182,7 @@ def _packet_error_ratio(held: Any, number: int) -> float:
     return max(expected - received, 0) / expected
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def _is_near(held: Any, oldest_s: float, east_m: float, north_m: float, range_m: float) -> bool:
     """Whether a slot holds a remote heard since ``oldest_s`` that stated a place within range."""
     if held.remote == _EMPTY or held.heard_s < oldest_s:
@@ -190,7 +191,7 @@ def _is_near(held: Any, oldest_s: float, east_m: float, north_m: float, range_m:
     return east * east + north * north <= range_m * range_m
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def count(
     hosts: Any,
     slots: Any,
@@ -210,7 +211,7 @@ def count(
     return near
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def survey(
     hosts: Any,
     slots: Any,
@@ -240,7 +241,7 @@ def survey(
     return near, total / ratios if ratios > 0 else np.nan
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def hear_each(
     hosts: Any,
     slots: Any,
@@ -271,7 +272,7 @@ def hear_each(
         )
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def count_each(
     hosts: Any, slots: Any, t_s: Any, position_m: Any, sub_interval_s: float, range_m: float, out_count: Any
 ) -> None:
@@ -282,7 +283,7 @@ def count_each(
         )
 
 
-@numba.njit(cache=True, nogil=True)
+@borrowing
 def survey_each(
     hosts: Any,
     slots: Any,

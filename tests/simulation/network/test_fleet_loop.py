@@ -27,8 +27,10 @@ from modelcast.policy.base import Message
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.policy.j2945 import J2945
 from modelcast.simulation.network import layout_kernels as at
-from modelcast.simulation.network.engine import FleetLoop, NetworkSettings, run_network
+from modelcast.simulation.network.engine import run_network
+from modelcast.simulation.network.loop import FleetLoop
 from modelcast.simulation.network.sender import SENDERS, FleetSender, named_sender
+from modelcast.simulation.network.settings import NetworkSettings
 from modelcast.simulation.scenario.base import FleetFrame, run_scenario
 from modelcast.simulation.scenario.highway import Highway
 from modelcast.simulation.scenario.sensed import FleetSensor

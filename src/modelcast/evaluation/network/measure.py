@@ -15,7 +15,8 @@ from modelcast.evaluation.network.rows import (
 from modelcast.simulation.network import layout_kernels as at
 from modelcast.simulation.network.arrays import Tally
 from modelcast.simulation.network.bins_kernels import BINS, lower_edge
-from modelcast.simulation.network.engine import NetworkRun, NetworkSettings
+from modelcast.simulation.network.engine import NetworkRun
+from modelcast.simulation.network.settings import NetworkSettings
 
 __all__ = ["binned_quantiles", "measure"]
 

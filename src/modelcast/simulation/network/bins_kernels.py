@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.channel.borrowing_kernels import borrowing
+from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = ["BINS", "bin_of", "lower_edge"]
 

@@ -12,7 +12,13 @@ import numba
 
 __all__ = ["borrowing"]
 
-_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "_nrt": False}
+_OPTIONS: dict[str, Any] = {
+    "cache": True,
+    "nogil": True,
+    "_nrt": False,
+    "forceinline": True,
+    "error_model": "numpy",
+}
 
 
 def borrowing(function: Callable[..., Any]) -> Any:

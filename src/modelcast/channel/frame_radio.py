@@ -1,0 +1,95 @@
+"""Radios that simulate every frame at every receiver: what `Dsrc` and `Sidelink` have in common.
+
+Their states hold arrays that a compiled loop writes into. `step` gives the loop a copy, `carry` the state
+itself.
+"""
+
+import abc
+from dataclasses import fields, replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from modelcast.channel.error_models import AbstractErrorModel
+from modelcast.channel.propagation import Propagation
+from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
+from modelcast.core.arrays import FloatArray, IntArray
+
+__all__ = ["AbstractFrameRadio", "copied", "error_units", "has_shadowing"]
+
+State = TypeVar("State")
+
+
+def copied(state: Any) -> Any:
+    """Return the same state in arrays of its own.
+
+    Parameters
+    ----------
+    state
+        A dataclass; what is no array stays.
+    """
+    held = {one.name: getattr(state, one.name) for one in fields(state)}
+    return replace(
+        state, **{name: value.copy() for name, value in held.items() if isinstance(value, np.ndarray)}
+    )
+
+
+def error_units(error_model: AbstractErrorModel) -> tuple[float, float]:
+    """Units of hazard of a frame without a byte, and of every byte."""
+    units = error_model.units(np.array([0.0, 1.0]))
+    return float(units[0]), float(units[1]) - float(units[0])
+
+
+def has_shadowing(propagation: Propagation) -> bool:
+    """Whether pairs have shadowing that must be kept."""
+    shadowing = propagation.shadowing
+    return shadowing is not None and (shadowing.los_db > 0 or shadowing.nlos_db > 0)
+
+
+class AbstractFrameRadio(AbstractRadio[State]):
+    """A radio whose state is arrays that a compiled loop writes into."""
+
+    __slots__ = ()
+
+    @abc.abstractmethod
+    def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> State:
+        """State at time 0 of V vehicles; ``random`` (1,) is the word of its generator."""
+
+    @abc.abstractmethod
+    def advance(
+        self, state: State, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+    ) -> tuple[tuple[IntArray, FloatArray, IntArray, IntArray], State]:
+        """Check what is asked for and carry one interval; the state is used up.
+
+        Returns receptions (message, sender, receiver as (R, 3) integers; time [s] and power [mW] as (R, 2)),
+        outcomes and expired messages; and the state.
+        """
+
+    def init(self, vehicles: int, rng: np.random.Generator) -> State:
+        """State of a silent channel at time 0."""
+        if vehicles < 1:
+            raise ValueError(f"vehicles must be at least 1, got {vehicles}")
+        return self.silent(vehicles, rng.integers(0, 2**64, size=1, dtype=np.uint64))
+
+    def step(
+        self, state: State, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+    ) -> tuple[Receptions, State]:
+        """Carry one interval; the given state is left alone."""
+        return self.carry(copied(state), transmissions, position_m, until_t_s)
+
+    def carry(
+        self, state: State, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+    ) -> tuple[Receptions, State]:
+        """Carry one interval and use the given state up: faster than `step`."""
+        place_m = np.ascontiguousarray(position_m, dtype=np.float64)
+        (who, when, outcomes, expired), after = self.advance(state, transmissions, place_m, until_t_s)
+        receptions = Receptions(
+            who[:, 0],
+            who[:, 1],
+            receiver=who[:, 2],
+            t_s=when[:, 0],
+            rssi_dbm=10.0 * np.log10(when[:, 1]),
+            outcomes=outcomes,
+            expired=expired,
+        )
+        return receptions, after

@@ -1,0 +1,123 @@
+"""A sender's models, rule and stack as the plain tuples and arrays that the compiled loop takes."""
+
+from dataclasses import KW_ONLY, dataclass
+from typing import Any
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray
+from modelcast.models.noise import DEFAULT_NOISE
+from modelcast.policy import dcc_kernels
+from modelcast.policy.cam import CooperativeAwareness
+from modelcast.policy.dcc import AdaptiveDcc
+from modelcast.policy.error_driven import ErrorDriven
+from modelcast.policy.j2945 import J2945
+from modelcast.policy.periodic import Periodic
+from modelcast.simulation.network.emitting_kernels import CERTIFICATE_RULES
+from modelcast.simulation.network.layout_kernels import (
+    RULE_CAM,
+    RULE_ERROR_DRIVEN,
+    RULE_J2945,
+    RULE_PERIODIC,
+)
+from modelcast.simulation.network.sender import FleetSender
+
+__all__ = ["LoopConstants", "loop_constants", "loop_models"]
+
+_MEMBERS = 3
+_NEVER = 2**31
+
+
+@dataclass(frozen=True, slots=True)
+class LoopConstants:
+    """What the compiled loop takes of a sender."""
+
+    rule: int
+    rule_constants: FloatArray
+    _: KW_ONLY
+    control: int
+    control_constants: FloatArray
+    extra: tuple[float, float, float, float]
+    stack: FloatArray
+    noise: tuple[float, float, float, float, float, float]
+    critical_mps2: float
+
+
+def loop_models(sender: FleetSender, dt_s: float) -> tuple[Any, ...]:
+    """Members as the compiled loop takes them, at least `_MEMBERS`.
+
+    Numba compiles the loop anew for every number of members. So a short bank is filled up in front with
+    members that no window is long enough for.
+    """
+    bank = sender.bank
+    spare = max(0, _MEMBERS - len(bank.members))
+    members = (bank.members[0],) * spare + bank.members
+    chosen = np.array([0] * spare + list(range(len(bank.members))))
+    ready = [member.point_functions(dt_s) for member in members]
+    return (
+        tuple(one.fit_pointer for one in ready),
+        tuple(one.predict_pointer for one in ready),
+        tuple(one.constants for one in ready),
+        np.concatenate([np.full(spare, _NEVER, dtype=np.int64), bank.windows]),
+        sender.parameter_counts[chosen],
+        bank.trust[chosen],
+        sender.payload_bytes[chosen],
+    )
+
+
+def loop_constants(sender: FleetSender, dt_s: float) -> LoopConstants:
+    """Return what the compiled loop takes of a sender, for steps of ``dt_s`` [s]."""
+    policy, stack = sender.policy, sender.stack
+    rule, control, control_constants = RULE_PERIODIC, dcc_kernels.NONE, np.zeros(1)
+    interval_s, share, critical_mps2 = 0.0, 0.0, np.inf
+    if isinstance(policy, Periodic):
+        interval_s = 1.0 / policy.rate_hz
+    elif isinstance(policy, ErrorDriven):
+        rule = RULE_ERROR_DRIVEN
+    elif isinstance(policy, J2945):
+        rule, critical_mps2 = RULE_J2945, policy.parameters.critical_deceleration_mps2
+    else:
+        rule, interval_s = RULE_CAM, policy.triggering.min_inter_transmit_time_s
+        control, control_constants, share = _control(policy)
+    count, clip, kept, prior_samples, free = DEFAULT_NOISE.step_constants(dt_s)
+    signed = stack.certificates != "unsigned"
+    around = stack.frame_bytes(np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.bool_))[0]
+    return LoopConstants(
+        rule,
+        sender.rule_constants(),
+        control=control,
+        control_constants=control_constants,
+        extra=(sender.power_dbm, sender.jitter_s, interval_s, share),
+        stack=np.array(
+            [
+                CERTIFICATE_RULES.index(stack.certificates),
+                stack.certificate_interval_s,
+                around,
+                stack.certificate_bytes - stack.digest_bytes if signed else 0,
+                stack.preamble_s,
+                stack.symbol_s,
+                stack.service_tail_bits,
+                stack.bits_per_symbol,
+            ],
+            dtype=np.float64,
+        ),
+        noise=(
+            kept * DEFAULT_NOISE.prior_m * DEFAULT_NOISE.prior_m,
+            count,
+            clip,
+            kept,
+            prior_samples,
+            float(free),
+        ),
+        critical_mps2=critical_mps2,
+    )
+
+
+def _control(policy: CooperativeAwareness) -> tuple[int, FloatArray, float]:
+    control = policy.control
+    if control is None:
+        return dcc_kernels.NONE, np.zeros(1), 0.0
+    share = 0.0
+    if isinstance(control, AdaptiveDcc):
+        share = control.max_share if control.start_share is None else control.start_share
+    return control.code, control.constants(), share
