@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelcast.messages.airtime import Stack
-from modelcast.messages.mbc_codec import UpdateCodec, WireProfile
+from modelcast.messages.mbc_codec import UpdateCodec
+from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity

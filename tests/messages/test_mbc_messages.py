@@ -16,14 +16,9 @@ from modelcast.messages.asn1 import reference_codec, reference_encode
 from modelcast.messages.bsm import BsmCore, decode_bsm, encode_bsm
 from modelcast.messages.bsm_fields import CORE_FIELDS, LOCAL_REGION
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
-from modelcast.messages.mbc_codec import (
-    UpdateCodec,
-    UpdateMessage,
-    UpdateReading,
-    WireProfile,
-    extension_octets,
-    read_update,
-)
+from modelcast.messages.mbc_codec import UpdateCodec
+from modelcast.messages.mbc_profile import WireProfile
+from modelcast.messages.mbc_update import UpdateMessage, UpdateReading, extension_octets, read_update
 from modelcast.messages.mbc_values import (
     LocalFrame,
     identification_from_wire,

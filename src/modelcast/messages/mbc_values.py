@@ -14,7 +14,8 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import Origin, enu_to_geodetic, geodetic_to_enu, heading_to_velocity
 from modelcast.messages.bsm import BsmCore
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
-from modelcast.messages.mbc_codec import ReceivedUpdate, UpdateMessage, WireProfile
+from modelcast.messages.mbc_profile import WireProfile
+from modelcast.messages.mbc_update import ReceivedUpdate, UpdateMessage
 from modelcast.messages.mbc_wire import AGE, SEQUENCE, IdentificationMessage
 from modelcast.models.bank import Bank
 from modelcast.models.payload import CORE_PARAMETERS

@@ -11,7 +11,8 @@ import numpy as np
 
 from modelcast.core.arrays import IntArray
 from modelcast.messages.bsm_batch import CORE_FRAME_OCTETS
-from modelcast.messages.mbc_codec import IDENTIFICATION_OCTETS, update_octets
+from modelcast.messages.mbc_codec import IDENTIFICATION_OCTETS
+from modelcast.messages.mbc_update import update_octets
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity

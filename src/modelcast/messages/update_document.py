@@ -18,13 +18,8 @@ import numpy as np
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import Origin
 from modelcast.messages.bsm import BsmCore
-from modelcast.messages.mbc_codec import (
-    ReceivedUpdate,
-    UpdateMessage,
-    WireProfile,
-    extension_of,
-    read_update,
-)
+from modelcast.messages.mbc_profile import WireProfile
+from modelcast.messages.mbc_update import ReceivedUpdate, UpdateMessage, extension_of, read_update
 from modelcast.messages.mbc_values import LocalFrame, update_from_wire
 from modelcast.messages.mbc_wire import PROFILE_OCTETS, ModelExtension, encode_extension
 from modelcast.models.bank import Bank
