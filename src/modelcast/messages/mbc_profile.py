@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from modelcast.messages.mbc_wire import MAX_COEFFICIENT_OCTETS, PROFILE, SUB_MODEL, profile_number
 from modelcast.models.bank import Bank
 from modelcast.models.payload import PayloadLayout
+from modelcast.models.predicted_path import carried_layout
 from modelcast.models.profile import Profile
 
 __all__ = ["WireProfile"]
@@ -51,22 +52,16 @@ class WireProfile:
         Parameters
         ----------
         bank
-            Its sub-models.
+            Its sub-models; of one without a layout the predicted path is carried.
         number
             Number of the profile they are from.
 
         Raises
         ------
         ValueError
-            Where a sub-model cannot be carried.
+            As for the profile's own fields.
         """
-        layouts: list[PayloadLayout] = []
-        for member in bank.members:
-            layout = member.payload_layout
-            if layout is None:
-                raise ValueError(f"{member.name} has no payload layout: messages cannot carry it")
-            layouts.append(layout)
-        return cls(number, tuple(layouts))
+        return cls(number, tuple(carried_layout(member) for member in bank.members))
 
     @classmethod
     def of_profile(cls, profile: Profile) -> "WireProfile":
@@ -80,7 +75,7 @@ class WireProfile:
         Raises
         ------
         ValueError
-            Where a sub-model cannot be carried.
+            As for `of`.
         """
         return cls.of(profile.bank, profile_number(profile.text.encode("utf-8")))
 

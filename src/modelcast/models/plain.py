@@ -26,6 +26,7 @@ from modelcast.models.kinematic import (
     ConstantTurnRateVelocity,
 )
 from modelcast.models.learned import LearnedTrajectory, Network, Selector
+from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.trusted import Trusted
 
 __all__ = ["PLAIN_CLASSES", "from_plain", "to_plain"]
@@ -42,6 +43,7 @@ PLAIN_CLASSES: dict[str, type] = {
         Hyperparameters,
         LearnedTrajectory,
         Network,
+        PredictedPath,
         Selector,
         Trusted,
         VehicleProcess,
