@@ -23,7 +23,7 @@ PROCESSES = [GaussianProcess(), GaussianProcess(form="intercept"), trained_proce
 HEADING_M = 0.02
 """Half a step of heading and speed, at 30 m/s over three seconds."""
 
-CLEAN_M = 0.06
+CLEAN_M = 0.15
 """What four powers leave of a process's path over three seconds, on windows that turn and brake."""
 
 

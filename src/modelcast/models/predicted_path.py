@@ -7,6 +7,7 @@ this path has beyond constant velocity, which Part I of the message carries alre
 predict by the polynomial.
 """
 
+import functools
 from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
@@ -21,13 +22,14 @@ from modelcast.models.wrapped import AbstractWrapped
 
 __all__ = ["DEFAULT_CARRIED", "DEFAULT_SPAN_S", "PredictedPath", "carried_form", "carried_layout"]
 
-DEFAULT_CARRIED = ((0.05, 6), (0.1, 8), (0.2, 8), (0.4, 8))
+DEFAULT_CARRIED = ((0.05, 5), (0.1, 8), (0.2, 10), (0.2, 9))
 """Step [m] and bits of the coefficients of each power (decision 018)."""
 
-DEFAULT_SPAN_S = 3.0
+DEFAULT_SPAN_S = 4.0
 """Time over which a path is followed [s] (decision 018)."""
 
 _INSTANTS_PER_S = 8
+_WEIGHT_SHARE = 0.2
 _MOST_POWERS = 7
 
 
@@ -53,7 +55,8 @@ class PredictedPath(AbstractWrapped):
     Notes
     -----
     The displacement is ``v·h + Σ c_i (h/T)^i`` on each axis, with the newest velocity v of the window and the
-    span T. The coefficients are least squares over instants evenly spaced from 0 to T.
+    span T. The coefficients are least squares over instants evenly spaced from 0 to T, an error at h weighted
+    by ``1 / (0.2 + h/T)``: a message has to be right early to last.
 
     The covariance is the spread of an unmodelled jerk and yaw acceleration, as of
     `ConstantTurnRateAcceleration`: no message holds the hyper-parameters that the model's own needs.
@@ -64,8 +67,9 @@ class PredictedPath(AbstractWrapped):
     >>> from modelcast.models.base import Windows
     >>> from modelcast.models.gp import GaussianProcess
     >>> t = np.arange(-9, 1) * 0.1
-    >>> velocity = [10 * np.cos(t), -10 * np.sin(t)]
-    >>> turn = np.stack([10 * np.sin(t), 10 * np.cos(t), *velocity, 0 * t, 1 + 0 * t, 0 * t], axis=1)
+    >>> velocity = [10 * np.cos(0.3 * t), -10 * np.sin(0.3 * t)]
+    >>> position = [33.3 * np.sin(0.3 * t), 33.3 * np.cos(0.3 * t)]
+    >>> turn = np.stack([*position, *velocity, 0 * t, 0.3 + 0 * t, 0 * t], axis=1)
     >>> windows = Windows(turn[None], dt_s=0.1)
     >>> process = GaussianProcess(form="intercept")
     >>> sent = PredictedPath(process)
@@ -73,7 +77,7 @@ class PredictedPath(AbstractWrapped):
     (29, 8)
     >>> horizon_s = np.array([0.5])
     >>> [m.predict(m.fit(windows), horizon_s, dt_s=0.1)[0, 0].round(1).tolist() for m in (process, sent)]
-    [[4.8, -1.2], [4.8, -1.2]]
+    [[5.0, -0.4], [5.0, -0.4]]
     """
 
     _: KW_ONLY
@@ -87,7 +91,7 @@ class PredictedPath(AbstractWrapped):
             raise ValueError(f"span_s must be positive and finite, got {self.span_s}")
         if not 2 <= len(self.carried) <= _MOST_POWERS:
             raise ValueError(f"carried must name 2 to {_MOST_POWERS} powers, got {len(self.carried)}")
-        self.payload_layout  # noqa: B018 - its fields check steps and bits
+        _ = self.payload_layout  # its fields check steps and bits
 
     @property
     def parameter_names(self) -> tuple[str, ...]:
@@ -110,21 +114,8 @@ class PredictedPath(AbstractWrapped):
         return tuple(f"{axis}_{power}_m" for axis in ("east", "north") for power in range(len(self.carried)))
 
     def point_functions(self, dt_s: float) -> PointFunctions:
-        """Return the functions round the model's."""
-        ready = self.model.point_functions(dt_s)
-        count = len(self.carried)
-        instants = max(round(_INSTANTS_PER_S * self.span_s), 2 * count) + 1
-        powers = np.vander(np.linspace(0.0, 1.0, instants), count, increasing=True)
-        header = np.zeros(kernels.HEADER)
-        header[kernels.AT_FIT] = ready.fit_pointer.__wrapper_address__()
-        header[kernels.AT_PREDICT] = ready.predict_pointer.__wrapper_address__()
-        header[kernels.AT_COUNT] = len(self.model.parameter_names)
-        header[kernels.AT_COEFFICIENTS] = count
-        header[kernels.AT_NODES] = instants
-        header[kernels.AT_SPAN] = self.span_s
-        project = np.linalg.pinv(powers).astype(np.float64).ravel()
-        constants = np.concatenate([header, project, ready.constants])
-        return PointFunctions(kernels.fit, kernels.predict, constants)
+        """Return the functions round the model's, made once for an interval."""
+        return _point_functions(self, dt_s)
 
     def covariance(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
         """Spread of the kinematic model."""
@@ -146,7 +137,7 @@ def carried_form(model: AbstractSubModel) -> AbstractSubModel:
     --------
     >>> from modelcast.models.gp import GaussianProcess
     >>> carried_form(Trusted(GaussianProcess(), 2.0)).payload_layout.bits
-    60
+    64
     >>> carried_form(ConstantTurnRateAcceleration()) == ConstantTurnRateAcceleration()
     True
     """
@@ -171,3 +162,23 @@ def carried_layout(model: AbstractSubModel) -> PayloadLayout:
 def _path_of(model: AbstractSubModel) -> PredictedPath:
     """The path of a model, without a trusted horizon round it."""
     return PredictedPath(model.model if isinstance(model, Trusted) else model)
+
+
+@functools.lru_cache(maxsize=32)
+def _point_functions(path: PredictedPath, dt_s: float) -> PointFunctions:
+    ready = path.model.point_functions(dt_s)
+    count = len(path.carried)
+    instants = max(round(_INSTANTS_PER_S * path.span_s), 2 * count) + 1
+    share = np.linspace(0.0, 1.0, instants)
+    weights = 1.0 / (_WEIGHT_SHARE + share)
+    powers = weights[:, None] * np.vander(share, count, increasing=True)
+    header = np.zeros(kernels.HEADER)
+    header[kernels.AT_FIT] = ready.fit_pointer.__wrapper_address__()
+    header[kernels.AT_PREDICT] = ready.predict_pointer.__wrapper_address__()
+    header[kernels.AT_COUNT] = len(path.model.parameter_names)
+    header[kernels.AT_COEFFICIENTS] = count
+    header[kernels.AT_NODES] = instants
+    header[kernels.AT_SPAN] = path.span_s
+    project = (np.linalg.pinv(powers) * weights).astype(np.float64).ravel()
+    constants = np.concatenate([header, project, ready.constants])
+    return PointFunctions(kernels.fit, kernels.predict, constants)
