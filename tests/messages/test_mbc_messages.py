@@ -38,12 +38,13 @@ from modelcast.messages.mbc_wire import (
     profile_number,
 )
 from modelcast.messages.quantisation import carried_bank, quantised_bank
+from modelcast.messages.update_document import HeldProfile, model_document, octets_of_model, read_model
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess, trained_process, vehicle_process
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.payload import PayloadField, PayloadLayout
-from modelcast.models.profile import default_profile
+from modelcast.models.profile import Profile, default_profile
 from modelcast.models.trusted import Trusted
 from modelcast.models.velocity import velocity_estimator_for
 from modelcast.simulation.drive import generate_drive
@@ -256,6 +257,25 @@ def test_a_host_is_told_that_no_message_carries_weights() -> None:
     with pytest.raises(ValueError, match="carried_bank"):
         update_from_wire(found, bank, FRAME, received_s=0.0)
     assert update_from_wire(found, carried_bank(bank), FRAME, received_s=0.0).in_use == 1
+
+
+def test_a_profile_with_a_bare_process_is_read_and_written_as_its_path() -> None:
+    profile = Profile(Bank((GaussianProcess(), ConstantVelocity()), "bare"))
+    held = HeldProfile.of(profile)
+    codes = (5, -20, 100, -7, 0, 30, -400, 9)
+    update = UpdateMessage(some_core(), 0, carries_all=False, codes=(codes,))
+    octets = UpdateCodec(held.wire).encode(update)
+    found = read_model(octets, (held,))
+    assert found is not None
+    assert found.name == "gp-anchored"
+    assert list(found.coefficients["gp-anchored"].values()) == pytest.approx(
+        [0.25, -2.0, 20.0, -1.4, 0.0, 3.0, -80.0, 1.8]
+    )
+    # At 2 s, half the span: velocity east, then the polynomial at one half.
+    assert found.predicted_m is not None
+    assert found.predicted_m[1] == pytest.approx((20.0 + 0.25 - 1.0 + 5.0 - 0.175, 1.5 - 20.0 + 0.225))
+    ((_, extension),) = decode_bsm(octets).regional
+    assert octets_of_model(model_document(found), some_core(), (held,)) == extension
 
 
 @pytest.mark.parametrize("carries_all", [True, False])
