@@ -11,7 +11,8 @@ import numpy as np
 
 from modelcast.messages.bsm_fields import CORE_FIELDS
 from modelcast.messages.fields import Outside
-from modelcast.messages.mbc_codec import UpdateCodec, WireProfile
+from modelcast.messages.mbc_codec import UpdateCodec
+from modelcast.messages.mbc_profile import WireProfile
 from modelcast.models.profile import default_profile
 
 BATCH = 10_000

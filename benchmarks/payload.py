@@ -25,7 +25,7 @@ from modelcast.evaluation.training.learned import DEFAULT_STAGES, LearnedSetting
 from modelcast.evaluation.walk import TripBank
 from modelcast.io.trips import read_trips
 from modelcast.messages.airtime import Stack
-from modelcast.messages.mbc_codec import extension_octets
+from modelcast.messages.mbc_update import extension_octets
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.kinematic import ConstantTurnRateAcceleration

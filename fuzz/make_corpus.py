@@ -69,18 +69,21 @@ def messages(rng: random.Random) -> dict[str, bytes]:
 
 
 def known() -> dict[str, bytes]:
-    """Return models of a profile that the fuzz target knows, by name: read, and refused for each reason."""
+    """Return models of profiles that the fuzz target knows, by name: read, and refused for each reason."""
     return {
         name: encode_extension(
-            ModelExtension(0x44136F, sub_model, carries_all=carries_all, coefficients=bytes.fromhex(digits))
+            ModelExtension(profile, sub_model, carries_all=carries_all, coefficients=bytes.fromhex(digits))
         )
-        for name, sub_model, carries_all, digits in (
-            ("one", 0, False, "a480"),
-            ("none", 1, False, ""),
-            ("all", 2, True, "a4d2"),
-            ("sub-model", 3, False, ""),
-            ("length", 0, False, "a4"),
-            ("padding", 0, False, "a481"),
+        for name, profile, sub_model, carries_all, digits in (
+            ("one", 0x44136F, 0, False, "a480"),
+            ("none", 0x44136F, 1, False, ""),
+            ("all", 0x44136F, 2, True, "a4d2"),
+            ("sub-model", 0x44136F, 3, False, ""),
+            ("length", 0x44136F, 0, False, "a4"),
+            ("padding", 0x44136F, 0, False, "a481"),
+            ("wide", 1, 1, False, "0123456789abcdef01234567"),
+            ("path", 1, 2, False, "0123456789abcd"),
+            ("wide-all", 1, 0, True, "0123456789ab" + "cdef01234567" * 2 + "89abcdef0123" + "4580"),
         )
     }
 
@@ -90,8 +93,8 @@ def _model(rng: random.Random, octets: int) -> bytes:
     return encode_extension(ModelExtension(rng.getrandbits(24), 2, coefficients=rng.randbytes(octets)))
 
 
-def signed(rng: random.Random) -> dict[str, bytes]:
-    """Return signed messages, by name; nobody signed them, since nobody verifies."""
+def signed(rng: random.Random, payloads: dict[str, bytes]) -> dict[str, bytes]:
+    """Return signed messages of some payloads, and a certificate, by name; nobody signed them."""
     certificate = Certificate(
         rng.randbytes(8),
         rng.getrandbits(32),
@@ -99,15 +102,15 @@ def signed(rng: random.Random) -> dict[str, bytes]:
         public_key=b"\x03" + rng.randbytes(32),
         signature=rng.randbytes(64),
     )
-    return {
-        f"other-signed-{name}": SignedMessage(
-            rng.getrandbits(52), rng.randbytes(count), signer, rng.randbytes(64)
-        ).octets
-        for name, signer, count in (
-            ("digest", certificate.digest, 64),
-            ("certificate", certificate, 40),
-            ("long", certificate.digest, 700),
-        )
+    contents = (
+        ("digest", certificate.digest, rng.randbytes(64)),
+        ("certificate", certificate, rng.randbytes(40)),
+        ("long", certificate.digest, rng.randbytes(700)),
+        *((name, certificate.digest, octets) for name, octets in payloads.items()),
+    )
+    return {"other-certificate": certificate.octets} | {
+        f"other-signed-{name}": SignedMessage(rng.getrandbits(52), payload, signer, rng.randbytes(64)).octets
+        for name, signer, payload in contents
     }
 
 
@@ -156,7 +159,8 @@ def main() -> None:
     for old in FOLDER.iterdir():
         old.unlink()
     good = messages(random.Random(4))  # noqa: S311 - not for secrets
-    sealed = signed(random.Random(1609))  # noqa: S311 - not for secrets
+    inside = {name: good[name] for name in ("update-known-path", "other-identification")}
+    sealed = signed(random.Random(1609), inside)  # noqa: S311 - not for secrets
     for name, octets in {
         **good,
         **sealed,

@@ -7,6 +7,10 @@ import sys
 
 import atheris
 
+# Compiled code is no Python, and Numba refuses to compile what atheris has instrumented: it comes first.
+import modelcast.messages.bsm_kernels
+import modelcast.models.profile  # noqa: F401
+
 with atheris.instrument_imports(include=["modelcast.messages"]):
     from decoding import check
 

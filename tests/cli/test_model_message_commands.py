@@ -10,7 +10,9 @@ import pytest
 from modelcast.cli.app import run
 from modelcast.io.profile import write_profile
 from modelcast.messages.bsm import BsmCore, encode_bsm
-from modelcast.messages.mbc_codec import UpdateCodec, UpdateMessage, WireProfile
+from modelcast.messages.mbc_codec import UpdateCodec
+from modelcast.messages.mbc_profile import WireProfile
+from modelcast.messages.mbc_update import UpdateMessage
 from modelcast.messages.mbc_wire import IdentificationMessage, ModelExtension, encode_extension
 from modelcast.messages.mbc_wire import encode_identification as identify
 from modelcast.messages.security.certificate import Certificate

@@ -6,12 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelcast.messages.airtime import Stack
-from modelcast.messages.mbc_codec import UpdateCodec, WireProfile
+from modelcast.messages.mbc_codec import UpdateCodec
+from modelcast.messages.mbc_profile import WireProfile
+from modelcast.messages.mbc_update import update_octets
+from modelcast.messages.quantisation import quantised_bank
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess, vehicle_process
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
+from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.profile import default_profile
 
 times = st.lists(st.integers(1, 30), min_size=1, max_size=40).map(lambda gaps: np.cumsum(gaps) * 0.05)
@@ -81,11 +85,11 @@ def test_constant_velocity_alone_is_a_plain_message() -> None:
     assert SizeModel(more_bytes=30).each_update_bytes(pair, "never").tolist() == [77, 70]
 
 
-def test_weights_that_cannot_be_carried_are_counted_at_two_bytes() -> None:
+def test_a_process_is_counted_as_its_predicted_path_however_it_is_given() -> None:
     gp = GaussianProcess()
-    with_all = SizeModel().each_update_bytes(Bank((ConstantVelocity(), gp)), "on-failure")
-    assert with_all[0] - SizeModel().each_update_bytes(Bank((ConstantTurnRateAcceleration(),)), "never")[
-        0
-    ] == (2 * gp.payload_parameters)
+    pair = Bank((ConstantVelocity(), gp))
+    (size, again) = SizeModel().each_update_bytes(pair, "on-failure")
+    assert size == again == update_octets(PredictedPath(gp).payload_layout.bits)
+    assert SizeModel().each_update_bytes(quantised_bank(pair), "on-failure").tolist() == [size, size]
     with pytest.raises(ValueError, match="more_bytes"):
         SizeModel(more_bytes=-1)

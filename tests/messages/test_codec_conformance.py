@@ -14,7 +14,9 @@ from modelcast.messages.bsm_codec import BsmCodec
 from modelcast.messages.bsm_fields import CORE_FIELDS
 from modelcast.messages.codec import AbstractCodec
 from modelcast.messages.fields import Outside
-from modelcast.messages.mbc_codec import IdentificationCodec, UpdateCodec, UpdateMessage, WireProfile
+from modelcast.messages.mbc_codec import IdentificationCodec, UpdateCodec
+from modelcast.messages.mbc_profile import WireProfile
+from modelcast.messages.mbc_update import UpdateMessage
 from modelcast.messages.mbc_wire import IdentificationMessage
 from modelcast.models.payload import PayloadField, PayloadLayout
 

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelcast.agents.host import Host, HostState, Receipt
+from modelcast.cli.banks import MEMBER_NAMES, bank_from_text
 from modelcast.core.exceptions import CodecError
 from modelcast.core.geodesy import Origin, enu_to_surface
 from modelcast.evaluation.walk import TripBank
@@ -16,14 +17,9 @@ from modelcast.messages.asn1 import reference_codec, reference_encode
 from modelcast.messages.bsm import BsmCore, decode_bsm, encode_bsm
 from modelcast.messages.bsm_fields import CORE_FIELDS, LOCAL_REGION
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
-from modelcast.messages.mbc_codec import (
-    UpdateCodec,
-    UpdateMessage,
-    UpdateReading,
-    WireProfile,
-    extension_octets,
-    read_update,
-)
+from modelcast.messages.mbc_codec import UpdateCodec
+from modelcast.messages.mbc_profile import WireProfile
+from modelcast.messages.mbc_update import UpdateMessage, UpdateReading, extension_octets, read_update
 from modelcast.messages.mbc_values import (
     LocalFrame,
     identification_from_wire,
@@ -41,13 +37,15 @@ from modelcast.messages.mbc_wire import (
     encode_identification,
     profile_number,
 )
-from modelcast.messages.quantisation import quantised_bank
+from modelcast.messages.quantisation import carried_bank, quantised_bank
+from modelcast.messages.update_document import HeldProfile, model_document, octets_of_model, read_model
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import GaussianProcess, vehicle_process
+from modelcast.models.gp import GaussianProcess, trained_process, vehicle_process
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.payload import PayloadField, PayloadLayout
-from modelcast.models.profile import default_profile
+from modelcast.models.profile import Profile, default_profile
+from modelcast.models.trusted import Trusted
 from modelcast.models.velocity import velocity_estimator_for
 from modelcast.simulation.drive import generate_drive
 
@@ -241,12 +239,43 @@ def test_what_cannot_be_written_is_refused_with_its_bound() -> None:
         IdentificationMessage(0, 0, sub_model=0, age=16384)
     with pytest.raises(ValueError, match=r"code 99 must lie within -16\.\.15"):
         UpdateCodec(SMALL).encode(UpdateMessage(some_core(), 0, carries_all=False, codes=((99,),)))
-    with pytest.raises(ValueError, match="no payload layout"):
-        WireProfile.of(Bank((GaussianProcess(),)), 0)
     with pytest.raises(ValueError, match="1 to 8"):
         WireProfile(0, ())
     with pytest.raises(ValueError, match="sub-model must be within"):
         UpdateCodec(SMALL).sizes(np.full((1, 27), 3.0))
+
+
+@pytest.mark.parametrize("name", MEMBER_NAMES)
+def test_no_sub_model_takes_more_than_24_octets_with_id_and_length(name: str) -> None:
+    (layout,) = WireProfile.of(bank_from_text(name), 0).layouts
+    assert extension_octets(layout.bits) <= 24
+
+
+def test_a_host_is_told_that_no_message_carries_weights() -> None:
+    bank = Bank((GaussianProcess(), ConstantVelocity()))
+    found = read_update(encode_bsm(some_core()), {})
+    with pytest.raises(ValueError, match="carried_bank"):
+        update_from_wire(found, bank, FRAME, received_s=0.0)
+    assert update_from_wire(found, carried_bank(bank), FRAME, received_s=0.0).in_use == 1
+
+
+def test_a_profile_with_a_bare_process_is_read_and_written_as_its_path() -> None:
+    profile = Profile(Bank((GaussianProcess(), ConstantVelocity()), "bare"))
+    held = HeldProfile.of(profile)
+    codes = (5, -20, 100, -7, 0, 30, -400, 9)
+    update = UpdateMessage(some_core(), 0, carries_all=False, codes=(codes,))
+    octets = UpdateCodec(held.wire).encode(update)
+    found = read_model(octets, (held,))
+    assert found is not None
+    assert found.name == "gp-anchored"
+    assert list(found.coefficients["gp-anchored"].values()) == pytest.approx(
+        [0.25, -2.0, 20.0, -1.4, 0.0, 3.0, -80.0, 1.8]
+    )
+    # At 2 s, half the span: velocity east, then the polynomial at one half.
+    assert found.predicted_m is not None
+    assert found.predicted_m[1] == pytest.approx((20.0 + 0.25 - 1.0 + 5.0 - 0.175, 1.5 - 20.0 + 0.225))
+    ((_, extension),) = decode_bsm(octets).regional
+    assert octets_of_model(model_document(found), some_core(), (held,)) == extension
 
 
 @pytest.mark.parametrize("carries_all", [True, False])
@@ -254,9 +283,11 @@ def test_what_cannot_be_written_is_refused_with_its_bound() -> None:
 def test_the_host_predicts_from_octets_what_the_sender_predicts(carries_all: bool, frame: LocalFrame) -> None:
     """The sender's decoded copy is the host's: to the grid's phase, which frames do not share."""
     drive = generate_drive(2, 90.0)
-    plain = Bank((*default_profile().bank.members, ConstantVelocity(), vehicle_process()), "all")
-    sender = TripBank(drive.input, quantised_bank(plain), velocity_estimator_for(drive.input))
-    wire = WireProfile.of(plain, 5)
+    processes = (vehicle_process(), GaussianProcess(), Trusted(trained_process(), 2.0))
+    given = Bank((*default_profile().bank.members, ConstantVelocity(), *processes), "all")
+    plain = carried_bank(given)
+    sender = TripBank(drive.input, quantised_bank(given), velocity_estimator_for(drive.input))
+    wire = WireProfile.of(given, 5)
     at = np.arange(30, 590, 23)
     sender.fit_at(at)
     ages_s = np.array([0.0, 0.7, 2.5])

@@ -20,6 +20,7 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
+from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.profile import default_profile
 from modelcast.models.quantised import CoreSteps, Quantised
 from modelcast.models.trusted import Trusted
@@ -85,7 +86,13 @@ MODELS: dict[str, AbstractMotionModel] = {
     "gp-intercept-damped": Trusted(GaussianProcess(form="intercept"), 1.0),
     "ctra-quantised": Quantised(ConstantTurnRateAcceleration(), STEPS),
     "gp-vehicle-quantised": Quantised(Trusted(vehicle_process(), 2.0), STEPS),
-    "gp-intercept-quantised": Quantised(GaussianProcess(form="intercept"), STEPS),
+    "gp-anchored-path": PredictedPath(GaussianProcess(form="anchored")),
+    "gp-adaptive-path": PredictedPath(GaussianProcess(form="intercept", noise="estimated")),
+    "gp-trained-path": PredictedPath(default_profile().sub_model("gp-trained")),
+    "gp-intercept-path-damped": Trusted(PredictedPath(GaussianProcess(form="intercept")), 1.0),
+    "gp-anchored-quantised": Quantised(PredictedPath(GaussianProcess(form="anchored")), STEPS),
+    "gp-intercept-quantised": Quantised(PredictedPath(GaussianProcess(form="intercept")), STEPS),
+    "gp-trained-quantised": Quantised(Trusted(PredictedPath(default_profile().sub_model("gp-trained")), 2.0), STEPS),
     "cv+gp-anchored": Bank((ConstantVelocity(), GaussianProcess(form="anchored"))),
     "gp-intercept+cv": Bank((GaussianProcess(form="intercept"), ConstantVelocity())),
     "ctra+ca+cv": Bank((ConstantTurnRateAcceleration(), ConstantAcceleration(), ConstantVelocity())),

@@ -13,9 +13,10 @@ from modelcast.messages.quantisation import core_steps, quantised_bank
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import GaussianProcess, vehicle_process
+from modelcast.models.gp import GaussianProcess, trained_process, vehicle_process
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.payload import PayloadField, PayloadLayout
+from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.profile import default_profile
 from modelcast.models.quantised import CoreSteps, Quantised
 from modelcast.models.velocity import velocity_estimator_for
@@ -68,7 +69,13 @@ def test_values_beyond_the_last_code_take_it() -> None:
 
 @pytest.mark.parametrize(
     "model",
-    [ConstantTurnRateAcceleration(), vehicle_process(), default_profile().bank.members[0]],
+    [
+        ConstantTurnRateAcceleration(),
+        vehicle_process(),
+        default_profile().bank.members[0],
+        PredictedPath(GaussianProcess()),
+        PredictedPath(trained_process()),
+    ],
     ids=lambda model: model.name,
 )
 def test_what_was_quantised_once_stays_as_it_is(model: AbstractSubModel) -> None:
@@ -85,7 +92,15 @@ def test_what_was_quantised_once_stays_as_it_is(model: AbstractSubModel) -> None
     np.testing.assert_allclose(layout.quantise(held[:, places]), held[:, places], atol=ROUNDING)
 
 
-@pytest.mark.parametrize("model", [*default_profile().bank.members, ConstantVelocity(), vehicle_process()])
+@pytest.mark.parametrize(
+    "model",
+    [
+        *default_profile().bank.members,
+        ConstantVelocity(),
+        vehicle_process(),
+        PredictedPath(GaussianProcess(form="intercept")),
+    ],
+)
 def test_no_model_that_a_message_carries_predicts_by_the_sampling_interval(model: AbstractSubModel) -> None:
     """So no message says what it was."""
     assert model.payload_layout is not None
@@ -112,18 +127,13 @@ def test_fine_steps_change_nothing() -> None:
     np.testing.assert_allclose(one, other, atol=1e-6)
 
 
-def test_what_has_no_layout_is_left_alone() -> None:
+def test_what_has_no_layout_is_sent_as_its_predicted_path() -> None:
     model = GaussianProcess(form="intercept")
-    drive = generate_drive(3, 90.0)
-    estimator = velocity_estimator_for(drive.input)
-    plain, sent = (
-        TripBank(drive.input, bank, estimator) for bank in (Bank((model,)), quantised_bank(Bank((model,))))
-    )
-    for ready in (plain, sent):
-        ready.fit_at([150])
-    count = len(model.parameter_names)
     assert model.payload_layout is None
-    assert np.array_equal(plain.parameters[150, :count], sent.parameters[150, :count])
+    (sent,) = quantised_bank(Bank((model,))).members
+    assert sent == Quantised(PredictedPath(model), core_steps())
+    with pytest.raises(ValueError, match="no payload layout"):
+        Quantised(model, core_steps())
 
 
 def test_a_bank_completes_itself_with_a_quantised_member() -> None:

@@ -1,12 +1,7 @@
-"""The codecs of model updates and identifications, for those who know the profile and those who don't.
+"""The codecs of model updates and identifications: octets of one message, values and sizes of a batch."""
 
-`read_update` is what a receiver does with a basic safety message: it finds the model, or says why there is
-none it can use, and then the state of Part I is left, from which anybody coasts at constant velocity.
-"""
-
-from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass
-from enum import Enum
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
@@ -14,331 +9,27 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import CodecError
-from modelcast.messages.bits import BitReader, BitWriter
-from modelcast.messages.bsm import BasicSafetyMessage, BsmCore, decode_bsm, encode_bsm
+from modelcast.messages.bsm import BsmCore, encode_bsm
 from modelcast.messages.bsm_batch import codes_of_values, values_of_codes
-from modelcast.messages.bsm_fields import (
-    CORE_BITS,
-    CORE_FIELDS,
-    LOCAL_REGION,
-    MAX_PART_II,
-    MAX_REGIONAL,
-    PART_II_ID,
-    REGION_ID,
-)
+from modelcast.messages.bsm_fields import CORE_BITS, CORE_FIELDS, LOCAL_REGION
 from modelcast.messages.codec import AbstractCodec
 from modelcast.messages.frame import read_header
+from modelcast.messages.mbc_profile import WireProfile
+from modelcast.messages.mbc_update import UpdateMessage, extension_of, read_update, update_octets
 from modelcast.messages.mbc_wire import (
     AGE,
-    MAX_COEFFICIENT_OCTETS,
-    PROFILE,
-    SUB_MODEL,
     IdentificationMessage,
-    ModelExtension,
-    decode_extension,
     decode_identification,
     encode_extension,
     encode_identification,
-    profile_number,
 )
-from modelcast.models.bank import Bank
-from modelcast.models.payload import PayloadLayout
-from modelcast.models.profile import Profile
 
-__all__ = [
-    "IDENTIFICATION_OCTETS",
-    "IdentificationCodec",
-    "ReceivedUpdate",
-    "UpdateCodec",
-    "UpdateMessage",
-    "UpdateReading",
-    "WireProfile",
-    "extension_octets",
-    "extension_of",
-    "read_update",
-    "update_octets",
-]
+__all__ = ["IDENTIFICATION_OCTETS", "IdentificationCodec", "UpdateCodec"]
 
 _CORE = len(CORE_FIELDS)
-_HEADER_BITS: Final = PROFILE.width_bits + SUB_MODEL.width_bits + 1 + MAX_COEFFICIENT_OCTETS.bit_length()
 _PREAMBLE_BITS: Final = 3
-_LONG_LENGTH: Final = 128
 IDENTIFICATION_OCTETS: Final = len(encode_identification(IdentificationMessage(0, 0, sub_model=0, age=0)))
 """Octets of every identification in its frame."""
-
-
-@dataclass(frozen=True, slots=True)
-class WireProfile:
-    """What the wire needs of a profile: its number, and how each sub-model of its bank is carried.
-
-    Parameters
-    ----------
-    number
-        `mbc_wire.profile_number`.
-    layouts
-        One for each sub-model, 1 to 8.
-
-    Raises
-    ------
-    ValueError
-        Where the number or the count is out of its range, or the coefficients of all sub-models do not fit.
-
-    Examples
-    --------
-    >>> from modelcast.models.constant_velocity import ConstantVelocity
-    >>> WireProfile.of(Bank((ConstantVelocity(),)), 0x44136F).layouts
-    (PayloadLayout(fields=()),)
-    """
-
-    number: int
-    layouts: tuple[PayloadLayout, ...]
-
-    def __post_init__(self) -> None:
-        PROFILE.code_of(self.number)
-        if not 1 <= len(self.layouts) <= SUB_MODEL.high + 1:
-            raise ValueError(f"a profile has 1 to {SUB_MODEL.high + 1} sub-models, got {len(self.layouts)}")
-        octets = -(-sum(layout.bits for layout in self.layouts) // 8)
-        if octets > MAX_COEFFICIENT_OCTETS:
-            raise ValueError(f"coefficients take {MAX_COEFFICIENT_OCTETS} octets at most, here {octets}")
-
-    @classmethod
-    def of(cls, bank: Bank, number: int) -> "WireProfile":
-        """Profile of a bank.
-
-        Parameters
-        ----------
-        bank
-            Its sub-models.
-        number
-            Number of the profile they are from.
-
-        Raises
-        ------
-        ValueError
-            Where a sub-model cannot be carried.
-        """
-        layouts: list[PayloadLayout] = []
-        for member in bank.members:
-            layout = member.payload_layout
-            if layout is None:
-                raise ValueError(f"{member.name} has no payload layout: messages cannot carry it")
-            layouts.append(layout)
-        return cls(number, tuple(layouts))
-
-    @classmethod
-    def of_profile(cls, profile: Profile) -> "WireProfile":
-        """Profile by its own bytes.
-
-        Parameters
-        ----------
-        profile
-            The profile.
-
-        Raises
-        ------
-        ValueError
-            Where a sub-model cannot be carried.
-        """
-        return cls.of(profile.bank, profile_number(profile.text.encode("utf-8")))
-
-    def carried(self, sub_model: int, *, carries_all: bool) -> tuple[int, ...]:
-        """Sub-models whose coefficients a message holds.
-
-        Parameters
-        ----------
-        sub_model, carries_all
-            As in `ModelExtension`.
-        """
-        return tuple(range(len(self.layouts))) if carries_all else (sub_model,)
-
-
-@dataclass(frozen=True, slots=True)
-class UpdateMessage:
-    """A model update: Part I and the model, as codes on the wire.
-
-    Parameters
-    ----------
-    core
-        Part I.
-    sub_model, carries_all
-        As in `ModelExtension`.
-    codes
-        Codes of the coefficients carried, one tuple for each sub-model of `WireProfile.carried`.
-    """
-
-    core: BsmCore
-    sub_model: int
-    _: KW_ONLY
-    carries_all: bool
-    codes: tuple[tuple[int, ...], ...]
-
-
-class UpdateReading(Enum):
-    """What a receiver found in a basic safety message beside Part I."""
-
-    MODEL = "a model"
-    PLAIN = "no model"
-    UNKNOWN_PROFILE = "a model of a profile that is not known here"
-
-
-@dataclass(frozen=True, slots=True)
-class ReceivedUpdate:
-    """A basic safety message as a receiver understands it.
-
-    Parameters
-    ----------
-    message
-        The whole message.
-    reading
-        Whether there is a model to predict with; if not, constant velocity from Part I is left.
-    extension
-        The model's octets, where there is one.
-    profile
-        Its profile, where it is known.
-    update
-        The model, where it is known.
-    """
-
-    message: BasicSafetyMessage
-    reading: UpdateReading
-    _: KW_ONLY
-    extension: ModelExtension | None = None
-    profile: WireProfile | None = None
-    update: UpdateMessage | None = None
-
-
-def extension_octets(coefficient_bits: int) -> int:
-    """Octets that a model takes in a basic safety message, region id and length included.
-
-    Parameters
-    ----------
-    coefficient_bits
-        Bits of the coefficients carried.
-
-    Examples
-    --------
-    >>> extension_octets(0), extension_octets(66)
-    (7, 16)
-    """
-    return 2 + (_HEADER_BITS + 8 * (-(-coefficient_bits // 8)) + 7) // 8
-
-
-def update_octets(coefficient_bits: int) -> int:
-    """Octets of a model update in its frame.
-
-    Parameters
-    ----------
-    coefficient_bits
-        Bits of the coefficients carried.
-
-    Examples
-    --------
-    >>> update_octets(0), update_octets(66)
-    (47, 56)
-    """
-    count_bits = (MAX_REGIONAL - 1).bit_length()
-    bits = _PREAMBLE_BITS + CORE_BITS + count_bits + 8 * extension_octets(coefficient_bits)
-    value = (bits + 7) // 8
-    return value + (3 if value < _LONG_LENGTH else 4)
-
-
-def extension_of(update: UpdateMessage, profile: WireProfile) -> ModelExtension:
-    """The model of an update as it stands in its message.
-
-    Parameters
-    ----------
-    update
-        The update.
-    profile
-        Its profile.
-
-    Raises
-    ------
-    ValueError
-        Where it does not fit the profile.
-    """
-    members = profile.carried(update.sub_model, carries_all=update.carries_all)
-    if not 0 <= update.sub_model < len(profile.layouts):
-        raise ValueError(f"sub_model must be within 0..{len(profile.layouts) - 1}, got {update.sub_model}")
-    writer = BitWriter()
-    for member, codes in zip(members, update.codes, strict=True):
-        for field, code in zip(profile.layouts[member].fields, codes, strict=True):
-            if not field.low <= code <= field.high:
-                raise ValueError(f"{field.name}: code {code} must lie within {field.low}..{field.high}")
-            writer.bits(code - field.low, field.bits)
-    return ModelExtension(
-        profile.number, update.sub_model, carries_all=update.carries_all, coefficients=writer.octets()
-    )
-
-
-def _update_of(core: BsmCore, extension: ModelExtension, profile: WireProfile) -> UpdateMessage:
-    """The model from octets; offsets of errors count from the extension's value."""
-    if extension.sub_model >= len(profile.layouts):
-        at = PROFILE.width_bits
-        raise CodecError(f"sub-model {extension.sub_model} of {len(profile.layouts)}", at)
-    members = profile.carried(extension.sub_model, carries_all=extension.carries_all)
-    wanted = -(-sum(profile.layouts[member].bits for member in members) // 8)
-    if len(extension.coefficients) != wanted:
-        at = _HEADER_BITS - MAX_COEFFICIENT_OCTETS.bit_length()
-        raise CodecError(f"{len(extension.coefficients)} octets of coefficients, not {wanted}", at)
-    reader = BitReader(extension.coefficients)
-    codes = tuple(
-        tuple(reader.bits(field.bits) + field.low for field in profile.layouts[member].fields)
-        for member in members
-    )
-    try:
-        reader.finish()
-    except CodecError as fault:
-        raise CodecError(fault.reason, _HEADER_BITS + fault.offset_bits) from None
-    return UpdateMessage(core, extension.sub_model, carries_all=extension.carries_all, codes=codes)
-
-
-def _value_bit(data: bytes, message: BasicSafetyMessage, place: int) -> int:
-    """Bit of a frame at which the value of one of its regional extensions begins."""
-    at = 8 * read_header(data).start + _PREAMBLE_BITS + CORE_BITS
-    if message.part_ii:
-        at += (MAX_PART_II - 1).bit_length()
-        at += sum(PART_II_ID.width_bits + _open_bits(octets) for _, octets in message.part_ii)
-    at += (MAX_REGIONAL - 1).bit_length()
-    at += sum(REGION_ID.width_bits + _open_bits(octets) for _, octets in message.regional[:place])
-    octets = message.regional[place][1]
-    return at + REGION_ID.width_bits + _open_bits(octets) - 8 * len(octets)
-
-
-def _open_bits(octets: bytes) -> int:
-    return 8 * len(octets) + (8 if len(octets) < _LONG_LENGTH else 16)
-
-
-def read_update(data: bytes, profiles: Mapping[int, WireProfile]) -> ReceivedUpdate:
-    """Read a basic safety message and the model in it.
-
-    Parameters
-    ----------
-    data
-        The octets of its frame, no more and no fewer.
-    profiles
-        Profiles known here, by number.
-
-    Raises
-    ------
-    CodecError
-        Where they are not a basic safety message, or its model is none, or none of that profile. A profile
-        that is not known is no error: see `UpdateReading`.
-    """
-    message = decode_bsm(data)
-    places = [place for place, (region, _) in enumerate(message.regional) if region == LOCAL_REGION]
-    if not places:
-        return ReceivedUpdate(message, UpdateReading.PLAIN)
-    try:
-        extension = decode_extension(message.regional[places[0]][1])
-        profile = profiles.get(extension.profile)
-        if profile is None:
-            return ReceivedUpdate(message, UpdateReading.UNKNOWN_PROFILE, extension=extension)
-        update = _update_of(message.core, extension, profile)
-    except CodecError as fault:
-        begin = _value_bit(data, message, places[0])
-        raise CodecError(f"model: {fault.reason}", begin + fault.offset_bits) from None
-    return ReceivedUpdate(message, UpdateReading.MODEL, extension=extension, profile=profile, update=update)
 
 
 @dataclass(frozen=True, slots=True)

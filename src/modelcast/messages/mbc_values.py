@@ -14,7 +14,8 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import Origin, enu_to_geodetic, geodetic_to_enu, heading_to_velocity
 from modelcast.messages.bsm import BsmCore
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
-from modelcast.messages.mbc_codec import ReceivedUpdate, UpdateMessage, WireProfile
+from modelcast.messages.mbc_profile import WireProfile
+from modelcast.messages.mbc_update import ReceivedUpdate, UpdateMessage
 from modelcast.messages.mbc_wire import AGE, SEQUENCE, IdentificationMessage
 from modelcast.models.bank import Bank
 from modelcast.models.payload import CORE_PARAMETERS
@@ -63,7 +64,7 @@ def update_to_wire(
     update
         What the sender's bank fitted.
     bank
-        The sender's.
+        The sender's, as `quantised_bank` has it.
     profile
         The bank's.
     frame
@@ -126,7 +127,7 @@ def update_from_wire(
     received
         As `read_update` gave it.
     bank
-        The host's. Of a model that is not in the message, parameters are zero.
+        The host's, as `carried_bank` has it. Of a model that is not in the message, parameters are zero.
     frame
         The host's.
     received_s
@@ -137,9 +138,12 @@ def update_from_wire(
     Raises
     ------
     ValueError
-        Where Part I lacks position, instant, speed or heading, or constant velocity is needed and the bank
-        has no member of the name ``cv``.
+        Where Part I lacks position, instant, speed or heading, the bank holds a model that no message
+        carries, or constant velocity is needed and the bank has no member of the name ``cv``.
     """
+    for member in bank.members:
+        if member.payload_layout is None:
+            raise ValueError(f"no message carries {member.name} itself: take the carried_bank")
     core = received.message.core
     names = ("second_of_minute_s", "latitude_deg", "longitude_deg", "speed_mps", "heading_rad")
     found = {name: core.value(name) for name in names}

@@ -6,7 +6,7 @@ reference time and its ``msgCnt`` the model's sequence number. The rest of the m
 extension `LOCAL_REGION` (`ModelExtension`). An *identification* is a frame of its own
 (`IdentificationMessage`). ``mbc.asn`` says the same in ASN.1.
 
-The coefficients are octets here: only who knows the profile knows their fields (`mbc_codec`).
+The coefficients are octets here: only who knows the profile knows their fields (`mbc_profile`).
 """
 
 import hashlib

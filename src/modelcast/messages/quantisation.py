@@ -6,9 +6,10 @@ from typing import Final
 from modelcast.messages.bsm_fields import CORE_FIELDS, CORE_INDEX
 from modelcast.messages.fields import Field
 from modelcast.models.bank import Bank
+from modelcast.models.predicted_path import carried_form
 from modelcast.models.quantised import CoreSteps, Quantised
 
-__all__ = ["METRES_PER_DEGREE", "core_steps", "quantised_bank"]
+__all__ = ["METRES_PER_DEGREE", "carried_bank", "core_steps", "quantised_bank"]
 
 METRES_PER_DEGREE: Final = 111_319.491
 """Of longitude at the equator, on WGS-84: 2π · 6,378,137 m / 360. Nowhere is a degree much longer: one of
@@ -49,6 +50,23 @@ def core_steps(*, position: bool = True) -> CoreSteps:
     )
 
 
+def carried_bank(bank: Bank) -> Bank:
+    """The bank in the forms that messages carry, not rounded: what a receiver predicts with.
+
+    Parameters
+    ----------
+    bank
+        Members that have a layout stay as they are; of the others the predicted path is sent.
+
+    Examples
+    --------
+    >>> from modelcast.models.gp import GaussianProcess
+    >>> carried_bank(Bank((GaussianProcess(),))).parameter_names[3]
+    'gp-anchored.east_0_m'
+    """
+    return replace(bank, members=tuple(carried_form(member) for member in bank.members))
+
+
 def quantised_bank(bank: Bank) -> Bank:
     """The bank as its receivers hold it.
 
@@ -65,6 +83,7 @@ def quantised_bank(bank: Bank) -> Bank:
     """
     steps = core_steps()
     members = tuple(
-        member if isinstance(member, Quantised) else Quantised(member, steps) for member in bank.members
+        member if isinstance(member, Quantised) else Quantised(carried_form(member), steps)
+        for member in bank.members
     )
     return replace(bank, members=members)

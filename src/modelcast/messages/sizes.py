@@ -1,8 +1,8 @@
 """How many bytes each message takes: those of the codec, for any bank.
 
 The baseline is a basic safety message with Part I alone. A model update is the same with a regional
-extension, and an identification is a frame of its own (`mbc_wire`). Only the weights of a Gaussian process
-have no place on the wire; they are counted as if they had two bytes each.
+extension, and an identification is a frame of its own (`mbc_wire`). Of a sub-model whose parameters no
+message carries, such as the weights of a Gaussian process, the predicted path is sent and counted.
 """
 
 from dataclasses import dataclass
@@ -11,10 +11,12 @@ import numpy as np
 
 from modelcast.core.arrays import IntArray
 from modelcast.messages.bsm_batch import CORE_FRAME_OCTETS
-from modelcast.messages.mbc_codec import IDENTIFICATION_OCTETS, update_octets
+from modelcast.messages.mbc_codec import IDENTIFICATION_OCTETS
+from modelcast.messages.mbc_update import update_octets
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.predicted_path import carried_layout
 from modelcast.models.quantised import Quantised
 
 __all__ = ["SizeModel"]
@@ -28,13 +30,11 @@ class SizeModel:
     ----------
     more_bytes
         What every basic safety message holds beside Part I and the model: Part II, for instance.
-    uncarried_parameter_bits
-        Counted for each parameter of a sub-model that the codec cannot carry.
 
     Raises
     ------
     ValueError
-        Where a count is negative.
+        Where it is negative.
 
     Examples
     --------
@@ -48,12 +48,10 @@ class SizeModel:
     """
 
     more_bytes: int = 0
-    uncarried_parameter_bits: int = 16
 
     def __post_init__(self) -> None:
-        for name in ("more_bytes", "uncarried_parameter_bits"):
-            if getattr(self, name) < 0:
-                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
+        if self.more_bytes < 0:
+            raise ValueError(f"more_bytes must not be negative, got {self.more_bytes}")
 
     @property
     def identification_bytes(self) -> int:
@@ -77,15 +75,11 @@ class SizeModel:
         identify
             The policy's rule, as `modelcast.policy.rules` names it.
         """
-        bits = [self._bits(member) for member in bank.members]
+        bits = [carried_layout(member).bits for member in bank.members]
         alone = identify == "never" or len(bits) == 1
         sizes = [update_octets(own if alone else sum(bits)) for own in bits]
         plain = [alone and _is_plain(member) for member in bank.members]
         return np.where(plain, CORE_FRAME_OCTETS, sizes).astype(np.int64) + self.more_bytes
-
-    def _bits(self, member: AbstractSubModel) -> int:
-        layout = member.payload_layout
-        return self.uncarried_parameter_bits * member.payload_parameters if layout is None else layout.bits
 
 
 def _is_plain(member: AbstractSubModel) -> bool:

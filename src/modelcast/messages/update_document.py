@@ -18,15 +18,11 @@ import numpy as np
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import Origin
 from modelcast.messages.bsm import BsmCore
-from modelcast.messages.mbc_codec import (
-    ReceivedUpdate,
-    UpdateMessage,
-    WireProfile,
-    extension_of,
-    read_update,
-)
+from modelcast.messages.mbc_profile import WireProfile
+from modelcast.messages.mbc_update import ReceivedUpdate, UpdateMessage, extension_of, read_update
 from modelcast.messages.mbc_values import LocalFrame, update_from_wire
 from modelcast.messages.mbc_wire import PROFILE_OCTETS, ModelExtension, encode_extension
+from modelcast.messages.quantisation import carried_bank
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.profile import Profile
@@ -46,7 +42,7 @@ class HeldProfile:
     wire
         Its number and layouts.
     bank
-        Its sub-models.
+        Its sub-models, in the forms that messages carry.
     """
 
     wire: WireProfile
@@ -64,10 +60,10 @@ class HeldProfile:
         Raises
         ------
         ConfigError
-            Where messages cannot carry one of its sub-models.
+            Where messages cannot carry its bank: more than eight sub-models, or too many coefficients.
         """
         try:
-            return cls(WireProfile.of_profile(profile), profile.bank)
+            return cls(WireProfile.of_profile(profile), carried_bank(profile.bank))
         except ValueError as error:
             raise ConfigError(f"this profile cannot be used for messages: {error}") from error
 

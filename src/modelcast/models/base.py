@@ -257,7 +257,10 @@ class AbstractSubModel(AbstractMotionModel):
 
     @property
     def payload_layout(self) -> PayloadLayout | None:
-        """How a message carries them; None where it cannot. Parameters in neither it nor Part I are zero."""
+        """How a message carries them; None where it cannot. Parameters in neither it nor Part I are zero.
+
+        Of a sub-model without a layout the predicted path is sent (`modelcast.models.predicted_path`).
+        """
         return PayloadLayout() if self.payload_parameters == 0 else None
 
     @property

@@ -26,6 +26,7 @@ from modelcast.models.kinematic import (
     ConstantTurnRateVelocity,
 )
 from modelcast.models.learned import LearnedTrajectory, Network, Selector
+from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.regimes import Regimes
 from modelcast.models.trusted import Trusted
 
@@ -43,6 +44,7 @@ PLAIN_CLASSES: dict[str, type] = {
         Hyperparameters,
         LearnedTrajectory,
         Network,
+        PredictedPath,
         Regimes,
         Selector,
         Trusted,

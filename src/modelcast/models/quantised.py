@@ -11,8 +11,9 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.models import quantised_kernels as kernels
-from modelcast.models.base import AbstractSubModel, PointFunctions
-from modelcast.models.payload import CORE_PARAMETERS, PayloadLayout
+from modelcast.models.base import PointFunctions
+from modelcast.models.payload import CORE_PARAMETERS
+from modelcast.models.wrapped import AbstractWrapped
 
 __all__ = ["REMAINDERS", "CoreSteps", "Quantised"]
 
@@ -62,7 +63,7 @@ class CoreSteps:
 
 
 @dataclass(frozen=True, slots=True)
-class Quantised(AbstractSubModel):
+class Quantised(AbstractWrapped):
     """A sub-model with quantised parameters, that predicts from the position that was sent.
 
     Parameters
@@ -75,14 +76,14 @@ class Quantised(AbstractSubModel):
     Raises
     ------
     ValueError
-        Where the model is quantised already, or has a velocity of one axis alone.
+        Where the model is quantised already, has no layout, or has a velocity of one axis alone.
 
     Notes
     -----
     Two parameters more than the model's: `REMAINDERS`. A position is sent on a grid, so the prediction begins
     up to half a step beside the last sample on each axis. A receiver has the sent position itself and a
-    remainder of zero. Where the model has no layout, as the weights of a Gaussian process have none, its
-    parameters stay as they are.
+    remainder of zero. A model without a layout, as a Gaussian process with its weights, is wrapped in its
+    predicted path first (`modelcast.models.predicted_path`).
 
     Examples
     --------
@@ -107,51 +108,22 @@ class Quantised(AbstractSubModel):
     array([[[9.75, 0.  ]]])
     """
 
-    model: AbstractSubModel
     steps: CoreSteps
 
     def __post_init__(self) -> None:
         if isinstance(self.model, Quantised):
             raise ValueError(f"{self.model.name} is quantised already")  # noqa: TRY004 - a value, not a type
+        if self.model.payload_layout is None:
+            raise ValueError(f"{self.model.name} has no payload layout: wrap it in a PredictedPath first")
         names = self.model.parameter_names
         east, north = (names.index(name) if name in names else -1 for name in CORE_PARAMETERS[:2])
         if (east < 0) != (north < 0) or (east >= 0 and north != east + 1):
             raise ValueError(f"{self.model.name}: velocity must be east, then north, got {', '.join(names)}")
 
     @property
-    def name(self) -> str:
-        """The model's."""
-        return self.model.name
-
-    @property
-    def window(self) -> int:
-        """The model's."""
-        return self.model.window
-
-    @property
     def parameter_names(self) -> tuple[str, ...]:
         """The model's, then `REMAINDERS`."""
         return (*self.model.parameter_names, *REMAINDERS)
-
-    @property
-    def payload_parameters(self) -> int:
-        """The model's."""
-        return self.model.payload_parameters
-
-    @property
-    def payload_layout(self) -> PayloadLayout | None:
-        """The model's."""
-        return self.model.payload_layout
-
-    @property
-    def trusted_horizon_s(self) -> float:
-        """The model's."""
-        return self.model.trusted_horizon_s
-
-    @property
-    def trusted_turn_s(self) -> float:
-        """The model's."""
-        return self.model.trusted_turn_s
 
     def point_functions(self, dt_s: float) -> PointFunctions:
         """Return the functions round the model's."""

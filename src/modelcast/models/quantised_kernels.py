@@ -1,7 +1,6 @@
 """Compiled point functions of a sub-model whose parameters are those a receiver decodes.
 
-They go round the point functions of another model, whose addresses stand in the constants: so one compiled
-pair serves every model, as one compiled walk does.
+They go round the point functions of another model (`address_kernels`).
 """
 
 from math import atan2, cos, hypot, sin
@@ -9,11 +8,8 @@ from typing import Any
 
 import numba
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
 
+from modelcast.models.address_kernels import fit_at, predict_at
 from modelcast.models.point_kernels import EAST, FIT_SIGNATURE, NORTH, PREDICT_SIGNATURE
 
 __all__ = [
@@ -37,38 +33,12 @@ velocity is, or -1; step [m/s] and last code of speed, step of heading [rad], of
 parameter its step (0: as it is), lowest and highest code; then the model's own constants."""
 
 
-_code: Any = cgutils  # untyped
-
-
-def _called(signature: Any) -> Any:
-    """Return an intrinsic that turns an address into a function of this signature."""
-    function_type = types.FunctionType(signature)
-
-    @intrinsic
-    def at_address(_typing: Any, _address: Any) -> Any:
-        def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-            made: Any = _code.create_struct_proxy(function_type)(context, builder)
-            made.c_addr = builder.inttoptr(arguments[0], _code.voidptr_t)
-            nothing = ir.Constant(_code.voidptr_t, None)
-            made.py_addr = nothing
-            made.jit_addr = nothing
-            return made._getvalue()  # noqa: SLF001 - Numba's own name for it
-
-        return function_type(types.int64), generate
-
-    return at_address
-
-
-_fit_at = _called(FIT_SIGNATURE)
-_predict_at = _called(PREDICT_SIGNATURE)
-
-
 @numba.njit(FIT_SIGNATURE, cache=True, nogil=True)
 def fit(window: Any, constants: Any, out: Any) -> None:
     """Fit the model; then put every parameter where its code puts it, and the position on its grid."""
     count = int(constants[AT_COUNT])
     own = constants[HEADER + 3 * count :]
-    _fit_at(np.int64(constants[AT_FIT]))(window, own, out[:count])
+    fit_at(np.int64(constants[AT_FIT]))(window, own, out[:count])
     for i in range(count):
         at = HEADER + 3 * i
         step = constants[at]
@@ -92,6 +62,6 @@ def predict(parameters: Any, horizon_s: float, constants: Any, out: Any) -> None
     """Predict with the model, from the position that was sent."""
     count = int(constants[AT_COUNT])
     own = constants[HEADER + 3 * count :]
-    _predict_at(np.int64(constants[AT_PREDICT]))(parameters[:count], horizon_s, own, out)
+    predict_at(np.int64(constants[AT_PREDICT]))(parameters[:count], horizon_s, own, out)
     out[0] += parameters[count]
     out[1] += parameters[count + 1]

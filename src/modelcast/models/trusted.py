@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
-from modelcast.models.base import AbstractSubModel, PointFunctions
-from modelcast.models.payload import PayloadLayout
+from modelcast.models.base import PointFunctions
+from modelcast.models.wrapped import AbstractWrapped
 
 __all__ = ["SHORTEST_HORIZON_S", "TURN_S", "Trusted"]
 
@@ -25,13 +25,14 @@ TURN_S = 2.0
 
 
 @dataclass(frozen=True, slots=True)
-class Trusted(AbstractSubModel):
+class Trusted(AbstractWrapped):
     """A sub-model that is trusted up to a horizon; beyond it, speed holds and the turn ends.
 
     Parameters
     ----------
     model
-        The sub-model; its name, parameters and payload stay as they are.
+        The sub-model; its name, parameters and payload stay as they are: a receiver knows the horizon as it
+        knows the model.
     horizon_s
         Age up to which its predictions are taken [s]; infinite for ever.
     turn_s
@@ -62,7 +63,6 @@ class Trusted(AbstractSubModel):
             [35.,  0.]]])
     """
 
-    model: AbstractSubModel
     horizon_s: float
     turn_s: float = TURN_S
 
@@ -73,31 +73,6 @@ class Trusted(AbstractSubModel):
             raise ValueError(f"turn_s must not be negative, got {self.turn_s}")
         if np.isfinite(self.model.trusted_horizon_s):
             raise ValueError(f"{self.model.name} has a trusted horizon already: wrap the model inside")
-
-    @property
-    def name(self) -> str:
-        """The model's."""
-        return self.model.name
-
-    @property
-    def window(self) -> int:
-        """The model's."""
-        return self.model.window
-
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """The model's."""
-        return self.model.parameter_names
-
-    @property
-    def payload_parameters(self) -> int:
-        """The model's: the receiver knows the horizon as it knows the model."""
-        return self.model.payload_parameters
-
-    @property
-    def payload_layout(self) -> PayloadLayout | None:
-        """The model's."""
-        return self.model.payload_layout
 
     @property
     def trusted_horizon_s(self) -> float:

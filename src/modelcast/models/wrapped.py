@@ -1,0 +1,56 @@
+"""What sub-models that go round another have in common."""
+
+from dataclasses import dataclass
+
+from modelcast.models.base import AbstractSubModel
+from modelcast.models.payload import PayloadLayout
+
+__all__ = ["AbstractWrapped"]
+
+
+@dataclass(frozen=True, slots=True)
+class AbstractWrapped(AbstractSubModel):
+    """A sub-model round another: whatever it does not say is the other's.
+
+    Parameters
+    ----------
+    model
+        The sub-model inside.
+    """
+
+    model: AbstractSubModel
+
+    @property
+    def name(self) -> str:
+        """The model's."""
+        return self.model.name
+
+    @property
+    def window(self) -> int:
+        """The model's."""
+        return self.model.window
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """The model's."""
+        return self.model.parameter_names
+
+    @property
+    def payload_parameters(self) -> int:
+        """The model's."""
+        return self.model.payload_parameters
+
+    @property
+    def payload_layout(self) -> PayloadLayout | None:
+        """The model's."""
+        return self.model.payload_layout
+
+    @property
+    def trusted_horizon_s(self) -> float:
+        """The model's."""
+        return self.model.trusted_horizon_s
+
+    @property
+    def trusted_turn_s(self) -> float:
+        """The model's."""
+        return self.model.trusted_turn_s
