@@ -26,15 +26,18 @@ from modelcast.messages.mbc_update import extension_octets
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import GaussianProcess, trained_process
+from modelcast.models.gp import GaussianProcess
 from modelcast.models.predicted_path import DEFAULT_CARRIED, DEFAULT_SPAN_S, PredictedPath, carried_layout
+from modelcast.models.profile import default_profile
 from modelcast.report.style import PAGE_IN, new_figure, style
+
+TRAINED = default_profile().sub_model("gp-trained")
 
 THRESHOLDS_M = (0.2, 0.3, 0.4, 0.5)
 PROCESSES: dict[str, AbstractSubModel] = {
     "paper": PAPER_BANK.members[1],
     "gp-intercept": GaussianProcess(form="intercept"),
-    "gp-trained": trained_process(),
+    "gp-trained": TRAINED,
 }
 """The paper's bank with its rules; the other two before constant velocity, with the rule ``never``."""
 
@@ -127,7 +130,7 @@ def bases(cases: list[TripCase], span_s: float = DEFAULT_SPAN_S, stride: int = 2
 
     Steps of the eigenvectors are those that spread the same number of codes over the same range.
     """
-    process = trained_process()
+    process = TRAINED
     share = np.linspace(0.0, 1.0, 21)
     fixed = process.hyperparameters
     lengthscale_s = 1.0 if fixed is None else fixed.lengthscale_s

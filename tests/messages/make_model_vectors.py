@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.cli.banks import MEMBER_NAMES, bank_from_text
+from modelcast.cli.banks import bank_from_text, member_names
 from modelcast.core.geodesy import Origin
 from modelcast.messages.asn1 import reference_codec, reference_encode
 from modelcast.messages.bsm import BasicSafetyMessage
@@ -22,6 +22,7 @@ from modelcast.messages.mbc_values import LocalFrame, update_to_wire
 from modelcast.messages.quantisation import quantised_bank
 from modelcast.models.bank import Bank
 from modelcast.models.base import Windows
+from modelcast.models.profile import default_profile
 
 __all__ = ["BANKS", "NUMBER", "main", "sent"]
 
@@ -29,9 +30,12 @@ FILE = Path(__file__).parent / "vectors" / "models.json"
 NUMBER = 0x44136F
 """Of a made-up profile."""
 
-_WITHOUT_VELOCITY = ("gp-linear", "gp-vehicle", "gp-derivative")
+_WITHOUT_VELOCITY = ("gp-linear", "gp-vehicle", "gp-derivative", "gp-regime")
 BANKS = (
-    *((f"{name}+cv" if name in _WITHOUT_VELOCITY else name, False) for name in MEMBER_NAMES),
+    *(
+        (f"{name}+cv" if name.startswith(_WITHOUT_VELOCITY) else name, False)
+        for name in member_names(default_profile())
+    ),
     ("paper", True),
     ("gp-vehicle+learned+cv", True),
 )

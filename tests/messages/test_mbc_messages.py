@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelcast.agents.host import Host, HostState, Receipt
-from modelcast.cli.banks import MEMBER_NAMES, bank_from_text
+from modelcast.cli.banks import bank_from_text, member_names
 from modelcast.core.exceptions import CodecError
 from modelcast.core.geodesy import Origin, enu_to_surface
 from modelcast.evaluation.walk import TripBank
@@ -41,13 +41,15 @@ from modelcast.messages.quantisation import carried_bank, quantised_bank
 from modelcast.messages.update_document import HeldProfile, model_document, octets_of_model, read_model
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import GaussianProcess, trained_process, vehicle_process
+from modelcast.models.gp import GaussianProcess, vehicle_process
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.payload import PayloadField, PayloadLayout
 from modelcast.models.profile import Profile, default_profile
 from modelcast.models.trusted import Trusted
 from modelcast.models.velocity import velocity_estimator_for
 from modelcast.simulation.drive import generate_drive
+
+TRAINED = default_profile().sub_model("gp-trained")
 
 FRAME = LocalFrame(Origin(42.3, -83.7, 250.0), minute_s=-17.0)
 ELSEWHERE = LocalFrame(Origin(42.31, -83.69, 0.0), minute_s=103.0)
@@ -245,7 +247,7 @@ def test_what_cannot_be_written_is_refused_with_its_bound() -> None:
         UpdateCodec(SMALL).sizes(np.full((1, 27), 3.0))
 
 
-@pytest.mark.parametrize("name", MEMBER_NAMES)
+@pytest.mark.parametrize("name", member_names(default_profile()))
 def test_no_sub_model_takes_more_than_24_octets_with_id_and_length(name: str) -> None:
     (layout,) = WireProfile.of(bank_from_text(name), 0).layouts
     assert extension_octets(layout.bits) <= 24
@@ -283,7 +285,11 @@ def test_a_profile_with_a_bare_process_is_read_and_written_as_its_path() -> None
 def test_the_host_predicts_from_octets_what_the_sender_predicts(carries_all: bool, frame: LocalFrame) -> None:
     """The sender's decoded copy is the host's: to the grid's phase, which frames do not share."""
     drive = generate_drive(2, 90.0)
-    processes = (vehicle_process(), GaussianProcess(), Trusted(trained_process(), 2.0))
+    processes = (
+        vehicle_process(),
+        GaussianProcess(),
+        Trusted(TRAINED, 2.0),
+    )
     given = Bank((*default_profile().bank.members, ConstantVelocity(), *processes), "all")
     plain = carried_bank(given)
     sender = TripBank(drive.input, quantised_bank(given), velocity_estimator_for(drive.input))

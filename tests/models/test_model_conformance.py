@@ -25,6 +25,8 @@ from modelcast.models.profile import default_profile
 from modelcast.models.quantised import CoreSteps, Quantised
 from modelcast.models.trusted import Trusted
 
+TRAINED = default_profile().sub_model("gp-trained")
+
 
 def _learned() -> AbstractSubModel:
     """Return the shipped one."""
@@ -88,11 +90,11 @@ MODELS: dict[str, AbstractMotionModel] = {
     "gp-vehicle-quantised": Quantised(Trusted(vehicle_process(), 2.0), STEPS),
     "gp-anchored-path": PredictedPath(GaussianProcess(form="anchored")),
     "gp-adaptive-path": PredictedPath(GaussianProcess(form="intercept", noise="estimated")),
-    "gp-trained-path": PredictedPath(default_profile().sub_model("gp-trained")),
+    "gp-trained-path": PredictedPath(TRAINED),
     "gp-intercept-path-damped": Trusted(PredictedPath(GaussianProcess(form="intercept")), 1.0),
     "gp-anchored-quantised": Quantised(PredictedPath(GaussianProcess(form="anchored")), STEPS),
     "gp-intercept-quantised": Quantised(PredictedPath(GaussianProcess(form="intercept")), STEPS),
-    "gp-trained-quantised": Quantised(Trusted(PredictedPath(default_profile().sub_model("gp-trained")), 2.0), STEPS),
+    "gp-trained-quantised": Quantised(Trusted(PredictedPath(TRAINED), 2.0), STEPS),
     "cv+gp-anchored": Bank((ConstantVelocity(), GaussianProcess(form="anchored"))),
     "gp-intercept+cv": Bank((GaussianProcess(form="intercept"), ConstantVelocity())),
     "ctra+ca+cv": Bank((ConstantTurnRateAcceleration(), ConstantAcceleration(), ConstantVelocity())),

@@ -9,16 +9,19 @@ from modelcast.core.arrays import FloatArray
 from modelcast.messages.quantisation import core_steps
 from modelcast.models.base import AbstractSubModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import GaussianProcess, trained_process, vehicle_process
+from modelcast.models.gp import GaussianProcess, vehicle_process
 from modelcast.models.kinematic import ConstantAcceleration
 from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.predicted_path import DEFAULT_CARRIED, PredictedPath, carried_form, carried_layout
+from modelcast.models.profile import default_profile
 from modelcast.models.quantised import Quantised
 from modelcast.models.trusted import Trusted
 
+TRAINED = default_profile().sub_model("gp-trained")
+
 DT_S = 0.1
 ROUNDING_M = 1e-9
-PROCESSES = [GaussianProcess(), GaussianProcess(form="intercept"), trained_process()]
+PROCESSES = [GaussianProcess(), GaussianProcess(form="intercept"), TRAINED]
 
 HEADING_M = 0.02
 """Half a step of heading and speed, at 30 m/s over three seconds."""
@@ -79,7 +82,7 @@ def test_rounding_moves_a_path_by_half_a_step_of_each_power_at_most(model: Abstr
 
 def test_a_receiver_predicts_without_the_window_and_the_hyper_parameters() -> None:
     """Two processes that differ in everything predict alike from the same parameters."""
-    one, other = (PredictedPath(model) for model in (GaussianProcess(20), trained_process()))
+    one, other = (PredictedPath(model) for model in (GaussianProcess(20), TRAINED))
     parameters = one.fit(windows())
     at_s = np.array([0.4, 2.0, 9.0])
     np.testing.assert_array_equal(
@@ -97,7 +100,7 @@ def test_the_form_that_is_carried_keeps_the_trusted_horizon_outside() -> None:
 
 
 def test_a_profile_may_name_a_path() -> None:
-    given = PredictedPath(trained_process(), span_s=2.0, carried=DEFAULT_CARRIED[:3])
+    given = PredictedPath(TRAINED, span_s=2.0, carried=DEFAULT_CARRIED[:3])
     assert from_plain(to_plain(given)) == given
 
 

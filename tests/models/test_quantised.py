@@ -13,7 +13,7 @@ from modelcast.messages.quantisation import core_steps, quantised_bank
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import GaussianProcess, trained_process, vehicle_process
+from modelcast.models.gp import GaussianProcess, vehicle_process
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.payload import PayloadField, PayloadLayout
 from modelcast.models.predicted_path import PredictedPath
@@ -22,6 +22,8 @@ from modelcast.models.quantised import CoreSteps, Quantised
 from modelcast.models.velocity import velocity_estimator_for
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.simulation.drive import generate_drive
+
+TRAINED = default_profile().sub_model("gp-trained")
 
 DT_S = 0.1
 ROUNDING = 1e-9
@@ -74,7 +76,7 @@ def test_values_beyond_the_last_code_take_it() -> None:
         vehicle_process(),
         default_profile().bank.members[0],
         PredictedPath(GaussianProcess()),
-        PredictedPath(trained_process()),
+        PredictedPath(TRAINED),
     ],
     ids=lambda model: model.name,
 )
