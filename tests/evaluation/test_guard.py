@@ -10,6 +10,7 @@ from modelcast.evaluation.settings import BASELINE_BANK, EvaluationSettings
 from modelcast.evaluation.walk import TripBank, Walk
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.gp import derivative_process, vehicle_process
 from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
 from modelcast.models.velocity import velocity_estimator_for
 from modelcast.policy.base import Message
@@ -80,6 +81,16 @@ def test_each_message_lost_doubles_the_lead_it_takes(behind: int) -> None:
     serves = falls_back(np.full(300, behind), leads)
     assert leads[~serves].min() == 2**behind
     assert not falls_back(np.array([ALLOWED - 1]), np.array([-5])).any()
+
+
+def test_one_sub_model_and_what_stands_in_for_it_have_nothing_to_guard(drive: Trajectory) -> None:
+    lone = Bank((vehicle_process(),))
+    assert walked(drive, lone, "guarded").kind.tolist() == walked(drive, lone, "order").kind.tolist()
+    two = Bank((vehicle_process(), derivative_process()))
+    with pytest.raises(ValueError, match="needs cv as a member of its own"):
+        walked(drive, two, "guarded")
+    with pytest.raises(ValueError, match="needs cv in the bank, got gp-vehicle, gp-derivative"):
+        EvaluationSettings(bank=two, start="guarded", identify="never")
 
 
 def test_a_guarded_bank_needs_constant_velocity() -> None:

@@ -27,6 +27,7 @@ from modelcast.models.profile import Profile, default_profile
 from modelcast.models.regimes import REGIME_BANK
 from modelcast.models.trusted import Trusted
 from modelcast.policy.costs import CostTable
+from modelcast.policy.guard import unguarded
 from modelcast.policy.rules import IdentifyRule, StartRule
 
 __all__ = [
@@ -173,7 +174,7 @@ def named_bank(
             trusted_horizon_s=trusted_horizon_s,
             profile=profile,
         )
-        return NamedBank(bank, *(rules if text == REGIME_BANK else rules_of(bank)))
+        return NamedBank(bank, *((unguarded(rules[0]), rules[1]) if text == REGIME_BANK else rules_of(bank)))
     if noise_floor_m is not None or trusted_horizon_s is not None or window != _DEFAULT_WINDOW:
         raise ConfigError(
             f"--bank {text}: a profile's bank has its own windows, noise floor and trusted horizons; "

@@ -39,11 +39,12 @@ def train(
         The profile's file; its folder must exist.
     bank
         Members of the bank in order, joined by '+', among learned, gp-vehicle, gp-derivative, gp-trained,
-        gp-regime-1 and so on, ctra, ctrv, ca and cv; chosen among all but gp-trained and the regimes' by the
-        messages they save where not given.
+        gp-regime-1 and so on, ctra, ctrv, ca and cv. Where not given, with --validate chosen among all but
+        gp-trained and the regimes' by the messages they save; else learned, ctra and gp-vehicle. cv joins as
+        guard.
     validate
         Train once more without each route and count messages there: the record then holds honest figures, and
-        the bank's order follows from them. Takes that many times longer.
+        the bank's members follow from them. Takes that many times longer.
     hidden
         Sizes of the networks' two hidden layers.
     coefficients

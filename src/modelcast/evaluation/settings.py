@@ -164,8 +164,9 @@ class EvaluationSettings:
             if self.selector is None:
                 raise ValueError("start 'predicted' needs a selector trained for the bank: take another rule")
             self.selector.check_members(names)
-        if start == "guarded" and len(names) > 1 and GUARD not in names:
-            raise ValueError(f"start 'guarded' needs {GUARD} in the bank, got {', '.join(names)}: add it")
+        own = tuple(member.name for member in self.bank.members)
+        if start == "guarded" and len(own) > 1 and GUARD not in own:
+            raise ValueError(f"start 'guarded' needs {GUARD} in the bank, got {', '.join(own)}: add it")
         if identify == "cheapest" and self.costs is not None:
             self.costs.check_members(len(names))
 

@@ -19,7 +19,7 @@ from modelcast.models.point_kernels import FIT_SIGNATURE
 from modelcast.models.velocity import VelocityEstimator, sample_matrix
 from modelcast.policy.base import Message
 from modelcast.policy.error_driven import ErrorDriven
-from modelcast.policy.guard import GUARD
+from modelcast.policy.guard import GUARD, unguarded
 
 __all__ = ["TripBank", "Walk"]
 
@@ -129,6 +129,8 @@ class TripBank:
             counted for a bank of another size, or it is guarded and the bank lacks constant velocity.
         """
         rules = policy if len(self.bank.members) > 1 else policy.alone
+        if rules.start == "guarded" and self._fallback == 1:
+            rules = replace(rules, start="order")  # one sub-model and what stands in for it: nothing to guard
         if rules.costs is not None and rules.identify == "cheapest":
             rules.costs.check_members(len(self.bank.members))
         select, constants, window = self._select(rules)
@@ -180,8 +182,10 @@ class TripBank:
             nothing = np.zeros(0, dtype=np.bool_)
             return -1, nothing, nothing
         guard = self.bank.place_of(GUARD)
+        if guard == self._fallback:
+            raise ValueError(f"start 'guarded' needs {GUARD} as a member of its own: add it")
         alone = TripBank(self.trip, Bank((self.bank.members[guard],)), self._estimator)
-        free = self.walk(replace(policy, start="hindsight"))
+        free = self.walk(replace(policy, start=unguarded(policy.start)))
         return guard, free.transmits, alone.walk(policy).transmits
 
     def _select(self, policy: ErrorDriven) -> tuple[FunctionPointer, FloatArray, int]:

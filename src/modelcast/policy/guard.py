@@ -15,14 +15,26 @@ import numpy as np
 
 from modelcast.core.arrays import BoolArray, IntArray
 from modelcast.policy import guard_kernels as kernels
+from modelcast.policy.rules import StartRule
 
-__all__ = ["ALLOWED", "GUARD", "falls_back"]
+__all__ = ["ALLOWED", "GUARD", "falls_back", "unguarded"]
 
 ALLOWED = kernels.ALLOWED
 """Messages that a sender may have sent more than constant velocity alone before the guard acts."""
 
 GUARD = "cv"
 """Name of the sub-model that serves then; a guarded bank must have it."""
+
+
+def unguarded(start: StartRule) -> StartRule:
+    """Return the start rule without its guard.
+
+    Parameters
+    ----------
+    start
+        Any start rule.
+    """
+    return "hindsight" if start == "guarded" else start
 
 
 def falls_back(behind: IntArray, lead: IntArray) -> BoolArray:

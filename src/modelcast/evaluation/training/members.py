@@ -11,6 +11,7 @@ from modelcast.evaluation.walk import TripBank
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.policy.error_driven import ErrorDriven
+from modelcast.policy.guard import unguarded
 from modelcast.policy.rules import IdentifyRule, StartRule
 
 __all__ = ["ChosenMembers", "Fold", "MemberSettings", "choose_members", "choose_names"]
@@ -178,7 +179,7 @@ def choose_names(
 def _messages(cases: Sequence[TripCase], bank: Bank, settings: MemberSettings) -> float:
     """Messages of a bank, all trips and thresholds together."""
     total = 0
-    start = "hindsight" if settings.start == "guarded" else settings.start
+    start = unguarded(settings.start)
     for case in cases:
         ready = TripBank(case.seen, bank, case.estimator)
         for threshold_m in settings.thresholds_m:

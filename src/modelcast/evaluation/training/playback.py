@@ -54,7 +54,11 @@ class Playback:
 
 AS_RECORDED = Playback()
 
-DEFAULT_PLAYBACKS = (AS_RECORDED, Playback(0.8), Playback(1.25), Playback(backwards=True))
+DEFAULT_PLAYBACKS = (
+    AS_RECORDED,
+    *(Playback(stretch) for stretch in (0.65, 0.8, 1.25, 1.5)),
+    *(Playback(stretch, backwards=True) for stretch in (0.8, 1.0, 1.25)),
+)
 """Decision 019 has what they gain."""
 
 

@@ -1,10 +1,10 @@
 """Training of a whole profile: networks, hyper-parameters, calibrations, the bank's order, and the record.
 
-The bank's first member is the sub-model that sends the fewest messages alone; others join while they save
-some beside it (`members`), and one that does with a single sample stands last, for starts and gaps; where the
-start rule is ``guarded``, constant velocity. With ``validate`` the choice is made and the covariances are
-calibrated on routes left out of the training, else on the training trips themselves, which favours what was
-fitted to them. The record says which.
+With ``validate`` everything is also trained without each route, and counted and calibrated on it. The bank's
+members are chosen there: first the sub-model that sends the fewest messages alone, then others while they
+save some beside it (`members`). Without it the bank is `DEFAULT_NAMES`, and the figures are of the training
+trips themselves, which favours what was fitted to them; the record says which. A sub-model that does with a
+single sample stands last, for starts and gaps; where the start rule is ``guarded``, constant velocity.
 """
 
 from collections.abc import Callable, Sequence
@@ -39,10 +39,10 @@ from modelcast.models.regimes import REGIME_BANK, Regimes
 from modelcast.models.trusted import Trusted
 from modelcast.policy.costs import CostTable
 from modelcast.policy.error_driven import ErrorDriven
-from modelcast.policy.guard import GUARD
+from modelcast.policy.guard import GUARD, unguarded
 from modelcast.policy.rules import IdentifyRule, StartRule
 
-__all__ = ["LONGEST_WINDOW", "ProfileSettings", "profile_learner", "train_profile"]
+__all__ = ["DEFAULT_NAMES", "LONGEST_WINDOW", "ProfileSettings", "profile_learner", "train_profile"]
 
 LONGEST_WINDOW = 21
 """Samples that the longest window of a trained sub-model holds."""
@@ -53,6 +53,9 @@ Progress = Callable[[str, int, int], None]
 Protocol = Literal["recorded", "sensor"]
 
 _PROTOCOLS: tuple[Protocol, ...] = ("recorded", "sensor")
+
+DEFAULT_NAMES = ("learned", "ctra", "gp-vehicle")
+"""Members where they are not chosen: on its own training trips the learned one looks better than it is."""
 
 _STARTER = Trusted(ConstantTurnRateAcceleration(), 1.5)
 """The horizon is that of decision 010: what must end is the acceleration."""
@@ -80,7 +83,7 @@ class ProfileSettings:
     members
         How the bank's members are chosen, and its rules.
     names
-        The bank's members in order, where they are not to be chosen.
+        The bank's members in order; where empty, chosen with ``validate``, `DEFAULT_NAMES` without.
     selector
         Of what the start rule ``predicted`` asks.
     validate
@@ -178,8 +181,10 @@ def train_profile(
             progress("members", done, to_do)
 
     names, steps = settings.names, ()
-    if not names:
+    if not names and settings.validate:
         names, steps = choose_names([fold.pooled for fold in folds], settings.members, progress=choosing)
+    elif not names:
+        names = DEFAULT_NAMES
     bank = shelf.bank(names)
     if bank.window > 1:
         names = (*names, _STARTER.name)
@@ -313,12 +318,13 @@ def _figures(folds: Sequence[_Judged], names: Sequence[str], settings: ProfileSe
         }
         for name, bank in banks.items():
             rules = settings.members
+            start = rules.start if name == "bank" else unguarded(rules.start)
             for protocol, cases in fold.cases.items():
                 row = found.setdefault(name, {}).setdefault(protocol, [0] * len(settings.thresholds_m))
                 for case in cases:
                     ready = TripBank(case.seen, bank, case.estimator)
                     for at, threshold_m in enumerate(settings.thresholds_m):
-                        walk = ready.walk(ErrorDriven(threshold_m, rules.start, rules.identify))
+                        walk = ready.walk(ErrorDriven(threshold_m, start, rules.identify))
                         row[at] += walk.updates + walk.identifications
     return {
         "counted_on": "routes left out" if settings.validate else "training trips",
