@@ -3,14 +3,20 @@
 Usage: python validation/ns3.py NS3_PYTHON [OUTPUT.md]
 NS3_PYTHON is the interpreter of a virtual environment with pip's ``ns3`` 3.44; without an argument the
 environment variable MODELCAST_NS3_PYTHON names it. Needs g++. Both simulators get the same places and phases.
+
+Each run of ns-3 stands between two of ours, whose mean it is compared with. Counted are, of ns-3, the whole
+process; of modelcast, the radio's construction and all steps, not the import and the compilation.
 """
 
 import os
+import resource
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,10 +29,31 @@ from modelcast.channel.radio import Transmissions
 LENGTH_M, SECONDS, PERIOD_S, PAYLOAD, BIN_M, BINS = 1000.0, 10.0, 0.1, 300, 50.0, 10
 OVERHEAD = 36  # MAC header 24, FCS 4, LLC and SNAP 8
 SEEDS = 3
+PAIRS = {50: 3, 100: 3, 200: 9}
+"""Timed pairs of runs by number of nodes: each seed as often as the next."""
 TARGET = 0.05
 MODULES = ("core", "network", "mobility", "propagation", "spectrum", "antenna", "wifi", "stats", "energy")
 
 Places = tuple[np.ndarray, np.ndarray]
+
+
+class Took(NamedTuple):
+    """What a run took [s]."""
+
+    wall_s: float
+    processor_s: float
+
+
+def spent(whose: int) -> Took:
+    """Time so far, and processor time of this process or of its children (``resource.RUSAGE_...``)."""
+    used = resource.getrusage(whose)
+    return Took(time.perf_counter(), used.ru_utime + used.ru_stime)
+
+
+def since(start: Took, whose: int) -> Took:
+    """What went by since ``start``."""
+    now = spent(whose)
+    return Took(now.wall_s - start.wall_s, now.processor_s - start.processor_s)
 
 
 def places(nodes: int, seed: int) -> Places:
@@ -55,13 +82,13 @@ def radio() -> Dsrc:
     return Dsrc(parameters, Propagation(LogDistance(2.4, 47.86), None, NakagamiFading()))
 
 
-def ours(position_m: np.ndarray, phase_s: np.ndarray, seed: int) -> tuple[np.ndarray, float]:
-    """Outcomes (BINS, 5), and the time it took."""
+def ours(position_m: np.ndarray, phase_s: np.ndarray, seed: int) -> tuple[np.ndarray, Took]:
+    """Outcomes (BINS, 5), and what it took."""
+    start = spent(resource.RUSAGE_SELF)
     channel = radio()
     state = channel.init(phase_s.size, np.random.default_rng(seed))
     outcomes = np.zeros((BINS, 5), dtype=np.int64)
     order = np.argsort(phase_s)
-    start = time.perf_counter()
     for k in range(round(SECONDS / PERIOD_S)):
         batch = Transmissions(
             order,
@@ -72,7 +99,7 @@ def ours(position_m: np.ndarray, phase_s: np.ndarray, seed: int) -> tuple[np.nda
         )
         heard, state = channel.carry(state, batch, position_m, (k + 1) * PERIOD_S)
         outcomes += heard.outcomes
-    return outcomes, time.perf_counter() - start
+    return outcomes, since(start, resource.RUSAGE_SELF)
 
 
 def build(python: str, folder: Path) -> tuple[Path, dict[str, str]]:
@@ -93,12 +120,12 @@ def build(python: str, folder: Path) -> tuple[Path, dict[str, str]]:
 
 def theirs(
     program: Path, environment: dict[str, str], where: Places, seed: int, folder: Path
-) -> tuple[np.ndarray, float]:
-    """Pairs and receptions by bin (BINS, 2), and the time it took."""
+) -> tuple[np.ndarray, Took]:
+    """Pairs and receptions by bin (BINS, 2), and what it took."""
     position_m, phase_s = where
     nodes = folder / "nodes.txt"
     np.savetxt(nodes, np.column_stack([position_m, phase_s]))
-    start = time.perf_counter()
+    start = spent(resource.RUSAGE_CHILDREN)
     command = [
         str(program),
         f"--nodes={nodes}",
@@ -107,7 +134,7 @@ def theirs(
         f"--seed={seed + 1}",
     ]
     run = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)  # noqa: S603
-    took_s = time.perf_counter() - start
+    took = since(start, resource.RUSAGE_CHILDREN)
     distance_m = np.hypot(*(position_m[:, None] - position_m[None]).transpose(2, 0, 1))
     group = (distance_m / BIN_M).astype(int)
     counts = np.zeros((BINS + 1, 2))
@@ -116,7 +143,55 @@ def theirs(
     for line in run.stdout.splitlines():
         sender, receiver, received = map(int, line.split())
         counts[min(group[sender, receiver], BINS), 1] += received
-    return counts[:BINS], took_s
+    return counts[:BINS], took
+
+
+class Pair(NamedTuple):
+    """A run of ns-3 between two of ours, of one seed."""
+
+    outcomes: np.ndarray
+    counts: np.ndarray
+    ours: Took
+    theirs: Took
+
+
+def pair(nodes: int, seed: int, run_theirs: Callable[[Places, int], tuple[np.ndarray, Took]]) -> Pair:
+    """Run both; our times are the mean of the run before and the run after."""
+    where = places(nodes, seed)
+    outcomes, before = ours(*where, seed)
+    counts, took = run_theirs(where, seed)
+    _, after = ours(*where, seed)
+    return Pair(outcomes, counts, Took(*(0.5 * np.add(before, after))), took)
+
+
+def spread(values: list[float], form: str) -> str:
+    """Least, median and largest."""
+    return " / ".join(format(value, form) for value in (min(values), float(np.median(values)), max(values)))
+
+
+def tables(nodes: int, pairs: list[Pair]) -> list[str]:
+    """Lines of Markdown: reception by distance, and times."""
+    lines = [f"### {nodes} nodes", "", "| distance m | ns-3 | modelcast | difference |", "|---|---|---|---|"]
+    mine = np.sum([one.outcomes for one in pairs[:SEEDS]], axis=0)
+    reference = np.sum([one.counts for one in pairs[:SEEDS]], axis=0)
+    ratio, own = reference[:, 1] / reference[:, 0], mine[:, 0] / mine.sum(axis=1)
+    lines += [
+        f"| {k * BIN_M:.0f}-{(k + 1) * BIN_M:.0f} | {one:.3f} | {other:.3f} | {other - one:+.3f} |"
+        for k, (one, other) in enumerate(zip(ratio, own, strict=True))
+    ]
+    worst = np.abs(own - ratio).max()
+    lines += ["", f"Largest difference {worst:.3f}; target {TARGET}. Sum of {SEEDS} seeds.", ""]
+    lines += [
+        f"| {SECONDS:.0f} s, {len(pairs)} pairs: min / median / max | ns-3 s | modelcast s | ratio |",
+        "|---|---|---|---|",
+    ]
+    for k, title in enumerate(("wall time", "processor time")):
+        theirs_s, ours_s = [one.theirs[k] for one in pairs], [one.ours[k] for one in pairs]
+        ratios = [a / b for a, b in zip(theirs_s, ours_s, strict=True)]
+        lines.append(
+            f"| {title} | {spread(theirs_s, '.2f')} | {spread(ours_s, '.3f')} | {spread(ratios, '.0f')} |"
+        )
+    return [*lines, ""]
 
 
 def main() -> int:
@@ -130,36 +205,18 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         program, environment = build(python, folder)
-        for nodes in (50, 100, 200):
-            mine, reference = np.zeros((BINS, 5)), np.zeros((BINS, 2))
-            mine_s = reference_s = 0.0
-            for seed in range(SEEDS):
-                where = places(nodes, seed)
-                outcomes, took_s = ours(*where, seed)
-                mine, mine_s = mine + outcomes, mine_s + took_s
-                counts, took_s = theirs(program, environment, where, seed, folder)
-                reference, reference_s = reference + counts, reference_s + took_s
-            lines += [
-                f"### {nodes} nodes",
-                "",
-                "| distance m | ns-3 | modelcast | difference |",
-                "|---|---|---|---|",
-            ]
-            ratio, own = reference[:, 1] / reference[:, 0], mine[:, 0] / mine.sum(axis=1)
-            for k in range(BINS):
-                lines.append(
-                    f"| {k * BIN_M:.0f}-{(k + 1) * BIN_M:.0f} | {ratio[k]:.3f} | {own[k]:.3f} |"
-                    f" {own[k] - ratio[k]:+.3f} |"
-                )
-            worst = np.abs(own - ratio).max()
-            lines += [
-                "",
-                f"Largest difference {worst:.3f}; target {TARGET}. {SECONDS:.0f} s simulated took ns-3",
-            ]
-            lines[-1] += f" {reference_s / SEEDS:.2f} s and modelcast {mine_s / SEEDS:.3f} s"
-            lines[-1] += f" ({reference_s / mine_s:.0f} times). Mean of {SEEDS} seeds."
-            lines += [""]
-            print("\n".join(lines[-BINS - 7 :]), flush=True)
+
+        def run_theirs(where: Places, seed: int) -> tuple[np.ndarray, Took]:
+            return theirs(program, environment, where, seed, folder)
+
+        for nodes, number in PAIRS.items():
+            pairs: list[Pair] = []
+            for k in range(number):
+                pairs.append(pair(nodes, k % SEEDS, run_theirs))
+                print(f"{nodes} nodes, seed {k % SEEDS}:", *pairs[-1][2:], file=sys.stderr, flush=True)
+            part = tables(nodes, pairs)
+            print("\n".join(part), flush=True)
+            lines += part
     if len(sys.argv) > 2:
         Path(sys.argv[2]).write_text("\n".join(lines) + "\n", encoding="utf-8")
     return 0

@@ -1,4 +1,4 @@
-"""Claims about LTE-V2X mode 4."""
+"""Claims about LTE-V2X mode 4 alone; what holds of every radio is in `test_radio_conformance.py`."""
 
 from dataclasses import replace
 from typing import Any
@@ -99,14 +99,6 @@ def test_sensing_keeps_neighbours_apart() -> None:
     assert share[0] > 0.9
 
 
-def test_who_sends_in_a_subframe_hears_nothing_in_it() -> None:
-    heard, _ = periodic(plain(), line(*np.linspace(0.0, 200.0, 30)), 3.0, 30)
-    for one in heard:
-        sent = {(int(v), round(1e3 * t_s)) for v, t_s in zip(one.sender, one.t_s, strict=True)}
-        got = {(int(v), round(1e3 * t_s)) for v, t_s in zip(one.receiver, one.t_s, strict=True)}
-        assert not sent & got
-
-
 def test_busy_ratio_counts_sub_channels_above_the_threshold() -> None:
     """One message in 100 subframes of five sub-channels, too far for its leakage to count."""
     radio = plain()
@@ -152,8 +144,7 @@ def test_sizes_decide_the_sub_channels() -> None:
 
 @settings(max_examples=20)
 @given(seed=st.integers(0, 10_000), vehicles=st.integers(2, 60), messages=st.integers(1, 120))
-def test_invariants_hold_for_any_traffic(seed: int, vehicles: int, messages: int) -> None:
-    """Each reception has its one transmission, each pair one outcome, each seed one result."""
+def test_a_grant_stays_inside_the_pool(seed: int, vehicles: int, messages: int) -> None:
     rng = np.random.default_rng(seed)
     case = Transmissions(
         rng.integers(0, vehicles, messages),
@@ -163,44 +154,9 @@ def test_invariants_hold_for_any_traffic(seed: int, vehicles: int, messages: int
         message_id=np.arange(messages, dtype=np.int64),
     )
     place_m = np.column_stack([rng.uniform(0.0, 2000.0, vehicles), rng.uniform(0.0, 20.0, vehicles)])
-    radio = Sidelink(SidelinkParameters(bins=80))
-    state = radio.init(vehicles, np.random.default_rng(seed))
-    heard, after = radio.step(state, case, place_m, 0.4)
-    twin, _ = radio.step(state, case, place_m, 0.4)
-    assert np.array_equal(heard.t_s, twin.t_s)
-    assert np.array_equal(heard.rssi_dbm, twin.rssi_dbm)
-    assert np.array_equal(case.sender[heard.message_id], heard.sender)
-    pairs = heard.message_id * vehicles + heard.receiver
-    assert np.unique(pairs).size == pairs.size
-    assert np.all(heard.sender != heard.receiver)
-    assert np.all(heard.t_s >= case.ready_s[heard.message_id] + 1e-3 - 1e-9)
-    assert heard.outcomes[:, 0].sum() == heard.size
-    apart_m = np.hypot(*(place_m[:, None] - place_m[None]).transpose(2, 0, 1))
-    near = (apart_m <= radio.range_m).sum(axis=1) - 1
-    gone = np.ones(messages, dtype=np.bool_)
-    gone[heard.expired] = False
-    assert heard.outcomes.sum() == near[case.sender[gone]].sum()
+    radio = Sidelink()
+    _, after = radio.step(radio.init(vehicles, rng), case, place_m, 0.4)
     assert not np.any(after.grant[:, BAND] > 4)
-
-
-def test_more_power_never_means_fewer_receptions_when_alone() -> None:
-    for seed in range(20):
-        place_m = np.random.default_rng(seed).uniform(0.0, 900.0, (50, 2))
-        before: set[int] = set()
-        for power in (5.0, 12.0, 23.0):
-            radio = Sidelink()
-            state = radio.init(50, np.random.default_rng(seed))
-            heard, _ = radio.step(state, batch([0], [0.01], power=power), place_m, 0.2)
-            assert before <= set(heard.receiver.tolist())
-            before = set(heard.receiver.tolist())
-
-
-def test_an_absent_vehicle_neither_sends_nor_hears() -> None:
-    radio = plain()
-    state = radio.init(3, np.random.default_rng(0))
-    heard, _ = radio.step(state, batch([0, 1], [0.01, 0.02]), line(0.0, np.nan, 100.0), 0.2)
-    assert heard.receiver.tolist() == [2]
-    assert heard.expired.tolist() == [101]
 
 
 def test_steps_that_do_not_fit_are_refused() -> None:
@@ -211,8 +167,6 @@ def test_steps_that_do_not_fit_are_refused() -> None:
         radio.step(state, batch([], []), place_m, 0.10005)
     with pytest.raises(ValueError, match="must fit into"):
         radio.step(state, batch([0], [0.0], size=900), place_m, 0.1)
-    with pytest.raises(ValueError, match="vehicles"):
-        radio.init(0, np.random.default_rng(0))
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import numba
 import numpy as np
 
 from modelcast.channel.error_kernels import hazard_at
-from modelcast.channel.random_kernels import uniform, uniform_of
+from modelcast.channel.random_kernels import LUCK, uniform, uniform_of
 from modelcast.core.borrowing_kernels import borrowing
 
 __all__ = [
@@ -77,10 +77,6 @@ MESSAGE, AIR, SEED = 0, 1, 2
 LOCKED, HALF_DUPLEX, WEAK, IS_HIDDEN, IS_CONCURRENT = 0, 1, 2, 3, 4
 RECEIVED = 0
 NEVER = -1e9
-
-
-_LUCK = 1 << 32
-"""Apart from the indices of vehicles: a frame's fading and its luck are independent."""
 
 
 class DsrcConstants(NamedTuple):
@@ -266,7 +262,7 @@ def finish_reception(
         else:
             mean_mw = station[j, EXPOSURE] / (t_s - start_s - constants.preamble_s)
             suffered = units * hazard_at(power_mw / (constants.noise_mw + mean_mw), hazard)
-        share = uniform_of(seed, j + _LUCK)
+        share = uniform_of(seed, j + LUCK)
         # -ln(1 - share), never below share: most frames are safe without the logarithm.
         if suffered <= share or suffered <= -np.log(1.0 - share):
             outcome = RECEIVED

@@ -11,10 +11,13 @@ import numpy as np
 
 from modelcast.core.borrowing_kernels import borrowing
 
-__all__ = ["CELLS", "CELL_BITS", "next_word", "uniform", "uniform_of", "word_of"]
+__all__ = ["CELLS", "CELL_BITS", "LUCK", "next_word", "uniform", "uniform_of", "word_of"]
 
 CELL_BITS = 12
 CELLS = 1 << CELL_BITS
+LUCK = 1 << 32
+"""Apart from the indices of vehicles: a frame's fading and its luck are independent."""
+
 _STEP = np.uint64(0x9E3779B97F4A7C15)
 _FIRST = np.uint64(0xBF58476D1CE4E5B9)
 _SECOND = np.uint64(0x94D049BB133111EB)

@@ -13,7 +13,7 @@ from modelcast.channel.error_kernels import hazard_at
 from modelcast.channel.grid_kernels import build_grid, find_in_range
 from modelcast.channel.pair_kernels import find_pairs, grow_pairs, pair_shadowing
 from modelcast.channel.propagation_kernels import fading_factor, median_ln
-from modelcast.channel.random_kernels import next_word, uniform
+from modelcast.channel.random_kernels import LUCK, next_word, uniform, uniform_of, word_of
 from modelcast.channel.sidelink_selection_kernels import MEMORY, select_resource
 from modelcast.core.borrowing_kernels import borrowing
 from modelcast.core.exponential_kernels import fast_exp
@@ -55,7 +55,7 @@ def _receive_powers(
     grid: Any,
     tables: Any,
     pairs: Any,
-    random: Any,
+    seed: int,
     leak: Any,
     power: Any,
     top_mw: Any,
@@ -79,7 +79,7 @@ def _receive_powers(
         j = grid.order[k]
         distance_m = np.sqrt(away_east * away_east + away_north * away_north)
         ln, los = median_ln(east, north, grid.place[k, 0], grid.place[k, 1], distance_m, tables)
-        word = next_word(random)
+        word = word_of(seed, j)
         if constants.shadowed:
             sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
             ln += sigma * pair_shadowing(
@@ -124,7 +124,7 @@ def _judge(
     top_mw: Any,
     top_turn: Any,
     hazard: Any,
-    random: Any,
+    seed: int,
     constants: Any,
 ) -> Any:
     """Return what became of a frame at a listening receiver, and its SINR."""
@@ -146,7 +146,7 @@ def _judge(
     if power_mw < constants.sensitivity_mw:
         return _WEAK, ratio
     units = constants.units_fixed + constants.units_per_byte * size_bytes
-    luck = -np.log(1.0 - uniform(random))
+    luck = -np.log(1.0 - uniform_of(seed, j + LUCK))
     if units * hazard_at(ratio, hazard) <= luck:
         return _RECEIVED, ratio
     if units * hazard_at(power_mw / noise_mw, hazard) > luck or worst < 0:
@@ -204,6 +204,7 @@ def advance(
     link_bin = np.empty(links_room, dtype=np.int64)
     turns = np.empty(vehicles, dtype=np.int64)
     place = np.empty((vehicles, 2))
+    seeds = np.empty(vehicles, dtype=np.int64)
     first_link = np.empty(vehicles + 1, dtype=np.int64)
     reserves = np.zeros(vehicles, dtype=np.bool_)
     near = np.empty((present, 2), dtype=np.int64)
@@ -250,6 +251,7 @@ def advance(
             grant[v, _UNUSED] = 0
             turns[count] = v
             place[count, 0], place[count, 1] = position_m[v, 0], position_m[v, 1]
+            seeds[count] = np.int64(next_word(random) >> np.uint64(1))
             count += 1
             sends[v] = True
             reserves[v] = True
@@ -286,7 +288,7 @@ def advance(
                 grid,
                 tables,
                 pairs,
-                random,
+                seeds[turn],
                 leak,
                 power,
                 top_mw,
@@ -339,7 +341,7 @@ def advance(
                         top_mw,
                         top_turn,
                         hazard,
-                        random,
+                        seeds[turn],
                         constants,
                     )
                     if reserves[v] and ratio >= constants.control_ratio:
