@@ -17,7 +17,7 @@ from modelcast.messages.asn1 import reference_codec, reference_encode
 from modelcast.messages.bsm import BsmCore, decode_bsm, encode_bsm
 from modelcast.messages.bsm_fields import CORE_FIELDS, LOCAL_REGION
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
-from modelcast.messages.mbc_codec import UpdateCodec
+from modelcast.messages.mbc_codec import IdentificationCodec, UpdateCodec
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import UpdateMessage, UpdateReading, extension_octets, read_update
 from modelcast.messages.mbc_values import (
@@ -362,3 +362,28 @@ def test_nothing_is_coasted_from_without_a_position() -> None:
     found = read_update(encode_bsm(core), {})
     with pytest.raises(ValueError, match="latitude_deg"):
         update_from_wire(found, Bank((ConstantVelocity(),)), FRAME, received_s=0.0)
+
+
+@pytest.mark.parametrize(
+    ("row", "match"),
+    [
+        ((-1.0, 7.0, 2.0, 1.3), "temporary_id"),
+        ((1.0, 128.0, 2.0, 1.3), "sequence"),
+        ((1.0, 7.0, 2.5, 1.3), "sub_model"),
+        ((1.0, 7.0, np.nan, 1.3), "sub_model"),
+        ((1.0, 7.0, 2.0, np.nan), "age_s"),
+    ],
+)
+def test_an_identification_that_cannot_be_written_is_refused_singly_and_in_batch(
+    row: tuple[float, ...], match: str
+) -> None:
+    codec = IdentificationCodec()
+    with pytest.raises(ValueError, match=match):
+        codec.message_of(row)
+    with pytest.raises(ValueError, match=match):
+        codec.quantise(np.array([[1.0, 7.0, 2.0, 1.3], row]))
+
+
+def test_identifications_in_batch_have_four_columns() -> None:
+    with pytest.raises(ValueError, match=r"\(B, 4\)"):
+        IdentificationCodec().sizes(np.zeros((2, 3)))
