@@ -15,7 +15,9 @@ from modelcast.core.geodesy import Origin, enu_to_surface
 from modelcast.evaluation.walk import TripBank
 from modelcast.messages.asn1 import reference_codec, reference_encode
 from modelcast.messages.bsm import BsmCore, decode_bsm, encode_bsm
+from modelcast.messages.bsm_batch import codes_of_values, values_of_codes
 from modelcast.messages.bsm_fields import CORE_FIELDS, LOCAL_REGION
+from modelcast.messages.fields import Outside
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
 from modelcast.messages.mbc_codec import IdentificationCodec, UpdateCodec
 from modelcast.messages.mbc_profile import WireProfile
@@ -387,3 +389,41 @@ def test_an_identification_that_cannot_be_written_is_refused_singly_and_in_batch
 def test_identifications_in_batch_have_four_columns() -> None:
     with pytest.raises(ValueError, match=r"\(B, 4\)"):
         IdentificationCodec().sizes(np.zeros((2, 3)))
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "match"),
+    [
+        (0, 128.0, "row 1: message_count"),
+        (16, np.nan, "row 1: yaw_rate_radps"),
+        (len(CORE_FIELDS), 2.0, "sub-model"),
+        (len(CORE_FIELDS) + 1, np.nan, "row 1: every coefficient"),
+    ],
+)
+def test_a_row_of_a_batch_that_cannot_be_written_is_told(column: int, value: float, match: str) -> None:
+    codec = UpdateCodec(SMALL)
+    rows = np.zeros((3, len(CORE_FIELDS) + 2))
+    rows[1, column] = value
+    with pytest.raises(ValueError, match=match):
+        codec.quantise(rows)
+
+
+@pytest.mark.parametrize("carries_all", [False, True])
+def test_the_compiled_rounding_is_that_of_the_fields_and_layouts(carries_all: bool) -> None:
+    rng = np.random.default_rng(11)
+    rows = np.zeros((400, len(CORE_FIELDS) + 2))
+    for column, field in enumerate(CORE_FIELDS):
+        low, high = (1.2 * code * field.resolution for code in field.known_codes)
+        refused = field.outside is Outside.REFUSE
+        rows[:, column] = 0.0 if refused else rng.uniform(min(low, -1.0), high, len(rows))
+        if not refused and field.unavailable is not None:
+            rows[::9, column] = np.nan
+    rows[:, -2] = rng.integers(0, 2, len(rows))
+    rows[:, -1] = rng.uniform(-3.0, 3.0, len(rows))
+    rows[0, -2:] = 0.0, 1e308
+    core = values_of_codes(codes_of_values(rows[:, : len(CORE_FIELDS)]))
+    coefficients = SMALL.layouts[0].quantise(rows[:, -1:])
+    if not carries_all:
+        coefficients[rows[:, -2] != 0.0] = np.nan
+    wanted = np.concatenate([core, rows[:, -2:-1], coefficients], axis=1)
+    np.testing.assert_array_equal(UpdateCodec(SMALL, carries_all).quantise(rows), wanted)

@@ -9,8 +9,9 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import CodecError
+from modelcast.messages import mbc_kernels
 from modelcast.messages.bsm import BsmCore, encode_bsm
-from modelcast.messages.bsm_batch import codes_of_values, values_of_codes
+from modelcast.messages.bsm_batch import CORE_MEANING, codes_of_values
 from modelcast.messages.bsm_fields import CORE_BITS, CORE_FIELDS, LOCAL_REGION
 from modelcast.messages.codec import AbstractCodec
 from modelcast.messages.frame import read_header
@@ -97,13 +98,17 @@ class UpdateCodec(AbstractCodec[UpdateMessage]):
 
     def quantise(self, parameters: FloatArray) -> FloatArray:
         """Values that a receiver holds, (B, 26 + C)."""
-        in_use = self._in_use(parameters)
-        held = np.full(parameters.shape, np.nan)
-        held[:, :_CORE] = values_of_codes(codes_of_values(parameters[:, :_CORE]))
-        held[:, _CORE] = in_use
-        for member, columns in enumerate(self._columns()):
-            rows = slice(None) if self.carries_all else np.flatnonzero(in_use == member)
-            held[rows, columns] = self.profile.layouts[member].quantise(parameters[rows, columns])
+        self._in_use(parameters)
+        given = np.ascontiguousarray(parameters, np.float64)
+        layouts = self.profile.layouts
+        members = np.repeat(np.arange(len(layouts)), [len(layout.fields) for layout in layouts])
+        fields = np.column_stack([np.concatenate([layout.table for layout in layouts]), members])
+        held = np.empty(given.shape)
+        row, at = mbc_kernels.quantise(given, CORE_MEANING, fields, self.carries_all, held)
+        if row >= 0:
+            if at >= _CORE:
+                raise ValueError(f"row {row}: every coefficient carried must be a number: none means unknown")
+            codes_of_values(given[:, :_CORE])  # raises, and says what is wrong
         return held
 
     def sizes(self, parameters: FloatArray) -> IntArray:

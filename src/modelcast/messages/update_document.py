@@ -237,9 +237,15 @@ def _codes(given: object, members: tuple[int, ...], held: HeldProfile) -> tuple[
     for member, name in zip(members, wanted, strict=True):
         layout, own = held.wire.layouts[member], by_name[name]
         values = cast("Mapping[str, object]", own if isinstance(own, Mapping) else {})
-        numbers = [value for value in map(values.get, layout.names) if type(value) in {int, float}]
+        numbers = [
+            as_float(value)
+            for value in map(values.get, layout.names)
+            if isinstance(value, int | float) and not isinstance(value, bool)
+        ]
         if set(values) != set(layout.names) or len(numbers) != len(layout.names):
-            raise ValueError(f"{name} has the numbers {', '.join(layout.names) or 'none'}, got {shown(own)}")
-        row = np.array([as_float(number) for number in numbers], dtype=np.float64).reshape(1, -1)
+            raise ValueError(
+                f"{name} has the numbers {', '.join(layout.names) or 'none'}, got {shown(by_name[name])}"
+            )
+        row = np.array([numbers], dtype=np.float64).reshape(1, -1)
         codes.append(tuple(layout.codes_of(row)[0].tolist()))
     return tuple(codes)
