@@ -427,3 +427,36 @@ def test_the_compiled_rounding_is_that_of_the_fields_and_layouts(carries_all: bo
         coefficients[rows[:, -2] != 0.0] = np.nan
     wanted = np.concatenate([core, rows[:, -2:-1], coefficients], axis=1)
     np.testing.assert_array_equal(UpdateCodec(SMALL, carries_all).quantise(rows), wanted)
+
+
+def test_numbers_of_numpy_are_written_like_those_of_python() -> None:
+    core = BsmCore.from_values({"message_count": 7, "temporary_id": 1, "yaw_rate_radps": 0.0})
+    same = BsmCore(tuple(np.array(core.codes)))
+    assert same == core
+    assert encode_bsm(same, regional=((np.int64(128), bytes(9)),)) == encode_bsm(
+        core, regional=((128, bytes(9)),)
+    )
+    numbers = np.arange(4)
+    spoken = IdentificationMessage(numbers[1], numbers[2], sub_model=numbers[3], age=numbers[3])
+    assert encode_identification(spoken) == encode_identification(
+        IdentificationMessage(1, 2, sub_model=3, age=3)
+    )
+    model = ModelExtension(numbers[3], numbers[1], coefficients=bytes(9))
+    assert encode_extension(model) == encode_extension(ModelExtension(3, 1, coefficients=bytes(9)))
+    wire = replace(SMALL, number=np.int64(SMALL.number))
+    update = UpdateMessage(same, numbers[0], carries_all=False, codes=((numbers[3],),))
+    plain = UpdateMessage(core, 0, carries_all=False, codes=((3,),))
+    assert UpdateCodec(wire).encode(update) == UpdateCodec(SMALL).encode(plain)
+
+
+def test_what_is_no_whole_number_is_a_value_error() -> None:
+    core = BsmCore.from_values({"message_count": 7, "temporary_id": 1, "yaw_rate_radps": 0.0})
+    with pytest.raises(ValueError, match=r"message_count must be a whole number within 0..127, got 7.0"):
+        BsmCore((7.0, *core.codes[1:]))  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ValueError, match="region_id"):
+        encode_bsm(core, regional=((128.0, bytes(1)),))  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ValueError, match="sequence"):
+        IdentificationMessage(1, 7.0, sub_model=2, age=3)  # pyright: ignore[reportArgumentType]
+    half = UpdateMessage(core, 0, carries_all=False, codes=((1.5,),))  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ValueError, match="x_m"):
+        UpdateCodec(SMALL).encode(half)

@@ -7,6 +7,7 @@ rows, so that a range or a step is written once.
 import math
 from dataclasses import KW_ONLY, dataclass
 from enum import IntEnum
+from operator import index
 
 __all__ = ["Field", "Outside", "as_float"]
 
@@ -176,6 +177,27 @@ class Field:
                 f"{self.name} is not known, and {self.standard_name} has no code for that: give it"
             )
         return self.unavailable
+
+    def checked(self, code: int) -> int:
+        """A code as Python's own integer, whatever integer it was.
+
+        Parameters
+        ----------
+        code
+            As on the wire; any integer, NumPy's too.
+
+        Raises
+        ------
+        ValueError
+            Where it is no integer, or out of the type's range.
+        """
+        try:
+            whole = index(code)
+        except TypeError:
+            whole = None
+        if whole is None or not self.low <= whole <= self.high:
+            raise ValueError(f"{self.name} must be a whole number within {self.low}..{self.high}, got {code}")
+        return whole
 
     def value_of(self, code: int) -> float | None:
         """Value a code stands for, in SI units; None for unavailable and for reserved codes.

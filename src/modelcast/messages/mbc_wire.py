@@ -111,8 +111,8 @@ class ModelExtension:
     coefficients: bytes = b""
 
     def __post_init__(self) -> None:
-        PROFILE.code_of(self.profile)
-        SUB_MODEL.code_of(self.sub_model)
+        object.__setattr__(self, "profile", PROFILE.checked(self.profile))
+        object.__setattr__(self, "sub_model", SUB_MODEL.checked(self.sub_model))
         if len(self.coefficients) > MAX_COEFFICIENT_OCTETS:
             raise ValueError(
                 f"coefficients take {MAX_COEFFICIENT_OCTETS} octets at most, got {len(self.coefficients)}"
@@ -147,11 +147,10 @@ class IdentificationMessage:
     age: int
 
     def __post_init__(self) -> None:
-        TEMPORARY_ID.code_of(self.temporary_id)
-        SEQUENCE.code_of(self.sequence)
-        SUB_MODEL.code_of(self.sub_model)
-        if not AGE.low <= self.age <= AGE.high:
-            raise ValueError(f"age must lie within {AGE.low}..{AGE.high}, got {self.age}")
+        object.__setattr__(self, "temporary_id", TEMPORARY_ID.checked(self.temporary_id))
+        object.__setattr__(self, "sequence", SEQUENCE.checked(self.sequence))
+        object.__setattr__(self, "sub_model", SUB_MODEL.checked(self.sub_model))
+        object.__setattr__(self, "age", AGE.checked(self.age))
 
     @property
     def age_s(self) -> float:
