@@ -54,6 +54,13 @@ NO_PLACE = UpdateCodec(WIRE).encode(
     )
 )
 IDENTIFICATION = identify(IdentificationMessage(1, 7, sub_model=2, age=130))
+IDENTIFIES: dict[str, Any] = {
+    "message": "identification",
+    "temporary_id": "00000001",
+    "sequence": 7,
+    "sub_model": 2,
+    "age_s": 1.3,
+}
 CERTIFICATE = Certificate(
     bytes(8), 5, duration_s=60, public_key=b"\2" + bytes(32), signature=bytes(range(64))
 )
@@ -67,13 +74,29 @@ def document_of(octets: bytes, capsys: pytest.CaptureFixture[str], *more: str) -
 
 
 def test_golden_octets_of_an_identification(capsys: pytest.CaptureFixture[str]) -> None:
-    assert document_of(bytes.fromhex("00f007000000010e8082"), capsys) == {
-        "message": "identification",
-        "temporary_id": "00000001",
-        "sequence": 7,
-        "sub_model": 2,
-        "age_s": 1.3,
-    }
+    assert document_of(bytes.fromhex("00f007000000010e8082"), capsys) == IDENTIFIES
+
+
+@pytest.mark.parametrize(
+    ("age_s", "ends"), [(-5, "8000"), (163.834, "bfff"), (1e9, "bfff"), (10**400, "bfff")]
+)
+def test_an_age_beyond_its_range_takes_the_last_code(
+    age_s: float, ends: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["encode", json.dumps(IDENTIFIES | {"age_s": age_s})]) == 0
+    assert capsys.readouterr().out.endswith(f"{ends}\n")
+
+
+@pytest.mark.parametrize(("value", "held"), [(1e308, 1.55), (10**400, 1.55), (-(10**400), -1.6)])
+def test_a_coefficient_beyond_its_range_takes_the_last_code(
+    value: float, held: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    document = document_of(UPDATE, capsys)
+    document["regional"][0]["model"]["coefficients"]["learned"]["along_0_m"] = value
+    assert run(["encode", json.dumps(document)]) == 0
+    again = document_of(bytes.fromhex(capsys.readouterr().out), capsys)
+    found = again["regional"][0]["model"]["coefficients"]["learned"]["along_0_m"]
+    assert found == pytest.approx(held)
 
 
 @pytest.mark.parametrize(
@@ -178,9 +201,13 @@ def test_bent_and_cut_octets_never_end_in_an_internal_error(
     ("document", "told"),
     [
         ({"message": "identification"}, "an identification has"),
+        (IDENTIFIES | {"temporary_id": "00 00 01"}, "temporary_id must be 8 hexadecimal digits"),
+        (IDENTIFIES | {"temporary_id": "0000000z"}, "temporary_id must be 8 hexadecimal digits"),
+        (IDENTIFIES | {"sequence": 10**400}, "sequence"),
         ({"message": "signed"}, "the payload of a signed message"),
         ({"message": "signed", "payload": {"message": "signed"}}, "the payload of a signed message"),
         ({"message": "signed", "payload": {"message": "octets", "octets": "00"}}, "issuer must be"),
+        ({"message": "signed", "payload": {"message": "octets", "octets": "0z"}}, "octets must be"),
     ],
 )
 def test_documents_of_no_message_are_refused(
@@ -195,6 +222,7 @@ def test_documents_of_no_message_are_refused(
     [
         {"profile": "zz"},
         {"profile": 3},
+        {"profile": "14 2b "},
         {"sub_model": 9},
         {"sub_model": None},
         {"carries_all": 1},

@@ -18,7 +18,7 @@ from modelcast.messages.bits import BitReader, BitWriter
 from modelcast.messages.bsm import BasicSafetyMessage, BsmCore, decode_bsm, encode_bsm, encode_message
 from modelcast.messages.bsm_codec import BsmCodec
 from modelcast.messages.bsm_document import document_of, message_of
-from modelcast.messages.bsm_fields import CORE_BITS, CORE_FIELDS
+from modelcast.messages.bsm_fields import CORE_BITS, CORE_FIELDS, CORE_INDEX
 from modelcast.messages.frame import MAX_FRAME_OCTETS, MessageFrame, decode_frame, encode_frame
 
 CHECK = Path(__file__).parents[2] / "fuzz" / "decoding.py"
@@ -340,7 +340,8 @@ def test_codes_out_of_range_and_unknown_names_are_value_errors() -> None:
         ({"speed": 1}, "no field is called speed"),
         ({"speed_mps": "fast"}, "number or null"),
         ({"speed_mps": True}, "number or null"),
-        ({"speed_mps": 10**400}, "too large"),
+        ({"message_count": 10**400}, "message_count"),
+        ({"part_ii": [{"id": 10**400, "octets": "00"}]}, "part_ii_id"),
         ({"speed_mps": {"code": 8192}}, "within 0..8191"),
         ({"speed_mps": {"code": 1.0}}, "within 0..8191"),
         ({"yaw_rate_radps": None}, "yaw_rate_radps"),
@@ -362,6 +363,12 @@ def test_codes_out_of_range_and_unknown_names_are_value_errors() -> None:
 def test_a_document_that_is_wrong_is_a_value_error(change: dict[str, Any], match: str) -> None:
     with pytest.raises(ValueError, match=match):
         message_of(document_of(BasicSafetyMessage(LOWEST)) | change)
+
+
+@pytest.mark.parametrize(("number", "code"), [(10**400, 8190), (-(10**400), 0), (float("inf"), 8190)])
+def test_a_number_beyond_all_floats_takes_the_last_code(number: float, code: int) -> None:
+    document = document_of(BasicSafetyMessage(LOWEST)) | {"speed_mps": number}
+    assert message_of(document).core.codes[CORE_INDEX["speed_mps"]] == code
 
 
 @pytest.mark.parametrize("document", [[], 7, "bsm", None])

@@ -15,9 +15,11 @@ from modelcast.core.geodesy import Origin, enu_to_surface
 from modelcast.evaluation.walk import TripBank
 from modelcast.messages.asn1 import reference_codec, reference_encode
 from modelcast.messages.bsm import BsmCore, decode_bsm, encode_bsm
+from modelcast.messages.bsm_batch import codes_of_values, values_of_codes
 from modelcast.messages.bsm_fields import CORE_FIELDS, LOCAL_REGION
+from modelcast.messages.fields import Outside
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
-from modelcast.messages.mbc_codec import UpdateCodec
+from modelcast.messages.mbc_codec import IdentificationCodec, UpdateCodec
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import UpdateMessage, UpdateReading, extension_octets, read_update
 from modelcast.messages.mbc_values import (
@@ -362,3 +364,99 @@ def test_nothing_is_coasted_from_without_a_position() -> None:
     found = read_update(encode_bsm(core), {})
     with pytest.raises(ValueError, match="latitude_deg"):
         update_from_wire(found, Bank((ConstantVelocity(),)), FRAME, received_s=0.0)
+
+
+@pytest.mark.parametrize(
+    ("row", "match"),
+    [
+        ((-1.0, 7.0, 2.0, 1.3), "temporary_id"),
+        ((1.0, 128.0, 2.0, 1.3), "sequence"),
+        ((1.0, 7.0, 2.5, 1.3), "sub_model"),
+        ((1.0, 7.0, np.nan, 1.3), "sub_model"),
+        ((1.0, 7.0, 2.0, np.nan), "age_s"),
+    ],
+)
+def test_an_identification_that_cannot_be_written_is_refused_singly_and_in_batch(
+    row: tuple[float, ...], match: str
+) -> None:
+    codec = IdentificationCodec()
+    with pytest.raises(ValueError, match=match):
+        codec.message_of(row)
+    with pytest.raises(ValueError, match=match):
+        codec.quantise(np.array([[1.0, 7.0, 2.0, 1.3], row]))
+
+
+def test_identifications_in_batch_have_four_columns() -> None:
+    with pytest.raises(ValueError, match=r"\(B, 4\)"):
+        IdentificationCodec().sizes(np.zeros((2, 3)))
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "match"),
+    [
+        (0, 128.0, "row 1: message_count"),
+        (16, np.nan, "row 1: yaw_rate_radps"),
+        (len(CORE_FIELDS), 2.0, "sub-model"),
+        (len(CORE_FIELDS) + 1, np.nan, "row 1: every coefficient"),
+    ],
+)
+def test_a_row_of_a_batch_that_cannot_be_written_is_told(column: int, value: float, match: str) -> None:
+    codec = UpdateCodec(SMALL)
+    rows = np.zeros((3, len(CORE_FIELDS) + 2))
+    rows[1, column] = value
+    with pytest.raises(ValueError, match=match):
+        codec.quantise(rows)
+
+
+@pytest.mark.parametrize("carries_all", [False, True])
+def test_the_compiled_rounding_is_that_of_the_fields_and_layouts(carries_all: bool) -> None:
+    rng = np.random.default_rng(11)
+    rows = np.zeros((400, len(CORE_FIELDS) + 2))
+    for column, field in enumerate(CORE_FIELDS):
+        low, high = (1.2 * code * field.resolution for code in field.known_codes)
+        refused = field.outside is Outside.REFUSE
+        rows[:, column] = 0.0 if refused else rng.uniform(min(low, -1.0), high, len(rows))
+        if not refused and field.unavailable is not None:
+            rows[::9, column] = np.nan
+    rows[:, -2] = rng.integers(0, 2, len(rows))
+    rows[:, -1] = rng.uniform(-3.0, 3.0, len(rows))
+    rows[0, -2:] = 0.0, 1e308
+    core = values_of_codes(codes_of_values(rows[:, : len(CORE_FIELDS)]))
+    coefficients = SMALL.layouts[0].quantise(rows[:, -1:])
+    if not carries_all:
+        coefficients[rows[:, -2] != 0.0] = np.nan
+    wanted = np.concatenate([core, rows[:, -2:-1], coefficients], axis=1)
+    np.testing.assert_array_equal(UpdateCodec(SMALL, carries_all).quantise(rows), wanted)
+
+
+def test_numbers_of_numpy_are_written_like_those_of_python() -> None:
+    core = BsmCore.from_values({"message_count": 7, "temporary_id": 1, "yaw_rate_radps": 0.0})
+    same = BsmCore(tuple(np.array(core.codes)))
+    assert same == core
+    assert encode_bsm(same, regional=((np.int64(128), bytes(9)),)) == encode_bsm(
+        core, regional=((128, bytes(9)),)
+    )
+    numbers = np.arange(4)
+    spoken = IdentificationMessage(numbers[1], numbers[2], sub_model=numbers[3], age=numbers[3])
+    assert encode_identification(spoken) == encode_identification(
+        IdentificationMessage(1, 2, sub_model=3, age=3)
+    )
+    model = ModelExtension(numbers[3], numbers[1], coefficients=bytes(9))
+    assert encode_extension(model) == encode_extension(ModelExtension(3, 1, coefficients=bytes(9)))
+    wire = replace(SMALL, number=np.int64(SMALL.number))
+    update = UpdateMessage(same, numbers[0], carries_all=False, codes=((numbers[3],),))
+    plain = UpdateMessage(core, 0, carries_all=False, codes=((3,),))
+    assert UpdateCodec(wire).encode(update) == UpdateCodec(SMALL).encode(plain)
+
+
+def test_what_is_no_whole_number_is_a_value_error() -> None:
+    core = BsmCore.from_values({"message_count": 7, "temporary_id": 1, "yaw_rate_radps": 0.0})
+    with pytest.raises(ValueError, match=r"message_count must be a whole number within 0..127, got 7.0"):
+        BsmCore((7.0, *core.codes[1:]))  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ValueError, match="region_id"):
+        encode_bsm(core, regional=((128.0, bytes(1)),))  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ValueError, match="sequence"):
+        IdentificationMessage(1, 7.0, sub_model=2, age=3)  # pyright: ignore[reportArgumentType]
+    half = UpdateMessage(core, 0, carries_all=False, codes=((1.5,),))  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ValueError, match="x_m"):
+        UpdateCodec(SMALL).encode(half)

@@ -52,7 +52,7 @@ def decode(source: Source, *, json: bool = False, profile: Path | None = None) -
         else:
             console.print(*shown.tables, sep="\n")
     if not good + bad:
-        raise ConfigError(f"{source} holds no message")
+        raise ConfigError(f"'{source[:60]}' holds no message")
     return 0 if not bad else 3 if good else 2
 
 
@@ -83,6 +83,8 @@ def _content(source: str) -> bytes | None:
 
     if source == "-":
         return sys.stdin.buffer.read()
+    if not source.strip():
+        return None  # and not the folder that an empty path means
     try:
         return Path(source).read_bytes()
     except (FileNotFoundError, ValueError):

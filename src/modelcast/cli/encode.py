@@ -47,7 +47,7 @@ def encode(
         good += 1
         print(octets.hex())
     if not good + bad:
-        raise ConfigError(f"{source} holds no message")
+        raise ConfigError(f"'{source[:60]}' holds no message")
     return 0 if not bad else 3 if good else 2
 
 
@@ -59,7 +59,7 @@ def _documents(source: str) -> Iterator[tuple[str, object]]:
     from modelcast.core.exceptions import ConfigError
 
     name = "standard input" if source == "-" else source
-    if source.lstrip().startswith(("{", "[")):
+    if not source.strip() or source.lstrip().startswith(("{", "[")):
         name, text = "argument", source
     else:
         try:

@@ -76,19 +76,14 @@ def show(octets: bytes, place: str, profiles: Profiles, *, signed: bool = True) 
     CodecError
         Where nothing of it can be shown.
     """
-    from modelcast.core.exceptions import CodecError
-    from modelcast.messages.frame import read_header
+    from modelcast.messages.bsm_fields import MESSAGE_ID
     from modelcast.messages.identification_document import identification_document
     from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identification
     from modelcast.report.model_messages import identification_table
 
     if signed and octets[0] in _SIGNED_HEADS:
         return _signed(octets, place, profiles)
-    try:
-        identifies = read_header(octets).message_id == IDENTIFICATION_MESSAGE
-    except CodecError:
-        identifies = False
-    if identifies:
+    if MESSAGE_ID.high & int.from_bytes(octets[:2], "big") == IDENTIFICATION_MESSAGE:
         message = decode_identification(octets)
         title = f"{place}: sub-model identification, {len(octets)} bytes"
         return Shown([identification_table(message, title)], identification_document(message))
@@ -161,6 +156,7 @@ def octets_of(document: object, profiles: Profiles) -> bytes:
     """
     from modelcast.messages.bsm import encode_message
     from modelcast.messages.bsm_document import message_of
+    from modelcast.messages.digits import octets_of_digits
     from modelcast.messages.identification_document import IDENTIFICATION_KIND, identification_of
     from modelcast.messages.mbc_wire import encode_identification
     from modelcast.messages.security.document import SIGNED_KIND, signed_of
@@ -174,8 +170,8 @@ def octets_of(document: object, profiles: Profiles) -> bytes:
         payload = cast("Mapping[str, object]", found if isinstance(found, Mapping) else {})
         if not payload or payload.get("message") == SIGNED_KIND:
             raise ValueError("the payload of a signed message is the document of another kind of message")
-        if payload.get("message") == "octets" and isinstance(payload.get("octets"), str):
-            inner = bytes.fromhex(cast("str", payload["octets"]))
+        if payload.get("message") == "octets":
+            inner = octets_of_digits("octets", payload.get("octets"))
         else:
             inner = octets_of(payload, profiles)
         return signed_of(given, inner).octets

@@ -9,7 +9,7 @@ For many messages at once see `bsm_batch`.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
-from operator import le
+from operator import index, le
 from typing import Final
 
 from modelcast.core.exceptions import CodecError
@@ -39,6 +39,7 @@ _SHIFTS: Final = tuple(
 )
 _PUT: Final = tuple(zip(_LOWS, _SHIFTS, strict=True))
 _TAKE: Final = tuple(zip(_SHIFTS, _MASKS, _LOWS, strict=True))
+_PLAIN: Final = {int}
 _PREAMBLE_BITS: Final = 3
 """Extension bit, Part II present, regional extensions present."""
 _CORE_OCTETS: Final = (_PREAMBLE_BITS + CORE_BITS + 7) // 8
@@ -54,7 +55,7 @@ class BsmCore:
     Parameters
     ----------
     codes
-        One whole number a field, in the order of `CORE_FIELDS`.
+        One whole number a field, in the order of `CORE_FIELDS`; NumPy's become Python's.
 
     Raises
     ------
@@ -82,6 +83,9 @@ class BsmCore:
                 if not field.low <= code <= field.high
             )
             raise ValueError(f"{field.name}: code {code} must lie within {field.low}..{field.high}")
+        if set(map(type, codes)) != _PLAIN:  # NumPy's integers have no room for a message
+            whole = tuple(field.checked(code) for field, code in zip(CORE_FIELDS, codes, strict=True))
+            object.__setattr__(self, "codes", whole)
 
     @classmethod
     def from_values(cls, values: Mapping[str, float | None]) -> "BsmCore":
@@ -165,7 +169,7 @@ class BasicSafetyMessage:
             if len(contents) > most:
                 raise ValueError(f"{name} must have {most} entries at most, got {len(contents)}")
             for number, octets in contents:
-                identifier.code_of(number)
+                identifier.checked(number)
                 check_octets(f"each of {name}", octets)
         check_additions("additions", self.additions)
         check_additions("frame_additions", self.frame_additions)
@@ -219,7 +223,7 @@ def encode_bsm(
         if contents:
             writer.bits(len(contents) - 1, count_bits)
             for number, octets in contents:
-                writer.bits(number, identifier.width_bits)
+                writer.bits(index(number), identifier.width_bits)
                 writer.open_type(octets)
     if message.additions:
         writer.additions(message.additions)

@@ -17,6 +17,7 @@ from modelcast.messages.fields import Field
 
 __all__ = [
     "CORE_FRAME_OCTETS",
+    "CORE_MEANING",
     "CoreBatch",
     "OctetArray",
     "codes_of_values",
@@ -42,7 +43,8 @@ def _meaning(field: Field) -> tuple[float, ...]:
     return (*field.known_codes, unavailable, *field.step, field.si_per_unit, float(field.outside))
 
 
-_MEANING: Final = np.array([_meaning(field) for field in CORE_FIELDS], np.float64)
+CORE_MEANING: Final = np.array([_meaning(field) for field in CORE_FIELDS], np.float64)
+"""What the codes of Part I stand for, as `bsm_kernels` takes it, (25, 7)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +83,7 @@ def codes_of_values(values: FloatArray) -> IntArray:
     """
     _check_columns(values)
     codes = np.empty(values.shape, np.int64)
-    row, at = bsm_kernels.codes_of(np.ascontiguousarray(values, np.float64), _MEANING, codes)
+    row, at = bsm_kernels.codes_of(np.ascontiguousarray(values, np.float64), CORE_MEANING, codes)
     if row >= 0:
         try:
             CORE_FIELDS[at].code_of(float(values[row, at]))
@@ -105,7 +107,7 @@ def values_of_codes(codes: IntArray) -> FloatArray:
     """
     _check_columns(codes)
     values = np.empty(codes.shape, np.float64)
-    bsm_kernels.values_of(np.ascontiguousarray(codes, np.int64), _MEANING, values)
+    bsm_kernels.values_of(np.ascontiguousarray(codes, np.int64), CORE_MEANING, values)
     return values
 
 

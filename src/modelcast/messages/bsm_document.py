@@ -16,6 +16,7 @@ from typing import Any, cast
 
 from modelcast.messages.bsm import BasicSafetyMessage, BsmCore, Content
 from modelcast.messages.bsm_fields import CORE_FIELDS, CORE_INDEX
+from modelcast.messages.digits import octets_of_digits, shown
 from modelcast.messages.fields import Field
 
 __all__ = ["document_of", "message_of"]
@@ -76,13 +77,13 @@ def message_of(document: object) -> BasicSafetyMessage:
         unavailable is left out.
     """
     if not isinstance(document, Mapping):
-        raise ValueError(f"a message is an object with fields, got {_shown(document)}")  # noqa: TRY004
+        raise ValueError(f"a message is an object with fields, got {shown(document)}")  # noqa: TRY004
     given = cast("Mapping[str, object]", document)
     unknown = sorted(given.keys() - CORE_INDEX.keys() - {"message", *_REST})
     if unknown:
         raise ValueError(f"no field is called {', '.join(unknown)}; the fields are {', '.join(CORE_INDEX)}")
     if given.get("message", _KIND) != _KIND:
-        raise ValueError(f"message must be '{_KIND}', got {_shown(given['message'])}")
+        raise ValueError(f"message must be '{_KIND}', got {shown(given['message'])}")
     core = BsmCore(tuple(_code(field, given.get(field.name)) for field in CORE_FIELDS))
     part_ii, regional = (_contents(name, given.get(name)) for name in _REST[:2])
     additions, frame_additions = (_additions(name, given.get(name)) for name in _REST[2:])
@@ -91,60 +92,41 @@ def message_of(document: object) -> BasicSafetyMessage:
     )
 
 
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
 def _code(field: Field, given: object) -> int:
     if isinstance(given, Mapping):
         code = cast("Mapping[str, object]", given).get("code")
         if type(code) is not int or not field.low <= code <= field.high:
             raise ValueError(
-                f"{field.name}: a code is a whole number within {field.low}..{field.high}, got {_shown(code)}"
+                f"{field.name}: a code is a whole number within {field.low}..{field.high}, got {shown(code)}"
             )
         return code
     if given is None:
         return field.code_of(None)
     if field.choices:
         if given not in field.choices:
-            raise ValueError(f"{field.name} must be one of {', '.join(field.choices)}, got {_shown(given)}")
+            raise ValueError(f"{field.name} must be one of {', '.join(field.choices)}, got {shown(given)}")
         return field.choices.index(cast("str", given))
     if field.flags:
         return _flags(field, given)
     if field.name == "temporary_id":
-        return int.from_bytes(_octets(field.name, given, count=4), "big")
+        return int.from_bytes(octets_of_digits(field.name, given, count=4), "big")
     if isinstance(given, bool) or not isinstance(given, int | float):
-        raise ValueError(f"{field.name} must be a number or null, got {_shown(given)}")  # noqa: TRY004
-    try:
-        return field.code_of(float(given))
-    except OverflowError:
-        raise ValueError(f"{field.name} is too large a number") from None
+        raise ValueError(f"{field.name} must be a number or null, got {shown(given)}")  # noqa: TRY004
+    return field.code_of(given)
 
 
 def _flags(field: Field, given: object) -> int:
     names = _list(field.name, given)
     for name in names:
         if name not in field.flags:
-            raise ValueError(f"{field.name} may hold {', '.join(field.flags)}, got {_shown(name)}")
+            raise ValueError(f"{field.name} may hold {', '.join(field.flags)}, got {shown(name)}")
     return sum(1 << bit for bit, name in enumerate(reversed(field.flags)) if name in names)
 
 
 def _list(name: str, given: object) -> Sequence[object]:
     if not isinstance(given, list | tuple):
-        raise ValueError(f"{name} must be a list, got {_shown(given)}")  # noqa: TRY004
+        raise ValueError(f"{name} must be a list, got {shown(given)}")  # noqa: TRY004
     return cast("Sequence[object]", given)
-
-
-def _octets(name: str, given: object, *, count: int | None = None) -> bytes:
-    wanted = "hexadecimal digits" if count is None else f"{2 * count} hexadecimal digits"
-    try:
-        octets = bytes.fromhex(given) if isinstance(given, str) else None
-    except ValueError:
-        octets = None
-    if octets is None or (count is not None and len(octets) != count):
-        raise ValueError(f"{name} must be {wanted}, got {_shown(given)}")
-    return octets
 
 
 def _contents(name: str, given: object) -> tuple[Content, ...]:
@@ -153,11 +135,11 @@ def _contents(name: str, given: object) -> tuple[Content, ...]:
         parts = cast("Mapping[str, object]", entry if isinstance(entry, Mapping) else {})
         number = parts.get("id")
         if type(number) is not int or set(parts) != {"id", "octets"}:
-            raise ValueError(f"{name} holds objects with id and octets, got {_shown(cast('object', entry))}")
-        found.append((number, _octets(f"{name}, id {number}: octets", parts["octets"])))
+            raise ValueError(f"{name} holds objects with id and octets, got {shown(cast('object', entry))}")
+        found.append((number, octets_of_digits(f"{name}, id {number}: octets", parts["octets"])))
     return tuple(found)
 
 
 def _additions(name: str, given: object) -> tuple[bytes | None, ...]:
     entries = _list(name, [] if given is None else given)
-    return tuple(None if entry is None else _octets(name, entry) for entry in entries)
+    return tuple(None if entry is None else octets_of_digits(name, entry) for entry in entries)

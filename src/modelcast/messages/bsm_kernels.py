@@ -20,9 +20,11 @@ __all__ = [
     "STEP_NUMERATOR",
     "UNAVAILABLE",
     "WIDTH",
+    "code_of",
     "codes_of",
     "pack",
     "unpack",
+    "value_of",
     "values_of",
 ]
 
@@ -130,8 +132,8 @@ def unpack(
 
 
 @numba.njit(cache=True, nogil=True)
-def _code_of(value: float, row: Any) -> Any:
-    """Code nearest to a value, and whether there is one."""
+def code_of(value: float, row: Any) -> Any:
+    """Code nearest to a value, and whether there is one; ``row`` is one of `meaning`."""
     first, last, unavailable = row[FIRST], row[LAST], row[UNAVAILABLE]
     known = not np.isnan(unavailable)
     if np.isnan(value):
@@ -140,11 +142,11 @@ def _code_of(value: float, row: Any) -> Any:
     steps = np.rint(value / row[SCALE] * row[STEP_DENOMINATOR] / row[STEP_NUMERATOR])
     if outside == _REFUSE:
         return steps, first <= steps <= last and steps == value
+    if first <= steps <= last:
+        return steps, True
     if outside == _TURN and not np.isinf(steps):
         turn = last - first + 1.0
         return first + np.fmod(np.fmod(steps - first, turn) + turn, turn), True
-    if first <= steps <= last:
-        return steps, True
     if outside == _CLAMP:
         return min(max(steps, first), last), True
     if outside == _MERIDIAN and steps == first - 1.0:
@@ -157,7 +159,7 @@ def codes_of(values: Any, meaning: Any, codes: Any) -> Any:
     """Write codes of values, (B, F) both; return row and field of the first refused value, or -1, -1."""
     for row in range(values.shape[0]):
         for f in range(values.shape[1]):
-            code, held = _code_of(values[row, f], meaning[f])
+            code, held = code_of(values[row, f], meaning[f])
             if not held:
                 return row, f
             codes[row, f] = np.int64(code)
@@ -165,13 +167,16 @@ def codes_of(values: Any, meaning: Any, codes: Any) -> Any:
 
 
 @numba.njit(cache=True, nogil=True)
+def value_of(code: float, meaning: Any, f: int) -> float:
+    """Value of a code of field ``f``; not a number where unavailable or reserved."""
+    if code == meaning[f, UNAVAILABLE] or code < meaning[f, FIRST] or code > meaning[f, LAST]:
+        return np.nan
+    return code * meaning[f, STEP_NUMERATOR] / meaning[f, STEP_DENOMINATOR] * meaning[f, SCALE]
+
+
+@numba.njit(cache=True, nogil=True)
 def values_of(codes: Any, meaning: Any, values: Any) -> None:
     """Write values of codes, (B, F) both; not a number where unavailable or reserved."""
     for row in range(codes.shape[0]):
         for f in range(codes.shape[1]):
-            code = float(codes[row, f])
-            if code == meaning[f, UNAVAILABLE] or code < meaning[f, FIRST] or code > meaning[f, LAST]:
-                values[row, f] = np.nan
-            else:
-                step = code * meaning[f, STEP_NUMERATOR] / meaning[f, STEP_DENOMINATOR]
-                values[row, f] = step * meaning[f, SCALE]
+            values[row, f] = value_of(float(codes[row, f]), meaning, f)

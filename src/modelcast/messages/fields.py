@@ -7,8 +7,9 @@ rows, so that a range or a step is written once.
 import math
 from dataclasses import KW_ONLY, dataclass
 from enum import IntEnum
+from operator import index
 
-__all__ = ["Field", "Outside"]
+__all__ = ["Field", "Outside", "as_float"]
 
 
 _UNIT_SUFFIXES = ("_mps2", "_radps", "_mps", "_rad", "_deg", "_m", "_s")
@@ -27,6 +28,25 @@ class Outside(IntEnum):
     """A longitude: unavailable, but -180 degrees is the meridian of +180 degrees."""
     REFUSE = 4
     """A mistake of the caller: a count, a name, a set of flags."""
+
+
+def as_float(number: float) -> float:
+    """Nearest float; infinity for whole numbers beyond all floats, which Python's integers reach.
+
+    Parameters
+    ----------
+    number
+        Any number.
+
+    Examples
+    --------
+    >>> as_float(3), as_float(-(10**400))
+    (3.0, -inf)
+    """
+    try:
+        return float(number)
+    except OverflowError:
+        return math.inf if number > 0 else -math.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,10 +151,12 @@ class Field:
             Where nothing can stand for it: an unknown value in a field without a code for that, or a value
             that a field refuses.
         """
-        if value is None or math.isnan(value):
-            return self._unavailable_code()
         first, last = self.known_codes
-        exact = value / self.si_per_unit * self.step[1] / self.step[0]
+        exact = (
+            math.nan if value is None else as_float(value) / self.si_per_unit * self.step[1] / self.step[0]
+        )
+        if math.isnan(exact):
+            return self._unavailable_code()
         endless = math.isinf(exact)
         steps = (first - 2 if exact < 0 else last + 1) if endless else round(exact)
         if self.outside is Outside.REFUSE and not (first <= steps <= last and steps == value):
@@ -155,6 +177,27 @@ class Field:
                 f"{self.name} is not known, and {self.standard_name} has no code for that: give it"
             )
         return self.unavailable
+
+    def checked(self, code: int) -> int:
+        """A code as Python's own integer, whatever integer it was.
+
+        Parameters
+        ----------
+        code
+            As on the wire; any integer, NumPy's too.
+
+        Raises
+        ------
+        ValueError
+            Where it is no integer, or out of the type's range.
+        """
+        try:
+            whole = index(code)
+        except TypeError:
+            whole = None
+        if whole is None or not self.low <= whole <= self.high:
+            raise ValueError(f"{self.name} must be a whole number within {self.low}..{self.high}, got {code}")
+        return whole
 
     def value_of(self, code: int) -> float | None:
         """Value a code stands for, in SI units; None for unavailable and for reserved codes.

@@ -51,7 +51,7 @@ class MessageFrame:
     additions: tuple[bytes | None, ...] = ()
 
     def __post_init__(self) -> None:
-        MESSAGE_ID.code_of(self.message_id)
+        object.__setattr__(self, "message_id", MESSAGE_ID.checked(self.message_id))
         check_octets("value", self.value)
         check_additions("additions", self.additions)
 
@@ -139,10 +139,10 @@ def encode_frame(message_id: int, value: bytes, additions: tuple[bytes | None, .
     frame = MessageFrame(message_id, value, additions)
     if not additions:
         size = len(value)
-        header = message_id << 8 | size if size < 128 else message_id << 16 | 0x8000 | size
+        header = frame.message_id << 8 | size if size < 128 else frame.message_id << 16 | 0x8000 | size
         return header.to_bytes(3 if size < 128 else 4, "big") + value
     writer = BitWriter()
-    writer.bits(1 << 15 | message_id, 16)
+    writer.bits(1 << 15 | frame.message_id, 16)
     writer.open_type(frame.value)
     writer.additions(frame.additions)
     octets = writer.octets()

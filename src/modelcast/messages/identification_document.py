@@ -10,6 +10,7 @@ Writing the identification of a document of one gives the same octets.
 from collections.abc import Mapping
 from typing import Any
 
+from modelcast.messages.digits import octets_of_digits, shown
 from modelcast.messages.mbc_wire import AGE, IdentificationMessage
 
 __all__ = ["IDENTIFICATION_KIND", "identification_document", "identification_of"]
@@ -54,16 +55,17 @@ def identification_of(document: Mapping[str, object]) -> IdentificationMessage:
         Where a name is missing or unknown, or a value has the wrong type or no code.
     """
     if set(document) != {"message", *_NAMES}:
-        raise ValueError(f"an identification has {', '.join(_NAMES)}, got {', '.join(document)}")
+        raise ValueError(f"an identification has {', '.join(_NAMES)}, got {shown(list(document))}")
     temporary_id, sequence, sub_model, age_s = (document[name] for name in _NAMES)
-    if not isinstance(temporary_id, str) or len(temporary_id) != 8:
-        raise ValueError(f"temporary_id must be 8 hexadecimal digits, got {temporary_id!r}")
+    octets = octets_of_digits("temporary_id", temporary_id, count=4)
     if type(sequence) is not int or type(sub_model) is not int:
-        raise ValueError(f"sequence and sub_model must be whole numbers, got {sequence!r}, {sub_model!r}")
+        raise ValueError(
+            f"sequence and sub_model must be whole numbers, got {shown(sequence)}, {shown(sub_model)}"
+        )
     if isinstance(age_s, bool) or not isinstance(age_s, int | float):
-        raise ValueError(f"age_s must be a number, got {age_s!r}")  # noqa: TRY004
+        raise ValueError(f"age_s must be a number, got {shown(age_s)}")  # noqa: TRY004
     return IdentificationMessage(
-        int.from_bytes(bytes.fromhex(temporary_id), "big"),
+        int.from_bytes(octets, "big"),
         sequence,
         sub_model=sub_model,
         age=AGE.code_of(age_s),

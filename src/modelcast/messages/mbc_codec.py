@@ -9,8 +9,9 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import CodecError
+from modelcast.messages import mbc_kernels
 from modelcast.messages.bsm import BsmCore, encode_bsm
-from modelcast.messages.bsm_batch import codes_of_values, values_of_codes
+from modelcast.messages.bsm_batch import CORE_MEANING, codes_of_values
 from modelcast.messages.bsm_fields import CORE_BITS, CORE_FIELDS, LOCAL_REGION
 from modelcast.messages.codec import AbstractCodec
 from modelcast.messages.frame import read_header
@@ -18,6 +19,9 @@ from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import UpdateMessage, extension_of, read_update, update_octets
 from modelcast.messages.mbc_wire import (
     AGE,
+    SEQUENCE,
+    SUB_MODEL,
+    TEMPORARY_ID,
     IdentificationMessage,
     decode_identification,
     encode_extension,
@@ -30,6 +34,7 @@ _CORE = len(CORE_FIELDS)
 _PREAMBLE_BITS: Final = 3
 IDENTIFICATION_OCTETS: Final = len(encode_identification(IdentificationMessage(0, 0, sub_model=0, age=0)))
 """Octets of every identification in its frame."""
+_IDENTIFICATION: Final = (TEMPORARY_ID, SEQUENCE, SUB_MODEL, AGE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,13 +98,17 @@ class UpdateCodec(AbstractCodec[UpdateMessage]):
 
     def quantise(self, parameters: FloatArray) -> FloatArray:
         """Values that a receiver holds, (B, 26 + C)."""
-        in_use = self._in_use(parameters)
-        held = np.full(parameters.shape, np.nan)
-        held[:, :_CORE] = values_of_codes(codes_of_values(parameters[:, :_CORE]))
-        held[:, _CORE] = in_use
-        for member, columns in enumerate(self._columns()):
-            rows = slice(None) if self.carries_all else np.flatnonzero(in_use == member)
-            held[rows, columns] = self.profile.layouts[member].quantise(parameters[rows, columns])
+        self._in_use(parameters)
+        given = np.ascontiguousarray(parameters, np.float64)
+        layouts = self.profile.layouts
+        members = np.repeat(np.arange(len(layouts)), [len(layout.fields) for layout in layouts])
+        fields = np.column_stack([np.concatenate([layout.table for layout in layouts]), members])
+        held = np.empty(given.shape)
+        row, at = mbc_kernels.quantise(given, CORE_MEANING, fields, self.carries_all, held)
+        if row >= 0:
+            if at >= _CORE:
+                raise ValueError(f"row {row}: every coefficient carried must be a number: none means unknown")
+            codes_of_values(given[:, :_CORE])  # raises, and says what is wrong
         return held
 
     def sizes(self, parameters: FloatArray) -> IntArray:
@@ -155,18 +164,35 @@ class IdentificationCodec(AbstractCodec[IdentificationMessage]):
         ----------
         row
             Temporary id, sequence, sub-model, age [s].
+
+        Raises
+        ------
+        ValueError
+            Where a value has no code.
         """
-        temporary_id, sequence, sub_model, age_s = row
-        return IdentificationMessage(
-            int(temporary_id), int(sequence), sub_model=int(sub_model), age=AGE.code_of(age_s)
+        temporary_id, sequence, sub_model, age = (
+            field.code_of(value) for field, value in zip(_IDENTIFICATION, row, strict=True)
         )
+        return IdentificationMessage(temporary_id, sequence, sub_model=sub_model, age=age)
 
     def quantise(self, parameters: FloatArray) -> FloatArray:
         """Values that a receiver holds, (B, 4)."""
+        self._check(parameters)
         held = np.array(parameters, dtype=np.float64)
-        held[:, 3] = np.clip(np.rint(held[:, 3] * AGE.step[1]), AGE.low, AGE.high) / AGE.step[1]
+        for column, field in enumerate(_IDENTIFICATION):
+            given = held[:, column]
+            whole = field is AGE or (np.rint(given) == given) & (field.low <= given) & (given <= field.high)
+            unfit = given[np.isnan(given) | ~np.asarray(whole)]
+            if unfit.size:
+                field.code_of(unfit[0])  # says what is wrong with it
+        held[:, 3] = np.rint(np.clip(held[:, 3], 0.0, AGE.high / AGE.step[1]) * AGE.step[1]) / AGE.step[1]
         return held
 
     def sizes(self, parameters: FloatArray) -> IntArray:
         """Octets of each frame, (B,): always 10."""
+        self._check(parameters)
         return np.full(len(parameters), IDENTIFICATION_OCTETS, np.int64)
+
+    def _check(self, parameters: FloatArray) -> None:
+        if parameters.ndim != 2 or parameters.shape[1] != len(_IDENTIFICATION):
+            raise ValueError(f"parameters must be (B, {len(_IDENTIFICATION)}), got {parameters.shape}")

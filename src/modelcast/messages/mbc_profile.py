@@ -38,7 +38,7 @@ class WireProfile:
     layouts: tuple[PayloadLayout, ...]
 
     def __post_init__(self) -> None:
-        PROFILE.code_of(self.number)
+        object.__setattr__(self, "number", PROFILE.checked(self.number))
         if not 1 <= len(self.layouts) <= SUB_MODEL.high + 1:
             raise ValueError(f"a profile has 1 to {SUB_MODEL.high + 1} sub-models, got {len(self.layouts)}")
         octets = -(-sum(layout.bits for layout in self.layouts) // 8)

@@ -7,6 +7,7 @@ none it can use, and then the state of Part I is left, from which anybody coasts
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from enum import Enum
+from operator import index
 from typing import Final
 
 from modelcast.core.exceptions import CodecError
@@ -156,9 +157,11 @@ def extension_of(update: UpdateMessage, profile: WireProfile) -> ModelExtension:
     writer = BitWriter()
     for member, codes in zip(members, update.codes, strict=True):
         for field, code in zip(profile.layouts[member].fields, codes, strict=True):
-            if not field.low <= code <= field.high:
-                raise ValueError(f"{field.name}: code {code} must lie within {field.low}..{field.high}")
-            writer.bits(code - field.low, field.bits)
+            if not (hasattr(code, "__index__") and field.low <= code <= field.high):
+                raise ValueError(
+                    f"{field.name}: code {code} must lie within {field.low}..{field.high}, whole"
+                )
+            writer.bits(index(code) - field.low, field.bits)
     return ModelExtension(
         profile.number, update.sub_model, carries_all=update.carries_all, coefficients=writer.octets()
     )

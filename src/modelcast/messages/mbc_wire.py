@@ -27,6 +27,7 @@ __all__ = [
     "PROFILE_OCTETS",
     "SEQUENCE",
     "SUB_MODEL",
+    "TEMPORARY_ID",
     "IdentificationMessage",
     "ModelExtension",
     "decode_extension",
@@ -61,7 +62,8 @@ MAX_COEFFICIENT_OCTETS: Final = 127
 IDENTIFICATION_MESSAGE: Final = 240
 """Message id of an identification: the first of the sixteen that J2735 leaves to tests (240 to 255)."""
 
-_TEMPORARY_ID = CORE_FIELDS[1]
+TEMPORARY_ID: Final = CORE_FIELDS[1]
+"""Temporary id of the sender, as in Part I."""
 _LENGTH_BITS = MAX_COEFFICIENT_OCTETS.bit_length()
 
 
@@ -109,8 +111,8 @@ class ModelExtension:
     coefficients: bytes = b""
 
     def __post_init__(self) -> None:
-        PROFILE.code_of(self.profile)
-        SUB_MODEL.code_of(self.sub_model)
+        object.__setattr__(self, "profile", PROFILE.checked(self.profile))
+        object.__setattr__(self, "sub_model", SUB_MODEL.checked(self.sub_model))
         if len(self.coefficients) > MAX_COEFFICIENT_OCTETS:
             raise ValueError(
                 f"coefficients take {MAX_COEFFICIENT_OCTETS} octets at most, got {len(self.coefficients)}"
@@ -145,11 +147,10 @@ class IdentificationMessage:
     age: int
 
     def __post_init__(self) -> None:
-        _TEMPORARY_ID.code_of(self.temporary_id)
-        SEQUENCE.code_of(self.sequence)
-        SUB_MODEL.code_of(self.sub_model)
-        if not AGE.low <= self.age <= AGE.high:
-            raise ValueError(f"age must lie within {AGE.low}..{AGE.high}, got {self.age}")
+        object.__setattr__(self, "temporary_id", TEMPORARY_ID.checked(self.temporary_id))
+        object.__setattr__(self, "sequence", SEQUENCE.checked(self.sequence))
+        object.__setattr__(self, "sub_model", SUB_MODEL.checked(self.sub_model))
+        object.__setattr__(self, "age", AGE.checked(self.age))
 
     @property
     def age_s(self) -> float:
@@ -215,7 +216,7 @@ def encode_identification(message: IdentificationMessage) -> bytes:
     '00f007000000010e8082'
     """
     writer = BitWriter()
-    writer.bits(message.temporary_id, _TEMPORARY_ID.width_bits)
+    writer.bits(message.temporary_id, TEMPORARY_ID.width_bits)
     writer.bits(message.sequence, SEQUENCE.width_bits)
     writer.bits(message.sub_model, SUB_MODEL.width_bits)
     writer.bits(message.age, AGE.width_bits)
@@ -237,7 +238,7 @@ def decode_identification(data: bytes) -> IdentificationMessage:
     """
     header = read_header(data, IDENTIFICATION_MESSAGE)
     reader = BitReader(data, header.start, header.stop)
-    temporary_id = reader.bits(_TEMPORARY_ID.width_bits)
+    temporary_id = reader.bits(TEMPORARY_ID.width_bits)
     sequence = reader.bits(SEQUENCE.width_bits)
     sub_model = reader.bits(SUB_MODEL.width_bits)
     age = reader.bits(AGE.width_bits)

@@ -18,6 +18,8 @@ import numpy as np
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import Origin
 from modelcast.messages.bsm import BsmCore
+from modelcast.messages.digits import octets_of_digits, shown
+from modelcast.messages.fields import as_float
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import ReceivedUpdate, UpdateMessage, extension_of, read_update
 from modelcast.messages.mbc_values import LocalFrame, update_from_wire
@@ -199,24 +201,17 @@ def octets_of_model(document: object, core: BsmCore, held: Sequence[HeldProfile]
     """
     given = cast("Mapping[str, object]", document if isinstance(document, Mapping) else {})
     profile, sub_model, carries_all = (given.get(name) for name in ("profile", "sub_model", "carries_all"))
-    try:
-        number = (
-            int.from_bytes(bytes.fromhex(profile), "big")
-            if isinstance(profile, str) and len(profile) == 2 * PROFILE_OCTETS
-            else -1
-        )
-    except ValueError:
-        number = -1
-    if number < 0 or type(sub_model) is not int or not isinstance(carries_all, bool):
+    if type(sub_model) is not int or not isinstance(carries_all, bool):
         raise ValueError(
             "a model has profile (6 hexadecimal digits), sub_model (0 to 7) and carries_all (true or false), "
-            f"got {profile!r}, {sub_model!r}, {carries_all!r}"
+            f"got {shown(profile)}, {shown(sub_model)}, {shown(carries_all)}"
         )
+    number = int.from_bytes(octets_of_digits("profile", profile, count=PROFILE_OCTETS), "big")
     octets = given.get("octets")
     if octets is not None:
-        if not isinstance(octets, str) or "coefficients" in given:
+        if "coefficients" in given:
             raise ValueError("a model has either octets (hexadecimal digits) or coefficients")
-        coefficients = bytes.fromhex(octets)
+        coefficients = octets_of_digits("octets", octets)
         return encode_extension(
             ModelExtension(number, sub_model, carries_all=carries_all, coefficients=coefficients)
         )
@@ -237,14 +232,20 @@ def _codes(given: object, members: tuple[int, ...], held: HeldProfile) -> tuple[
     by_name = cast("Mapping[str, object]", given if isinstance(given, Mapping) else {})
     wanted = [held.bank.members[member].name for member in members]
     if sorted(by_name) != sorted(wanted):
-        raise ValueError(f"coefficients are of {', '.join(wanted)}, got {', '.join(by_name) or 'none'}")
+        raise ValueError(f"coefficients are of {', '.join(wanted)}, got {shown(list(by_name))}")
     codes: list[tuple[int, ...]] = []
     for member, name in zip(members, wanted, strict=True):
         layout, own = held.wire.layouts[member], by_name[name]
         values = cast("Mapping[str, object]", own if isinstance(own, Mapping) else {})
-        numbers = [value for value in map(values.get, layout.names) if type(value) in {int, float}]
+        numbers = [
+            as_float(value)
+            for value in map(values.get, layout.names)
+            if isinstance(value, int | float) and not isinstance(value, bool)
+        ]
         if set(values) != set(layout.names) or len(numbers) != len(layout.names):
-            raise ValueError(f"{name} has the numbers {', '.join(layout.names) or 'none'}, got {own!r}")
+            raise ValueError(
+                f"{name} has the numbers {', '.join(layout.names) or 'none'}, got {shown(by_name[name])}"
+            )
         row = np.array([numbers], dtype=np.float64).reshape(1, -1)
         codes.append(tuple(layout.codes_of(row)[0].tolist()))
     return tuple(codes)

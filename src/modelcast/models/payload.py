@@ -122,7 +122,7 @@ class PayloadLayout:
         if np.isnan(values).any():
             raise ValueError("every coefficient must be a number: there is no code for unknown ones")
         steps, low, high = self.table.T
-        return np.clip(np.rint(values / steps), low, high).astype(np.int64)
+        return np.rint(np.clip(values, low * steps, high * steps) / steps).astype(np.int64)
 
     def values_of(self, codes: IntArray) -> FloatArray:
         """Return what codes stand for, (B, F).

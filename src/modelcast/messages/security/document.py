@@ -10,6 +10,7 @@ The payload is a document of its own. With the certificate, the signer is its pa
 from collections.abc import Mapping
 from typing import Any, cast
 
+from modelcast.messages.digits import octets_of_digits, shown
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.signed import SignedMessage
 
@@ -64,27 +65,21 @@ def signed_of(document: Mapping[str, object], payload: bytes) -> SignedMessage:
     signer = document.get("signer")
     parts = cast("Mapping[str, object]", signer if isinstance(signer, Mapping) else {})
     if "digest" in parts:
-        by: Certificate | bytes = _octets(parts, "digest")
+        by: Certificate | bytes = octets_of_digits("digest", parts.get("digest"))
     else:
         by = Certificate(
-            _octets(parts, "issuer"),
+            octets_of_digits("issuer", parts.get("issuer")),
             _whole(parts, "start_s"),
             duration_s=_whole(parts, "duration_s"),
-            public_key=_octets(parts, "public_key"),
-            signature=_octets(parts, "signature"),
+            public_key=octets_of_digits("public_key", parts.get("public_key")),
+            signature=octets_of_digits("signature", parts.get("signature")),
         )
-    return SignedMessage(_whole(document, "generation_us"), payload, by, _octets(document, "signature"))
+    signature = octets_of_digits("signature", document.get("signature"))
+    return SignedMessage(_whole(document, "generation_us"), payload, by, signature)
 
 
 def _whole(given: Mapping[str, object], name: str) -> int:
     value = given.get(name)
     if type(value) is not int:
-        raise ValueError(f"{name} must be a whole number, got {value!r}")
+        raise ValueError(f"{name} must be a whole number, got {shown(value)}")
     return value
-
-
-def _octets(given: Mapping[str, object], name: str) -> bytes:
-    value = given.get(name)
-    if not isinstance(value, str):
-        raise ValueError(f"{name} must be hexadecimal digits, got {value!r}")  # noqa: TRY004
-    return bytes.fromhex(value)
