@@ -37,8 +37,9 @@ NORTH = BsmCore.from_values(
 )
 WIRE = WireProfile.of_profile(default_profile())
 UPDATE = UpdateCodec(WIRE).encode(UpdateMessage(NORTH, 0, carries_all=False, codes=((0, 3, -12, 1, -2, 40),)))
+OTHERS = tuple((0,) * len(layout.fields) for layout in WIRE.layouts[1:])
 ALL = UpdateCodec(WIRE, carries_all=True).encode(
-    UpdateMessage(NORTH, 1, carries_all=True, codes=((0, 3, -12, 1, -2, 40), ()))
+    UpdateMessage(NORTH, 1, carries_all=True, codes=((0, 3, -12, 1, -2, 40), *OTHERS))
 )
 TURNING = encode_bsm(NORTH, regional=((128, encode_extension(ModelExtension(WIRE.number, 1))),))
 UNKNOWN = encode_bsm(

@@ -101,7 +101,7 @@ class FleetSender:
     --------
     >>> sender = named_sender("j2945-mbc")
     >>> [member.name for member in sender.bank.members], sender.payload_bytes.tolist()
-    (['learned', 'ctra', 'cv'], [53, 47, 40])
+    (['learned', 'ctra', 'gp-vehicle', 'cv'], [53, 47, 60, 40])
     """
 
     name: str
