@@ -157,7 +157,7 @@ def test_a_damaged_model_leaves_the_message_and_ends_with_code_3(capsys: pytest.
     shown = capsys.readouterr()
     assert "10 m/s" in shown.out
     fault = document_of(DAMAGED, capsys)["fault"]
-    assert f"bit {fault['bit']}: model: sub-model 7 of 2" in shown.err
+    assert f"bit {fault['bit']}: model: sub-model 7 of {len(WIRE.layouts)}" in shown.err
 
 
 def test_without_a_place_nothing_is_predicted(capsys: pytest.CaptureFixture[str]) -> None:

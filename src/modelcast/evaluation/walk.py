@@ -19,9 +19,11 @@ from modelcast.models.point_kernels import FIT_SIGNATURE
 from modelcast.models.velocity import VelocityEstimator, sample_matrix
 from modelcast.policy.base import Message
 from modelcast.policy.error_driven import ErrorDriven
-from modelcast.policy.guard import GUARD, unguarded
+from modelcast.policy.guard import ALLOWED, GUARD, unguarded
 
 __all__ = ["TripBank", "Walk"]
+
+_NOTHING: BoolArray = np.zeros(0, dtype=np.bool_)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +102,7 @@ class TripBank:
     ) -> None:
         self.trip = trip
         self._estimator = estimator
+        self._alone: TripBank | None = None
         self.bank = bank.complete()
         self.selector = selector
         if selector is not None:
@@ -133,8 +136,34 @@ class TripBank:
             rules = replace(rules, start="order")  # one sub-model and what stands in for it: nothing to guard
         if rules.costs is not None and rules.identify == "cheapest":
             rules.costs.check_members(len(self.bank.members))
+        if rules.start == "guarded":
+            return self._guarded(policy, rules)
+        return self._walk(policy, rules)
+
+    def _guarded(self, policy: ErrorDriven, rules: ErrorDriven) -> Walk:
+        """The walk with a guard; that of the bank without one wherever it would not have acted."""
+        place = self.bank.place_of(GUARD)
+        if place == self._fallback:
+            raise ValueError(f"start 'guarded' needs {GUARD} as a member of its own: add it")
+        if self._alone is None:
+            self._alone = TripBank(self.trip, Bank((self.bank.members[place],)), self._estimator)
+        free = self.walk(replace(rules, start=unguarded(rules.start)))
+        alone = self._alone.walk(rules)
+        behind = np.cumsum(free.transmits.astype(np.int64) - alone.transmits)
+        if behind.max() < ALLOWED:
+            return replace(free, policy=policy)
+        return self._walk(policy, rules, place, free.transmits, alone.transmits)
+
+    def _walk(
+        self,
+        policy: ErrorDriven,
+        rules: ErrorDriven,
+        guard: int = -1,
+        free_sends: BoolArray = _NOTHING,
+        guard_sends: BoolArray = _NOTHING,
+    ) -> Walk:
+        """Walk by ``rules``, guarded by a member where ``guard`` names one."""
         select, constants, window = self._select(rules)
-        guard, free_sends, guard_sends = self._guard(rules)
         count = len(self.trip)
         kind = np.empty(count, dtype=np.int64)
         in_use = np.empty(count, dtype=np.int64)
@@ -175,18 +204,6 @@ class TripBank:
             update_index=update_index,
             tracking_error_m=tracking_error_m,
         )
-
-    def _guard(self, policy: ErrorDriven) -> tuple[int, BoolArray, BoolArray]:
-        """Constant velocity's place, and when the bank unguarded and constant velocity alone would send."""
-        if policy.start != "guarded":
-            nothing = np.zeros(0, dtype=np.bool_)
-            return -1, nothing, nothing
-        guard = self.bank.place_of(GUARD)
-        if guard == self._fallback:
-            raise ValueError(f"start 'guarded' needs {GUARD} as a member of its own: add it")
-        alone = TripBank(self.trip, Bank((self.bank.members[guard],)), self._estimator)
-        free = self.walk(replace(policy, start=unguarded(policy.start)))
-        return guard, free.transmits, alone.walk(policy).transmits
 
     def _select(self, policy: ErrorDriven) -> tuple[FunctionPointer, FloatArray, int]:
         """The compiled selector with its constants at the policy's threshold, and its window."""
