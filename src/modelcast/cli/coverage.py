@@ -88,6 +88,7 @@ def coverage(
     from modelcast.evaluation.settings import EvaluationSettings
     from modelcast.io.coverage import coverage_document, write_coverage
     from modelcast.io.output import atomic_folder
+    from modelcast.policy.guard import unguarded
     from modelcast.report.coverage import coverage_report
     from modelcast.report.figures.coverage import plot_coverage, plot_times
     from modelcast.report.style import style
@@ -101,7 +102,7 @@ def coverage(
         profile=profile_in_use(profile),
     )
     members = named.bank.members
-    rule = start or ("hindsight" if named.start == "hindsight" else None)
+    rule = start or ("hindsight" if unguarded(named.start) == "hindsight" else None)
     hybrid = Hybrid(named.bank.name, rule) if rule and len(members) > 1 else None
     names = parse_columns(columns)
     tested = TripSource(paths, format_name=format, columns=names, pattern=trip)
