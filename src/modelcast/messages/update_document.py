@@ -2,7 +2,7 @@
 
 ::
 
-    {"profile": "35c1ea", "held": true, "sub_model": 0, "name": "learned", "carries_all": false,
+    {"profile": "63026a", "held": true, "sub_model": 0, "name": "learned", "carries_all": false,
      "coefficients": {"learned": {"along_0_m": 0.05, ...}}, "predicted_m": {"1": [0.2, 12.3], ...}}
 
 The octets of the coefficients stand in place of the coefficients where the profile is not held. ``held``,
