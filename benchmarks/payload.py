@@ -30,7 +30,7 @@ from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned import LearnedTrajectory
-from modelcast.report.style import PAGE_IN, new_figure, style
+from payload_figure import draw
 
 THRESHOLDS_M = (0.2, 0.3, 0.4, 0.5)
 COEFFICIENTS = (1, 2, 3, 4, 5)
@@ -129,35 +129,6 @@ def shown(choice: Choice) -> str:
     )
 
 
-def draw(choices: list[Choice], folder: Path) -> None:
-    """Bytes of the model against messages, tracking error and airtime."""
-    panels = (
-        ("messages, ratio to the baseline at 20 cm", lambda one: one.message_ratio[0]),
-        ("p90 of the tracking error without loss, 20 cm [m]", lambda one: one.p90_m),
-        ("airtime, ratio to the baseline at 20 cm", lambda one: one.airtime_ratio[0]),
-    )
-    with style():
-        figure = new_figure(PAGE_IN, 2.6)
-        for axes, (title, value) in zip(figure.subplots(1, len(panels)), panels, strict=True):
-            for count in sorted({one.coefficients for one in choices}):
-                own = sorted(
-                    (one for one in choices if one.coefficients == count), key=lambda one: one.octets
-                )
-                label = f"{count} an axis" if count else "ctra alone"
-                axes.plot(
-                    [one.octets for one in own],
-                    [value(one) for one in own],
-                    marker="o",
-                    ms=3,
-                    lw=0.9,
-                    label=label,
-                )
-            axes.set_xlabel("model in the message [bytes]")
-            axes.set_title(title, fontsize=7)
-        figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=6)
-        figure.savefig(folder / "payload.png", dpi=200)
-
-
 def main() -> int:
     """Train, judge, print and draw."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -185,7 +156,12 @@ def main() -> int:
             own = {route: replace(member, carried=(first, higher)) for route, member in members.items()}
             choices.append(judged(name, dict(own), cases, sent=True))
             print(shown(choices[-1]), flush=True)
-    draw(choices, given.folder)
+    counts = sorted({one.coefficients for one in choices})
+    groups = {
+        f"{count} an axis" if count else "ctra alone": [one for one in choices if one.coefficients == count]
+        for count in counts
+    }
+    draw(groups, given.folder / "payload.png", joined=True, columns=6)
     best = min(choices, key=lambda one: one.airtime_ratio[0])
     print("smallest airtime at 20 cm:", shown(best))
     return 0

@@ -29,7 +29,7 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.predicted_path import DEFAULT_CARRIED, DEFAULT_SPAN_S, PredictedPath, carried_layout
 from modelcast.models.profile import default_profile
-from modelcast.report.style import PAGE_IN, new_figure, style
+from payload_figure import draw
 
 TRAINED = default_profile().sub_model("gp-trained")
 
@@ -164,35 +164,6 @@ def bases(cases: list[TripCase], span_s: float = DEFAULT_SPAN_S, stride: int = 2
                 )
 
 
-def draw(choices: list[Choice], folder: Path) -> None:
-    """Bytes of the model against messages, tracking error and airtime."""
-    panels = (
-        ("messages, ratio to the baseline at 20 cm", lambda one: one.message_ratio[0]),
-        ("p90 of the tracking error without loss, 20 cm [m]", lambda one: one.p90_m),
-        ("airtime, ratio to the baseline at 20 cm", lambda one: one.airtime_ratio[0]),
-    )
-    with style():
-        figure = new_figure(PAGE_IN, 2.6)
-        for axes, (title, value) in zip(figure.subplots(1, len(panels)), panels, strict=True):
-            for process in PROCESSES:
-                own = sorted(
-                    (one for one in choices if one.process == process and one.drawn),
-                    key=lambda one: one.octets,
-                )
-                axes.plot(
-                    [one.octets for one in own],
-                    [value(one) for one in own],
-                    marker="o",
-                    ms=3,
-                    lw=0,
-                    label=process,
-                )
-            axes.set_xlabel("model in the message [bytes]")
-            axes.set_title(title, fontsize=7)
-        figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
-        figure.savefig(folder / "payload_processes.png", dpi=200)
-
-
 def main() -> int:
     """Judge, print and draw."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -223,7 +194,10 @@ def main() -> int:
         for carried in CARRIED:
             name = " ".join(f"{step:g}/{bits}" for step, bits in carried)
             judge(process, name, PredictedPath(member, carried=carried))
-    draw(choices, given.folder)
+    groups = {
+        process: [one for one in choices if one.process == process and one.drawn] for process in PROCESSES
+    }
+    draw(groups, given.folder / "payload_processes.png", joined=False, columns=3)
     return 0
 
 
