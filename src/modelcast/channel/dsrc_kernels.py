@@ -10,7 +10,15 @@ from typing import Any
 import numba
 import numpy as np
 
-from modelcast.channel.dsrc_link_kernels import ACCESS_EVENT, END_EVENT, close_links, find_near, open_links
+from modelcast.channel.dsrc_link_kernels import (
+    ACCESS_EVENT,
+    END_EVENT,
+    WORK,
+    close_links,
+    find_near,
+    find_powers,
+    open_links,
+)
 from modelcast.channel.dsrc_station_kernels import (
     ACCESS_S,
     AIR,
@@ -78,7 +86,7 @@ def advance(
     present = grid.order.size
     gain_ln = constants.gain_db * np.log(10.0) / 10.0
 
-    near = np.empty((present, 2), dtype=np.int64)
+    near, work = np.empty((present, 2), dtype=np.int64), np.empty((WORK, present))
     who = np.empty((1024, 3), dtype=np.int64)
     when = np.empty((1024, 2))
     received = 0
@@ -239,29 +247,29 @@ def advance(
 
         station[v, FIRST] = used
         sent_ln = gain_ln + station[v, DBM] * np.log(10.0) / 10.0
-        reached = find_near(v, t_s, sent_ln, station, position_m, grid, tables, constants, outcomes, near)
+        reached = find_near(
+            v, t_s, sent_ln, station, position_m, grid, tables, constants, outcomes, near, work
+        )
         if constants.shadowed:
             while not find_pairs(v, grid.order, near, reached, pairs, pair_count):
                 pairs, pair_count = grow_pairs(pairs, position_m, constants.range_m)
+        seed = message[v, SEED]
+        find_powers(v, sent_ln, seed, pairs, position_m, grid, tables, constants, near, work, reached)
         used = open_links(
             v,
             t_s,
             end_s,
-            sent_ln,
-            message[v, SEED],
             station,
             link_receiver,
             link_mw,
             link_flag,
             used,
-            pairs,
-            position_m,
             grid,
             hazard,
-            tables,
             constants,
             outcomes,
             near,
+            work,
             reached,
         )
         station[v, COUNT] = used - int(station[v, FIRST])

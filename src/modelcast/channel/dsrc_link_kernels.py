@@ -34,10 +34,22 @@ from modelcast.channel.random_kernels import word_of
 from modelcast.core.borrowing_kernels import borrowing
 from modelcast.core.exponential_kernels import fast_exp
 
-__all__ = ["ACCESS_EVENT", "END_EVENT", "close_links", "find_near", "heard_within_m", "open_links"]
+__all__ = [
+    "ACCESS_EVENT",
+    "END_EVENT",
+    "WORK",
+    "close_links",
+    "find_near",
+    "find_powers",
+    "heard_within_m",
+    "open_links",
+]
 
 ACCESS_EVENT, END_EVENT = 0, 1
 """Low bit of an event: a countdown ends, a frame ends; the other bits are the vehicle."""
+
+DISTANCE_M, POWER_MW, FADING, WORK = 0, 1, 2, 3
+"""Rows of ``work`` (WORK, N), what is found out about the neighbours of a frame, and their number."""
 
 
 @borrowing
@@ -68,10 +80,12 @@ def find_near(
     constants: Any,
     outcomes: Any,
     near: Any,
+    work: Any,
 ) -> int:
     """Write who a frame of ``v`` can reach, as places in the grid's order, into ``near``; return how many.
 
-    Vehicles in range whose median power is below ``quiet_mw`` are counted right away.
+    Squares of their distances go into ``work``. Vehicles in range whose median power is below ``quiet_mw``
+    are counted right away.
     """
     range_m = constants.range_m
     east, north = position_m[v, 0], position_m[v, 1]
@@ -92,40 +106,36 @@ def find_near(
                     outcomes[group, HALF_DUPLEX if station[j, SENDING_S] > t_s else WEAK] += 1
             elif j != v:
                 near[count, 0] = k
+                work[DISTANCE_M, count] = square
                 count += 1
     return count
 
 
 @borrowing
-def open_links(
+def find_powers(
     v: int,
-    t_s: float,
-    end_s: float,
     sent_ln: float,
     seed: int,
-    station: Any,
-    link_receiver: Any,
-    link_mw: Any,
-    link_flag: Any,
-    used: int,
     pairs: Any,
     position_m: Any,
     grid: Any,
-    hazard: Any,
     tables: Any,
     constants: Any,
-    outcomes: Any,
     near: Any,
+    work: Any,
     count: int,
-) -> int:
-    """A frame of ``v`` begins at the ``count`` vehicles in ``near``; return how much of the pool is used."""
+) -> None:
+    """Turn squares of distances in ``work`` into distances, and write the power at each neighbour there.
+
+    Roots and exponentials have loops of their own that touch no other array: so they run several at a time.
+    """
     open_ground = tables.nlos_kind == 0
     east, north = position_m[v, 0], position_m[v, 1]
     for n in range(count):
-        k = near[n, 0]
+        work[DISTANCE_M, n] = np.sqrt(work[DISTANCE_M, n])
+    for n in range(count):
+        k, distance_m = near[n, 0], work[DISTANCE_M, n]
         j = grid.order[k]
-        away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
-        distance_m = np.sqrt(away_east * away_east + away_north * away_north)
         if open_ground:
             ln, los = looked_up(tables.los_ln, distance_m * tables.per_m), True
         else:
@@ -137,16 +147,43 @@ def open_links(
                 v,
                 j,
                 near[n, 1],
-                away_east,
-                away_north,
+                grid.place[k, 0] - east,
+                grid.place[k, 1] - north,
                 word,
                 tables.normal,
                 tables.decorrelation_m,
                 pairs,
             )
-        power_mw = fast_exp(sent_ln + min(ln, 0.0)) * fading_factor(
+        work[POWER_MW, n] = sent_ln + min(ln, 0.0)
+        work[FADING, n] = fading_factor(
             distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m
         )
+    for n in range(count):
+        work[POWER_MW, n] = fast_exp(work[POWER_MW, n]) * work[FADING, n]
+
+
+@borrowing
+def open_links(
+    v: int,
+    t_s: float,
+    end_s: float,
+    station: Any,
+    link_receiver: Any,
+    link_mw: Any,
+    link_flag: Any,
+    used: int,
+    grid: Any,
+    hazard: Any,
+    constants: Any,
+    outcomes: Any,
+    near: Any,
+    work: Any,
+    count: int,
+) -> int:
+    """A frame of ``v`` begins at the ``count`` vehicles in ``near``; return how much of the pool is used."""
+    for n in range(count):
+        j = grid.order[near[n, 0]]
+        distance_m, power_mw = work[DISTANCE_M, n], work[POWER_MW, n]
         group = int(distance_m / constants.bin_m)
         if power_mw < constants.quiet_mw:
             if group < constants.bins:
