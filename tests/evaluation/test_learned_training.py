@@ -12,7 +12,7 @@ from modelcast.evaluation.training.descent import Descent
 from modelcast.evaluation.training.learned import LearnedSettings, NoiseStage, train_learned
 from modelcast.evaluation.training.processes import ProcessSettings
 from modelcast.evaluation.training.profile import ProfileSettings, train_profile
-from modelcast.evaluation.training.views import SenderView, view_trips
+from modelcast.evaluation.training.views import SenderView, played_trips, view_trips
 from modelcast.evaluation.walk import TripBank
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
@@ -97,9 +97,9 @@ def test_trips_too_short_to_learn_from_are_refused() -> None:
 
 
 def test_a_view_changes_what_is_seen_and_never_the_truth(trips: list[Trajectory]) -> None:
-    (bare,) = view_trips(trips[:1], SenderView("positions", 0.05), seed=0)
-    (moving,) = view_trips(trips[:1], SenderView("motion", 0.05), seed=0)
-    (rates,) = view_trips(trips[:1], SenderView("rates", 0.05, every=2), seed=0)
+    (bare,) = view_trips(played_trips(trips[:1]), SenderView("positions", 0.05), seed=0)
+    (moving,) = view_trips(played_trips(trips[:1]), SenderView("motion", 0.05), seed=0)
+    (rates,) = view_trips(played_trips(trips[:1]), SenderView("rates", 0.05, every=2), seed=0)
     assert bare.seen.speed_mps is None
     assert moving.seen.acceleration_mps2 is None
     assert rates.seen.yaw_rate_radps is not None

@@ -21,7 +21,7 @@ from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.training.descent import Descent, Lesson, descend
 from modelcast.evaluation.training.learned_kernels import trip_features
 from modelcast.evaluation.training.playback import DEFAULT_PLAYBACKS, Playback
-from modelcast.evaluation.training.views import SenderView, Viewed, view_trips
+from modelcast.evaluation.training.views import PlayedTrip, SenderView, Viewed, played_trips, view_trips
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned.features import LAG_STEP_S, SHORTEST_SPAN, FeatureMap
 from modelcast.models.learned.learned_kernels import FRAME_MPS
@@ -180,9 +180,10 @@ def train_learned(
     settings = LearnedSettings() if settings is None else settings
     horizons_s = np.concatenate([np.arange(0.1, 0.95, 0.1), np.arange(1.0, settings.longest_s + 0.01, 0.2)])
     reports = settings.descent.reports
+    played = played_trips(trips, settings.playbacks)
     networks: list[Network] = []
     for at, stage in enumerate(settings.stages):
-        rows = _stage_rows(trips, stage, horizons_s, settings)
+        rows = _stage_rows(played, stage, horizons_s, settings)
 
         def step(done: int, at: int = at) -> None:
             if progress is not None:
@@ -200,12 +201,12 @@ def train_learned(
 
 
 def _stage_rows(
-    trips: Sequence[Trajectory], stage: NoiseStage, horizons_s: FloatArray, settings: LearnedSettings
+    played: Sequence[PlayedTrip], stage: NoiseStage, horizons_s: FloatArray, settings: LearnedSettings
 ) -> _Rows:
     found: list[_Rows] = []
     share = settings.rows // len(stage.views)
     for view in stage.views:
-        viewed = list(view_trips(trips, view, seed=settings.seed, playbacks=settings.playbacks))
+        viewed = list(view_trips(played, view, seed=settings.seed))
         ends = [_ends(one, settings, stage.noise_range_m) for one in viewed]
         total = sum(rows.size for rows in ends)
         rng = child_generator(settings.seed, "rows", view.name)

@@ -10,7 +10,7 @@ from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.training.families import FixedFamily, VehicleFamily
 from modelcast.evaluation.training.hyperparameters import TrainedPair, train_hyperparameters
 from modelcast.evaluation.training.regimes import train_regimes
-from modelcast.evaluation.training.views import SenderView, view_trips
+from modelcast.evaluation.training.views import SenderView, played_trips, view_trips
 from modelcast.evaluation.training.windows import TrainingWindows, training_windows
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.gp import GaussianProcess, VehicleProcess, derivative_process, vehicle_process
@@ -154,7 +154,8 @@ def _windows(trips: Sequence[Trajectory], count: int, seed: int) -> TrainingWind
     values, counts = np.unique(intervals, return_counts=True)
     dt_s = values[counts.argmax()]
     chosen = [trip for trip, own in zip(trips, intervals, strict=True) if own == dt_s]
-    seen = [one.seen for view in _VIEWS for one in view_trips(chosen, view, seed=seed)]
+    played = played_trips(chosen)
+    seen = [one.seen for view in _VIEWS for one in view_trips(played, view, seed=seed)]
     return training_windows(
         seen,
         samples=vehicle_process().window,

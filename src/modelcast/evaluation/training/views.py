@@ -20,7 +20,7 @@ from modelcast.core.sensor import SensorModel, sense, with_motion
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.training.playback import AS_RECORDED, Playback, play
 
-__all__ = ["SenderView", "Viewed", "view_trips"]
+__all__ = ["PlayedTrip", "SenderView", "Viewed", "played_trips", "view_trips"]
 
 _FASTEST_TURN_RADPS = 1.0
 
@@ -78,38 +78,55 @@ class Viewed:
     seen: Trajectory
 
 
-def view_trips(
-    trips: Sequence[Trajectory],
-    view: SenderView,
-    *,
-    seed: int,
-    playbacks: Sequence[Playback] = (AS_RECORDED,),
-) -> Iterator[Viewed]:
-    """Yield every trip as that sender sees it, once for each way of playing it.
+@dataclass(frozen=True, slots=True)
+class PlayedTrip:
+    """A trip's truth, played one way, and whether its recording was on a coarse grid or held values."""
 
-    A trip on a coarse grid or with held values is conditioned first, and has no ``recorded`` view: judged
-    against itself it would teach the recorder's errors.
+    truth: Trajectory
+    coarse: bool
+
+
+def played_trips(
+    trips: Sequence[Trajectory], playbacks: Sequence[Playback] = (AS_RECORDED,)
+) -> list[PlayedTrip]:
+    """Condition the trips that need it, and play each in all ways: the same for every view.
 
     Parameters
     ----------
     trips
         As read.
+    playbacks
+        Ways of playing a trip.
+    """
+    found: list[PlayedTrip] = []
+    for trip in trips:
+        coarse = inspect(trip).recommended_protocol == "sensor"
+        truth = condition(trip)[0] if coarse else trip
+        found += [PlayedTrip(play(truth, how), coarse) for how in playbacks]
+    return found
+
+
+def view_trips(played: Sequence[PlayedTrip], view: SenderView, *, seed: int) -> Iterator[Viewed]:
+    """Yield every trip as that sender sees it.
+
+    A trip on a coarse grid or with held values has been conditioned, and has no ``recorded`` view: judged
+    against itself it would teach the recorder's errors.
+
+    Parameters
+    ----------
+    played
+        As `played_trips` gives them.
     view
         The kind of sender.
     seed
         Of the noise.
-    playbacks
-        Ways of playing a trip.
     """
-    for trip in trips:
-        coarse = inspect(trip).recommended_protocol == "sensor"
-        if coarse and view.columns == "recorded":
+    for one in played:
+        if one.coarse and view.columns == "recorded":
             continue
-        truth = condition(trip)[0] if coarse else trip
-        for how in playbacks:
-            played = _thinned(play(truth, how), view.every)
-            rng = child_generator(seed, played.trip_id, "view", view.name)
-            yield Viewed(played, _seen(played, view, rng))
+        truth = _thinned(one.truth, view.every)
+        rng = child_generator(seed, truth.trip_id, "view", view.name)
+        yield Viewed(truth, _seen(truth, view, rng))
 
 
 def _seen(truth: Trajectory, view: SenderView, rng: np.random.Generator) -> Trajectory:
