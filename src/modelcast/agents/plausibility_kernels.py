@@ -1,9 +1,9 @@
 """Compiled judgement of one report after another."""
 
-from typing import Any
-
-import numba
 import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntVector
 
 __all__ = ["COLUMNS", "judge"]
 
@@ -31,8 +31,8 @@ COLUMNS = 15
 _PLAUSIBLE, _IN_FUTURE, _STALE, _REPEATED, _OVERTAKEN, _JUMP, _MISMATCH, _STUCK = range(8)
 
 
-@numba.njit(cache=True, nogil=True)
-def _begin(row: Any, t_s: float, position_m: Any) -> None:
+@kernel
+def _begin(row: FloatVector, t_s: float, position_m: FloatVector) -> None:
     """Begin a window at a report."""
     row[_START] = t_s
     row[_START_EAST] = position_m[0]
@@ -42,8 +42,8 @@ def _begin(row: Any, t_s: float, position_m: Any) -> None:
     row[_ALLOWED] = 0.0
 
 
-@numba.njit(cache=True, nogil=True)
-def _enter(row: Any, t_s: float, position_m: Any, velocity_mps: Any) -> None:
+@kernel
+def _enter(row: FloatVector, t_s: float, position_m: FloatVector, velocity_mps: FloatVector) -> None:
     """Keep a report as the last one."""
     row[_T] = t_s
     row[_EAST] = position_m[0]
@@ -52,9 +52,14 @@ def _enter(row: Any, t_s: float, position_m: Any, velocity_mps: Any) -> None:
     row[_VELOCITY_NORTH] = velocity_mps[1]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _judge_one(
-    row: Any, t_s: float, position_m: Any, velocity_mps: Any, received_s: float, limits: Any
+    row: FloatVector,
+    t_s: float,
+    position_m: FloatVector,
+    velocity_mps: FloatVector,
+    received_s: float,
+    limits: tuple[float, float, float, float, float, float, float, float, float, float],
 ) -> int:
     (
         ahead_s, age_s, speed_max_mps, acceleration_mps2, position_tolerance_m, speed_tolerance_mps,
@@ -119,9 +124,16 @@ def _judge_one(
     return finding
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def judge(
-    rows: Any, of: Any, t_s: Any, position_m: Any, velocity_mps: Any, received_s: Any, limits: Any, out: Any
+    rows: FloatMatrix,
+    of: IntVector,
+    t_s: FloatVector,
+    position_m: FloatMatrix,
+    velocity_mps: FloatMatrix,
+    received_s: FloatVector,
+    limits: tuple[float, float, float, float, float, float, float, float, float, float],
+    out: IntVector,
 ) -> None:
     """Judge reports in turn, each by the row of its remote; rows and findings are written.
 

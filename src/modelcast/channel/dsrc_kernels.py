@@ -5,9 +5,6 @@ A frame touches the vehicles in range at its beginning and at its end, nobody el
 Times are absolute seconds. There is no propagation delay (1 us is 300 m; a slot is 13 us).
 """
 
-from typing import Any
-
-import numba
 import numpy as np
 
 from modelcast.channel.dsrc_link_kernels import (
@@ -42,39 +39,62 @@ from modelcast.channel.dsrc_station_kernels import (
     SEED,
     SENDING_S,
     START_S,
+    DsrcConstants,
     draw_backoff,
     sense_medium,
 )
 from modelcast.channel.event_heap_kernels import heap_room, pop_event, push_event
 from modelcast.channel.grid_kernels import build_grid
 from modelcast.channel.pair_kernels import find_pairs, grow_pairs
+from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.random_kernels import next_word
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import (
+    Float32Cube,
+    FloatMatrix,
+    FloatVector,
+    Int16Matrix,
+    Int32Vector,
+    IntMatrix,
+    IntVector,
+    UInt64Vector,
+)
 
 __all__ = ["advance"]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def advance(
     now_s: float,
     until_s: float,
-    random: Any,
-    station: Any,
-    message: Any,
-    air_receiver: Any,
-    air_mw: Any,
-    air_flag: Any,
-    pairs: Any,
-    pair_count: Any,
-    sender: Any,
-    ready_s: Any,
-    size_bytes: Any,
-    power_dbm: Any,
-    message_id: Any,
-    position_m: Any,
-    hazard: Any,
-    tables: Any,
-    constants: Any,
-) -> Any:
+    random: UInt64Vector,
+    station: FloatMatrix,
+    message: IntMatrix,
+    air_receiver: Int32Vector,
+    air_mw: FloatVector,
+    air_flag: Int16Matrix,
+    pairs: Float32Cube,
+    pair_count: IntVector,
+    sender: IntVector,
+    ready_s: FloatVector,
+    size_bytes: IntVector,
+    power_dbm: FloatVector,
+    message_id: IntVector,
+    position_m: FloatMatrix,
+    hazard: FloatVector,
+    tables: PropagationTables,
+    constants: DsrcConstants,
+) -> tuple[
+    IntMatrix,
+    FloatMatrix,
+    IntMatrix,
+    IntVector,
+    Int32Vector,
+    FloatVector,
+    Int16Matrix,
+    Float32Cube,
+    IntVector,
+]:
     """Carry one interval; the arrays of the state are written into.
 
     Returns receptions (message, sender and receiver as (R, 3) integers, time and power as (R, 2)), outcomes

@@ -1,7 +1,5 @@
 """Compiled links of IEEE 802.11p frames: what a frame's beginning and end do to everybody in range."""
 
-from typing import Any
-
 import numpy as np
 
 from modelcast.channel.dsrc_station_kernels import (
@@ -18,21 +16,32 @@ from modelcast.channel.dsrc_station_kernels import (
     SEED,
     SENDING_S,
     WEAK,
+    DsrcConstants,
     begin_reception,
     finish_reception,
     sense_medium,
 )
 from modelcast.channel.event_heap_kernels import push_event
-from modelcast.channel.grid_kernels import cell_span
+from modelcast.channel.grid_kernels import Grid, cell_span
 from modelcast.channel.pair_kernels import pair_shadowing
 from modelcast.channel.propagation_kernels import (
+    PropagationTables,
     fading_factor,
     looked_up,
     median_ln,
 )
 from modelcast.channel.random_kernels import word_of
-from modelcast.core.borrowing_kernels import borrowing
 from modelcast.core.exponential_kernels import fast_exp
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import (
+    Float32Cube,
+    FloatMatrix,
+    FloatVector,
+    Int16Matrix,
+    Int32Vector,
+    IntMatrix,
+    IntVector,
+)
 
 __all__ = [
     "ACCESS_EVENT",
@@ -52,8 +61,8 @@ DISTANCE_M, POWER_MW, FADING, WORK = 0, 1, 2, 3
 """Rows of ``work`` (WORK, N), what is found out about the neighbours of a frame, and their number."""
 
 
-@borrowing
-def heard_within_m(sent_ln: float, tables: Any, quiet_mw: float, range_m: float) -> float:
+@kernel(inlined=True)
+def heard_within_m(sent_ln: float, tables: PropagationTables, quiet_mw: float, range_m: float) -> float:
     """Return the distance at which a frame's median power falls below ``quiet_mw``, at most the range."""
     needed_ln = np.log(quiet_mw) - sent_ln
     low, high = 0, min(int(range_m * tables.per_m) + 1, tables.los_ln.size - 1)
@@ -68,19 +77,19 @@ def heard_within_m(sent_ln: float, tables: Any, quiet_mw: float, range_m: float)
     return min(high / tables.per_m, range_m)
 
 
-@borrowing
+@kernel(inlined=True)
 def find_near(
     v: int,
     t_s: float,
     sent_ln: float,
-    station: Any,
-    position_m: Any,
-    grid: Any,
-    tables: Any,
-    constants: Any,
-    outcomes: Any,
-    near: Any,
-    work: Any,
+    station: FloatMatrix,
+    position_m: FloatMatrix,
+    grid: Grid,
+    tables: PropagationTables,
+    constants: DsrcConstants,
+    outcomes: IntMatrix,
+    near: IntMatrix,
+    work: FloatMatrix,
 ) -> int:
     """Write who a frame of ``v`` can reach, as places in the grid's order, into ``near``; return how many.
 
@@ -111,18 +120,18 @@ def find_near(
     return count
 
 
-@borrowing
+@kernel(inlined=True)
 def find_powers(
     v: int,
     sent_ln: float,
     seed: int,
-    pairs: Any,
-    position_m: Any,
-    grid: Any,
-    tables: Any,
-    constants: Any,
-    near: Any,
-    work: Any,
+    pairs: Float32Cube,
+    position_m: FloatMatrix,
+    grid: Grid,
+    tables: PropagationTables,
+    constants: DsrcConstants,
+    near: IntMatrix,
+    work: FloatMatrix,
     count: int,
 ) -> None:
     """Turn squares of distances in ``work`` into distances, and write the power at each neighbour there.
@@ -162,22 +171,22 @@ def find_powers(
         work[POWER_MW, n] = fast_exp(work[POWER_MW, n]) * work[FADING, n]
 
 
-@borrowing
+@kernel(inlined=True)
 def open_links(
     v: int,
     t_s: float,
     end_s: float,
-    station: Any,
-    link_receiver: Any,
-    link_mw: Any,
-    link_flag: Any,
+    station: FloatMatrix,
+    link_receiver: Int32Vector,
+    link_mw: FloatVector,
+    link_flag: Int16Matrix,
     used: int,
-    grid: Any,
-    hazard: Any,
-    constants: Any,
-    outcomes: Any,
-    near: Any,
-    work: Any,
+    grid: Grid,
+    hazard: FloatVector,
+    constants: DsrcConstants,
+    outcomes: IntMatrix,
+    near: IntMatrix,
+    work: FloatMatrix,
     count: int,
 ) -> int:
     """A frame of ``v`` begins at the ``count`` vehicles in ``near``; return how much of the pool is used."""
@@ -199,25 +208,25 @@ def open_links(
     return used
 
 
-@borrowing
+@kernel(inlined=True)
 def close_links(
     v: int,
     t_s: float,
-    station: Any,
-    message: Any,
-    link_receiver: Any,
-    link_mw: Any,
-    link_flag: Any,
-    hazard: Any,
-    constants: Any,
-    who: Any,
-    when: Any,
+    station: FloatMatrix,
+    message: IntMatrix,
+    link_receiver: Int32Vector,
+    link_mw: FloatVector,
+    link_flag: Int16Matrix,
+    hazard: FloatVector,
+    constants: DsrcConstants,
+    who: IntMatrix,
+    when: FloatMatrix,
     received: int,
-    outcomes: Any,
-    times: Any,
-    what: Any,
+    outcomes: IntMatrix,
+    times: FloatVector,
+    what: IntVector,
     count: int,
-) -> Any:
+) -> tuple[int, int]:
     """A frame of ``v`` ends at all its receivers; return the numbers of receptions and of events."""
     first, links = int(station[v, FIRST]), int(station[v, COUNT])
     seed = message[v, SEED]

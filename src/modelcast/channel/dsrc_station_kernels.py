@@ -4,14 +4,14 @@ A station is a row of numbers; this module names them. `begin_reception` and `fi
 frame's beginning and end do to one receiver, `sense_medium` what follows for its access to the medium.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from modelcast.channel.error_kernels import hazard_at
 from modelcast.channel.random_kernels import LUCK, uniform, uniform_of
-from modelcast.core.borrowing_kernels import borrowing
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, UInt64Vector
 
 __all__ = [
     "ACCESS_S",
@@ -111,8 +111,8 @@ class DsrcConstants(NamedTuple):
     shadowed: bool
 
 
-@numba.njit(cache=True, nogil=True)
-def silent_station(vehicles: int) -> Any:
+@kernel
+def silent_station(vehicles: int) -> FloatMatrix:
     """Return the station columns of a silent channel, (V, COLUMNS)."""
     station = np.zeros((vehicles, COLUMNS))
     for v in range(vehicles):
@@ -124,8 +124,8 @@ def silent_station(vehicles: int) -> Any:
     return station
 
 
-@borrowing
-def settle(station: Any, j: int, t_s: float, hazard: Any, constants: Any) -> None:
+@kernel(inlined=True)
+def settle(station: FloatMatrix, j: int, t_s: float, hazard: FloatVector, constants: DsrcConstants) -> None:
     """Count what a locked receiver suffered since its surroundings last changed."""
     holder = int(station[j, LOCK])
     airtime_s = station[holder, END_S] - station[holder, START_S]
@@ -146,8 +146,8 @@ def settle(station: Any, j: int, t_s: float, hazard: Any, constants: Any) -> Non
         station[j, EXPOSURE] += other_mw * (t_s - since)
 
 
-@borrowing
-def sense_medium(station: Any, j: int, t_s: float, constants: Any) -> int:
+@kernel(inlined=True)
+def sense_medium(station: FloatMatrix, j: int, t_s: float, constants: DsrcConstants) -> int:
     """Bring carrier sense and load up to date; return 1 where it turned busy, -1 where it turned idle."""
     sending = station[j, SENDING_S] > t_s
     busy = (
@@ -176,20 +176,27 @@ def sense_medium(station: Any, j: int, t_s: float, constants: Any) -> int:
     return 0
 
 
-@borrowing
-def draw_backoff(random: Any, window: int) -> float:
+@kernel(inlined=True)
+def draw_backoff(random: UInt64Vector, window: int) -> float:
     """Return a number of slots in 0..window."""
     return np.floor(uniform(random) * (window + 1))
 
 
-@borrowing
+@kernel(inlined=True)
 def is_concurrent(first_s: float, second_s: float, slot_s: float) -> bool:
     return abs(first_s - second_s) < slot_s
 
 
-@borrowing
+@kernel(inlined=True)
 def begin_reception(
-    station: Any, j: int, sender: int, power_mw: float, t_s: float, end_s: float, hazard: Any, constants: Any
+    station: FloatMatrix,
+    j: int,
+    sender: int,
+    power_mw: float,
+    t_s: float,
+    end_s: float,
+    hazard: FloatVector,
+    constants: DsrcConstants,
 ) -> int:
     """A frame begins at one receiver: add its power, lock or not; return the flag of this pair."""
     slot_s = constants.slot_s
@@ -235,16 +242,16 @@ def begin_reception(
     return flag
 
 
-@borrowing
+@kernel(inlined=True)
 def finish_reception(
-    station: Any,
+    station: FloatMatrix,
     j: int,
     sender: int,
     power_mw: float,
     flag: int,
     t_s: float,
-    hazard: Any,
-    constants: Any,
+    hazard: FloatVector,
+    constants: DsrcConstants,
     seed: int,
 ) -> int:
     """A frame ends at one receiver: take its power away; return what became of it."""

@@ -1,15 +1,15 @@
 """Compiled walk of the Gilbert-Elliott chain."""
 
-from typing import Any
-
-import numba
 import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import BoolVector, FloatVector
 
 __all__ = ["burst_losses"]
 
 
-@numba.njit(cache=True, nogil=True)
-def burst_losses(t_s: Any, uniform: Any, ratio: float, relaxation_s: float) -> Any:
+@kernel
+def burst_losses(t_s: FloatVector, uniform: FloatVector, ratio: float, relaxation_s: float) -> BoolVector:
     """State of the chain at every instant: True in the bad state, (T,)."""
     lost = np.empty(t_s.size, dtype=np.bool_)
     chance = ratio

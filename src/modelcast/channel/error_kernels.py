@@ -1,11 +1,10 @@
 """Compiled look-up of an error model's hazard."""
 
-from typing import Any
-
 import numpy as np
 
 from modelcast.channel.error_models import HAZARD_MIN_DB, HAZARD_PER_DB, HAZARD_SIZE
-from modelcast.core.borrowing_kernels import borrowing
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatVector
 
 __all__ = ["hazard_at"]
 
@@ -13,8 +12,8 @@ _DB_PER_LN = 10.0 / np.log(10.0)
 _HIGHEST = 10.0 ** (0.1 * (HAZARD_MIN_DB + (HAZARD_SIZE - 1) / HAZARD_PER_DB))
 
 
-@borrowing
-def hazard_at(ratio: float, table: Any) -> float:
+@kernel(inlined=True)
+def hazard_at(ratio: float, table: FloatVector) -> float:
     """Return the hazard of a unit at a power ratio."""
     if ratio >= _HIGHEST:
         return table[HAZARD_SIZE - 1]

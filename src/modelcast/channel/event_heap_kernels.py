@@ -1,17 +1,15 @@
 """Compiled event heap: two arrays, times and what happens then, the earliest first."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
-from modelcast.core.borrowing_kernels import borrowing
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatVector, IntVector
 
 __all__ = ["heap_room", "pop_event", "push_event"]
 
 
-@borrowing
-def push_event(times: Any, what: Any, count: int, t_s: float, event: int) -> int:
+@kernel(inlined=True)
+def push_event(times: FloatVector, what: IntVector, count: int, t_s: float, event: int) -> int:
     """Put an event into the heap, whose arrays have room; return the new count."""
     at = count
     while at > 0:
@@ -24,8 +22,8 @@ def push_event(times: Any, what: Any, count: int, t_s: float, event: int) -> int
     return count + 1
 
 
-@borrowing
-def pop_event(times: Any, what: Any, count: int) -> int:
+@kernel(inlined=True)
+def pop_event(times: FloatVector, what: IntVector, count: int) -> int:
     """Take the first event out of the heap; return the new count."""
     count -= 1
     t_s, event = times[count], what[count]
@@ -44,8 +42,8 @@ def pop_event(times: Any, what: Any, count: int) -> int:
     return count
 
 
-@numba.njit(cache=True, nogil=True)
-def heap_room(times: Any, what: Any, count: int) -> Any:
+@kernel
+def heap_room(times: FloatVector, what: IntVector, count: int) -> tuple[FloatVector, IntVector]:
     """Return a heap with room for ``count`` events and two more."""
     if count + 2 <= times.size:
         return times, what

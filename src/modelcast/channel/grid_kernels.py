@@ -1,12 +1,11 @@
 """Compiled spatial grid: who is near a place, at a cost that grows with the neighbours only."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numba
 import numpy as np
 
-from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.core.borrowing_kernels import borrowing
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, IntMatrix, IntVector
 
 __all__ = ["CELLS_A_RANGE", "Grid", "build_grid", "cell_span", "find_in_range"]
 
@@ -23,9 +22,9 @@ class Grid(NamedTuple):
     row; ``place`` (N, 2) are their positions in that order.
     """
 
-    order: IntArray
-    start: IntArray
-    place: FloatArray
+    order: IntVector
+    start: IntVector
+    place: FloatMatrix
     corner_east_m: float
     corner_north_m: float
     cell_m: float
@@ -33,8 +32,8 @@ class Grid(NamedTuple):
     rows: int
 
 
-@numba.njit(cache=True, nogil=True)
-def build_grid(position_m: Any, range_m: float) -> Any:
+@kernel
+def build_grid(position_m: FloatMatrix, range_m: float) -> Grid:
     """Return the `Grid` of all vehicles whose position (V, 2) is not NaN."""
     vehicles = position_m.shape[0]
     low_e, low_n, high_e, high_n = np.inf, np.inf, -np.inf, -np.inf
@@ -71,16 +70,16 @@ def build_grid(position_m: Any, range_m: float) -> Any:
     return Grid(order, start, place, low_e, low_n, cell_m, columns, rows)
 
 
-@borrowing
-def cell_span(at_m: float, corner_m: float, cell_m: float, cells: int, range_m: float) -> Any:
+@kernel(inlined=True)
+def cell_span(at_m: float, corner_m: float, cell_m: float, cells: int, range_m: float) -> tuple[int, int]:
     """Return the first and last cell of one axis that a circle of that radius touches."""
     first = max(int((at_m - range_m - corner_m) / cell_m), 0)
     last = min(int((at_m + range_m - corner_m) / cell_m), cells - 1)
     return first, last
 
 
-@borrowing
-def find_in_range(v: int, position_m: Any, grid: Any, range_m: float, near: Any) -> int:
+@kernel(inlined=True)
+def find_in_range(v: int, position_m: FloatMatrix, grid: Grid, range_m: float, near: IntMatrix) -> int:
     """Write who is within range of ``v``, as places in the grid's order, into ``near``; return how many."""
     east, north = position_m[v, 0], position_m[v, 1]
     column_from, column_to = cell_span(east, grid.corner_east_m, grid.cell_m, grid.columns, range_m)

@@ -8,14 +8,12 @@ square of the fleet; pairs out of range are dropped when it is written anew.
 ``pair_count`` (V,) says how many pairs a vehicle owns.
 """
 
-from typing import Any
-
-import numba
 import numpy as np
 
 from modelcast.channel.random_kernels import CELL_BITS
-from modelcast.core.borrowing_kernels import borrowing
 from modelcast.core.exponential_kernels import fast_exp
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import Float32Cube, FloatMatrix, FloatVector, IntMatrix, IntVector
 
 __all__ = ["empty_pairs", "find_pairs", "grow_pairs", "pair_owner", "pair_shadowing", "pair_slot"]
 
@@ -30,28 +28,28 @@ _FULL_FOURTHS = 3
 """Fourths of a vehicle's table that may be taken."""
 
 
-@numba.njit(cache=True, nogil=True)
-def empty_pairs(vehicles: int, slots: int) -> Any:
+@kernel
+def empty_pairs(vehicles: int, slots: int) -> tuple[Float32Cube, IntVector]:
     """Return an empty store of so many slots a vehicle, a power of two, and its counts."""
     pairs = np.zeros((vehicles, slots, 4), dtype=np.float32)
     pairs[:, :, OTHER] = _FREE
     return pairs, np.zeros(vehicles, dtype=np.int64)
 
 
-@borrowing
+@kernel(inlined=True)
 def pair_owner(one: int, other: int) -> int:
     """Return which of two vehicles keeps their pair: the lower index where the sum of both is even."""
     return min(one, other) if (one + other) & 1 == 0 else max(one, other)
 
 
-@borrowing
+@kernel(inlined=True)
 def _home(other: int, slots: int) -> int:
     """Return the slot where the search for a pair begins."""
     return ((other * 0x9E3779B1) >> 11) & (slots - 1)
 
 
-@borrowing
-def _seek(owner: int, other: int, pairs: Any) -> int:
+@kernel(inlined=True)
+def _seek(owner: int, other: int, pairs: Float32Cube) -> int:
     """Return the slot where a pair is, or where it would go."""
     mask = pairs.shape[1] - 1
     tag = np.float32(other)
@@ -61,8 +59,8 @@ def _seek(owner: int, other: int, pairs: Any) -> int:
     return at
 
 
-@borrowing
-def pair_slot(one: int, other: int, pairs: Any, pair_count: Any) -> int:
+@kernel(inlined=True)
+def pair_slot(one: int, other: int, pairs: Float32Cube, pair_count: IntVector) -> int:
     """Return the slot of a pair at its owner, a new one where it had none; -1 where there is no room."""
     owner = pair_owner(one, other)
     at = _seek(owner, one + other - owner, pairs)
@@ -76,8 +74,10 @@ def pair_slot(one: int, other: int, pairs: Any, pair_count: Any) -> int:
     return at
 
 
-@borrowing
-def find_pairs(v: int, order: Any, near: Any, count: int, pairs: Any, pair_count: Any) -> bool:
+@kernel(inlined=True)
+def find_pairs(
+    v: int, order: IntVector, near: IntMatrix, count: int, pairs: Float32Cube, pair_count: IntVector
+) -> bool:
     """Write the slots of a vehicle's pairs with its neighbours; return whether there was room for all.
 
     ``near`` (N, 2): its first column says where in ``order`` each of ``count`` neighbours stands, the second
@@ -95,17 +95,17 @@ def find_pairs(v: int, order: Any, near: Any, count: int, pairs: Any, pair_count
     return True
 
 
-@borrowing
+@kernel(inlined=True)
 def pair_shadowing(
     one: int,
     other: int,
     slot: int,
     east_m: float,
     north_m: float,
-    word: Any,
-    normal: Any,
+    word: np.uint64,
+    normal: FloatVector,
     decorrelation_m: float,
-    pairs: Any,
+    pairs: Float32Cube,
 ) -> float:
     """Return the pair's normalised shadowing now, and keep it in its slot.
 
@@ -125,8 +125,8 @@ def pair_shadowing(
     return np.float64(value)
 
 
-@numba.njit(cache=True, nogil=True)
-def grow_pairs(pairs: Any, position_m: Any, range_m: float) -> Any:
+@kernel
+def grow_pairs(pairs: Float32Cube, position_m: FloatMatrix, range_m: float) -> tuple[Float32Cube, IntVector]:
     """Return a store with the pairs still in range and room for more at every vehicle, and its counts."""
     vehicles, slots = pairs.shape[0], pairs.shape[1]
     keep = np.zeros((vehicles, slots), dtype=np.bool_)

@@ -1,14 +1,13 @@
 """Compiled propagation: gain of a link from tables."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from modelcast.channel.pair_kernels import empty_pairs, grow_pairs, pair_shadowing, pair_slot
 from modelcast.channel.random_kernels import CELL_BITS, next_word
-from modelcast.core.arrays import FloatArray
-from modelcast.core.borrowing_kernels import borrowing
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntVector, UInt64Vector
 
 __all__ = [
     "PropagationTables",
@@ -29,8 +28,8 @@ class PropagationTables(NamedTuple):
     metres; ``normal`` (CELLS,) and ``fading`` (3, CELLS) or (3, 1) are equally probable values.
     """
 
-    los_ln: FloatArray
-    nlos_ln: FloatArray
+    los_ln: FloatVector
+    nlos_ln: FloatVector
     per_m: float
     nlos_kind: int
     corner_ln: float
@@ -39,21 +38,21 @@ class PropagationTables(NamedTuple):
     shadowing_los_ln: float
     shadowing_nlos_ln: float
     decorrelation_m: float
-    normal: FloatArray
-    fading: FloatArray
+    normal: FloatVector
+    fading: FloatMatrix
     fading_near_m: float
     fading_far_m: float
 
 
-@borrowing
-def looked_up(table: Any, at: float) -> float:
+@kernel(inlined=True)
+def looked_up(table: FloatVector, at: float) -> float:
     """Return the value of an evenly spaced table between its points."""
     k = min(int(at), table.size - 2)
     part = at - k
     return table[k] + part * (table[k + 1] - table[k])
 
 
-@borrowing
+@kernel(inlined=True)
 def _same_street(first: float, second: float, block_m: float, half_m: float) -> bool:
     k = np.round(first / block_m)
     return (
@@ -63,18 +62,23 @@ def _same_street(first: float, second: float, block_m: float, half_m: float) -> 
     )
 
 
-@borrowing
-def _corner_ln(first_m: float, second_m: float, tables: Any) -> float:
+@kernel(inlined=True)
+def _corner_ln(first_m: float, second_m: float, tables: PropagationTables) -> float:
     second_m = max(second_m, 1.0)
     exponent = max(2.8 - 0.0024 * max(first_m, 1.0), 1.84)
     turned_db = 10.0 * exponent * np.log10(second_m) - 12.5 * exponent
     return looked_up(tables.nlos_ln, first_m * tables.per_m) - turned_db * _LN10 / 10.0
 
 
-@borrowing
+@kernel(inlined=True)
 def median_ln(
-    east: float, north: float, other_east: float, other_north: float, distance_m: float, tables: Any
-) -> Any:
+    east: float,
+    north: float,
+    other_east: float,
+    other_north: float,
+    distance_m: float,
+    tables: PropagationTables,
+) -> tuple[float, bool]:
     """Return the natural logarithm of the median gain of a link, and whether its ends see each other."""
     if tables.nlos_kind == 0:
         return looked_up(tables.los_ln, distance_m * tables.per_m), True
@@ -89,16 +93,20 @@ def median_ln(
     return min(ways + tables.corner_ln, 0.0), False
 
 
-@borrowing
-def fading_factor(distance_m: float, word: Any, fading: Any, near_m: float, far_m: float) -> float:
+@kernel(inlined=True)
+def fading_factor(
+    distance_m: float, word: np.uint64, fading: FloatMatrix, near_m: float, far_m: float
+) -> float:
     """Return the power factor of fast fading from the low bits of a random word."""
     row = 0 if distance_m < near_m else (1 if distance_m < far_m else 2)
     # One cell, or CELLS of them: both are powers of two.
     return fading[row, np.int64(word & _CELL_MASK) & (fading.shape[1] - 1)]
 
 
-@numba.njit(cache=True, nogil=True)
-def draw_gains(position_m: Any, one: Any, other: Any, tables: Any, random: Any) -> Any:
+@kernel
+def draw_gains(
+    position_m: FloatMatrix, one: IntVector, other: IntVector, tables: PropagationTables, random: UInt64Vector
+) -> FloatVector:
     """Return power gains of many links in order, (N,), with shadowing that remembers its pair."""
     pairs, pair_count = empty_pairs(position_m.shape[0], 16)
     gains = np.empty(one.size)

@@ -4,19 +4,27 @@ In every subframe of 1 ms: messages become ready and choose a resource if they h
 it is send; everybody else adds up the power in each sub-channel, decodes what it can, and remembers both.
 """
 
-from typing import Any
-
-import numba
 import numpy as np
 
 from modelcast.channel.error_kernels import hazard_at
-from modelcast.channel.grid_kernels import build_grid, find_in_range
+from modelcast.channel.grid_kernels import Grid, build_grid, find_in_range
 from modelcast.channel.pair_kernels import find_pairs, grow_pairs, pair_shadowing
-from modelcast.channel.propagation_kernels import fading_factor, median_ln
+from modelcast.channel.propagation_kernels import PropagationTables, fading_factor, median_ln
 from modelcast.channel.random_kernels import LUCK, next_word, uniform, uniform_of, word_of
-from modelcast.channel.sidelink_selection_kernels import MEMORY, select_resource
-from modelcast.core.borrowing_kernels import borrowing
+from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants, select_resource
 from modelcast.core.exponential_kernels import fast_exp
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import (
+    BoolVector,
+    Float32Cube,
+    FloatCube,
+    FloatMatrix,
+    FloatVector,
+    IntCube,
+    IntMatrix,
+    IntVector,
+    UInt64Vector,
+)
 
 __all__ = [
     "BAND",
@@ -32,42 +40,42 @@ GRANT_COLUMNS = 8
 _RECEIVED, _HALF_DUPLEX, _WEAK, _HIDDEN, _CONCURRENT = 0, 1, 2, 3, 4
 
 
-@borrowing
-def _used(size_bytes: int, constants: Any) -> int:
+@kernel(inlined=True)
+def _used(size_bytes: int, constants: SidelinkConstants) -> int:
     """Return the resource-block pairs that a message takes, control included."""
     return int(np.ceil(8.0 * size_bytes / constants.bits_per_block)) + constants.control_blocks
 
 
-@borrowing
-def _draw_counter(random: Any, constants: Any) -> int:
+@kernel(inlined=True)
+def _draw_counter(random: UInt64Vector, constants: SidelinkConstants) -> int:
     span = constants.counter_high - constants.counter_low + 1
     return constants.counter_low + int(uniform(random) * span)
 
 
-@borrowing
+@kernel(inlined=True)
 def _receive_powers(
     v: int,
     sent_ln: float,
     band: int,
     used_blocks: int,
     turn: int,
-    position_m: Any,
-    grid: Any,
-    tables: Any,
-    pairs: Any,
+    position_m: FloatMatrix,
+    grid: Grid,
+    tables: PropagationTables,
+    pairs: Float32Cube,
     seed: int,
-    leak: Any,
-    power: Any,
-    top_mw: Any,
-    top_turn: Any,
-    link_receiver: Any,
-    link_mw: Any,
-    link_bin: Any,
+    leak: FloatCube,
+    power: FloatMatrix,
+    top_mw: FloatCube,
+    top_turn: IntCube,
+    link_receiver: IntVector,
+    link_mw: FloatVector,
+    link_bin: IntVector,
     used: int,
-    constants: Any,
-    sends: Any,
-    outcomes: Any,
-    near: Any,
+    constants: SidelinkConstants,
+    sends: BoolVector,
+    outcomes: IntMatrix,
+    near: IntMatrix,
     count: int,
 ) -> int:
     """Add the power of one sender to the ``count`` vehicles in ``near``; return how many links there are."""
@@ -112,21 +120,21 @@ def _receive_powers(
     return used
 
 
-@borrowing
+@kernel(inlined=True)
 def _judge(
     j: int,
     power_mw: float,
     band: int,
     turn: int,
     size_bytes: int,
-    place: Any,
-    power: Any,
-    top_mw: Any,
-    top_turn: Any,
-    hazard: Any,
+    place: FloatMatrix,
+    power: FloatMatrix,
+    top_mw: FloatCube,
+    top_turn: IntCube,
+    hazard: FloatVector,
     seed: int,
-    constants: Any,
-) -> Any:
+    constants: SidelinkConstants,
+) -> tuple[int, float]:
     """Return what became of a frame at a listening receiver, and its SINR."""
     used_blocks = _used(size_bytes, constants)
     length = (used_blocks + constants.blocks - 1) // constants.blocks
@@ -156,29 +164,29 @@ def _judge(
     return (_CONCURRENT if east * east + north * north <= reach_m * reach_m else _HIDDEN), ratio
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def advance(
     now: int,
     until: int,
-    random: Any,
-    grant: Any,
-    power_dbm: Any,
-    sensed: Any,
-    reserved: Any,
-    busy_ratio: Any,
-    pairs: Any,
-    pair_count: Any,
-    sender: Any,
-    ready_subframe: Any,
-    size_bytes: Any,
-    message_dbm: Any,
-    message_id: Any,
-    position_m: Any,
-    hazard: Any,
-    leak: Any,
-    tables: Any,
-    constants: Any,
-) -> Any:
+    random: UInt64Vector,
+    grant: IntMatrix,
+    power_dbm: FloatVector,
+    sensed: Float32Cube,
+    reserved: Float32Cube,
+    busy_ratio: FloatVector,
+    pairs: Float32Cube,
+    pair_count: IntVector,
+    sender: IntVector,
+    ready_subframe: IntVector,
+    size_bytes: IntVector,
+    message_dbm: FloatVector,
+    message_id: IntVector,
+    position_m: FloatMatrix,
+    hazard: FloatVector,
+    leak: FloatCube,
+    tables: PropagationTables,
+    constants: SidelinkConstants,
+) -> tuple[IntMatrix, FloatMatrix, IntMatrix, IntVector, Float32Cube, IntVector]:
     """Carry the subframes ``now`` to ``until``, the end excluded; the arrays of the state are written into.
 
     Returns receptions (message, sender, receiver as (R, 3) integers; time, power as (R, 2)), outcomes (bins,

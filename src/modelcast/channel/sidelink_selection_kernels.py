@@ -1,11 +1,12 @@
 """Compiled choice of a resource by sensing: reservations exclude, power ranks, then chance decides."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from modelcast.channel.random_kernels import uniform
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import Float32Cube, UInt64Vector
 
 __all__ = ["MEMORY", "SidelinkConstants", "select_resource"]
 
@@ -51,10 +52,16 @@ class SidelinkConstants(NamedTuple):
     shadowed: bool
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def select_resource(
-    v: int, now: int, length: int, sensed: Any, reserved: Any, random: Any, constants: Any
-) -> Any:
+    v: int,
+    now: int,
+    length: int,
+    sensed: Float32Cube,
+    reserved: Float32Cube,
+    random: UInt64Vector,
+    constants: SidelinkConstants,
+) -> tuple[int, int]:
     """Return subframe and first sub-channel of a resource chosen by sensing (TS 36.213, 14.1.1.6)."""
     step = 1 if constants.overlapping else length
     bands = (constants.sub_channels - length) // step + 1

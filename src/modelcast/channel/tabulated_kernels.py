@@ -1,30 +1,29 @@
 """Compiled radio from a table: chance of reception by distance and load."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
 from modelcast.channel.grid_kernels import build_grid, cell_span
 from modelcast.channel.random_kernels import uniform
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntMatrix, IntVector, UInt64Vector
 
 __all__ = ["advance"]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def advance(
-    random: Any,
-    sender: Any,
-    ready_s: Any,
-    airtime_s: Any,
-    message_id: Any,
-    position_m: Any,
+    random: UInt64Vector,
+    sender: IntVector,
+    ready_s: FloatVector,
+    airtime_s: FloatVector,
+    message_id: IntVector,
+    position_m: FloatMatrix,
     interval_s: float,
     load_range_m: float,
     bin_m: float,
-    loads: Any,
-    ratios: Any,
-) -> Any:
+    loads: FloatVector,
+    ratios: FloatMatrix,
+) -> tuple[IntMatrix, FloatVector, IntMatrix, IntVector, FloatVector]:
     """Carry one interval; ``ratios`` (L, bins) is the table, ``loads`` (L,) its rising loads.
 
     Returns receptions ((R, 3) integers and their times (R,)), outcomes (bins, 5), expired messages, and the

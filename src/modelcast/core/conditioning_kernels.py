@@ -5,19 +5,18 @@ the grid of the positions. The state of an axis is (position, velocity, accelera
 Missing measurements are marked by a negative variance, so that no kernel ever sees a NaN.
 """
 
-from typing import Any
-
-import numba
 import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatCube, FloatMatrix, FloatVector, IntVector
 
 __all__ = ["negative_log_likelihood", "search", "smooth"]
 
 _GATE = 4.0
-_FASTMATH = {"contract", "reassoc", "nsz", "arcp"}
 
 
-@numba.njit(cache=True, nogil=True, fastmath=_FASTMATH)
-def _predict(x: Any, P: Any, dt: float, q: float) -> None:
+@kernel(fast=True)
+def _predict(x: FloatVector, P: FloatMatrix, dt: float, q: float) -> None:
     """Move a state and its covariance (upper triangle) over one step of white jerk of density q."""
     h = 0.5 * dt * dt
     x[0] += dt * x[1] + h * x[2]
@@ -34,8 +33,8 @@ def _predict(x: Any, P: Any, dt: float, q: float) -> None:
     P[2, 2] = f + q * dt
 
 
-@numba.njit(cache=True, nogil=True, fastmath=_FASTMATH)
-def _update(x: Any, P: Any, k: int, z: float, r: float) -> tuple[float, float]:
+@kernel(fast=True)
+def _update(x: FloatVector, P: FloatMatrix, k: int, z: float, r: float) -> tuple[float, float]:
     """Weigh in a measurement of state component k; return its squared innovation and its variance.
 
     A velocity beyond `_GATE` standard deviations is given the variance that puts it there: a speed column
@@ -62,8 +61,8 @@ def _update(x: Any, P: Any, k: int, z: float, r: float) -> tuple[float, float]:
     return innovation * innovation, s
 
 
-@numba.njit(cache=True, nogil=True, fastmath=_FASTMATH)
-def _start(x: Any, P: Any, start: Any) -> None:
+@kernel(fast=True)
+def _start(x: FloatVector, P: FloatMatrix, start: FloatVector) -> None:
     """Begin a part with an unknown state: mean zero about the part's first position."""
     for i in range(3):
         x[i] = 0.0
@@ -72,9 +71,15 @@ def _start(x: Any, P: Any, start: Any) -> None:
         P[i, i] = start[i] * start[i]
 
 
-@numba.njit(cache=True, nogil=True, fastmath=_FASTMATH)
+@kernel(fast=True)
 def negative_log_likelihood(
-    t: Any, bounds: Any, z: Any, r: Any, start: Any, log_parameters: Any, sums: Any
+    t: FloatVector,
+    bounds: IntVector,
+    z: FloatCube,
+    r: FloatCube,
+    start: FloatVector,
+    log_parameters: FloatVector,
+    sums: FloatMatrix,
 ) -> float:
     """Return minus the log-likelihood of all innovations, both axes.
 
@@ -120,9 +125,17 @@ def negative_log_likelihood(
     return 0.5 * (total + (sums[0, 1] + sums[1, 1]) * np.log(2.0 * np.pi))
 
 
-@numba.njit(cache=True, nogil=True, fastmath=_FASTMATH)
+@kernel(fast=True)
 def search(
-    t: Any, bounds: Any, z: Any, r: Any, start: Any, best: Any, low: Any, high: Any, sums: Any
+    t: FloatVector,
+    bounds: IntVector,
+    z: FloatCube,
+    r: FloatCube,
+    start: FloatVector,
+    best: FloatVector,
+    low: FloatVector,
+    high: FloatVector,
+    sums: FloatMatrix,
 ) -> tuple[float, int]:
     """Lower the negative log-likelihood by a compass search in place; return it and the evaluations.
 
@@ -151,8 +164,8 @@ def search(
     return value, evaluations + 1
 
 
-@numba.njit(cache=True, nogil=True, fastmath=_FASTMATH)
-def _solve_into(P: Any, rhs: Any, out: Any) -> None:
+@kernel(fast=True)
+def _solve_into(P: FloatMatrix, rhs: FloatVector, out: FloatVector) -> None:
     """Solve P out = rhs for a symmetric positive 3 x 3 matrix given by its upper triangle (Cholesky)."""
     l00 = np.sqrt(P[0, 0])
     l10, l20 = P[0, 1] / l00, P[0, 2] / l00
@@ -167,8 +180,16 @@ def _solve_into(P: Any, rhs: Any, out: Any) -> None:
     out[0] = (y0 - l10 * out[1] - l20 * out[2]) / l00
 
 
-@numba.njit(cache=True, nogil=True, fastmath=_FASTMATH)
-def smooth(t: Any, bounds: Any, z: Any, r: Any, start: Any, log_parameters: Any, out: Any) -> None:
+@kernel(fast=True)
+def smooth(
+    t: FloatVector,
+    bounds: IntVector,
+    z: FloatCube,
+    r: FloatCube,
+    start: FloatVector,
+    log_parameters: FloatVector,
+    out: FloatCube,
+) -> None:
     """Write the smoothed means of both axes, (T, 2 axes, 3), by a forward filter and a backward pass.
 
     The backward pass moves only means: with the filtered mean x, covariance P, prediction x', P' of the

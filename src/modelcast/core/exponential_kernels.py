@@ -4,7 +4,7 @@ from math import factorial
 
 import numpy as np
 
-from modelcast.core.borrowing_kernels import borrowing
+from modelcast.core.kernel import kernel
 
 __all__ = ["LOWEST", "fast_exp"]
 
@@ -17,7 +17,7 @@ _TWO_LOW = np.log(2.0) - _TWO_HIGH
 _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9 = (1.0 / factorial(n) for n in range(2, 10))
 
 
-@borrowing
+@kernel(inlined=True)
 def fast_exp(x: float) -> float:
     """Return e to the power ``x``, at most 700, with a relative error below 1e-11.
 

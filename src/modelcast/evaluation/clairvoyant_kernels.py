@@ -1,10 +1,15 @@
 """Compiled clairvoyant reference: the longest stretches of a track that one polynomial an axis holds."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import (
+    FloatMatrix,
+    FloatVector,
+    IntVector,
+    StridedFloatMatrix,
+    StridedFloatVector,
+)
 from modelcast.evaluation.minimax_kernels import (
     FAILS,
     HOLDS,
@@ -21,8 +26,15 @@ __all__ = ["decide", "greedy"]
 _FEW = 12
 
 
-@numba.njit(cache=True, nogil=True)
-def _squared_errors(phi: Any, data: Any, count: int, terms: int, fit: Any, squared: Any) -> float:
+@kernel
+def _squared_errors(
+    phi: StridedFloatMatrix,
+    data: StridedFloatMatrix,
+    count: int,
+    terms: int,
+    fit: FloatMatrix,
+    squared: StridedFloatVector,
+) -> float:
     """Squared error at every sample, and the greatest."""
     worst = 0.0
     for k in range(count):
@@ -35,16 +47,16 @@ def _squared_errors(phi: Any, data: Any, count: int, terms: int, fit: Any, squar
     return worst
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def decide(
-    t_s: Any,
-    position_m: Any,
+    t_s: FloatVector,
+    position_m: FloatMatrix,
     first: int,
     end: int,
     degree: int,
     threshold_m: float,
-    work: Any,
-    polynomial: Any,
+    work: FloatMatrix,
+    polynomial: FloatMatrix,
 ) -> int:
     """Whether one polynomial an axis stays closer than the threshold to all samples ``first`` to ``end - 1``.
 
@@ -109,15 +121,21 @@ def decide(
             return UNDECIDED
 
 
-@numba.njit(cache=True, nogil=True)
-def _peak(squared: Any, k: int, count: int) -> bool:
+@kernel
+def _peak(squared: StridedFloatVector, k: int, count: int) -> bool:
     """Whether no neighbour errs more."""
     return (k == 0 or squared[k] >= squared[k - 1]) and (k == count - 1 or squared[k] >= squared[k + 1])
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _held_until(
-    t_s: Any, position_m: Any, first: int, end: int, stop: int, threshold_m: float, polynomial: Any
+    t_s: FloatVector,
+    position_m: FloatMatrix,
+    first: int,
+    end: int,
+    stop: int,
+    threshold_m: float,
+    polynomial: FloatMatrix,
 ) -> int:
     """First sample from ``end`` on, at most ``stop``, that the polynomial found for the stretch misses."""
     middle_s = 0.5 * (t_s[first] + t_s[end - 1])
@@ -135,15 +153,15 @@ def _held_until(
     return stop
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def greedy(
-    t_s: Any,
-    position_m: Any,
-    segments: Any,
+    t_s: FloatVector,
+    position_m: FloatMatrix,
+    segments: IntVector,
     degree: int,
     threshold_m: float,
     hopeful: bool,
-    starts: Any,
+    starts: IntVector,
 ) -> tuple[int, int]:
     """Cover the gapless parts with the longest stretches that hold: how many, and tests left undecided.
 

@@ -1,9 +1,9 @@
 """Compiled counting into bins that follow the bits of a single-precision number."""
 
-from typing import Any
-
-import numba
 import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import Float32Vector, FloatVector
 
 __all__ = ["BINS", "bin_middle", "bin_of", "count"]
 
@@ -13,8 +13,8 @@ BINS = (28 << 9) + 2
 """Bin 0 holds everything below 2**-14; the last bin everything from 2**14 on."""
 
 
-@numba.njit(cache=True, nogil=True)
-def count(values: Any, weight: float, counts: Any) -> tuple[float, float]:
+@kernel
+def count(values: Float32Vector, weight: float, counts: FloatVector) -> tuple[float, float]:
     """Add the sizes of values to ``counts`` (BINS,); returns their weight and weighted sum."""
     total = 0.0
     seen = 0
@@ -29,8 +29,8 @@ def count(values: Any, weight: float, counts: Any) -> tuple[float, float]:
     return seen * weight, total * weight
 
 
-@numba.njit(cache=True, nogil=True)
-def bin_of(counts: Any, target: float) -> int:
+@kernel
+def bin_of(counts: FloatVector, target: float) -> int:
     """First bin at which the running sum of ``counts`` reaches the target."""
     reached = 0.0
     for at in range(counts.size):

@@ -4,10 +4,10 @@ One polynomial an axis, in Legendre's basis; a primal-dual interior-point method
 prove a bound beside the polynomial.
 """
 
-from typing import Any
-
-import numba
 import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, StridedFloatMatrix, StridedFloatVector
 
 __all__ = [
     "FAILS",
@@ -37,8 +37,8 @@ _TO_EDGE = 0.95
 _SHORTEST_STEP = 1e-9
 
 
-@numba.njit(cache=True, nogil=True)
-def basis(u: float, terms: int, out: Any) -> None:
+@kernel
+def basis(u: float, terms: int, out: StridedFloatVector) -> None:
     """Legendre polynomials at ``u``, scaled time in -1..1."""
     out[0] = 1.0
     if terms > 1:
@@ -49,8 +49,8 @@ def basis(u: float, terms: int, out: Any) -> None:
         out[3] = (2.5 * u * u - 1.5) * u
 
 
-@numba.njit(cache=True, nogil=True)
-def _factor(matrix: Any, size: int) -> bool:
+@kernel
+def _factor(matrix: FloatMatrix, size: int) -> bool:
     """Cholesky factor of the lower triangle in place; False where it is not positive definite."""
     for j in range(size):
         for k in range(j):
@@ -65,8 +65,8 @@ def _factor(matrix: Any, size: int) -> bool:
     return True
 
 
-@numba.njit(cache=True, nogil=True)
-def _solve(factor: Any, size: int, right: Any) -> None:
+@kernel
+def _solve(factor: FloatMatrix, size: int, right: FloatVector) -> None:
     """Solve with the Cholesky factor, in place."""
     for i in range(size):
         for k in range(i):
@@ -78,8 +78,15 @@ def _solve(factor: Any, size: int, right: Any) -> None:
         right[i] /= factor[i, i]
 
 
-@numba.njit(cache=True, nogil=True)
-def least_squares(phi: Any, data: Any, weight: Any, count: int, terms: int, fit: Any) -> tuple[float, float]:
+@kernel
+def least_squares(
+    phi: StridedFloatMatrix,
+    data: StridedFloatMatrix,
+    weight: StridedFloatVector,
+    count: int,
+    terms: int,
+    fit: FloatMatrix,
+) -> tuple[float, float]:
     """Weighted fit ``fit`` (2, terms) of ``data`` (count, 2): weighted mean and maximum of the squared error.
 
     The weights sum to one. Both are infinite or NaN-free bounds only where the normal matrix is definite;
@@ -111,9 +118,16 @@ def least_squares(phi: Any, data: Any, weight: Any, count: int, terms: int, fit:
     return mean, worst
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _newton(
-    phi: Any, error: Any, slack: Any, weight: Any, mu: float, count: int, terms: int, step: Any
+    phi: StridedFloatMatrix,
+    error: StridedFloatMatrix,
+    slack: StridedFloatVector,
+    weight: StridedFloatVector,
+    mu: float,
+    count: int,
+    terms: int,
+    step: FloatVector,
 ) -> bool:
     """Primal-dual Newton step towards ``weight * slack = mu``: both axes' coefficients, then the bound.
 
@@ -149,19 +163,19 @@ def _newton(
     return True
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _advance(
-    phi: Any,
-    data: Any,
-    fit: Any,
+    phi: StridedFloatMatrix,
+    data: StridedFloatMatrix,
+    fit: FloatMatrix,
     bound: float,
-    step: Any,
+    step: FloatVector,
     mu: float,
     count: int,
     terms: int,
-    error: Any,
-    slack: Any,
-    weight: Any,
+    error: StridedFloatMatrix,
+    slack: StridedFloatVector,
+    weight: StridedFloatVector,
 ) -> tuple[float, float]:
     """Take the step in weights, and in polynomial and bound, each shortened to stay off the edge.
 
@@ -206,16 +220,16 @@ def _advance(
     return new, worst
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def minimax(
-    phi: Any,
-    data: Any,
+    phi: StridedFloatMatrix,
+    data: StridedFloatMatrix,
     count: int,
     terms: int,
-    error: Any,
-    weight: Any,
-    slack: Any,
-    fit: Any,
+    error: StridedFloatMatrix,
+    weight: StridedFloatVector,
+    slack: StridedFloatVector,
+    fit: FloatMatrix,
 ) -> int:
     """Whether some polynomial stays below an error of one at these samples; ``fit`` takes it where so."""
     step = np.zeros(2 * TERMS + 1)

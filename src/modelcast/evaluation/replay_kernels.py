@@ -1,12 +1,18 @@
 """Compiled replay of what a host held at every sample of a trip, given what was sent and what was lost."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import (
+    BoolMatrix,
+    Float32Cube,
+    FloatMatrix,
+    FloatVector,
+    IntMatrix,
+    IntVector,
+)
+from modelcast.models.member_kernels import Members, predict_member
 from modelcast.models.point_kernels import EAST, NORTH
-from modelcast.models.trusted_kernels import predict_trusted
 from modelcast.policy.error_driven_kernels import IDENTIFICATION, NOTHING
 
 __all__ = ["replay"]
@@ -14,26 +20,23 @@ __all__ = ["replay"]
 _TIME_SLACK_S = 1e-9
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def replay(
-    predicts: Any,
-    constants: Any,
-    offsets: Any,
-    trust: Any,
-    t_s: Any,
-    samples: Any,
-    parameters: Any,
-    truth_m: Any,
-    direction: Any,
-    kind: Any,
-    in_use: Any,
-    update_index: Any,
-    lost: Any,
+    members: Members,
+    t_s: FloatVector,
+    samples: FloatMatrix,
+    parameters: FloatMatrix,
+    truth_m: FloatMatrix,
+    direction: FloatMatrix,
+    kind: IntMatrix,
+    in_use: IntMatrix,
+    update_index: IntMatrix,
+    lost: BoolMatrix,
     delay_s: float,
     expiry_s: float,
-    errors: Any,
-    gaps_s: Any,
-    gap_count: Any,
+    errors: Float32Cube,
+    gaps_s: FloatMatrix,
+    gap_count: IntVector,
 ) -> None:
     """Replay R runs over one trip of T samples.
 
@@ -49,11 +52,9 @@ def replay(
     for run in range(runs):
         schedule = run % kind.shape[0]
         held = -1
-        # Slices and tuple items are taken once a message, not once a sample: each costs reference counts.
+        # The slice is taken once a message, not once a sample: it costs a reference count.
         own = parameters[0, :0]
-        predict = predicts[0]
-        table = constants[0]
-        trusted_s, turn_s = trust[0, 0], trust[0, 1]
+        member = 0
         received_s = -np.inf
         arriving = 0
         written = 0
@@ -67,7 +68,7 @@ def replay(
                 if kind[schedule, i] == NOTHING or lost[run, i]:
                     continue
                 if not touched and held >= 0 and t_s[j] - received_s <= expiry_s:
-                    predict_trusted(predict, own, t_s[j] - t_s[held], table, trusted_s, turn_s, displacement)
+                    predict_member(members, member, own, t_s[j] - t_s[held], displacement)
                     east = samples[held, EAST] + displacement[0] - truth_m[j, 0]
                     north = samples[held, NORTH] + displacement[1] - truth_m[j, 1]
                     before = np.sqrt(east * east + north * north)
@@ -84,14 +85,11 @@ def replay(
                 elif held != update_index[schedule, i]:
                     continue  # one that names an update the host never got tells it nothing
                 member = in_use[schedule, i]
-                own = parameters[held, offsets[member] : offsets[member + 1]]
-                predict = predicts[member]
-                table = constants[member]
-                trusted_s, turn_s = trust[member, 0], trust[member, 1]
+                own = parameters[held, members.offsets[member] : members.offsets[member + 1]]
             if held < 0 or t_s[j] - received_s > expiry_s:
                 errors[:, run, j] = np.nan
                 continue
-            predict_trusted(predict, own, t_s[j] - t_s[held], table, trusted_s, turn_s, displacement)
+            predict_member(members, member, own, t_s[j] - t_s[held], displacement)
             east = samples[held, EAST] + displacement[0] - truth_m[j, 0]
             north = samples[held, NORTH] + displacement[1] - truth_m[j, 1]
             after = np.sqrt(east * east + north * north)

@@ -17,7 +17,6 @@ from modelcast.evaluation.case import TripCase
 from modelcast.evaluation.metrics import Histogram
 from modelcast.evaluation.settings import EvaluationSettings
 from modelcast.evaluation.walk import TripBank, Walk
-from modelcast.models.base import quiet_function_pointers
 from modelcast.policy.base import Message
 from modelcast.policy.error_driven import ErrorDriven
 from modelcast.policy.periodic import Periodic
@@ -240,27 +239,23 @@ class LossRuns:
         gaps_s = np.empty((runs, count))
         gap_count = np.empty(runs, dtype=np.int64)
         kind = np.stack([one.kind for one in sent])
-        with quiet_function_pointers():
-            replay_kernels.replay(
-                ready.predicts,
-                ready.constants,
-                ready.bank.offsets,
-                ready.bank.trust,
-                case.truth.t_s,
-                ready.samples,
-                ready.parameters,
-                case.truth.position_m,
-                case.direction,
-                kind,
-                np.stack([one.in_use for one in sent]),
-                np.stack([one.update_index for one in sent]),
-                lost.reshape(runs, count),
-                settings.delay_s,
-                np.inf if settings.expiry_s is None else settings.expiry_s,
-                errors,
-                gaps_s,
-                gap_count,
-            )
+        replay_kernels.replay(
+            ready.ready.members,
+            case.truth.t_s,
+            ready.samples,
+            ready.parameters,
+            case.truth.position_m,
+            case.direction,
+            kind,
+            np.stack([one.in_use for one in sent]),
+            np.stack([one.update_index for one in sent]),
+            lost.reshape(runs, count),
+            settings.delay_s,
+            np.inf if settings.expiry_s is None else settings.expiry_s,
+            errors,
+            gaps_s,
+            gap_count,
+        )
         gaps = tuple(Histogram() for _ in range(ratios))
         for run in range(runs):
             gaps[run // seeds].add(gaps_s[run, : gap_count[run]], 1.0)

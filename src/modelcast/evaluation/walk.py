@@ -13,9 +13,8 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation import walk_kernels
 from modelcast.models.bank import Bank
-from modelcast.models.base import FunctionPointer, function_pointer, quiet_function_pointers
-from modelcast.models.learned import Selector, selector_kernels
-from modelcast.models.point_kernels import FIT_SIGNATURE
+from modelcast.models.learned import Selector
+from modelcast.models.members import ReadyBank
 from modelcast.models.velocity import VelocityEstimator, sample_matrix
 from modelcast.policy.base import Message
 from modelcast.policy.error_driven import ErrorDriven
@@ -109,10 +108,7 @@ class TripBank:
             selector.check_members(tuple(member.name for member in self.bank.members))
         self._fallback = -1 if self.bank is bank else len(bank.members)
         self.samples = sample_matrix(trip, estimator)
-        ready = [member.point_functions(trip.dt_s) for member in self.bank.members]
-        self.fits = tuple(one.fit_pointer for one in ready)
-        self.predicts = tuple(one.predict_pointer for one in ready)
-        self.constants = tuple(one.constants for one in ready)
+        self.ready = ReadyBank.of(self.bank, trip.dt_s)
         self.parameters = np.zeros((len(trip), int(self.bank.offsets[-1])))
         self.fitted = np.zeros(len(trip), dtype=np.bool_)
         self._segment_start = trip.segment_start
@@ -169,34 +165,28 @@ class TripBank:
         in_use = np.empty(count, dtype=np.int64)
         update_index = np.empty(count, dtype=np.int64)
         tracking_error_m = np.empty((count, len(self.bank.members)))
-        with quiet_function_pointers():
-            walk_kernels.walk(
-                self.fits,
-                self.predicts,
-                self.constants,
-                self.bank.windows,
-                self.bank.offsets,
-                self.bank.trust,
-                self._fallback,
-                guard,
-                free_sends,
-                guard_sends,
-                self.trip.t_s,
-                self.samples,
-                self._segment_start,
-                self.parameters,
-                self.fitted,
-                select,
-                constants,
-                window,
-                self.trip.dt_s,
-                rules.start_code,
-                *rules.codes,
-                tracking_error_m,
-                kind,
-                in_use,
-                update_index,
-            )
+        walk_kernels.walk(
+            self.ready.members,
+            self._fallback,
+            guard,
+            free_sends,
+            guard_sends,
+            self.trip.t_s,
+            self.samples,
+            self._segment_start,
+            self.parameters,
+            self.fitted,
+            select,
+            constants,
+            window,
+            self.trip.dt_s,
+            rules.start_code,
+            *rules.codes,
+            tracking_error_m,
+            kind,
+            in_use,
+            update_index,
+        )
         return Walk(
             policy,
             kind,
@@ -205,14 +195,14 @@ class TripBank:
             tracking_error_m=tracking_error_m,
         )
 
-    def _select(self, policy: ErrorDriven) -> tuple[FunctionPointer, FloatArray, int]:
-        """The compiled selector with its constants at the policy's threshold, and its window."""
+    def _select(self, policy: ErrorDriven) -> tuple[int, FloatArray, int]:
+        """The selector's address, its constants at the policy's threshold, and its window; an address of 0 for none."""
         if policy.start != "predicted":
-            return function_pointer(selector_kernels.score, FIT_SIGNATURE), np.zeros(1), 1
+            return 0, np.zeros(1), 1
         if self.selector is None:
             raise ValueError("start 'predicted' needs a selector: train one for this bank, or start in order")
         window = self.selector.window_at(self.trip.dt_s)
-        return self.selector.pointer, self.selector.packed(self.trip.dt_s, policy.threshold_m), window
+        return self.selector.address, self.selector.packed(self.trip.dt_s, policy.threshold_m), window
 
     def fit_at(self, indices: npt.ArrayLike) -> None:
         """Fit every member at these samples, as an update there would.
@@ -222,15 +212,11 @@ class TripBank:
         indices
             Samples, (K,).
         """
-        with quiet_function_pointers():
-            walk_kernels.fit_at(
-                self.fits,
-                self.constants,
-                self.bank.windows,
-                self.bank.offsets,
-                self.samples,
-                self._segment_start,
-                np.asarray(indices, dtype=np.int64),
-                self.parameters,
-                self.fitted,
-            )
+        walk_kernels.fit_each(
+            self.ready.members,
+            self.samples,
+            self._segment_start,
+            np.ascontiguousarray(indices, dtype=np.int64),
+            self.parameters,
+            self.fitted,
+        )

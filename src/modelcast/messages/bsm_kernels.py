@@ -4,10 +4,18 @@ The columns of `layout` (F, 3) are lowest code, span of codes and bits of every 
 (F, 7) say what the codes stand for; `Field.code_of` and `Field.value_of` say the same for one value.
 """
 
-from typing import Any
-
-import numba
 import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import (
+    BoolVector,
+    FloatMatrix,
+    FloatVector,
+    IntMatrix,
+    IntVector,
+    UInt8Matrix,
+    UInt8Vector,
+)
 
 __all__ = [
     "FIRST",
@@ -39,8 +47,10 @@ _OVERLONG = 0xC0
 _LONG = 0x80
 
 
-@numba.njit(cache=True, nogil=True)
-def pack(codes: Any, layout: Any, header: Any, preamble_bits: int, out: Any) -> int:
+@kernel
+def pack(
+    codes: IntMatrix, layout: IntMatrix, header: UInt8Vector, preamble_bits: int, out: UInt8Matrix
+) -> int:
     """Write frames, ``out`` (B, L); return the first row with a code out of its range, or -1."""
     for row in range(codes.shape[0]):
         at = header.size
@@ -63,8 +73,10 @@ def pack(codes: Any, layout: Any, header: Any, preamble_bits: int, out: Any) -> 
     return -1
 
 
-@numba.njit(cache=True, nogil=True)
-def _unpack_row(octets: Any, length: int, layout: Any, message_id: int, codes: Any) -> Any:
+@kernel
+def _unpack_row(
+    octets: UInt8Vector, length: int, layout: IntMatrix, message_id: int, codes: IntVector
+) -> tuple[int, bool]:
     """Read one frame's Part I: the bit of its first fault or -1, and whether more follows Part I."""
     if length < 2:
         return (0 if length < 1 else 1), False
@@ -120,9 +132,15 @@ def _unpack_row(octets: Any, length: int, layout: Any, message_id: int, codes: A
     return _INTACT, more
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def unpack(
-    octets: Any, lengths: Any, layout: Any, message_id: int, codes: Any, fault_bits: Any, more: Any
+    octets: UInt8Matrix,
+    lengths: IntVector,
+    layout: IntMatrix,
+    message_id: int,
+    codes: IntMatrix,
+    fault_bits: IntVector,
+    more: BoolVector,
 ) -> None:
     """Read Part I of frames (B, L) into ``codes`` (B, F), ``fault_bits`` (B,) and ``more`` (B,)."""
     for row in range(octets.shape[0]):
@@ -131,8 +149,8 @@ def unpack(
             codes[row] = 0
 
 
-@numba.njit(cache=True, nogil=True)
-def code_of(value: float, row: Any) -> Any:
+@kernel
+def code_of(value: float, row: FloatVector) -> tuple[float, bool]:
     """Code nearest to a value, and whether there is one; ``row`` is one of `meaning`."""
     first, last, unavailable = row[FIRST], row[LAST], row[UNAVAILABLE]
     known = not np.isnan(unavailable)
@@ -154,8 +172,8 @@ def code_of(value: float, row: Any) -> Any:
     return unavailable, known
 
 
-@numba.njit(cache=True, nogil=True)
-def codes_of(values: Any, meaning: Any, codes: Any) -> Any:
+@kernel
+def codes_of(values: FloatMatrix, meaning: FloatMatrix, codes: IntMatrix) -> tuple[int, int]:
     """Write codes of values, (B, F) both; return row and field of the first refused value, or -1, -1."""
     for row in range(values.shape[0]):
         for f in range(values.shape[1]):
@@ -166,16 +184,16 @@ def codes_of(values: Any, meaning: Any, codes: Any) -> Any:
     return -1, -1
 
 
-@numba.njit(cache=True, nogil=True)
-def value_of(code: float, meaning: Any, f: int) -> float:
+@kernel
+def value_of(code: float, meaning: FloatMatrix, f: int) -> float:
     """Value of a code of field ``f``; not a number where unavailable or reserved."""
     if code == meaning[f, UNAVAILABLE] or code < meaning[f, FIRST] or code > meaning[f, LAST]:
         return np.nan
     return code * meaning[f, STEP_NUMERATOR] / meaning[f, STEP_DENOMINATOR] * meaning[f, SCALE]
 
 
-@numba.njit(cache=True, nogil=True)
-def values_of(codes: Any, meaning: Any, values: Any) -> None:
+@kernel
+def values_of(codes: IntMatrix, meaning: FloatMatrix, values: FloatMatrix) -> None:
     """Write values of codes, (B, F) both; not a number where unavailable or reserved."""
     for row in range(codes.shape[0]):
         for f in range(codes.shape[1]):

@@ -1,10 +1,9 @@
 """Compiled rounding of model updates to what their codes stand for, many at once."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix
 from modelcast.messages.bsm_kernels import code_of, value_of
 
 __all__ = ["MEMBER", "quantise"]
@@ -13,8 +12,10 @@ _STEP, _LOW, _HIGH, MEMBER = 0, 1, 2, 3
 """Columns of ``fields``: step, lowest and highest code of a coefficient, and the sub-model it is of."""
 
 
-@numba.njit(cache=True, nogil=True)
-def quantise(parameters: Any, meaning: Any, fields: Any, carries_all: bool, held: Any) -> Any:
+@kernel
+def quantise(
+    parameters: FloatMatrix, meaning: FloatMatrix, fields: FloatMatrix, carries_all: bool, held: FloatMatrix
+) -> tuple[int, int]:
     """Write what a receiver holds, (B, F + 1 + C); return row and column of the first refused, or -1, -1.
 
     ``meaning`` (F, 7) is that of `bsm_kernels`, ``fields`` is (C, 4). Between the two kinds of columns stands

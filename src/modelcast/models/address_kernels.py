@@ -1,44 +1,101 @@
-"""Point functions called by their addresses, for compiled wrappers round them.
+"""Point functions called by their addresses: one compiled loop serves every model.
 
-The address of a model's compiled function stands in a wrapper's constants: so one compiled wrapper serves
-every model, as one compiled walk does.
+A *point function* fits one window or predicts one displacement. Loops take it as an address, an int64 that is
+asked for just before the call (`point_address`) and never kept, stored or sent: it means something in one
+process alone. A loop over a bank takes an array of them.
 """
 
+from collections.abc import Callable
 from typing import Any
 
-from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from modelcast.models.point_kernels import FIT_SIGNATURE, PREDICT_SIGNATURE
+from modelcast.core.kernel import COMPILES, Kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, numba_type
 
-__all__ = ["fit_at", "predict_at"]
+__all__ = ["FIT_TYPES", "PREDICT_TYPES", "fit_at", "point_address", "predict_at"]
+
+FIT_TYPES = (FloatMatrix, FloatVector, FloatVector)
+"""``fit(window (n, 7), constants (K,), out_parameters (P,)) -> None``."""
+
+PREDICT_TYPES = (FloatVector, float, FloatVector, FloatVector)
+"""``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,)) -> None``."""
 
 _code: Any = cgutils  # untyped
 
+_plain: list[Callable[..., None]] = []
+"""Point functions by number, where nothing is compiled and an address is such a number."""
 
-def _called(signature: Any) -> Any:
-    """Return an intrinsic that turns an address into a function of this signature."""
-    function_type = types.FunctionType(signature)
+
+def point_address(function: Any, signature: tuple[Any, ...]) -> int:
+    """Return where a point function is in this process.
+
+    Parameters
+    ----------
+    function
+        A kernel.
+    signature
+        `FIT_TYPES` or `PREDICT_TYPES`, the types of its arguments.
+
+    Raises
+    ------
+    TypeError
+        Where it is no kernel, or its arguments are others.
+    """
+    if not COMPILES:
+        if function not in _plain:
+            _plain.append(function)
+        return _plain.index(function)
+    if not isinstance(function, Kernel):
+        raise TypeError(f"a point function is decorated with kernel, got {function!r}")
+    declared = function.declared
+    wanted = types.void(*(numba_type(one) for one in signature))
+    if declared != wanted:
+        raise TypeError(f"{function.label} must be {wanted}, not {declared}")
+    return function.address
+
+
+def _called_at(signature: tuple[Any, ...]) -> Any:
+    """Return what calls a point function of this signature at an address, and passes its failures on."""
+    if not COMPILES:
+        return _call_plain
+    argument_types = tuple(numba_type(one) for one in signature)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        convention = context.call_conv
+        pointer = convention.get_function_type(types.none, argument_types).as_pointer()
+        function = builder.inttoptr(arguments[0], pointer)
+        status, _ = convention.call_function(builder, function, types.none, argument_types, arguments[1:])
+        with _code.if_unlikely(builder, status.is_error):
+            convention.return_status_propagate(builder, status)
+        return context.get_dummy_value()
+
+    if len(argument_types) == len(FIT_TYPES):
+
+        @intrinsic
+        def fit(_typing: Any, _address: Any, _window: Any, _constants: Any, _out: Any) -> Any:
+            return types.none(types.int64, *argument_types), generate
+
+        return fit
 
     @intrinsic
-    def at_address(_typing: Any, _address: Any) -> Any:
-        def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-            made: Any = _code.create_struct_proxy(function_type)(context, builder)
-            made.c_addr = builder.inttoptr(arguments[0], _code.voidptr_t)
-            nothing = ir.Constant(_code.voidptr_t, None)
-            made.py_addr = nothing
-            made.jit_addr = nothing
-            return made._getvalue()  # noqa: SLF001 - Numba's own name for it
+    def predict(
+        _typing: Any, _address: Any, _parameters: Any, _horizon_s: Any, _constants: Any, _out: Any
+    ) -> Any:
+        return types.none(types.int64, *argument_types), generate
 
-        return function_type(types.int64), generate
-
-    return at_address
+    return predict
 
 
-fit_at = _called(FIT_SIGNATURE)
-"""Function of `FIT_SIGNATURE` at an address."""
+def _call_plain(address: int, *arguments: Any) -> None:
+    """Call a point function where nothing is compiled."""
+    _plain[address](*arguments)
 
-predict_at = _called(PREDICT_SIGNATURE)
-"""Function of `PREDICT_SIGNATURE` at an address."""
+
+fit_at: Any = _called_at(FIT_TYPES)
+"""``fit_at(address, window, constants, out)``: call a function of `FIT_TYPES`."""
+
+predict_at: Any = _called_at(PREDICT_TYPES)
+"""``predict_at(address, parameters, horizon_s, constants, out)``: call a function of `PREDICT_TYPES`."""

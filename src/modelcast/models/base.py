@@ -2,78 +2,29 @@
 
 A model is fitted to a *window*, the last ``n`` samples of one vehicle, and its parameters predict the
 displacement from the window's last sample at any later time. Parameters are numbers only, so they are the
-payload of a message. A model states its two point functions, compiled by Numba with the fixed signatures
-`FIT_SIGNATURE` and `PREDICT_SIGNATURE`; the batch interface here, the walk of a policy over a trip and the
-fleet engine all call these same two functions through pointers, so a new model needs no change elsewhere.
+payload of a message. A model states its two point functions, kernels of the fixed types `FIT_TYPES` and
+`PREDICT_TYPES`; the batch interface here, the walk of a policy over a trip and the fleet engine all call these
+same two functions by their addresses, so a new model needs no change elsewhere.
 """
 
 import abc
-import functools
-import warnings
-from collections.abc import Generator
-from contextlib import contextmanager
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
 import numpy as np
-from numba import types
-from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from modelcast.core.arrays import FloatArray
 from modelcast.models import point_kernels
+from modelcast.models.address_kernels import FIT_TYPES, PREDICT_TYPES, point_address
 from modelcast.models.payload import PayloadLayout
 
 __all__ = [
     "AbstractMotionModel",
     "AbstractSubModel",
-    "FunctionPointer",
+    "PointCall",
     "PointFunctions",
     "Windows",
-    "quiet_function_pointers",
 ]
-
-
-@contextmanager
-def quiet_function_pointers() -> Generator[None]:
-    """Context in which Numba does not announce that function pointers are experimental."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-        yield
-
-
-class FunctionPointer(types.WrapperAddressProtocol):
-    """A compiled point function as an address.
-
-    Numba would compile a loop anew for every function passed to it as such, and never cache it; it types a
-    pointer in a fifth of the time and compiles the loop once.
-
-    Parameters
-    ----------
-    function
-        Compiled by Numba with that signature.
-    signature
-        `FIT_SIGNATURE` or `PREDICT_SIGNATURE`.
-    """
-
-    def __init__(self, function: Any, signature: Any) -> None:
-        self._function = function  # kept alive: the address is its
-        self._signature = signature
-        compiled = function.get_compile_result(signature)
-        wrapper = compiled.fndesc.llvm_cfunc_wrapper_name
-        self._address = int(compiled.library.get_pointer_to_function(wrapper))
-
-    def __wrapper_address__(self) -> int:
-        return self._address
-
-    def signature(self) -> Any:
-        """What the function takes."""
-        return self._signature
-
-
-@functools.cache
-def function_pointer(function: Any, signature: Any) -> FunctionPointer:
-    """The pointer of a compiled function, made once."""
-    return FunctionPointer(function, signature)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,33 +63,84 @@ class Windows:
 
 
 @dataclass(frozen=True, slots=True)
+class PointCall:
+    """A place in a model's constants that holds, while a compiled loop runs, the address of a point function.
+
+    Parameters
+    ----------
+    at
+        Index in the constants.
+    function
+        The kernel called there.
+    types
+        `FIT_TYPES` or `PREDICT_TYPES`.
+    """
+
+    at: int
+    function: Any
+    types: tuple[Any, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class PointFunctions:
     """A model made ready for one sampling interval.
 
     Parameters
     ----------
     fit
-        ``fit(window (n, 7), constants (K,), out_parameters (P,))``, compiled with `FIT_SIGNATURE`.
+        ``fit(window (n, 7), constants (K,), out_parameters (P,))``, a kernel of `FIT_TYPES`.
     predict
-        ``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,))``, compiled with
-        `PREDICT_SIGNATURE`.
+        ``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,))``, a kernel of
+        `PREDICT_TYPES`.
     constants
         The model's settings and tables for this interval, packed by the model, (K,).
+    calls
+        Point functions of another model that these call by the addresses in their constants.
+
+    Notes
+    -----
+    The constants are numbers and may go to another process; `addressed` is what compiled loops take, and
+    means something in this one only.
     """
 
     fit: Any
     predict: Any
     constants: FloatArray
+    calls: tuple[PointCall, ...] = ()
 
     @property
-    def fit_pointer(self) -> FunctionPointer:
+    def fit_address(self) -> int:
         """``fit`` as compiled loops take it."""
-        return function_pointer(self.fit, point_kernels.FIT_SIGNATURE)
+        return point_address(self.fit, FIT_TYPES)
 
     @property
-    def predict_pointer(self) -> FunctionPointer:
+    def predict_address(self) -> int:
         """``predict`` as compiled loops take it."""
-        return function_pointer(self.predict, point_kernels.PREDICT_SIGNATURE)
+        return point_address(self.predict, PREDICT_TYPES)
+
+    @property
+    def addressed(self) -> FloatArray:
+        """The constants with the addresses of this process in place, (K,)."""
+        if not self.calls:
+            return self.constants
+        out = self.constants.copy()
+        for call in self.calls:
+            out[call.at] = point_address(call.function, call.types)
+        return out
+
+    def called_from(self, start: int, fit_at: int, predict_at: int) -> tuple[PointCall, ...]:
+        """Calls of functions that go round these, whose constants hold these constants from ``start`` on.
+
+        Parameters
+        ----------
+        start
+            Where these constants begin among the outer ones.
+        fit_at, predict_at
+            Where the outer ones hold the addresses of these functions.
+        """
+        inner = (replace(call, at=start + call.at) for call in self.calls)
+        own = PointCall(fit_at, self.fit, FIT_TYPES), PointCall(predict_at, self.predict, PREDICT_TYPES)
+        return (*own, *inner)
 
 
 class AbstractMotionModel(abc.ABC):
@@ -288,8 +290,7 @@ class AbstractSubModel(AbstractMotionModel):
         samples = np.ascontiguousarray(windows.samples[:, given - self.window :], dtype=np.float64)
         ready = self.point_functions(windows.dt_s)
         out = np.empty((samples.shape[0], len(self.parameter_names)))
-        with quiet_function_pointers():
-            point_kernels.fit_batch(ready.fit_pointer, samples, ready.constants, out)
+        point_kernels.fit_batch(ready.fit_address, samples, ready.addressed, out)
         return out
 
     def predict(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
@@ -298,16 +299,15 @@ class AbstractSubModel(AbstractMotionModel):
         ready = self.point_functions(dt_s)
         horizons_s = np.ascontiguousarray(horizons_s, dtype=np.float64)
         out = np.empty((parameters.shape[0], horizons_s.size, 2))
-        with quiet_function_pointers():
-            point_kernels.predict_batch(
-                ready.predict_pointer,
-                parameters,
-                horizons_s,
-                ready.constants,
-                float(self.trusted_horizon_s),
-                float(self.trusted_turn_s),
-                out,
-            )
+        point_kernels.predict_batch(
+            ready.predict_address,
+            parameters,
+            horizons_s,
+            ready.addressed,
+            float(self.trusted_horizon_s),
+            float(self.trusted_turn_s),
+            out,
+        )
         return out
 
     def predict_at(self, parameters: FloatArray, ages_s: FloatArray, *, dt_s: float) -> FloatArray:
@@ -316,14 +316,13 @@ class AbstractSubModel(AbstractMotionModel):
         ready = self.point_functions(dt_s)
         ages_s = np.ascontiguousarray(ages_s, dtype=np.float64)
         out = np.empty((parameters.shape[0], 2))
-        with quiet_function_pointers():
-            point_kernels.predict_each(
-                ready.predict_pointer,
-                parameters,
-                ages_s,
-                ready.constants,
-                float(self.trusted_horizon_s),
-                float(self.trusted_turn_s),
-                out,
-            )
+        point_kernels.predict_each(
+            ready.predict_address,
+            parameters,
+            ages_s,
+            ready.addressed,
+            float(self.trusted_horizon_s),
+            float(self.trusted_turn_s),
+            out,
+        )
         return out

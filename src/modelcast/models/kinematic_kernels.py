@@ -5,14 +5,11 @@ vehicle moves ``v·t·A + a·t²·C`` along its first course and ``v·t·B + a·
 """
 
 from math import cos, hypot, sin
-from typing import Any
 
-import numba
-
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector
 from modelcast.models.point_kernels import (
     ACCELERATION,
-    FIT_SIGNATURE,
-    PREDICT_SIGNATURE,
     VELOCITY_EAST,
     VELOCITY_NORTH,
     YAW_RATE,
@@ -41,7 +38,7 @@ SLOWEST_MPS = 1e-9
 """A slower velocity has no direction to accelerate along."""
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def turned(angle_rad: float) -> tuple[float, float, float, float]:
     """Shares A, B, C, D of a turned angle θ; 1, 0, ½, 0 at θ = 0.
 
@@ -59,8 +56,10 @@ def turned(angle_rad: float) -> tuple[float, float, float, float]:
     return along, across, along - across / angle_rad, (along - cos(angle_rad)) / angle_rad
 
 
-@numba.njit(cache=True, nogil=True)
-def _move(east: float, north: float, acceleration: float, yaw_rate: float, time_s: float, out: Any) -> None:
+@kernel
+def _move(
+    east: float, north: float, acceleration: float, yaw_rate: float, time_s: float, out: FloatVector
+) -> None:
     """Displacement from a velocity, an acceleration along it that ends in a stop, and a clockwise turn."""
     speed = hypot(east, north)
     gain = acceleration / speed if speed > SLOWEST_MPS else 0.0
@@ -73,24 +72,24 @@ def _move(east: float, north: float, acceleration: float, yaw_rate: float, time_
     out[1] = along * north - right * east
 
 
-@numba.njit(FIT_SIGNATURE, cache=True, nogil=True)
-def fit_acceleration(window: Any, _constants: Any, out: Any) -> None:
+@kernel
+def fit_acceleration(window: FloatMatrix, _constants: FloatVector, out: FloatVector) -> None:
     """Keep the newest velocity and acceleration."""
     out[0] = window[-1, VELOCITY_EAST]
     out[1] = window[-1, VELOCITY_NORTH]
     out[2] = window[-1, ACCELERATION]
 
 
-@numba.njit(FIT_SIGNATURE, cache=True, nogil=True)
-def fit_turn(window: Any, _constants: Any, out: Any) -> None:
+@kernel
+def fit_turn(window: FloatMatrix, _constants: FloatVector, out: FloatVector) -> None:
     """Keep the newest velocity and yaw rate."""
     out[0] = window[-1, VELOCITY_EAST]
     out[1] = window[-1, VELOCITY_NORTH]
     out[2] = window[-1, YAW_RATE]
 
 
-@numba.njit(FIT_SIGNATURE, cache=True, nogil=True)
-def fit_acceleration_and_turn(window: Any, _constants: Any, out: Any) -> None:
+@kernel
+def fit_acceleration_and_turn(window: FloatMatrix, _constants: FloatVector, out: FloatVector) -> None:
     """Keep the newest velocity, acceleration and yaw rate."""
     out[0] = window[-1, VELOCITY_EAST]
     out[1] = window[-1, VELOCITY_NORTH]
@@ -98,19 +97,25 @@ def fit_acceleration_and_turn(window: Any, _constants: Any, out: Any) -> None:
     out[3] = window[-1, YAW_RATE]
 
 
-@numba.njit(PREDICT_SIGNATURE, cache=True, nogil=True)
-def predict_acceleration(parameters: Any, horizon_s: float, _constants: Any, out: Any) -> None:
+@kernel
+def predict_acceleration(
+    parameters: FloatVector, horizon_s: float, _constants: FloatVector, out: FloatVector
+) -> None:
     """Accelerate straight ahead."""
     _move(parameters[0], parameters[1], parameters[2], 0.0, horizon_s, out)
 
 
-@numba.njit(PREDICT_SIGNATURE, cache=True, nogil=True)
-def predict_turn(parameters: Any, horizon_s: float, _constants: Any, out: Any) -> None:
+@kernel
+def predict_turn(
+    parameters: FloatVector, horizon_s: float, _constants: FloatVector, out: FloatVector
+) -> None:
     """Follow a circle at constant speed."""
     _move(parameters[0], parameters[1], 0.0, parameters[2], horizon_s, out)
 
 
-@numba.njit(PREDICT_SIGNATURE, cache=True, nogil=True)
-def predict_acceleration_and_turn(parameters: Any, horizon_s: float, _constants: Any, out: Any) -> None:
+@kernel
+def predict_acceleration_and_turn(
+    parameters: FloatVector, horizon_s: float, _constants: FloatVector, out: FloatVector
+) -> None:
     """Accelerate along a turn."""
     _move(parameters[0], parameters[1], parameters[2], parameters[3], horizon_s, out)

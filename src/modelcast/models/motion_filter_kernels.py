@@ -5,10 +5,11 @@ a sample row hold of a vehicle: east, north, speed, heading, acceleration along 
 """
 
 from math import atan2, cos, hypot, sin, sqrt
-from typing import Any
 
-import numba
 import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import BoolVector, FloatCube, FloatMatrix, FloatVector
 
 __all__ = ["CONSTANTS", "STATES", "advance", "correct", "filter_fleet", "shown", "start"]
 
@@ -25,8 +26,10 @@ _FIRST_ACCELERATION_MPS2 = 1.0
 """Of a vehicle's acceleration before it was measured twice: the column may be missing."""
 
 
-@numba.njit(cache=True, nogil=True)
-def _observe(state: Any, spread: Any, first: int, east: float, north: float, seen: float, std: float) -> None:
+@kernel
+def _observe(
+    state: FloatVector, spread: FloatMatrix, first: int, east: float, north: float, seen: float, std: float
+) -> None:
     """Take in one measured number, ``east`` and ``north`` times the two numbers from ``first`` on."""
     gain = np.empty(STATES)
     total = std * std
@@ -40,13 +43,13 @@ def _observe(state: Any, spread: Any, first: int, east: float, north: float, see
             spread[i, j] -= gain[i] * gain[j] / total
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _across_std(speed: float, noise: float, least: float) -> float:
     return sqrt(speed * speed * noise * noise + least * least)
 
 
-@numba.njit(cache=True, nogil=True)
-def start(seen: Any, c: Any, state: Any, spread: Any) -> None:
+@kernel
+def start(seen: FloatVector, c: FloatVector, state: FloatVector, spread: FloatMatrix) -> None:
     """Take a vehicle's first measurement for its state (6,), with its errors for the covariance (6, 6)."""
     ahead_east, ahead_north = sin(seen[3]), cos(seen[3])
     state[0], state[1] = seen[0], seen[1]
@@ -62,8 +65,8 @@ def start(seen: Any, c: Any, state: Any, spread: Any) -> None:
         spread[4 + axis, 4 + axis] = _FIRST_ACCELERATION_MPS2 * _FIRST_ACCELERATION_MPS2
 
 
-@numba.njit(cache=True, nogil=True)
-def advance(dt_s: float, heading_rad: float, c: Any, state: Any, spread: Any) -> None:
+@kernel
+def advance(dt_s: float, heading_rad: float, c: FloatVector, state: FloatVector, spread: FloatMatrix) -> None:
     """Go on by a time at constant acceleration; the jerk is white, along and across a course."""
     half = 0.5 * dt_s * dt_s
     for axis in range(2):
@@ -97,8 +100,8 @@ def advance(dt_s: float, heading_rad: float, c: Any, state: Any, spread: Any) ->
             spread[i, j] += moments[i // 2, j // 2] * jerk[i % 2, j % 2]
 
 
-@numba.njit(cache=True, nogil=True)
-def correct(seen: Any, c: Any, state: Any, spread: Any) -> None:
+@kernel
+def correct(seen: FloatVector, c: FloatVector, state: FloatVector, spread: FloatMatrix) -> None:
     """Take in a measurement (6,); speed and rates count along the measured course and across it."""
     ahead_east, ahead_north = sin(seen[3]), cos(seen[3])
     speed = seen[2]
@@ -118,8 +121,8 @@ def correct(seen: Any, c: Any, state: Any, spread: Any) -> None:
     _observe(state, spread, 4, ahead_north, -ahead_east, speed * seen[5], across_std)
 
 
-@numba.njit(cache=True, nogil=True)
-def shown(seen: Any, slowest_mps: float, state: Any, out: Any) -> None:
+@kernel
+def shown(seen: FloatVector, slowest_mps: float, state: FloatVector, out: FloatVector) -> None:
     """Write the state as a measurement (6,); a car slower than ``slowest_mps`` keeps its measured course."""
     east, north = state[2], state[3]
     speed = hypot(east, north)
@@ -132,17 +135,17 @@ def shown(seen: Any, slowest_mps: float, state: Any, out: Any) -> None:
     out[5] = (state[4] * north - state[5] * east) / (speed * speed)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def filter_fleet(
     dt_s: float,
-    seen: Any,
-    active: Any,
-    fresh: Any,
+    seen: FloatMatrix,
+    active: BoolVector,
+    fresh: BoolVector,
     slowest_mps: float,
-    c: Any,
-    states: Any,
-    spreads: Any,
-    out: Any,
+    c: FloatVector,
+    states: FloatMatrix,
+    spreads: FloatCube,
+    out: FloatMatrix,
 ) -> None:
     """Filter V vehicles: ``seen``, ``states``, ``out`` (V, 6), ``spreads`` (V, 6, 6); ``fresh`` are new."""
     for v in range(active.size):

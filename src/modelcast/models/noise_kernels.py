@@ -1,15 +1,15 @@
 """Compiled online estimate of white position noise from divided differences of past positions."""
 
 from math import sqrt
-from typing import Any
 
-import numba
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntVector
 
 __all__ = ["difference_variance", "difference_variances", "settle", "settled"]
 
 
-@numba.njit(cache=True, nogil=True)
-def difference_variance(t_s: Any, position_m: Any, i: int, order: int) -> float:
+@kernel
+def difference_variance(t_s: FloatVector, position_m: FloatMatrix, i: int, order: int) -> float:
     """Mean square of both axes' difference of an order that ends at sample ``i``, at unit noise gain [m²].
 
     The weights are those of a divided difference at the times given, so that no polynomial of a lower degree
@@ -28,8 +28,10 @@ def difference_variance(t_s: Any, position_m: Any, i: int, order: int) -> float:
     return (east * east + north * north) / (2.0 * gain)
 
 
-@numba.njit(cache=True, nogil=True)
-def difference_variances(t_s: Any, position_m: Any, segment_start: Any, order: int, out: Any) -> None:
+@kernel
+def difference_variances(
+    t_s: FloatVector, position_m: FloatMatrix, segment_start: IntVector, order: int, out: FloatVector
+) -> None:
     """`difference_variance` at every sample into ``out`` (T,); -1 where a part has too few samples yet."""
     for i in range(t_s.size):
         out[i] = -1.0
@@ -37,7 +39,7 @@ def difference_variances(t_s: Any, position_m: Any, segment_start: Any, order: i
             out[i] = difference_variance(t_s, position_m, i, order)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def settled(
     square: float,
     mean: float,
@@ -46,7 +48,7 @@ def settled(
     clip: float,
     share: float,
     prior_count: float,
-    free: int,
+    free: float,
 ) -> tuple[float, float]:
     """Take one square into the running mean: (mean, how many were seen); arguments as in `settle`.
 
@@ -59,16 +61,16 @@ def settled(
     return mean, seen
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def settle(
-    squares: Any,
+    squares: FloatVector,
     count: float,
     clip: float,
     share: float,
     prior: float,
     prior_count: float,
     free: int,
-    out: Any,
+    out: FloatVector,
 ) -> None:
     """Running mean of squares, each clipped at a multiple of the mean so far; its root into ``out`` (T,).
 

@@ -1,19 +1,15 @@
-"""The fixed signatures of a model's compiled functions, and the batch loops over them."""
+"""What a window's samples hold, and batch loops over point functions (`address_kernels`)."""
 
-from typing import Any
-
-import numba
-from numba import types
-
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatCube, FloatMatrix, FloatVector
+from modelcast.models.address_kernels import fit_at
 from modelcast.models.trusted_kernels import predict_trusted
 
 __all__ = [
     "ACCELERATION",
     "EAST",
-    "FIT_SIGNATURE",
     "NORTH",
     "POSITION_NOISE",
-    "PREDICT_SIGNATURE",
     "SAMPLE_COLUMNS",
     "VELOCITY_EAST",
     "VELOCITY_NORTH",
@@ -29,35 +25,23 @@ EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH, ACCELERATION, YAW_RATE, POSITION_NOI
 SAMPLE_COLUMNS = 7
 """How many columns a window's samples have."""
 
-_vector = types.float64[::1]
-_matrix = types.float64[:, ::1]
 
-FIT_SIGNATURE = types.void(_matrix, _vector, _vector)
-"""``fit(window (n, 7), constants (K,), out_parameters (P,))``."""
-
-PREDICT_SIGNATURE = types.void(_vector, types.float64, _vector, _vector)
-"""``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,))``."""
-
-# Numba's decorators are typed since 0.68, but not the function types they make: hence Any.
-_jit: Any = numba.njit(cache=True, nogil=True)
-
-
-@_jit
-def fit_batch(fit: Any, samples: Any, constants: Any, out: Any) -> None:
+@kernel
+def fit_batch(fit: int, samples: FloatCube, constants: FloatVector, out: FloatMatrix) -> None:
     """Fit (B, n, 7) windows one by one into ``out`` (B, P)."""
     for row in range(samples.shape[0]):
-        fit(samples[row], constants, out[row])
+        fit_at(fit, samples[row], constants, out[row])
 
 
-@_jit
+@kernel
 def predict_batch(
-    predict: Any,
-    parameters: Any,
-    horizons_s: Any,
-    constants: Any,
+    predict: int,
+    parameters: FloatMatrix,
+    horizons_s: FloatVector,
+    constants: FloatVector,
     trusted_s: float,
     turn_s: float,
-    out: Any,
+    out: FloatCube,
 ) -> None:
     """Predict (B, P) parameters at every one of (H,) horizons into ``out`` (B, H, 2)."""
     for row in range(parameters.shape[0]):
@@ -67,15 +51,15 @@ def predict_batch(
             )
 
 
-@_jit
+@kernel
 def predict_each(
-    predict: Any,
-    parameters: Any,
-    ages_s: Any,
-    constants: Any,
+    predict: int,
+    parameters: FloatMatrix,
+    ages_s: FloatVector,
+    constants: FloatVector,
     trusted_s: float,
     turn_s: float,
-    out: Any,
+    out: FloatMatrix,
 ) -> None:
     """Predict (B, P) parameters, each at its own age, into ``out`` (B, 2)."""
     for row in range(parameters.shape[0]):

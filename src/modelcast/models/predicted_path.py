@@ -173,12 +173,11 @@ def _point_functions(path: PredictedPath, dt_s: float) -> PointFunctions:
     weights = 1.0 / (_WEIGHT_SHARE + share)
     powers = weights[:, None] * np.vander(share, count, increasing=True)
     header = np.zeros(kernels.HEADER)
-    header[kernels.AT_FIT] = ready.fit_pointer.__wrapper_address__()
-    header[kernels.AT_PREDICT] = ready.predict_pointer.__wrapper_address__()
     header[kernels.AT_COUNT] = len(path.model.parameter_names)
     header[kernels.AT_COEFFICIENTS] = count
     header[kernels.AT_NODES] = instants
     header[kernels.AT_SPAN] = path.span_s
     project = (np.linalg.pinv(powers) * weights).astype(np.float64).ravel()
-    constants = np.concatenate([header, project, ready.constants])
-    return PointFunctions(kernels.fit, kernels.predict, constants)
+    before = np.concatenate([header, project])
+    calls = ready.called_from(before.size, kernels.AT_FIT, kernels.AT_PREDICT)
+    return PointFunctions(kernels.fit, kernels.predict, np.concatenate([before, ready.constants]), calls)

@@ -1,12 +1,11 @@
 """Compiled point functions of a sub-model that is sent as its predicted path."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector
 from modelcast.models.address_kernels import fit_at, predict_at
-from modelcast.models.point_kernels import FIT_SIGNATURE, PREDICT_SIGNATURE, VELOCITY_EAST, VELOCITY_NORTH
+from modelcast.models.point_kernels import VELOCITY_EAST, VELOCITY_NORTH
 
 __all__ = [
     "AT_COEFFICIENTS",
@@ -27,28 +26,28 @@ instants m at which its path is looked at; time from the first to the last of th
 from positions at the instants to coefficients; then the model's own constants."""
 
 
-@numba.njit(FIT_SIGNATURE, cache=True, nogil=True)
-def fit(window: Any, constants: Any, out: Any) -> None:
+@kernel
+def fit(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     """Fit the model; keep the newest velocity, and by how much the model's path leaves the straight one."""
     k, m = int(constants[AT_COEFFICIENTS]), int(constants[AT_NODES])
     own = constants[HEADER + k * m :]
     inner = np.empty(int(constants[AT_COUNT]))
-    fit_at(np.int64(constants[AT_FIT]))(window, own, inner)
+    fit_at(np.int64(constants[AT_FIT]), window, own, inner)
     newest = window[window.shape[0] - 1]
     out[:] = 0.0
     out[0], out[1] = newest[VELOCITY_EAST], newest[VELOCITY_NORTH]
     moved = np.empty(2)
     for j in range(m):
         horizon_s = constants[AT_SPAN] * j / (m - 1)
-        predict_at(np.int64(constants[AT_PREDICT]))(inner, horizon_s, own, moved)
+        predict_at(np.int64(constants[AT_PREDICT]), inner, horizon_s, own, moved)
         for axis in range(2):
             off = moved[axis] - out[axis] * horizon_s
             for i in range(k):
                 out[2 + axis * k + i] += constants[HEADER + i * m + j] * off
 
 
-@numba.njit(PREDICT_SIGNATURE, cache=True, nogil=True)
-def predict(parameters: Any, horizon_s: float, constants: Any, out: Any) -> None:
+@kernel
+def predict(parameters: FloatVector, horizon_s: float, constants: FloatVector, out: FloatVector) -> None:
     """Follow the polynomial over its span, then go straight on at its last velocity."""
     k = int(constants[AT_COEFFICIENTS])
     share = horizon_s / constants[AT_SPAN]

@@ -130,8 +130,6 @@ class Quantised(AbstractWrapped):
         ready = self.model.point_functions(dt_s)
         names = self.model.parameter_names
         header = np.zeros(kernels.HEADER)
-        header[kernels.AT_FIT] = ready.fit_pointer.__wrapper_address__()
-        header[kernels.AT_PREDICT] = ready.predict_pointer.__wrapper_address__()
         header[kernels.AT_COUNT] = len(names)
         velocity = CORE_PARAMETERS[0]
         header[kernels.AT_VELOCITY] = names.index(velocity) if velocity in names else -1
@@ -140,8 +138,9 @@ class Quantised(AbstractWrapped):
         header[kernels.AT_HEADING] = self.steps.heading_rad
         header[kernels.AT_POSITION] = self.steps.position_m
         rows = [row for name in names for row in self._row(name)]
-        constants = np.concatenate([header, np.array(rows), ready.constants])
-        return PointFunctions(kernels.fit, kernels.predict, constants)
+        before = np.concatenate([header, np.array(rows)])
+        calls = ready.called_from(before.size, kernels.AT_FIT, kernels.AT_PREDICT)
+        return PointFunctions(kernels.fit, kernels.predict, np.concatenate([before, ready.constants]), calls)
 
     def _row(self, name: str) -> tuple[float, float, float]:
         """Step, lowest and highest code of a parameter; step 0 where it has none of its own."""

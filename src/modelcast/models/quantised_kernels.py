@@ -4,13 +4,13 @@ They go round the point functions of another model (`address_kernels`).
 """
 
 from math import atan2, cos, hypot, sin
-from typing import Any
 
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector
 from modelcast.models.address_kernels import fit_at, predict_at
-from modelcast.models.point_kernels import EAST, FIT_SIGNATURE, NORTH, PREDICT_SIGNATURE
+from modelcast.models.point_kernels import EAST, NORTH
 
 __all__ = [
     "AT_COUNT",
@@ -33,12 +33,12 @@ velocity is, or -1; step [m/s] and last code of speed, step of heading [rad], of
 parameter its step (0: as it is), lowest and highest code; then the model's own constants."""
 
 
-@numba.njit(FIT_SIGNATURE, cache=True, nogil=True)
-def fit(window: Any, constants: Any, out: Any) -> None:
+@kernel
+def fit(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     """Fit the model; then put every parameter where its code puts it, and the position on its grid."""
     count = int(constants[AT_COUNT])
     own = constants[HEADER + 3 * count :]
-    fit_at(np.int64(constants[AT_FIT]))(window, own, out[:count])
+    fit_at(np.int64(constants[AT_FIT]), window, own, out[:count])
     for i in range(count):
         at = HEADER + 3 * i
         step = constants[at]
@@ -57,11 +57,11 @@ def fit(window: Any, constants: Any, out: Any) -> None:
         out[count + axis] = np.rint(at_m / grid) * grid - at_m if grid > 0.0 else 0.0
 
 
-@numba.njit(PREDICT_SIGNATURE, cache=True, nogil=True)
-def predict(parameters: Any, horizon_s: float, constants: Any, out: Any) -> None:
+@kernel
+def predict(parameters: FloatVector, horizon_s: float, constants: FloatVector, out: FloatVector) -> None:
     """Predict with the model, from the position that was sent."""
     count = int(constants[AT_COUNT])
     own = constants[HEADER + 3 * count :]
-    predict_at(np.int64(constants[AT_PREDICT]))(parameters[:count], horizon_s, own, out)
+    predict_at(np.int64(constants[AT_PREDICT]), parameters[:count], horizon_s, own, out)
     out[0] += parameters[count]
     out[1] += parameters[count + 1]

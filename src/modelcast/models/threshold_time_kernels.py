@@ -1,9 +1,9 @@
 """Compiled chance of staying within a threshold, and the time until it is crossed."""
 
 from math import cos, exp, pi, sin, sqrt
-from typing import Any
 
-import numba
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatBlock, FloatMatrix, FloatVector
 
 __all__ = ["NODES", "expected_times", "hold_chance"]
 
@@ -11,8 +11,8 @@ NODES = 48
 """Nodes of the quadrature in a quarter turn: good to 1e-4 where one axis is up to 30 times the other."""
 
 
-@numba.njit(cache=True, nogil=True)
-def _equal_radius(radius: float, radii: Any, gaussian: Any) -> float:
+@kernel
+def _equal_radius(radius: float, radii: FloatVector, gaussian: FloatVector) -> float:
     """Gaussian's radius that holds as much as this one does, straight between the known ones."""
     low, low_gaussian = 0.0, 0.0
     last = radii.size - 1
@@ -23,9 +23,14 @@ def _equal_radius(radius: float, radii: Any, gaussian: Any) -> float:
     return radius * gaussian[last] / radii[last]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def hold_chance(
-    east_m2: float, mixed_m2: float, north_m2: float, threshold_m: float, radii: Any, gaussian: Any
+    east_m2: float,
+    mixed_m2: float,
+    north_m2: float,
+    threshold_m: float,
+    radii: FloatVector,
+    gaussian: FloatVector,
 ) -> float:
     """Chance that an error with this covariance is shorter than the threshold.
 
@@ -50,9 +55,14 @@ def hold_chance(
     return 1.0 - crossed / NODES
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def expected_times(
-    covariances_m2: Any, horizons_s: Any, threshold_m: float, radii: Any, gaussian: Any, out_s: Any
+    covariances_m2: FloatBlock,
+    horizons_s: FloatVector,
+    threshold_m: float,
+    radii: FloatMatrix,
+    gaussian: FloatVector,
+    out_s: FloatVector,
 ) -> None:
     """Time until the threshold is crossed, up to the last horizon, of (B, H, 2, 2) into ``out_s`` (B,).
 

@@ -1,11 +1,10 @@
 """Compiled prediction of a model with a trusted horizon: beyond it, its speed holds and its turn ends."""
 
 from math import atan2, cos, hypot, sin
-from typing import Any
 
-import numba
-
-from modelcast.core.borrowing_kernels import borrowing
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatVector
+from modelcast.models.address_kernels import predict_at
 
 __all__ = ["FASTEST_TURN_RADPS", "SLOWEST_TURN_MPS", "STEP_S", "predict_trusted"]
 
@@ -19,23 +18,23 @@ FASTEST_TURN_RADPS = 1.0
 """A model that turns faster there goes straight on [rad/s]: no car on a road does."""
 
 
-@borrowing
+@kernel(inlined=True)
 def _continue(
-    predict: Any,
-    parameters: Any,
+    predict: int,
+    parameters: FloatVector,
     beyond_s: float,
-    constants: Any,
+    constants: FloatVector,
     trusted_s: float,
     turn_s: float,
-    out: Any,
+    out: FloatVector,
 ) -> None:
     """Predict a time ``beyond_s`` after the trusted horizon, from the model's last three positions there."""
-    predict(parameters, trusted_s - 2.0 * STEP_S, constants, out)
+    predict_at(predict, parameters, trusted_s - 2.0 * STEP_S, constants, out)
     east, north = out[0], out[1]
-    predict(parameters, trusted_s - STEP_S, constants, out)
+    predict_at(predict, parameters, trusted_s - STEP_S, constants, out)
     early_east, early_north = out[0] - east, out[1] - north
     east, north = out[0], out[1]
-    predict(parameters, trusted_s, constants, out)
+    predict_at(predict, parameters, trusted_s, constants, out)
     late_east, late_north = out[0] - east, out[1] - north
     early, late = hypot(early_east, early_north), hypot(late_east, late_north)
     # Chords are half a step old: speed and direction are carried on to the horizon itself.
@@ -65,22 +64,22 @@ def _continue(
     out[1] += along * ahead_north + left * ahead_east
 
 
-@numba.njit(inline="always")
+@kernel(inlined=True)
 def predict_trusted(
-    predict: Any,
-    parameters: Any,
+    predict: int,
+    parameters: FloatVector,
     horizon_s: float,
-    constants: Any,
+    constants: FloatVector,
     trusted_s: float,
     turn_s: float,
-    out: Any,
+    out: FloatVector,
 ) -> None:
     """Predict with a model up to ``trusted_s``; from there along its circle for ``turn_s``, then straight.
 
-    ``predict``, ``parameters`` (P,), ``constants`` and ``out`` (2,) are as `PREDICT_SIGNATURE` has them. It
-    is inlined: an infinite ``trusted_s`` costs one comparison.
+    ``predict`` is the address of a point function; ``parameters`` (P,), ``constants`` and ``out`` (2,) are as
+    `PREDICT_TYPES` has them. It is inlined: an infinite ``trusted_s`` costs one comparison.
     """
     if horizon_s <= trusted_s:
-        predict(parameters, horizon_s, constants, out)
+        predict_at(predict, parameters, horizon_s, constants, out)
     else:
         _continue(predict, parameters, horizon_s - trusted_s, constants, trusted_s, turn_s, out)

@@ -1,14 +1,20 @@
 """Compiled causal velocity estimates from past positions."""
 
-from typing import Any
-
-import numba
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntVector
 
 __all__ = ["end_slopes"]
 
 
-@numba.njit(cache=True, nogil=True)
-def end_slopes(t_s: Any, position_m: Any, segment_start: Any, window: int, degree: int, out: Any) -> None:
+@kernel
+def end_slopes(
+    t_s: FloatVector,
+    position_m: FloatMatrix,
+    segment_start: IntVector,
+    window: int,
+    degree: int,
+    out: FloatMatrix,
+) -> None:
     """Slope at the newest sample of a least-squares polynomial of degree 1 or 2 over the last samples.
 
     Parts shorter than the window use what they have; a first sample has slope zero.

@@ -1,11 +1,10 @@
 """Compiled tracking error of a sender against what its remotes are believed to hold."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
-from modelcast.models.trusted_kernels import predict_trusted
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector
+from modelcast.models.member_kernels import Members, predict_member
 from modelcast.policy.j2945_kernels import (
     LOCAL_AS_IS_AGE_S,
     LOCAL_MAX_AGE_S,
@@ -35,8 +34,8 @@ _TIME_SLACK_S = 1e-9
 """Differences of times may miss an age by rounding."""
 
 
-@numba.njit(cache=True, nogil=True)
-def coast(t_s: float, state: Any) -> tuple[float, float]:
+@kernel
+def coast(t_s: float, state: FloatVector) -> tuple[float, float]:
     """Position at constant velocity from a state (5,), as a receiver of basic safety messages has it."""
     age_s = t_s - state[LOCAL_S]
     return (
@@ -45,16 +44,16 @@ def coast(t_s: float, state: Any) -> tuple[float, float]:
     )
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def tracking_error(
     t_s: float,
-    local: Any,
+    local: FloatVector,
     believed_s: float,
     believed_east_m: float,
     believed_north_m: float,
     predicted_east_m: float,
     predicted_north_m: float,
-    c: Any,
+    c: FloatVector,
 ) -> float:
     """Distance between the vehicle's own estimate (5,) and the remotes', each by the rule of its age [m].
 
@@ -75,9 +74,15 @@ def tracking_error(
     return np.hypot(believed_east_m - east_m, believed_north_m - north_m)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def tracking_errors(
-    t_s: Any, local: Any, believed_s: Any, believed_m: Any, predicted_m: Any, c: Any, out: Any
+    t_s: FloatVector,
+    local: FloatMatrix,
+    believed_s: FloatVector,
+    believed_m: FloatMatrix,
+    predicted_m: FloatMatrix,
+    c: FloatVector,
+    out: FloatVector,
 ) -> None:
     """Tracking error of every vehicle into ``out`` (B,): ``local`` (B, 5), positions (B, 2)."""
     for i in range(t_s.size):
@@ -93,29 +98,26 @@ def tracking_errors(
         )
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def tracking_error_of_model(
-    predict: Any,
-    parameters: Any,
-    constants: Any,
-    trusted_s: float,
-    turn_s: float,
+    members: Members,
+    member: int,
+    parameters: FloatVector,
     t_s: float,
-    local: Any,
+    local: FloatVector,
     believed_s: float,
     believed_east_m: float,
     believed_north_m: float,
-    c: Any,
-    scratch: Any,
+    c: FloatVector,
+    scratch: FloatVector,
 ) -> float:
     """Tracking error of one vehicle whose remotes predict with a point function [m].
 
-    ``predict``, ``parameters`` (P,) and ``constants`` are as in `modelcast.models.point_kernels`; ``scratch``
-    (2,) is overwritten.
+    ``parameters`` (P,) are those of ``member``; ``scratch`` (2,) is overwritten.
     """
     if believed_s == -np.inf:
         return np.inf
-    predict_trusted(predict, parameters, t_s - believed_s, constants, trusted_s, turn_s, scratch)
+    predict_member(members, member, parameters, t_s - believed_s, scratch)
     return tracking_error(
         t_s,
         local,

@@ -1,10 +1,9 @@
 """Compiled triggering of cooperative awareness messages: one rule, for a whole trip and for a fleet."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector, IntVector
 from modelcast.policy import dcc_kernels
 
 __all__ = [
@@ -39,24 +38,24 @@ _TIME_SLACK_S = 1e-9
 """Sums of sampling steps may fall short of a whole number of tenths by rounding."""
 
 
-@numba.njit(cache=True, nogil=True)
-def start(row: Any, constants: Any) -> None:
+@kernel
+def start(row: FloatVector, constants: FloatVector) -> None:
     """Make a state before the first message, (7,)."""
     row[:] = 0.0
     row[LAST_S] = -np.inf
     row[INTERVAL_S] = constants[MAX_INTER_TRANSMIT_TIME_S]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def step(
-    row: Any,
+    row: FloatVector,
     t_s: float,
     east_m: float,
     north_m: float,
     speed_mps: float,
     heading_rad: float,
     shortest_s: float,
-    constants: Any,
+    constants: FloatVector,
 ) -> bool:
     """Whether one vehicle generates a message now; ``shortest_s`` is its T_GenCam_Dcc; writes ``row``."""
     longest_s = constants[MAX_INTER_TRANSMIT_TIME_S]
@@ -87,16 +86,16 @@ def step(
     return True
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def trigger(
-    t_s: Any,
-    position_m: Any,
-    speed_mps: Any,
-    heading_rad: Any,
-    segment_start: Any,
+    t_s: FloatVector,
+    position_m: FloatMatrix,
+    speed_mps: FloatVector,
+    heading_rad: FloatVector,
+    segment_start: IntVector,
     shortest_s: float,
-    constants: Any,
-    transmits: Any,
+    constants: FloatVector,
+    transmits: BoolVector,
 ) -> None:
     """Write at which samples of one trip a message is generated, ``transmits`` (T,)."""
     row = np.empty(STATE_COLUMNS)
@@ -115,21 +114,21 @@ def trigger(
         )
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def step_each(
-    rows: Any,
-    control_rows: Any,
+    rows: FloatMatrix,
+    control_rows: FloatMatrix,
     control: int,
-    t_s: Any,
-    position_m: Any,
-    speed_mps: Any,
-    heading_rad: Any,
-    channel_busy_ratio: Any,
-    airtime_s: Any,
+    t_s: FloatVector,
+    position_m: FloatMatrix,
+    speed_mps: FloatVector,
+    heading_rad: FloatVector,
+    channel_busy_ratio: FloatVector,
+    airtime_s: FloatVector,
     least_s: float,
-    constants: Any,
-    control_constants: Any,
-    out_send: Any,
+    constants: FloatVector,
+    control_constants: FloatVector,
+    out_send: BoolVector,
 ) -> None:
     """Decide for every vehicle: congestion control gives T_GenCam_Dcc, the rule decides.
 

@@ -1,9 +1,7 @@
 """Compiled decentralised congestion control: the time a vehicle must wait between its messages."""
 
-from typing import Any
-
-import numba
-
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatVector
 from modelcast.policy.timer_kernels import next_due
 
 __all__ = [
@@ -55,8 +53,8 @@ _TIME_SLACK_S = 1e-6
 """A step that comes this much before a measure is due takes it."""
 
 
-@numba.njit(cache=True, nogil=True)
-def adapt(row: Any, channel_busy_ratio: float, c: Any) -> None:
+@kernel
+def adapt(row: FloatVector, channel_busy_ratio: float, c: FloatVector) -> None:
     """Take one measure in; every so many measures, move the share of the channel (clause 5.4, steps 1-5)."""
     row[MEASURES] += 1.0
     if row[MEASURES] >= c[MEASURES_AN_UPDATE]:
@@ -70,14 +68,14 @@ def adapt(row: Any, channel_busy_ratio: float, c: Any) -> None:
     row[PREVIOUS_BUSY_RATIO] = channel_busy_ratio
 
 
-@numba.njit(cache=True, nogil=True)
-def adaptive_interval(row: Any, airtime_s: float, c: Any) -> float:
+@kernel
+def adaptive_interval(row: FloatVector, airtime_s: float, c: FloatVector) -> float:
     """Time from the start of one message to that of the next: airtime over share, within bounds (B.1)."""
     return min(max(airtime_s / row[SHARE], c[SHORTEST_S]), c[LONGEST_S])
 
 
-@numba.njit(cache=True, nogil=True)
-def react(row: Any, channel_busy_ratio: float, c: Any) -> None:
+@kernel
+def react(row: FloatVector, channel_busy_ratio: float, c: FloatVector) -> None:
     """Choose the state for a measure of the channel busy ratio."""
     states = (c.size - _TABLE + 1) // 2
     state = 0
@@ -90,16 +88,21 @@ def react(row: Any, channel_busy_ratio: float, c: Any) -> None:
     row[BUSY_RATIO] = channel_busy_ratio
 
 
-@numba.njit(cache=True, nogil=True)
-def reactive_interval(row: Any, c: Any) -> float:
+@kernel
+def reactive_interval(row: FloatVector, c: FloatVector) -> float:
     """Shortest time between messages in the state held."""
     states = (c.size - _TABLE + 1) // 2
     return c[_TABLE + states - 1 + int(row[SHARE])]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def step(
-    row: Any, control: int, t_s: float, channel_busy_ratio: float, airtime_s: float, constants: Any
+    row: FloatVector,
+    control: int,
+    t_s: float,
+    channel_busy_ratio: float,
+    airtime_s: float,
+    constants: FloatVector,
 ) -> float:
     """Take a measure where one is due; return the shortest time between messages. Writes ``row`` (5,)."""
     interval_s = constants[MEASURING_INTERVAL_S] if control == ADAPTIVE else constants[_REACTIVE_INTERVAL_S]

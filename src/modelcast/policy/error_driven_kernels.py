@@ -1,10 +1,11 @@
 """Algorithm 1 of the paper, once: the compiled steps that trip walker and fleet engine both call."""
 
 from math import isnan
-from typing import Any
 
-import numba
 import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import BoolMatrix, BoolVector, FloatMatrix, FloatVector, IntVector
 
 __all__ = [
     "COST_HEADER",
@@ -45,8 +46,10 @@ _TIME_SLACK_S = 1e-9
 """Sums of sampling steps may fall short of a whole number of seconds by rounding."""
 
 
-@numba.njit(cache=True, nogil=True)
-def start_member(available: Any, first_failure_s: Any, scores: Any, in_use: int, start: int) -> int:
+@kernel
+def start_member(
+    available: BoolVector, first_failure_s: FloatVector, scores: FloatVector, in_use: int, start: int
+) -> int:
     """Sub-model to use after an update; -1 where none has a full window.
 
     ``scores`` (M,) say how long each is predicted to last if sent now, in any unit that rises with it; NaN
@@ -74,8 +77,8 @@ def start_member(available: Any, first_failure_s: Any, scores: Any, in_use: int,
     return chosen
 
 
-@numba.njit(cache=True, nogil=True)
-def class_of(edges: Any, value: float) -> int:
+@kernel
+def class_of(edges: FloatVector, value: float) -> int:
     """Class of a value between rising edges; a value at an edge belongs above it."""
     at = 0
     while at < edges.size and value >= edges[at]:
@@ -83,8 +86,8 @@ def class_of(edges: Any, value: float) -> int:
     return at
 
 
-@numba.njit(cache=True, nogil=True)
-def residual_life_s(costs: Any, member: int, age_s: float, share: float) -> float:
+@kernel
+def residual_life_s(costs: FloatVector, member: int, age_s: float, share: float) -> float:
     """How long a sub-model that holds now is expected to hold on, by its age and error over threshold.
 
     ``costs`` is `COST_HEADER` numbers, the upper edges of all age classes but the last, those of all share
@@ -98,17 +101,17 @@ def residual_life_s(costs: Any, member: int, age_s: float, share: float) -> floa
     return float(costs[table + (member * ages + row) * shares + column])
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def step(
-    tracking_error_m: Any,
-    first_failure_s: Any,
+    tracking_error_m: FloatVector,
+    first_failure_s: FloatVector,
     in_use: int,
     age_s: float,
     silence_s: float,
     threshold_m: float,
     max_inter_transmit_time_s: float,
     identify: int,
-    costs: Any,
+    costs: FloatVector,
 ) -> tuple[int, int]:
     """Decide at one instant: (kind, sub-model in use afterwards). Writes ``first_failure_s`` (M,).
 
@@ -149,22 +152,22 @@ def step(
     return NOTHING, in_use
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def step_each(
-    tracking_error_m: Any,
-    available: Any,
-    first_failure_s: Any,
-    scores: Any,
-    in_use: Any,
-    age_s: Any,
-    silence_s: Any,
+    tracking_error_m: FloatMatrix,
+    available: BoolMatrix,
+    first_failure_s: FloatMatrix,
+    scores: FloatMatrix,
+    in_use: IntVector,
+    age_s: FloatVector,
+    silence_s: FloatVector,
     start: int,
     threshold_m: float,
     max_inter_transmit_time_s: float,
     identify: int,
-    costs: Any,
-    out_kind: Any,
-    out_in_use: Any,
+    costs: FloatVector,
+    out_kind: IntVector,
+    out_in_use: IntVector,
 ) -> None:
     """Decide for every vehicle, a row each; an update clears its row of ``first_failure_s`` (B, M)."""
     for row in range(in_use.size):

@@ -1,6 +1,6 @@
 """Compiled rule of the guard: when constant velocity serves because the bank has fallen behind it."""
 
-import numba
+from modelcast.core.kernel import kernel
 
 __all__ = ["ALLOWED", "falls_back"]
 
@@ -8,7 +8,7 @@ ALLOWED = 2
 """Messages that a sender may have sent more than constant velocity alone before the guard acts."""
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def falls_back(behind: int, lead: int) -> bool:
     """Whether constant velocity serves.
 

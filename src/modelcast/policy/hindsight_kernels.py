@@ -2,7 +2,7 @@
 
 from math import log, sqrt
 
-import numba
+from modelcast.core.kernel import kernel
 
 __all__ = ["LAGS_S", "MARGIN", "log_life"]
 
@@ -16,7 +16,7 @@ _LEAST_ERROR_M = 1e-4
 _LEAST_LIFE_S, _MOST_LIFE_S = 0.05, 8.0
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def log_life(age_s: float, error_m: float, threshold_m: float) -> float:
     """Logarithm of the age [s] at which an error that grows with its square reaches the threshold."""
     life_s = age_s * sqrt(threshold_m / max(error_m, _LEAST_ERROR_M))

@@ -1,11 +1,11 @@
 """Compiled congestion control of SAE J2945/1: each rule one function, and the step of one vehicle."""
 
 import math
-from typing import Any
 
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector, IntVector
 from modelcast.policy.timer_kernels import next_due
 
 __all__ = [
@@ -99,8 +99,8 @@ _TIME_SLACK_S = 1e-9
 """Sums of steps may fall short of a threshold by rounding."""
 
 
-@numba.njit(cache=True, nogil=True)
-def max_inter_transmit_time(density: float, c: Any) -> float:
+@kernel
+def max_inter_transmit_time(density: float, c: FloatVector) -> float:
     """Longest time between messages at a smoothed vehicle density [s]."""
     if density <= c[DENSITY_COEFFICIENT]:
         return c[MIN_INTER_TRANSMIT_TIME_S]
@@ -108,8 +108,8 @@ def max_inter_transmit_time(density: float, c: Any) -> float:
     return min(time_s, c[MAX_INTER_TRANSMIT_TIME_S])
 
 
-@numba.njit(cache=True, nogil=True)
-def transmit_probability(tracking_error_m: float, c: Any) -> float:
+@kernel
+def transmit_probability(tracking_error_m: float, c: FloatVector) -> float:
     """Probability p(k) of a message for a tracking error; 0 where that is NaN."""
     if not tracking_error_m >= c[MIN_TRACKING_ERROR_M]:
         return 0.0
@@ -121,14 +121,14 @@ def transmit_probability(tracking_error_m: float, c: Any) -> float:
     return 1.0 - math.exp(-c[ERROR_SENSITIVITY] * beyond)
 
 
-@numba.njit(cache=True, nogil=True)
-def error_growth(density: float, c: Any) -> float:
+@kernel
+def error_growth(density: float, c: FloatVector) -> float:
     """By how much a tracking error may be larger at a smoothed vehicle density; 1 up to the coefficient."""
     return max(1.0, min(density / c[DENSITY_COEFFICIENT], c[MAX_ERROR_GROWTH]))
 
 
-@numba.njit(cache=True, nogil=True)
-def power_for(channel_busy_ratio: float, c: Any) -> float:
+@kernel
+def power_for(channel_busy_ratio: float, c: FloatVector) -> float:
     """Power f(CBP) that a channel busy ratio calls for [dBm]."""
     if channel_busy_ratio <= c[MIN_BUSY_RATIO]:
         return c[MAX_POWER_DBM]
@@ -138,8 +138,8 @@ def power_for(channel_busy_ratio: float, c: Any) -> float:
     return c[MAX_POWER_DBM] - slope * (channel_busy_ratio - c[MIN_BUSY_RATIO])
 
 
-@numba.njit(cache=True, nogil=True)
-def start(row: Any, start_s: float, phase: float, c: Any) -> None:
+@kernel
+def start(row: FloatVector, start_s: float, phase: float, c: FloatVector) -> None:
     """Make a state before the first message, (15,): it falls due within one rate control interval.
 
     ``phase`` in [0, 1) places the vehicle's timers.
@@ -156,8 +156,8 @@ def start(row: Any, start_s: float, phase: float, c: Any) -> None:
     row[CAUSE] = CAUSE_TIME
 
 
-@numba.njit(cache=True, nogil=True)
-def survey(row: Any, t_s: float, packet_error_ratio: float, c: Any) -> None:
+@kernel
+def survey(row: FloatVector, t_s: float, packet_error_ratio: float, c: FloatVector) -> None:
     """Take in the mean packet error ratio at the end of a sub-interval; NaN counts as 0."""
     mean = 0.0
     if packet_error_ratio > 0.0:
@@ -168,9 +168,14 @@ def survey(row: Any, t_s: float, packet_error_ratio: float, c: Any) -> None:
     row[SURVEY_S] = next_due(row[SURVEY_S], t_s + c[TIME_ACCURACY_S], c[PER_SUB_INTERVAL_S])
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def control(
-    row: Any, t_s: float, tracking_error_m: float, channel_busy_ratio: float, uniform: float, c: Any
+    row: FloatVector,
+    t_s: float,
+    tracking_error_m: float,
+    channel_busy_ratio: float,
+    uniform: float,
+    c: FloatVector,
 ) -> None:
     """Run rate control: smooth, and bring the next message forward where error or density call for it."""
     weight = c[BUSY_WEIGHT]
@@ -190,8 +195,8 @@ def control(
     row[CONTROL_S] = next_due(row[CONTROL_S], t_s + c[TIME_ACCURACY_S], c[RATE_CONTROL_INTERVAL_S])
 
 
-@numba.njit(cache=True, nogil=True)
-def critical(row: Any, t_s: float, event: bool, c: Any) -> None:
+@kernel
+def critical(row: FloatVector, t_s: float, event: bool, c: FloatVector) -> None:
     """Send at once when a critical event begins, and every critical interval while it goes on."""
     if event:
         due_s = row[LAST_S] + c[CRITICAL_INTERVAL_S]
@@ -203,8 +208,8 @@ def critical(row: Any, t_s: float, event: bool, c: Any) -> None:
     row[CRITICAL] = 1.0 if event else 0.0
 
 
-@numba.njit(cache=True, nogil=True)
-def assume_received(row: Any, uniform: float, c: Any) -> bool:
+@kernel
+def assume_received(row: FloatVector, uniform: float, c: FloatVector) -> bool:
     """Whether the remotes are believed to hold the message just sent.
 
     It is lost with the probability that the channel quality gives, but no more than so many times in a row.
@@ -217,8 +222,8 @@ def assume_received(row: Any, uniform: float, c: Any) -> bool:
     return True
 
 
-@numba.njit(cache=True, nogil=True)
-def sent(row: Any, at_s: float, jitter: float, loss: float, c: Any) -> tuple[float, bool]:
+@kernel
+def sent(row: FloatVector, at_s: float, jitter: float, loss: float, c: FloatVector) -> tuple[float, bool]:
     """Account for a message: (power [dBm], whether it is believed received); schedules the next.
 
     ``jitter`` and ``loss`` are uniform in [0, 1).
@@ -237,9 +242,9 @@ def sent(row: Any, at_s: float, jitter: float, loss: float, c: Any) -> tuple[flo
     return power_dbm, believed
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def step(
-    row: Any,
+    row: FloatVector,
     t_s: float,
     until_s: float,
     tracking_error_m: float,
@@ -247,8 +252,8 @@ def step(
     neighbours: float,
     packet_error_ratio: float,
     event: bool,
-    uniforms: Any,
-    c: Any,
+    uniforms: FloatVector,
+    c: FloatVector,
 ) -> tuple[int, float, float, bool]:
     """Decide what one vehicle sends in [t, until): (cause, time [s], power [dBm], believed received).
 
@@ -271,22 +276,22 @@ def step(
     return cause, at_s, power_dbm, believed
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def step_each(
-    rows: Any,
-    t_s: Any,
-    until_s: Any,
-    tracking_error_m: Any,
-    channel_busy_ratio: Any,
-    neighbours: Any,
-    packet_error_ratio: Any,
-    event: Any,
-    uniforms: Any,
-    c: Any,
-    out_cause: Any,
-    out_send_s: Any,
-    out_power_dbm: Any,
-    out_believed: Any,
+    rows: FloatMatrix,
+    t_s: FloatVector,
+    until_s: FloatVector,
+    tracking_error_m: FloatVector,
+    channel_busy_ratio: FloatVector,
+    neighbours: FloatVector,
+    packet_error_ratio: FloatVector,
+    event: BoolVector,
+    uniforms: FloatMatrix,
+    c: FloatVector,
+    out_cause: IntVector,
+    out_send_s: FloatVector,
+    out_power_dbm: FloatVector,
+    out_believed: BoolVector,
 ) -> None:
     """Decide for every vehicle: all arrays (B,), ``rows`` (B, 15), ``uniforms`` (B, 3)."""
     for i in range(t_s.size):

@@ -5,54 +5,16 @@ that owns them calls `neighbours_kernels` directly.
 """
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.policy import neighbours_kernels as kernels
 from modelcast.policy.j2945_parameters import J2945Parameters
+from modelcast.policy.neighbours_kernels import NeighbourTables
 
-__all__ = ["HOST_TYPE", "NeighbourTables", "Neighbours", "neighbour_tables", "slot_type"]
-
-HOST_TYPE: Any = np.dtype([("phase_s", "f8"), ("used", "i4"), ("free", "i4"), ("refused", "i8")], align=True)
-"""A host: when its sub-intervals start; no slot from ``used`` on was ever used; how many slots were given up;
-messages for which there was no slot."""
-
-_CACHE_LINE = 64
-
-
-class NeighbourTables(NamedTuple):
-    """Tables of H hosts with C slots each, index length X, and R sub-intervals kept.
-
-    ``hosts`` (H,) of `HOST_TYPE`; ``slots`` (H, C) of `slot_type`; ``index`` (H, X) slots by hash, -1 for
-    none; ``free`` (H, C) slots given up.
-    """
-
-    hosts: Any
-    slots: Any
-    index: Any
-    free: Any
-
-
-def slot_type(kept: int) -> Any:
-    """Return the type of a slot that keeps so many sub-intervals, R; a cache line where R <= 10.
-
-    ``remote`` who is in it, -1 for nobody; ``newest`` number of the last sub-interval with a message;
-    ``heard_s``, ``east_m``, ``north_m`` when that message came and the place it states; ``first``, ``last``,
-    ``received`` (R,) message count of the first and last message of each sub-interval and how many there
-    were, at its number modulo R.
-    """
-    rings = [(name, "u1", (kept,)) for name in ("first", "last", "received")]
-    fields: list[Any] = [
-        ("heard_s", "f8"),
-        ("east_m", "f8"),
-        ("north_m", "f8"),
-        ("remote", "i4"),
-        ("newest", "i4"),
-    ]
-    spare = -(32 + 3 * kept) % _CACHE_LINE
-    return np.dtype(fields + rings + ([("spare", "u1", (spare,))] if spare else []))
+__all__ = ["Neighbours", "neighbour_tables"]
 
 
 def neighbour_tables(
@@ -67,7 +29,7 @@ def neighbour_tables(
     capacity
         Remotes a host can hold at once, C, up to 32767. Messages of further ones are refused and counted.
     sub_intervals
-        How many a packet error ratio covers, `J2945Parameters.sub_intervals`; one more is kept.
+        How many a packet error ratio covers, `J2945Parameters.sub_intervals`, up to 9; one more is kept.
     phase_s
         When each host's sub-intervals start, (H,) [s]; None for 0.
 
@@ -78,21 +40,22 @@ def neighbour_tables(
 
     Notes
     -----
-    A slot takes 66 bytes with up to nine sub-intervals, and its share of the index 4 to 8.
+    A slot takes 66 bytes, and its share of the index 4 to 8.
     """
     if min(hosts, capacity, sub_intervals) < 1:
         raise ValueError(
             f"hosts, capacity and sub_intervals must be at least 1, got {hosts}, {capacity}, {sub_intervals}"
         )
+    if sub_intervals >= kernels.MOST_KEPT:
+        raise ValueError(f"sub_intervals must be below {kernels.MOST_KEPT}, got {sub_intervals}")
     if capacity >= 2**15:
         raise ValueError(f"capacity must be below {2**15}, got {capacity}")
     phase = np.zeros(hosts) if phase_s is None else np.array(phase_s, dtype=np.float64)
     if phase.shape != (hosts,):
         raise ValueError(f"phase_s must be ({hosts},), one a host, got {phase.shape}")
-    kept = sub_intervals + 1
-    about: Any = np.zeros(hosts, dtype=HOST_TYPE)
-    about["phase_s"] = phase
-    slots: Any = np.zeros((hosts, capacity), dtype=slot_type(kept))
+    about: Any = np.zeros(hosts, dtype=kernels.HOST_TYPE)
+    about["phase_s"], about["kept"] = phase, sub_intervals + 1
+    slots: Any = np.zeros((hosts, capacity), dtype=kernels.SLOT_TYPE)
     slots["remote"] = -1
     return NeighbourTables(
         hosts=about,

@@ -8,16 +8,24 @@ on average, a survey one pass over the host's slots; neither depends on the size
 """
 
 import math
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from modelcast.core.borrowing_kernels import borrowing
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, Int16Matrix, IntVector, Layout
 
 __all__ = [
+    "HOST_TYPE",
     "MESSAGE_COUNTS",
+    "MOST_KEPT",
+    "SLOT_TYPE",
+    "HostVector",
+    "NeighbourTables",
+    "Slot",
+    "SlotMatrix",
     "count",
-    "count_each",
     "find",
     "forget",
     "hear",
@@ -28,6 +36,51 @@ __all__ = [
 
 MESSAGE_COUNTS = 128
 """Messages are counted modulo this (DE_MsgCount of SAE J2735)."""
+
+MOST_KEPT = 10
+"""Sub-intervals that a slot has room for: with them it fills a cache line."""
+
+HOST_TYPE: Any = np.dtype(
+    [("phase_s", "f8"), ("used", "i4"), ("free", "i4"), ("refused", "i8"), ("kept", "i8")], align=True
+)
+"""A host: when its sub-intervals start; no slot from ``used`` on was ever used; how many slots were given up;
+messages for which there was no slot; sub-intervals it keeps, up to `MOST_KEPT`."""
+
+SLOT_TYPE: Any = np.dtype(
+    [
+        ("heard_s", "f8"),
+        ("east_m", "f8"),
+        ("north_m", "f8"),
+        ("remote", "i4"),
+        ("newest", "i4"),
+        ("first", "u1", (MOST_KEPT,)),
+        ("last", "u1", (MOST_KEPT,)),
+        ("received", "u1", (MOST_KEPT,)),
+    ],
+    align=True,
+)
+"""A slot, one cache line: ``remote`` who is in it, -1 for nobody; ``newest`` number of the last sub-interval
+with a message; ``heard_s``, ``east_m``, ``north_m`` when that message came and the place it states; ``first``,
+``last``, ``received`` message count of the first and last message of each sub-interval and how many there were,
+at its number modulo those kept."""
+
+HostVector = Annotated[npt.NDArray[Any], Layout(HOST_TYPE, 1)]
+SlotMatrix = Annotated[npt.NDArray[Any], Layout(SLOT_TYPE, 2)]
+Slot = Annotated[Any, Layout(SLOT_TYPE, 0)]
+
+
+class NeighbourTables(NamedTuple):
+    """Tables of H hosts with C slots each, index length X, and R sub-intervals kept.
+
+    ``hosts`` (H,) of `HOST_TYPE`; ``slots`` (H, C) of `SLOT_TYPE`; ``index`` (H, X) slots by hash, -1 for
+    none; ``free`` (H, C) slots given up.
+    """
+
+    hosts: HostVector
+    slots: SlotMatrix
+    index: Int16Matrix
+    free: Int16Matrix
+
 
 _EMPTY = -1
 _MOST = 255
@@ -40,20 +93,20 @@ _BOUNDARY_SLACK = 1e-6
 """Share of a sub-interval by which a time may fall short of its start through rounding."""
 
 
-@borrowing
+@kernel(inlined=True)
 def _place(remote: int, length: int) -> int:
     """Where in an index of that length, a power of two, the search for a remote starts."""
     return ((remote * 0x9E3779B1) >> 11) & (length - 1)
 
 
-@borrowing
+@kernel(inlined=True)
 def _sub_interval(t_s: float, phase_s: float, sub_interval_s: float) -> int:
     """Number of the sub-interval that a time is in."""
     return math.floor((t_s - phase_s) / sub_interval_s + _BOUNDARY_SLACK)
 
 
-@borrowing
-def find(slots: Any, index: Any, host: int, remote: int) -> int:
+@kernel(inlined=True)
+def find(slots: SlotMatrix, index: Int16Matrix, host: int, remote: int) -> int:
     """Slot of a remote at a host, -1 where it is not known."""
     length = index.shape[1]
     at = _place(remote, length)
@@ -64,8 +117,8 @@ def find(slots: Any, index: Any, host: int, remote: int) -> int:
         at = (at + 1) & (length - 1)
 
 
-@borrowing
-def _insert(index: Any, host: int, remote: int, slot: int) -> None:
+@kernel(inlined=True)
+def _insert(index: Int16Matrix, host: int, remote: int, slot: int) -> None:
     """Enter a slot into the index of a host."""
     length = index.shape[1]
     at = _place(remote, length)
@@ -74,8 +127,16 @@ def _insert(index: Any, host: int, remote: int, slot: int) -> None:
     index[host, at] = slot
 
 
-@borrowing
-def forget(hosts: Any, slots: Any, index: Any, free: Any, host: int, t_s: float, expiry_s: float) -> int:
+@kernel(inlined=True)
+def forget(
+    hosts: HostVector,
+    slots: SlotMatrix,
+    index: Int16Matrix,
+    free: Int16Matrix,
+    host: int,
+    t_s: float,
+    expiry_s: float,
+) -> int:
     """Free the slots of remotes not heard for longer than ``expiry_s``; returns how many."""
     about = hosts[host]
     freed = 0
@@ -95,9 +156,16 @@ def forget(hosts: Any, slots: Any, index: Any, free: Any, host: int, t_s: float,
     return freed
 
 
-@borrowing
+@kernel(inlined=True)
 def _new_slot(
-    hosts: Any, slots: Any, index: Any, free: Any, host: int, remote: int, t_s: float, expiry_s: float
+    hosts: HostVector,
+    slots: SlotMatrix,
+    index: Int16Matrix,
+    free: Int16Matrix,
+    host: int,
+    remote: int,
+    t_s: float,
+    expiry_s: float,
 ) -> int:
     """Give a new remote a slot, -1 where all are taken by remotes heard of late."""
     about = hosts[host]
@@ -118,12 +186,12 @@ def _new_slot(
     return slot
 
 
-@borrowing
+@kernel(inlined=True)
 def hear(
-    hosts: Any,
-    slots: Any,
-    index: Any,
-    free: Any,
+    hosts: HostVector,
+    slots: SlotMatrix,
+    index: Int16Matrix,
+    free: Int16Matrix,
     host: int,
     remote: int,
     message_count: int,
@@ -137,7 +205,7 @@ def hear(
     A host's messages come in the order of time. A remote silent for longer than the sub-intervals kept gives
     up its slot where another needs one.
     """
-    kept = slots[host, 0].first.size
+    kept = hosts[host].kept
     slot = find(slots, index, host, remote)
     if slot == _EMPTY:
         slot = _new_slot(hosts, slots, index, free, host, remote, heard_s, kept * sub_interval_s)
@@ -161,10 +229,10 @@ def hear(
     return slot
 
 
-@borrowing
-def _packet_error_ratio(held: Any, number: int) -> float:
+@kernel(inlined=True)
+def _packet_error_ratio(held: Slot, number: int, kept: int) -> float:
     """Ratio of one remote over the sub-intervals before ``number``; NaN for fewer than two messages."""
-    kept, newest = held.first.size, held.newest
+    newest = held.newest
     received, first, last = 0, 0, 0
     oldest = max(number, newest) - kept + 1
     at = oldest % kept
@@ -182,8 +250,8 @@ def _packet_error_ratio(held: Any, number: int) -> float:
     return max(expected - received, 0) / expected
 
 
-@borrowing
-def _is_near(held: Any, oldest_s: float, east_m: float, north_m: float, range_m: float) -> bool:
+@kernel(inlined=True)
+def _is_near(held: Slot, oldest_s: float, east_m: float, north_m: float, range_m: float) -> bool:
     """Whether a slot holds a remote heard since ``oldest_s`` that stated a place within range."""
     if held.remote == _EMPTY or held.heard_s < oldest_s:
         return False
@@ -191,10 +259,10 @@ def _is_near(held: Any, oldest_s: float, east_m: float, north_m: float, range_m:
     return east * east + north * north <= range_m * range_m
 
 
-@borrowing
+@kernel(inlined=True)
 def count(
-    hosts: Any,
-    slots: Any,
+    hosts: HostVector,
+    slots: SlotMatrix,
     host: int,
     t_s: float,
     east_m: float,
@@ -211,10 +279,10 @@ def count(
     return near
 
 
-@borrowing
+@kernel(inlined=True)
 def survey(
-    hosts: Any,
-    slots: Any,
+    hosts: HostVector,
+    slots: SlotMatrix,
     host: int,
     t_s: float,
     east_m: float,
@@ -234,26 +302,26 @@ def survey(
         held = slots[host, slot]
         if _is_near(held, oldest_s, east_m, north_m, range_m):
             near += 1
-            ratio = _packet_error_ratio(held, number)
+            ratio = _packet_error_ratio(held, number, hosts[host].kept)
             if ratio >= 0.0:
                 ratios += 1
                 total += ratio
     return near, total / ratios if ratios > 0 else np.nan
 
 
-@borrowing
+@kernel
 def hear_each(
-    hosts: Any,
-    slots: Any,
-    index: Any,
-    free: Any,
-    host: Any,
-    remote: Any,
-    message_count: Any,
-    heard_s: Any,
-    position_m: Any,
+    hosts: HostVector,
+    slots: SlotMatrix,
+    index: Int16Matrix,
+    free: Int16Matrix,
+    host: IntVector,
+    remote: IntVector,
+    message_count: IntVector,
+    heard_s: FloatVector,
+    position_m: FloatMatrix,
     sub_interval_s: float,
-    out_slot: Any,
+    out_slot: IntVector,
 ) -> None:
     """Take in K receptions in the order given; all arrays (K,), positions (K, 2)."""
     for k in range(host.size):
@@ -272,27 +340,16 @@ def hear_each(
         )
 
 
-@borrowing
-def count_each(
-    hosts: Any, slots: Any, t_s: Any, position_m: Any, sub_interval_s: float, range_m: float, out_count: Any
-) -> None:
-    """Count for every host at its own time and place; all arrays (H,), positions (H, 2)."""
-    for host in range(t_s.size):
-        out_count[host] = count(
-            hosts, slots, host, t_s[host], position_m[host, 0], position_m[host, 1], sub_interval_s, range_m
-        )
-
-
-@borrowing
+@kernel
 def survey_each(
-    hosts: Any,
-    slots: Any,
-    t_s: Any,
-    position_m: Any,
+    hosts: HostVector,
+    slots: SlotMatrix,
+    t_s: FloatVector,
+    position_m: FloatMatrix,
     sub_interval_s: float,
     range_m: float,
-    out_count: Any,
-    out_ratio: Any,
+    out_count: IntVector,
+    out_ratio: FloatVector,
 ) -> None:
     """Survey every host at its own time and place; all arrays (H,), positions (H, 2)."""
     for host in range(t_s.size):

@@ -1,9 +1,9 @@
 """Compiled sending at a fixed rate: the step that batch and fleet engine both call."""
 
-from typing import Any
-
-import numba
 import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import BoolVector, FloatVector
 
 __all__ = ["step", "step_each"]
 
@@ -11,7 +11,7 @@ _TIME_SLACK_S = 1e-9
 """Sums of periods may pass a sample time by rounding."""
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def step(due_s: float, t_s: float, period_s: float, uniform: float) -> tuple[bool, float]:
     """Decide at one instant: (whether to send, when the next message falls due).
 
@@ -26,8 +26,15 @@ def step(due_s: float, t_s: float, period_s: float, uniform: float) -> tuple[boo
     return True, due_s + passed * period_s
 
 
-@numba.njit(cache=True, nogil=True)
-def step_each(due_s: Any, t_s: Any, period_s: float, uniform: Any, out_send: Any, out_due_s: Any) -> None:
+@kernel
+def step_each(
+    due_s: FloatVector,
+    t_s: FloatVector,
+    period_s: float,
+    uniform: FloatVector,
+    out_send: BoolVector,
+    out_due_s: FloatVector,
+) -> None:
     """Decide for every vehicle, all arrays (B,)."""
     for row in range(due_s.size):
         out_send[row], out_due_s[row] = step(due_s[row], t_s[row], period_s, uniform[row])

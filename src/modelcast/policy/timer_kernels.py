@@ -2,7 +2,7 @@
 
 import math
 
-import numba
+from modelcast.core.kernel import kernel
 
 __all__ = ["next_due"]
 
@@ -10,7 +10,7 @@ _SLACK = 1e-9
 """Sums of steps may fall short of a whole number of intervals by rounding."""
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def next_due(due_s: float, t_s: float, interval_s: float) -> float:
     """Next time after ``t_s`` on the grid of ``due_s``: what fell due in between is passed over."""
     if t_s <= due_s:

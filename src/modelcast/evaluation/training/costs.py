@@ -10,7 +10,6 @@ from modelcast.evaluation.case import TripCase
 from modelcast.evaluation.training import selection_kernels
 from modelcast.evaluation.walk import TripBank
 from modelcast.models.bank import Bank
-from modelcast.models.base import quiet_function_pointers
 from modelcast.models.learned import Selector
 from modelcast.policy.costs import CostTable
 from modelcast.policy.error_driven import ErrorDriven
@@ -114,24 +113,20 @@ def _count(
         walk = one.walk(policy)
         duration_s += one.trip.duration_s
         updates += walk.updates
-        with quiet_function_pointers():
-            selection_kernels.count_residual(
-                one.predicts,
-                one.constants,
-                one.bank.trust,
-                one.bank.offsets,
-                one.parameters,
-                one.trip.t_s,
-                one.samples,
-                walk.update_index,
-                walk.tracking_error_m,
-                policy.threshold_m,
-                settings.longest_s,
-                np.array(settings.age_edges_s),
-                np.array(settings.share_edges),
-                total_s,
-                count,
-            )
+        selection_kernels.count_residual(
+            one.ready.members,
+            one.parameters,
+            one.trip.t_s,
+            one.samples,
+            walk.update_index,
+            walk.tracking_error_m,
+            policy.threshold_m,
+            settings.longest_s,
+            np.array(settings.age_edges_s),
+            np.array(settings.share_edges),
+            total_s,
+            count,
+        )
     if not count.any():
         raise ValueError(f"no sub-model outlives the one in use at {policy.threshold_m} m: nothing to weigh")
     mean_s = total_s.sum() / count.sum()

@@ -17,7 +17,6 @@ from modelcast.evaluation.training.descent import Descent, LayerAverage, make_re
 from modelcast.evaluation.training.learned_kernels import trip_features
 from modelcast.evaluation.walk import TripBank
 from modelcast.models.bank import Bank
-from modelcast.models.base import quiet_function_pointers
 from modelcast.models.learned import FeatureMap, Network, Selector
 from modelcast.models.learned.learned_trajectory import feature_constants
 
@@ -158,19 +157,17 @@ def member_lives_s(ready: TripBank, thresholds_m: FloatArray, longest_s: float) 
     lives = np.empty((count, thresholds_m.size, len(bank.members)))
     for m, window in enumerate(bank.windows):
         own = np.empty((count, thresholds_m.size))
-        with quiet_function_pointers():
-            selection_kernels.survivals(
-                ready.predicts[m],
-                ready.constants[m],
-                bank.trust[m],
-                np.ascontiguousarray(ready.parameters[:, bank.offsets[m] : bank.offsets[m + 1]]),
-                history >= window,
-                ready.trip.t_s,
-                ready.samples,
-                thresholds_m,
-                longest_s,
-                own,
-            )
+        selection_kernels.survivals(
+            ready.ready.members,
+            m,
+            np.ascontiguousarray(ready.parameters[:, bank.offsets[m] : bank.offsets[m + 1]]),
+            history >= window,
+            ready.trip.t_s,
+            ready.samples,
+            thresholds_m,
+            longest_s,
+            own,
+        )
         lives[:, :, m] = own
     return lives
 

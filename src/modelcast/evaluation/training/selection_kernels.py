@@ -1,31 +1,29 @@
 """Compiled counting for selection: how long a prediction made at every sample of a trip would have lasted."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import BoolVector, FloatCube, FloatMatrix, FloatVector, IntVector
+from modelcast.models.member_kernels import Members, predict_member
 from modelcast.models.point_kernels import EAST, NORTH
-from modelcast.models.trusted_kernels import predict_trusted
 from modelcast.policy.error_driven_kernels import class_of
 
 __all__ = ["count_residual", "survivals"]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def survivals(
-    predict: Any,
-    constants: Any,
-    trust: Any,
-    parameters: Any,
-    available: Any,
-    t_s: Any,
-    samples: Any,
-    thresholds_m: Any,
+    members: Members,
+    m: int,
+    parameters: FloatMatrix,
+    available: BoolVector,
+    t_s: FloatVector,
+    samples: FloatMatrix,
+    thresholds_m: FloatVector,
     longest_s: float,
-    out: Any,
+    out: FloatMatrix,
 ) -> None:
-    """Write the age at which each sample's prediction first reaches each threshold, (T, K) [s].
+    """Write the age at which each sample's prediction by member ``m`` first reaches each threshold, (T, K) [s].
 
     ``parameters`` (T, P) are those fitted at every sample, ``available`` (T,) says where there was a full
     window: elsewhere the age is 0. ``thresholds_m`` (K,) rise. What holds for ``longest_s`` counts that; what
@@ -42,7 +40,7 @@ def survivals(
             age_s = t_s[j] - t_s[i]
             if age_s >= longest_s:
                 break
-            predict_trusted(predict, parameters[i], age_s, constants, trust[0], trust[1], displacement)
+            predict_member(members, m, parameters[i], age_s, displacement)
             east = samples[i, EAST] + displacement[0] - samples[j, EAST]
             north = samples[i, NORTH] + displacement[1] - samples[j, NORTH]
             error_m = np.sqrt(east * east + north * north)
@@ -55,23 +53,20 @@ def survivals(
         out[i, at:] = held
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def count_residual(
-    predicts: Any,
-    constants: Any,
-    trust: Any,
-    offsets: Any,
-    parameters: Any,
-    t_s: Any,
-    samples: Any,
-    update_index: Any,
-    tracking_error_m: Any,
+    members: Members,
+    parameters: FloatMatrix,
+    t_s: FloatVector,
+    samples: FloatMatrix,
+    update_index: IntVector,
+    tracking_error_m: FloatMatrix,
     threshold_m: float,
     longest_s: float,
-    age_edges_s: Any,
-    share_edges: Any,
-    total_s: Any,
-    count: Any,
+    age_edges_s: FloatVector,
+    share_edges: FloatVector,
+    total_s: FloatCube,
+    count: FloatCube,
 ) -> None:
     """Add how long members held on that held where a walk under the rule ``never`` updated.
 
@@ -87,13 +82,13 @@ def count_residual(
         for m in range(count.shape[0]):
             if not tracking_error_m[i, m] < threshold_m:
                 continue
-            own = parameters[origin, offsets[m] : offsets[m + 1]]
+            own = parameters[origin, members.offsets[m] : members.offsets[m + 1]]
             held_s = longest_s
             for j in range(i + 1, t_s.size):
                 if t_s[j] - t_s[i] >= longest_s:
                     break
                 age_s = t_s[j] - t_s[origin]
-                predict_trusted(predicts[m], own, age_s, constants[m], trust[m, 0], trust[m, 1], displacement)
+                predict_member(members, m, own, age_s, displacement)
                 east = samples[origin, EAST] + displacement[0] - samples[j, EAST]
                 north = samples[origin, NORTH] + displacement[1] - samples[j, NORTH]
                 if np.sqrt(east * east + north * north) >= threshold_m:

@@ -1,10 +1,11 @@
 """Compiled loss of the learned sub-model: how long a path holds, softened so that it has a slope."""
 
 from math import exp, log, sqrt
-from typing import Any
 
-import numba
 import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatCube, FloatMatrix, FloatVector
 
 __all__ = ["FORGIVEN_S", "survival_slopes"]
 
@@ -14,15 +15,15 @@ FORGIVEN_S = 0.1
 _LEAST_ERROR_M = 1e-3
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def survival_slopes(
-    coefficients: Any,
-    errors_m: Any,
-    basis: Any,
-    steps_s: Any,
-    thresholds_m: Any,
+    coefficients: FloatMatrix,
+    errors_m: FloatCube,
+    basis: FloatMatrix,
+    steps_s: FloatVector,
+    thresholds_m: FloatVector,
     softness: float,
-    slopes: Any,
+    slopes: FloatMatrix,
 ) -> float:
     """Mean loss of a batch, and the slopes of each row's own loss by its coefficients.
 

@@ -1,10 +1,9 @@
 """Compiled point functions of the Gaussian-process model."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatCube, FloatMatrix, FloatVector
 from modelcast.models.gp.layout import (
     AT_DT,
     AT_FLAT,
@@ -19,9 +18,8 @@ from modelcast.models.gp.layout import (
     OUT_VARIANCE,
     OUT_WEIGHTS,
 )
-from modelcast.models.gp.log_kernels import FAST
 from modelcast.models.gp.search_kernels import scratch_size, search
-from modelcast.models.point_kernels import FIT_SIGNATURE, POSITION_NOISE, PREDICT_SIGNATURE
+from modelcast.models.point_kernels import POSITION_NOISE
 
 __all__ = [
     "fit_adaptive",
@@ -38,13 +36,11 @@ _SKIP_EXPONENT = 90.0
 """Beyond this exponent every RBF term is below 1e-39 of its weight."""
 _ROOT_HALF = float(np.sqrt(0.5))
 
-_jit: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
-_fit: Any = numba.njit(FIT_SIGNATURE, cache=True, nogil=True, fastmath=FAST, error_model="numpy")
-_predict: Any = numba.njit(PREDICT_SIGNATURE, cache=True, nogil=True, fastmath=FAST, error_model="numpy")
 
-
-@_jit
-def fit_columns(window: Any, first: int, D: int, constants: Any, scratch: Any, out: Any) -> None:
+@kernel(fast=True)
+def fit_columns(
+    window: FloatMatrix, first: int, D: int, constants: FloatVector, scratch: FloatVector, out: FloatVector
+) -> None:
     """Fit columns ``first`` to ``first + D`` of a window (n, .), less their last sample, into ``out``."""
     n = int(constants[AT_SAMPLES])
     dt = constants[AT_DT]
@@ -93,8 +89,8 @@ def fit_columns(window: Any, first: int, D: int, constants: Any, scratch: Any, o
             out[OUT_WEIGHTS + d * n + j] *= decay
 
 
-@_jit
-def fit_axes(displacements: Any, constants: Any, out: Any) -> None:
+@kernel(fast=True)
+def fit_axes(displacements: FloatCube, constants: FloatVector, out: FloatMatrix) -> None:
     """Fit one axis of B windows, (B, n, 1), into (B, .) in the layout of `search`."""
     n = displacements.shape[1]
     scratch = np.empty(2 * n + 4 + scratch_size(n))
@@ -102,8 +98,8 @@ def fit_axes(displacements: Any, constants: Any, out: Any) -> None:
         fit_columns(displacements[row], 0, 1, constants, scratch, out[row])
 
 
-@_fit
-def fit_anchored(window: Any, constants: Any, out: Any) -> None:
+@kernel(fast=True)
+def fit_anchored(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     """Fit each axis on its own; see `GaussianProcess.parameter_names` for the layout."""
     n = int(constants[AT_SAMPLES])
     scratch = np.empty(4 * n + 4 + scratch_size(n) + OUT_WEIGHTS)
@@ -121,8 +117,8 @@ def fit_anchored(window: Any, constants: Any, out: Any) -> None:
         out[tail + 6 + d] = found[OUT_FLOORED]
 
 
-@_fit
-def fit_intercept(window: Any, constants: Any, out: Any) -> None:
+@kernel(fast=True)
+def fit_intercept(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     """Fit both axes with common hyper-parameters."""
     n = int(constants[AT_SAMPLES])
     scratch = np.empty(4 * n + 4 + scratch_size(n) + OUT_WEIGHTS)
@@ -141,8 +137,8 @@ def fit_intercept(window: Any, constants: Any, out: Any) -> None:
     out[tail + 3] = found[OUT_FLOORED]
 
 
-@_fit
-def fit_adaptive(window: Any, constants: Any, out: Any) -> None:
+@kernel(fast=True)
+def fit_adaptive(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     """Fit both axes with common hyper-parameters and no less noise than the window says it has.
 
     Raising the floor by a factor is the same as shrinking the positions by it, which leaves all tables as
@@ -163,8 +159,8 @@ def fit_adaptive(window: Any, constants: Any, out: Any) -> None:
     out[5 + 2 * n] *= scale * scale
 
 
-@_jit
-def horner(parameters: Any, first: int, n: int, power: float) -> float:
+@kernel(fast=True)
+def horner(parameters: FloatVector, first: int, n: int, power: float) -> float:
     """Polynomial whose coefficients are the weights, newest sample first."""
     total = 0.0
     for j in range(n):
@@ -172,8 +168,10 @@ def horner(parameters: Any, first: int, n: int, power: float) -> float:
     return total
 
 
-@_predict
-def predict_anchored(parameters: Any, horizon_s: float, constants: Any, out: Any) -> None:
+@kernel(fast=True)
+def predict_anchored(
+    parameters: FloatVector, horizon_s: float, constants: FloatVector, out: FloatVector
+) -> None:
     """Line through the last sample plus the RBF part, each axis with its own lengthscale."""
     n = int(constants[AT_SAMPLES])
     for d in range(2):
@@ -185,8 +183,10 @@ def predict_anchored(parameters: Any, horizon_s: float, constants: Any, out: Any
             out[d] += np.exp(-exponent) * horner(parameters, 4 + d * n, n, power)
 
 
-@_predict
-def predict_intercept(parameters: Any, horizon_s: float, constants: Any, out: Any) -> None:
+@kernel(fast=True)
+def predict_intercept(
+    parameters: FloatVector, horizon_s: float, constants: FloatVector, out: FloatVector
+) -> None:
     """Line plus the RBF part with the common lengthscale."""
     n = int(constants[AT_SAMPLES])
     out[0] = parameters[0] + parameters[2] * horizon_s
@@ -210,8 +210,8 @@ def predict_intercept(parameters: Any, horizon_s: float, constants: Any, out: An
 _FIXED_LENGTHSCALE, _FIXED_FLAT, FIXED_HEADER = 2, 3, 4
 
 
-@_fit
-def fit_fixed(window: Any, constants: Any, out: Any) -> None:
+@kernel(fast=True)
+def fit_fixed(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     """Multiply both axes by the constant matrices: [intercepts,] slopes, weights."""
     n = int(constants[0])
     lines = 2 if constants[_FIXED_FLAT] > 0.0 else 1
@@ -245,8 +245,10 @@ def fit_fixed(window: Any, constants: Any, out: Any) -> None:
         at += n
 
 
-@_predict
-def predict_fixed(parameters: Any, horizon_s: float, constants: Any, out: Any) -> None:
+@kernel(fast=True)
+def predict_fixed(
+    parameters: FloatVector, horizon_s: float, constants: FloatVector, out: FloatVector
+) -> None:
     """Line plus the RBF part, lengthscale among the constants."""
     n = int(constants[0])
     at = 0

@@ -1,10 +1,9 @@
 """Compiled objective over the coarse grid and along one fine row, vectorised over the noise ratios."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatVector
 from modelcast.models.gp.layout import (
     AT_COARSE_START,
     AT_COARSE_STRIDE,
@@ -18,13 +17,11 @@ from modelcast.models.gp.layout import (
     LANES,
     POINTS,
 )
-from modelcast.models.gp.log_kernels import FAST, rough_log
+from modelcast.models.gp.log_kernels import rough_log
 
 __all__ = ["PROFILE", "coarse_grid", "coarse_scratch", "profile", "rotate"]
 
 _TINY = 1e-290
-_jit: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
-_inline: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy", inline="always")
 
 NB, NC = COARSE_NOISES, COARSE_LENGTHSCALES
 _B, _PRODUCT, _DETERMINANT, _Q, _TAU, _C0, _C1, _A0, _A1, _ONE, _W = range(POINTS, 12 * POINTS, POINTS)
@@ -32,17 +29,17 @@ PROFILE = 12 * POINTS
 """Length of the vector that `profile` works in."""
 
 
-@_jit
+@kernel(fast=True)
 def coarse_scratch(n: int) -> int:
     """Length of the scratch vector of `coarse_grid`."""
     return 2 * NC * n + 4 * n + NB
 
 
-@_jit
+@kernel(fast=True)
 def objective(
     rest: float,
     explained: float,
-    D: float,
+    D: int,
     over_D: float,
     m: float,
     low: float,
@@ -59,9 +56,18 @@ def objective(
     )
 
 
-@_inline
+@kernel(fast=True, inlined=True)
 def _coarse_grid(
-    folded: Any, gamma: Any, D: int, n: int, he: int, ho: int, tab: Any, constants: Any, z: Any, table: Any
+    folded: FloatVector,
+    gamma: FloatVector,
+    D: int,
+    n: int,
+    he: int,
+    ho: int,
+    tab: FloatVector,
+    constants: FloatVector,
+    z: FloatVector,
+    table: FloatVector,
 ) -> None:
     flat = constants[AT_FLAT] > 0.0
     m = n - constants[AT_FLAT]
@@ -146,9 +152,16 @@ def _coarse_grid(
         at += stride
 
 
-@_jit
+@kernel(fast=True)
 def coarse_grid(
-    folded: Any, gamma: Any, D: int, n: int, tab: Any, constants: Any, z: Any, table: Any
+    folded: FloatVector,
+    gamma: FloatVector,
+    D: int,
+    n: int,
+    tab: FloatVector,
+    constants: FloatVector,
+    z: FloatVector,
+    table: FloatVector,
 ) -> None:
     """Objective at every point of the coarse grid, to about 1e-4, into ``table`` (NC·NB,)."""
     # A constant length lets the compiler unroll and vectorise: the paper's window gets a copy of its own.
@@ -160,8 +173,10 @@ def coarse_grid(
         _coarse_grid(folded, gamma, D, n, (n + 1) // 2, n // 2, tab, constants, z, table)
 
 
-@_inline
-def _rotate(folded: Any, D: int, n: int, he: int, ho: int, hp: int, row: Any, z: Any) -> None:
+@kernel(fast=True, inlined=True)
+def _rotate(
+    folded: FloatVector, D: int, n: int, he: int, ho: int, hp: int, row: FloatVector, z: FloatVector
+) -> None:
     for d in range(D):
         for start in range(0, hp, LANES):
             at = 2 * d * hp + start
@@ -176,8 +191,8 @@ def _rotate(folded: Any, D: int, n: int, he: int, ho: int, hp: int, row: Any, z:
                     z[at + hp + k] += folded[d * n + he + j] * row[(he + j) * hp + start + k]
 
 
-@_jit
-def rotate(folded: Any, D: int, n: int, row: Any, z: Any) -> None:
+@kernel(fast=True)
+def rotate(folded: FloatVector, D: int, n: int, row: FloatVector, z: FloatVector) -> None:
     """Rotate D folded axes into a fine row's eigen-basis, each half padded to hp, into ``z`` (D·2·hp,)."""
     he = (n + 1) // 2
     hp = (he + LANES - 1) // LANES * LANES
@@ -187,19 +202,19 @@ def rotate(folded: Any, D: int, n: int, row: Any, z: Any) -> None:
         _rotate(folded, D, n, he, n // 2, hp, row, z)
 
 
-@_inline
+@kernel(fast=True, inlined=True)
 def _profile(
     D: int,
     n: int,
     he: int,
     hp: int,
-    row: Any,
-    gamma: Any,
-    constants: Any,
+    row: FloatVector,
+    gamma: FloatVector,
+    constants: FloatVector,
     first: float,
     step: float,
-    z: Any,
-    out: Any,
+    z: FloatVector,
+    out: FloatVector,
 ) -> None:
     flat = constants[AT_FLAT] > 0.0
     m = n - constants[AT_FLAT]
@@ -283,9 +298,17 @@ def _profile(
         out[lane] = objective(rest, explained, D, over_D, m, low, high, log_determinant)
 
 
-@_jit
+@kernel(fast=True)
 def profile(
-    D: int, n: int, row: Any, gamma: Any, constants: Any, first: float, step: float, z: Any, out: Any
+    D: int,
+    n: int,
+    row: FloatVector,
+    gamma: FloatVector,
+    constants: FloatVector,
+    first: float,
+    step: float,
+    z: FloatVector,
+    out: FloatVector,
 ) -> None:
     """Objective for `POINTS` noise ratios, log b from ``first`` by ``step``, into ``out`` (`PROFILE`,)."""
     he = (n + 1) // 2

@@ -1,7 +1,8 @@
 """A natural logarithm that vectorises: exponent by its bits, mantissa by a polynomial."""
 
-import numba
 import numpy as np
+
+from modelcast.core.kernel import kernel
 
 __all__ = ["FAST", "rough_log"]
 
@@ -23,7 +24,7 @@ def _log_polynomial() -> tuple[float, ...]:
 _C0, _C1, _C2, _C3, _C4, _C5 = _log_polynomial()
 
 
-@numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
+@kernel(fast=True)
 def rough_log(x: float) -> float:
     """Natural logarithm to 1e-6, continuous, of a positive normal number."""
     bits = np.float64(x).view(np.int64)

@@ -1,10 +1,9 @@
 """Compiled end of the search: the noise ratio to full precision, and the parameters that follow from it."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatVector
 from modelcast.models.gp.layout import (
     AT_FLAT,
     AT_LOG_RATIO_HIGH,
@@ -23,25 +22,25 @@ from modelcast.models.gp.layout import (
     OUT_VARIANCE,
     OUT_WEIGHTS,
 )
-from modelcast.models.gp.log_kernels import FAST
 
 __all__ = ["conclude", "fine_row", "finish", "slope_at"]
 
-_jit: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
 _TOLERANCE = 1e-6
 """Newton steps stop where the next would lower the objective by less."""
 
 
-@_jit
-def fine_row(index: int, n: int, constants: Any) -> Any:
+@kernel(fast=True)
+def fine_row(index: int, n: int, constants: FloatVector) -> FloatVector:
     """Fine row of a lengthscale."""
     he = (n + 1) // 2
     size = n * ((he + LANES - 1) // LANES * LANES) + 3 * n
     return constants[HEADER + index * size : HEADER + (index + 1) * size]
 
 
-@_jit
-def slope_at(z: Any, gamma: Any, D: int, n: int, row: Any, constants: Any, x: float) -> Any:
+@kernel(fast=True)
+def slope_at(
+    z: FloatVector, gamma: FloatVector, D: int, n: int, row: FloatVector, constants: FloatVector, x: float
+) -> tuple[float, float]:
     """Objective at log b = x and its derivative there, by sums of squares."""
     he = (n + 1) // 2
     hp = (he + LANES - 1) // LANES * LANES
@@ -122,8 +121,10 @@ def slope_at(z: Any, gamma: Any, D: int, n: int, row: Any, constants: Any, x: fl
     return cost, d_cost * b - (d_variance if bound else 0.0)
 
 
-@_jit
-def finish(z: Any, gamma: Any, D: int, n: int, row: Any, constants: Any, x: float) -> Any:
+@kernel(fast=True)
+def finish(
+    z: FloatVector, gamma: FloatVector, D: int, n: int, row: FloatVector, constants: FloatVector, x: float
+) -> tuple[float, float]:
     """Best relative noise at one lengthscale by safeguarded Newton steps: (objective, log b)."""
     low = constants[AT_LOG_RATIO_LOW]
     high = constants[AT_LOG_RATIO_HIGH]
@@ -147,8 +148,16 @@ def finish(z: Any, gamma: Any, D: int, n: int, row: Any, constants: Any, x: floa
     return cost, x
 
 
-@_jit
-def conclude(gamma: Any, D: int, n: int, row: Any, constants: Any, z: Any, out: Any) -> None:
+@kernel(fast=True)
+def conclude(
+    gamma: FloatVector,
+    D: int,
+    n: int,
+    row: FloatVector,
+    constants: FloatVector,
+    z: FloatVector,
+    out: FloatVector,
+) -> None:
     """Write variance, line and weights for the noise ratio that ``out`` already holds."""
     he = (n + 1) // 2
     ho = n // 2

@@ -5,11 +5,10 @@ finds the basins; each of the best two is followed along the fine lengthscales, 
 a row comes from `POINTS` of them at once; Newton steps finish the noise ratio.
 """
 
-from typing import Any
-
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatVector
 from modelcast.models.gp.grid_kernels import PROFILE, coarse_grid, coarse_scratch, profile, rotate
 from modelcast.models.gp.layout import (
     AT_COARSE_START,
@@ -31,12 +30,10 @@ from modelcast.models.gp.layout import (
     OUT_NOISE_RATIO,
     POINTS,
 )
-from modelcast.models.gp.log_kernels import FAST
 from modelcast.models.gp.optimum_kernels import conclude, fine_row, finish
 
 __all__ = ["scratch_size", "search"]
 
-_jit: Any = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
 NB, NC = COARSE_NOISES, COARSE_LENGTHSCALES
 _LOG_TWO_PI = float(np.log(2.0 * np.pi))
 _STEP = 0.1
@@ -47,25 +44,25 @@ _MARGIN = 2.0
 """A second basin is followed unless the coarse grid puts it this far above the first's optimum."""
 
 
-@_jit
+@kernel(fast=True)
 def scratch_size(n: int) -> int:
     """Length of the scratch vector of `search`."""
     return 4 * (n + LANES) + coarse_scratch(n) + NC * NB + 2 * NC + PROFILE
 
 
-@_jit
+@kernel(fast=True)
 def row_optimum(
     index: int,
     x: float,
     step: float,
-    folded: Any,
-    gamma: Any,
+    folded: FloatVector,
+    gamma: FloatVector,
     D: int,
     n: int,
-    constants: Any,
-    z: Any,
-    lanes: Any,
-) -> Any:
+    constants: FloatVector,
+    z: FloatVector,
+    lanes: FloatVector,
+) -> tuple[float, float]:
     """Best relative noise at one lengthscale, near ``x``: (objective, log b)."""
     row = fine_row(index, n, constants)
     rotate(folded, D, n, row, z)
@@ -95,19 +92,19 @@ def row_optimum(
     return best, first + step * where
 
 
-@_jit
+@kernel(fast=True)
 def descend(
     mid: int,
     x: float,
     tilt: float,
-    folded: Any,
-    gamma: Any,
+    folded: FloatVector,
+    gamma: FloatVector,
     D: int,
     n: int,
-    constants: Any,
-    z: Any,
-    lanes: Any,
-) -> Any:
+    constants: FloatVector,
+    z: FloatVector,
+    lanes: FloatVector,
+) -> tuple[float, float, int]:
     """Best lengthscale of the fine grid near ``mid``: (objective, log b, index)."""
     last = FINE_LENGTHSCALES - 1
     costm, xm = row_optimum(mid, x, _STEP, folded, gamma, D, n, constants, z, lanes)
@@ -167,8 +164,8 @@ def descend(
     return costm, xm, mid
 
 
-@_jit
-def row_minima(table: Any, constants: Any, best: Any, location: Any) -> None:
+@kernel(fast=True)
+def row_minima(table: FloatVector, constants: FloatVector, best: FloatVector, location: FloatVector) -> None:
     """Least objective of every coarse lengthscale and the log b where it lies, by parabolas."""
     start = constants[AT_COARSE_START]
     stride = constants[AT_COARSE_STRIDE]
@@ -191,8 +188,8 @@ def row_minima(table: Any, constants: Any, best: Any, location: Any) -> None:
                 location[i] += stride * shift
 
 
-@_jit
-def two_basins(best: Any) -> tuple[int, int]:
+@kernel(fast=True)
+def two_basins(best: FloatVector) -> tuple[int, int]:
     """Coarse lengthscales of the two least local minima, -1 where there is only one."""
     first, second = -1, -1
     for i in range(NC):
@@ -204,8 +201,15 @@ def two_basins(best: Any) -> tuple[int, int]:
     return first, second
 
 
-@_jit
-def search(folded: Any, gamma: Any, D: int, constants: Any, scratch: Any, out: Any) -> None:
+@kernel(fast=True)
+def search(
+    folded: FloatVector,
+    gamma: FloatVector,
+    D: int,
+    constants: FloatVector,
+    scratch: FloatVector,
+    out: FloatVector,
+) -> None:
     """Maximum likelihood of D folded, detrended axes.
 
     `modelcast.models.gp.layout` says where ``out`` has what; ``gamma`` (2,) holds the slopes taken out

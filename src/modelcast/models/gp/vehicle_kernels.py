@@ -1,17 +1,15 @@
 """Compiled point functions of the Gaussian process in the vehicle's frame."""
 
 from math import hypot, log
-from typing import Any
 
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector
 from modelcast.models.point_kernels import (
     EAST,
-    FIT_SIGNATURE,
     NORTH,
     POSITION_NOISE,
-    PREDICT_SIGNATURE,
     VELOCITY_EAST,
     VELOCITY_NORTH,
 )
@@ -41,8 +39,8 @@ _STOP_STEPS = 24
 """Instants of the polynomial at which the speed along the course is looked at."""
 
 
-@numba.njit(cache=True, nogil=True)
-def _level(noise_m: float, constants: Any) -> int:
+@kernel
+def _level(noise_m: float, constants: FloatVector) -> int:
     """Nearest noise level on the ladder."""
     if noise_m <= 0.0:
         return int(constants[AT_UNKNOWN])
@@ -50,8 +48,8 @@ def _level(noise_m: float, constants: Any) -> int:
     return max(0, min(nearest, int(constants[AT_LEVELS]) - 1))
 
 
-@numba.njit(cache=True, nogil=True)
-def _stop(coefficients: Any, count: int) -> float:
+@kernel
+def _stop(coefficients: FloatVector, count: int) -> float:
     """Share of the polynomial's span at which the speed along the course has fallen to zero; 1 if never."""
     before = coefficients[1]
     if before <= 0.0:
@@ -67,8 +65,8 @@ def _stop(coefficients: Any, count: int) -> float:
     return 1.0
 
 
-@numba.njit(FIT_SIGNATURE, cache=True, nogil=True)
-def fit(window: Any, constants: Any, out: Any) -> None:
+@kernel
+def fit(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     """Polynomial coefficients east, then north; the end of the motion; the noise level."""
     n = int(constants[AT_SAMPLES])
     m = int(constants[AT_MEASUREMENTS])
@@ -101,8 +99,8 @@ def fit(window: Any, constants: Any, out: Any) -> None:
     out[2 * k + 1] = level
 
 
-@numba.njit(PREDICT_SIGNATURE, cache=True, nogil=True)
-def predict(parameters: Any, horizon_s: float, constants: Any, out: Any) -> None:
+@kernel
+def predict(parameters: FloatVector, horizon_s: float, constants: FloatVector, out: FloatVector) -> None:
     """Follow the polynomial to its end, then go straight on, or stay where the vehicle stopped."""
     k = int(constants[AT_COEFFICIENTS])
     span = constants[AT_STRAIGHT_AFTER]

@@ -1,20 +1,18 @@
 """Compiled functions of the learned sub-model: its inputs, the network, and the corrected path."""
 
 from math import asinh, hypot, log, sqrt
-from typing import Any
 
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector
 from modelcast.models.kinematic_kernels import predict_acceleration_and_turn
 from modelcast.models.learned.features import LAG_STEP_S, SHORTEST_SPAN
 from modelcast.models.point_kernels import (
     ACCELERATION,
     EAST,
-    FIT_SIGNATURE,
     NORTH,
     POSITION_NOISE,
-    PREDICT_SIGNATURE,
     VELOCITY_EAST,
     VELOCITY_NORTH,
     YAW_RATE,
@@ -35,10 +33,8 @@ _LEAST_NOISE_M, _MOST_NOISE_M = 5e-4, 0.5
 _LEAST_ROUGH_MPS, _MOST_ROUGH_MPS = 1e-3, 5.0
 _THIRD_DIFFERENCE_GAIN = 20.0  # of the variance of white noise: 1 + 9 + 9 + 1
 
-_fast: Any = numba.njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "nsz", "arcp"})
 
-
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _frame(east: float, north: float) -> tuple[float, float, float]:
     """Speed and unit course of a velocity; north where it stands."""
     speed = hypot(east, north)
@@ -47,16 +43,16 @@ def _frame(east: float, north: float) -> tuple[float, float, float]:
     return speed, east / speed, north / speed
 
 
-@_fast
-def _dot(a: Any, b: Any) -> float:
+@kernel(fast=True)
+def _dot(a: FloatVector, b: FloatVector) -> float:
     total = 0.0
     for i in range(a.size):
         total += a[i] * b[i]
     return total
 
 
-@numba.njit(cache=True, nogil=True)
-def _roughness(path: Any) -> float:
+@kernel
+def _roughness(path: FloatVector) -> float:
     """Logarithm of the noise that a velocity's third differences show (lags,)."""
     total = 0.0
     for lag in range(path.size - 3):
@@ -66,8 +62,8 @@ def _roughness(path: Any) -> float:
     return log(min(max(noise, _LEAST_ROUGH_MPS), _MOST_ROUGH_MPS))
 
 
-@numba.njit(cache=True, nogil=True)
-def window_features(window: Any, constants: Any, out: Any) -> bool:
+@kernel
+def window_features(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> bool:
     """Write the inputs (I,) of a window (n, 7); False where it does not reach back far enough."""
     dt_s, lags = constants[0], int(constants[1])
     position_rows, velocity_rows = int(constants[2]), int(constants[3])
@@ -116,8 +112,10 @@ def window_features(window: Any, constants: Any, out: Any) -> bool:
     return True
 
 
-@_fast
-def run_network(network: Any, first: int, second: int, inputs: Any, outputs: Any) -> None:
+@kernel(fast=True)
+def run_network(
+    network: FloatVector, first: int, second: int, inputs: FloatVector, outputs: FloatVector
+) -> None:
     """Run one packed network over raw inputs; ``inputs`` (I,) is overwritten."""
     count = inputs.size
     for i in range(count):
@@ -140,8 +138,8 @@ def run_network(network: Any, first: int, second: int, inputs: Any, outputs: Any
         at += second
 
 
-@numba.njit(FIT_SIGNATURE, cache=True, nogil=True)
-def fit(window: Any, constants: Any, out: Any) -> None:
+@kernel
+def fit(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     """Keep the newest motion, and let the network for the window's noise give the correction."""
     newest = window[-1]
     out[0], out[1] = newest[VELOCITY_EAST], newest[VELOCITY_NORTH]
@@ -162,8 +160,8 @@ def fit(window: Any, constants: Any, out: Any) -> None:
         at += 3 + size
 
 
-@numba.njit(PREDICT_SIGNATURE, cache=True, nogil=True)
-def predict(parameters: Any, horizon_s: float, constants: Any, out: Any) -> None:
+@kernel
+def predict(parameters: FloatVector, horizon_s: float, constants: FloatVector, out: FloatVector) -> None:
     """Turn and accelerate, and add the correction along and across the first course."""
     predict_acceleration_and_turn(parameters, horizon_s, constants, out)
     coefficients = int(constants[5])

@@ -8,12 +8,13 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.brackets import log_bracket
-from modelcast.models.base import FunctionPointer, Windows, function_pointer, quiet_function_pointers
+from modelcast.models.address_kernels import FIT_TYPES, point_address
+from modelcast.models.base import Windows
 from modelcast.models.learned import selector_kernels
 from modelcast.models.learned.features import FeatureMap
 from modelcast.models.learned.learned_trajectory import feature_constants
 from modelcast.models.learned.network import Network
-from modelcast.models.point_kernels import FIT_SIGNATURE, fit_batch
+from modelcast.models.point_kernels import fit_batch
 
 __all__ = ["Selector"]
 
@@ -84,9 +85,9 @@ class Selector:
         return FeatureMap(self.lags).window_at(dt_s)
 
     @property
-    def pointer(self) -> FunctionPointer:
-        """The compiled function, with a fit's signature, as compiled loops take it."""
-        return function_pointer(selector_kernels.score, FIT_SIGNATURE)
+    def address(self) -> int:
+        """The compiled function, with a fit's types, as compiled loops take it in this process."""
+        return point_address(selector_kernels.score, FIT_TYPES)
 
     def check_members(self, names: tuple[str, ...]) -> None:
         """Refuse a bank that is not the one it was trained for.
@@ -132,8 +133,7 @@ class Selector:
         """
         out = np.empty((windows.samples.shape[0], len(self.members)))
         samples = np.ascontiguousarray(windows.samples[:, -self.window_at(windows.dt_s) :], dtype=np.float64)
-        with quiet_function_pointers():
-            fit_batch(self.pointer, samples, self.packed(windows.dt_s, threshold_m), out)
+        fit_batch(self.address, samples, self.packed(windows.dt_s, threshold_m), out)
         return out
 
     def _at(self, network: Network, at: tuple[int, int, float]) -> Network:

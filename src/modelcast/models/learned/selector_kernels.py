@@ -1,18 +1,16 @@
 """The compiled point function of the selector: how long each sub-model would last."""
 
-from typing import Any
-
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector
 from modelcast.models.learned.learned_kernels import HEADER, run_network, window_features
-from modelcast.models.point_kernels import FIT_SIGNATURE
 
 __all__ = ["score"]
 
 
-@numba.njit(FIT_SIGNATURE, cache=True, nogil=True)
-def score(window: Any, constants: Any, out: Any) -> None:
+@kernel
+def score(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     """Write the mean of all networks' scores (M,), NaN where the window does not reach back far enough."""
     lags, inputs, networks = int(constants[1]), int(constants[4]), int(constants[7])
     features = np.empty(inputs)

@@ -9,6 +9,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from modelcast.core.kernel_types import (
+    BoolVector,
+    FloatCube,
+    FloatMatrix,
+    FloatVector,
+    Int32Cube,
+    IntMatrix,
+    IntVector,
+)
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.policy.dcc_kernels import STATE_COLUMNS as DCC_COLUMNS
 from modelcast.policy.j2945_kernels import STATE_COLUMNS as RULE_COLUMNS
@@ -46,25 +55,25 @@ class SenderArrays(NamedTuple):
     went out; ``pending`` (V, 4) a message of the next step: time, power, whether believed, cause.
     """
 
-    vehicle: Any
-    history: Any
-    samples: Any
-    times: Any
-    noise: Any
-    phase: Any
-    rows: Any
-    control: Any
-    begins_s: Any
-    begun: Any
-    due_s: Any
-    number: Any
-    believed: Any
-    sent_s: Any
-    certified_s: Any
-    pending: Any
-    trials: Any
-    origin: Any
-    scores: Any
+    vehicle: IntVector
+    history: IntVector
+    samples: FloatCube
+    times: FloatVector
+    noise: FloatMatrix
+    phase: FloatVector
+    rows: FloatMatrix
+    control: FloatMatrix
+    begins_s: FloatVector
+    begun: BoolVector
+    due_s: FloatVector
+    number: IntVector
+    believed: IntVector
+    sent_s: FloatVector
+    certified_s: FloatVector
+    pending: FloatMatrix
+    trials: FloatCube
+    origin: FloatMatrix
+    scores: FloatMatrix
 
 
 class Contents(NamedTuple):
@@ -74,19 +83,19 @@ class Contents(NamedTuple):
     hosts that hold it.
     """
 
-    rows: Any
-    beliefs: Any
+    rows: FloatCube
+    beliefs: Int32Cube
 
 
 class Outbox(NamedTuple):
     """Messages of one step, (2V,): sender, ready [s], bytes, power [dBm], id; and the count, (1,)."""
 
-    sender: Any
-    ready_s: Any
-    size_bytes: Any
-    power_dbm: Any
-    message_id: Any
-    count: Any
+    sender: IntVector
+    ready_s: FloatVector
+    size_bytes: IntVector
+    power_dbm: FloatVector
+    message_id: IntVector
+    count: IntVector
 
 
 class Tally(NamedTuple):
@@ -98,14 +107,14 @@ class Tally(NamedTuple):
     (SUMS,) as `layout_kernels` names them.
     """
 
-    error: Any
-    age: Any
-    gap: Any
-    held: Any
-    pairs: Any
-    recent: Any
-    causes: Any
-    sums: Any
+    error: IntMatrix
+    age: IntMatrix
+    gap: IntMatrix
+    held: IntVector
+    pairs: IntVector
+    recent: IntVector
+    causes: IntVector
+    sums: FloatVector
 
 
 def sender_arrays(vehicles: int, window: int, phase: Any, *, members: int, parameters: int) -> SenderArrays:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.core.borrowing_kernels import borrowing
+from modelcast.core.kernel import kernel
 
 __all__ = ["BINS", "bin_of", "lower_edge"]
 
@@ -14,7 +14,7 @@ BINS = (28 << 5) + 2
 """Bin 0 holds everything below 2**-14; the last bin everything from 2**14 on."""
 
 
-@borrowing
+@kernel(inlined=True)
 def bin_of(value: float) -> int:
     """Bin of a number that is not negative."""
     at: Any = (np.float32(value).view(np.int32) >> _SHIFT) - _FIRST + 1

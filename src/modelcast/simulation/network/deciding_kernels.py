@@ -1,16 +1,18 @@
 """Compiled decisions of the closed loop's senders: every vehicle asks its rule once a step."""
 
 from math import hypot, sqrt
-from typing import Any
 
 import numpy as np
 
-from modelcast.core.borrowing_kernels import borrowing
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector
+from modelcast.models.member_kernels import parameter_count
 from modelcast.models.point_kernels import EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH
 from modelcast.policy import cam_kernels, dcc_kernels, error_driven_kernels, j2945_kernels, periodic_kernels
 from modelcast.policy.belief_kernels import tracking_error_of_model
-from modelcast.policy.neighbours_kernels import count, survey
-from modelcast.simulation.network.composing_kernels import moved
+from modelcast.policy.neighbours_kernels import NeighbourTables, count, survey
+from modelcast.simulation.network.arrays import Contents, Outbox, SenderArrays, Tally
+from modelcast.simulation.network.composing_kernels import LoopModels, moved
 from modelcast.simulation.network.emitting_kernels import airtime, emit, frame_bytes
 from modelcast.simulation.network.layout_kernels import (
     CONTENT_EAST_M,
@@ -28,8 +30,10 @@ from modelcast.simulation.network.layout_kernels import (
 __all__ = ["decide"]
 
 
-@borrowing
-def _start(s: Any, v: int, rule: int, t_s: float, constants: Any, start_share: float) -> None:
+@kernel(inlined=True)
+def _start(
+    s: SenderArrays, v: int, rule: int, t_s: float, constants: FloatVector, start_share: float
+) -> None:
     """Forget the last vehicle of a slot: the new one has sent nothing."""
     s.believed[v] = -1
     s.sent_s[v] = s.certified_s[v] = s.due_s[v] = -np.inf
@@ -45,40 +49,38 @@ def _start(s: Any, v: int, rule: int, t_s: float, constants: Any, start_share: f
         s.control[v, dcc_kernels.DUE_S] = t_s
 
 
-@borrowing
+@kernel(inlined=True)
 def _j2945(
-    models: Any,
-    s: Any,
+    models: LoopModels,
+    s: SenderArrays,
     v: int,
-    sample: Any,
+    sample: FloatVector,
     t_s: float,
     ask_s: float,
     until_s: float,
     event: bool,
     busy_ratio: float,
-    tables: Any,
-    uniforms: Any,
-    c: Any,
-    contents: Any,
-    local: Any,
-    scratch: Any,
+    tables: NeighbourTables,
+    uniforms: FloatVector,
+    c: FloatVector,
+    contents: Contents,
+    local: FloatVector,
+    scratch: FloatVector,
 ) -> tuple[int, float, float, bool]:
     """Ask the rules of SAE J2945/1 about one vehicle."""
     hosts, slots, _, _ = tables
     row = s.rows[v]
     error_m = np.inf
     if s.believed[v] >= 0:
-        _, predicts, constants, _, counts, trust, _ = models
+        members = models.members
         held = contents.rows[v, s.believed[v] % MESSAGES_KEPT]
         member = int(held[CONTENT_MEMBER])
         local[0], local[1], local[2] = t_s, sample[EAST], sample[NORTH]
         local[3], local[4] = sample[VELOCITY_EAST], sample[VELOCITY_NORTH]
         error_m = tracking_error_of_model(
-            predicts[member],
-            held[CONTENT_HEAD : CONTENT_HEAD + counts[member]],
-            constants[member],
-            trust[member, 0],
-            trust[member, 1],
+            members,
+            member,
+            held[CONTENT_HEAD : CONTENT_HEAD + parameter_count(members, member)],
             ask_s,
             local,
             held[CONTENT_FIT_S],
@@ -97,18 +99,30 @@ def _j2945(
     return j2945_kernels.step(row, ask_s, until_s, error_m, busy_ratio, near, ratio, event, uniforms, c)
 
 
-@borrowing
+@kernel(inlined=True)
 def _error_driven(
-    models: Any, s: Any, v: int, sample: Any, t_s: float, constants: Any, contents: Any, scratch: Any
+    models: LoopModels,
+    s: SenderArrays,
+    v: int,
+    sample: FloatVector,
+    t_s: float,
+    constants: FloatVector,
+    contents: Contents,
+    scratch: FloatVector,
 ) -> bool:
     """Ask Algorithm 1, where only the sub-model in use is sent."""
     if s.believed[v] < 0:
         return True
-    _, _, _, _, counts, _, _ = models
     held = contents.rows[v, s.believed[v] % MESSAGES_KEPT]
     member = int(held[CONTENT_MEMBER])
     age_s = t_s - held[CONTENT_FIT_S]
-    moved(models, member, held[CONTENT_HEAD : CONTENT_HEAD + counts[member]], age_s, scratch)
+    moved(
+        models,
+        member,
+        held[CONTENT_HEAD : CONTENT_HEAD + parameter_count(models.members, member)],
+        age_s,
+        scratch,
+    )
     east = held[CONTENT_EAST_M] + scratch[0] - sample[EAST]
     north = held[CONTENT_NORTH_M] + scratch[1] - sample[NORTH]
     scratch[0], scratch[1] = sqrt(east * east + north * north), np.inf
@@ -126,17 +140,17 @@ def _error_driven(
     return kind != error_driven_kernels.NOTHING
 
 
-@borrowing
+@kernel(inlined=True)
 def _cam(
-    s: Any,
+    s: SenderArrays,
     v: int,
-    sample: Any,
+    sample: FloatVector,
     ask_s: float,
     busy_ratio: float,
     airtime_s: float,
-    constants: Any,
+    constants: FloatVector,
     control: int,
-    control_constants: Any,
+    control_constants: FloatVector,
     least_s: float,
 ) -> bool:
     """Ask the triggering rules of cooperative awareness messages."""
@@ -158,30 +172,30 @@ def _cam(
     )
 
 
-@borrowing
+@kernel(inlined=True)
 def decide(
-    models: Any,
-    limits: Any,
-    stack: Any,
+    models: LoopModels,
+    limits: tuple[float, float, float],
+    stack: FloatVector,
     rule: int,
-    constants: Any,
+    constants: FloatVector,
     control: int,
-    control_constants: Any,
-    extra: Any,
+    control_constants: FloatVector,
+    extra: tuple[float, float, float, float, float],
     t_s: float,
     dt_s: float,
     at: int,
-    started: Any,
-    critical: Any,
-    busy_ratio: Any,
-    uniforms: Any,
-    tables: Any,
-    s: Any,
-    contents: Any,
-    out: Any,
-    tally: Any,
-    local: Any,
-    scratch: Any,
+    started: BoolVector,
+    critical: BoolVector,
+    busy_ratio: FloatVector,
+    uniforms: FloatMatrix,
+    tables: NeighbourTables,
+    s: SenderArrays,
+    contents: Contents,
+    out: Outbox,
+    tally: Tally,
+    local: FloatVector,
+    scratch: FloatVector,
 ) -> None:
     """Let every vehicle decide what it sends in [t, t + dt), each at a time of its own in the step.
 
@@ -231,7 +245,7 @@ def decide(
         elif rule == RULE_ERROR_DRIVEN:
             sends = _error_driven(models, s, v, sample, t_s, constants, contents, scratch)
         else:
-            payload = float(models[6][len(models[0]) - 1])
+            payload = float(models.payload_bytes[models.payload_bytes.size - 1])
             airtime_s = airtime(frame_bytes(payload, True, stack), stack)
             sends = _cam(
                 s,

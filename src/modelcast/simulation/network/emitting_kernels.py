@@ -1,10 +1,11 @@
 """Compiled accounting of what the closed loop's senders hand to the radio: bytes, certificates, airtime."""
 
 from math import ceil
-from typing import Any
 
-from modelcast.core.borrowing_kernels import borrowing
-from modelcast.simulation.network.composing_kernels import compose
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatVector
+from modelcast.simulation.network.arrays import Contents, Outbox, SenderArrays, Tally
+from modelcast.simulation.network.composing_kernels import LoopModels, compose
 from modelcast.simulation.network.layout_kernels import (
     AIRTIME_S,
     BELIEF_NUMBER,
@@ -32,8 +33,8 @@ _GAP, _TIMER, _ALWAYS = range(3)
 _TIME_SLACK_S = 1e-9
 
 
-@borrowing
-def _has_certificate(s: Any, v: int, sent_s: float, rule: int, interval_s: float) -> bool:
+@kernel(inlined=True)
+def _has_certificate(s: SenderArrays, v: int, sent_s: float, rule: int, interval_s: float) -> bool:
     """Whether a message carries the certificate, as `modelcast.messages.airtime.Stack` says."""
     if rule == _GAP:
         return sent_s - s.sent_s[v] > interval_s + _TIME_SLACK_S
@@ -42,32 +43,32 @@ def _has_certificate(s: Any, v: int, sent_s: float, rule: int, interval_s: float
     return rule == _ALWAYS
 
 
-@borrowing
-def frame_bytes(payload: float, certificate: bool, stack: Any) -> float:
+@kernel(inlined=True)
+def frame_bytes(payload: float, certificate: bool, stack: FloatVector) -> float:
     """Return the bytes handed to the physical layer for a payload."""
     return payload + stack[2] + (stack[3] if certificate else 0.0)
 
 
-@borrowing
-def airtime(size_bytes: float, stack: Any) -> float:
+@kernel(inlined=True)
+def airtime(size_bytes: float, stack: FloatVector) -> float:
     """Return how long a frame of that size is on the air [s]."""
     return stack[4] + stack[5] * ceil((stack[6] + 8.0 * size_bytes) / stack[7])
 
 
-@borrowing
+@kernel(inlined=True)
 def emit(
-    models: Any,
-    limits: Any,
-    stack: Any,
-    s: Any,
+    models: LoopModels,
+    limits: tuple[float, float, float],
+    stack: FloatVector,
+    s: SenderArrays,
     v: int,
     at: int,
     t_s: float,
-    message: Any,
-    contents: Any,
-    out: Any,
-    tally: Any,
-    scratch: Any,
+    message: tuple[float, float, float, float],
+    contents: Contents,
+    out: Outbox,
+    tally: Tally,
+    scratch: FloatVector,
 ) -> None:
     """Compose a message, put it into the outbox and account for it.
 
@@ -94,7 +95,7 @@ def emit(
     s.sent_s[v], s.number[v] = sent_s, number + 1
     tally.causes[int(cause)] += 1
     tally.sums[MESSAGES] += 1.0
-    if row[CONTENT_MEMBER] < len(models[0]) - 1:
+    if row[CONTENT_MEMBER] < models.payload_bytes.size - 1:
         tally.sums[MODELS] += 1.0
     if certificate:
         tally.sums[CERTIFICATES] += 1.0

@@ -12,11 +12,14 @@ import numpy as np
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
 from modelcast.core.arrays import FloatArray
 from modelcast.core.chance import child_generator
-from modelcast.models.base import quiet_function_pointers
+from modelcast.models.members import ReadyBank
 from modelcast.models.noise import DEFAULT_NOISE
 from modelcast.policy import j2945_kernels
 from modelcast.policy.belief_kernels import LOCAL_COLUMNS
-from modelcast.policy.neighbours import NeighbourTables, neighbour_tables
+from modelcast.policy.j2945 import J2945
+from modelcast.policy.j2945_parameters import J2945Parameters
+from modelcast.policy.neighbours import neighbour_tables
+from modelcast.policy.neighbours_kernels import NeighbourTables
 from modelcast.simulation.network import deciding_kernels, receiver_kernels, sampling_kernels
 from modelcast.simulation.network.arrays import (
     Contents,
@@ -27,6 +30,7 @@ from modelcast.simulation.network.arrays import (
     sender_arrays,
     tally,
 )
+from modelcast.simulation.network.composing_kernels import LoopModels
 from modelcast.simulation.network.layout_kernels import (
     MESSAGES,
     POWER_DBM,
@@ -34,7 +38,7 @@ from modelcast.simulation.network.layout_kernels import (
     SENDER_BITS,
     TRACK_COLUMNS,
 )
-from modelcast.simulation.network.loop_constants import loop_constants, loop_models
+from modelcast.simulation.network.loop_constants import loop_constants
 from modelcast.simulation.network.sender import FleetSender
 from modelcast.simulation.network.settings import NetworkSettings
 from modelcast.simulation.scenario.base import FleetFrame
@@ -97,18 +101,21 @@ class FleetLoop:
         window = max(int(bank.windows.max()), DEFAULT_NOISE.order + 1)
         self.sender, self.radio, self.settings = sender, radio, settings
         self.expiry_s = max(settings.expiry_s, 2.0 * sender.longest_silence_s)
-        self.models = loop_models(sender, dt_s)
+        self._ready = ReadyBank.of(bank, dt_s)
+        self._payload_bytes = sender.payload_bytes
         self.senders: SenderArrays = sender_arrays(
             vehicles,
             window,
             phase,
-            members=len(self.models[0]),
+            members=len(bank.members),
             parameters=int(sender.parameter_counts.max()),
         )
         self.contents: Contents = contents(vehicles, int(sender.parameter_counts.max()))
         self.outbox: Outbox = outbox(vehicles)
         capacity = _capacity(first, settings)
-        self.tables: NeighbourTables = neighbour_tables(vehicles, capacity, phase_s=phase * 1.0)
+        self.tables: NeighbourTables = neighbour_tables(
+            vehicles, capacity, sub_intervals=_sub_intervals(sender), phase_s=phase * 1.0
+        )
         self.tracks = np.full((vehicles, capacity, TRACK_COLUMNS), -1.0)
         self.tally = tally(settings.distances)
         self.number = 0
@@ -155,9 +162,9 @@ class FleetLoop:
             seen, self._filter_state = self._filter.estimate(self._filter_state, seen)
         before = self.tally.sums.copy()
         busy_ratio = self.radio.channel_busy_ratio(self._radio_state)
-        with quiet_function_pointers():
-            truth_m = self._sense_and_track(frame, seen, now_s)
-            self._decide(seen, now_s, busy_ratio)
+        models = LoopModels(self._ready.members, self._payload_bytes)
+        truth_m = self._sense_and_track(models, frame, seen, now_s)
+        self._decide(models, seen, now_s, busy_ratio)
         received = self._carry(truth_m, until_s)
         receiver_kernels.hear_messages(
             received.message_id,
@@ -177,7 +184,9 @@ class FleetLoop:
         self.number += 1
         return received, self._series_row(frame, busy_ratio, before, received)
 
-    def _sense_and_track(self, frame: FleetFrame, seen: FleetFrame, now_s: float) -> FloatArray:
+    def _sense_and_track(
+        self, models: LoopModels, frame: FleetFrame, seen: FleetFrame, now_s: float
+    ) -> FloatArray:
         """Take samples in, let new vehicles begin anew, and set all tracks against the truth."""
         s, settings = self.senders, self.settings
         self._started = np.zeros(len(frame), dtype=np.bool_)
@@ -199,7 +208,7 @@ class FleetLoop:
         receiver_kernels.clear_hosts(self._started, self.tables, self.tracks)
         truth_m = np.where(frame.active[:, None], frame.position_m, np.nan)
         receiver_kernels.sample_tracks(
-            self.models,
+            models,
             now_s,
             self.number,
             self.expiry_s,
@@ -221,12 +230,12 @@ class FleetLoop:
         """Where in the rings the newest sample goes."""
         return self.number % (self.senders.times.size // 2)
 
-    def _decide(self, seen: FleetFrame, now_s: float, busy_ratio: FloatArray) -> None:
+    def _decide(self, models: LoopModels, seen: FleetFrame, now_s: float, busy_ratio: FloatArray) -> None:
         """Fill the outbox."""
         c = self._constants
         critical = seen.acceleration_mps2 < -c.critical_mps2
         deciding_kernels.decide(
-            self.models,
+            models,
             self.sender.limits,
             c.stack,
             c.rule,
@@ -285,6 +294,12 @@ class FleetLoop:
         """Set all counts to zero: the warm-up is over."""
         for counts in self.tally:
             counts[...] = 0
+
+
+def _sub_intervals(sender: FleetSender) -> int:
+    """Sub-intervals that the sender's rule counts packet errors over."""
+    rule = sender.policy
+    return (rule.parameters if isinstance(rule, J2945) else J2945Parameters()).sub_intervals
 
 
 def _capacity(first: FleetFrame, settings: NetworkSettings) -> int:

@@ -1,7 +1,6 @@
 """A sender's models, rule and stack as the plain tuples and arrays that the compiled loop takes."""
 
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
 
 import numpy as np
 
@@ -22,10 +21,7 @@ from modelcast.simulation.network.layout_kernels import (
 )
 from modelcast.simulation.network.sender import FleetSender
 
-__all__ = ["LoopConstants", "loop_constants", "loop_models"]
-
-_MEMBERS = 3
-_NEVER = 2**31
+__all__ = ["LoopConstants", "loop_constants"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,28 +37,6 @@ class LoopConstants:
     stack: FloatArray
     noise: tuple[float, float, float, float, float, float]
     critical_mps2: float
-
-
-def loop_models(sender: FleetSender, dt_s: float) -> tuple[Any, ...]:
-    """Members as the compiled loop takes them, at least `_MEMBERS`.
-
-    Numba compiles the loop anew for every number of members. So a short bank is filled up in front with
-    members that no window is long enough for.
-    """
-    bank = sender.bank
-    spare = max(0, _MEMBERS - len(bank.members))
-    members = (bank.members[0],) * spare + bank.members
-    chosen = np.array([0] * spare + list(range(len(bank.members))))
-    ready = [member.point_functions(dt_s) for member in members]
-    return (
-        tuple(one.fit_pointer for one in ready),
-        tuple(one.predict_pointer for one in ready),
-        tuple(one.constants for one in ready),
-        np.concatenate([np.full(spare, _NEVER, dtype=np.int64), bank.windows]),
-        sender.parameter_counts[chosen],
-        bank.trust[chosen],
-        sender.payload_bytes[chosen],
-    )
 
 
 def loop_constants(sender: FleetSender, dt_s: float) -> LoopConstants:

@@ -1,16 +1,26 @@
 """Compiled receivers of the closed loop: every host takes in what it hears and tracks every remote."""
 
 from math import hypot, sqrt
-from typing import Any
 
-import numba
 import numpy as np
 
 from modelcast.channel.grid_kernels import build_grid, cell_span
-from modelcast.core.borrowing_kernels import borrowing
-from modelcast.models.trusted_kernels import predict_trusted
-from modelcast.policy.neighbours_kernels import hear
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import (
+    BoolVector,
+    FloatCube,
+    FloatMatrix,
+    FloatVector,
+    Int16Matrix,
+    Int32Cube,
+    IntMatrix,
+    IntVector,
+)
+from modelcast.models.member_kernels import parameter_count, predict_member
+from modelcast.policy.neighbours_kernels import HostVector, NeighbourTables, SlotMatrix, hear
+from modelcast.simulation.network.arrays import Contents, Tally
 from modelcast.simulation.network.bins_kernels import bin_of
+from modelcast.simulation.network.composing_kernels import LoopModels
 from modelcast.simulation.network.layout_kernels import (
     BELIEF_AGE_BIN,
     BELIEF_ERROR_BIN,
@@ -40,8 +50,8 @@ _LINE = 64
 """Bytes of a cache line."""
 
 
-@borrowing
-def clear_hosts(started: Any, tables: Any, tracks: Any) -> None:
+@kernel(inlined=True)
+def clear_hosts(started: BoolVector, tables: NeighbourTables, tracks: FloatCube) -> None:
     """Let new vehicles hold nothing: ``started`` (V,) says whose slot has one."""
     hosts, slots, index, _ = tables
     for host in range(started.size):
@@ -55,8 +65,8 @@ def clear_hosts(started: Any, tables: Any, tracks: Any) -> None:
                 index[host, at] = -1
 
 
-@numba.njit(cache=True, nogil=True)
-def _by_host(receiver: Any, hosts: int) -> Any:
+@kernel
+def _by_host(receiver: IntVector, hosts: int) -> IntVector:
     """Receptions host by host, each host's in the order given: a host's table then stays in the cache."""
     start = np.zeros(hosts + 1, dtype=np.int64)
     for host in receiver:
@@ -71,8 +81,8 @@ def _by_host(receiver: Any, hosts: int) -> Any:
     return order
 
 
-@borrowing
-def _touch_host(host: int, used: int, slots: Any, index: Any, tracks: Any) -> float:
+@kernel(inlined=True)
+def _touch_host(host: int, used: int, slots: SlotMatrix, index: Int16Matrix, tracks: FloatCube) -> float:
     """Read through the tables of a host in the order of memory; return a number that means nothing.
 
     Its messages then find them in the cache: a processor fetches ahead of a walk, not of scattered look-ups.
@@ -85,27 +95,27 @@ def _touch_host(host: int, used: int, slots: Any, index: Any, tracks: Any) -> fl
     return total
 
 
-@borrowing
+@kernel(inlined=True)
 def _hear_each(
-    order: Any,
-    message_id: Any,
-    receiver: Any,
-    received_s: Any,
-    vehicle: Any,
-    seen_m: Any,
-    truth_m: Any,
+    order: IntVector,
+    message_id: IntVector,
+    receiver: IntVector,
+    received_s: FloatVector,
+    vehicle: IntVector,
+    seen_m: FloatMatrix,
+    truth_m: FloatMatrix,
     reach_m: float,
     sub_interval_s: float,
     distance_bin_m: float,
-    hosts: Any,
-    slots: Any,
-    index: Any,
-    free: Any,
-    rows: Any,
-    tracks: Any,
-    gap: Any,
-    sums: Any,
-    touched: Any,
+    hosts: HostVector,
+    slots: SlotMatrix,
+    index: Int16Matrix,
+    free: Int16Matrix,
+    rows: FloatCube,
+    tracks: FloatCube,
+    gap: IntMatrix,
+    sums: FloatVector,
+    touched: FloatVector,
 ) -> None:
     """Take in receptions in an order, host by host; ``touched`` (1,) is overwritten."""
     mask = (1 << SENDER_BITS) - 1
@@ -160,21 +170,21 @@ def _hear_each(
     sums[STALE] += stale
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def hear_messages(
-    message_id: Any,
-    receiver: Any,
-    received_s: Any,
-    vehicle: Any,
-    seen_m: Any,
-    truth_m: Any,
+    message_id: IntVector,
+    receiver: IntVector,
+    received_s: FloatVector,
+    vehicle: IntVector,
+    seen_m: FloatMatrix,
+    truth_m: FloatMatrix,
     reach_m: float,
     sub_interval_s: float,
     distance_bin_m: float,
-    tables: Any,
-    contents: Any,
-    tracks: Any,
-    tally: Any,
+    tables: NeighbourTables,
+    contents: Contents,
+    tracks: FloatCube,
+    tally: Tally,
 ) -> None:
     """Take in receptions, (R,) each, in the order of time.
 
@@ -189,35 +199,27 @@ def hear_messages(
     )  # fmt: skip
 
 
-@borrowing
-def _predicted(models: Any, content: Any, t_s: float, out: Any) -> None:
+@kernel(inlined=True)
+def _predicted(models: LoopModels, content: FloatVector, t_s: float, out: FloatVector) -> None:
     """Where a message puts its sender at a time, into ``out`` (2,)."""
-    _, predicts, constants, _, counts, trust, _ = models
-    member = int(content[CONTENT_MEMBER])
-    predict_trusted(
-        predicts[member],
-        content[CONTENT_HEAD : CONTENT_HEAD + counts[member]],
-        t_s - content[CONTENT_FIT_S],
-        constants[member],
-        trust[member, 0],
-        trust[member, 1],
-        out,
-    )
+    members, member = models.members, int(content[CONTENT_MEMBER])
+    parameters = content[CONTENT_HEAD : CONTENT_HEAD + parameter_count(members, member)]
+    predict_member(members, member, parameters, t_s - content[CONTENT_FIT_S], out)
     out[0] += content[CONTENT_EAST_M]
     out[1] += content[CONTENT_NORTH_M]
 
 
-@borrowing
+@kernel(inlined=True)
 def _count(
-    beliefs: Any,
+    beliefs: Int32Cube,
     sender: int,
     ring: int,
     distance: int,
-    middle: Any,
-    held: Any,
-    error: Any,
-    age: Any,
-    recent: Any,
+    middle: tuple[int, int],
+    held: IntVector,
+    error: IntMatrix,
+    age: IntMatrix,
+    recent: IntVector,
 ) -> None:
     """Count one track at a distance; that of a remote that has left is passed over."""
     at = beliefs[sender, ring, BELIEF_ERROR_BIN]
@@ -230,7 +232,7 @@ def _count(
         recent[at] += 1
 
 
-@borrowing
+@kernel(inlined=True)
 def _sample_host(
     host: int,
     used: int,
@@ -238,15 +240,15 @@ def _sample_host(
     step: int,
     expiry_s: float,
     distance_bin_m: float,
-    middle: Any,
-    truth_m: Any,
-    beliefs: Any,
-    tracks: Any,
-    held: Any,
-    error: Any,
-    age: Any,
-    recent: Any,
-    out_waiting: Any,
+    middle: tuple[int, int],
+    truth_m: FloatMatrix,
+    beliefs: Int32Cube,
+    tracks: FloatCube,
+    held: IntVector,
+    error: IntMatrix,
+    age: IntMatrix,
+    recent: IntVector,
+    out_waiting: IntVector,
 ) -> int:
     """Count the tracks of one host; those whose belief is not worked out yet are listed instead."""
     most_m = distance_bin_m * held.size
@@ -273,8 +275,10 @@ def _sample_host(
     return waiting
 
 
-@borrowing
-def _touch_contents(host: int, count: int, waiting: Any, tracks: Any, rows: Any, out: Any) -> None:
+@kernel(inlined=True)
+def _touch_contents(
+    host: int, count: int, waiting: IntVector, tracks: FloatCube, rows: FloatCube, out: FloatVector
+) -> None:
     """Touch the contents of all messages that wait to be worked out, so that their cache misses overlap."""
     for k in range(count):
         message = int(tracks[host, waiting[k], TRACK_MESSAGE])
@@ -282,9 +286,16 @@ def _touch_contents(host: int, count: int, waiting: Any, tracks: Any, rows: Any,
         out[k] = rows[sender, ring, CONTENT_FIT_S] + rows[sender, ring, CONTENT_HEAD]
 
 
-@borrowing
+@kernel(inlined=True)
 def _work_out(
-    models: Any, message: int, t_s: float, step: int, vehicle: Any, truth_m: Any, contents: Any, scratch: Any
+    models: LoopModels,
+    message: int,
+    t_s: float,
+    step: int,
+    vehicle: IntVector,
+    truth_m: FloatMatrix,
+    contents: Contents,
+    scratch: FloatVector,
 ) -> None:
     """Work out what a message makes its holders believe now, where that has not been done."""
     sender = message & ((1 << SENDER_BITS) - 1)
@@ -301,21 +312,21 @@ def _work_out(
         belief[BELIEF_AGE_BIN] = bin_of(t_s - content[CONTENT_FIT_S])
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def sample_tracks(
-    models: Any,
+    models: LoopModels,
     t_s: float,
     step: int,
     expiry_s: float,
     distance_bin_m: float,
-    middle: Any,
-    vehicle: Any,
-    truth_m: Any,
-    tables: Any,
-    contents: Any,
-    tracks: Any,
-    tally: Any,
-    scratch: Any,
+    middle: tuple[int, int],
+    vehicle: IntVector,
+    truth_m: FloatMatrix,
+    tables: NeighbourTables,
+    contents: Contents,
+    tracks: FloatCube,
+    tally: Tally,
+    scratch: FloatVector,
 ) -> None:
     """Count the tracking error and information age of every live track now, by true distance.
 
@@ -346,8 +357,8 @@ def sample_tracks(
             )  # fmt: skip
 
 
-@numba.njit(cache=True, nogil=True)
-def count_pairs(position_m: Any, distance_bin_m: float, pairs: Any) -> None:
+@kernel
+def count_pairs(position_m: FloatMatrix, distance_bin_m: float, pairs: IntVector) -> None:
     """Count all pairs of host and remote by distance, ``pairs`` (distances,); NaN is nobody."""
     most_m = distance_bin_m * pairs.size
     grid = build_grid(position_m, most_m)
@@ -365,8 +376,8 @@ def count_pairs(position_m: Any, distance_bin_m: float, pairs: Any) -> None:
                     pairs[int(sqrt(square) / distance_bin_m)] += 1
 
 
-@numba.njit(cache=True, nogil=True)
-def most_in_reach(position_m: Any, reach_m: float) -> int:
+@kernel
+def most_in_reach(position_m: FloatMatrix, reach_m: float) -> int:
     """Most vehicles within reach of one, itself among them."""
     grid = build_grid(position_m, reach_m)
     most = 0

@@ -1,10 +1,9 @@
 """Compiled windows of the closed loop's senders: what every vehicle sees of itself comes in."""
 
 from math import cos, hypot, sin, sqrt
-from typing import Any
 
-import numba
-
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector, IntVector
 from modelcast.models.noise_kernels import difference_variance, settled
 from modelcast.models.point_kernels import (
     ACCELERATION,
@@ -16,25 +15,26 @@ from modelcast.models.point_kernels import (
     YAW_RATE,
 )
 from modelcast.models.rates import NO_RATES_BELOW_MPS
+from modelcast.simulation.network.arrays import SenderArrays
 
 __all__ = ["take_samples"]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def take_samples(
     t_s: float,
     at: int,
-    seen_m: Any,
-    speed_mps: Any,
-    heading_rad: Any,
-    acceleration_mps2: Any,
-    yaw_rate_radps: Any,
-    vehicle_id: Any,
-    active: Any,
-    s: Any,
+    seen_m: FloatMatrix,
+    speed_mps: FloatVector,
+    heading_rad: FloatVector,
+    acceleration_mps2: FloatVector,
+    yaw_rate_radps: FloatVector,
+    vehicle_id: IntVector,
+    active: BoolVector,
+    s: SenderArrays,
     order: int,
-    noise: Any,
-    out_started: Any,
+    noise: tuple[float, float, float, float, float, float],
+    out_started: BoolVector,
 ) -> None:
     """Take what V vehicles see at one instant into their windows, at place ``at`` of the rings.
 

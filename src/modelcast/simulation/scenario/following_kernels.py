@@ -9,9 +9,9 @@ quite steady, and the acceleration follows its target with a lag and a bounded j
 """
 
 from math import exp, sqrt, tanh
-from typing import Any
 
-import numba
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix
 
 __all__ = [
     "ACCEL",
@@ -53,7 +53,7 @@ HARD_MPS2 = 3.0
 SOFT_STOP_S = 0.8
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def follow_freely(v: float, v0: float, a: float, b: float) -> float:
     """Acceleration on an empty road."""
     if v <= v0:
@@ -63,7 +63,7 @@ def follow_freely(v: float, v0: float, a: float, b: float) -> float:
     return -b * (1.0 - (v0 / v) ** (a * EXPONENT / b))
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def follow(
     v: float,
     gap: float,
@@ -102,8 +102,10 @@ def follow(
     return (1.0 - COOLNESS) * idm + COOLNESS * (heuristic + b * tanh((idm - heuristic) / b))
 
 
-@numba.njit(cache=True, nogil=True)
-def wanted(drivers: Any, i: int, v: float, gap: float, leader_v: float, leader_a: float, v0: float) -> float:
+@kernel
+def wanted(
+    drivers: FloatMatrix, i: int, v: float, gap: float, leader_v: float, leader_a: float, v0: float
+) -> float:
     """Acceleration of driver i behind a leader, with a desired speed of the moment."""
     return follow(
         v,
@@ -118,7 +120,7 @@ def wanted(drivers: Any, i: int, v: float, gap: float, leader_v: float, leader_a
     )
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def respond(v: float, a: float, target: float, gap: float, dt: float) -> float:
     """Acceleration after a step: towards the target with a lag, with bounded jerk, eased off into a stop."""
     if v < 4.0 and gap > 0.5:
@@ -132,7 +134,7 @@ def respond(v: float, a: float, target: float, gap: float, dt: float) -> float:
     return a + min(max(change, -down * dt), up * dt)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def move(v: float, a: float, a_next: float, dt: float) -> tuple[float, float, float]:
     """Distance, speed and acceleration after a step in which the acceleration changes linearly."""
     v_next = v + 0.5 * (a + a_next) * dt
@@ -141,8 +143,10 @@ def move(v: float, a: float, a_next: float, dt: float) -> tuple[float, float, fl
     return max(0.0, v * dt + (2.0 * a + a_next) * dt * dt / 6.0), v_next, a_next
 
 
-@numba.njit(cache=True, nogil=True)
-def wander(columns: Any, row: int, i: int, clock_s: float, std_m: float, rate: float, normal: float) -> None:
+@kernel
+def wander(
+    columns: FloatMatrix, row: int, i: int, clock_s: float, std_m: float, rate: float, normal: float
+) -> None:
     """Advance a lane-keeping error and its two derivatives, rows `row` to `row + 2`, by a step.
 
     A third-order Gauss-Markov process (a Matérn process of order 5/2 with lambda = `rate`): the acceleration

@@ -5,11 +5,11 @@ link at once, and comes up to its beginning on the connector, at negative s.
 """
 
 from math import exp, pi, sin, sqrt
-from typing import Any
 
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatCube, FloatMatrix, FloatVector, IntMatrix, IntVector
 from modelcast.simulation.scenario.following_kernels import (
     APPROACH_ERROR_HZ,
     DESIRED_SPEED,
@@ -56,16 +56,18 @@ ROOM = 1.15  # of length and gap: what a standing vehicle takes up
 SPARE_M = 16.0  # kept free for those who are too close to stop when a link fills up
 
 
-@numba.njit(cache=True, nogil=True)
-def _turn_speed(move_kind: int, connectors: Any, drivers: Any, i: int, lateral: float) -> float:
+@kernel
+def _turn_speed(
+    move_kind: int, connectors: FloatVector, drivers: FloatMatrix, i: int, lateral: float
+) -> float:
     """Speed across a junction: the sharpest point of the curve, pi / L, at a lateral acceleration."""
     if move_kind == 0:
         return float(drivers[DESIRED_SPEED, i])
     return min(drivers[DESIRED_SPEED, i], sqrt(lateral * connectors[move_kind] / pi))
 
 
-@numba.njit(cache=True, nogil=True)
-def choose_move(follower: Any, link: int, uniform: float) -> int:
+@kernel
+def choose_move(follower: IntMatrix, link: int, uniform: float) -> int:
     """Draw how to leave a link."""
     weight = np.zeros(3)
     for kind in range(3):
@@ -79,8 +81,8 @@ def choose_move(follower: Any, link: int, uniform: float) -> int:
     return int(np.argmax(weight))
 
 
-@numba.njit(cache=True, nogil=True)
-def sort_by_link(numbers: Any, integers: Any, order: Any, first: Any) -> None:
+@kernel
+def sort_by_link(numbers: FloatMatrix, integers: IntMatrix, order: IntVector, first: IntVector) -> None:
     """Put the slots in order of link and place; `first[k] : first[k + 1]` are those of link k."""
     links = first.size - 1
     first[:] = 0
@@ -100,8 +102,10 @@ def sort_by_link(numbers: Any, integers: Any, order: Any, first: Any) -> None:
         fill[k] += 1
 
 
-@numba.njit(cache=True, nogil=True)
-def _perceived(numbers: Any, drivers: Any, i: int, j: int, gap: float, v0: float, perception: float) -> float:
+@kernel
+def _perceived(
+    numbers: FloatMatrix, drivers: FloatMatrix, i: int, j: int, gap: float, v0: float, perception: float
+) -> float:
     """Acceleration that driver i, with the errors of the moment, wants behind j."""
     if gap > LOOK_M:
         return wanted(drivers, i, numbers[V, i], FREE_M, 0.0, 0.0, v0)
@@ -110,10 +114,10 @@ def _perceived(numbers: Any, drivers: Any, i: int, j: int, gap: float, v0: float
     return wanted(drivers, i, numbers[V, i], seen, max(0.0, numbers[V, j] - error), numbers[A, j], v0)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def step(
-    numbers: Any, integers: Any, order: Any, first: Any, left_last: Any, drivers: Any, follower: Any,
-    connectors: Any, ends: Any, green_start: Any, cycle: Any, settings: Any, normals: Any, uniforms: Any,
+    numbers: FloatMatrix, integers: IntMatrix, order: IntVector, first: IntVector, left_last: IntVector, drivers: FloatMatrix, follower: IntMatrix,
+    connectors: FloatVector, ends: IntVector, green_start: FloatVector, cycle: FloatVector, settings: FloatVector, normals: FloatMatrix, uniforms: FloatVector,
     t_s: float, dt: float,
 ) -> None:  # fmt: skip
     """Advance all vehicles by a step, in place.
@@ -234,15 +238,15 @@ def step(
     sort_by_link(numbers, integers, order, first)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def poses(
-    numbers: Any,
-    integers: Any,
-    start: Any,
-    direction: Any,
-    connectors: Any,
-    curve: Any,
-    out: Any,
+    numbers: FloatMatrix,
+    integers: IntMatrix,
+    start: FloatMatrix,
+    direction: IntVector,
+    connectors: FloatVector,
+    curve: FloatCube,
+    out: FloatMatrix,
 ) -> None:
     """Write the vehicles' motion on the plane, (6, V)."""
     points = curve.shape[1]

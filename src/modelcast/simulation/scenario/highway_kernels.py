@@ -5,11 +5,11 @@ last vehicle seen in every lane, so that each vehicle finds its leaders at once.
 """
 
 from math import exp, sqrt
-from typing import Any
 
-import numba
 import numpy as np
 
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntMatrix, IntVector
 from modelcast.simulation.scenario.following_kernels import (
     APPROACH_ERROR_HZ,
     DESIRED_SPEED,
@@ -54,18 +54,18 @@ ERROR_S = 20.0  # Treiber, Kesting and Helbing (2006)
 PEDAL_S = 3.0
 
 
-@numba.njit(cache=True, nogil=True)
-def _is_in(lane: int, numbers: Any, integers: Any, i: int) -> bool:
+@kernel
+def _is_in(lane: int, numbers: FloatMatrix, integers: IntMatrix, i: int) -> bool:
     if integers[LANE, i] == lane:
         return True
     return integers[OLD_LANE, i] == lane and numbers[PROGRESS, i] < LEFT_OLD_LANE
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _neighbour(
-    numbers: Any,
-    integers: Any,
-    order: Any,
+    numbers: FloatMatrix,
+    integers: IntMatrix,
+    order: IntVector,
     first: int,
     end: int,
     k: int,
@@ -88,8 +88,8 @@ def _neighbour(
     return -1, FREE_M
 
 
-@numba.njit(cache=True, nogil=True)
-def _behind(numbers: Any, drivers: Any, i: int, j: int, distance: float) -> float:
+@kernel
+def _behind(numbers: FloatMatrix, drivers: FloatMatrix, i: int, j: int, distance: float) -> float:
     """Acceleration that driver i wants at a distance behind vehicle j (-1: nobody)."""
     if j < 0:
         return follow_freely(numbers[V, i], drivers[DESIRED_SPEED, i], drivers[2, i], drivers[3, i])
@@ -97,12 +97,12 @@ def _behind(numbers: Any, drivers: Any, i: int, j: int, distance: float) -> floa
     return wanted(drivers, i, numbers[V, i], gap, numbers[V, j], numbers[A, j], drivers[DESIRED_SPEED, i])
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _gain(
-    numbers: Any,
-    integers: Any,
-    order: Any,
-    drivers: Any,
+    numbers: FloatMatrix,
+    integers: IntMatrix,
+    order: IntVector,
+    drivers: FloatMatrix,
     first: int,
     end: int,
     k: int,
@@ -135,13 +135,13 @@ def _gain(
     return own - _behind(numbers, drivers, i, old_leader, old_front) + drivers[POLITENESS, i] * others
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _choose_lane(
-    numbers: Any,
-    integers: Any,
-    order: Any,
-    drivers: Any,
-    settings: Any,
+    numbers: FloatMatrix,
+    integers: IntMatrix,
+    order: IntVector,
+    drivers: FloatMatrix,
+    settings: FloatVector,
     first: int,
     end: int,
     k: int,
@@ -164,9 +164,9 @@ def _choose_lane(
         numbers[PROGRESS, i] = 0.0
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _behind_in_lane(
-    numbers: Any, drivers: Any, i: int, j: int, shift: float, perception: float
+    numbers: FloatMatrix, drivers: FloatMatrix, i: int, j: int, shift: float, perception: float
 ) -> tuple[float, float]:
     """Acceleration that driver i, with the errors of the moment, wants behind j; and the true gap."""
     gap = numbers[S, j] + shift - numbers[S, i] - 0.5 * (drivers[LENGTH, i] + drivers[LENGTH, j])
@@ -178,9 +178,9 @@ def _behind_in_lane(
     return wanted(drivers, i, numbers[V, i], seen, leader_v, numbers[A, j], drivers[DESIRED_SPEED, i]), gap
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def step(
-    numbers: Any, integers: Any, order: Any, bounds: Any, drivers: Any, settings: Any, normals: Any,
+    numbers: FloatMatrix, integers: IntMatrix, order: IntVector, bounds: IntVector, drivers: FloatMatrix, settings: FloatVector, normals: FloatMatrix,
     number: int, next_id: int, lanes: int, dt: float,
 ) -> int:  # fmt: skip
     """Advance all vehicles by a step, in place, and return the next identifier to give out.
@@ -277,8 +277,15 @@ def step(
     return next_id
 
 
-@numba.njit(cache=True, nogil=True)
-def poses(numbers: Any, integers: Any, forward: int, settings: Any, lanes: int, out: Any) -> None:
+@kernel
+def poses(
+    numbers: FloatMatrix,
+    integers: IntMatrix,
+    forward: int,
+    settings: FloatVector,
+    lanes: int,
+    out: FloatMatrix,
+) -> None:
     """Write the vehicles' motion on the plane, (6, V); the first `forward` drive east (or anticlockwise)."""
     width, change = settings[WIDTH_M], settings[CHANGE_S]
     for i in range(numbers.shape[1]):

@@ -7,9 +7,9 @@ vehicle does not move sideways. So the slope dn/ds = (dn/dtau) / S stays finite 
 """
 
 from math import atan, cos, pi, sin, sqrt
-from typing import Any
 
-import numba
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix
 
 __all__ = ["ACCELERATION", "EAST", "HEADING", "NORTH", "SPEED", "YAW_RATE", "lateral_clock", "place"]
 
@@ -20,15 +20,15 @@ V_REF_MPS = 8.0
 """Below this speed sideways motion slows down in step with the speed along."""
 
 
-@numba.njit(cache=True, nogil=True, inline="always")
+@kernel(inlined=True)
 def lateral_clock(speed_mps: float) -> float:
     """Rate of the lateral clock, g."""
     return speed_mps / sqrt(speed_mps * speed_mps + V_REF_MPS * V_REF_MPS)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def place(
-    out: Any,
+    out: FloatMatrix,
     at: int,
     east_m: float,
     north_m: float,

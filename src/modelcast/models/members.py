@@ -1,0 +1,72 @@
+"""A bank made ready for one sampling interval, and its members as compiled loops take them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.models.bank import Bank
+from modelcast.models.base import PointFunctions
+from modelcast.models.member_kernels import Members
+
+__all__ = ["ReadyBank"]
+
+
+@dataclass(frozen=True, slots=True)
+class ReadyBank:
+    """The point functions of a bank's members, with what loops need to know of each.
+
+    It may go to another process: addresses are asked for where a loop is called (`members`).
+
+    Parameters
+    ----------
+    functions
+        Of each member, M of them.
+    windows
+        Samples each member's window must hold, (M,).
+    offsets
+        Bounds of each member's parameters in a row of all, (M + 1,).
+    trust
+        Trusted horizon of each member, and how long it goes on turning beyond, (M, 2) [s].
+
+    Examples
+    --------
+    >>> from modelcast.models.constant_velocity import ConstantVelocity
+    >>> ready = ReadyBank.of(Bank((ConstantVelocity(),)), 0.1)
+    >>> ready.members.windows, ready.members.offsets
+    (array([1]), array([0, 2]))
+    """
+
+    functions: Sequence[PointFunctions]
+    windows: IntArray
+    offsets: IntArray
+    trust: FloatArray
+
+    @classmethod
+    def of(cls, bank: Bank, dt_s: float) -> "ReadyBank":
+        """Make a bank ready.
+
+        Parameters
+        ----------
+        bank
+            Its members.
+        dt_s
+            Sampling interval [s].
+        """
+        functions = tuple(member.point_functions(dt_s) for member in bank.members)
+        return cls(functions, bank.windows, bank.offsets, bank.trust)
+
+    @property
+    def members(self) -> Members:
+        """What compiled loops take; it means something in this process alone."""
+        constants = [one.addressed for one in self.functions]
+        return Members(
+            fits=np.array([one.fit_address for one in self.functions], dtype=np.int64),
+            predicts=np.array([one.predict_address for one in self.functions], dtype=np.int64),
+            constants=np.concatenate(constants),
+            bounds=np.cumsum([0] + [one.size for one in constants], dtype=np.int64),
+            windows=self.windows,
+            offsets=self.offsets,
+            trust=self.trust,
+        )
