@@ -1,6 +1,7 @@
 """Claims about what users import, and about who imports whom inside the package."""
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -91,6 +92,8 @@ def test_every_module_states_what_it_offers_and_has_it(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", MODULES, ids=name_of)
-def test_jitted_code_lives_in_kernel_modules(path: Path) -> None:
-    jits = "numba.njit" in path.read_text(encoding="utf-8")
-    assert not jits or path.stem.endswith("_kernels")
+def test_kernels_live_in_kernel_modules_and_nothing_else_compiles(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    decorated = re.search(r"(?m)^@kernel\b", text) is not None
+    assert not decorated or path.stem.endswith("_kernels")
+    assert not re.search(r"\b(njit|cfunc|vectorize|guvectorize|jit)\b\(?", text) or path.name == "kernel.py"

@@ -17,7 +17,7 @@ from modelcast.evaluation.tracking import draw_losses
 from modelcast.evaluation.walk import TripBank, Walk
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
 from modelcast.models.bank import Bank
-from modelcast.models.base import Windows, quiet_function_pointers
+from modelcast.models.base import Windows
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.trusted import Trusted
@@ -253,25 +253,21 @@ def replayed(case: TripCase, sender: TripBank, walk: Walk, lost: BoolArray, *, e
     """The evaluation's replay in double precision: errors after, before, along, across, and age, (5, T)."""
     count = len(case.truth)
     errors = np.empty((5, 1, count))
-    with quiet_function_pointers():
-        replay_kernels.replay(
-            sender.predicts,
-            sender.constants,
-            sender.bank.offsets,
-            sender.bank.trust,
-            case.truth.t_s,
-            sender.samples,
-            sender.parameters,
-            case.truth.position_m,
-            case.direction,
-            walk.kind[None],
-            walk.in_use[None],
-            walk.update_index[None],
-            lost,
-            0.0,
-            expiry_s,
-            errors,
-            np.empty((1, count)),
-            np.empty(1, dtype=np.int64),
-        )
+    replay_kernels.replay(
+        sender.ready.members,
+        case.truth.t_s,
+        sender.samples,
+        sender.parameters,
+        case.truth.position_m,
+        case.direction,
+        walk.kind[None],
+        walk.in_use[None],
+        walk.update_index[None],
+        lost,
+        0.0,
+        expiry_s,
+        errors,
+        np.empty((1, count)),
+        np.empty(1, dtype=np.int64),
+    )
     return errors[:, 0]

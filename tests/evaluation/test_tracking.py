@@ -16,7 +16,6 @@ from modelcast.evaluation.settings import BASELINE_BANK, PAPER_BANK, EvaluationS
 from modelcast.evaluation.tracking import TrackingRun, draw_losses, run_tracking
 from modelcast.evaluation.walk import TripBank, Walk
 from modelcast.models.bank import Bank
-from modelcast.models.base import quiet_function_pointers
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.velocity import REPORTED
@@ -190,28 +189,24 @@ def held_after(kinds: list[str], used: list[int], lost: list[int]) -> list[tuple
     kind = np.array([[{"-": 0, "update": 1, "identify": 2, "alive": 3}[one] for one in kinds]])
     missing = np.zeros((1, 4), dtype=np.bool_)
     missing[0, lost] = True
-    errors = np.empty((5, 1, 4), dtype=np.float32)
-    with quiet_function_pointers():
-        replay_kernels.replay(
-            bank.predicts,
-            bank.constants,
-            bank.bank.offsets,
-            bank.bank.trust,
-            trip.t_s[10:].copy(),
-            bank.samples[10:].copy(),
-            bank.parameters[10:].copy(),
-            np.zeros((4, 2)),
-            np.tile([1.0, 0.0], (4, 1)),
-            kind,
-            np.array([used]),
-            np.maximum.accumulate(np.where(np.isin(kind, (1, 3)), np.arange(4), 0), axis=1),
-            missing,
-            0.0,
-            np.inf,
-            errors,
-            np.empty((1, 4)),
-            np.empty(1, dtype=np.int64),
-        )
+    errors = np.empty((5, 1, 4))
+    replay_kernels.replay(
+        bank.ready.members,
+        trip.t_s[10:].copy(),
+        bank.samples[10:].copy(),
+        bank.parameters[10:].copy(),
+        np.zeros((4, 2)),
+        np.tile([1.0, 0.0], (4, 1)),
+        kind,
+        np.array([used]),
+        np.maximum.accumulate(np.where(np.isin(kind, (1, 3)), np.arange(4), 0), axis=1),
+        missing,
+        0.0,
+        np.inf,
+        errors,
+        np.empty((1, 4)),
+        np.empty(1, dtype=np.int64),
+    )
     held = []
     for now in range(4):
         off_m = {}

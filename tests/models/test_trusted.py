@@ -8,7 +8,7 @@ from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation import replay_kernels
 from modelcast.evaluation.walk import TripBank
 from modelcast.models.bank import Bank
-from modelcast.models.base import AbstractSubModel, Windows, quiet_function_pointers
+from modelcast.models.base import AbstractSubModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import (
@@ -137,27 +137,23 @@ def test_sender_batch_and_replay_agree_in_every_bit(drive: Trajectory) -> None:
     assert np.array_equal(np.sqrt((off * off).sum(axis=1)), walk.tracking_error_m[damped, 0])
 
     errors = np.empty((5, 1, count))
-    with quiet_function_pointers():
-        replay_kernels.replay(
-            bank.predicts,
-            bank.constants,
-            bank.bank.offsets,
-            bank.bank.trust,
-            drive.t_s,
-            bank.samples,
-            bank.parameters,
-            drive.position_m,
-            np.tile([1.0, 0.0], (count, 1)),
-            walk.kind[None],
-            walk.in_use[None],
-            walk.update_index[None],
-            np.zeros((1, count), dtype=np.bool_),
-            0.0,
-            np.inf,
-            errors,
-            np.empty((1, count)),
-            np.empty(1, dtype=np.int64),
-        )
+    replay_kernels.replay(
+        bank.ready.members,
+        drive.t_s,
+        bank.samples,
+        bank.parameters,
+        drive.position_m,
+        np.tile([1.0, 0.0], (count, 1)),
+        walk.kind[None],
+        walk.in_use[None],
+        walk.update_index[None],
+        np.zeros((1, count), dtype=np.bool_),
+        0.0,
+        np.inf,
+        errors,
+        np.empty((1, count)),
+        np.empty(1, dtype=np.int64),
+    )
     assert np.array_equal(errors[1, 0, damped], walk.tracking_error_m[damped, 0])
 
 

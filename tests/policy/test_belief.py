@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from modelcast.models.base import quiet_function_pointers
+from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.kinematic import ConstantTurnRateVelocity
+from modelcast.models.members import ReadyBank
 from modelcast.policy import belief_kernels
 from modelcast.policy.belief import Belief
 from modelcast.policy.j2945_parameters import J2945Parameters, j2945_relaxed_parameters
@@ -72,7 +73,7 @@ def test_any_model_is_an_estimator_and_the_compiled_form_agrees() -> None:
     rng = np.random.default_rng(0)
     now, standard = np.full(5, 1.5), J2945Parameters()
     for model in (CV, ConstantTurnRateVelocity()):
-        ready = model.point_functions(0.1)
+        members = ReadyBank.of(Bank((model,)), 0.1).members
         belief = Belief(
             rng.uniform(0.0, 1.45, 5),
             rng.normal(size=(5, 2)),
@@ -81,21 +82,18 @@ def test_any_model_is_an_estimator_and_the_compiled_form_agrees() -> None:
         local = np.column_stack([rng.uniform(1.3, 1.5, 5), rng.normal(size=(5, 4))])
         errors = belief.tracking_error_m(model, now, local, dt_s=0.1)
         for i in range(5):
-            with quiet_function_pointers():
-                compiled = belief_kernels.tracking_error_of_model(
-                    ready.predict_pointer,
-                    belief.parameters[i],
-                    ready.constants,
-                    np.inf,
-                    np.inf,
-                    now[i],
-                    local[i],
-                    belief.fit_s[i],
-                    belief.position_m[i, 0],
-                    belief.position_m[i, 1],
-                    standard.constants(),
-                    np.empty(2),
-                )
+            compiled = belief_kernels.tracking_error_of_model(
+                members,
+                0,
+                belief.parameters[i],
+                now[i],
+                local[i],
+                belief.fit_s[i],
+                belief.position_m[i, 0],
+                belief.position_m[i, 1],
+                standard.constants(),
+                np.empty(2),
+            )
             assert compiled == pytest.approx(errors[i], abs=1e-12)
 
 

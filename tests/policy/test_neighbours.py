@@ -104,18 +104,18 @@ def test_a_full_table_refuses_new_remotes_until_old_ones_have_been_silent() -> N
     k.hear(*tables, 0, 11, 1, 6.0, 0.0, 0.0, 1.0)
     # 10 and 12 have been silent for more than 6 s; 11 keeps its slot.
     assert k.hear(*tables, 0, 13, 0, 6.2, 0.0, 0.0, 1.0) in {slots[0], slots[2]}
-    assert k.find(tables.slots, tables.index, 0, 11) == slots[1]
-    assert k.find(tables.slots, tables.index, 0, 10) == -1
+    assert k.find(tables.slots, tables.lookup, 0, 11) == slots[1]
+    assert k.find(tables.slots, tables.lookup, 0, 10) == -1
 
 
 def test_forgetting_frees_slots_and_keeps_the_others_in_place() -> None:
     tables = neighbour_tables(1, 64)
     for remote in range(60):
         k.hear(*tables, 0, remote, 0, 0.01 * remote, 0.0, 0.0, 1.0)
-    slots = {remote: k.find(tables.slots, tables.index, 0, remote) for remote in range(60)}
+    slots = {remote: k.find(tables.slots, tables.lookup, 0, remote) for remote in range(60)}
     assert k.forget(*tables, 0, 1.3, 1.0) == 30
-    assert [k.find(tables.slots, tables.index, 0, remote) for remote in range(30)] == [-1] * 30
-    assert all(k.find(tables.slots, tables.index, 0, remote) == slots[remote] for remote in range(30, 60))
+    assert [k.find(tables.slots, tables.lookup, 0, remote) for remote in range(30)] == [-1] * 30
+    assert all(k.find(tables.slots, tables.lookup, 0, remote) == slots[remote] for remote in range(30, 60))
 
 
 def plain_survey(

@@ -1,11 +1,17 @@
 """Compiled judgement of one report after another."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntVector
 
-__all__ = ["COLUMNS", "judge"]
+__all__ = [
+    "COLUMNS",
+    "Limits",
+    "judge",
+]
 
 COLUMNS = 15
 """Numbers a remote: those named below."""
@@ -29,6 +35,21 @@ COLUMNS = 15
 ) = range(COLUMNS)
 
 _PLAUSIBLE, _IN_FUTURE, _STALE, _REPEATED, _OVERTAKEN, _JUMP, _MISMATCH, _STUCK = range(8)
+
+
+class Limits(NamedTuple):
+    """The fields of `modelcast.agents.plausibility_limits.PlausibilityLimits`."""
+
+    max_ahead_s: float
+    max_age_s: float
+    max_speed_mps: float
+    max_acceleration_mps2: float
+    position_tolerance_m: float
+    speed_tolerance_mps: float
+    window_s: float
+    stuck_after_s: float
+    stuck_window_s: float
+    speed_step_mps: float
 
 
 @kernel
@@ -59,7 +80,7 @@ def _judge_one(
     position_m: FloatVector,
     velocity_mps: FloatVector,
     received_s: float,
-    limits: tuple[float, float, float, float, float, float, float, float, float, float],
+    limits: Limits,
 ) -> int:
     (
         ahead_s, age_s, speed_max_mps, acceleration_mps2, position_tolerance_m, speed_tolerance_mps,
@@ -132,7 +153,7 @@ def judge(
     position_m: FloatMatrix,
     velocity_mps: FloatMatrix,
     received_s: FloatVector,
-    limits: tuple[float, float, float, float, float, float, float, float, float, float],
+    limits: Limits,
     out: IntVector,
 ) -> None:
     """Judge reports in turn, each by the row of its remote; rows and findings are written.

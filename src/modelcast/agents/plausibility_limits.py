@@ -4,6 +4,8 @@ from dataclasses import KW_ONLY, dataclass, fields
 
 import numpy as np
 
+from modelcast.agents.plausibility_kernels import Limits
+
 __all__ = ["DEFAULT_LIMITS", "PlausibilityLimits"]
 
 
@@ -66,9 +68,9 @@ class PlausibilityLimits:
                 raise ValueError(f"{item.name} must be positive and finite, got {value}")
 
     @property
-    def numbers(self) -> tuple[float, ...]:
-        """All limits in order, as the compiled loop takes them."""
-        return tuple(float(getattr(self, item.name)) for item in fields(self))
+    def numbers(self) -> Limits:
+        """All limits, as the compiled loop takes them."""
+        return Limits(**{item.name: float(getattr(self, item.name)) for item in fields(self)})
 
 
 DEFAULT_LIMITS = PlausibilityLimits()

@@ -108,7 +108,7 @@ def find_near(
         for k in range(low, high):
             away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
             square = away_east * away_east + away_north * away_north
-            j = grid.order[k]
+            j = int(grid.order[k])
             if square > reach_m * reach_m:
                 group = int(np.sqrt(square) / constants.bin_m)
                 if square <= range_m * range_m and group < constants.bins:
@@ -144,7 +144,7 @@ def find_powers(
         work[DISTANCE_M, n] = np.sqrt(work[DISTANCE_M, n])
     for n in range(count):
         k, distance_m = near[n, 0], work[DISTANCE_M, n]
-        j = grid.order[k]
+        j = int(grid.order[k])
         if open_ground:
             ln, los = looked_up(tables.los_ln, distance_m * tables.per_m), True
         else:
@@ -191,7 +191,7 @@ def open_links(
 ) -> int:
     """A frame of ``v`` begins at the ``count`` vehicles in ``near``; return how much of the pool is used."""
     for n in range(count):
-        j = grid.order[near[n, 0]]
+        j = int(grid.order[near[n, 0]])
         distance_m, power_mw = work[DISTANCE_M, n], work[POWER_MW, n]
         group = int(distance_m / constants.bin_m)
         if power_mw < constants.quiet_mw:

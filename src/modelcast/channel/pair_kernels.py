@@ -85,11 +85,11 @@ def find_pairs(
     """
     # First look at every pair once, without a branch: so all cache misses overlap.
     for n in range(count):
-        other = order[near[n, 0]]
+        other = int(order[near[n, 0]])
         owner = pair_owner(v, other)
         near[n, 1] = np.int64(pairs[owner, _home(v + other - owner, pairs.shape[1]), OTHER])
     for n in range(count):
-        near[n, 1] = pair_slot(v, order[near[n, 0]], pairs, pair_count)
+        near[n, 1] = pair_slot(v, int(order[near[n, 0]]), pairs, pair_count)
         if near[n, 1] < 0:
             return False
     return True

@@ -84,7 +84,7 @@ def _receive_powers(
     for n in range(count):
         k = near[n, 0]
         away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
-        j = grid.order[k]
+        j = int(grid.order[k])
         distance_m = np.sqrt(away_east * away_east + away_north * away_north)
         ln, los = median_ln(east, north, grid.place[k, 0], grid.place[k, 1], distance_m, tables)
         word = word_of(seed, j)

@@ -185,7 +185,8 @@ class TabulatedRadio(AbstractRadio[TabulatedState]):
                 f"until_t_s must lie after the state's {state.t_s} s: load is measured over the step"
             )
         random = state.random.copy()
-        airtime_s = self.preamble_s + 8e-6 * transmissions.size_bytes / self.rate_mbps
+        bits = 8e-6 * transmissions.size_bytes.astype(np.float64)
+        airtime_s: FloatArray = self.preamble_s + bits / self.rate_mbps
         who, when, outcomes, expired, load = advance(
             random,
             transmissions.sender,

@@ -2,13 +2,14 @@
 
 A kernel's annotations are its signature (`modelcast.core.kernel_types`). It is compiled when it is first
 called, or loaded where an earlier run kept it (`modelcast.core.kernel_cache`); importing it costs nothing. A
-caller gives the arrays that the signature names, contiguous where it says so, or gets a ``TypeError``: nothing
-is compiled a second time for another layout. Division by zero gives infinity or NaN, and a kernel raises
-nothing: what can fail returns a status.
+caller gives the arrays that the signature names, contiguous where it says so, or gets a ``TypeError``:
+nothing is compiled a second time for another layout. Division by zero gives infinity or NaN, and a kernel
+raises nothing: what can fail returns a status.
 
 Where Numba is told not to compile (``NUMBA_DISABLE_JIT=1``), a kernel is the plain function.
 """
 
+import functools
 import importlib
 import inspect
 import pickle
@@ -118,7 +119,7 @@ class Kernel(registry.CPUDispatcher):  # type: ignore[misc]
         return True
 
     def _keep(self, file: kernel_cache.KernelFile | None) -> None:
-        compiled = next(iter(self.overloads.values()))
+        compiled: Any = next(iter(self.overloads.values()))
         if compiled.library.has_dynamic_globals:
             raise TypeError(f"{self.label} holds an address or a large array: give it as an argument")
         if file is not None:
@@ -144,7 +145,7 @@ class Kernel(registry.CPUDispatcher):  # type: ignore[misc]
         return super().get_call_template(args, kws)
 
     def _compile_for_args(self, *args: Any, **kws: Any) -> Any:
-        """Answer the first call from Python: what is returned is called with the arguments, and now matches."""
+        """Answer the first call from Python: Numba calls what is returned, and now finds a match."""
         del args, kws
         self.ready()
         return self
@@ -201,7 +202,7 @@ def kernel(
     6.0
     """
     if function is None:
-        return lambda one: _kernel_of(one, fast=fast, inlined=inlined)
+        return functools.partial(_kernel_of, fast=fast, inlined=inlined)
     return _kernel_of(function, fast=fast, inlined=inlined)
 
 

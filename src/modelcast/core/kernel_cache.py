@@ -1,9 +1,9 @@
 """Where compiled kernels are kept, and when a kept one may answer.
 
-A kept kernel is good for exactly the sources that it was compiled from and the machine it was compiled for. So
-each module's kernels lie in a folder named by a hash of the module, of all it imports, and of the versions of
-Python, Numba, llvmlite, NumPy and the processor. Files appear whole or not at all; one process compiles while
-the others wait for its lock; folders that nobody used for long go.
+A kept kernel is good for exactly the sources that it was compiled from and the machine it was compiled for.
+So each module's kernels lie in a folder named by a hash of the module, of all it imports, and of the versions
+of Python, Numba, llvmlite, NumPy and the processor. Files appear whole or not at all; one process compiles
+while the others wait for its lock; folders of older sources go.
 """
 
 import ast
@@ -168,8 +168,8 @@ def _machine() -> tuple[str, ...]:
         for name in dir(settings)
         if name.startswith(("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO", "LLVM_"))
     )
-    code: Any = registry.cpu_target.target_context.codegen()
-    return (*versions, str(code.magic_tuple()), *chosen)
+    target: Any = registry.cpu_target
+    return (*versions, str(target.target_context.codegen().magic_tuple()), *chosen)
 
 
 @functools.cache

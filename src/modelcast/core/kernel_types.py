@@ -38,6 +38,7 @@ __all__ = [
 ]
 
 _numba: Any = types  # Numba's type objects have no useful types themselves
+_from_dtype: Any = from_dtype
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +106,7 @@ def numba_type(annotation: Any) -> Any:
     Examples
     --------
     >>> numba_type(FloatMatrix), numba_type(float), numba_type(tuple[int, bool])
-    (Array(float64, 2, 'C', False, aligned=True), float64, Tuple(int64, bool))
+    (Array(float64, 2, 'C', False, aligned=True), float64, Tuple((int64, bool)))
     """
     if annotation in _SCALARS:
         return _SCALARS[annotation]
@@ -113,15 +114,22 @@ def numba_type(annotation: Any) -> Any:
     if origin is Annotated:
         layout = next((one for one in arguments[1:] if isinstance(one, Layout)), None)
         if layout is not None:
-            element = from_dtype(np.dtype(layout.dtype))
+            element = _element(layout.dtype)
             return _numba.Array(element, layout.dimensions, layout.order) if layout.dimensions else element
     if origin is tuple and arguments and arguments[-1] is not Ellipsis:
         return _numba.BaseTuple.from_types(tuple(numba_type(one) for one in arguments))
     if isinstance(annotation, type) and issubclass(annotation, np.generic):
-        return from_dtype(np.dtype(annotation))
-    if isinstance(annotation, type) and issubclass(annotation, tuple) and hasattr(annotation, "_fields"):
-        hints = typing.get_type_hints(annotation, include_extras=True)
+        return _element(annotation)
+    named: Any = annotation
+    if isinstance(named, type) and issubclass(named, tuple) and hasattr(named, "_fields"):
+        hints: dict[str, Any] = typing.get_type_hints(annotation, include_extras=True)
         return _numba.BaseTuple.from_types(tuple(numba_type(one) for one in hints.values()), annotation)
     raise TypeError(
         f"a kernel takes and returns numbers, tuples and the arrays of kernel_types, not {annotation!r}"
     )
+
+
+def _element(dtype: Any) -> Any:
+    """Return the compiler's type of an element."""
+    chosen: Any = np.dtype
+    return _from_dtype(chosen(dtype))

@@ -113,7 +113,9 @@ class Histogram:
         weight
             Weight of each value.
         """
-        weighed, total = kernels.count(np.ascontiguousarray(values).reshape(-1), weight, self.counts)
+        weighed, total = kernels.count(
+            np.ascontiguousarray(values, dtype=np.float32).reshape(-1), weight, self.counts
+        )
         self.weight += weighed
         self.total += total
 

@@ -5,7 +5,7 @@ import numpy as np
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
     BoolMatrix,
-    Float32Cube,
+    FloatCube,
     FloatMatrix,
     FloatVector,
     IntMatrix,
@@ -34,7 +34,7 @@ def replay(
     lost: BoolMatrix,
     delay_s: float,
     expiry_s: float,
-    errors: Float32Cube,
+    errors: FloatCube,
     gaps_s: FloatMatrix,
     gap_count: IntVector,
 ) -> None:

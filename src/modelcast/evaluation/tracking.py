@@ -235,7 +235,7 @@ class LossRuns:
         case, lost, settings = self._case, self._lost, self._settings
         ratios, seeds, count = lost.shape
         runs = ratios * seeds
-        errors = np.empty((5, runs, count), dtype=np.float32)
+        errors = np.empty((5, runs, count))
         gaps_s = np.empty((runs, count))
         gap_count = np.empty(runs, dtype=np.int64)
         kind = np.stack([one.kind for one in sent])
@@ -259,7 +259,9 @@ class LossRuns:
         gaps = tuple(Histogram() for _ in range(ratios))
         for run in range(runs):
             gaps[run // seeds].add(gaps_s[run, : gap_count[run]], 1.0)
-        after_m, before_m, along_m, cross_m, age_s = errors.reshape(5, ratios, seeds, count)
+        after_m, before_m, along_m, cross_m, age_s = errors.astype(np.float32).reshape(
+            5, ratios, seeds, count
+        )
         return TrackingRun(
             shown_as,
             own_threshold_m,

@@ -196,7 +196,7 @@ class TripBank:
         )
 
     def _select(self, policy: ErrorDriven) -> tuple[int, FloatArray, int]:
-        """The selector's address, its constants at the policy's threshold, and its window; an address of 0 for none."""
+        """The selector's address (0 for none), its constants at the policy's threshold, and its window."""
         if policy.start != "predicted":
             return 0, np.zeros(1), 1
         if self.selector is None:

@@ -131,15 +131,15 @@ def walk(
 ) -> None:
     """Walk one trip with the error-driven policy.
 
-    ``members`` are the bank's; ``fallback`` is the last one where that serves only for want of another, else -1; ``guard`` the one that serves where `falls_back`
-    says so, with ``free_sends`` and ``guard_sends`` (T,) whether the same bank unguarded, and that member
-    alone, would send; -1 for none. ``parameters`` (T, P) and ``fitted`` (T,) are
-    the memo of fits by instant, shared by all walks over the trip and bank. ``select`` is the
-    address of the selector, which, with its constants
-    and its window, scores the members at an update where ``start`` asks for it; in hindsight they are scored
-    by fits some multiples of ``dt_s`` ago. Writes, for every sample, the
-    members' errors before its message ``tracking_error_m`` (T, M), the message ``kind`` (T,), and the
-    sub-model ``in_use`` (T,) and index of its update ``update_index`` (T,) after the message.
+    ``members`` are the bank's; ``fallback`` is the last one where that serves only for want of another, else
+    -1; ``guard`` the one that serves where `falls_back` says so, with ``free_sends`` and ``guard_sends``
+    (T,) whether the same bank unguarded, and that member alone, would send; -1 for none. ``parameters`` (T,
+    P) and ``fitted`` (T,) are the memo of fits by instant, shared by all walks over the trip and bank.
+    ``select`` is the address of the selector, which, with its constants and its window, scores the members
+    at an update where ``start`` asks for it; in hindsight they are scored by fits some multiples of ``dt_s``
+    ago. Writes, for every sample, the members' errors before its message ``tracking_error_m`` (T, M), the
+    message ``kind`` (T,), and the sub-model ``in_use`` (T,) and index of its update ``update_index`` (T,)
+    after the message.
     """
     count = members.windows.size
     available = np.empty(count, dtype=np.bool_)

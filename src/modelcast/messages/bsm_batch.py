@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.messages import bsm_kernels
 from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_BITS, CORE_FIELDS
 from modelcast.messages.fields import Field
@@ -172,8 +172,8 @@ def decode_cores(frames: OctetArray, lengths: IntArray) -> CoreBatch:
         np.zeros((rows, len(CORE_FIELDS)), np.int64), np.empty(rows, np.int64), np.empty(rows, np.bool_)
     )
     bsm_kernels.unpack(
-        np.ascontiguousarray(frames, np.uint8),
-        np.ascontiguousarray(lengths, np.int64),
+        owned(frames, np.uint8),
+        owned(lengths, np.int64),
         _LAYOUT,
         BASIC_SAFETY_MESSAGE,
         found.codes,

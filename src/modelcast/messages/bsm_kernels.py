@@ -126,9 +126,9 @@ def _unpack_row(
     if octets[at >> 3] & ((1 << spare) - 1) != 0:
         return at, False
     if at + spare < end:
-        return at + spare, False
+        return int(at + spare), False
     if not more and end < 8 * length:
-        return end, False
+        return int(end), False
     return _INTACT, more
 
 

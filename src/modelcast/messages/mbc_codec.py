@@ -102,7 +102,8 @@ class UpdateCodec(AbstractCodec[UpdateMessage]):
         given = np.ascontiguousarray(parameters, np.float64)
         layouts = self.profile.layouts
         members = np.repeat(np.arange(len(layouts)), [len(layout.fields) for layout in layouts])
-        fields = np.column_stack([np.concatenate([layout.table for layout in layouts]), members])
+        table = np.concatenate([layout.table for layout in layouts])
+        fields = np.column_stack([table, members]).astype(np.float64)
         held = np.empty(given.shape)
         row, at = mbc_kernels.quantise(given, CORE_MEANING, fields, self.carries_all, held)
         if row >= 0:

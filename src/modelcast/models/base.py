@@ -3,8 +3,8 @@
 A model is fitted to a *window*, the last ``n`` samples of one vehicle, and its parameters predict the
 displacement from the window's last sample at any later time. Parameters are numbers only, so they are the
 payload of a message. A model states its two point functions, kernels of the fixed types `FIT_TYPES` and
-`PREDICT_TYPES`; the batch interface here, the walk of a policy over a trip and the fleet engine all call these
-same two functions by their addresses, so a new model needs no change elsewhere.
+`PREDICT_TYPES`; the batch interface here, the walk of a policy over a trip and the fleet engine all call
+these same two functions by their addresses, so a new model needs no change elsewhere.
 """
 
 import abc

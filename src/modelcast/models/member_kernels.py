@@ -11,12 +11,12 @@ __all__ = ["Members", "fit_member", "parameter_count", "predict_member"]
 
 
 class Members(NamedTuple):
-    """M sub-models in one process: addresses are in it, so it is made for a call and never kept.
+    """M sub-models in one process: it holds addresses, so it is made for a call and never kept.
 
-    ``fits`` and ``predicts`` (M,) are addresses of point functions; ``constants`` (K,) holds the constants of
-    member m from ``bounds[m]`` to ``bounds[m + 1]``; ``windows`` (M,) are the samples each needs; its
-    parameters stand from ``offsets[m]`` to ``offsets[m + 1]`` in a row of all; ``trust`` (M, 2) is the trusted
-    horizon of each and how long it goes on turning beyond [s].
+    ``fits`` and ``predicts`` (M,) are addresses of point functions; ``constants`` (K,) holds the constants
+    of member m from ``bounds[m]`` to ``bounds[m + 1]``; ``windows`` (M,) are the samples each needs; its
+    parameters stand from ``offsets[m]`` to ``offsets[m + 1]`` in a row of all; ``trust`` (M, 2) is the
+    trusted horizon of each and how long it goes on turning beyond [s].
     """
 
     fits: IntVector
@@ -36,7 +36,7 @@ def fit_member(members: Members, m: int, window: FloatMatrix, out: FloatVector) 
 
 @kernel(inlined=True)
 def predict_member(members: Members, m: int, parameters: FloatVector, age_s: float, out: FloatVector) -> None:
-    """Predict with member ``m`` from its own parameters (P,), into ``out`` (2,), inside its trusted horizon."""
+    """Predict with member ``m`` from its own parameters (P,), into ``out`` (2,); see `predict_trusted`."""
     predict_trusted(
         members.predicts[m],
         parameters,

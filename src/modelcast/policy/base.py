@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.policy import error_driven_kernels as kernels
 
 __all__ = [
@@ -130,7 +130,7 @@ Part = TypeVar("Part", Motion, Air)
 
 def column(values: FloatArray) -> FloatArray:
     """Return values as compiled rules take them: contiguous 64-bit floats."""
-    return np.ascontiguousarray(values, dtype=np.float64)
+    return owned(values)
 
 
 def required(part: Part | None, name: str, policy: str) -> Part:

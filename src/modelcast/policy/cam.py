@@ -11,7 +11,7 @@ from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import FloatArray, IntArray, owned
 from modelcast.policy import cam_kernels as kernels
 from modelcast.policy import dcc_kernels
 from modelcast.policy.base import AbstractTransmitPolicy, Decisions, Message, TransmitInputs, column, required
@@ -121,9 +121,9 @@ class CamTriggering:
         transmits = np.empty(t_s.size, dtype=np.bool_)
         kernels.trigger(
             t_s,
-            np.ascontiguousarray(position_m, dtype=np.float64),
-            np.ascontiguousarray(speed_mps, dtype=np.float64),
-            np.ascontiguousarray(heading_rad, dtype=np.float64),
+            owned(position_m),
+            owned(speed_mps),
+            owned(heading_rad),
             np.repeat(bounds[:-1], np.diff(bounds)),
             self.min_inter_transmit_time_s,
             self.constants(),

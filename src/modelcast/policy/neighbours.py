@@ -60,7 +60,7 @@ def neighbour_tables(
     return NeighbourTables(
         hosts=about,
         slots=slots,
-        index=np.full((hosts, 1 << (2 * capacity - 1).bit_length()), -1, dtype=np.int16),
+        lookup=np.full((hosts, 1 << (2 * capacity - 1).bit_length()), -1, dtype=np.int16),
         free=np.zeros((hosts, capacity), dtype=np.int16),
     )
 

@@ -4,7 +4,7 @@ Every host has C slots and a hashed index of them, twice as long and a power of 
 while its remote is heard, so other arrays can be kept by (host, slot). A message costs one probe of the index
 on average, a survey one pass over the host's slots; neither depends on the size of the fleet.
 
-``hosts``, ``slots``, ``index`` and ``free`` are those of `modelcast.policy.neighbours.NeighbourTables`.
+``hosts``, ``slots``, ``index`` (the tables' ``lookup``) and ``free`` are those of `NeighbourTables`.
 """
 
 import math
@@ -60,9 +60,9 @@ SLOT_TYPE: Any = np.dtype(
     align=True,
 )
 """A slot, one cache line: ``remote`` who is in it, -1 for nobody; ``newest`` number of the last sub-interval
-with a message; ``heard_s``, ``east_m``, ``north_m`` when that message came and the place it states; ``first``,
-``last``, ``received`` message count of the first and last message of each sub-interval and how many there were,
-at its number modulo those kept."""
+with a message; ``heard_s``, ``east_m``, ``north_m`` when that message came and the place it states;
+``first``, ``last``, ``received`` message count of the first and last message of each sub-interval and how
+many there were, at its number modulo those kept."""
 
 HostVector = Annotated[npt.NDArray[Any], Layout(HOST_TYPE, 1)]
 SlotMatrix = Annotated[npt.NDArray[Any], Layout(SLOT_TYPE, 2)]
@@ -72,13 +72,13 @@ Slot = Annotated[Any, Layout(SLOT_TYPE, 0)]
 class NeighbourTables(NamedTuple):
     """Tables of H hosts with C slots each, index length X, and R sub-intervals kept.
 
-    ``hosts`` (H,) of `HOST_TYPE`; ``slots`` (H, C) of `SLOT_TYPE`; ``index`` (H, X) slots by hash, -1 for
+    ``hosts`` (H,) of `HOST_TYPE`; ``slots`` (H, C) of `SLOT_TYPE`; ``lookup`` (H, X) slots by hash, -1 for
     none; ``free`` (H, C) slots given up.
     """
 
     hosts: HostVector
     slots: SlotMatrix
-    index: Int16Matrix
+    lookup: Int16Matrix
     free: Int16Matrix
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import FloatArray, IntArray, owned
 from modelcast.policy import error_driven_kernels as kernels
 from modelcast.policy import periodic_kernels
 from modelcast.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
@@ -50,8 +50,8 @@ class Periodic(AbstractTransmitPolicy[FloatArray]):
         """Send where due, at once; the phase is drawn with the first message."""
         due = np.empty(state.size, dtype=np.bool_)
         later = np.empty(state.size)
-        t_s = np.ascontiguousarray(inputs.t_s, dtype=np.float64)
-        periodic_kernels.step_each(state, t_s, 1.0 / self.rate_hz, rng.random(state.size), due, later)
+        t_s = owned(inputs.t_s)
+        periodic_kernels.step_each(state, t_s, 1.0 / self.rate_hz, owned(rng.random(state.size)), due, later)
         kind = np.where(due, kernels.UPDATE, kernels.NOTHING).astype(np.int64)
         return Decisions.at_once(kind, np.zeros_like(kind), inputs.t_s), later
 

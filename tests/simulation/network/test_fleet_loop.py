@@ -79,7 +79,7 @@ def steps(
     """Every frame with senders, times and sizes of the messages sent in it, and what was received."""
     for frame in frames:
         received, _ = loop.step(frame)
-        count = int(loop.outbox.count[0])
+        count = int(loop.outbox.filled[0])
         out = loop.outbox
         yield (
             frame,

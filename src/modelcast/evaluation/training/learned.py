@@ -19,13 +19,13 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.chance import child_generator
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.training.descent import Descent, Lesson, descend
-from modelcast.evaluation.training.learned_kernels import trip_features
+from modelcast.evaluation.training.inputs import window_inputs
 from modelcast.evaluation.training.playback import DEFAULT_PLAYBACKS, Playback
 from modelcast.evaluation.training.views import PlayedTrip, SenderView, Viewed, played_trips, view_trips
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned.features import LAG_STEP_S, SHORTEST_SPAN, FeatureMap
 from modelcast.models.learned.learned_kernels import FRAME_MPS
-from modelcast.models.learned.learned_trajectory import LearnedTrajectory, feature_constants
+from modelcast.models.learned.learned_trajectory import LearnedTrajectory
 from modelcast.models.learned.network import Network
 from modelcast.models.noise import DEFAULT_NOISE
 from modelcast.models.point_kernels import (
@@ -238,8 +238,7 @@ def _cut(viewed: Viewed, rows: IntArray, horizons_s: FloatArray, settings: Learn
     seen, truth = viewed.seen, viewed.truth
     samples = sample_matrix(seen, velocity_estimator_for(seen))
     features = settings.features
-    inputs = np.empty((rows.size, features.inputs))
-    trip_features(samples, rows, features.lags + 1, feature_constants(features, seen.dt_s), inputs)
+    inputs = window_inputs(samples, rows, features.lags + 1, features, seen.dt_s)
     at_s = seen.t_s[rows][:, None] + horizons_s
     path = np.stack([np.interp(at_s, truth.t_s, truth.position_m[:, axis]) for axis in range(2)], axis=-1)
     newest = samples[rows]

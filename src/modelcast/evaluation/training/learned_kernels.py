@@ -10,8 +10,13 @@ __all__ = ["trip_features"]
 @kernel
 def trip_features(
     samples: FloatMatrix, rows: IntVector, window: int, constants: FloatVector, out: FloatMatrix
-) -> None:
-    """Inputs (B, I) of the windows that end at these rows of a trip's samples (T, 7)."""
+) -> int:
+    """Write inputs (B, I) of the windows that end at these rows of a trip's samples (T, 7).
+
+    Returns the first row whose window does not reach back far enough, -1 where all do.
+    """
     for at in range(rows.size):
         i = rows[at]
-        window_features(samples[i - window + 1 : i + 1], constants, out[at])
+        if i < window - 1 or not window_features(samples[i - window + 1 : i + 1], constants, out[at]):
+            return i
+    return -1

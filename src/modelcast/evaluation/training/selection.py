@@ -14,11 +14,10 @@ from modelcast.core.chance import child_generator
 from modelcast.evaluation.case import TripCase
 from modelcast.evaluation.training import selection_kernels
 from modelcast.evaluation.training.descent import Descent, LayerAverage, make_regressor
-from modelcast.evaluation.training.learned_kernels import trip_features
+from modelcast.evaluation.training.inputs import window_inputs
 from modelcast.evaluation.walk import TripBank
 from modelcast.models.bank import Bank
 from modelcast.models.learned import FeatureMap, Network, Selector
-from modelcast.models.learned.learned_trajectory import feature_constants
 
 __all__ = ["SelectorSettings", "member_lives_s", "train_selector"]
 
@@ -184,9 +183,7 @@ def _rows(cases: Sequence[TripCase], bank: Bank, settings: SelectorSettings) -> 
         history = np.arange(len(case.seen)) - case.seen.segment_start + 1
         usable: BoolArray = (history >= max(window, int(bank.windows.max()))) & np.isfinite(own).all(axis=1)
         rows = np.flatnonzero(usable)[:: settings.every]
-        cut = np.empty((rows.size, features.inputs))
-        trip_features(ready.samples, rows, window, feature_constants(features, case.seen.dt_s), cut)
-        inputs.append(cut)
+        inputs.append(window_inputs(ready.samples, rows, window, features, case.seen.dt_s))
         lives.append(own[rows])
     if not sum(len(rows) for rows in inputs):
         raise ValueError(f"no trip has {settings.longest_s:g} s after a full window to learn from")

@@ -23,7 +23,7 @@ def survivals(
     longest_s: float,
     out: FloatMatrix,
 ) -> None:
-    """Write the age at which each sample's prediction by member ``m`` first reaches each threshold, (T, K) [s].
+    """Write the age at which each sample's prediction by a member first reaches each threshold, (T, K) [s].
 
     ``parameters`` (T, P) are those fitted at every sample, ``available`` (T,) says where there was a full
     window: elsewhere the age is 0. ``thresholds_m`` (K,) rise. What holds for ``longest_s`` counts that; what

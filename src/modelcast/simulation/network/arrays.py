@@ -95,7 +95,7 @@ class Outbox(NamedTuple):
     size_bytes: IntVector
     power_dbm: FloatVector
     message_id: IntVector
-    count: IntVector
+    filled: IntVector
 
 
 class Tally(NamedTuple):
@@ -172,7 +172,7 @@ def outbox(vehicles: int) -> Outbox:
         size_bytes=np.zeros(most, dtype=np.int64),
         power_dbm=np.zeros(most),
         message_id=np.zeros(most, dtype=np.int64),
-        count=np.zeros(1, dtype=np.int64),
+        filled=np.zeros(1, dtype=np.int64),
     )
 
 

@@ -25,7 +25,7 @@ _SCORE_WEIGHT = 0.2
 
 
 class LoopModels(NamedTuple):
-    """A sender's ``members`` (M), the last one that of a plain message, and each one's payload [bytes], (M,)."""
+    """A sender's ``members`` (M), the last one that of a plain message; each one's payload [bytes], (M,)."""
 
     members: Members
     payload_bytes: IntVector
@@ -105,8 +105,9 @@ def compose(
 ) -> None:
     """Write the content (W,) of a vehicle's message from its newest sample, as a receiver decodes it.
 
-    The last member is that of a plain basic safety message. ``limits`` is the resolution below which paths are the same [m], the horizon over which they are
-    compared [s], and whether recent errors choose the sub-model. ``scratch`` (2 + P,) is overwritten.
+    The last member is that of a plain basic safety message. ``limits`` is the resolution below which paths
+    are the same [m], the horizon over which they are compared [s], and whether recent errors choose the sub-
+    model. ``scratch`` (2 + P,) is overwritten.
     """
     members, payload_bytes = models.members, models.payload_bytes
     windows = members.windows

@@ -206,7 +206,7 @@ def decide(
     """
     power_dbm, jitter_s, interval_s, start_share, spread_s = extra
     length = s.times.size // 2
-    out.count[0] = 0
+    out.filled[0] = 0
     until_s = t_s + dt_s
     for v in range(s.vehicle.size):
         if s.vehicle[v] < 0:

@@ -84,10 +84,10 @@ def emit(
     row[CONTENT_FIT_S], row[CONTENT_SENT_S] = t_s, sent_s
     certificate = _has_certificate(s, v, sent_s, int(stack[0]), stack[1])
     frame = frame_bytes(row[CONTENT_BYTES], certificate, stack)
-    k = out.count[0]
+    k = out.filled[0]
     out.sender[k], out.ready_s[k], out.size_bytes[k] = v, sent_s, int(frame)
     out.power_dbm[k], out.message_id[k] = power_dbm, (number << SENDER_BITS) | v
-    out.count[0] = k + 1
+    out.filled[0] = k + 1
     if believed > 0.0:
         s.believed[v] = number
     if certificate:

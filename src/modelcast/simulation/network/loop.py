@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import FloatArray, owned
 from modelcast.core.chance import child_generator
 from modelcast.models.members import ReadyBank
 from modelcast.models.noise import DEFAULT_NOISE
@@ -167,9 +167,9 @@ class FleetLoop:
         self._decide(models, seen, now_s, busy_ratio)
         received = self._carry(truth_m, until_s)
         receiver_kernels.hear_messages(
-            received.message_id,
-            received.receiver,
-            received.t_s,
+            owned(received.message_id, np.int64),
+            owned(received.receiver, np.int64),
+            owned(received.t_s),
             self.senders.vehicle,
             seen.position_m,
             truth_m,
@@ -248,7 +248,7 @@ class FleetLoop:
             self._place,
             self._started,
             critical,
-            busy_ratio,
+            owned(busy_ratio),
             self._rng.random((len(seen), 4)),
             self.tables,
             self.senders,
@@ -256,13 +256,13 @@ class FleetLoop:
             self.outbox,
             self.tally,
             np.empty(LOCAL_COLUMNS),
-            np.empty(2 + self.senders.trials.shape[2]),
+            np.empty(3 + int(self.sender.parameter_counts.max())),
         )
 
     def _carry(self, truth_m: FloatArray, until_s: float) -> Receptions:
         """Give the outbox to the radio, in order of time."""
         out = self.outbox
-        count = int(out.count[0])
+        count = int(out.filled[0])
         order = np.argsort(out.ready_s[:count], kind="stable")
         batch = Transmissions(
             out.sender[order],

@@ -121,12 +121,14 @@ def _hear_each(
     mask = (1 << SENDER_BITS) - 1
     taken = far = refused = stale = 0
     last = -1
-    for k in order:
-        host = receiver[k]
+    for at in range(order.size):
+        k = int(order[at])
+        host = int(receiver[k])
         if host != last:
             touched[0] = _touch_host(host, hosts[host].used, slots, index, tracks)
             last = host
-        sender, number = message_id[k] & mask, message_id[k] >> SENDER_BITS
+        message = int(message_id[k])
+        sender, number = message & mask, message >> SENDER_BITS
         ring = number % MESSAGES_KEPT
         if vehicle[host] < 0 or rows[sender, ring, CONTENT_NUMBER] != number:
             stale += 1
@@ -140,7 +142,7 @@ def _hear_each(
             far += 1
             continue
         remote, held_id = int(rows[sender, ring, CONTENT_VEHICLE]), float(message_id[k])
-        at_s = received_s[k]
+        at_s = float(received_s[k])
         slot = hear(
             hosts, slots, index, free, host, remote, ring, at_s, stated_east_m, stated_north_m, sub_interval_s
         )

@@ -116,10 +116,23 @@ def _perceived(
 
 @kernel
 def step(
-    numbers: FloatMatrix, integers: IntMatrix, order: IntVector, first: IntVector, left_last: IntVector, drivers: FloatMatrix, follower: IntMatrix,
-    connectors: FloatVector, ends: IntVector, green_start: FloatVector, cycle: FloatVector, settings: FloatVector, normals: FloatMatrix, uniforms: FloatVector,
-    t_s: float, dt: float,
-) -> None:  # fmt: skip
+    numbers: FloatMatrix,
+    integers: IntMatrix,
+    order: IntVector,
+    first: IntVector,
+    left_last: IntVector,
+    drivers: FloatMatrix,
+    follower: IntMatrix,
+    connectors: FloatVector,
+    ends: IntVector,
+    green_start: FloatVector,
+    cycle: FloatVector,
+    settings: FloatVector,
+    normals: FloatMatrix,
+    uniforms: FloatVector,
+    t_s: float,
+    dt: float,
+) -> None:
     """Advance all vehicles by a step, in place.
 
     Parameters
@@ -196,7 +209,7 @@ def step(
                 if passes:
                     wish = wanted(drivers, i, v, FREE_M, 0.0, 0.0, v0)
                     if first[following] < first[following + 1]:
-                        j = order[first[following]]
+                        j = int(order[first[following]])
                         gap = length - s + connectors[kind] + numbers[S, j] - half - 0.5 * drivers[LENGTH, j]
                         wish = min(wish, _perceived(numbers, drivers, i, j, gap, v0, settings[PERCEPTION]))
                         gaps[i] = gap
@@ -227,12 +240,12 @@ def step(
         wander(numbers, WANDER, i, clock, settings[WANDER_M], WANDER_RATE_HZ, normals[3, i])
         numbers[S, i] += along
         if numbers[S, i] >= length:
-            link, kind = integers[LINK, i], integers[NEXT_MOVE, i]
+            link, kind = int(integers[LINK, i]), int(integers[NEXT_MOVE, i])
             left_last[link] = i
             numbers[S, i] -= length + connectors[kind]
             integers[LINK, i] = follower[link, kind]
             integers[MOVE, i] = kind
-            integers[NEXT_MOVE, i] = choose_move(follower, follower[link, kind], uniforms[i])
+            integers[NEXT_MOVE, i] = choose_move(follower, int(follower[link, kind]), uniforms[i])
             integers[COMMITTED, i] = 0
             integers[CAME_FROM, i] = link
     sort_by_link(numbers, integers, order, first)
@@ -280,6 +293,6 @@ def poses(
             north = start[link, 1] + x * np.sin(turned) + y * np.cos(turned)
             tangent = turned + side * 0.5 * pi * (share - sin(2.0 * pi * share) / (2.0 * pi))
         place(
-            out, i, east, north, tangent, curvature, slope, numbers[V, i], numbers[A, i],
+            out, i, east, north, float(tangent), float(curvature), float(slope), numbers[V, i], numbers[A, i],
             numbers[WANDER, i], numbers[WANDER_1, i], numbers[WANDER_2, i],
         )  # fmt: skip

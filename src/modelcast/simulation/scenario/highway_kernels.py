@@ -180,9 +180,18 @@ def _behind_in_lane(
 
 @kernel
 def step(
-    numbers: FloatMatrix, integers: IntMatrix, order: IntVector, bounds: IntVector, drivers: FloatMatrix, settings: FloatVector, normals: FloatMatrix,
-    number: int, next_id: int, lanes: int, dt: float,
-) -> int:  # fmt: skip
+    numbers: FloatMatrix,
+    integers: IntMatrix,
+    order: IntVector,
+    bounds: IntVector,
+    drivers: FloatMatrix,
+    settings: FloatVector,
+    normals: FloatMatrix,
+    number: int,
+    next_id: int,
+    lanes: int,
+    dt: float,
+) -> int:
     """Advance all vehicles by a step, in place, and return the next identifier to give out.
 
     Parameters
