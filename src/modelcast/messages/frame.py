@@ -199,8 +199,8 @@ def read_header(data: bytes, expected_id: int | None = None) -> FrameHeader:
     extended = bool(reader.bits(1))
     message_id = reader.bits(15)
     if expected_id is not None and message_id != expected_id:
-        name = f" ({FRAME_NAMES[message_id]})" if message_id in FRAME_NAMES else ""
-        raise CodecError(f"message id {message_id}{name} where {expected_id} is expected", 1)
+        name = f": {FRAME_NAMES[message_id]}" if message_id in FRAME_NAMES else ""
+        raise CodecError(f"message id {message_id} where {expected_id} is expected{name}", 1)
     size = reader.length()
     if size == 0:
         raise CodecError("a frame without a message", 16)
