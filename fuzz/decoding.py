@@ -2,7 +2,8 @@
 
 The octets go through every decoder of `modelcast.messages`: as a frame, a basic safety message (by the single
 codec and by the compiled batch), an update, an identification, the value of a model's extension, a signed
-message and a certificate. What a signed message holds goes through the same decoders again.
+message and a certificate; and they are taken apart as messages one after another. What a signed message holds
+goes through the same decoders again.
 """
 
 import numpy as np
@@ -22,6 +23,7 @@ from modelcast.messages.mbc_wire import (
 )
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.signed import decode_signed
+from modelcast.messages.sequence import parts_of
 from modelcast.models.payload import PayloadField, PayloadLayout
 
 __all__ = ["PROFILES", "check"]
@@ -52,6 +54,7 @@ def check(data: bytes) -> bool:
         Any octets.
     """
     _check_envelope(data)
+    assert b"".join(part.octets for part in parts_of(data)) == data
     return _check_payload(data)
 
 

@@ -118,9 +118,9 @@ def test_faulty_lines_are_named_and_the_others_shown(
     path.write_text(f"{PLAIN.hex()}\n{PLAIN.hex()}00\nxyz\n")
     assert run(["decode", str(path), "--json"]) == 3
     shown = capsys.readouterr()
-    assert len(shown.out.splitlines()) == 1
-    assert f"{path}, line 2: bit 320: 1 octets left over" in shown.err
-    assert f"{path}, line 3: not an even number of hexadecimal digits" in shown.err
+    assert len(shown.out.splitlines()) == 2
+    assert f"{path}, line 2, octet 40: 1 octet left over: zeros" in shown.err
+    assert f"{path}, line 3: column 1: 'x' is not a hexadecimal digit" in shown.err
 
 
 @pytest.mark.parametrize(

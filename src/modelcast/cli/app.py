@@ -4,7 +4,6 @@ Exit codes: 0 done; 1 internal error; 2 usage, bad input or no usable trip; 3 so
 complete; 130 interrupted.
 """
 
-import sys
 from collections.abc import Sequence
 
 from cyclopts import App, CycloptsError
@@ -17,6 +16,7 @@ from modelcast.cli.demo import demo
 from modelcast.cli.encode import encode
 from modelcast.cli.evaluate import evaluate
 from modelcast.cli.network import network
+from modelcast.cli.terminal import complain, refused
 from modelcast.cli.train import train
 from modelcast.cli.trips import trips
 from modelcast.core.exceptions import ModelcastError
@@ -39,6 +39,7 @@ app = App(
     version=_version,
     exit_on_error=False,
     print_error=True,
+    error_formatter=refused,
     result_action="return_value",
 )
 app.command(demo)
@@ -66,13 +67,13 @@ def run(arguments: Sequence[str]) -> int:
     except CycloptsError:
         return USAGE  # already shown, with the usage
     except ModelcastError as error:
-        print(f"modelcast: {error}", file=sys.stderr)
+        complain(error)
         return USAGE
     except OSError as error:
         # Readers name their files themselves: what is left is a place that cannot be written.
-        print(f"modelcast: {error.filename or 'a file'}: {error.strerror or error}", file=sys.stderr)
+        complain(f"{error.filename or 'a file'}: {error.strerror or error}")
         return USAGE
     except KeyboardInterrupt:
-        print("modelcast: interrupted; nothing was written", file=sys.stderr)
+        complain("interrupted; nothing was written")
         return INTERRUPTED
     return code if isinstance(code, int) else 0

@@ -46,11 +46,10 @@ def compare(
     import sys
     from dataclasses import replace
 
-    from rich.console import Console
-
     from modelcast.cli.options import parse_columns
     from modelcast.cli.reading import PARTLY_FAILED, TripSource, counted, watched
     from modelcast.cli.run_record import write_run
+    from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
     from modelcast.evaluation.compare.run import compare as compare_trips
     from modelcast.io.comparison import comparison_document, write_comparison
@@ -83,7 +82,6 @@ def compare(
         json_format.dump(comparison_document(result), sys.stdout, indent=2, sort_keys=True)
         print()
     elif not quiet:
-        console = Console()
-        console.print(comparison_console(result))
-        console.print(f"table and figure: {out}", highlight=False, soft_wrap=True)
+        show(comparison_console(result))
+        say(f"table and figure: {out}")
     return PARTLY_FAILED if failures else 0

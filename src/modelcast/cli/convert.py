@@ -34,6 +34,7 @@ def convert(
     """
     from modelcast.cli.options import parse_columns
     from modelcast.cli.reading import TripSource, watched
+    from modelcast.cli.terminal import say
     from modelcast.core.exceptions import ConfigError
     from modelcast.io.write_trips import write_csv, write_parquet
 
@@ -56,5 +57,5 @@ def convert(
     finally:
         partial.unlink(missing_ok=True)
     if not quiet:
-        print(f"{source.trips} trips written to {out}")
+        say(f"{source.trips} trips written to {out}")
     return source.exit_code

@@ -78,11 +78,10 @@ def coverage(
     """
     import sys
 
-    from rich.console import Console
-
     from modelcast.cli.banks import named_bank, profile_in_use
     from modelcast.cli.options import parse_columns
     from modelcast.cli.reading import TripSource
+    from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
     from modelcast.evaluation.coverage import Hybrid, measure_coverage
     from modelcast.evaluation.settings import EvaluationSettings
@@ -139,9 +138,8 @@ def coverage(
     if json:
         sys.stdout.write(text)
     elif not quiet:
-        console = Console()
-        console.print(coverage_report(result))
-        console.print(f"figures: {out}", highlight=False, soft_wrap=True)
+        show(coverage_report(result))
+        say(f"figures: {out}")
     return max(tested.exit_code, taught.exit_code)
 
 

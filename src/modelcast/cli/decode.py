@@ -1,104 +1,119 @@
-"""``modelcast decode``: octets of messages as a table, or as JSON."""
+"""``modelcast decode``: octets of messages as tables, or as JSON."""
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from modelcast.cli.options import Source
+
+if TYPE_CHECKING:
+    from modelcast.io.message_text import Piece
 
 __all__ = ["decode"]
 
 
 def decode(source: Source, *, json: bool = False, profile: Path | None = None) -> int:
-    """Show the fields of encoded messages, with their units: basic safety messages, models, identifications.
+    """Show the fields of encoded messages with their units: basic safety messages, models, identifications.
 
     Parameters
     ----------
     source
-        Hexadecimal digits of one message; or a file of hexadecimal digits, one message a line; or a file that
-        is one message; or - for the standard input.
+        Hexadecimal digits; or a file of them: one message a line, wrapped, dumped by xxd, hexdump or od, an
+        array, or behind labels; or a binary file of messages; or - for the standard input. Messages may stand
+        one after another, in an unsecured IEEE 1609.2 SPDU, or behind other octets; what is not read is told.
     json
         Print one JSON document a line instead of tables, in SI units; `modelcast encode` reads them back.
     profile
         A profile that `modelcast train` wrote, held beside the one that ships with modelcast.
     """
     import json as json_format
-    import sys
 
-    from rich.console import Console
-
-    from modelcast.cli.messages import Profiles, show
+    from modelcast.cli.messages import Profiles
+    from modelcast.cli.messages import show as read
+    from modelcast.cli.terminal import complain, show
     from modelcast.core.exceptions import CodecError, ConfigError
+    from modelcast.messages.sequence import parts_of
 
     profiles = Profiles(profile)
-    console = Console()
     good = bad = 0
-    for place, octets in _messages(source):
-        if octets is None:
-            print(f"modelcast: {place}: not an even number of hexadecimal digits", file=sys.stderr)
+    for piece in _pieces(source):
+        if piece.fault:
+            complain(f"{piece.place}: {piece.fault}")
             bad += 1
             continue
-        try:
-            shown = show(octets, place, profiles)
-        except CodecError as error:
-            print(f"modelcast: {place}: {error}", file=sys.stderr)
-            bad += 1
-            continue
-        good += 1
-        bad += bool(shown.faults)
-        for fault in shown.faults:
-            print(f"modelcast: {place}: {fault}", file=sys.stderr)
-        if json:
-            print(json_format.dumps(shown.document))
-        else:
-            console.print(*shown.tables, sep="\n")
+        parts = parts_of(piece.octets)
+        for part in parts:
+            place = piece.place if len(parts) == 1 or not part.start else f"{piece.place}, octet {part.start}"
+            faults = [part.fault] if part.fault else []
+            if not part.fault:
+                try:
+                    shown = read(part.octets, place, profiles)
+                except CodecError as error:
+                    faults = [f"{error}{_hint(piece)}"]
+                else:
+                    good += 1
+                    faults = shown.faults
+                    print(json_format.dumps(shown.document)) if json else show(*shown.tables)
+            bad += bool(faults)
+            for fault in faults:
+                complain(f"{place}: {fault}")
     if not good + bad:
         raise ConfigError(f"'{source[:60]}' holds no message")
     return 0 if not bad else 3 if good else 2
 
 
-def _messages(source: str) -> Iterator[tuple[str, bytes | None]]:
-    """Yield a message's place and octets; None where a line is not what it should be."""
+def _hint(piece: "Piece") -> str:
+    if not piece.announced:
+        return ""
+    return (
+        f"; the beginning of a message of {piece.announced} octets, of which {len(piece.octets)} are here: "
+        "cut short, or digits wrapped over several lines?"
+    )
+
+
+def _pieces(source: str) -> "Iterator[Piece]":
+    """Yield what stands in the source, with the source in each place."""
+    from dataclasses import replace
+
     from modelcast.core.exceptions import ConfigError
+    from modelcast.io.message_file import pieces_of
+    from modelcast.io.message_text import pieces_of_text
 
     content = _content(source)
     if content is None:
-        octets = _unhex(source)
-        if octets is None:
-            raise ConfigError(f"'{source[:60]}' is neither a file nor an even number of hexadecimal digits")
-        yield "argument", octets
-        return
-    name = "standard input" if source == "-" else source
-    if not all(octet in b"\t\n\r" or 0x20 <= octet < 0x7F for octet in content):
-        yield name, content
-        return
-    for number, line in enumerate(content.decode("ascii").splitlines(), start=1):
-        if line.strip() and not line.lstrip().startswith("#"):
-            yield f"{name}, line {number}", _unhex(line)
+        found = list(pieces_of_text(source))
+        if not any(piece.octets for piece in found):
+            why = f": {found[0].fault}" if found else ""
+            raise ConfigError(
+                f"'{source[:60]}' is neither a file nor an even number of hexadecimal digits{why}"
+            )
+        name = "argument"
+    else:
+        found, name = pieces_of(content), "standard input" if source == "-" else source
+    for piece in found:
+        # The only line of an argument is the argument.
+        place = "" if content is None and piece.place == "line 1" else piece.place
+        yield replace(piece, place=f"{name}, {place}" if place else name)
 
 
 def _content(source: str) -> bytes | None:
     """Octets of a file or of the standard input; None where there is no such file."""
     import sys
-    from pathlib import Path
+
+    from modelcast.io.message_file import read_octets
 
     if source == "-":
         return sys.stdin.buffer.read()
     if not source.strip():
         return None  # and not the folder that an empty path means
     try:
-        return Path(source).read_bytes()
-    except (FileNotFoundError, ValueError):
+        return read_octets(source)
+    except (FileNotFoundError, NotADirectoryError, ValueError):
         return None
-    except OSError:
+    except OSError as error:
+        import errno
+
         # Digits of a long message are too long a name for a file.
-        if _unhex(source) is None:
+        if error.errno != errno.ENAMETOOLONG:
             raise
-        return None
-
-
-def _unhex(text: str) -> bytes | None:
-    """Octets of hexadecimal digits, blanks between octets allowed; None where they are none."""
-    try:
-        return bytes.fromhex(text.strip().removeprefix("0x")) or None
-    except ValueError:
         return None

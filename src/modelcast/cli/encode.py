@@ -29,9 +29,8 @@ def encode(
     profile
         A profile that `modelcast train` wrote, held beside the one that ships with modelcast.
     """
-    import sys
-
     from modelcast.cli.messages import Profiles, octets_of
+    from modelcast.cli.terminal import complain
     from modelcast.core.exceptions import ConfigError
 
     del json
@@ -41,7 +40,7 @@ def encode(
         try:
             octets = octets_of(document, profiles)
         except ValueError as error:
-            print(f"modelcast: {place}: {error}", file=sys.stderr)
+            complain(f"{place}: {error}")
             bad += 1
             continue
         good += 1

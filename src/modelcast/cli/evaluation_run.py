@@ -5,8 +5,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from rich.console import Console
-
+from modelcast.cli import terminal
 from modelcast.cli.options import parse_columns
 from modelcast.cli.reading import PARTLY_FAILED, TripSource, watched
 from modelcast.cli.run_record import EvaluationRun, write_run
@@ -112,6 +111,5 @@ def show(result: EvaluationResult, out: Path) -> None:
     out
         The output folder.
     """
-    console = Console()
-    console.print(console_report(result))
-    console.print(f"report: {out / 'report.html'}", highlight=False, soft_wrap=True)
+    terminal.show(console_report(result))
+    terminal.say(f"report: {out / 'report.html'}")

@@ -76,11 +76,19 @@ def show(octets: bytes, place: str, profiles: Profiles, *, signed: bool = True) 
     CodecError
         Where nothing of it can be shown.
     """
+    from modelcast.core.exceptions import CodecError
     from modelcast.messages.bsm_fields import MESSAGE_ID
+    from modelcast.messages.foreign_heads import head_name
     from modelcast.messages.identification_document import identification_document
+    from modelcast.messages.ieee1609 import is_ieee1609_data
     from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identification
     from modelcast.report.model_messages import identification_table
 
+    if is_ieee1609_data(octets):
+        return _unsecured(octets, place, profiles)
+    name = head_name(octets)
+    if name is not None:
+        raise CodecError(f"{name}, and no message in it", 0)
     if signed and octets[0] in _SIGNED_HEADS:
         return _signed(octets, place, profiles)
     if MESSAGE_ID.high & int.from_bytes(octets[:2], "big") == IDENTIFICATION_MESSAGE:
@@ -121,6 +129,32 @@ def _bsm(octets: bytes, place: str, profiles: Profiles) -> Shown:
     return shown
 
 
+def _unsecured(octets: bytes, place: str, profiles: Profiles) -> Shown:
+    from modelcast.core.exceptions import CodecError
+    from modelcast.messages.ieee1609 import (
+        content_name,
+        read_unsecured_head,
+        unsecured_document,
+        unsecured_payload,
+    )
+    from modelcast.report.model_messages import title_line
+
+    payload = unsecured_payload(octets)
+    start = len(octets) - len(payload)
+    name = content_name(octets)
+    try:
+        inner = show(payload, f"{place}, payload", profiles)
+    except CodecError as error:
+        reason = f"{name}, its payload from octet {start} on: {error.reason}"
+        raise CodecError(reason, 8 * start + error.offset_bits) from error
+    faults = [f"payload: {fault}" for fault in inner.faults]
+    head = read_unsecured_head(octets)
+    if head is not None and not head.shortest:
+        faults.append("the length of the SPDU's payload is longer than it need be")
+    title = title_line(f"{place}: {name}, {len(octets)} bytes, payload from octet {start} on")
+    return Shown([title, *inner.tables], unsecured_document(inner.document), faults)
+
+
 def _signed(octets: bytes, place: str, profiles: Profiles) -> Shown:
     from modelcast.core.exceptions import CodecError
     from modelcast.messages.security.document import signed_document
@@ -156,8 +190,8 @@ def octets_of(document: object, profiles: Profiles) -> bytes:
     """
     from modelcast.messages.bsm import encode_message
     from modelcast.messages.bsm_document import message_of
-    from modelcast.messages.digits import octets_of_digits
     from modelcast.messages.identification_document import IDENTIFICATION_KIND, identification_of
+    from modelcast.messages.ieee1609 import UNSECURED_KIND, encode_unsecured
     from modelcast.messages.mbc_wire import encode_identification
     from modelcast.messages.security.document import SIGNED_KIND, signed_of
 
@@ -166,18 +200,27 @@ def octets_of(document: object, profiles: Profiles) -> bytes:
     if kind == IDENTIFICATION_KIND:
         return encode_identification(identification_of(given))
     if kind == SIGNED_KIND:
-        found = given.get("payload")
-        payload = cast("Mapping[str, object]", found if isinstance(found, Mapping) else {})
-        if not payload or payload.get("message") == SIGNED_KIND:
-            raise ValueError("the payload of a signed message is the document of another kind of message")
-        if payload.get("message") == "octets":
-            inner = octets_of_digits("octets", payload.get("octets"))
-        else:
-            inner = octets_of(payload, profiles)
-        return signed_of(given, inner).octets
+        return signed_of(given, _payload_octets(given, kind, profiles)).octets
+    if kind == UNSECURED_KIND:
+        return encode_unsecured(_payload_octets(given, kind, profiles))
     if not isinstance(document, Mapping):
         return encode_message(message_of(document))
     return encode_message(message_of(_without_models(given, profiles)))
+
+
+def _payload_octets(given: Mapping[str, object], kind: object, profiles: Profiles) -> bytes:
+    """Octets of the payload of a document that wraps another."""
+    from modelcast.messages.digits import octets_of_digits
+    from modelcast.messages.ieee1609 import UNSECURED_KIND
+
+    found = given.get("payload")
+    payload = cast("Mapping[str, object]", found if isinstance(found, Mapping) else {})
+    if not payload or payload.get("message") == kind:
+        article = "an" if kind == UNSECURED_KIND else "a"
+        raise ValueError(f"the payload of {article} {kind} message is the document of another kind")
+    if payload.get("message") == "octets":
+        return octets_of_digits("octets", payload.get("octets"))
+    return octets_of(payload, profiles)
 
 
 def _without_models(given: Mapping[str, object], profiles: Profiles) -> dict[str, object]:

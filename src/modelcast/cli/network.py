@@ -98,10 +98,9 @@ def network(
     import json as json_format
     import sys
 
-    from rich.console import Console
-
     from modelcast.cli.network_plan import NetworkPlan
     from modelcast.cli.reading import counted
+    from modelcast.cli.terminal import say, show
     from modelcast.evaluation.network.pool import gather
     from modelcast.io.network import network_document, write_network
     from modelcast.report.network import network_console, write_network_report
@@ -134,9 +133,8 @@ def network(
         json_format.dump(network_document(result, options), sys.stdout, indent=2, sort_keys=True)
         print()
     elif not quiet:
-        console = Console()
-        console.print(network_console(result))
-        console.print(f"report: {out / 'report.html'}", highlight=False, soft_wrap=True)
+        show(network_console(result))
+        say(f"report: {out / 'report.html'}")
     return 0
 
 

@@ -1,13 +1,11 @@
 """Reading trips for a command: progress on the terminal, files that fail kept apart."""
 
 import fnmatch
-import sys
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from rich.console import Console
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
@@ -18,7 +16,9 @@ from rich.progress import (
     TimeElapsedColumn,
 )
 
+from modelcast.cli.terminal import complain, error_console
 from modelcast.core.exceptions import DataFormatError
+from modelcast.core.printable import printable
 from modelcast.core.trajectory import Trajectory
 from modelcast.io.trips import read_trips
 
@@ -87,7 +87,7 @@ class TripSource:
                 copies = sum(name.partition("#")[0] == path.name for name in self.failures)
                 name = f"{path.name}#{copies + 1}" if copies else path.name
                 self.failures[name] = f"{place}{error.problem}. {error.remedy}".strip()
-                print(f"modelcast: {error}", file=sys.stderr)
+                complain(error)
 
 
 def _renamed(trip: Trajectory, copy: int) -> Trajectory:
@@ -110,7 +110,7 @@ def watched(source: TripSource, *, quiet: bool) -> Generator[Iterator[Trajectory
 
     def shown() -> Iterator[Trajectory]:
         for trip in source:
-            note = f"trip {source.trips}: {trip.trip_id}"
+            note = f"trip {source.trips}: {printable(trip.trip_id)}"
             bar.update(task, completed=source.started - 1, note=note)
             yield trip
 
@@ -162,13 +162,13 @@ def staged(*, quiet: bool) -> Generator[Callable[[str, int, int], None]]:
 
 def _bar(label: str, *, quiet: bool) -> Progress:
     """A progress bar on stderr that leaves nothing behind, and is silent where that is no terminal."""
-    console = Console(file=sys.stderr)
+    console = error_console()
     return Progress(
         SpinnerColumn(),
         TextColumn(label),
         BarColumn(),
         MofNCompleteColumn(),
-        TextColumn("{task.fields[note]}"),
+        TextColumn("{task.fields[note]}", markup=False),
         TimeElapsedColumn(),
         console=console,
         transient=True,

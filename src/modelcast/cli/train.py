@@ -69,10 +69,9 @@ def train(
     import json as json_format
     import sys
 
-    from rich.console import Console
-
     from modelcast.cli.options import parse_columns
     from modelcast.cli.reading import TripSource, staged, watched
+    from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
     from modelcast.evaluation.training.descent import Descent
     from modelcast.evaluation.training.learned import LearnedSettings
@@ -111,7 +110,6 @@ def train(
         json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
         print()
     elif not quiet:
-        console = Console()
-        console.print(training_report(profile))
-        console.print(f"profile: {out}, sha256 {profile.identity}", highlight=False, soft_wrap=True)
+        show(training_report(profile))
+        say(f"profile: {out}, sha256 {profile.identity}")
     return source.exit_code

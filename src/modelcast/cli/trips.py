@@ -35,11 +35,10 @@ def trips(
     import json as json_format
     import sys
 
-    from rich.console import Console
-
     from modelcast.agents.plausibility import trip_findings
     from modelcast.cli.options import parse_columns
     from modelcast.cli.reading import TripSource, watched
+    from modelcast.cli.terminal import show
     from modelcast.core.exceptions import ConfigError
     from modelcast.core.inspection import inspect
     from modelcast.report.inspection import inspection_document, inspection_report
@@ -56,5 +55,5 @@ def trips(
         json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
         print()
     else:
-        Console().print(inspection_report(found, source.failures, source.skipped))
+        show(inspection_report(found, source.failures, source.skipped))
     return source.exit_code

@@ -84,12 +84,23 @@ def message_of(document: object) -> BasicSafetyMessage:
         raise ValueError(f"no field is called {', '.join(unknown)}; the fields are {', '.join(CORE_INDEX)}")
     if given.get("message", _KIND) != _KIND:
         raise ValueError(f"message must be '{_KIND}', got {shown(given['message'])}")
+    _refuse_missing(given)
     core = BsmCore(tuple(_code(field, given.get(field.name)) for field in CORE_FIELDS))
     part_ii, regional = (_contents(name, given.get(name)) for name in _REST[:2])
     additions, frame_additions = (_additions(name, given.get(name)) for name in _REST[2:])
     return BasicSafetyMessage(
         core, part_ii=part_ii, regional=regional, additions=additions, frame_additions=frame_additions
     )
+
+
+def _refuse_missing(given: Mapping[str, object]) -> None:
+    """Name all fields at once that are not given and have no code for that."""
+    missing = [
+        field.name for field in CORE_FIELDS if field.unavailable is None and given.get(field.name) is None
+    ]
+    if missing:
+        others = f", nor {', '.join(missing[1:])}" if missing[1:] else ""
+        raise ValueError(f"{missing[0]} is not known{others}, and there is no code for that: give a value")
 
 
 def _code(field: Field, given: object) -> int:

@@ -12,6 +12,7 @@ from modelcast.messages.bits import MAX_OCTETS, BitReader, BitWriter
 from modelcast.messages.bsm_fields import MESSAGE_ID
 
 __all__ = [
+    "FRAME_NAMES",
     "MAX_FRAME_OCTETS",
     "FrameHeader",
     "MessageFrame",
@@ -25,6 +26,26 @@ __all__ = [
 
 MAX_FRAME_OCTETS = MAX_OCTETS + 4
 """Longest frame that is read: two octets of id, two of length, and the longest open type."""
+
+FRAME_NAMES = {
+    18: "map data",
+    19: "signal phase and timing",
+    20: "basic safety message",
+    21: "common safety request",
+    22: "emergency vehicle alert",
+    23: "intersection collision",
+    24: "NMEA corrections",
+    25: "probe data management",
+    26: "probe vehicle data",
+    27: "road side alert",
+    28: "RTCM corrections",
+    29: "signal request",
+    30: "signal status",
+    31: "traveler information",
+    32: "personal safety message",
+    240: "sub-model identification of modelcast",
+}
+"""Messages by the id of their frame (DSRCmsgID of SAE J2735); 240 is modelcast's own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,7 +199,8 @@ def read_header(data: bytes, expected_id: int | None = None) -> FrameHeader:
     extended = bool(reader.bits(1))
     message_id = reader.bits(15)
     if expected_id is not None and message_id != expected_id:
-        raise CodecError(f"message id {message_id} where {expected_id} is expected", 1)
+        name = f": {FRAME_NAMES[message_id]}" if message_id in FRAME_NAMES else ""
+        raise CodecError(f"message id {message_id} where {expected_id} is expected{name}", 1)
     size = reader.length()
     if size == 0:
         raise CodecError("a frame without a message", 16)

@@ -5,14 +5,15 @@ from pathlib import Path
 
 from rich.console import Group, RenderableType
 from rich.table import Table
-from rich.text import Text
 
+from modelcast.core.printable import printable
 from modelcast.evaluation.compare.result import CandidateRow, ComparisonResult, RatioRow
 from modelcast.report.console import failures_table
 from modelcast.report.figures.comparison import plot_comparison, worst_rows
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.panels import centimetres
 from modelcast.report.headline import nearest_ratio
+from modelcast.report.literal import literal
 from modelcast.report.style import style
 
 __all__ = ["comparison_console", "comparison_markdown", "write_comparison_report"]
@@ -56,7 +57,7 @@ def comparison_markdown(result: ComparisonResult) -> str:
         lines += [_joined(heads), "|" + "---|" * len(heads)]
         lines += [_joined(row) for row in cells]
         lines += _reference_lines(result, protocol)
-    left_out = [f"- {_escaped(name)}: {reason}" for name, reason in sorted(result.failures.items())]
+    left_out = [f"- {_escaped(name)}: {_escaped(reason)}" for name, reason in sorted(result.failures.items())]
     if left_out:
         lines += ["", "Left out:", "", *left_out]
     return "\n".join(lines) + "\n"
@@ -104,7 +105,7 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
     result
         The comparison.
     """
-    parts: list[RenderableType] = [Text(_scope(result))]
+    parts: list[RenderableType] = [literal(_scope(result))]
     thresholds_m = _thresholds_m(result)
     shown_m = sorted({thresholds_m[0], thresholds_m[-1]}) if thresholds_m else []
     ratio = nearest_ratio(_ratios(result))
@@ -120,7 +121,7 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
         table.add_column("trips over\nthe bound", justify="right")
         for candidate in result.candidates:
             table.add_row(
-                Text(_shown_name(candidate)), *_short_cells(result, candidate, protocol, shown_m, at)
+                literal(_shown_name(candidate)), *_short_cells(result, candidate, protocol, shown_m, at)
             )
         parts.append(table)
     if result.failures:
@@ -229,4 +230,4 @@ def _joined(cells: Sequence[str]) -> str:
 
 
 def _escaped(text: str) -> str:
-    return text.replace("|", "\\|").replace("\n", " ").replace("<", "&lt;")
+    return printable(text).replace("&", "&amp;").replace("|", "\\|").replace("<", "&lt;")

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 
 from rich.console import Group, RenderableType
 from rich.table import Table
-from rich.text import Text
 
 from modelcast.evaluation.result import EvaluationResult
 from modelcast.report.headline import (
@@ -18,6 +17,7 @@ from modelcast.report.headline import (
     nearest_ratio,
     rate_basis,
 )
+from modelcast.report.literal import literal
 
 __all__ = [
     "conditioning_lines",
@@ -49,11 +49,11 @@ def console_report(result: EvaluationResult) -> RenderableType:
     result
         The evaluation.
     """
-    parts: list[RenderableType] = [Text(scope_line(result)), rates_table(result)]
+    parts: list[RenderableType] = [literal(scope_line(result)), rates_table(result)]
     if result.tracking:
         parts.append(tracking_table(result))
-    parts += [Text(line) for line in conditioning_lines(result)]
-    parts += [Text(line) for line in skipped_lines(result)]
+    parts += [literal(line) for line in conditioning_lines(result)]
+    parts += [literal(line) for line in skipped_lines(result)]
     if result.failures:
         parts.append(failures_table(result.failures))
     return Group(*parts)
@@ -153,8 +153,7 @@ def failures_table(failures: Mapping[str, str]) -> Table:
     table.add_column("trip", overflow="fold", max_width=36)
     table.add_column("reason", overflow="fold")
     for trip, reason in sorted(failures.items()):
-        # Text, not str: a bracket in a name is no markup.
-        table.add_row(Text(trip), Text(reason))
+        table.add_row(literal(trip), literal(reason))
     return table
 
 

@@ -7,6 +7,7 @@ from rich.table import Table
 
 from modelcast.evaluation.coverage import FORMS, CoverageResult
 from modelcast.models.calibration import LEVELS
+from modelcast.report.literal import literal
 
 __all__ = ["coverage_report"]
 
@@ -40,7 +41,7 @@ def _coverage_table(result: CoverageResult) -> Table:
                 )
                 for horizon_s in _SHOWN_S
             ]
-            table.add_row(name if form == FORMS[0] else "", form, *cells)
+            table.add_row(literal(name if form == FORMS[0] else ""), form, *cells)
     return table
 
 
@@ -51,7 +52,7 @@ def _times_table(result: CoverageResult) -> Table:
     for row in result.times:
         correlation = "-" if isnan(row.rank_correlation) else f"{row.rank_correlation:.2f}"
         table.add_row(
-            row.sub_model,
+            literal(row.sub_model),
             row.form,
             f"{100 * row.threshold_m:.4g} cm",
             f"{row.expected_s:.2f} / {row.observed_s:.2f}",

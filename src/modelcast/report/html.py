@@ -6,7 +6,6 @@ stamp and no path; the same result gives the same bytes.
 
 import base64
 from collections.abc import Iterable, Mapping, Sequence
-from html import escape
 from pathlib import Path
 from typing import Any, cast
 
@@ -24,7 +23,7 @@ from modelcast.report.headline import (
     pooled_reference,
     rate_basis,
 )
-from modelcast.report.page import CSS, number, page, table
+from modelcast.report.page import CSS, escape, number, page, table
 
 __all__ = ["report_document", "write_report"]
 

@@ -7,10 +7,10 @@ from typing import Any
 
 from rich.console import Group, RenderableType
 from rich.table import Table
-from rich.text import Text
 
 from modelcast.agents.plausibility import Finding
 from modelcast.core.inspection import TripInspection
+from modelcast.report.literal import literal
 
 __all__ = ["Findings", "inspection_document", "inspection_report"]
 
@@ -62,22 +62,22 @@ def inspection_report(
         As in `inspection_document`.
     """
     parts: list[RenderableType] = [_trip(*one) for one in found]
-    parts += [Text(f"no trip from {name}: {reason}") for name, reason in skipped.items()]
-    parts += [Text(f"failed: {name}: {reason}", style="bold") for name, reason in failures.items()]
+    parts += [literal(f"no trip from {name}: {reason}") for name, reason in skipped.items()]
+    parts += [literal(f"failed: {name}: {reason}", "bold") for name, reason in failures.items()]
     return Group(*parts)
 
 
 def _trip(one: TripInspection, findings: Findings) -> Table:
     table = Table(
-        show_header=False, box=None, title=Text(one.trip_id), title_justify="left", title_style="bold"
+        show_header=False, box=None, title=literal(one.trip_id), title_justify="left", title_style="bold"
     )
     table.add_column(style="dim")
     table.add_column(overflow="fold")
     for name, value in _lines(one):
-        table.add_row(name, Text(value))
+        table.add_row(name, literal(value))
     if findings is not None:
         implausible = _implausible(findings)
-        table.add_row("implausible", Text(_counts("", implausible).lstrip("; ") or "nothing"))
+        table.add_row("implausible", literal(_counts("", implausible).lstrip("; ") or "nothing"))
     return table
 
 

@@ -7,6 +7,7 @@ from rich.text import Text
 from modelcast.messages.bsm import BasicSafetyMessage
 from modelcast.messages.bsm_fields import CORE_FIELDS, PART_II_NAMES
 from modelcast.messages.fields import Field
+from modelcast.report.literal import literal
 
 __all__ = ["message_table", "shown_value"]
 
@@ -29,7 +30,7 @@ def message_table(message: BasicSafetyMessage, title: str) -> RenderableType:
     for field, code in zip(CORE_FIELDS, message.core.codes, strict=True):
         name = field.quantity.replace("_", " ")
         table.add_row(name, field.standard_name, shown_value(field, code), str(code))
-    return Group(Text(title), table, *(Text(line) for line in _opaque(message)))
+    return Group(literal(title), table, *(Text(line) for line in _opaque(message)))
 
 
 def _opaque(message: BasicSafetyMessage) -> list[str]:

@@ -9,11 +9,12 @@ from rich.text import Text
 
 from modelcast.messages.mbc_wire import IdentificationMessage
 from modelcast.messages.security.signed import SignedMessage
+from modelcast.report.literal import literal
 
 if TYPE_CHECKING:
     from modelcast.messages.update_document import ModelReading
 
-__all__ = ["envelope_table", "identification_table", "model_table"]
+__all__ = ["envelope_table", "identification_table", "model_table", "title_line"]
 
 _UNITS = {"mps2": "m/s²", "radps": "rad/s", "mps": "m/s", "rad": "rad", "m": "m", "s": "s"}
 
@@ -45,7 +46,7 @@ def model_table(reading: "ModelReading") -> RenderableType:
         rows.append((f"displacement after {horizon} s", f"{east:.2f} m east, {north:.2f} m north"))
     lines = [] if held else [Text("unknown profile: constant velocity from Part I is predicted")]
     if reading.problem:
-        lines.append(Text(f"nothing is predicted: {reading.problem}"))
+        lines.append(literal(f"nothing is predicted: {reading.problem}"))
     return Group(Text("model"), _table(rows), *lines)
 
 
@@ -73,7 +74,7 @@ def identification_table(message: IdentificationMessage, title: str) -> Renderab
         ("sub-model", str(message.sub_model)),
         ("age", f"{message.age_s:.2f} s"),
     ]
-    return Group(Text(title), _table(rows))
+    return Group(literal(title), _table(rows))
 
 
 def envelope_table(message: SignedMessage, title: str) -> RenderableType:
@@ -97,7 +98,18 @@ def envelope_table(message: SignedMessage, title: str) -> RenderableType:
             ("certificate signature", signer.signature.hex()),
         ]
     rows += [("signature", message.signature.hex()), ("payload", f"{len(message.payload)} bytes")]
-    return Group(Text(title), _table(rows), Text("the signature is not verified"))
+    return Group(literal(title), _table(rows), Text("the signature is not verified"))
+
+
+def title_line(title: str) -> RenderableType:
+    """A line above other tables.
+
+    Parameters
+    ----------
+    title
+        Any text.
+    """
+    return literal(title)
 
 
 def _table(rows: Iterable[tuple[str, str]]) -> Table:

@@ -1,7 +1,6 @@
 """A network evaluation for people: the table as Markdown and for the terminal, the page, the figures."""
 
 from collections.abc import Mapping, Sequence
-from html import escape
 from pathlib import Path
 from typing import Any, cast
 
@@ -12,7 +11,8 @@ from rich.table import Table
 from modelcast.evaluation.network.rows import NetworkResult, PooledRow
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.network import NETWORK_FIGURES
-from modelcast.report.page import CSS, number, page, table
+from modelcast.report.literal import literal
+from modelcast.report.page import CSS, escape, number, page, table
 from modelcast.report.style import style
 
 __all__ = ["network_console", "network_markdown", "write_network_report"]
@@ -110,12 +110,12 @@ def network_console(result: NetworkResult) -> RenderableType:
     for head in (*_KEYS, *(titles[name] for name in _TERMINAL)):
         shown.add_column(head, justify="left" if head in {"radio", "policy"} else "right")
     for cells in _rows(result, _TERMINAL, intervals=True):
-        shown.add_row(*cells)
+        shown.add_row(*(literal(cell) for cell in cells))
     capacity = Table(title="Density at which PTE p90 at 100 m meets a limit", title_justify="left")
     for head in ("radio", "policy", "limit [m]", "vehicles a km"):
         capacity.add_column(head)
     for cells in _capacity_cells(result):
-        capacity.add_row(*cells)
+        capacity.add_row(*(literal(cell) for cell in cells))
     return Group(shown, capacity) if result.capacities else Group(shown)
 
 

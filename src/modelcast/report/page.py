@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from html import escape
+from html import escape as escape_markup
 
-__all__ = ["CSS", "number", "page", "table"]
+from modelcast.core.printable import printable
+
+__all__ = ["CSS", "escape", "number", "page", "table"]
 
 CSS = """
 :root { color-scheme: light; }
@@ -35,6 +37,22 @@ summary { cursor: pointer; font-weight: 600; margin: .4rem 0; }
   .wide { overflow: visible; }
 }
 """
+
+
+def escape(text: str) -> str:
+    r"""Return a text as markup that shows it: nothing in it is a tag, and every character is a visible one.
+
+    Parameters
+    ----------
+    text
+        Any text.
+
+    Examples
+    --------
+    >>> print(escape("<b>\x07"))
+    &lt;b&gt;\x07
+    """
+    return escape_markup(printable(text))
 
 
 def page(title: str, css: str, body: Iterable[str]) -> str:

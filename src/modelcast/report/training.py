@@ -7,6 +7,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 
 from modelcast.models.profile import Profile
+from modelcast.report.literal import literal
 
 __all__ = ["training_report"]
 
@@ -36,10 +37,12 @@ def training_report(profile: Profile) -> RenderableType:
             " / ".join(_ratio(one, base) for one, base in zip(own, baseline[protocol], strict=True))
             for protocol, own in rows.items()
         ]
-        table.add_row(name, *cells)
+        table.add_row(literal(name), *cells)
     kept = ", ".join(f"{name} by {found['kept']}" for name, found in record["processes"].items())
     return Group(
-        table, f"bank: {profile.bank.name}, {profile.start}/{profile.identify}", f"hyper-parameters: {kept}"
+        table,
+        literal(f"bank: {profile.bank.name}, {profile.start}/{profile.identify}"),
+        literal(f"hyper-parameters: {kept}"),
     )
 
 

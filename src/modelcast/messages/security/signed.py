@@ -4,7 +4,7 @@
 part            octets
 ==============  ===========  ================================================================================
 head            1            2 with a digest, 3 with a certificate: format 1 in the upper seven bits
-generation      8            microseconds since the common instant, as Time64 of IEEE 1609.2
+generation      8            microseconds since the common instant, as Time64 of IEEE 1609.2; first bit zero
 payload         1 or 2 + n   length determinant of ITU-T X.691 clause 11.9, then the octets
 signer          8 or 113     digest of the certificate, or the certificate
 signature       64           r and s of ECDSA over P-256 with SHA-256
@@ -29,6 +29,7 @@ __all__ = [
     "DIGEST_OVERHEAD_BYTES",
     "SignedMessage",
     "decode_signed",
+    "signed_octets",
     "signed_part",
 ]
 
@@ -136,6 +137,8 @@ def decode_signed(data: bytes) -> SignedMessage:
         raise CodecError(f"signed message of format {head}, not {_FORMAT}", 0)
     attached = reader.bits(1)
     generation_us = reader.bits(_GENERATION_BITS)
+    if generation_us > LAST_US:
+        raise CodecError(f"generated {generation_us} µs after the common instant, {LAST_US} at most", 8)
     payload = reader.open_type()
     begin = reader.position
     signer: Certificate | bytes = reader.octets(CERTIFICATE_OCTETS if attached else DIGEST_OCTETS)
@@ -144,6 +147,33 @@ def decode_signed(data: bytes) -> SignedMessage:
     signature = reader.octets(SIGNATURE_OCTETS)
     reader.finish()
     return SignedMessage(generation_us, payload, signer, signature)
+
+
+def signed_octets(data: bytes) -> int | None:
+    """How many octets the signed message takes that data begin with; they may end before.
+
+    Parameters
+    ----------
+    data
+        Any octets.
+
+    Returns
+    -------
+    int or None
+        None where they begin with no signed message, or end within its head.
+    """
+    reader = BitReader(data)
+    try:
+        head = reader.bits(7)
+        attached = reader.bits(1)
+        reader.bits(_GENERATION_BITS)
+        count = reader.length()
+    except CodecError:
+        return None
+    if head != _FORMAT or count == 0:
+        return None
+    signer = CERTIFICATE_OCTETS if attached else DIGEST_OCTETS
+    return (reader.position >> 3) + count + signer + SIGNATURE_OCTETS
 
 
 def _timed(generation_us: int, payload: bytes) -> bytes:

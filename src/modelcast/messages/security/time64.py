@@ -1,4 +1,4 @@
-"""Time on the wire: whole microseconds, 64 bits, as Time64 of IEEE 1609.2.
+"""Time on the wire: whole microseconds in 64 bits as Time64 of IEEE 1609.2, the first bit zero.
 
 Sender and receiver have to count from the same instant; 1609.2 counts from 2004-01-01 00:00 TAI.
 """
@@ -7,7 +7,8 @@ import math
 
 __all__ = ["LAST_US", "SECONDS", "microseconds"]
 
-LAST_US = 2**64 - 1
+LAST_US = 2**63 - 1
+"""292,000 years. With the first bit zero, no message of ours begins as IEEE 1609.2 data do (`ieee1609`)."""
 
 SECONDS = 1_000_000
 """Microseconds in a second."""
@@ -24,8 +25,8 @@ def microseconds(t_s: float) -> int:
     Raises
     ------
     ValueError
-        Where it is before that instant, not finite, or beyond 64 bits.
+        Where it is before that instant, not finite, or beyond 63 bits.
     """
-    if not (math.isfinite(t_s) and 0 <= t_s * SECONDS <= 2**63):
-        raise ValueError(f"t_s must be from 0 to {2**63 // SECONDS} s after the common instant, got {t_s}")
+    if not (math.isfinite(t_s) and 0 <= t_s * SECONDS < LAST_US):
+        raise ValueError(f"t_s must be from 0 to {LAST_US // SECONDS} s after the common instant, got {t_s}")
     return round(t_s * SECONDS)

@@ -12,7 +12,7 @@ from matplotlib.typing import LineStyleType
 
 from modelcast.evaluation.compare.result import ComparisonResult, RatioRow, TrackingRatioRow
 from modelcast.evaluation.result import POOLED
-from modelcast.report.figures.panels import empty_figure, printable
+from modelcast.report.figures.panels import drawable, empty_figure
 from modelcast.report.headline import REFERENCE_LABELS
 from modelcast.report.style import INK, PAGE_IN, new_figure, style
 
@@ -253,7 +253,7 @@ def _draw_line(
         linestyle=look.line,
         linewidth=look.width,
         markersize=3.0,
-        label=printable(name, _LONGEST_NAME),
+        label=drawable(name, _LONGEST_NAME),
         zorder=3,
     )
     low, high = np.array(limits, dtype=np.float64).reshape(-1, 2).T

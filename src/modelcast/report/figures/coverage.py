@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from modelcast.evaluation.coverage import FORMS, CoverageRow, TimeRow
 from modelcast.models.calibration import LEVELS
-from modelcast.report.figures.panels import empty_figure, printable
+from modelcast.report.figures.panels import drawable, empty_figure
 from modelcast.report.style import INK, PAGE_IN, POLICY_COLOURS, new_figure, style
 
 __all__ = ["plot_coverage", "plot_times"]
@@ -55,7 +55,7 @@ def plot_coverage(rows: Sequence[CoverageRow]) -> Figure:
 
 
 def _draw(axes: Axes, name: str, rows: Sequence[CoverageRow]) -> None:
-    axes.set_title(printable(name, 30))
+    axes.set_title(drawable(name, 30))
     axes.set_ylim(0.0, 102.0)
     axes.set_yticks([0.0, *(100 * level for level in LEVELS)], ["0", "50", "90", ""])
     axes.grid(visible=False)
@@ -98,7 +98,7 @@ def plot_times(rows: Sequence[TimeRow]) -> Figure:
         for axes, threshold_m in zip(grid.flat, thresholds_m, strict=True):
             _draw_times(axes, names, [row for row in rows if row.threshold_m == threshold_m and row.instants])
             axes.set_title(f"until {100 * threshold_m:.4g} cm")
-        grid.flat[0].set_yticks(range(len(names)), [printable(name, 30) for name in names])
+        grid.flat[0].set_yticks(range(len(names)), [drawable(name, 30) for name in names])
         grid.flat[0].invert_yaxis()
         figure.supxlabel("Mean time [s]", fontsize=7.5)
         handles, labels = grid.flat[0].get_legend_handles_labels()

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from modelcast.core.arrays import FloatArray
 from modelcast.evaluation.result import EvaluationResult, Manoeuvre
-from modelcast.report.figures.panels import centimetres, empty_figure, printable
+from modelcast.report.figures.panels import centimetres, drawable, empty_figure
 from modelcast.report.style import INK, PAGE_IN, model_colours, new_figure, style
 
 __all__ = ["plot_manoeuvre"]
@@ -35,7 +35,7 @@ def plot_manoeuvre(result: EvaluationResult) -> Figure:
         chart, growth = figure.subplots(1, 2, width_ratios=[1.55, 1.0])
         _draw_map(chart, manoeuvre)
         _draw_growth(growth, manoeuvre)
-        title = f"{printable(manoeuvre.trip)}, predicted at {manoeuvre.start_s:.1f} s"
+        title = f"{drawable(manoeuvre.trip)}, predicted at {manoeuvre.start_s:.1f} s"
         chart.set_title(title, loc="left")
         growth.set_title("Error of each prediction", loc="left")
         handles, labels = chart.get_legend_handles_labels()
@@ -110,7 +110,7 @@ def _survival_s(manoeuvre: Manoeuvre, name: str) -> float | None:
 def _label(manoeuvre: Manoeuvre, name: str) -> str:
     lost_s = _survival_s(manoeuvre, name)
     fate = "holds throughout" if lost_s is None else f"holds {lost_s:.1f} s"
-    return f"{printable(name, 24)} ({fate})"
+    return f"{drawable(name, 24)} ({fate})"
 
 
 def _at(manoeuvre: Manoeuvre, path_m: FloatArray, time_s: float) -> FloatArray:

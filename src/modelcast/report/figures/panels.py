@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from modelcast.report.style import COLUMN_IN, PAGE_IN, new_figure
 
-__all__ = ["MOST_PANELS", "centimetres", "empty_figure", "panel_grid", "printable", "top_legend"]
+__all__ = ["MOST_PANELS", "centimetres", "drawable", "empty_figure", "panel_grid", "top_legend"]
 
 MOST_PANELS = 9
 """More thresholds than this are thinned out evenly: panels must stay readable."""
@@ -26,15 +26,15 @@ def centimetres(value_m: float) -> str:
     return f"{100 * value_m:.4g} cm"
 
 
-def printable(text: str, most: int = 60) -> str:
+def drawable(text: str, most: int = 60) -> str:
     """Return the text in letters that the figure's font has, shortened in its middle.
 
     Examples
     --------
-    >>> printable("a-long-file-name.csv/17", 12)
+    >>> drawable("a-long-file-name.csv/17", 12)
     'a-lon…csv/17'
     """
-    shown = "".join(letter if " " <= letter <= _LAST_IN_FONT and letter != "\x7f" else "?" for letter in text)
+    shown = "".join(letter if letter <= _LAST_IN_FONT and letter.isprintable() else "?" for letter in text)
     if len(shown) <= most:
         return shown
     tail = most // 2

@@ -8,7 +8,7 @@ from matplotlib.patches import Patch
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.evaluation.result import EvaluationResult, Timeline
-from modelcast.report.figures.panels import centimetres, empty_figure, printable
+from modelcast.report.figures.panels import centimetres, drawable, empty_figure
 from modelcast.report.style import (
     FAINT,
     IDENTIFICATION_COLOUR,
@@ -44,7 +44,7 @@ def plot_timeline(result: EvaluationResult) -> Figure:
         errors, strips = figure.subplots(2, 1, sharex=True, height_ratios=heights)
         _draw_errors(errors, timeline)
         _draw_strips(strips, timeline)
-        title = f"{printable(timeline.trip)}, threshold {centimetres(timeline.threshold_m)}"
+        title = f"{drawable(timeline.trip)}, threshold {centimetres(timeline.threshold_m)}"
         errors.set_title(title, loc="left")
         handles, labels = errors.get_legend_handles_labels()
         handles.append(Patch(color=FAINT))
@@ -85,7 +85,7 @@ def _draw_errors(axes: Axes, timeline: Timeline) -> None:
             _MODEL_LINES[at % len(_MODEL_LINES)],
             color=colours[name],
             linewidth=1.0,
-            label=printable(name, 24),
+            label=drawable(name, 24),
         )
     axes.axhline(threshold_m, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), label="Threshold")
     axes.set_ylim(0.0, _SHOWN_THRESHOLDS * threshold_m)
@@ -110,7 +110,7 @@ def _draw_strips(axes: Axes, timeline: Timeline) -> None:
         axes.add_collection(
             EventCollection(times_s, lineoffset=row + below, linelength=0.8, linewidth=0.9, color=colour)
         )
-    names = [*(printable(name, 24) for name in timeline.members), "In use", *(name for name, _, _ in ticks)]
+    names = [*(drawable(name, 24) for name in timeline.members), "In use", *(name for name, _, _ in ticks)]
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.4, -0.6)
     axes.set_xlim(timeline.t_s[0], timeline.t_s[-1] + _step_s(timeline.t_s))

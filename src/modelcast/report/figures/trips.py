@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from modelcast.evaluation.result import POOLED, EvaluationResult
-from modelcast.report.figures.panels import centimetres, empty_figure, printable
+from modelcast.report.figures.panels import centimetres, drawable, empty_figure
 from modelcast.report.headline import (
     HEADLINE_RATIO,
     evaluated_ratios,
@@ -76,7 +76,7 @@ def _short(names: Sequence[str]) -> list[str]:
     """The names, without the file's where all trips come from one."""
     files = {name.rpartition("/")[0] for name in names}
     shown = [name.rpartition("/")[2] for name in names] if len(files) == 1 else names
-    return [printable(name, 30) for name in shown]
+    return [drawable(name, 30) for name in shown]
 
 
 def _rates(result: EvaluationResult, threshold_m: float) -> dict[str, _ByTrip]:

@@ -1,0 +1,66 @@
+"""The one way to the terminal: text in which nothing foreign is obeyed."""
+
+import sys
+from typing import TYPE_CHECKING
+
+from modelcast.core.printable import printable
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+
+__all__ = ["complain", "error_console", "refused", "say", "show"]
+
+
+def complain(problem: object) -> None:
+    """Print a problem, in one line, on the standard error.
+
+    Parameters
+    ----------
+    problem
+        An error or a text; what is not printable in it is escaped.
+    """
+    print(f"modelcast: {printable(str(problem))}", file=sys.stderr)
+
+
+def say(line: str) -> None:
+    """Print a line that is not wrapped.
+
+    Parameters
+    ----------
+    line
+        Any text; what is not printable in it is escaped.
+    """
+    print(printable(line))
+
+
+def refused(error: Exception) -> "RenderableType":
+    """Return what is shown of arguments that the command line does not take.
+
+    Parameters
+    ----------
+    error
+        What is wrong with them; it quotes them.
+    """
+    from cyclopts.panel import CycloptsPanel
+
+    return CycloptsPanel("\n".join(map(printable, str(error).splitlines())))
+
+
+def show(*tables: "RenderableType") -> None:
+    """Print tables, one below the other.
+
+    Parameters
+    ----------
+    tables
+        Foreign text in them has been through `printable`; square brackets and colons are no markup.
+    """
+    from rich.console import Console
+
+    Console(markup=False, emoji=False).print(*tables, sep="\n")
+
+
+def error_console() -> "Console":
+    """Return the console of progress bars: the standard error, without markup."""
+    from rich.console import Console
+
+    return Console(file=sys.stderr, markup=False, emoji=False)

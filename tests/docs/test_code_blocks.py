@@ -1,0 +1,180 @@
+"""Every code block of the README, of CONTRIBUTING and of the pages does what it shows."""
+
+import ast
+import builtins
+import io
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from contextlib import redirect_stdout
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from modelcast.cli.app import app, run
+from modelcast.io.write_trips import write_csv
+from modelcast.simulation.drive import generate_drive
+
+sys.path.insert(0, str(Path(__file__).parent))
+from code_blocks import PAGES, ROOT, Block, blocks_of, printed_by
+
+sys.path.pop(0)
+
+BLOCKS = [block for page in PAGES for block in blocks_of(page)]
+LANGUAGES = {"python", "console", "sh", "json", "toml", "text"}
+DATA_SUFFIXES = (".csv", ".json", ".nmea")
+
+
+def of(language: str) -> list[Any]:
+    return [pytest.param(block, id=block.place) for block in BLOCKS if block.language == language]
+
+
+PROGRAMS = [param for param in of("python") if not param.values[0].page.startswith("CONTRIBUTING")]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with trips of the names that the pages use where any trip would do."""
+    drive = generate_drive(seed=1, duration_s=90.0).truth
+    (tmp_path / "logs").mkdir()
+    for name in ("platoon.csv", "logs/drive.csv"):
+        write_csv([drive], tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def bring_data(program: str, folder: Path, request: pytest.FixtureRequest) -> None:
+    """Link the real trips that a program names into the folder it runs in."""
+    names = [node.value for node in ast.walk(ast.parse(program)) if isinstance(node, ast.Constant)]
+    for name in names:
+        if isinstance(name, str) and name.endswith(DATA_SUFFIXES) and not (folder / name).exists():
+            data: Path = request.getfixturevalue("data_folder")
+            found = sorted(data.rglob(name))
+            assert found, f"no {name} in MODELCAST_DATA"
+            (folder / name).symlink_to(found[0].resolve())
+
+
+def outputs_of(program: str, place: str) -> tuple[str, list[tuple[int, str]]]:
+    """What a program prints, and each printed piece with the line that printed it."""
+    pieces: list[tuple[int, str]] = []
+    whole = io.StringIO()
+
+    def told(*values: object, **keywords: Any) -> None:
+        piece = io.StringIO()
+        builtins.print(*values, file=piece, **keywords)
+        frame = sys._getframe(1)
+        line = frame.f_lineno if frame.f_code.co_filename == place else 0
+        pieces.append((line, piece.getvalue()))
+        whole.write(piece.getvalue())
+
+    with redirect_stdout(whole):
+        exec(compile(program, place, "exec"), {"__name__": place, "print": told})  # noqa: S102 - ours
+    return whole.getvalue(), pieces
+
+
+def agrees(shown: str, printed: str) -> bool:
+    return shown == printed or shown.startswith(f"{printed}: ")
+
+
+def test_every_block_says_what_it_is() -> None:
+    assert [block.place for block in BLOCKS if block.language not in LANGUAGES] == []
+    assert len(PROGRAMS) > 15
+
+
+@pytest.mark.parametrize("block", PROGRAMS)
+def test_a_program_prints_what_it_shows(block: Block, folder: Path, request: pytest.FixtureRequest) -> None:
+    if block.not_run:
+        compile(block.text, block.place, "exec")
+        return
+    bring_data(block.text, folder, request)
+    whole, pieces = outputs_of(block.text, block.place)
+    if block.result is not None:
+        assert whole == block.result
+    for call in printed_by(block.text):
+        own = [text for line, text in pieces if call.first <= line <= call.last]
+        printed = "".join(own).splitlines()
+        assert len(printed) == len(call.lines), (call, printed)
+        assert all(map(agrees, call.lines, printed)), (call, printed)
+
+
+@pytest.mark.parametrize("block", of("console"))
+def test_a_console_shows_what_its_commands_print(
+    block: Block, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert folder.is_dir()
+    for part in re.split(r"^\$ ", block.text, flags=re.MULTILINE)[1:]:
+        command, _, shown = part.partition("\n")
+        program, *arguments = shlex.split(command, comments=True)
+        assert program == "modelcast"
+        run(arguments)
+        ended = capsys.readouterr()
+        assert ended.out + ended.err == shown
+
+
+def commands_of(text: str) -> Iterator[list[str]]:
+    for line in text.replace("\\\n", " ").splitlines():
+        words = shlex.split(line, comments=True)
+        if words:
+            yield [word.removesuffix("...") for word in words]
+
+
+@pytest.mark.parametrize("block", of("sh"))
+def test_commands_exist_with_their_options(block: Block) -> None:
+    targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    for program, *arguments in commands_of(block.text):
+        if program == "modelcast":
+            app.parse_args(arguments, print_error=False, exit_on_error=False)
+        elif program == "make":
+            assert set(arguments) <= set(targets)
+        elif program == "pip":
+            extras = re.findall(r"modelcast\[(\w+)\]", " ".join(arguments))
+            assert set(extras) <= set(project["optional-dependencies"])
+        else:
+            assert program == "export"
+
+
+@pytest.mark.parametrize("block", [*of("json"), *of("toml")])
+def test_a_document_is_well_formed(block: Block) -> None:
+    assert (json if block.language == "json" else tomllib).loads(block.text)
+
+
+def test_the_sub_model_of_the_guide_keeps_the_contract(tmp_path: Path) -> None:
+    """Its files, as printed, beside the others; then the conformance suite, alone and in a bank."""
+    package = tmp_path / "models"
+    package.mkdir()
+    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()
+    for param in of("python"):
+        (block,) = param.values
+        if block.page == "CONTRIBUTING.md":
+            above = " ".join(page[max(0, block.line - 4) : block.line])
+            (package / re.findall(r"`models/(\w+\.py)`", above)[-1]).write_text(block.text, encoding="utf-8")
+    assert sorted(path.name for path in package.iterdir()) == ["chord.py", "chord_kernels.py"]
+    suite = (ROOT / "tests" / "models" / "test_model_conformance.py").read_text(encoding="utf-8")
+    opened = "MODELS: dict[str, AbstractMotionModel] = {\n"
+    assert opened in suite
+    added = '"chord": Chord(),\n    "chord+cv": Bank((Chord(), ConstantVelocity())),\n}\n_REST = {\n'
+    suite = suite.replace(opened, f"from modelcast.models.chord import Chord\n\n{opened}    {added}")
+    (tmp_path / "test_chord_conformance.py").write_text(suite, encoding="utf-8")
+    (tmp_path / "beside.py").write_text(
+        f"import modelcast.models\nmodelcast.models.__path__.append({str(package)!r})\n", encoding="utf-8"
+    )
+    ended = subprocess.run(  # noqa: S603 - our own tests
+        [
+            *(sys.executable, "-m", "pytest", "-q", "-p", "beside", "-p", "no:cacheprovider", "-W", "error"),
+            *("-c", os.devnull, f"--rootdir={tmp_path}", str(tmp_path / "test_chord_conformance.py")),
+        ],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    assert int(re.findall(r"(\d+) passed", ended.stdout)[0]) > 20
