@@ -91,6 +91,22 @@ def test_a_glitch_that_lasts_longer_than_what_surrounds_it_is_kept() -> None:
     assert made(t, path).segments.tolist() == [0, 20, 100, 120]
 
 
+@pytest.mark.parametrize("speed_mps", [5.0, 20.0, 45.0])
+def test_positions_repeated_by_a_slow_receiver_are_no_jumps(speed_mps: float) -> None:
+    t = np.arange(0.0, 60.0, 0.1)
+    path = np.stack([speed_mps * t, 0.1 * t**2], axis=1)[(np.arange(t.size) // 10) * 10]
+    assert made(t, path).segments.tolist() == [0, 600]
+    path[310:] += 300.0
+    assert inspect(made(t, path)).jumps == 1
+
+
+def test_a_car_that_stood_for_a_minute_jumps_like_any_other() -> None:
+    t = np.arange(0.0, 60.0, 0.1)
+    path = np.stack([np.where(t < 50.0, 0.0, (t - 50.0) ** 2), 0.0 * t], axis=1)
+    path[480:] += 50.0
+    assert made(t, path).segments.tolist() == [0, 480, 600]
+
+
 def test_a_place_far_behind_a_long_gap_is_a_jump_only_if_nothing_could_get_there() -> None:
     for away_m, jumps in ((1000.0, 0), (100.0 * MAX_SPEED_MPS, 1)):
         t, path = drive()

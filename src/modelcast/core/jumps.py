@@ -47,6 +47,7 @@ EARTH_M = 20_040_000.0
 
 _NOISE_STEPS = 6.0  # white noise of 1e6 samples stays under 4.5 medians of its second differences
 _MIN_STEPS = 20
+_USUAL_PERIODS = 1.5  # steps that take longer than this many usual ones were made by a car that stood
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,12 +106,12 @@ def settle(t_s: FloatArray, position_m: FloatArray) -> Settled:
     rows = np.flatnonzero(~off_earth)
     kept = ~off_earth
     t, at = t_s[rows], position_m[rows]
-    tolerance_m = jump_tolerance_m(t, at)
-    impossible = _impossible(t, at, tolerance_m)
+    steps = _Steps.of(t, at)
+    impossible = steps.impossible()
     if not impossible.any():
         return Settled(kept, off_earth, np.empty(0, dtype=np.int64))
-    _require_speeds(t, at, tolerance_m)
-    glitch, split = _chained(_Path(t, at, tolerance_m), np.flatnonzero(impossible) + 1)
+    steps.require_speeds()
+    glitch, split = _chained(_Path(t, at, steps.tolerance_m), steps.row[impossible])
     kept[rows[glitch]] = False
     return Settled(kept, off_earth, rows[split])
 
@@ -123,9 +124,7 @@ def jump_tolerance_m(t_s: FloatArray, position_m: FloatArray) -> float:
     t_s, position_m
         As in `settle`.
     """
-    before, _ = _deviations(t_s, position_m)
-    known = before[np.isfinite(before)]
-    return max(JUMP_TOLERANCE_M, _NOISE_STEPS * float(np.median(known))) if known.size else JUMP_TOLERANCE_M
+    return _Steps.of(t_s, position_m).tolerance_m
 
 
 def jumps_between(t_s: FloatArray, position_m: FloatArray, segments: IntArray) -> tuple[IntArray, FloatArray]:
@@ -154,41 +153,78 @@ def jumps_between(t_s: FloatArray, position_m: FloatArray, segments: IntArray) -
     return np.array(found, dtype=np.int64), np.array(sizes)
 
 
-def _deviations(t_s: FloatArray, position_m: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distance of each step from what the step before and the step after would have made it, (T - 1,) [m]."""
-    elapsed = np.diff(t_s)[:, None]
-    moved = np.diff(position_m, axis=0)
-    velocity = moved / elapsed
-    before = np.full(len(moved), np.nan)
-    after = np.full(len(moved), np.nan)
-    before[1:] = np.hypot(*(moved[1:] - velocity[:-1] * elapsed[1:]).T)
-    after[:-1] = np.hypot(*(moved[:-1] - velocity[1:] * elapsed[:-1]).T)
-    return before, after
+@dataclass(frozen=True, slots=True)
+class _Steps:
+    """Steps from one new position to the next.
 
+    A position that is repeated tells nothing new. So a receiver slower than the log makes steps of its own
+    period; a car that stood for long makes no longer ones for that.
 
-def _impossible(t_s: FloatArray, position_m: FloatArray, tolerance_m: float) -> BoolArray:
-    """Steps that no vehicle makes, (T - 1,)."""
-    elapsed = np.diff(t_s)
-    before, after = _deviations(t_s, position_m)
-    least = np.fmin(before, after)  # ends have one neighbour only
-    turned = least > MAX_ACCELERATION_MPS2 * elapsed**2 + tolerance_m
-    return turned | _too_fast(t_s, position_m, tolerance_m)
+    Parameters
+    ----------
+    row
+        Rows that the steps lead to, (N,).
+    moved
+        Displacements, (N, 2) [m].
+    elapsed
+        Times they took, (N,) [s].
+    """
 
+    row: IntArray
+    moved: FloatArray
+    elapsed: FloatArray
 
-def _too_fast(t_s: FloatArray, position_m: FloatArray, tolerance_m: float) -> BoolArray:
-    moved = np.hypot(*np.diff(position_m, axis=0).T)
-    return moved > MAX_SPEED_MPS * np.diff(t_s) + tolerance_m
+    @classmethod
+    def of(cls, t_s: FloatArray, position_m: FloatArray) -> "_Steps":
+        """The steps of a recording."""
+        row = np.flatnonzero((np.diff(position_m, axis=0) != 0.0).any(axis=1)) + 1
+        new = np.append(0, row)
+        since = np.diff(t_s[new])
+        usual_s = _USUAL_PERIODS * float(np.median(since)) if since.size else 0.0
+        moved = np.diff(position_m[new], axis=0)
+        return cls(row, moved, np.maximum(t_s[row] - t_s[row - 1], np.minimum(since, usual_s)))
 
+    def deviations_m(self) -> tuple[FloatArray, FloatArray]:
+        """Distance of each step from what the one before and the one behind would have made it, (N,) [m].
 
-def _require_speeds(t_s: FloatArray, position_m: FloatArray, tolerance_m: float) -> None:
-    """Refuse a recording that is faster than any vehicle most of the time."""
-    fast = _too_fast(t_s, position_m, tolerance_m)
-    if fast.size >= _MIN_STEPS and fast.mean() > MAX_IMPOSSIBLE_RATIO:
-        speed = np.hypot(*np.diff(position_m, axis=0).T) / np.diff(t_s)
-        raise ValueError(
-            f"{int(fast.sum())} of {fast.size} steps are faster than any vehicle ({MAX_SPEED_MPS:g} m/s), "
-            f"median speed {np.median(speed):.4g} m/s: check the units of time and position"
-        )
+        The first and the last have one neighbour only; the next but one stands for the other.
+        """
+        velocity = self.moved / self.elapsed[:, None]
+        before, behind = np.roll(velocity, 1, axis=0), np.roll(velocity, -1, axis=0)
+        if len(velocity) > 2:
+            before[0], behind[-1] = velocity[2], velocity[-3]
+        elapsed = self.elapsed[:, None]
+        return np.hypot(*(self.moved - before * elapsed).T), np.hypot(*(self.moved - behind * elapsed).T)
+
+    @property
+    def tolerance_m(self) -> float:
+        """What errors may add [m]."""
+        if len(self.moved) < _MIN_STEPS:
+            return JUMP_TOLERANCE_M
+        before, _ = self.deviations_m()
+        return max(JUMP_TOLERANCE_M, _NOISE_STEPS * float(np.median(before)))
+
+    def too_fast(self) -> BoolArray:
+        """Steps faster than any vehicle, (N,)."""
+        return np.hypot(*self.moved.T) > MAX_SPEED_MPS * self.elapsed + self.tolerance_m
+
+    def impossible(self) -> BoolArray:
+        """Steps that no vehicle makes, (N,)."""
+        if len(self.moved) == 0:
+            return np.zeros(0, dtype=np.bool_)
+        reach = MAX_ACCELERATION_MPS2 * self.elapsed**2 + self.tolerance_m
+        return (np.minimum(*self.deviations_m()) > reach) | self.too_fast()
+
+    def require_speeds(self) -> None:
+        """Refuse a recording that is faster than any vehicle most of the time."""
+        fast = self.too_fast()
+        if fast.size >= _MIN_STEPS and fast.mean() > MAX_IMPOSSIBLE_RATIO:
+            speed = np.hypot(*self.moved.T) / self.elapsed
+            raise ValueError(
+                f"{int(fast.sum())} of {fast.size} steps are faster than any vehicle "
+                f"({MAX_SPEED_MPS:g} m/s), median speed {np.median(speed):.4g} m/s: "
+                "check the units of time and position"
+            )
 
 
 @dataclass(frozen=True, slots=True)

@@ -53,7 +53,7 @@ def inspection_document(
             "implausible": None if findings is None else _implausible(findings),
         }
         judged = {
-            "warnings": dict(judge(one, thresholds_m)),
+            "warnings": dict(judge(one, thresholds_m, smoothed=_smoothed(one))),
             "recommended_protocol": one.recommended_protocol,
         }
         trips.append({**plain, **counts, **judged})
@@ -95,7 +95,7 @@ def _trip(one: TripInspection, findings: Findings, thresholds_m: Sequence[float]
     )
     table.add_column(style="dim")
     table.add_column(overflow="fold")
-    for kind, text in judge(one, thresholds_m).items():
+    for kind, text in judge(one, thresholds_m, smoothed=_smoothed(one)).items():
         table.add_row(Text("warning", style="bold"), Text(f"{kind}: {text}", style="bold"))
     for name, value in _lines(one):
         table.add_row(name, Text(value))
@@ -176,3 +176,8 @@ def _hardly_moved(one: TripInspection) -> str:
 
 def _counts(word: str, counts: Mapping[str, int]) -> str:
     return "".join(f"; {count} {word} ({reason})".replace("  ", " ") for reason, count in counts.items())
+
+
+def _smoothed(one: TripInspection) -> bool:
+    """Whether an evaluation would take the smoothed recording for truth."""
+    return one.recommended_protocol == "sensor"
