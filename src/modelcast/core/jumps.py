@@ -84,7 +84,8 @@ def settle(t_s: FloatArray, position_m: FloatArray) -> Settled:
     Settled
         A stretch between two impossible steps is a glitch where the trip goes on behind it, within
         `MAX_GLITCH_S`, at less than half its distance; so is a stretch of `MAX_EDGE_GLITCH_S` at an end. Any
-        other impossible step splits the trip.
+        other impossible step splits the trip. In a recording of fewer than 20 steps nothing tells what is
+        usual, and none is judged.
 
     Raises
     ------
@@ -210,8 +211,8 @@ class _Steps:
 
     def impossible(self) -> BoolArray:
         """Steps that no vehicle makes, (N,)."""
-        if len(self.moved) == 0:
-            return np.zeros(0, dtype=np.bool_)
+        if len(self.moved) < _MIN_STEPS:
+            return np.zeros(len(self.moved), dtype=np.bool_)
         reach = MAX_ACCELERATION_MPS2 * self.elapsed**2 + self.tolerance_m
         return (np.minimum(*self.deviations_m()) > reach) | self.too_fast()
 

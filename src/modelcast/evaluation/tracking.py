@@ -98,7 +98,7 @@ def draw_losses(case: TripCase, settings: EvaluationSettings) -> BoolArray:
         for run in range(settings.seeds):
             rng = child_generator(settings.seed, run, case.truth.trip_id, "loss")
             lost[row, run] = settings.channel(ratio).losses(t_s, rng)
-    jumped, _ = jumps_between(t_s, case.recorded.position_m, case.recorded.segments)
+    jumped, _ = jumps_between(t_s, case.truth.position_m, case.truth.segments)
     lost[:, :, [0, *jumped.tolist()]] = False
     return lost
 

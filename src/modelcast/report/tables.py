@@ -70,8 +70,8 @@ def tracking_frame(result: EvaluationResult) -> pl.DataFrame:
 def trips_frame(result: EvaluationResult) -> pl.DataFrame:
     """Return one row a trip.
 
-    ``skipped`` and ``repaired`` are total counts here, ``warnings`` the kinds alone, and ``grid_m`` is split into its two axes; the reasons
-    and the smoother's figures are in ``summary.json``.
+    ``skipped`` and ``repaired`` are total counts here, ``warnings`` the kinds alone, and ``grid_m`` is split
+    into its two axes; the reasons and the smoother's figures are in ``summary.json``.
     """
     columns: dict[str, list[Any]] = {}
     for item in fields(TripRow):
