@@ -57,7 +57,9 @@ def smallest_greatest_error_m(trip: Trajectory, first: int, end: int, degree: in
 @pytest.mark.parametrize("degree", [1, 2, 3])
 def test_a_polynomial_of_the_degree_takes_one_message(degree: int) -> None:
     t = 0.1 * np.arange(3000)
-    trip = track(30.0 * t + 0.01 * t**degree, 5.0 - 0.02 * t**degree)
+    trip = track(
+        30.0 * t + 0.01 * t**degree / 10.0 ** (degree - 1), 5.0 - 0.02 * t**degree / 10.0 ** (degree - 1)
+    )
     assert clairvoyant(trip, degree, 0.05).starts.tolist() == [0]
     if degree > 1:
         assert clairvoyant(trip, degree - 1, 0.05).starts.size > 1

@@ -167,16 +167,20 @@ numbers = st.floats(-1e6, 1e6, allow_subnormal=False)
 def trips(draw, name):
     count = draw(st.integers(1, 8))
     column = st.lists(numbers, min_size=count, max_size=count).map(np.array)
+    motion, turning = (
+        st.lists(st.floats(-most, most), min_size=count, max_size=count).map(np.array)
+        for most in (160.0, 5.7)
+    )  # what is larger no vehicle has, and readers take as missing
     steps = draw(st.lists(st.sampled_from([0.1, 0.1, 0.1, 0.11, 1.0]), min_size=count, max_size=count))
     heading = st.lists(st.floats(-np.pi, 3.14), min_size=count, max_size=count).map(np.array)
     return build_trajectory(
         name,
         np.cumsum(steps),
         np.stack([draw(column), draw(column)], axis=1),
-        speed_mps=draw(st.none() | column),
+        speed_mps=draw(st.none() | motion),
         heading_rad=draw(st.none() | heading),
-        acceleration_mps2=draw(st.none() | column),
-        yaw_rate_radps=draw(st.none() | column),
+        acceleration_mps2=draw(st.none() | motion),
+        yaw_rate_radps=draw(st.none() | turning),
         up_m=draw(st.none() | column),
         origin=draw(st.none() | st.builds(Origin, st.floats(-90, 90), st.floats(-180, 180), numbers)),
         start_unix_s=draw(st.none() | st.floats(0, 2e9)),

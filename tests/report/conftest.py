@@ -94,6 +94,7 @@ def _trip(name: str, at: int) -> TripRow:
         skipped={"no fix": 10} if at else {},
         repaired={"wrapped heading": 2},
         conditioning={"sigma_m": 0.04} if at == 1 else None,
+        warnings={"rate": "sampled at <5> Hz"} if at else {},
     )
 
 

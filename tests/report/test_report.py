@@ -178,3 +178,13 @@ def test_sample_rows_run_over_ratios_seeds_and_instants(make_result: Make) -> No
     assert frame["rate_basis"].to_list() == [None] * 20 + ["total"] * 20
     assert frame["tracking_error_m"].null_count() == 2
     assert frame["tracking_error_m"][19] == pytest.approx(0.19)
+
+
+def test_warnings_stand_before_any_figure(make_result: Make) -> None:
+    result = make_result()
+    shown = printed(result)
+    assert shown.index("warning: rate") < shown.index("Messages per second")
+    document = report_document(result, ())
+    assert document.index("sampled at &lt;5&gt; Hz") < document.index("<h2>Result</h2>")
+    clean = replace(result, trips=tuple(replace(trip, warnings={}) for trip in result.trips))
+    assert "Warnings" not in report_document(clean, ())

@@ -41,6 +41,7 @@ def trips(
     from modelcast.cli.terminal import show
     from modelcast.core.exceptions import ConfigError
     from modelcast.core.inspection import inspect
+    from modelcast.evaluation.settings import EvaluationSettings
     from modelcast.report.inspection import inspection_document, inspection_report
 
     if not paths:
@@ -50,10 +51,11 @@ def trips(
         found = [(inspect(one), trip_findings(one)) for one in shown]
     if not found:
         raise ConfigError("no usable trip")
+    thresholds_m = EvaluationSettings().thresholds_m
     if json:
-        document = inspection_document(found, source.failures, source.skipped)
+        document = inspection_document(found, source.failures, source.skipped, thresholds_m=thresholds_m)
         json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
         print()
     else:
-        show(inspection_report(found, source.failures, source.skipped))
+        show(inspection_report(found, source.failures, source.skipped, thresholds_m=thresholds_m))
     return source.exit_code

@@ -11,17 +11,21 @@ import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray
 from modelcast.core.geodesy import wrap_angle_rad
+from modelcast.core.jumps import jumps_between
 from modelcast.core.recorder import (
     WINDOW_S,
     change_rate_hz,
     coasted_ratio,
     grid_step_m,
     held_s,
+    noise_span_s,
     parts,
+    position_rate_hz,
     quadratic_residual_m,
     rows_around,
     velocity_over,
 )
+from modelcast.core.straight_lines import straight_lines
 from modelcast.core.trajectory import Reading, Trajectory
 
 __all__ = [
@@ -73,19 +77,34 @@ class TripInspection:
         Samples a second, from the median step [Hz].
     gaps, longest_gap_s
         Number of gaps, and the longest [s] (0 where there is none).
+    jumps, largest_jump_m
+        Places where the trip was split because no vehicle goes on like that, and the largest distance from
+        where it would have gone on to [m] (0 where there is none).
     resampled
         True where the reader interpolated uneven steps.
+    moving_s
+        Time in motion, over twice `STOP_SPEED_MPS` by the positions [s].
+    position_rate_hz
+        How often the position really takes a new value while the vehicle moves [Hz]; NaN where it never does.
     grid_axis_m
         Step of the position grid east and north [m], 0 where none shows.
     speed_rate_hz, heading_rate_hz
-        How often the column really takes a new value while the vehicle moves [Hz]; None without the column.
+        How often the column really takes a new value while the vehicle moves [Hz]; None without the column,
+        NaN where the vehicle never moves.
     held_s
         Median time a value of a held column lasts [s], 0 where values are fresh at every sample.
     coasted_ratio
         Where values are held: 1 where positions between two of their changes were extrapolated from the
         held velocity, 0 where they were measured; NaN where the drive cannot tell.
+    fix_period_s
+        Time between slow fixes that straight lines join [s]; NaN where every sample was measured.
+    straight_ratio, corner_ratio, curvature_ratio
+        What tells so, as in `modelcast.core.straight_lines.StraightLines`.
     noise_p50_m, noise_p95_m
-        Median and 95th percentile over 1 s windows of the root mean square residual of a quadratic fit [m].
+        Median and 95th percentile over windows of ``noise_span_s`` of the root mean square residual of a
+        quadratic fit [m]; NaN where no part is as long.
+    noise_span_s
+        1 s, or four steps where these are longer: then the residual holds the motion too [s].
     speed_ratio, speed_difference_mps
         Speed column against differenced positions over 1 s: ratio of the distances, and root mean square
         difference [m/s]; NaN without the column or without motion.
@@ -105,14 +124,23 @@ class TripInspection:
     rate_hz: float
     gaps: int
     longest_gap_s: float
+    jumps: int
+    largest_jump_m: float
     resampled: bool
+    moving_s: float
+    position_rate_hz: float
     grid_axis_m: tuple[float, float]
     speed_rate_hz: float | None
     heading_rate_hz: float | None
     held_s: float
     coasted_ratio: float
+    fix_period_s: float
+    straight_ratio: float
+    corner_ratio: float
+    curvature_ratio: float
     noise_p50_m: float
     noise_p95_m: float
+    noise_span_s: float
     speed_ratio: float
     speed_difference_mps: float
     speed_is_stuck: bool
@@ -135,6 +163,11 @@ class TripInspection:
     def is_coasted(self) -> bool:
         """Whether positions between two fixes are the recorder's own extrapolation."""
         return self.coasted_ratio > 0.5
+
+    @property
+    def is_joined(self) -> bool:
+        """Whether straight lines join slow fixes."""
+        return bool(np.isfinite(self.fix_period_s))
 
     @property
     def is_clean(self) -> bool:
@@ -173,22 +206,32 @@ def inspect(trip: Trajectory) -> TripInspection:
     ratio, difference, stuck = _speed_agreement(trip, by_position)
     speed = by_position if trip.speed_mps is None or stuck else trip.speed_mps
     lasting_s = held_s(trip)
-    between = trip.t_s[trip.segments[1:-1]] - trip.t_s[trip.segments[1:-1] - 1]
+    _, jumps_m = jumps_between(trip.t_s, trip.position_m, trip.segments)
+    lines = straight_lines(trip)
     return TripInspection(
         trip.trip_id,
         trip.duration_s,
         samples=len(trip),
         rate_hz=1.0 / trip.dt_s,
-        gaps=int(between.size),
-        longest_gap_s=float(between.max(initial=0.0)),
+        gaps=int(trip.gaps_s.size),
+        longest_gap_s=float(trip.gaps_s.max(initial=0.0)),
+        jumps=int(jumps_m.size),
+        largest_jump_m=float(jumps_m.max(initial=0.0)),
         resampled=trip.resampled,
+        moving_s=float((by_position > 2.0 * STOP_SPEED_MPS).sum() * trip.dt_s),
+        position_rate_hz=position_rate_hz(trip),
         grid_axis_m=grid_step_m(trip, noise),
         speed_rate_hz=change_rate_hz(trip, trip.speed_mps),
         heading_rate_hz=change_rate_hz(trip, trip.heading_rad),
         held_s=lasting_s,
         coasted_ratio=coasted_ratio(trip, lasting_s) if lasting_s > 0.0 and not stuck else float("nan"),
-        noise_p50_m=float(np.percentile(noise, 50)) if noise.size else 0.0,
-        noise_p95_m=float(np.percentile(noise, 95)) if noise.size else 0.0,
+        fix_period_s=lines.period_s,
+        straight_ratio=lines.straight_ratio,
+        corner_ratio=lines.corner_ratio,
+        curvature_ratio=lines.curvature_ratio,
+        noise_p50_m=float(np.percentile(noise, 50)) if noise.size else float("nan"),
+        noise_p95_m=float(np.percentile(noise, 95)) if noise.size else float("nan"),
+        noise_span_s=noise_span_s(trip),
         speed_ratio=ratio,
         speed_difference_mps=difference,
         speed_is_stuck=stuck,

@@ -120,9 +120,8 @@ def numba_type(annotation: Any) -> Any:
         return _numba.BaseTuple.from_types(tuple(numba_type(one) for one in arguments))
     if isinstance(annotation, type) and issubclass(annotation, np.generic):
         return _element(annotation)
-    named: Any = annotation
-    if isinstance(named, type) and issubclass(named, tuple) and hasattr(named, "_fields"):
-        hints: dict[str, Any] = typing.get_type_hints(annotation, include_extras=True)
+    if hasattr(annotation, "_fields"):
+        hints = typing.get_type_hints(annotation, include_extras=True)
         return _numba.BaseTuple.from_types(tuple(numba_type(one) for one in hints.values()), annotation)
     raise TypeError(
         f"a kernel takes and returns numbers, tuples and the arrays of kernel_types, not {annotation!r}"

@@ -19,7 +19,9 @@ __all__ = [
     "fresh_rows",
     "grid_step_m",
     "held_s",
+    "noise_span_s",
     "parts",
+    "position_rate_hz",
     "quadratic_residual_m",
     "rows_around",
     "velocity_over",
@@ -76,14 +78,19 @@ def fresh_rows(trip: Trajectory, lasting_s: float) -> IntArray:
 
 
 def change_rate_hz(trip: Trajectory, column: FloatArray | None) -> float | None:
-    """Changes a second while moving [Hz]."""
-    if column is None:
-        return None
+    """Changes a second while moving [Hz]; NaN where the vehicle never moves, None without a column."""
+    return None if column is None else _rate_hz(trip, np.diff(column) != 0.0)
+
+
+def position_rate_hz(trip: Trajectory) -> float:
+    """New positions a second while moving [Hz]; NaN where the vehicle never moves."""
+    return _rate_hz(trip, (np.diff(trip.position_m, axis=0) != 0.0).any(axis=1))
+
+
+def _rate_hz(trip: Trajectory, changed: BoolArray) -> float:
     velocity = velocity_over(trip, WINDOW_S)[1:]
     moving = np.hypot(velocity[:, 0], velocity[:, 1]) > _MOVING_MPS
-    if not moving.any():
-        return 0.0
-    return float((np.diff(column)[moving] != 0.0).mean() / trip.dt_s)
+    return float(changed[moving].mean() / trip.dt_s) if moving.any() else float("nan")
 
 
 def held_s(trip: Trajectory) -> float:
@@ -157,9 +164,18 @@ def _lattice_step_m(steps_m: FloatArray, limit_m: float) -> float:
     return float((multiple * near).sum() / (multiple**2).sum())
 
 
+def _noise_rows(trip: Trajectory) -> int:
+    return max(5, round(WINDOW_S / trip.dt_s) + 1)
+
+
+def noise_span_s(trip: Trajectory) -> float:
+    """Span of the windows of `quadratic_residual_m`: 1 s, or four steps where these are longer [s]."""
+    return (_noise_rows(trip) - 1) * trip.dt_s
+
+
 def quadratic_residual_m(trip: Trajectory) -> FloatArray:
-    """Root mean square distance from a quadratic fit in every window of 1 s, (W,) [m]."""
-    count = max(5, round(WINDOW_S / trip.dt_s) + 1)
+    """Root mean square distance from a quadratic fit in every window of `noise_span_s`, (W,) [m]."""
+    count = _noise_rows(trip)
     found: list[FloatArray] = []
     for part in parts(trip):
         if part.stop - part.start < count:

@@ -1,25 +1,42 @@
 """One vehicle's recorded trip, in one frozen value.
 
 A `Trajectory` is made by `build_trajectory`, which decides once whether the recording counts as uniform,
-resamples it where it does not, and splits it at gaps. Everything downstream may rely on what it checked.
+resamples it where it does not, splits it at gaps and jumps, and leaves out rows where no vehicle could have
+been. Everything downstream may rely on what it checked.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, field, fields, replace
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.geodesy import Origin, wrap_angle_rad
+from modelcast.core.jumps import settle
 
-__all__ = ["GAP_STEPS", "UNIFORM_TOLERANCE_RATIO", "Reading", "Trajectory", "build_trajectory"]
+__all__ = [
+    "GAP_STEPS",
+    "JUMPED",
+    "OFF_EARTH",
+    "UNIFORM_TOLERANCE_RATIO",
+    "Reading",
+    "Trajectory",
+    "build_trajectory",
+]
 
 UNIFORM_TOLERANCE_RATIO = 0.25
 """A trip counts as uniform where every step lies within this share of the median step."""
 
 GAP_STEPS = 2.5
 """A step longer than this many median steps is a gap: the trip is split there."""
+
+JUMPED = "position jump and back"
+"""Why rows are skipped that lie where no vehicle could have been."""
+
+OFF_EARTH = "no place on Earth"
+"""Why rows are skipped that lie farther off than the Earth is large."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,6 +137,12 @@ class Trajectory:
         if bounds[0] != 0 or bounds[-1] != count or (np.diff(bounds) <= 0).any():
             raise ValueError(f"{self.trip_id}: segments must rise from 0 to {count}, got {bounds}")
 
+    @property
+    def gaps_s(self) -> FloatArray:
+        """Time between parts where more than `GAP_STEPS` median steps are missing, (G,) [s]."""
+        between = self.t_s[self.segments[1:-1]] - self.t_s[self.segments[1:-1] - 1]
+        return between[between > GAP_STEPS * self.dt_s]
+
     def columns(self) -> dict[str, FloatArray]:
         """Return the sampled columns that are present, by name."""
         found: dict[str, FloatArray] = {}
@@ -183,7 +206,8 @@ def build_trajectory(
 
     A trip counts as uniform where all steps inside its parts lie within `UNIFORM_TOLERANCE_RATIO` of the
     median step, and then keeps its own times. Otherwise each part is interpolated linearly to the median
-    step. Steps over `GAP_STEPS` median steps split it.
+    step. Steps over `GAP_STEPS` median steps split it, and so does a jump that no vehicle makes; rows that
+    leave and come back are skipped and counted (`modelcast.core.jumps`).
 
     Parameters
     ----------
@@ -195,7 +219,7 @@ def build_trajectory(
     Raises
     ------
     ValueError
-        Where the samples break a rule that `Trajectory` states.
+        Where the samples break a rule that `Trajectory` states, or most steps are faster than any vehicle.
 
     Examples
     --------
@@ -208,16 +232,12 @@ def build_trajectory(
     times = _owned(t_s)
     if times.size and np.isfinite(times).all():
         times = times - times[0]
-    steps = np.diff(times)
-    dt_s = float(np.median(steps)) if steps.size else 1.0
-    breaks = np.flatnonzero(steps > GAP_STEPS * dt_s) + 1
-    segments = np.concatenate([[0], breaks, [times.size]]).astype(np.int64)
     trip = Trajectory(
         trip_id,
         times,
         _owned(position_m),
-        segments=segments,
-        dt_s=dt_s,
+        segments=np.array([0, times.size]),
+        dt_s=_median_step_s(times),
         speed_mps=None if speed_mps is None else _owned(speed_mps),
         heading_rad=None if heading_rad is None else _owned(heading_rad),
         acceleration_mps2=None if acceleration_mps2 is None else _owned(acceleration_mps2),
@@ -228,9 +248,48 @@ def build_trajectory(
         source=source,
         reading=reading if reading is not None else Reading(rows=int(times.size)),
     )
-    inner = steps[steps <= GAP_STEPS * dt_s]
-    uneven = np.abs(inner - dt_s) > UNIFORM_TOLERANCE_RATIO * dt_s
+    trip = _split(trip)
+    steps = np.diff(trip.t_s)
+    steps[trip.segments[1:-1] - 1] = trip.dt_s
+    uneven = np.abs(steps - trip.dt_s) > UNIFORM_TOLERANCE_RATIO * trip.dt_s
     return _resampled(trip) if uneven.any() else trip
+
+
+def _median_step_s(t_s: FloatArray) -> float:
+    steps = np.diff(t_s)
+    return float(np.median(steps)) if steps.size else 1.0
+
+
+def _split(trip: Trajectory) -> Trajectory:
+    """Return the trip without glitches, split at gaps and jumps; its times start at 0 again."""
+    try:
+        settled = settle(trip.t_s, trip.position_m)
+    except ValueError as error:
+        raise ValueError(f"{trip.trip_id}: {error}") from error
+    jumped = np.zeros(len(trip), dtype=np.bool_)
+    jumped[settled.split] = True
+    if not settled.kept.all():
+        trip, jumped = _taken(trip, settled.kept, settled.off_earth), jumped[settled.kept]
+    breaks = np.flatnonzero((np.diff(trip.t_s) > GAP_STEPS * trip.dt_s) | jumped[1:]) + 1
+    return replace(trip, segments=np.concatenate([[0], breaks, [len(trip)]]).astype(np.int64))
+
+
+def _taken(trip: Trajectory, kept: BoolArray, off_earth: BoolArray) -> Trajectory:
+    """Return the trip with the rows that are kept, the others counted as skipped."""
+    skipped = dict(trip.reading.skipped)
+    for reason, count in ((OFF_EARTH, off_earth.sum()), (JUMPED, (~kept & ~off_earth).sum())):
+        if count:
+            skipped[reason] = skipped.get(reason, 0) + int(count)
+    first_s = float(trip.t_s[np.argmax(kept)])
+    t_s = trip.t_s[kept] - first_s
+    columns = {name: np.ascontiguousarray(column[kept]) for name, column in trip.columns().items()}
+    return replace(
+        trip,
+        **{**columns, "t_s": t_s, "segments": np.array([0, t_s.size])},
+        dt_s=_median_step_s(t_s),
+        start_unix_s=None if trip.start_unix_s is None else trip.start_unix_s + first_s,
+        reading=replace(trip.reading, skipped=MappingProxyType(skipped)),
+    )
 
 
 def _resampled(trip: Trajectory) -> Trajectory:

@@ -1,5 +1,6 @@
 """One trip made ready for evaluation: which protocol holds, what is true, and what the sender sees."""
 
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
@@ -8,6 +9,7 @@ from modelcast.core.arrays import BoolArray, FloatArray
 from modelcast.core.chance import child_generator
 from modelcast.core.conditioning import Conditioning, condition
 from modelcast.core.inspection import TripInspection, inspect
+from modelcast.core.judgement import judge
 from modelcast.core.sensor import sense
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.settings import EvaluationSettings
@@ -67,6 +69,8 @@ class TripCase:
         Unit vectors of the true course, held through standstill, (T, 2).
     standing
         Samples at which the true speed is below `STANDING_SPEED_MPS`, (T,).
+    warnings
+        What must be known of the recording before any figure, by kind.
     """
 
     recorded: Trajectory
@@ -79,6 +83,7 @@ class TripCase:
     estimator: VelocityEstimator
     direction: FloatArray
     standing: BoolArray
+    warnings: Mapping[str, str]
 
 
 def make_case(trip: Trajectory | SensedTrip, settings: EvaluationSettings) -> TripCase:
@@ -125,6 +130,7 @@ def make_case(trip: Trajectory | SensedTrip, settings: EvaluationSettings) -> Tr
         ),
         direction=direction,
         standing=speed_mps < STANDING_SPEED_MPS,
+        warnings=judge(inspection, settings.thresholds_m, smoothed=conditioning is not None),
     )
 
 

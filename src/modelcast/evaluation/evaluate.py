@@ -27,6 +27,7 @@ from modelcast.evaluation.result import (
 from modelcast.evaluation.settings import EvaluationSettings
 from modelcast.evaluation.tracking import Contender, run_tracking
 from modelcast.evaluation.walk import TripBank, Walk
+from modelcast.models.learned.spans import short_at
 
 __all__ = ["evaluate"]
 
@@ -134,7 +135,7 @@ def _evaluate_trip(
     case = make_case(trip, settings)
     mbc = TripBank(case.seen, settings.sent_bank, case.estimator, settings.selector_in_use)
     baseline = TripBank(case.seen, settings.baseline_bank, case.estimator)
-    collected.trips.append(_trip_row(case))
+    collected.trips.append(_trip_row(case, settings))
     counted = count_rates(case, mbc, baseline, settings)
     for count, walk in counted:
         collected.counts.append(count)
@@ -178,8 +179,9 @@ def _illustrate(
     collected.manoeuvre = draw_manoeuvre(case, banks, threshold_m, index)
 
 
-def _trip_row(case: TripCase) -> TripRow:
+def _trip_row(case: TripCase, settings: EvaluationSettings) -> TripRow:
     recorded = case.recorded
+    idle = short_at(settings.bank, recorded.dt_s)
     return TripRow(
         recorded.trip_id,
         recorded.source,
@@ -188,7 +190,7 @@ def _trip_row(case: TripCase) -> TripRow:
         vehicles=1,
         samples=len(recorded),
         dt_s=recorded.dt_s,
-        gaps=recorded.segments.size - 2,
+        gaps=case.inspection.gaps,
         resampled=recorded.resampled,
         protocol=case.protocol,
         conditioned=case.conditioning is not None,
@@ -198,4 +200,5 @@ def _trip_row(case: TripCase) -> TripRow:
         skipped=dict(recorded.reading.skipped),
         repaired=dict(recorded.reading.repaired),
         conditioning=None if case.conditioning is None else asdict(case.conditioning),
+        warnings={**case.warnings, **({"bank": idle} if idle else {})},
     )

@@ -78,6 +78,9 @@ class TripRow:
         Rows read, and those skipped or put right, by reason.
     conditioning
         The smoother's parameters and figures where it was used.
+    warnings
+        What must be known of the recording before any figure, by kind, as in
+        `modelcast.core.judgement.judge`; ``bank`` for sub-models that do not work as trained at this rate.
     """
 
     id: str
@@ -98,6 +101,7 @@ class TripRow:
     skipped: Mapping[str, int]
     repaired: Mapping[str, int]
     conditioning: Mapping[str, float] | None
+    warnings: Mapping[str, str] = field(default_factory=dict[str, str])
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ import numpy as np
 
 from modelcast.core.arrays import BoolArray, IntArray, SingleArray
 from modelcast.core.chance import child_generator
+from modelcast.core.jumps import jumps_between
 from modelcast.evaluation import replay_kernels
 from modelcast.evaluation.case import TripCase
 from modelcast.evaluation.metrics import Histogram
@@ -81,6 +82,8 @@ class TrackingRun:
 def draw_losses(case: TripCase, settings: EvaluationSettings) -> BoolArray:
     """Which instants lose their message in every run, (L, K, T); the first is never lost.
 
+    Nor is the first behind a jump of the recording: no vehicle made it, so no host had to live with it.
+
     Parameters
     ----------
     case
@@ -95,7 +98,8 @@ def draw_losses(case: TripCase, settings: EvaluationSettings) -> BoolArray:
         for run in range(settings.seeds):
             rng = child_generator(settings.seed, run, case.truth.trip_id, "loss")
             lost[row, run] = settings.channel(ratio).losses(t_s, rng)
-    lost[:, :, 0] = False
+    jumped, _ = jumps_between(t_s, case.truth.position_m, case.truth.segments)
+    lost[:, :, [0, *jumped.tolist()]] = False
     return lost
 
 

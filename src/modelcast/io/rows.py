@@ -6,6 +6,8 @@ unusable. The rules that all formats share are here, each of them counted.
 Missing optional values (speed, heading, ...)
     A column missing in more than `MOSTLY_THERE` of the rows is left out, and counted. Otherwise the last
     value is held, as a live sender would have to, and counted; rows before the first value are skipped.
+
+Values that no vehicle has (`LARGEST_MOTION`) are missing too, and counted.
 """
 
 from collections.abc import Mapping
@@ -16,6 +18,8 @@ import numpy as np
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, geodetic_to_enu
+from modelcast.core.judgement import IMPLAUSIBLE
+from modelcast.core.jumps import MAX_SPEED_MPS
 from modelcast.core.trajectory import Trajectory, build_trajectory
 from modelcast.io.base import Tally
 
@@ -44,6 +48,12 @@ OPTIONAL = {
 }
 """Optional columns of a trip, with their names in counts."""
 
+LARGEST_MOTION = {
+    "speed_mps": MAX_SPEED_MPS,
+    "acceleration_mps2": 200.0,
+    "yaw_rate_radps": float(np.radians(327.67)),
+}
+"""Larger sizes no vehicle has. Yaw rate: the range of SAE J2735. Acceleration: ours, 20 g, as in a crash."""
 
 LARGEST = 1e18
 """No quantity of any format is larger; what is, is damage, and could overflow later."""
@@ -197,11 +207,22 @@ def make_trip(
         raise DataFormatError(path, str(error), row=int(rows.line[0])) from error
 
 
+def _possible(columns: Mapping[str, FloatArray], tally: Tally) -> dict[str, FloatArray]:
+    """Return the columns with values that no vehicle has as missing, each counted."""
+    found = dict(columns)
+    for name, largest in LARGEST_MOTION.items():
+        if name in found:
+            impossible = np.abs(found[name]) > largest
+            tally.repair(OPTIONAL[name] + IMPLAUSIBLE, int(impossible.sum()))
+            found[name] = with_missing(found[name], impossible)
+    return found
+
+
 def _completed(rows: Rows, tally: Tally) -> Rows:
     """Return the rows with every optional column either complete or left out."""
     if not len(rows):
         return rows
-    columns = dict(rows.columns)
+    columns = _possible(rows.columns, tally)
     first = 0
     for name, word in OPTIONAL.items():
         missing = np.isnan(columns[name]) if name in columns else np.zeros(len(rows), np.bool_)

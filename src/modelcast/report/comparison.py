@@ -8,13 +8,14 @@ from rich.table import Table
 
 from modelcast.core.printable import printable
 from modelcast.evaluation.compare.result import CandidateRow, ComparisonResult, RatioRow
-from modelcast.report.console import failures_table
+from modelcast.report.console import failures_table, warning_texts
 from modelcast.report.figures.comparison import plot_comparison, worst_rows
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.panels import centimetres
 from modelcast.report.headline import nearest_ratio
 from modelcast.report.literal import literal
 from modelcast.report.style import style
+from modelcast.report.warnings import warning_lines
 
 __all__ = ["comparison_console", "comparison_markdown", "write_comparison_report"]
 
@@ -46,7 +47,9 @@ def comparison_markdown(result: ComparisonResult) -> str:
     result
         The comparison.
     """
-    lines = [_scope(result), ""]
+    told = warning_lines((trip.id, trip.warnings) for trip in result.trips)
+    lines = [f"- **Warning**: {_escaped(line)}" for line in told] + ([""] if told else [])
+    lines += [_scope(result), ""]
     lines += [
         f"- route {row.route}: {_escaped(row.name)}, {_counted(row.trips, 'trip')}, {row.duration_s:.0f} s"
         for row in result.routes
@@ -105,7 +108,8 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
     result
         The comparison.
     """
-    parts: list[RenderableType] = [literal(_scope(result))]
+    parts = warning_texts((trip.id, trip.warnings) for trip in result.trips)
+    parts.append(literal(_scope(result)))
     thresholds_m = _thresholds_m(result)
     shown_m = sorted({thresholds_m[0], thresholds_m[-1]}) if thresholds_m else []
     ratio = nearest_ratio(_ratios(result))

@@ -3,7 +3,7 @@
 Nothing is printed here; the command line hands what `console_report` returns to a rich console.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -18,6 +18,7 @@ from modelcast.report.headline import (
     rate_basis,
 )
 from modelcast.report.literal import literal
+from modelcast.report.warnings import warning_lines
 
 __all__ = [
     "conditioning_lines",
@@ -26,6 +27,7 @@ __all__ = [
     "rates_table",
     "skipped_lines",
     "tracking_table",
+    "warning_texts",
 ]
 
 _MISSING = "-"
@@ -49,7 +51,8 @@ def console_report(result: EvaluationResult) -> RenderableType:
     result
         The evaluation.
     """
-    parts: list[RenderableType] = [literal(scope_line(result)), rates_table(result)]
+    parts: list[RenderableType] = warning_texts((trip.id, trip.warnings) for trip in result.trips)
+    parts += [literal(scope_line(result)), rates_table(result)]
     if result.tracking:
         parts.append(tracking_table(result))
     parts += [literal(line) for line in conditioning_lines(result)]
@@ -57,6 +60,17 @@ def console_report(result: EvaluationResult) -> RenderableType:
     if result.failures:
         parts.append(failures_table(result.failures))
     return Group(*parts)
+
+
+def warning_texts(trips: Iterable[tuple[str, Mapping[str, str]]]) -> list[RenderableType]:
+    """Return what must be known before the figures, for the terminal.
+
+    Parameters
+    ----------
+    trips
+        Identifier and warnings of every trip.
+    """
+    return [Text(f"warning: {line}", style="bold") for line in warning_lines(trips)]
 
 
 def conditioning_lines(result: EvaluationResult) -> list[str]:

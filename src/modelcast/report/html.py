@@ -24,6 +24,7 @@ from modelcast.report.headline import (
     rate_basis,
 )
 from modelcast.report.page import CSS, escape, number, page, table
+from modelcast.report.warnings import warning_lines
 
 __all__ = ["report_document", "write_report"]
 
@@ -61,6 +62,7 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
     body = [
         "<h1>Model-based communication: evaluation</h1>",
         f'<p class="scope">{escape(scope_line(result))}. modelcast {escape(package_version())}.</p>',
+        _warnings(result.trips),
         _protocols(result),
         "<h2>Result</h2>",
         _headline_table(result),
@@ -79,6 +81,15 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
         _skipped(result.skipped),
     ]
     return page("modelcast evaluation", CSS, body)
+
+
+def _warnings(trips: Sequence[TripRow]) -> str:
+    """What must be known before the figures; nothing where there is nothing to say."""
+    lines = warning_lines((trip.id, trip.warnings) for trip in trips)
+    if not lines:
+        return ""
+    items = "".join(f"<li>{escape(line)}.</li>" for line in lines)
+    return f'<h2>Warnings</h2><ul class="warnings">{items}</ul>'
 
 
 def _protocols(result: EvaluationResult) -> str:

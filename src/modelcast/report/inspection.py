@@ -10,7 +10,10 @@ from rich.table import Table
 
 from modelcast.agents.plausibility import Finding
 from modelcast.core.inspection import TripInspection
+from modelcast.core.judgement import LONGEST_NOISE_SPAN_S, judge
 from modelcast.report.literal import literal
+
+_NEVER_MOVED = "not told: never moved"
 
 __all__ = ["Findings", "inspection_document", "inspection_report"]
 
@@ -19,7 +22,11 @@ Findings = Mapping[Finding, int] | None
 
 
 def inspection_document(
-    found: Sequence[tuple[TripInspection, Findings]], failures: Mapping[str, str], skipped: Mapping[str, str]
+    found: Sequence[tuple[TripInspection, Findings]],
+    failures: Mapping[str, str],
+    skipped: Mapping[str, str],
+    *,
+    thresholds_m: Sequence[float],
 ) -> dict[str, Any]:
     """Everything as plain values; a number that does not exist is None.
 
@@ -31,6 +38,8 @@ def inspection_document(
         Files that could not be read, with the reason.
     skipped
         Vehicles and files that held no trip, with the reason.
+    thresholds_m
+        Tracking-error thresholds that the noise is judged by [m].
     """
     trips: list[dict[str, Any]] = []
     for one, findings in found:
@@ -43,8 +52,17 @@ def inspection_document(
             "repaired": dict(one.reading.repaired),
             "implausible": None if findings is None else _implausible(findings),
         }
-        trips.append({**plain, **counts, "recommended_protocol": one.recommended_protocol})
-    return {"trips": trips, "failures": dict(failures), "skipped": dict(skipped)}
+        judged = {
+            "warnings": dict(judge(one, thresholds_m, smoothed=_smoothed(one))),
+            "recommended_protocol": one.recommended_protocol,
+        }
+        trips.append({**plain, **counts, **judged})
+    return {
+        "trips": trips,
+        "failures": dict(failures),
+        "skipped": dict(skipped),
+        "thresholds_m": list(thresholds_m),
+    }
 
 
 def _finite(value: Any) -> Any:
@@ -52,30 +70,38 @@ def _finite(value: Any) -> Any:
 
 
 def inspection_report(
-    found: Sequence[tuple[TripInspection, Findings]], failures: Mapping[str, str], skipped: Mapping[str, str]
+    found: Sequence[tuple[TripInspection, Findings]],
+    failures: Mapping[str, str],
+    skipped: Mapping[str, str],
+    *,
+    thresholds_m: Sequence[float],
 ) -> RenderableType:
     """A table a trip, at most 100 columns wide, and what gave no trip.
 
     Parameters
     ----------
-    found, failures, skipped
+    found, failures, skipped, thresholds_m
         As in `inspection_document`.
     """
-    parts: list[RenderableType] = [_trip(*one) for one in found]
+    parts: list[RenderableType] = [_trip(*one, thresholds_m) for one in found]
     parts += [literal(f"no trip from {name}: {reason}") for name, reason in skipped.items()]
     parts += [literal(f"failed: {name}: {reason}", "bold") for name, reason in failures.items()]
     return Group(*parts)
 
 
-def _trip(one: TripInspection, findings: Findings) -> Table:
+def _trip(one: TripInspection, findings: Findings, thresholds_m: Sequence[float]) -> Table:
     table = Table(
         show_header=False, box=None, title=literal(one.trip_id), title_justify="left", title_style="bold"
     )
     table.add_column(style="dim")
     table.add_column(overflow="fold")
+    for kind, text in judge(one, thresholds_m, smoothed=_smoothed(one)).items():
+        table.add_row(literal("warning", "bold"), literal(f"{kind}: {text}", "bold"))
     for name, value in _lines(one):
         table.add_row(name, literal(value))
-    if findings is not None:
+    if findings is None:
+        table.add_row("implausible", literal("not checked: needs speed or heading"))
+    else:
         implausible = _implausible(findings)
         table.add_row("implausible", literal(_counts("", implausible).lstrip("; ") or "nothing"))
     return table
@@ -84,20 +110,19 @@ def _trip(one: TripInspection, findings: Findings) -> Table:
 def _lines(one: TripInspection) -> list[tuple[str, str]]:
     east_m, north_m = one.grid_axis_m
     held = f", held for {one.held_s:.2f} s" if one.values_held else ""
-    agreement = "no speed column"
-    if not math.isnan(one.speed_ratio):
-        stuck = " (the column looks stuck)" if one.speed_is_stuck else ""
-        agreement = f"ratio {one.speed_ratio:.3f}, rms difference {one.speed_difference_mps:.2f} m/s{stuck}"
     gaps = f"{one.gaps}, longest {one.longest_gap_s:.1f} s" if one.gaps else "none"
     return [
         ("duration", f"{one.duration_s:.1f} s, {one.samples} samples"),
         ("rate", f"{one.rate_hz:.2f} Hz" + (", resampled to its median step" if one.resampled else "")),
         ("gaps", gaps),
-        ("position grid", f"{east_m:.3f} m east, {north_m:.3f} m north" if one.grid_m else "none"),
+        ("jumps", f"{one.jumps}, up to {one.largest_jump_m:.4g} m" if one.jumps else "none"),
+        ("fixes", _fixes(one)),
+        ("position grid", f"{east_m:.3f} m east, {north_m:.3f} m north" if one.grid_m else _no_grid(one)),
+        ("position changes", _changes(one.position_rate_hz)),
         ("speed changes", _changes(one.speed_rate_hz) + held),
         ("heading changes", _changes(one.heading_rate_hz)),
-        ("noise over 1 s", f"p50 {one.noise_p50_m:.4f} m, p95 {one.noise_p95_m:.4f} m"),
-        ("speed, position", agreement),
+        (f"noise over {one.noise_span_s:.2g} s", _noise(one)),
+        ("speed, position", _agreement(one)),
         ("events", f"{one.stops} stops, {one.turns} turns, {one.hard_brakes} hard brakes"),
         ("rows", f"{one.reading.rows} read{_counts('skipped', one.reading.skipped)}"),
         ("repaired", _counts("", one.reading.repaired).lstrip("; ") or "nothing"),
@@ -111,8 +136,48 @@ def _implausible(findings: Mapping[Finding, int]) -> dict[str, int]:
 
 
 def _changes(rate_hz: float | None) -> str:
-    return "no such column" if rate_hz is None else f"{rate_hz:.2f} Hz"
+    if rate_hz is None:
+        return "no such column"
+    return _NEVER_MOVED if math.isnan(rate_hz) else f"{rate_hz:.2f} Hz"
+
+
+def _fixes(one: TripInspection) -> str:
+    if one.is_joined:
+        return f"about {one.fix_period_s:.2g} s apart, joined by straight lines"
+    if math.isnan(one.straight_ratio) and math.isnan(one.curvature_ratio):
+        return _hardly_moved(one)
+    return "every sample"
+
+
+def _no_grid(one: TripInspection) -> str:
+    return _NEVER_MOVED if one.moving_s == 0.0 else "none"
+
+
+def _noise(one: TripInspection) -> str:
+    if math.isnan(one.noise_p50_m):
+        return "not told: no part is as long"
+    text = f"p50 {one.noise_p50_m:.4f} m, p95 {one.noise_p95_m:.4f} m"
+    return text + (", the motion's own included" if one.noise_span_s > LONGEST_NOISE_SPAN_S else "")
+
+
+def _agreement(one: TripInspection) -> str:
+    """Speed column against positions, or why they are not compared."""
+    if one.speed_rate_hz is None:
+        return "no speed column"
+    if math.isnan(one.speed_ratio):
+        return _hardly_moved(one).replace("told", "compared")
+    stuck = " (the column looks stuck)" if one.speed_is_stuck else ""
+    return f"ratio {one.speed_ratio:.3f}, rms difference {one.speed_difference_mps:.2f} m/s{stuck}"
+
+
+def _hardly_moved(one: TripInspection) -> str:
+    return _NEVER_MOVED if one.moving_s == 0.0 else f"not told: moved for {one.moving_s:.1f} s only"
 
 
 def _counts(word: str, counts: Mapping[str, int]) -> str:
     return "".join(f"; {count} {word} ({reason})".replace("  ", " ") for reason, count in counts.items())
+
+
+def _smoothed(one: TripInspection) -> bool:
+    """Whether an evaluation would take the smoothed recording for truth."""
+    return one.recommended_protocol == "sensor"

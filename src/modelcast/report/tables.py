@@ -32,6 +32,7 @@ _TEXT = {
     "bank",
     "rate_basis",
     "reference",
+    "warnings",
 }
 _WHOLE = {
     "vehicles",
@@ -69,14 +70,16 @@ def tracking_frame(result: EvaluationResult) -> pl.DataFrame:
 def trips_frame(result: EvaluationResult) -> pl.DataFrame:
     """Return one row a trip.
 
-    ``skipped`` and ``repaired`` are total counts here, and ``grid_m`` is split into its two axes; the reasons
-    and the smoother's figures are in ``summary.json``.
+    ``skipped`` and ``repaired`` are total counts here, ``warnings`` the kinds alone, and ``grid_m`` is split
+    into its two axes; the reasons and the smoother's figures are in ``summary.json``.
     """
     columns: dict[str, list[Any]] = {}
     for item in fields(TripRow):
         values: list[Any] = [getattr(row, item.name) for row in result.trips]
         if item.name in {"skipped", "repaired"}:
             columns[item.name] = [_count(value) for value in values]
+        elif item.name == "warnings":
+            columns[item.name] = [", ".join(value) for value in values]
         elif item.name == "grid_m":
             columns["grid_east_m"] = [value[0] for value in values]
             columns["grid_north_m"] = [value[1] for value in values]

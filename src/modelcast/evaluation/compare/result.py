@@ -58,6 +58,9 @@ class ComparedTrip:
         Number of its route.
     duration_s, samples, dt_s
         Time observed [s], samples, and their median step [s].
+    warnings
+        What must be known of the recording before any figure, by kind, as in
+        `modelcast.core.judgement.judge`.
     """
 
     id: str
@@ -67,6 +70,7 @@ class ComparedTrip:
     duration_s: float
     samples: int
     dt_s: float
+    warnings: Mapping[str, str] = field(default_factory=dict[str, str])
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """The honest protocol: candidates side by side, each trip judged by what was learnt on other routes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -93,7 +93,10 @@ def compare(
     return ComparisonResult(
         {**settings.as_plain(), "against": reference},
         routes=_route_rows(usable, route),
-        trips=tuple(_trip_row(trip, int(number)) for trip, number in zip(usable, route, strict=True)),
+        trips=tuple(
+            _trip_row(trip, int(number), [ready[at].case.warnings for ready in staged.values()])
+            for at, (trip, number) in enumerate(zip(usable, route, strict=True))
+        ),
         candidates=tuple(work.candidates),
         ratios=tuple(ratio_rows(work.counts, reference, resamples)),
         tracking=tuple(work.tracking),
@@ -186,7 +189,8 @@ def _route_rows(trips: Sequence[Trajectory], route: IntArray) -> tuple[RouteRow,
     return tuple(rows)
 
 
-def _trip_row(trip: Trajectory, route: int) -> ComparedTrip:
+def _trip_row(trip: Trajectory, route: int, warnings: Sequence[Mapping[str, str]]) -> ComparedTrip:
+    """The trip, with the warnings of all protocols: smoothing makes some of them needless in one."""
     return ComparedTrip(
         trip.trip_id,
         trip.source,
@@ -194,4 +198,5 @@ def _trip_row(trip: Trajectory, route: int) -> ComparedTrip:
         duration_s=trip.duration_s,
         samples=len(trip),
         dt_s=trip.dt_s,
+        warnings={kind: text for one in warnings for kind, text in one.items()},
     )
