@@ -143,7 +143,7 @@ class CompareOptions:
         )
         try:
             return CompareSettings(
-                shared.settings(),
+                replace(shared.settings(), trained_on=None),  # each candidate says its own
                 tuple(self.protocol),
                 against=self.against,
                 route_by=self.route_by,
@@ -191,7 +191,15 @@ class CompareOptions:
                             "another rule, or a profile ('default' or a file of modelcast train)"
                         )
                     found.append(
-                        FixedCandidate(label, named.bank, start, identify, selector=selector, costs=costs)
+                        FixedCandidate(
+                            label,
+                            named.bank,
+                            start,
+                            identify,
+                            selector=selector,
+                            costs=costs,
+                            trained_on=named.trained_on,
+                        )
                     )
         return found
 

@@ -84,6 +84,7 @@ def coverage(
     from modelcast.cli.options import parse_columns
     from modelcast.cli.reading import TripSource
     from modelcast.core.exceptions import ConfigError
+    from modelcast.core.fingerprint import known_trips
     from modelcast.evaluation.coverage import Hybrid, measure_coverage
     from modelcast.evaluation.settings import EvaluationSettings
     from modelcast.io.coverage import coverage_document, write_coverage
@@ -92,6 +93,7 @@ def coverage(
     from modelcast.report.coverage import coverage_report
     from modelcast.report.figures.coverage import plot_coverage, plot_times
     from modelcast.report.style import style
+    from modelcast.report.training_trips import training_note
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast coverage --help)")
@@ -119,12 +121,15 @@ def coverage(
                 thresholds_m=settings.thresholds_m,
                 hybrid=hybrid,
             )
+            judged = [case.recorded for cases in groups.values() for case in cases]
+            known = known_trips(judged, named.trained_on)
             document = coverage_document(
                 result,
                 protocol=protocol,
                 bank=bank,
                 tested={name: [case.truth.trip_id for case in cases] for name, cases in groups.items()},
                 failures={**tested.failures, **taught.failures},
+                training_trips=known,
             )
             path = write_coverage(document, folder)
             text = path.read_text(encoding="utf-8")
@@ -140,6 +145,8 @@ def coverage(
         sys.stdout.write(text)
     elif not quiet:
         console = Console()
+        for line in training_note(known, len(judged)):
+            console.print(line, markup=False, highlight=False)
         console.print(coverage_report(result))
         console.print(f"figures: {out}", highlight=False, soft_wrap=True)
     return max(tested.exit_code, taught.exit_code)

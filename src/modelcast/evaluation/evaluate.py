@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.fingerprint import known_trips
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.case import SensedTrip, TripCase, make_case
 from modelcast.evaluation.illustration import draw_manoeuvre, draw_timeline, sharpest_instant
@@ -134,7 +135,7 @@ def _evaluate_trip(
     case = make_case(trip, settings)
     mbc = TripBank(case.seen, settings.sent_bank, case.estimator, settings.selector_in_use)
     baseline = TripBank(case.seen, settings.baseline_bank, case.estimator)
-    collected.trips.append(_trip_row(case))
+    collected.trips.append(_trip_row(case, settings))
     counted = count_rates(case, mbc, baseline, settings)
     for count, walk in counted:
         collected.counts.append(count)
@@ -178,7 +179,7 @@ def _illustrate(
     collected.manoeuvre = draw_manoeuvre(case, banks, threshold_m, index)
 
 
-def _trip_row(case: TripCase) -> TripRow:
+def _trip_row(case: TripCase, settings: EvaluationSettings) -> TripRow:
     recorded = case.recorded
     return TripRow(
         recorded.trip_id,
@@ -197,5 +198,6 @@ def _trip_row(case: TripCase) -> TripRow:
         rows=recorded.reading.rows,
         skipped=dict(recorded.reading.skipped),
         repaired=dict(recorded.reading.repaired),
+        in_training=bool(known_trips([recorded], settings.training_trips)),
         conditioning=None if case.conditioning is None else asdict(case.conditioning),
     )

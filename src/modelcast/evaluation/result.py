@@ -78,6 +78,8 @@ class TripRow:
         Rows read, and those skipped or put right, by reason.
     conditioning
         The smoother's parameters and figures where it was used.
+    in_training
+        Whether the bank was trained on this very trip: its figures then flatter.
     """
 
     id: str
@@ -98,6 +100,7 @@ class TripRow:
     skipped: Mapping[str, int]
     repaired: Mapping[str, int]
     conditioning: Mapping[str, float] | None
+    in_training: bool = False
 
 
 @dataclass(frozen=True, slots=True)

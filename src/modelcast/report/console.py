@@ -18,6 +18,7 @@ from modelcast.report.headline import (
     nearest_ratio,
     rate_basis,
 )
+from modelcast.report.training_trips import training_note
 
 __all__ = [
     "conditioning_lines",
@@ -26,6 +27,7 @@ __all__ = [
     "rates_table",
     "skipped_lines",
     "tracking_table",
+    "training_lines",
 ]
 
 _MISSING = "-"
@@ -49,7 +51,8 @@ def console_report(result: EvaluationResult) -> RenderableType:
     result
         The evaluation.
     """
-    parts: list[RenderableType] = [Text(scope_line(result)), rates_table(result)]
+    parts: list[RenderableType] = [Text(line) for line in (scope_line(result), *training_lines(result))]
+    parts.append(rates_table(result))
     if result.tracking:
         parts.append(tracking_table(result))
     parts += [Text(line) for line in conditioning_lines(result)]
@@ -57,6 +60,17 @@ def console_report(result: EvaluationResult) -> RenderableType:
     if result.failures:
         parts.append(failures_table(result.failures))
     return Group(*parts)
+
+
+def training_lines(result: EvaluationResult) -> list[str]:
+    """Return a line that names the trips which the profile was trained on, where there are any.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    return training_note([trip.id for trip in result.trips if trip.in_training], len(result.trips))
 
 
 def conditioning_lines(result: EvaluationResult) -> list[str]:

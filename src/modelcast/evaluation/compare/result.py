@@ -58,6 +58,8 @@ class ComparedTrip:
         Number of its route.
     duration_s, samples, dt_s
         Time observed [s], samples, and their median step [s].
+    in_training
+        Whether the profile in use was trained on this very trip.
     """
 
     id: str
@@ -67,6 +69,7 @@ class ComparedTrip:
     duration_s: float
     samples: int
     dt_s: float
+    in_training: bool = False
 
 
 @dataclass(frozen=True, slots=True)

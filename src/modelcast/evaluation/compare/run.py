@@ -7,6 +7,7 @@ import numpy as np
 from modelcast.core.arrays import IntArray
 from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.fingerprint import known_trips
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.compare.bootstrap import resample_weights
 from modelcast.evaluation.compare.candidate import AbstractCandidate
@@ -77,8 +78,11 @@ def compare(
     resamples = _resamples(usable, route, settings)
     work = _Work(progress, len(candidates) * len(settings.protocols) * len(usable))
     staged = stage_trips(usable, settings)
+    training_trips: frozenset[str] = frozenset()
     for candidate in candidates:
         folds = fit_folds(candidate, usable, route, settings.evaluation)
+        if not candidate.is_trained:  # one that is, is judged on other trips than it was trained on
+            training_trips |= folds[0].training_trips
         work.candidates.append(candidate_row(candidate, folds[0]))
         for protocol, ready in staged.items():
             trial = run_trial(candidate.name, protocol, ready, route, folds, step=work.step)
@@ -93,7 +97,9 @@ def compare(
     return ComparisonResult(
         {**settings.as_plain(), "against": reference},
         routes=_route_rows(usable, route),
-        trips=tuple(_trip_row(trip, int(number)) for trip, number in zip(usable, route, strict=True)),
+        trips=tuple(
+            _trip_row(trip, int(number), training_trips) for trip, number in zip(usable, route, strict=True)
+        ),
         candidates=tuple(work.candidates),
         ratios=tuple(ratio_rows(work.counts, reference, resamples)),
         tracking=tuple(work.tracking),
@@ -186,7 +192,7 @@ def _route_rows(trips: Sequence[Trajectory], route: IntArray) -> tuple[RouteRow,
     return tuple(rows)
 
 
-def _trip_row(trip: Trajectory, route: int) -> ComparedTrip:
+def _trip_row(trip: Trajectory, route: int, training_trips: frozenset[str]) -> ComparedTrip:
     return ComparedTrip(
         trip.trip_id,
         trip.source,
@@ -194,4 +200,5 @@ def _trip_row(trip: Trajectory, route: int) -> ComparedTrip:
         duration_s=trip.duration_s,
         samples=len(trip),
         dt_s=trip.dt_s,
+        in_training=bool(known_trips([trip], training_trips)),
     )
