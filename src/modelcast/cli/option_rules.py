@@ -28,7 +28,7 @@ _RULES: dict[str, AbstractRule] = {
     "per": Each(Number(0.0, 1.0), 0, 64),
     "seeds": Whole(1, 10_000),
     "seed": Whole(0, 2**64),
-    "bank": Text(LONGEST_PATH),
+    "bank": Text(500),
     "profile": Maybe(Text(LONGEST_PATH)),
     "window": Whole(1, 1000),
     "noise_floor": Maybe(_NOISE),

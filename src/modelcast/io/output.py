@@ -103,7 +103,7 @@ def claimed_file(path: str | Path) -> Generator[Path]:
     if target.exists() and not os.access(target, os.W_OK):
         raise ConfigError(f"{path} cannot be written: it is read-only")
     if not target.parent.is_dir():
-        raise ConfigError(f"{path}: its folder {target.parent} does not exist")
+        raise ConfigError(f"{path}: its folder does not exist")
     try:
         # Made anew under a name that nobody could know: a link that somebody put there is not followed.
         descriptor, name = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".partial", dir=target.parent)
