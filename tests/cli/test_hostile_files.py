@@ -160,6 +160,7 @@ def test_only_ordinary_files_are_opened(tmp_path: Path) -> None:
         (["/dev/zero"], {}, "is new since"),
         (["/dev/zero"], {"/dev/zero": 0}, "a device, not a file"),
         (["/usr"], {}, "is new since"),
+        (["x" * 1000], {}, "is new since"),
         ([".."], {}, "is new since"),
         (["gone.csv"], {"gone.csv": 3}, "is missing"),
         (["{giant}"], {"{giant}": 5}, "had 5 octets, now"),

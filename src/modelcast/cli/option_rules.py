@@ -12,8 +12,8 @@ from modelcast.policy.rules import IdentifyRule, StartRule
 
 __all__ = ["LONGEST_PATH", "OPTIONS"]
 
-LONGEST_PATH = 4096
-"""Characters of a path: what Linux takes."""
+LONGEST_PATH = 1024
+"""Characters of a path that a run may be repeated with: what every system takes."""
 
 _HOUR_S, _DAY_S = 3600.0, 86_400.0
 _NOISE = Number(0.0, 1000.0)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.io.regular import regular_bytes, sha256_of
+from modelcast.io.regular import kind_of, regular_bytes, sha256_of
 
 __all__ = ["recorded_inputs", "require_same_inputs"]
 
@@ -55,7 +55,7 @@ def require_same_inputs(
                 raise ConfigError(f"{place}: input {file} is new since that run")
             found.add(str(file))
     for name, was in recorded.items():
-        if not Path(name).exists():
+        if not kind_of(Path(name)):
             raise ConfigError(f"{place}: input {name} is missing; run from the same folder as before")
         if name not in found:
             raise ConfigError(f"{place}: {name} is recorded as an input, but the arguments do not name it")
@@ -71,11 +71,11 @@ def require_same_inputs(
 
 def _files(path: Path) -> Iterator[Path]:
     """The file itself, or the ordinary files in the folder and below, links to folders left alone."""
-    if not path.is_dir():
+    if kind_of(path) != "folder":
         yield path
         return
     for folder, _, names in os.walk(path):
         for name in names:
             file = Path(folder) / name
-            if file.is_file():
+            if kind_of(file) == "file":
                 yield file

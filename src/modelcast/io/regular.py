@@ -8,7 +8,7 @@ from pathlib import Path
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.json_text import LARGEST_BYTES
 
-__all__ = ["read_document", "regular_bytes", "sha256_of"]
+__all__ = ["kind_of", "read_document", "regular_bytes", "sha256_of"]
 
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
@@ -17,6 +17,21 @@ _KINDS = (
     (stat.S_ISBLK, "a device"),
     (stat.S_ISSOCK, "a socket"),
 )
+
+
+def kind_of(path: Path) -> str:
+    """``file``, ``folder``, ``other``, or nothing where there is none; no name is too odd to ask for.
+
+    Parameters
+    ----------
+    path
+        Any path; a link is followed.
+    """
+    try:
+        mode = path.stat().st_mode
+    except (OSError, ValueError):
+        return ""
+    return "file" if stat.S_ISREG(mode) else "folder" if stat.S_ISDIR(mode) else "other"
 
 
 def regular_bytes(path: Path) -> int:
