@@ -143,7 +143,7 @@ class CompareOptions:
         )
         try:
             return CompareSettings(
-                replace(shared.settings(), trained_on=None),  # each candidate says its own
+                shared.settings(),
                 tuple(self.protocol),
                 against=self.against,
                 route_by=self.route_by,
