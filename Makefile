@@ -22,11 +22,12 @@ check: setup-dev
 bench: setup-dev
 	$(BIN)/python benchmarks/run_all.py
 
-# Ten million inputs; FUZZ_ARGUMENTS are libFuzzer's. What it finds is kept in out/fuzz.
+# A minute of profiles and run files, then ten million inputs; FUZZ_ARGUMENTS are libFuzzer's. What it finds is kept in out/fuzz.
 FUZZ_ARGUMENTS ?= -runs=10000000 -max_len=4096
 fuzz: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-fuzz.lock
 	mkdir -p out/fuzz/corpus
+	$(BIN)/python -W ignore fuzz/profiles.py --seconds 60 --keep out/fuzz
 	$(BIN)/python fuzz/run.py out/fuzz/corpus fuzz/corpus -artifact_prefix=out/fuzz/ $(FUZZ_ARGUMENTS)
 
 # Needs the folder of reference figures in MODELCAST_REFERENCE, and in MODELCAST_NS3_PYTHON an interpreter that has

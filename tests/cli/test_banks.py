@@ -8,7 +8,7 @@ import pytest
 from modelcast.cli.banks import bank_from_text, named_bank
 from modelcast.cli.compare_options import CompareOptions
 from modelcast.cli.evaluate_options import EvaluateOptions
-from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.core.exceptions import ConfigError
 from modelcast.io.profile import write_profile
 from modelcast.models.bank import Bank
 from modelcast.models.gp import AxisKernel, VehicleProcess
@@ -89,5 +89,5 @@ def test_a_profile_named_beside_a_bank_is_used_and_counts_as_an_input(tmp_path: 
     compared = CompareOptions(("gp-vehicle", "default"), profile=str(path))
     assert [one.name for one in compared.candidates()] == ["gp-vehicle", "default"]
     assert compared.files == (path,)
-    with pytest.raises(DataFormatError, match=r"missing\.json"):
+    with pytest.raises(ConfigError, match=r"missing\.json"):
         EvaluateOptions(profile=str(tmp_path / "missing.json")).settings()

@@ -138,12 +138,19 @@ def test_a_repeated_run_refuses_inputs_that_changed(
     done: Path, drive_csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     document = json.loads((done / "run.json").read_text())
-    document["inputs"] = {str(drive_csv): "0" * 64}
+    document["inputs"][str(drive_csv)]["sha256"] = "0" * 64
     changed = tmp_path / "run.json"
     changed.write_text(json.dumps(document))
     out = str(tmp_path / "out")
     assert "has changed" in refused(capsys, "evaluate", "--rerun", str(changed), "--out", out)
-    document["inputs"] = {str(tmp_path / "gone.csv"): "0" * 64}
+    document["inputs"][str(drive_csv)]["bytes"] += 1
+    changed.write_text(json.dumps(document))
+    assert "octets, now" in refused(capsys, "evaluate", "--rerun", str(changed), "--out", out)
+    document["inputs"] = {}
+    changed.write_text(json.dumps(document))
+    assert "is new" in refused(capsys, "evaluate", "--rerun", str(changed), "--out", out)
+    document["arguments"]["paths"] = [str(tmp_path / "gone.csv")]
+    document["inputs"] = {str(tmp_path / "gone.csv"): {"bytes": 1, "sha256": "0" * 64}}
     changed.write_text(json.dumps(document))
     assert "is missing" in refused(capsys, "evaluate", "--rerun", str(changed), "--out", out)
 
@@ -264,7 +271,7 @@ def _bad_trips(tmp_path: Path) -> Path:
         (("{drive}", "--window", "2"), "window"),
         (("{drive}", "--window", "600"), "window"),
         (("{drive}", "--noise-floor", "-1"), "noise"),
-        (("{drive}", "--bank", "ctra", "--trusted-horizon", "0.1"), "horizon_s must be at least"),
+        (("{drive}", "--bank", "ctra", "--trusted-horizon", "0.1"), "horizon_s must be a number from 0.2"),
         (("{drive}", "--delay", "-1"), "delay"),
         (("{drive}", "--position-noise", "nan"), "noise"),
         (("{drive}", "--start", "last"), "start"),

@@ -8,7 +8,7 @@ import pytest
 
 from modelcast.cli.app import run
 from modelcast.cli.banks import named_bank
-from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.core.exceptions import ConfigError
 from modelcast.io.profile import read_profile
 from modelcast.io.write_trips import write_csv
 from modelcast.simulation.drive import generate_drive
@@ -104,10 +104,10 @@ def test_trained_rules_are_refused_where_nothing_was_trained(
 
 def test_a_file_that_is_no_profile_is_named(tmp_path: Path) -> None:
     path = tmp_path / "wrong.json"
-    with pytest.raises(DataFormatError, match=r"wrong\.json: cannot be read"):
+    with pytest.raises(ConfigError, match=r"wrong\.json cannot be read"):
         named_bank(str(path))
     path.write_text("{}")
-    with pytest.raises(DataFormatError, match=r"wrong\.json: is no profile"):
+    with pytest.raises(ConfigError, match=r"wrong\.json is no profile"):
         named_bank(str(path))
 
 

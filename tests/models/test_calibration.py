@@ -192,7 +192,7 @@ def test_another_sub_model_is_refused() -> None:
     [
         ({"horizons_s": np.array([1.0, 0.5, 2.0])}, "rise"),
         ({"factors": np.ones((2, 2))}, "factors must be"),
-        ({"factors": np.zeros((3, 2))}, "positive"),
+        ({"factors": np.zeros((3, 2))}, r"factors\[0\]\[0\] must be a number from 1e-06"),
         ({"radii": np.array([[2.0, 1.0, 3.0]] * 3)}, "fall"),
     ],
 )

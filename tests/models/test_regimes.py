@@ -43,12 +43,12 @@ def test_the_most_frequent_regime_s_sub_model_is_first_in_their_bank() -> None:
 @pytest.mark.parametrize(
     ("wrong", "named"),
     [
-        ({"members": TWO.members[:1]}, "two or more"),
+        ({"members": TWO.members[:1]}, "members must be a list of 2"),
         ({"members": TWO.members[:1] * 2}, "distinct names"),
-        ({"centres": TWO.centres[:1]}, "1 centres"),
-        ({"centres": ((1.0, 2.0), (3.0, 4.0))}, "3 numbers"),
-        ({"centres": ((1.0, 2.0, np.inf), (3.0, 4.0, 5.0))}, "finite"),
-        ({"scales": (1.0, 0.0, 1.0)}, "positive"),
+        ({"centres": TWO.centres[:1]}, "centres must be a list of 2"),
+        ({"centres": ((1.0, 2.0), (3.0, 4.0))}, "3 items"),
+        ({"centres": ((1.0, 2.0, np.inf), (3.0, 4.0, 5.0))}, r"centres\[0\]\[2\] must be a number"),
+        ({"scales": (1.0, 0.0, 1.0)}, r"scales\[1\] must be a number"),
         ({"shares": (0.5, 0.6)}, "sum to one"),
     ],
 )

@@ -194,7 +194,7 @@ def test_names_say_what_a_process_does() -> None:
         ({"degree": 0}, "degree must"),
         ({"degree": 7}, "degree must"),
         ({"straight_after_s": 0.0}, "straight_after_s must"),
-        ({"samples": 2}, "window must"),
+        ({"samples": 2}, "samples must be a whole number from 3"),
     ],
 )
 def test_settings_out_of_range_are_refused(change: dict[str, object], message: str) -> None:

@@ -66,12 +66,15 @@ class NamedBank:
         The policy's rules where the user names none.
     profile
         The profile it comes from; None where it comes from none.
+    trained_on
+        Fingerprints of the trips that any of its sub-models was trained on.
     """
 
     bank: Bank
     start: StartRule
     identify: IdentifyRule
     profile: Profile | None = None
+    trained_on: frozenset[str] = frozenset()
 
     @property
     def selector(self) -> Selector | None:
@@ -174,7 +177,9 @@ def named_bank(
             trusted_horizon_s=trusted_horizon_s,
             profile=profile,
         )
-        return NamedBank(bank, *((unguarded(rules[0]), rules[1]) if text == REGIME_BANK else rules_of(bank)))
+        rules = (unguarded(rules[0]), rules[1]) if text == REGIME_BANK else rules_of(bank)
+        trained = any(member.name not in _UNTRAINED for member in bank.members)
+        return NamedBank(bank, *rules, trained_on=frozenset(profile.training_trips if trained else ()))
     if noise_floor_m is not None or trusted_horizon_s is not None or window != _DEFAULT_WINDOW:
         raise ConfigError(
             f"--bank {text}: a profile's bank has its own windows, noise floor and trusted horizons; "
@@ -183,7 +188,7 @@ def named_bank(
     if text != "default":
         profile = read_profile(text)
         rules = cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
-    return NamedBank(profile.bank, *rules, profile)
+    return NamedBank(profile.bank, *rules, profile, frozenset(profile.training_trips))
 
 
 def bank_from_text(

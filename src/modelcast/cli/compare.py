@@ -75,7 +75,8 @@ def compare(
             "trip": trip,
             "options": options.as_plain(),
         }
-        write_run(folder, "compare", asked, (*paths, *options.files))
+        known = [trip.id for trip in result.trips if trip.in_training]
+        write_run(folder, "compare", asked, (*paths, *options.files), training_trips=known)
         write_comparison(result, folder)
         write_comparison_report(result, folder)
     if json:

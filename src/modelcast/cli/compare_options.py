@@ -191,7 +191,15 @@ class CompareOptions:
                             "another rule, or a profile ('default' or a file of modelcast train)"
                         )
                     found.append(
-                        FixedCandidate(label, named.bank, start, identify, selector=selector, costs=costs)
+                        FixedCandidate(
+                            label,
+                            named.bank,
+                            start,
+                            identify,
+                            selector=selector,
+                            costs=costs,
+                            trained_on=named.trained_on,
+                        )
                     )
         return found
 

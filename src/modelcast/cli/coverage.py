@@ -83,6 +83,7 @@ def coverage(
     from modelcast.cli.reading import TripSource
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
+    from modelcast.core.fingerprint import known_trips
     from modelcast.evaluation.coverage import Hybrid, measure_coverage
     from modelcast.evaluation.settings import EvaluationSettings
     from modelcast.io.coverage import coverage_document, write_coverage
@@ -91,6 +92,7 @@ def coverage(
     from modelcast.report.coverage import coverage_report
     from modelcast.report.figures.coverage import plot_coverage, plot_times
     from modelcast.report.style import style
+    from modelcast.report.training_trips import training_note
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast coverage --help)")
@@ -118,12 +120,15 @@ def coverage(
                 thresholds_m=settings.thresholds_m,
                 hybrid=hybrid,
             )
+            judged = [case.recorded for cases in groups.values() for case in cases]
+            known = known_trips(judged, named.trained_on)
             document = coverage_document(
                 result,
                 protocol=protocol,
                 bank=bank,
                 tested={name: [case.truth.trip_id for case in cases] for name, cases in groups.items()},
                 failures={**tested.failures, **taught.failures},
+                training_trips=known,
             )
             path = write_coverage(document, folder)
             text = path.read_text(encoding="utf-8")
@@ -138,6 +143,8 @@ def coverage(
     if json:
         sys.stdout.write(text)
     elif not quiet:
+        for line in training_note(known, len(judged)):
+            say(line)
         show(coverage_report(result))
         say(f"figures: {out}")
     return max(tested.exit_code, taught.exit_code)

@@ -155,7 +155,9 @@ class EvaluateOptions:
             Where a value is out of its range.
         """
         from modelcast.cli.banks import named_bank, profile_in_use
+        from modelcast.cli.option_rules import OPTIONS
         from modelcast.core.exceptions import ConfigError
+        from modelcast.core.rules import check
         from modelcast.evaluation.settings import EvaluationSettings
         from modelcast.messages.airtime import Stack
 
@@ -168,12 +170,13 @@ class EvaluateOptions:
         )
         start, identify = self.start or named.start, self.identify or named.identify
         try:
-            return EvaluationSettings(
+            found = EvaluationSettings(
                 tuple(self.threshold),
                 tuple(self.per),
                 seeds=self.seeds,
                 seed=self.seed,
                 bank=named.bank,
+                trained_on=named.trained_on,
                 start=start,
                 identify=identify,
                 selector=named.selector if start == "predicted" else None,
@@ -190,8 +193,10 @@ class EvaluateOptions:
                 quantised=self.quantised,
                 stack=Stack(self.certificates),
             )
+            check(self.as_plain(), OPTIONS, "option")
         except ValueError as error:
             raise ConfigError(str(error)) from error
+        return found
 
 
 def _map_at(text: str | None) -> tuple[str, float] | None:

@@ -48,7 +48,8 @@ def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json:
     )
     with atomic_folder(out) as folder:
         result = evaluate_source(source, settings, quiet=quiet or json)
-        write_run(folder, "evaluate", asked.arguments(), asked.inputs)
+        known = [trip.id for trip in result.trips if trip.in_training]
+        write_run(folder, "evaluate", asked.arguments(), asked.inputs, training_trips=known)
         publish(result, folder)
         if trace is not None:
             write_message_trace(result, trace)

@@ -1,6 +1,5 @@
 """``run.json``: what a run was asked for, with which versions, on which inputs; enough to repeat it."""
 
-import hashlib
 import json
 import platform
 from collections.abc import Iterable, Mapping
@@ -10,15 +9,45 @@ from pathlib import Path
 from typing import Any, cast
 
 from modelcast.cli.evaluate_options import EvaluateOptions
+from modelcast.cli.option_rules import LONGEST_PATH, OPTIONS
+from modelcast.cli.run_inputs import recorded_inputs, require_same_inputs
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.json_text import parse_json, schema_of
+from modelcast.core.rules import Anything, Each, FieldError, Keys, Maybe, Table, Text, Whole, check
 from modelcast.core.version import package_version
+from modelcast.io.regular import read_document
 
 __all__ = ["RUN_SCHEMA", "EvaluationRun", "load_run", "write_run"]
 
-RUN_SCHEMA = 1
-"""Version of the layout of ``run.json``."""
+RUN_SCHEMA = 2
+"""Version of the layout of ``run.json``; since 2 it holds the size of every input beside its hash."""
 
 _PACKAGES = ("matplotlib", "numba", "numpy", "polars", "pyarrow", "pymap3d", "scipy")
+
+
+_PATH = Text(LONGEST_PATH)
+_SHA256 = r"[0-9a-f]{64}"
+_RUN = Keys(
+    {
+        "schema": Anything(),
+        "command": Text(64),
+        "arguments": Keys(
+            {
+                "paths": Each(_PATH, 1, 10_000),
+                "format": Maybe(Text(64)),
+                "columns": Maybe(Text(2000)),
+                "trip": Text(1000),
+                "options": OPTIONS,
+            }
+        ),
+        "versions": Table(Text(64), 100),
+        "inputs": Table(
+            Keys({"bytes": Whole(0, 2**60), "sha256": Text(64, pattern=_SHA256)}),
+            100_000,
+        ),
+        "training_trips": Each(Text(1000), 0, 100_000),
+    }
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +84,14 @@ class EvaluationRun:
         }
 
 
-def write_run(folder: Path, command: str, arguments: Mapping[str, Any], inputs: Iterable[Path] = ()) -> None:
+def write_run(
+    folder: Path,
+    command: str,
+    arguments: Mapping[str, Any],
+    inputs: Iterable[Path] = (),
+    *,
+    training_trips: Iterable[str] = (),
+) -> None:
     """Write ``run.json`` into a folder.
 
     Parameters
@@ -68,6 +104,8 @@ def write_run(folder: Path, command: str, arguments: Mapping[str, Any], inputs: 
         Its arguments as plain values.
     inputs
         Files and folders it reads; every file is hashed.
+    training_trips
+        Identifiers of the trips that the profile in use was trained on.
     """
     document = {
         "schema": RUN_SCHEMA,
@@ -78,7 +116,8 @@ def write_run(folder: Path, command: str, arguments: Mapping[str, Any], inputs: 
             "python": platform.python_version(),
             **{name: metadata.version(name) for name in _PACKAGES},
         },
-        "inputs": _hashes(inputs),
+        "inputs": recorded_inputs(inputs),
+        "training_trips": list(training_trips),
     }
     text = json.dumps(document, indent=2, sort_keys=True) + "\n"
     (folder / "run.json").write_text(text, encoding="utf-8", newline="\n")
@@ -95,23 +134,32 @@ def load_run(path: Path) -> EvaluationRun:
     Raises
     ------
     ConfigError
-        Where it is no such file, or an input is missing, new or has changed.
+        Where it is no such file, or an input is missing, new or has changed. Nothing that the file names is
+        opened before all of it is checked.
     """
+    text = read_document(path)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-        if document["schema"] != RUN_SCHEMA or document["command"] != "evaluate":
-            raise ConfigError(
-                f"{path}: command {document['command']}, schema {document['schema']}; "
-                f"--rerun repeats runs of evaluate, schema {RUN_SCHEMA}"
-            )
-        run = _run_from(document["arguments"])
-        recorded: dict[str, str] = document["inputs"]
-    except OSError as error:
-        raise ConfigError(f"{path} cannot be read: {error.strerror}") from error
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise ConfigError(f"{path} is not a run.json of modelcast evaluate: {error!r}") from error
-    _require_same_inputs(path, run.inputs, recorded)
+        document: Any = parse_json(text)
+        _require_kind(document)
+        check(document, _RUN)
+        run = _run_from(cast("dict[str, Any]", document)["arguments"])
+    except ValueError as error:
+        raise ConfigError(f"{path} is no run.json of modelcast evaluate: {error}") from error
+    require_same_inputs(str(path), run.inputs, document["inputs"])
     return run
+
+
+def _require_kind(document: Any) -> None:
+    """Refuse another schema or command by name, before any other field is looked at."""
+    schema = schema_of(document, RUN_SCHEMA)
+    if schema < RUN_SCHEMA:
+        raise ValueError(
+            f"$.schema: schema {schema} was made by an older modelcast and says no sizes of its inputs, so "
+            "they cannot be checked before they are opened; give the trips and options anew"
+        )
+    command: Any = document.get("command")
+    if command != "evaluate":
+        raise FieldError("$.command", command, "'evaluate': --rerun repeats no other command")
 
 
 def _run_from(arguments: Mapping[str, Any]) -> EvaluationRun:
@@ -126,30 +174,3 @@ def _run_from(arguments: Mapping[str, Any]) -> EvaluationRun:
         arguments["trip"],
         EvaluateOptions.from_plain(options),
     )
-
-
-def _require_same_inputs(path: Path, inputs: Iterable[Path], recorded: Mapping[str, str]) -> None:
-    for name in recorded:
-        if not Path(name).is_file():
-            raise ConfigError(f"{path}: input {name} is missing; run from the same folder as before")
-    for name, found in _hashes(inputs).items():
-        if name not in recorded:
-            raise ConfigError(f"{path}: input {name} is new since that run")
-        if recorded[name] != found:
-            raise ConfigError(f"{path}: input {name} has changed since that run")
-
-
-def _hashes(inputs: Iterable[Path]) -> dict[str, str]:
-    return {str(file): _sha256(file) for path in inputs for file in _files(path)}
-
-
-def _files(path: Path) -> list[Path]:
-    return sorted(item for item in path.rglob("*") if item.is_file()) if path.is_dir() else [path]
-
-
-def _sha256(path: Path) -> str:
-    try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as error:
-        raise ConfigError(f"{path} cannot be read: {error.strerror}") from error

@@ -77,19 +77,16 @@ def train(
     from modelcast.evaluation.training.learned import LearnedSettings
     from modelcast.evaluation.training.processes import ProcessSettings
     from modelcast.evaluation.training.profile import ProfileSettings, train_profile
+    from modelcast.io.output import claimed_file
     from modelcast.io.profile import write_profile
     from modelcast.report.training import training_report
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast train --help)")
-    if not out.resolve().parent.is_dir():
-        raise ConfigError(f"--out {out}: its folder does not exist")
+    if any(path.is_file() and out.exists() and path.samefile(out) for path in paths):
+        raise ConfigError(f"--out {out} is one of the trips: name another file")
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     silent = quiet or json
-    with watched(source, quiet=silent) as shown:
-        trips = list(shown)
-    if not trips:
-        raise ConfigError("no usable trip")
     try:
         names = tuple(bank.split("+")) if bank else ()
         descent = Descent(hidden=hidden, steps=steps, averaged=max(1, steps // 3))
@@ -100,11 +97,16 @@ def train(
             validate=validate,
             seed=seed,
         )
-        with staged(quiet=silent) as progress:
-            profile = train_profile(trips, settings, progress=progress)
+        with claimed_file(out) as place:
+            with watched(source, quiet=silent) as shown:
+                trips = list(shown)
+            if not trips:
+                raise ConfigError("no usable trip")
+            with staged(quiet=silent) as progress:
+                profile = train_profile(trips, settings, progress=progress)
+            write_profile(profile, place)
     except ValueError as error:
         raise ConfigError(str(error)) from error
-    write_profile(profile, out)
     if json:
         document = {"profile": str(out), "sha256": profile.identity, **profile.record}
         json_format.dump(document, sys.stdout, indent=2, sort_keys=True)

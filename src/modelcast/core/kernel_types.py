@@ -118,11 +118,11 @@ def numba_type(annotation: Any) -> Any:
             return _numba.Array(element, layout.dimensions, layout.order) if layout.dimensions else element
     if origin is tuple and arguments and arguments[-1] is not Ellipsis:
         return _numba.BaseTuple.from_types(tuple(numba_type(one) for one in arguments))
-    if isinstance(annotation, type) and issubclass(annotation, np.generic):
-        return _element(annotation)
     if hasattr(annotation, "_fields"):
         hints = typing.get_type_hints(annotation, include_extras=True)
         return _numba.BaseTuple.from_types(tuple(numba_type(one) for one in hints.values()), annotation)
+    if isinstance(annotation, type) and issubclass(annotation, np.generic):
+        return _element(annotation)
     raise TypeError(
         f"a kernel takes and returns numbers, tuples and the arrays of kernel_types, not {annotation!r}"
     )

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.fingerprint import known_trips
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.case import SensedTrip, TripCase, make_case
 from modelcast.evaluation.illustration import draw_manoeuvre, draw_timeline, sharpest_instant
@@ -199,6 +200,7 @@ def _trip_row(case: TripCase, settings: EvaluationSettings) -> TripRow:
         rows=recorded.reading.rows,
         skipped=dict(recorded.reading.skipped),
         repaired=dict(recorded.reading.repaired),
+        in_training=bool(known_trips([recorded], settings.training_trips)),
         conditioning=None if case.conditioning is None else asdict(case.conditioning),
         warnings={**case.warnings, **({"bank": idle} if idle else {})},
     )

@@ -81,6 +81,8 @@ class TripRow:
     warnings
         What must be known of the recording before any figure, by kind, as in
         `modelcast.core.judgement.judge`; ``bank`` for sub-models that do not work as trained at this rate.
+    in_training
+        Whether the bank was trained on this very trip: its figures then flatter.
     """
 
     id: str
@@ -102,6 +104,7 @@ class TripRow:
     repaired: Mapping[str, int]
     conditioning: Mapping[str, float] | None
     warnings: Mapping[str, str] = field(default_factory=dict[str, str])
+    in_training: bool = False
 
 
 @dataclass(frozen=True, slots=True)

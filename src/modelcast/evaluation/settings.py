@@ -101,6 +101,9 @@ class EvaluationSettings:
         How many bytes each kind of message takes.
     stack
         What goes round a message on the air, and which carry a certificate.
+    trained_on
+        Fingerprints of the trips that the bank was trained on (`modelcast.core.fingerprint`); those of the
+        shipped profile for its bank, and none for any other, where None.
     references
         Whether the clairvoyant references and the rules of cooperative awareness messages are counted too.
 
@@ -131,6 +134,7 @@ class EvaluationSettings:
     quantised: bool = True
     sizes: SizeModel = field(default_factory=SizeModel)
     stack: Stack = field(default_factory=Stack)
+    trained_on: frozenset[str] | None = None
     references: bool = True
 
     def __post_init__(self) -> None:
@@ -183,6 +187,14 @@ class EvaluationSettings:
             return self.start, self.identify
         start, identify = rules_of(self.bank)
         return self.start or start, self.identify or identify
+
+    @property
+    def training_trips(self) -> frozenset[str]:
+        """Fingerprints of the trips that the bank was trained on."""
+        if self.trained_on is not None:
+            return self.trained_on
+        profile = default_profile()
+        return frozenset(profile.training_trips if self.bank == profile.bank else ())
 
     @property
     def sent_bank(self) -> Bank:

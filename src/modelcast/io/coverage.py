@@ -2,7 +2,8 @@
 
 Keys: ``schema`` (1), ``modelcast`` (version), ``protocol``, ``bank``, ``tested`` (trips by group),
 ``coverage`` and ``times`` (rows of `CoverageRow` and `TimeRow`, under the same names), ``calibrations`` (by
-group, then by sub-model, as `Calibration.from_plain` takes them), ``failures``.
+group, then by sub-model, as `Calibration.from_plain` takes them), ``failures``, ``training_trips``
+(tested trips that the sub-models were trained on).
 """
 
 import json
@@ -26,6 +27,7 @@ def coverage_document(
     bank: str,
     tested: Mapping[str, Sequence[str]],
     failures: Mapping[str, str],
+    training_trips: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Return the content of ``coverage.json`` as plain values.
 
@@ -39,6 +41,8 @@ def coverage_document(
         Identifiers of the trips of each group.
     failures
         What could not be read, and why.
+    training_trips
+        Identifiers of the tested trips that the sub-models themselves were trained on.
     """
     return {
         "schema": COVERAGE_SCHEMA,
@@ -47,6 +51,7 @@ def coverage_document(
         "bank": bank,
         "tested": {name: list(trips) for name, trips in tested.items()},
         "failures": dict(failures),
+        "training_trips": list(training_trips),
         **result.as_plain(),
     }
 

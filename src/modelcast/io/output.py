@@ -7,6 +7,7 @@ names every file in it, so a file the user put there is never lost.
 
 import os
 import shutil
+import tempfile
 from collections.abc import Generator
 from contextlib import contextmanager
 from itertools import count
@@ -14,7 +15,7 @@ from pathlib import Path
 
 from modelcast.core.exceptions import ConfigError
 
-__all__ = ["MANIFEST", "atomic_folder"]
+__all__ = ["MANIFEST", "atomic_folder", "claimed_file"]
 
 MANIFEST = "MANIFEST.txt"
 """Name of the file that lists what modelcast wrote into a folder, one relative path a line."""
@@ -71,6 +72,60 @@ def atomic_folder(path: str | Path) -> Generator[Path]:
         _swap(partial, target)
     finally:
         shutil.rmtree(partial, ignore_errors=True)
+
+
+@contextmanager
+def claimed_file(path: str | Path) -> Generator[Path]:
+    """Yield a temporary file that takes the place of `path` when the block ends without an error.
+
+    Parameters
+    ----------
+    path
+        The output file; a link is followed, so that its target is replaced.
+
+    Yields
+    ------
+    Path
+        The file to write into, beside `path`; it is there already, so what cannot be written is known before
+        the work is done.
+
+    Raises
+    ------
+    ConfigError
+        Where `path` is a folder or another thing that is no ordinary file, its folder does not exist, or
+        nothing can be written there.
+    """
+    target = Path(path).resolve()
+    if target.is_dir():
+        raise ConfigError(f"{path} is a folder: name a file in it")
+    if target.exists() and not target.is_file():
+        raise ConfigError(f"{path} is no ordinary file: name another")
+    if target.exists() and not os.access(target, os.W_OK):
+        raise ConfigError(f"{path} cannot be written: it is read-only")
+    if not target.parent.is_dir():
+        raise ConfigError(f"{path}: its folder does not exist")
+    try:
+        # Made anew under a name that nobody could know: a link that somebody put there is not followed.
+        descriptor, name = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".partial", dir=target.parent)
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be written: {error.strerror}") from error
+    os.close(descriptor)
+    partial = Path(name)
+    try:
+        yield partial
+        partial.chmod(target.stat().st_mode if target.exists() else 0o666 & ~_umask())
+        partial.replace(target)
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be written: {error.strerror}") from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _umask() -> int:
+    """Permissions that new files do not get; the system tells them only when they are set."""
+    found = os.umask(0o077)
+    os.umask(found)
+    return found
 
 
 def _new_sibling(target: Path, purpose: str) -> Path:

@@ -14,9 +14,10 @@ document of a message gives the same octets.
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
+from modelcast.core.rules import shown
 from modelcast.messages.bsm import BasicSafetyMessage, BsmCore, Content
 from modelcast.messages.bsm_fields import CORE_FIELDS, CORE_INDEX
-from modelcast.messages.digits import octets_of_digits, shown
+from modelcast.messages.digits import octets_of_digits
 from modelcast.messages.fields import Field
 
 __all__ = ["document_of", "message_of"]

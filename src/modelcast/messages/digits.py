@@ -1,20 +1,8 @@
 """Octets as hexadecimal digits in a document."""
 
-__all__ = ["octets_of_digits", "shown"]
+from modelcast.core.rules import shown
 
-_LONGEST_SHOWN = 60
-
-
-def shown(value: object) -> str:
-    """Return a value as an error tells it, cut where it is long.
-
-    Parameters
-    ----------
-    value
-        What was given.
-    """
-    text = repr(value)
-    return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 3]}..."
+__all__ = ["octets_of_digits"]
 
 
 def octets_of_digits(name: str, given: object, *, count: int | None = None) -> bytes:

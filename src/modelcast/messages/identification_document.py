@@ -10,7 +10,8 @@ Writing the identification of a document of one gives the same octets.
 from collections.abc import Mapping
 from typing import Any
 
-from modelcast.messages.digits import octets_of_digits, shown
+from modelcast.core.rules import shown
+from modelcast.messages.digits import octets_of_digits
 from modelcast.messages.mbc_wire import AGE, IdentificationMessage
 
 __all__ = ["IDENTIFICATION_KIND", "identification_document", "identification_of"]

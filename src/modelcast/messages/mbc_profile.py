@@ -65,7 +65,7 @@ class WireProfile:
 
     @classmethod
     def of_profile(cls, profile: Profile) -> "WireProfile":
-        """Profile by its own bytes.
+        """Profile by the bytes that name it.
 
         Parameters
         ----------
@@ -77,7 +77,7 @@ class WireProfile:
         ValueError
             As for `of`.
         """
-        return cls.of(profile.bank, profile_number(profile.text.encode("utf-8")))
+        return cls.of(profile.bank, profile_number(profile.named_bytes))
 
     def carried(self, sub_model: int, *, carries_all: bool) -> tuple[int, ...]:
         """Sub-models whose coefficients a message holds.

@@ -17,8 +17,9 @@ import numpy as np
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import Origin
+from modelcast.core.rules import shown
 from modelcast.messages.bsm import BsmCore
-from modelcast.messages.digits import octets_of_digits, shown
+from modelcast.messages.digits import octets_of_digits
 from modelcast.messages.fields import as_float
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import ReceivedUpdate, UpdateMessage, extension_of, read_update

@@ -9,12 +9,25 @@ right: `Calibration.radius` gives the radius of the ellipse for any other level,
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.rules import (
+    Anything,
+    Each,
+    FieldError,
+    Fixed,
+    Keys,
+    Number,
+    Numbers,
+    Text,
+    Whole,
+    check,
+    check_fields,
+)
 from modelcast.models.base import AbstractSubModel
 
 __all__ = ["LEVELS", "Calibration", "course_axes", "gaussian_radius", "widened"]
@@ -29,6 +42,20 @@ UNMODELLED_M, UNMODELLED_MPS = 0.02, 0.05
 """Error in position and velocity that no nominal covariance has; `unmodelled` is a share of it."""
 
 _STANDS_M = 1e-9
+
+_MOST_HORIZONS = 1000
+_HORIZON_S = Number(1e-3, 3600.0)
+_FACTOR = Number(1e-6, 1e6)
+_ROW = {"factors": Fixed((_FACTOR,) * 2), "radii": Fixed((_FACTOR,) * len(LEVELS))}
+_PLAIN = Keys(
+    {
+        "sub_model": Anything(),
+        "horizons_s": Each(_HORIZON_S, 1, _MOST_HORIZONS),
+        "unmodelled": Anything(),
+        **{name: Each(row, 1, _MOST_HORIZONS) for name, row in _ROW.items()},
+        "instants": Anything(),
+    }
+)
 
 
 def gaussian_radius(level: npt.ArrayLike) -> FloatArray:
@@ -100,7 +127,8 @@ class Calibration:
     Raises
     ------
     ValueError
-        Where shapes disagree, horizons do not rise or a factor is not positive.
+        Where shapes disagree, horizons do not rise, radii fall with the level, or a number is out of its
+        range.
 
     Examples
     --------
@@ -121,27 +149,26 @@ class Calibration:
     [1.0]
     """
 
-    sub_model: str
-    horizons_s: FloatArray
+    sub_model: Annotated[str, Text(64)]
+    horizons_s: Annotated[FloatArray, Numbers(1, _HORIZON_S, _MOST_HORIZONS)]
     _: KW_ONLY
-    unmodelled: float
-    factors: FloatArray
-    radii: FloatArray
-    instants: int
+    unmodelled: Annotated[float, Number(0.0, 1e6)]
+    factors: Annotated[FloatArray, Numbers(2, _FACTOR, _MOST_HORIZONS)]
+    radii: Annotated[FloatArray, Numbers(2, _FACTOR, _MOST_HORIZONS)]
+    instants: Annotated[int, Whole(0, 2**53)]
 
     def __post_init__(self) -> None:
+        check_fields(self)
         count = self.horizons_s.size
-        if count == 0 or not (self.horizons_s > 0).all() or not (np.diff(self.horizons_s) > 0).all():
-            raise ValueError(f"horizons_s must be positive and rise, got {self.horizons_s}")
+        if not (np.diff(self.horizons_s) > 0).all():
+            raise FieldError("horizons_s", self.horizons_s, "horizons that rise")
         if self.factors.shape != (count, 2) or self.radii.shape != (count, len(LEVELS)):
             raise ValueError(
                 f"factors must be ({count}, 2) and radii ({count}, {len(LEVELS)}), "
                 f"got {self.factors.shape} and {self.radii.shape}"
             )
-        if not (np.isfinite(self.factors).all() and (self.factors > 0).all()):
-            raise ValueError("factors must be positive and finite")
-        if not ((self.radii > 0).all() and (np.diff(self.radii, axis=1) >= 0).all()):
-            raise ValueError("radii must be positive and must not fall with the level")
+        if not (np.diff(self.radii, axis=1) >= 0).all():
+            raise FieldError("radii", self.radii, "radii that do not fall with the level")
 
     def covariance(
         self, model: AbstractSubModel, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float
@@ -233,14 +260,20 @@ class Calibration:
         ----------
         plain
             Plain values, as read from JSON.
+
+        Raises
+        ------
+        FieldError
+            Where they are none, or what they say is refused.
         """
+        check(plain, _PLAIN)
         return cls(
-            str(plain["sub_model"]),
-            np.asarray(plain["horizons_s"], dtype=np.float64),
-            unmodelled=float(plain["unmodelled"]),
-            factors=np.asarray(plain["factors"], dtype=np.float64),
-            radii=np.asarray(plain["radii"], dtype=np.float64),
-            instants=int(plain["instants"]),
+            plain["sub_model"],
+            np.array(plain["horizons_s"], dtype=np.float64),
+            unmodelled=plain["unmodelled"],
+            factors=np.array(plain["factors"], dtype=np.float64),
+            radii=np.array(plain["radii"], dtype=np.float64),
+            instants=plain["instants"],
         )
 
     def _at(self, horizons_s: FloatArray, table: FloatArray) -> FloatArray:

@@ -5,13 +5,14 @@ and baseline share it.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.rules import check_fields
 from modelcast.models import constant_velocity_kernels
-from modelcast.models.core_model import AbstractCoreModel
+from modelcast.models.core_model import SPREAD_MPS2, AbstractCoreModel
 
 __all__ = ["ConstantVelocity"]
 
@@ -26,6 +27,11 @@ class ConstantVelocity(AbstractCoreModel):
         Standard deviation of the unmodelled acceleration on each axis [m/s²], for the covariance: a
         displacement spread of ``½·a·t²``.
 
+    Raises
+    ------
+    ValueError
+        Where it is out of its range.
+
     Examples
     --------
     >>> import numpy as np
@@ -37,7 +43,10 @@ class ConstantVelocity(AbstractCoreModel):
             [20. , -2. ]]])
     """
 
-    acceleration_spread_mps2: float = 1.0
+    acceleration_spread_mps2: Annotated[float, SPREAD_MPS2] = 1.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def name(self) -> str:

@@ -6,9 +6,19 @@ from typing import Any
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.rules import Number
 from modelcast.models.base import AbstractSubModel, PointFunctions
 
-__all__ = ["AbstractCoreModel"]
+__all__ = ["SPREAD_MPS2", "SPREAD_MPS3", "SPREAD_RADPS2", "AbstractCoreModel"]
+
+SPREAD_MPS2 = Number(0.0, 100.0)
+"""Unmodelled acceleration [m/s²]: up to ten times that of gravity, a crash."""
+
+SPREAD_MPS3 = Number(0.0, 1000.0)
+"""Unmodelled jerk [m/s³]: that acceleration within a tenth of a second."""
+
+SPREAD_RADPS2 = Number(0.0, 100.0)
+"""Unmodelled yaw acceleration [rad/s²]: a spin of ten radians a second within a tenth of a second."""
 
 
 class AbstractCoreModel(AbstractSubModel):

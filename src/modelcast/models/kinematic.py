@@ -10,13 +10,14 @@ Tracking", 11th International Conference on Information Fusion, 2008.
 """
 
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.rules import check_fields
 from modelcast.models import kinematic_kernels
-from modelcast.models.core_model import AbstractCoreModel
+from modelcast.models.core_model import SPREAD_MPS2, SPREAD_MPS3, SPREAD_RADPS2, AbstractCoreModel
 
 __all__ = ["ConstantAcceleration", "ConstantTurnRateAcceleration", "ConstantTurnRateVelocity"]
 
@@ -34,6 +35,11 @@ class ConstantAcceleration(AbstractCoreModel):
         spread of ``j·t³/6``.
     lateral_spread_mps2
         Standard deviation of the unmodelled acceleration across it [m/s²]: ``½·a·t²``.
+
+    Raises
+    ------
+    ValueError
+        Where a spread is out of its range.
 
     Notes
     -----
@@ -53,8 +59,11 @@ class ConstantAcceleration(AbstractCoreModel):
     """
 
     _: KW_ONLY
-    jerk_spread_mps3: float = 1.0
-    lateral_spread_mps2: float = 1.0
+    jerk_spread_mps3: Annotated[float, SPREAD_MPS3] = 1.0
+    lateral_spread_mps2: Annotated[float, SPREAD_MPS2] = 1.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def name(self) -> str:
@@ -90,6 +99,11 @@ class ConstantTurnRateVelocity(AbstractCoreModel):
     yaw_acceleration_spread_radps2
         Standard deviation of the unmodelled yaw acceleration [rad/s²]: ``v·c·t³/6`` across the course.
 
+    Raises
+    ------
+    ValueError
+        Where a spread is out of its range.
+
     Examples
     --------
     >>> import numpy as np
@@ -103,8 +117,11 @@ class ConstantTurnRateVelocity(AbstractCoreModel):
     """
 
     _: KW_ONLY
-    acceleration_spread_mps2: float = 1.0
-    yaw_acceleration_spread_radps2: float = 0.1
+    acceleration_spread_mps2: Annotated[float, SPREAD_MPS2] = 1.0
+    yaw_acceleration_spread_radps2: Annotated[float, SPREAD_RADPS2] = 0.1
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def name(self) -> str:
@@ -142,6 +159,11 @@ class ConstantTurnRateAcceleration(AbstractCoreModel):
     yaw_acceleration_spread_radps2
         Standard deviation of the unmodelled yaw acceleration [rad/s²]: ``v·c·t³/6`` across the course.
 
+    Raises
+    ------
+    ValueError
+        Where a spread is out of its range.
+
     Notes
     -----
     The closed form of Schubert et al. divides by the yaw rate squared. Here it is written in the turned
@@ -162,8 +184,11 @@ class ConstantTurnRateAcceleration(AbstractCoreModel):
     """
 
     _: KW_ONLY
-    jerk_spread_mps3: float = 1.0
-    yaw_acceleration_spread_radps2: float = 0.1
+    jerk_spread_mps3: Annotated[float, SPREAD_MPS3] = 1.0
+    yaw_acceleration_spread_radps2: Annotated[float, SPREAD_RADPS2] = 0.1
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def name(self) -> str:

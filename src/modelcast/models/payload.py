@@ -6,18 +6,29 @@ the codes, and `modelcast.models.quantised` predicts with what they stand for.
 """
 
 from dataclasses import KW_ONLY, dataclass
+from typing import Annotated
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.rules import FieldError, Fixed, Number, Whole, check_fields
 
-__all__ = ["CORE_PARAMETERS", "MAX_FIELD_BITS", "PayloadField", "PayloadLayout"]
+__all__ = ["CORE_PARAMETERS", "MAX_FIELD_BITS", "STEP_AND_BITS", "PayloadField", "PayloadLayout"]
 
 CORE_PARAMETERS = ("velocity_east_mps", "velocity_north_mps", "acceleration_mps2", "yaw_rate_radps")
 """Names of the parameters that Part I carries; acceleration along the course, yaw rate clockwise."""
 
 MAX_FIELD_BITS = 32
 """Widest field."""
+
+STEP = Number(1e-6, 1000.0)
+"""What one code may be worth, in the parameter's unit."""
+
+BITS = Whole(1, MAX_FIELD_BITS)
+"""Width of a field."""
+
+STEP_AND_BITS = Fixed((STEP, BITS))
+"""A field as a sub-model names it: its step and its width."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,16 +53,16 @@ class PayloadField:
     """
 
     name: str
-    step: float
+    step: Annotated[float, STEP]
     _: KW_ONLY
-    bits: int
+    bits: Annotated[int, BITS]
     signed: bool = True
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.step) and self.step > 0.0):
-            raise ValueError(f"{self.name}: step must be positive and finite, got {self.step}")
-        if not 1 <= self.bits <= MAX_FIELD_BITS:
-            raise ValueError(f"{self.name}: bits must be 1 to {MAX_FIELD_BITS}, got {self.bits}")
+        try:
+            check_fields(self)
+        except FieldError as error:
+            raise error.below(self.name) from None
 
     @property
     def low(self) -> int:

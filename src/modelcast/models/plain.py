@@ -3,18 +3,19 @@
 A frozen dataclass becomes a mapping of its fields with its class's name under ``is``; an array becomes its
 shape and the base64 text of its little-endian 32-bit floats; a tuple becomes a list; an infinite number
 becomes the text ``inf`` or ``-inf``. Only the classes of `PLAIN_CLASSES` are made from a text that came from
-elsewhere, and each checks its own fields.
+elsewhere, and each checks its own fields; what is refused is named by its path, ``$.members[0].samples``.
 """
 
 import base64
-import binascii
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from typing import Any, cast
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.rules import AbstractRule, Each, FieldError, Keys, Text, Whole, check, shown
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.gp.conditional import AxisKernel
@@ -100,49 +101,68 @@ def to_plain(value: Any) -> Any:
     raise TypeError(f"a profile holds no {name}: {value!r}")
 
 
-def from_plain(plain: Any) -> Any:
+def from_plain(plain: Any, path: str = "$") -> Any:
     """Return the value that `to_plain` described; lists come back as tuples.
 
     Parameters
     ----------
     plain
         As read from JSON.
+    path
+        Where it stands, for errors.
 
     Raises
     ------
     ValueError
         Where a class is unknown, a field is missing or foreign, an array is damaged, or a class refuses its
-        fields.
+        fields; the text begins with the path of what is wrong.
     """
     if isinstance(plain, list):
-        return tuple(from_plain(item) for item in cast("list[Any]", plain))
+        return tuple(from_plain(item, f"{path}[{at}]") for at, item in enumerate(cast("list[Any]", plain)))
     if isinstance(plain, str) and plain in ("inf", "-inf"):
         return float(plain)
     if not isinstance(plain, dict):
         return plain
     mapping = cast("dict[str, Any]", plain)
     if "float32" in mapping:
-        return _array(mapping)
+        return _array(mapping, path)
     if "is" not in mapping:
-        return {key: from_plain(item) for key, item in mapping.items()}
+        return {key: from_plain(item, f"{path}.{key}") for key, item in mapping.items()}
+    return _instance(mapping, path)
+
+
+def _instance(mapping: Mapping[str, Any], path: str) -> Any:
     name = mapping["is"]
     cls = PLAIN_CLASSES.get(name) if isinstance(name, str) else None
     if cls is None:
-        raise ValueError(f"no class {name!r} may stand in a profile; there are {', '.join(PLAIN_CLASSES)}")
-    found = {key: from_plain(item) for key, item in mapping.items() if key != "is"}
+        raise FieldError(f"{path}.is", name, f"one of {', '.join(PLAIN_CLASSES)}")
+    known = {item.name: item for item in fields(cls) if item.init}
+    for key in mapping:
+        if key != "is" and key not in known:
+            raise ValueError(f"{path}: {name} has no field {shown(key)}; it has {', '.join(known)}")
+    for key, item in known.items():
+        if key not in mapping and item.default is MISSING and item.default_factory is MISSING:
+            raise ValueError(f"{path}: {name} needs the field {key}")
+    found = {key: from_plain(item, f"{path}.{key}") for key, item in mapping.items() if key != "is"}
     try:
         return cls(**found)
-    except (TypeError, AttributeError) as error:
-        raise ValueError(f"{name}: {error}") from error
+    except FieldError as error:
+        raise error.below(path) from None
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
 
 
-def _array(mapping: Mapping[str, Any]) -> FloatArray:
-    if set(mapping) != {"float32", "shape"}:
-        raise ValueError(f"an array has float32 and shape, got {', '.join(sorted(mapping))}")
+_MOST_ARRAY = 1 << 22
+_ARRAY: AbstractRule = Keys({"float32": Text(4 * _MOST_ARRAY), "shape": Each(Whole(1, _MOST_ARRAY), 1, 3)})
+
+
+def _array(mapping: Mapping[str, Any], path: str) -> FloatArray:
+    check(mapping, _ARRAY, path)
+    shape: list[int] = mapping["shape"]
     try:
         raw = base64.b64decode(mapping["float32"], validate=True)
-        shape = tuple(int(size) for size in mapping["shape"])
-        array = np.frombuffer(raw, dtype="<f4").astype(np.float64).reshape(shape)
-    except (binascii.Error, TypeError, ValueError) as error:
-        raise ValueError(f"damaged array: {error}") from error
-    return array
+    except ValueError as error:
+        raise FieldError(f"{path}.float32", mapping["float32"], f"an array as base64 ({error})") from error
+    if len(raw) != 4 * math.prod(shape):
+        raise FieldError(path, shape, f"an array whose shape fits its {len(raw)} octets, four a number")
+    return np.frombuffer(raw, dtype="<f4").astype(np.float64).reshape(shape)

@@ -9,14 +9,16 @@ predict by the polynomial.
 
 import functools
 from dataclasses import KW_ONLY, dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.rules import Each, Number, One, check_fields
 from modelcast.models import predicted_path_kernels as kernels
 from modelcast.models.base import AbstractSubModel, PointFunctions
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
-from modelcast.models.payload import CORE_PARAMETERS, PayloadField, PayloadLayout
+from modelcast.models.payload import CORE_PARAMETERS, STEP_AND_BITS, PayloadField, PayloadLayout
 from modelcast.models.trusted import Trusted
 from modelcast.models.wrapped import AbstractWrapped
 
@@ -50,7 +52,8 @@ class PredictedPath(AbstractWrapped):
     Raises
     ------
     ValueError
-        Where a field is outside its bounds, or the model has a trusted horizon: that goes round the path.
+        Where a field is outside its bounds, or the model has a trusted horizon, which goes round the path,
+        or is a path itself.
 
     Notes
     -----
@@ -81,17 +84,18 @@ class PredictedPath(AbstractWrapped):
     """
 
     _: KW_ONLY
-    span_s: float = DEFAULT_SPAN_S
-    carried: tuple[tuple[float, int], ...] = DEFAULT_CARRIED
+    span_s: Annotated[float, Number(0.1, 60.0)] = DEFAULT_SPAN_S
+    carried: Annotated[tuple[tuple[float, int], ...], Each(STEP_AND_BITS, 2, _MOST_POWERS)] = DEFAULT_CARRIED
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        found = One((AbstractSubModel,), "a sub-model that is no path yet", but=(PredictedPath,)).fault(
+            self.model
+        )
+        if found is not None:
+            raise found.below("model")
         if np.isfinite(self.model.trusted_horizon_s):
             raise ValueError(f"{self.model.name} has a trusted horizon: it goes round the path, not inside")
-        if not (np.isfinite(self.span_s) and self.span_s > 0.0):
-            raise ValueError(f"span_s must be positive and finite, got {self.span_s}")
-        if not 2 <= len(self.carried) <= _MOST_POWERS:
-            raise ValueError(f"carried must name 2 to {_MOST_POWERS} powers, got {len(self.carried)}")
-        _ = self.payload_layout  # its fields check steps and bits
 
     @property
     def parameter_names(self) -> tuple[str, ...]:

@@ -1,8 +1,12 @@
 """A profile: what all vehicles share about their sub-models, learned once and named in every message.
 
 It holds the bank with everything learned, the policy's rules, the calibrations and a record of the training.
-Its text is canonical JSON (sorted keys, no spaces, one final newline), and its name on the air is the SHA-256
-of these bytes: who holds the same profile holds the same bytes. One profile ships with modelcast.
+Its text is canonical JSON (sorted keys, no spaces, one final newline). Its name on the air is the SHA-256 of
+these bytes without the key ``training_trips``, which no vehicle needs: who holds the same profile holds the
+same numbers, whether or not it says which trips they are from. One profile ships with modelcast.
+
+A profile from a file is hostile until it is checked. `profile_from_text` refuses whatever is not a value that
+a compiled loop may read, and names its path.
 """
 
 import functools
@@ -13,6 +17,9 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, cast
 
+from modelcast.core.fingerprint import FINGERPRINT
+from modelcast.core.json_text import parse_json, schema_of
+from modelcast.core.rules import Anything, Each, FieldError, Keys, Maybe, Table, Text, check
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.calibration import Calibration
@@ -25,21 +32,29 @@ __all__ = ["PROFILE_SCHEMA", "Profile", "default_profile", "profile_from_text"]
 PROFILE_SCHEMA = 1
 """Version of the layout; it rises when a key changes its meaning or goes away.
 
-The key ``regimes`` was added without a new number: a profile that has none does not write it, so that older
-files keep their bytes and with them their identity.
+The keys ``regimes`` and ``training_trips`` were added without a new number: a profile that has none does not
+write them, so that older files keep their bytes and with them their identity.
 """
 
-_KEYS = (
-    "schema",
-    "label",
-    "members",
-    "shelf",
-    "start",
-    "identify",
-    "selector",
-    "costs",
-    "calibrations",
-    "record",
+_MOST_MEMBERS, _MOST_SHELF, _MOST_TRIPS = 8, 64, 100_000
+_MAPPING = Table(Anything(), 1000)
+_TEXT = Keys(
+    {
+        "schema": Anything(),
+        "label": Text(64, empty=True),
+        "members": Each(_MAPPING, 1, _MOST_MEMBERS),
+        "shelf": Each(_MAPPING, 0, _MOST_SHELF),
+        "start": Text(64),
+        "identify": Text(64),
+        "selector": Maybe(_MAPPING),
+        "costs": _MAPPING,
+        "calibrations": Table(_MAPPING, _MOST_MEMBERS),
+        "record": _MAPPING,
+    },
+    {
+        "regimes": Maybe(_MAPPING),
+        "training_trips": Each(Text(64, pattern=FINGERPRINT), 0, _MOST_TRIPS),
+    },
 )
 
 
@@ -66,11 +81,15 @@ class Profile:
         Calibration of each sub-model's covariance, by name; some or none.
     record
         How it was trained: trips, seeds, settings, figures. Plain values.
+    training_trips
+        `modelcast.core.fingerprint.fingerprint` of every trip it was trained on; empty where that is not
+        known. Not part of the identity.
 
     Raises
     ------
     ValueError
-        Where a calibration is of no sub-model of the bank, or two trained sub-models share a name.
+        Where a calibration is of no sub-model of the bank or another's, a selector is for another bank, or
+        two trained sub-models share a name.
 
     Examples
     --------
@@ -92,12 +111,21 @@ class Profile:
     costs: Mapping[str, Any] = field(default_factory=dict[str, Any])
     calibrations: Mapping[str, Calibration] = field(default_factory=dict[str, Calibration])
     record: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    training_trips: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         names = {member.name for member in self.bank.members}
         foreign = sorted(set(self.calibrations) - names)
         if foreign:
             raise ValueError(f"calibrations of no sub-model of the bank: {', '.join(foreign)}")
+        for name, one in self.calibrations.items():
+            if one.sub_model != name:
+                raise FieldError(f"calibrations.{name}.sub_model", one.sub_model, repr(name))
+        if self.selector is not None:
+            try:
+                self.selector.check_members(tuple(member.name for member in self.bank.complete().members))
+            except ValueError as error:
+                raise FieldError("selector.members", self.selector.members, "those of the bank") from error
         every = [member.name for member in self.sub_models]
         twice = sorted({name for name in every if every.count(name) > 1})
         if twice:
@@ -122,7 +150,10 @@ class Profile:
 
     @functools.cached_property
     def text(self) -> str:
-        """Canonical JSON."""
+        """Canonical JSON, all of it: what a file holds."""
+        return self._written(self.training_trips)
+
+    def _written(self, training_trips: tuple[str, ...]) -> str:
         document: dict[str, Any] = {
             "schema": PROFILE_SCHEMA,
             "label": self.bank.label,
@@ -137,6 +168,8 @@ class Profile:
         }
         if self.regimes is not None:
             document["regimes"] = to_plain(self.regimes)
+        if training_trips:
+            document["training_trips"] = list(training_trips)
         return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n"
 
     def __eq__(self, other: object) -> bool:
@@ -147,8 +180,13 @@ class Profile:
 
     @functools.cached_property
     def identity(self) -> str:
-        """SHA-256 of the text's bytes, in hexadecimal digits."""
-        return hashlib.sha256(self.text.encode("utf-8")).hexdigest()
+        """SHA-256 of `named_bytes`, in hexadecimal digits."""
+        return hashlib.sha256(self.named_bytes).hexdigest()
+
+    @functools.cached_property
+    def named_bytes(self) -> bytes:
+        """What messages name: the text's bytes without the training trips."""
+        return self._written(()).encode("utf-8")
 
 
 def profile_from_text(text: str) -> Profile:
@@ -162,56 +200,57 @@ def profile_from_text(text: str) -> Profile:
     Raises
     ------
     ValueError
-        Where it is no profile, is of another schema, or what it holds is refused.
+        Where it is no profile, is of another schema, or what it holds is refused; the text begins with the
+        path of what is wrong, as ``$.members[0].lags``.
     """
-    try:
-        document: Any = json.loads(text)
-    except ValueError as error:
-        raise ValueError(f"no JSON: {error}") from error
-    if not isinstance(document, dict) or "schema" not in document:
-        raise ValueError("no profile: it has no 'schema'")
+    document: Any = parse_json(text)
+    schema_of(document, PROFILE_SCHEMA)  # there was never another
+    check(document, _TEXT)
     plain = cast("dict[str, Any]", document)
-    if plain["schema"] != PROFILE_SCHEMA:
-        raise ValueError(f"schema {plain['schema']!r}; this version reads schema {PROFILE_SCHEMA}")
-    missing = [key for key in _KEYS if key not in plain]
-    if missing:
-        raise ValueError(f"{', '.join(missing)} missing")
-    calibrations, record, costs = plain["calibrations"], plain["record"], plain["costs"]
-    if not all(isinstance(item, dict) for item in (calibrations, record, costs)):
-        raise ValueError("calibrations, record and costs must be mappings")
-    selector: Any = from_plain(plain["selector"])
+    selector: Any = from_plain(plain["selector"], "$.selector")
     if selector is not None and not isinstance(selector, Selector):
-        raise ValueError("selector must be one, or null")
-    regimes: Any = from_plain(plain.get("regimes"))
+        raise FieldError("$.selector", selector, "a selector, or null")
+    regimes: Any = from_plain(plain.get("regimes"), "$.regimes")
     if regimes is not None and not isinstance(regimes, Regimes):
-        raise ValueError("regimes must be such, or left out")
-    return Profile(
-        Bank(_sub_models(plain, "members"), str(plain["label"])),
-        shelf=_sub_models(plain, "shelf"),
-        regimes=regimes,
-        start=str(plain["start"]),
-        identify=str(plain["identify"]),
-        selector=selector,
-        costs=cast("dict[str, Any]", costs),
-        calibrations=_calibrations(cast("dict[str, Any]", calibrations)),
-        record=cast("dict[str, Any]", record),
-    )
+        raise FieldError("$.regimes", regimes, "regimes, or left out")
+    members, shelf = _sub_models(plain, "members"), _sub_models(plain, "shelf")
+    try:
+        return Profile(
+            Bank(members, plain["label"]),
+            shelf=shelf,
+            regimes=regimes,
+            start=plain["start"],
+            identify=plain["identify"],
+            selector=selector,
+            costs=plain["costs"],
+            calibrations=_calibrations(plain["calibrations"]),
+            record=plain["record"],
+            training_trips=tuple(plain.get("training_trips", ())),
+        )
+    except FieldError as error:
+        raise error if error.place.startswith("$") else error.below("$") from None
 
 
 def _sub_models(plain: Mapping[str, Any], key: str) -> tuple[AbstractSubModel, ...]:
-    found: Any = from_plain(plain[key])
-    if not isinstance(found, tuple) or not all(
-        isinstance(member, AbstractSubModel) for member in cast("tuple[Any, ...]", found)
-    ):
-        raise ValueError(f"{key} must be a list of sub-models")
-    return cast("tuple[AbstractSubModel, ...]", found)
+    found: tuple[Any, ...] = from_plain(plain[key], f"$.{key}")
+    for at, member in enumerate(found):
+        if not isinstance(member, AbstractSubModel):
+            raise FieldError(f"$.{key}[{at}]", member, "a sub-model")
+    return found
 
 
 def _calibrations(plain: Mapping[str, Any]) -> dict[str, Calibration]:
-    try:
-        return {name: Calibration.from_plain(one) for name, one in plain.items()}
-    except (KeyError, TypeError) as error:
-        raise ValueError(f"damaged calibration: {error!r}") from error
+    found: dict[str, Calibration] = {}
+    for name, one in plain.items():
+        try:
+            found[name] = Calibration.from_plain(one)
+        except FieldError as error:
+            raise FieldError(
+                f"$.calibrations.{name}.{error.place.removeprefix('$').removeprefix('.')}",
+                error.value,
+                error.expected,
+            ) from error
+    return found
 
 
 @functools.cache

@@ -7,10 +7,12 @@ sub-models trained, by `modelcast.evaluation.training.regimes`.
 """
 
 from dataclasses import KW_ONLY, dataclass
+from typing import Annotated
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.rules import Each, FieldError, Fixed, Number, One, check_fields
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.point_kernels import ACCELERATION, VELOCITY_EAST, VELOCITY_NORTH, YAW_RATE
@@ -21,6 +23,8 @@ REGIME_BANK = "regimes"
 """Name of the bank of all regimes' sub-models."""
 
 _FEATURES = 3
+_CENTRE = Number(-1000.0, 1000.0)
+_SCALE = Number(1e-6, 1000.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,27 +60,22 @@ class Regimes:
     (1, 'regimes')
     """
 
-    members: tuple[AbstractSubModel, ...]
-    centres: tuple[tuple[float, ...], ...]
+    members: Annotated[tuple[AbstractSubModel, ...], Each(One((AbstractSubModel,), "a sub-model"), 2, 16)]
+    centres: Annotated[tuple[tuple[float, ...], ...], Each(Fixed((_CENTRE,) * _FEATURES), 2, 16)]
     _: KW_ONLY
-    scales: tuple[float, ...]
-    shares: tuple[float, ...]
+    scales: Annotated[tuple[float, ...], Fixed((_SCALE,) * _FEATURES)]
+    shares: Annotated[tuple[float, ...], Each(Number(0.0, 1.0), 2, 16)]
 
     def __post_init__(self) -> None:
+        check_fields(self)
         count = len(self.members)
-        if count < 2 or len(self.centres) != count or len(self.shares) != count:
+        if len(self.centres) != count or len(self.shares) != count:
             raise ValueError(
                 f"regimes need two or more members with a centre and a share each, got {count} members, "
                 f"{len(self.centres)} centres and {len(self.shares)} shares"
             )
-        if any(len(row) != _FEATURES for row in (*self.centres, self.scales)):
-            raise ValueError(f"every centre, and scales, must hold {_FEATURES} numbers")
-        if not (
-            np.isfinite(self.centres).all() and np.isfinite(self.scales).all() and min(self.scales) > 0.0
-        ):
-            raise ValueError(f"centres must be finite and scales positive, got {self.centres}, {self.scales}")
-        if not (min(self.shares) >= 0.0 and abs(sum(self.shares) - 1.0) < 1e-6):
-            raise ValueError(f"shares must be 0 or more and sum to one, got {self.shares}")
+        if not abs(sum(self.shares) - 1.0) < 1e-6:
+            raise FieldError("shares", self.shares, "shares that sum to one")
         Bank(self.members)  # refuses what is no sub-model's name twice
 
     @property

@@ -8,20 +8,26 @@ its error against exactly what the host believes.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.rules import Number, check_fields
 from modelcast.models.base import PointFunctions
 from modelcast.models.wrapped import AbstractWrapped
 
-__all__ = ["SHORTEST_HORIZON_S", "TURN_S", "Trusted"]
+__all__ = ["LONGEST_TIME_S", "SHORTEST_HORIZON_S", "TURN_S", "Trusted"]
 
 SHORTEST_HORIZON_S = 0.2
 """Shortest trusted horizon [s]: it must lie a few `trusted_kernels.STEP_S` after the last sample."""
 
 TURN_S = 2.0
 """How long a car goes on turning beyond the trusted horizon, where nothing else is said [s]."""
+
+
+LONGEST_TIME_S = 3600.0
+"""Longest finite time that a sub-model may name [s]: nobody believes a message of an hour ago."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +48,7 @@ class Trusted(AbstractWrapped):
     Raises
     ------
     ValueError
-        Where a time is too short, or the model has a trusted horizon already.
+        Where a time is out of its range, or the model has a trusted horizon already.
 
     Notes
     -----
@@ -63,14 +69,11 @@ class Trusted(AbstractWrapped):
             [35.,  0.]]])
     """
 
-    horizon_s: float
-    turn_s: float = TURN_S
+    horizon_s: Annotated[float, Number(SHORTEST_HORIZON_S, LONGEST_TIME_S, infinite=True)]
+    turn_s: Annotated[float, Number(0.0, LONGEST_TIME_S, infinite=True)] = TURN_S
 
     def __post_init__(self) -> None:
-        if not self.horizon_s >= SHORTEST_HORIZON_S:
-            raise ValueError(f"horizon_s must be at least {SHORTEST_HORIZON_S} s, got {self.horizon_s}")
-        if not self.turn_s >= 0:
-            raise ValueError(f"turn_s must not be negative, got {self.turn_s}")
+        check_fields(self)
         if np.isfinite(self.model.trusted_horizon_s):
             raise ValueError(f"{self.model.name} has a trusted horizon already: wrap the model inside")
 

@@ -1,7 +1,9 @@
 """What sub-models that go round another have in common."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
+from modelcast.core.rules import One
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.payload import PayloadLayout
 
@@ -18,7 +20,7 @@ class AbstractWrapped(AbstractSubModel):
         The sub-model inside.
     """
 
-    model: AbstractSubModel
+    model: Annotated[AbstractSubModel, One((AbstractSubModel,), "a sub-model")]
 
     @property
     def name(self) -> str:

@@ -2,14 +2,33 @@
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.brackets import log_bracket
+from modelcast.core.rules import Each, FieldError, Grid, Keys, Number, Numbers, check, check_fields
 
 __all__ = ["CostTable"]
+
+_MOST = 64
+_COST = Number(1e-9, 1e9)
+_THRESHOLD_M = Number(1e-3, 1000.0)
+_LIFE_S = Number(1e-6, 1e6)
+_REST_S = Number(0.0, 1e6)
+_EDGE = Number(-1e6, 1e6)
+_PLAIN = Keys(
+    {
+        "update_cost": _COST,
+        "identification_cost": _COST,
+        "thresholds_m": Each(_THRESHOLD_M, 1, _MOST),
+        "update_life_s": Each(_LIFE_S, 1, _MOST),
+        "age_edges_s": Each(_EDGE, 0, _MOST),
+        "share_edges": Each(_EDGE, 0, _MOST),
+        "residual_life_s": Grid(4, _REST_S, _MOST),
+    }
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,7 +56,7 @@ class CostTable:
     Raises
     ------
     ValueError
-        Where shapes do not fit, edges do not rise, or a cost or life is not positive.
+        Where shapes do not fit, edges do not rise, or a number is out of its range.
 
     Notes
     -----
@@ -60,30 +79,26 @@ class CostTable:
     (False, True)
     """
 
-    update_cost: float
-    identification_cost: float
+    update_cost: Annotated[float, _COST]
+    identification_cost: Annotated[float, _COST]
     _: KW_ONLY
-    thresholds_m: FloatArray
-    update_life_s: FloatArray
-    age_edges_s: FloatArray
-    share_edges: FloatArray
-    residual_life_s: FloatArray
+    thresholds_m: Annotated[FloatArray, Numbers(1, _THRESHOLD_M, _MOST)]
+    update_life_s: Annotated[FloatArray, Numbers(1, _LIFE_S, _MOST)]
+    age_edges_s: Annotated[FloatArray, Numbers(1, _EDGE, _MOST, least=0)]
+    share_edges: Annotated[FloatArray, Numbers(1, _EDGE, _MOST, least=0)]
+    residual_life_s: Annotated[FloatArray, Numbers(4, _REST_S, _MOST)]
 
     def __post_init__(self) -> None:
-        for name in ("update_cost", "identification_cost"):
-            if not (getattr(self, name) > 0 and np.isfinite(getattr(self, name))):
-                raise ValueError(f"{name} must be positive and finite, got {getattr(self, name)}")
+        check_fields(self)
         thresholds = self.thresholds_m.size
-        if not thresholds or not (self.thresholds_m > 0).all():
-            raise ValueError(f"thresholds_m must be positive, and at least one, got {self.thresholds_m}")
         for name in ("thresholds_m", "age_edges_s", "share_edges"):
             if not (np.diff(getattr(self, name)) > 0).all():
-                raise ValueError(f"{name} must rise, got {getattr(self, name)}")
-        if self.update_life_s.shape != (thresholds,) or not (self.update_life_s > 0).all():
-            raise ValueError(f"update_life_s must be ({thresholds},) and positive, got {self.update_life_s}")
+                raise FieldError(name, getattr(self, name), "numbers that rise")
+        if self.update_life_s.shape != (thresholds,):
+            raise FieldError("update_life_s", self.update_life_s, f"of shape ({thresholds},)")
         wanted = (thresholds, self.members, self.age_edges_s.size + 1, self.share_edges.size + 1)
-        if self.residual_life_s.shape != wanted or not np.isfinite(self.residual_life_s).all():
-            raise ValueError(f"residual_life_s must be {wanted} and finite, got {self.residual_life_s.shape}")
+        if self.residual_life_s.shape != wanted:
+            raise FieldError("residual_life_s", self.residual_life_s, f"of shape {wanted}")
 
     @property
     def members(self) -> int:
@@ -179,10 +194,16 @@ class CostTable:
         ----------
         plain
             Plain values, as read from JSON.
+
+        Raises
+        ------
+        FieldError
+            Where they are none, or what they say is refused.
         """
+        check(plain, _PLAIN)
         arrays = ("thresholds_m", "update_life_s", "age_edges_s", "share_edges", "residual_life_s")
         return cls(
-            float(plain["update_cost"]),
-            float(plain["identification_cost"]),
-            **{name: np.asarray(plain[name], dtype=np.float64) for name in arrays},
+            plain["update_cost"],
+            plain["identification_cost"],
+            **{name: np.array(plain[name], dtype=np.float64) for name in arrays},
         )

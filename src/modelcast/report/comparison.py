@@ -15,6 +15,7 @@ from modelcast.report.figures.panels import centimetres
 from modelcast.report.headline import nearest_ratio
 from modelcast.report.literal import literal
 from modelcast.report.style import style
+from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
 
 __all__ = ["comparison_console", "comparison_markdown", "write_comparison_report"]
@@ -39,6 +40,10 @@ def write_comparison_report(result: ComparisonResult, folder: str | Path) -> lis
     return [table, *write_drawings([drawing], folder)]
 
 
+def _training_lines(result: ComparisonResult) -> list[str]:
+    return training_note([trip.id for trip in result.trips if trip.in_training], len(result.trips))
+
+
 def comparison_markdown(result: ComparisonResult) -> str:
     """Return the table of a comparison as Markdown, one part a protocol.
 
@@ -50,6 +55,7 @@ def comparison_markdown(result: ComparisonResult) -> str:
     told = warning_lines((trip.id, trip.warnings) for trip in result.trips)
     lines = [f"- **Warning**: {_escaped(line)}" for line in told] + ([""] if told else [])
     lines += [_scope(result), ""]
+    lines += [text for line in _training_lines(result) for text in (_escaped(line), "")]
     lines += [
         f"- route {row.route}: {_escaped(row.name)}, {_counted(row.trips, 'trip')}, {row.duration_s:.0f} s"
         for row in result.routes
@@ -109,7 +115,7 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
         The comparison.
     """
     parts = warning_texts((trip.id, trip.warnings) for trip in result.trips)
-    parts.append(literal(_scope(result)))
+    parts += [literal(line) for line in (_scope(result), *_training_lines(result))]
     thresholds_m = _thresholds_m(result)
     shown_m = sorted({thresholds_m[0], thresholds_m[-1]}) if thresholds_m else []
     ratio = nearest_ratio(_ratios(result))

@@ -18,6 +18,7 @@ from modelcast.report.headline import (
     rate_basis,
 )
 from modelcast.report.literal import literal
+from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
 
 __all__ = [
@@ -27,6 +28,7 @@ __all__ = [
     "rates_table",
     "skipped_lines",
     "tracking_table",
+    "training_lines",
     "warning_texts",
 ]
 
@@ -52,7 +54,8 @@ def console_report(result: EvaluationResult) -> RenderableType:
         The evaluation.
     """
     parts: list[RenderableType] = warning_texts((trip.id, trip.warnings) for trip in result.trips)
-    parts += [literal(scope_line(result)), rates_table(result)]
+    parts += [literal(line) for line in (scope_line(result), *training_lines(result))]
+    parts.append(rates_table(result))
     if result.tracking:
         parts.append(tracking_table(result))
     parts += [literal(line) for line in conditioning_lines(result)]
@@ -70,7 +73,18 @@ def warning_texts(trips: Iterable[tuple[str, Mapping[str, str]]]) -> list[Render
     trips
         Identifier and warnings of every trip.
     """
-    return [Text(f"warning: {line}", style="bold") for line in warning_lines(trips)]
+    return [literal(f"warning: {line}", "bold") for line in warning_lines(trips)]
+
+
+def training_lines(result: EvaluationResult) -> list[str]:
+    """Return a line that names the trips which the profile was trained on, where there are any.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    return training_note([trip.id for trip in result.trips if trip.in_training], len(result.trips))
 
 
 def conditioning_lines(result: EvaluationResult) -> list[str]:

@@ -12,7 +12,7 @@ from typing import Any, cast
 from modelcast.core.version import package_version
 from modelcast.evaluation.result import POOLED, EvaluationResult, TrackingRow, TripRow
 from modelcast.report.captions import PROTOCOLS, TITLES, captions, loss_conditions
-from modelcast.report.console import scope_line
+from modelcast.report.console import scope_line, training_lines
 from modelcast.report.figures import Drawing, draw_figures, write_drawings
 from modelcast.report.headline import (
     REFERENCE_LABELS,
@@ -63,6 +63,7 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
         "<h1>Model-based communication: evaluation</h1>",
         f'<p class="scope">{escape(scope_line(result))}. modelcast {escape(package_version())}.</p>',
         _warnings(result.trips),
+        *(f'<p class="note">{escape(line)}.</p>' for line in training_lines(result)),
         _protocols(result),
         "<h2>Result</h2>",
         _headline_table(result),

@@ -62,6 +62,8 @@ class FixedCandidate(AbstractCandidate):
         The policy's rules, as in `modelcast.policy.error_driven.ErrorDriven`.
     selector, costs
         What the rules ``predicted`` and ``cheapest`` need.
+    trained_on
+        As in `EvaluationSettings`.
     """
 
     label: str
@@ -70,6 +72,7 @@ class FixedCandidate(AbstractCandidate):
     identify: IdentifyRule = "on-failure"
     selector: Selector | None = None
     costs: CostTable | None = None
+    trained_on: frozenset[str] | None = None
 
     @property
     def name(self) -> str:
@@ -99,6 +102,7 @@ class FixedCandidate(AbstractCandidate):
             identify=self.identify,
             selector=self.selector,
             costs=self.costs,
+            trained_on=self.trained_on,
         )
 
 

@@ -61,6 +61,8 @@ class ComparedTrip:
     warnings
         What must be known of the recording before any figure, by kind, as in
         `modelcast.core.judgement.judge`.
+    in_training
+        Whether the profile in use was trained on this very trip.
     """
 
     id: str
@@ -71,6 +73,7 @@ class ComparedTrip:
     samples: int
     dt_s: float
     warnings: Mapping[str, str] = field(default_factory=dict[str, str])
+    in_training: bool = False
 
 
 @dataclass(frozen=True, slots=True)

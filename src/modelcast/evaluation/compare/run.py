@@ -7,6 +7,7 @@ import numpy as np
 from modelcast.core.arrays import IntArray
 from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.fingerprint import known_trips
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.compare.bootstrap import resample_weights
 from modelcast.evaluation.compare.candidate import AbstractCandidate
@@ -77,8 +78,11 @@ def compare(
     resamples = _resamples(usable, route, settings)
     work = _Work(progress, len(candidates) * len(settings.protocols) * len(usable))
     staged = stage_trips(usable, settings)
+    training_trips: frozenset[str] = frozenset()
     for candidate in candidates:
         folds = fit_folds(candidate, usable, route, settings.evaluation)
+        if not candidate.is_trained:  # one that is, is judged on other trips than it was trained on
+            training_trips |= folds[0].training_trips
         work.candidates.append(candidate_row(candidate, folds[0]))
         for protocol, ready in staged.items():
             trial = run_trial(candidate.name, protocol, ready, route, folds, step=work.step)
@@ -94,7 +98,9 @@ def compare(
         {**settings.as_plain(), "against": reference},
         routes=_route_rows(usable, route),
         trips=tuple(
-            _trip_row(trip, int(number), [ready[at].case.warnings for ready in staged.values()])
+            _trip_row(
+                trip, int(number), training_trips, [ready[at].case.warnings for ready in staged.values()]
+            )
             for at, (trip, number) in enumerate(zip(usable, route, strict=True))
         ),
         candidates=tuple(work.candidates),
@@ -189,7 +195,9 @@ def _route_rows(trips: Sequence[Trajectory], route: IntArray) -> tuple[RouteRow,
     return tuple(rows)
 
 
-def _trip_row(trip: Trajectory, route: int, warnings: Sequence[Mapping[str, str]]) -> ComparedTrip:
+def _trip_row(
+    trip: Trajectory, route: int, training_trips: frozenset[str], warnings: Sequence[Mapping[str, str]]
+) -> ComparedTrip:
     """The trip, with the warnings of all protocols: smoothing makes some of them needless in one."""
     return ComparedTrip(
         trip.trip_id,
@@ -199,4 +207,5 @@ def _trip_row(trip: Trajectory, route: int, warnings: Sequence[Mapping[str, str]
         samples=len(trip),
         dt_s=trip.dt_s,
         warnings={kind: text for one in warnings for kind, text in one.items()},
+        in_training=bool(known_trips([trip], training_trips)),
     )

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import Any, Literal, cast
 
+from modelcast.core.fingerprint import fingerprint
 from modelcast.core.trajectory import Trajectory
 from modelcast.core.version import package_version
 from modelcast.evaluation.case import TripCase, make_case
@@ -42,7 +43,14 @@ from modelcast.policy.error_driven import ErrorDriven
 from modelcast.policy.guard import GUARD, unguarded
 from modelcast.policy.rules import IdentifyRule, StartRule
 
-__all__ = ["DEFAULT_NAMES", "LONGEST_WINDOW", "ProfileSettings", "profile_learner", "train_profile"]
+__all__ = [
+    "DEFAULT_NAMES",
+    "LONGEST_WINDOW",
+    "ProfileSettings",
+    "named_training_trips",
+    "profile_learner",
+    "train_profile",
+]
 
 LONGEST_WINDOW = 21
 """Samples that the longest window of a trained sub-model holds."""
@@ -215,7 +223,38 @@ def train_profile(
         costs=costs.as_plain(),
         calibrations=calibrations,
         record=_record(trips, settings, shelf, {**figures, "steps": list(steps)}),
+        training_trips=tuple(fingerprint(trip) for trip in trips),
     )
+
+
+def named_training_trips(profile: Profile, trips: Sequence[Trajectory]) -> Profile:
+    """A profile trained before profiles named their trips, with their fingerprints; its identity stays.
+
+    Parameters
+    ----------
+    profile
+        The profile; its record lists the trips by identifier, format and duration.
+    trips
+        Those trips, in any order and among others.
+
+    Raises
+    ------
+    ValueError
+        Where a trip of the record is not among them, or lasts otherwise.
+    """
+    given = {trip.trip_id: trip for trip in trips}
+    found: list[str] = []
+    for row in profile.record["trips"]:
+        trip = given.get(row["trip"])
+        if trip is None:
+            raise ValueError(f"the profile was trained on {row['trip']}, which is not among the trips given")
+        if (trip.source, round(trip.duration_s, 3)) != (row["format"], row["duration_s"]):
+            raise ValueError(
+                f"{row['trip']} is {trip.source} of {trip.duration_s:.3f} s, but the profile was trained on "
+                f"{row['format']} of {row['duration_s']} s"
+            )
+        found.append(fingerprint(trip))
+    return replace(profile, training_trips=tuple(found))
 
 
 def profile_learner(

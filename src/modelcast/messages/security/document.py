@@ -10,7 +10,8 @@ The payload is a document of its own. With the certificate, the signer is its pa
 from collections.abc import Mapping
 from typing import Any, cast
 
-from modelcast.messages.digits import octets_of_digits, shown
+from modelcast.core.rules import shown
+from modelcast.messages.digits import octets_of_digits
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.signed import SignedMessage
 

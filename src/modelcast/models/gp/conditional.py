@@ -4,11 +4,13 @@ Everything here is plain NumPy on matrices of some twenty rows, made once for gi
 only enters through the weights, by a product.
 """
 
-from dataclasses import KW_ONLY, dataclass, fields
+from dataclasses import KW_ONLY, dataclass
+from typing import Annotated
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.rules import Number, check_fields
 
 __all__ = ["AxisKernel", "Conditional", "condition_on", "log_likelihood"]
 
@@ -31,21 +33,17 @@ class AxisKernel:
     Raises
     ------
     ValueError
-        Where a value is not finite or out of its range.
+        Where a value is out of its range: ten times what a search may find, either way.
     """
 
-    lengthscale_s: float = 3.0
-    deviation_m: float = 10.0
+    lengthscale_s: Annotated[float, Number(0.05, 1000.0)] = 3.0
+    deviation_m: Annotated[float, Number(0.0, 10_000.0)] = 10.0
     _: KW_ONLY
-    slope_deviation_mps: float = 30.0
-    velocity_noise_mps: float = 0.1
+    slope_deviation_mps: Annotated[float, Number(1e-3, 1000.0)] = 30.0
+    velocity_noise_mps: Annotated[float, Number(1e-4, 100.0)] = 0.1
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            value = getattr(self, item.name)
-            least = "0 or more" if item.name == "deviation_m" else "positive"
-            if not (np.isfinite(value) and (value > 0.0 or (value == 0.0 and item.name == "deviation_m"))):
-                raise ValueError(f"{item.name} must be {least} and finite, got {value}")
+        check_fields(self)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,20 +2,27 @@
 
 import functools
 from dataclasses import KW_ONLY, dataclass
-from typing import Literal
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.rules import Maybe, Number, One, Text, Whole, check_fields
 from modelcast.models.base import AbstractSubModel, PointFunctions
 from modelcast.models.gp import gaussian_process_kernels as kernels
 from modelcast.models.gp.covariance import predictive_variance_m2, projection
-from modelcast.models.gp.tables import NOISE_CEILING_M, Bounds, Form, pack
-from modelcast.models.gp.time_grid import TimeGrid, check_window
+from modelcast.models.gp.tables import Bounds, Form, pack
+from modelcast.models.gp.time_grid import WINDOW_BOUNDS, TimeGrid
 
 __all__ = ["GaussianProcess", "Hyperparameters"]
 
 _AXES = ("east", "north")
+
+Noise = Literal["floor", "estimated"]
+
+
+NOISE_FLOOR_BOUNDS_M = (1e-6, 1.0)
+"""Bounds of the floor of the white noise's standard deviation, the upper one outside [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,31 +36,24 @@ class Hyperparameters:
     noise_ratio
         White noise variance relative to the RBF part's variance.
     linear_ratio_per_s2
-        Variance of the slope relative to the RBF part's variance [1/s²].
+        Variance of the slope relative to the RBF part's variance, 0 for no linear part [1/s²].
     variance_m2
         Variance of the RBF part [m²]; only the covariance depends on it.
 
     Raises
     ------
     ValueError
-        Where one is not positive and finite; ``linear_ratio_per_s2`` may be 0.
+        Where one is out of its range: those of the search and of training, with room to spare.
     """
 
-    lengthscale_s: float
-    noise_ratio: float
+    lengthscale_s: Annotated[float, Number(0.05, 1000.0)]
+    noise_ratio: Annotated[float, Number(1e-15, 1e9)]
     _: KW_ONLY
-    linear_ratio_per_s2: float
-    variance_m2: float = 1.0
+    linear_ratio_per_s2: Annotated[float, Number(0.0, 1e10)]
+    variance_m2: Annotated[float, Number(1e-15, 1e9)] = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("lengthscale_s", "noise_ratio", "variance_m2"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} must be positive and finite, got {value}")
-        if not (np.isfinite(self.linear_ratio_per_s2) and self.linear_ratio_per_s2 >= 0.0):
-            raise ValueError(
-                f"linear_ratio_per_s2 must be 0 (no linear part) or more, got {self.linear_ratio_per_s2}"
-            )
+        check_fields(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,25 +103,18 @@ class GaussianProcess(AbstractSubModel):
     array([[[ 4.8, -1.2]]])
     """
 
-    samples: int = 10
-    form: Form = "anchored"
+    samples: Annotated[int, Whole(*WINDOW_BOUNDS)] = 10
+    form: Annotated[Form, Text(choices=get_args(Form))] = "anchored"
     _: KW_ONLY
-    noise_floor_m: float = 0.001
-    hyperparameters: Hyperparameters | None = None
-    noise: Literal["floor", "estimated"] = "floor"
-    label: str = ""
+    noise_floor_m: Annotated[float, Number(*NOISE_FLOOR_BOUNDS_M, under=True)] = 0.001
+    hyperparameters: Annotated[Hyperparameters | None, Maybe(One((Hyperparameters,), "hyper-parameters"))] = (
+        None
+    )
+    noise: Annotated[Noise, Text(choices=get_args(Noise))] = "floor"
+    label: Annotated[str, Text(64, empty=True)] = ""
 
     def __post_init__(self) -> None:
-        check_window(self.samples)
-        if self.form not in ("anchored", "intercept"):
-            raise ValueError(f"form must be 'anchored' or 'intercept', got {self.form!r}")
-        if not 1e-6 <= self.noise_floor_m < NOISE_CEILING_M:
-            raise ValueError(
-                f"noise_floor_m must be from 1e-6 m to under {NOISE_CEILING_M} m, got {self.noise_floor_m}"
-            )
-
-        if self.noise not in ("floor", "estimated"):
-            raise ValueError(f"noise must be 'floor' or 'estimated', got {self.noise!r}")
+        check_fields(self)
         if self.noise == "estimated" and (self.form != "intercept" or self.hyperparameters is not None):
             raise ValueError(
                 "noise = 'estimated' needs form 'intercept' and no fixed hyperparameters, "

@@ -24,7 +24,7 @@ Form = Literal["anchored", "intercept"]
 
 LENGTHSCALE_BOUNDS_S = (0.1, 10.0)
 """Bounds of the lengthscale [s]."""
-NOISE_CEILING_M = 1.0
+NOISE_CEILING_M = 1000.0
 """Upper bound of the white noise's standard deviation [m]."""
 VARIANCE_BOUNDS_M2 = (1e-14, 1e8)
 """Bounds of the RBF part's variance [m²]; the lower is as good as none: a line can be just a line."""

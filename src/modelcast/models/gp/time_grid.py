@@ -6,7 +6,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 
-__all__ = ["TimeGrid", "check_window"]
+__all__ = ["WINDOW_BOUNDS", "TimeGrid", "check_window"]
 
 WINDOW_BOUNDS = (3, 60)
 """Samples a window may hold: a line and a curvature need 3, the tables stay under 10 MB to 60."""

@@ -9,14 +9,16 @@ coefficients of a polynomial that its predicted path follows over the next secon
 
 import functools
 from dataclasses import KW_ONLY, dataclass, field
+from typing import Annotated
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.rules import Flag, Number, One, Text, Whole, check_fields
 from modelcast.models.base import AbstractSubModel, PointFunctions
 from modelcast.models.gp import vehicle_kernels as kernels
 from modelcast.models.gp.conditional import AxisKernel, Conditional, condition_on
-from modelcast.models.gp.time_grid import TimeGrid, check_window
+from modelcast.models.gp.time_grid import WINDOW_BOUNDS, TimeGrid
 from modelcast.models.payload import PayloadField, PayloadLayout
 
 __all__ = [
@@ -35,6 +37,7 @@ _LEVELS = 8
 UNKNOWN_NOISE_M = 0.01
 """Taken where a window does not know its noise [m]."""
 _GRID = 41
+_AXIS = One((AxisKernel,), "the kernel of an axis")
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,23 +83,17 @@ class VehicleProcess(AbstractSubModel):
     array([[[ 4.8, -1.3]]])
     """
 
-    label: str
-    along: AxisKernel = field(default_factory=AxisKernel)
+    label: Annotated[str, Text(64)]
+    along: Annotated[AxisKernel, _AXIS] = field(default_factory=AxisKernel)
     _: KW_ONLY
-    across: AxisKernel = field(default_factory=AxisKernel)
-    samples: int = 10
-    velocities: bool = False
-    degree: int = 4
-    straight_after_s: float = 3.0
+    across: Annotated[AxisKernel, _AXIS] = field(default_factory=AxisKernel)
+    samples: Annotated[int, Whole(*WINDOW_BOUNDS)] = 10
+    velocities: Annotated[bool, Flag()] = False
+    degree: Annotated[int, Whole(1, 6)] = 4
+    straight_after_s: Annotated[float, Number(0.1, 60.0)] = 3.0
 
     def __post_init__(self) -> None:
-        check_window(self.samples)
-        if not self.label:
-            raise ValueError("label must name the sub-model, got an empty one")
-        if not 1 <= self.degree <= 6:
-            raise ValueError(f"degree must be 1 to 6, got {self.degree}")
-        if not (np.isfinite(self.straight_after_s) and self.straight_after_s > 0.0):
-            raise ValueError(f"straight_after_s must be positive and finite, got {self.straight_after_s}")
+        check_fields(self)
 
     @property
     def name(self) -> str:

@@ -14,15 +14,20 @@ Mirroring the world changes the sign of every input that `FeatureMap.mirrors` ma
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.rules import Whole, check_fields
 
-__all__ = ["LAG_STEP_S", "NOISES", "SHORTEST_SPAN", "FeatureMap"]
+__all__ = ["LAGS", "LAG_STEP_S", "NOISES", "SHORTEST_SPAN", "FeatureMap"]
 
 LAG_STEP_S = 0.1
 """Positions and velocities are read off at multiples of this time before the newest sample [s]."""
+
+LAGS = Whole(10, 100)
+"""Steps that a window may reach back: the shortest polynomials need 10, and ten seconds are long ago."""
 
 SHORTEST_SPAN = 0.99
 """Share of the lags that a window must reach back: clocks run a little fast."""
@@ -52,7 +57,7 @@ class FeatureMap:
     Raises
     ------
     ValueError
-        Where the shortest polynomial does not fit in.
+        Where the shortest polynomial does not fit in, or the window would be longer than ten seconds.
 
     Examples
     --------
@@ -60,11 +65,10 @@ class FeatureMap:
     88
     """
 
-    lags: int = 20
+    lags: Annotated[int, LAGS] = 20
 
     def __post_init__(self) -> None:
-        if self.lags < 10:
-            raise ValueError(f"lags must be at least 10, got {self.lags}")
+        check_fields(self)
 
     @cached_property
     def positions(self) -> FloatArray:

@@ -1,18 +1,21 @@
 """The learned sub-model."""
 
 from dataclasses import KW_ONLY, dataclass
+from typing import Annotated
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.rules import Each, FieldError, Fixed, Number, One, Text, Whole, check_fields
 from modelcast.models.base import AbstractSubModel, PointFunctions
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned import learned_kernels
-from modelcast.models.learned.features import FeatureMap
+from modelcast.models.learned.features import LAGS, FeatureMap
 from modelcast.models.learned.network import Network
-from modelcast.models.payload import PayloadField, PayloadLayout
+from modelcast.models.payload import STEP_AND_BITS, PayloadField, PayloadLayout
+from modelcast.models.trusted import LONGEST_TIME_S, SHORTEST_HORIZON_S
 
-__all__ = ["DEFAULT_CARRIED", "LearnedTrajectory"]
+__all__ = ["DEFAULT_CARRIED", "LearnedTrajectory", "feature_constants", "require_sizes"]
 
 DEFAULT_CARRIED = ((0.05, 6), (0.4, 8))
 """Step [m] and bits of the coefficients of power 0, and of all higher ones (decision 018)."""
@@ -81,36 +84,24 @@ class LearnedTrajectory(AbstractSubModel):
     array([[[10.2,  0.1]]])
     """
 
-    networks: tuple[Network, ...]
-    coefficients: int = 4
+    networks: Annotated[tuple[Network, ...], Each(One((Network,), "a network"), 1, 16)]
+    coefficients: Annotated[int, Whole(1, 8)] = 4
     _: KW_ONLY
-    time_scale_s: float = 5.0
-    lags: int = 20
-    horizon_s: float = 3.0
-    turn_s: float = 2.0
-    label: str = "learned"
-    carried: tuple[tuple[float, int], tuple[float, int]] = DEFAULT_CARRIED
+    time_scale_s: Annotated[float, Number(0.1, 60.0)] = 5.0
+    lags: Annotated[int, LAGS] = 20
+    horizon_s: Annotated[float, Number(SHORTEST_HORIZON_S, LONGEST_TIME_S, infinite=True)] = 3.0
+    turn_s: Annotated[float, Number(0.0, LONGEST_TIME_S, infinite=True)] = 2.0
+    label: Annotated[str, Text(64)] = "learned"
+    carried: Annotated[tuple[tuple[float, int], tuple[float, int]], Fixed((STEP_AND_BITS, STEP_AND_BITS))] = (
+        DEFAULT_CARRIED
+    )
 
     def __post_init__(self) -> None:
-        if not self.networks:
-            raise ValueError("a learned sub-model needs at least one network")
-        inputs = FeatureMap(self.lags).inputs
-        for network in self.networks:
-            if network.inputs != inputs or network.outputs != 2 * self.coefficients:
-                raise ValueError(
-                    f"a network must have {inputs} inputs and {2 * self.coefficients} outputs, "
-                    f"got {network.inputs} and {network.outputs}"
-                )
+        check_fields(self)
+        require_sizes(self.networks, inputs=FeatureMap(self.lags).inputs, outputs=2 * self.coefficients)
         edges = [network.up_to_noise_m for network in self.networks]
         if sorted(set(edges)) != edges:
-            raise ValueError(f"the networks' noises must rise, got {edges}")
-        for name in ("coefficients", "time_scale_s", "horizon_s"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
-        if not self.turn_s >= 0:
-            raise ValueError(f"turn_s must not be negative, got {self.turn_s}")
-        if len(self.carried) != 2:
-            raise ValueError(f"carried must say power 0 and all higher ones, got {len(self.carried)} pairs")
+            raise FieldError("networks", edges, "networks whose up_to_noise_m rise")
 
     @property
     def name(self) -> str:
@@ -180,6 +171,30 @@ class LearnedTrajectory(AbstractSubModel):
         kinematic = ConstantTurnRateAcceleration()
         own = parameters[:, : learned_kernels.KINEMATIC]
         return kinematic.covariance(own, np.asarray(horizons_s, dtype=np.float64), dt_s=dt_s)
+
+
+def require_sizes(networks: tuple[Network, ...], *, inputs: int, outputs: int) -> None:
+    """Refuse networks of other sizes: a compiled one would read past the end.
+
+    Parameters
+    ----------
+    networks
+        The networks.
+    inputs, outputs
+        What they must have.
+
+    Raises
+    ------
+    FieldError
+        Where one has others.
+    """
+    for at, network in enumerate(networks):
+        if (network.inputs, network.outputs) != (inputs, outputs):
+            raise FieldError(
+                f"networks[{at}]",
+                (network.inputs, network.outputs),
+                f"a network with {inputs} inputs and {outputs} outputs",
+            )
 
 
 def feature_constants(

@@ -2,12 +2,21 @@
 
 import hashlib
 from dataclasses import KW_ONLY, dataclass
+from typing import Annotated
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.rules import FieldError, Number, Numbers, check_fields
 
-__all__ = ["Network"]
+__all__ = ["MOST_UNITS", "Network"]
+
+MOST_UNITS = 1024
+"""Inputs, units of a layer or outputs at most: ten times the shipped networks."""
+
+_ANY = Number(-1e6, 1e6)
+_VECTOR, _MATRIX = Numbers(1, _ANY, MOST_UNITS), Numbers(2, _ANY, MOST_UNITS)
+_WIDTH = Numbers(1, Number(1e-6, 1e6), MOST_UNITS)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -28,31 +37,26 @@ class Network:
     Raises
     ------
     ValueError
-        Where shapes do not fit, a value is not finite, or a width is not positive.
+        Where shapes do not fit, or a value is out of its range.
     """
 
-    up_to_noise_m: float
+    up_to_noise_m: Annotated[float, Number(0.0, 1000.0, over=True, infinite=True)]
     _: KW_ONLY
-    centre: FloatArray
-    width: FloatArray
-    weights_1: FloatArray
-    bias_1: FloatArray
-    weights_2: FloatArray
-    bias_2: FloatArray
-    weights_3: FloatArray
-    bias_3: FloatArray
+    centre: Annotated[FloatArray, _VECTOR]
+    width: Annotated[FloatArray, _WIDTH]
+    weights_1: Annotated[FloatArray, _MATRIX]
+    bias_1: Annotated[FloatArray, _VECTOR]
+    weights_2: Annotated[FloatArray, _MATRIX]
+    bias_2: Annotated[FloatArray, _VECTOR]
+    weights_3: Annotated[FloatArray, _MATRIX]
+    bias_3: Annotated[FloatArray, _VECTOR]
 
     def __post_init__(self) -> None:
-        if not self.up_to_noise_m > 0.0:
-            raise ValueError(f"up_to_noise_m must be positive, got {self.up_to_noise_m}")
+        check_fields(self)
         for name, wanted in self._shapes().items():
             array: FloatArray = getattr(self, name)
             if array.shape != wanted:
-                raise ValueError(f"{name} must be {wanted}, got {array.shape}")
-            if not np.isfinite(array).all():
-                raise ValueError(f"{name} must be finite")
-        if not (self.width > 0.0).all():
-            raise ValueError("width must be positive")
+                raise FieldError(name, array, f"of shape {wanted}, as the other layers say")
 
     def _shapes(self) -> dict[str, tuple[int, ...]]:
         inputs = self.centre.size

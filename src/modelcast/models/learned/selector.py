@@ -2,21 +2,25 @@
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.brackets import log_bracket
+from modelcast.core.rules import Each, FieldError, Number, One, Text, check_fields
 from modelcast.models.address_kernels import FIT_TYPES, point_address
 from modelcast.models.base import Windows
 from modelcast.models.learned import selector_kernels
-from modelcast.models.learned.features import FeatureMap
-from modelcast.models.learned.learned_trajectory import feature_constants
+from modelcast.models.learned.features import LAGS, FeatureMap
+from modelcast.models.learned.learned_trajectory import feature_constants, require_sizes
 from modelcast.models.learned.network import Network
 from modelcast.models.point_kernels import fit_batch
 
 __all__ = ["Selector"]
+
+THRESHOLD_M = Number(1e-3, 1000.0)
+"""A threshold that something was learnt at [m]."""
 
 _LAYERS = ("centre", "width", "weights_1", "bias_1", "weights_2", "bias_2", "weights_3", "bias_3")
 
@@ -50,29 +54,19 @@ class Selector:
     nearest serves. A window that spans less than ``lags`` tenths of a second has no scores (NaN).
     """
 
-    members: tuple[str, ...]
-    thresholds_m: tuple[float, ...]
-    networks: tuple[Network, ...]
+    members: Annotated[tuple[str, ...], Each(Text(64), 1, 8)]
+    thresholds_m: Annotated[tuple[float, ...], Each(THRESHOLD_M, 1, 64)]
+    networks: Annotated[tuple[Network, ...], Each(One((Network,), "a network"), 1, 16)]
     _: KW_ONLY
-    lags: int = 20
-    margin: float = 0.0
+    lags: Annotated[int, LAGS] = 20
+    margin: Annotated[float, Number(-1e6, 1e6)] = 0.0
 
     def __post_init__(self) -> None:
-        if not self.members or not self.networks:
-            raise ValueError("a selector needs at least one sub-model and one network")
-        if not self.thresholds_m or min(self.thresholds_m) <= 0.0:
-            raise ValueError(f"thresholds_m must be positive, and at least one, got {self.thresholds_m}")
+        check_fields(self)
         if sorted(set(self.thresholds_m)) != list(self.thresholds_m):
-            raise ValueError(f"thresholds_m must rise, got {self.thresholds_m}")
-        inputs, outputs = FeatureMap(self.lags).inputs, len(self.members) * len(self.thresholds_m)
-        for network in self.networks:
-            if network.inputs != inputs or network.outputs != outputs:
-                raise ValueError(
-                    f"a network must have {inputs} inputs and {outputs} outputs, "
-                    f"got {network.inputs} and {network.outputs}"
-                )
-        if not np.isfinite(self.margin):
-            raise ValueError(f"margin must be finite, got {self.margin}")
+            raise FieldError("thresholds_m", self.thresholds_m, "thresholds that rise")
+        outputs = len(self.members) * len(self.thresholds_m)
+        require_sizes(self.networks, inputs=FeatureMap(self.lags).inputs, outputs=outputs)
 
     def window_at(self, dt_s: float) -> int:
         """Samples that span the lags.
