@@ -13,7 +13,7 @@ from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.version import package_version
 
-__all__ = ["RUN_SCHEMA", "EvaluationRun", "load_run", "write_run"]
+__all__ = ["RUN_SCHEMA", "EvaluationRun", "input_hashes", "load_run", "write_run"]
 
 RUN_SCHEMA = 1
 """Version of the layout of ``run.json``."""
@@ -78,7 +78,7 @@ def write_run(folder: Path, command: str, arguments: Mapping[str, Any], inputs: 
             "python": platform.python_version(),
             **{name: metadata.version(name) for name in _PACKAGES},
         },
-        "inputs": _hashes(inputs),
+        "inputs": input_hashes(inputs),
     }
     text = json.dumps(document, indent=2, sort_keys=True) + "\n"
     (folder / "run.json").write_text(text, encoding="utf-8", newline="\n")
@@ -132,14 +132,26 @@ def _require_same_inputs(path: Path, inputs: Iterable[Path], recorded: Mapping[s
     for name in recorded:
         if not Path(name).is_file():
             raise ConfigError(f"{path}: input {name} is missing; run from the same folder as before")
-    for name, found in _hashes(inputs).items():
+    for name, found in input_hashes(inputs).items():
         if name not in recorded:
             raise ConfigError(f"{path}: input {name} is new since that run")
         if recorded[name] != found:
             raise ConfigError(f"{path}: input {name} has changed since that run")
 
 
-def _hashes(inputs: Iterable[Path]) -> dict[str, str]:
+def input_hashes(inputs: Iterable[Path]) -> dict[str, str]:
+    """SHA-256 of every file, by its name as given.
+
+    Parameters
+    ----------
+    inputs
+        Files and folders.
+
+    Raises
+    ------
+    ConfigError
+        Where one cannot be read.
+    """
     return {str(file): _sha256(file) for path in inputs for file in _files(path)}
 
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from itertools import islice
 from math import inf
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -194,6 +195,7 @@ def survey_document(found: FcdSurvey) -> Mapping[str, Any]:
         The survey.
     """
     return {
+        "file": Path(found.path).name,
         "rows": found.reading.rows,
         "taken": found.taken,
         "skipped": dict(found.reading.skipped),
