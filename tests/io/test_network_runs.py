@@ -19,7 +19,8 @@ OPTIONS = {"seed": 0}
 
 def result() -> CaseResult:
     own: dict[str, Any] = {"density_per_km": 25.0, "radio": "dsrc", "policy": "j2945", "run": 0}
-    row = RunRow(**{**{field.name: 0.5 for field in fields(RunRow)}, **own})
+    values: dict[str, Any] = {field.name: 0.5 for field in fields(RunRow)}
+    row = RunRow(**{**values, **own})
     return CaseResult(row, [], outcomes=[], seconds=[])
 
 
