@@ -150,7 +150,7 @@ def taken(frames: Sequence[FleetFrame]) -> int:
 
 def speeds_by_position(frames: Sequence[FleetFrame]) -> np.ndarray:
     """How fast vehicles came from frame to frame."""
-    found = []
+    found: list[np.ndarray] = []
     for before, after in pairwise(frames):
         same = before.active & (before.vehicle_id == after.vehicle_id)
         moved = np.hypot(*(after.position_m - before.position_m)[same].T)
@@ -226,9 +226,9 @@ def test_columns_that_contradict_each_other_are_refused(
 ) -> None:
     """Speeds in km/h or all zero, headings from east, positions in another unit."""
     path = tmp_path / "wrong.csv"
-    rows = []
+    rows: list[Row] = []
     for k in range(40):
-        row = {**vehicle(0.1 * k, "a", 1000.0, 1.5 * k, 0.0, 15.0), **changed}
+        row: dict[str, Any] = {**vehicle(0.1 * k, "a", 1000.0, 1.5 * k, 0.0, 15.0), **changed}
         if "x" in changed:
             row.update(x=0.01, y=1.5e-9 * k)
         rows.append(row)
@@ -405,7 +405,7 @@ def test_a_file_of_persons_alone_says_what_it_holds(tmp_path: Path) -> None:
 @pytest.fixture(scope="module")
 def wholes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     folder = tmp_path_factory.mktemp("fcd")
-    found = {}
+    found: dict[str, bytes] = {}
     for form in ("xml", "csv", "parquet", "csv plain"):
         rows = geographic(traffic(12)) if form == "csv plain" else traffic(12)
         FORMS[form](folder / "one", rows)

@@ -2,8 +2,8 @@
 
 ``<case>-<key>.json`` holds one run: ``schema``, ``modelcast`` (version), ``inputs`` (a hash of every file
 that it read), ``options``, and its rows. The key is a hash of version and inputs: a run of another version,
-or of a changed file, has another name and is never taken up. What is read back is checked field by field before
-it is used, for the folder may come from anywhere.
+or of a changed file, has another name and is never taken up. What is read back is checked field by field
+before it is used, for the folder may come from anywhere.
 """
 
 import hashlib
