@@ -110,7 +110,8 @@ def write_parquet(path: Path, rows: Sequence[Row], *, head: str = "vehicle_") ->
     names = columns(rows, head)
     plain = ["time", *(name.removeprefix(head) for name in names[1:])]
     pq.write_table(
-        pa.table({name: [row.get(at) for row in rows] for name, at in zip(names, plain, strict=True)}), path
+        pa.table({name: [row.get(at) for row in rows] for name, at in zip(names, plain, strict=True)}),
+        path,  # pyright: ignore[reportUnknownArgumentType] - no stubs
     )
 
 
