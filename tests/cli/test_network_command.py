@@ -216,3 +216,25 @@ def test_an_error_of_a_worker_process_arrives_as_it_was_raised(error: ModelcastE
     assert type(back) is type(error)
     assert str(back) == str(error)
     assert vars(back) == vars(error)
+
+
+def test_a_changed_file_gives_a_new_run_and_what_was_skipped_is_shown(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = write_fcd(tmp_path, "csv"), tmp_path / "out"
+    line = words(out, scenario=str(path), seeds="1", policy="j2945", duration="3")
+    line.remove("--quiet")
+    assert run(line) == 0
+    assert "traffic.csv: 28 rows = 28 taken" in capsys.readouterr().out
+    first = json.loads((out / "summary.json").read_text())
+    assert first["traffic"]["rows"] == first["traffic"]["taken"] == 28
+    text = path.read_text(encoding="utf-8")
+    path.write_text(
+        "".join(row for row in text.splitlines(keepends=True) if "car1" not in row), encoding="utf-8"
+    )
+    assert run(line) == 0
+    second = json.loads((out / "summary.json").read_text())
+    assert second["runs"][0]["vehicles"] < first["runs"][0]["vehicles"]
+    assert second["inputs"] != first["inputs"]
+    assert (out / "MANIFEST.txt").is_file()
+    assert {item.name for item in tmp_path.iterdir()} == {"traffic.csv", "out"}

@@ -10,6 +10,8 @@ from modelcast.cli.options import Numbers, Paths, SensorOptions, Words
 if TYPE_CHECKING:
     from modelcast.cli.network_plan import NetworkPlan
     from modelcast.evaluation.network.rows import CaseResult, NetworkCase
+    from modelcast.io.fcd_survey import FcdSurvey
+    from modelcast.io.run_store import RunStore
 
 __all__ = ["network"]
 
@@ -33,7 +35,7 @@ def network(
     keep_alive: float = 2.0,
     relaxed_error: float | None = None,
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
-    out: Path = Path("out"),
+    out: Path = Path("out/network"),
     jobs: int = 0,
     json: bool = False,
     quiet: bool = False,
@@ -41,8 +43,8 @@ def network(
     """Run fleets on a shared channel: traffic moves, senders decide, messages contend, receivers track.
 
     Writes runs/, summary.json, runs.parquet, distances.parquet, outcomes.parquet, seconds.parquet, table.md,
-    report.html and its figures. Runs that are done in the output folder are kept: the command can be called
-    again with more densities, radios, policies or seeds.
+    report.html and its figures, all at once when the last run is done. Runs that are done are kept, also
+    where the command was interrupted: it can be called again with more densities, radios, policies or seeds.
 
     Parameters
     ----------
@@ -95,15 +97,7 @@ def network(
     quiet
         Print nothing but errors.
     """
-    import json as json_format
-    import sys
-
     from modelcast.cli.network_plan import NetworkPlan
-    from modelcast.cli.reading import counted
-    from modelcast.cli.terminal import say, show
-    from modelcast.evaluation.network.pool import gather
-    from modelcast.io.network import network_document, write_network
-    from modelcast.report.network import network_console, write_network_report
 
     plan = NetworkPlan(
         scenario,
@@ -121,21 +115,66 @@ def network(
         sensor=sensor,
     )
     cases = _cases(plan, density, radio, policy, seeds)
-    silent = quiet or json
-    (out / "runs").mkdir(parents=True, exist_ok=True)
-    with counted("runs", quiet=silent) as progress:
-        results = _run_all(plan, cases, out / "runs", jobs or os.cpu_count() or 1, progress)
-    result = gather(results)
-    options = plan.as_plain()
-    write_network(result, options, out)
-    write_network_report(result, options, out)
+    return _publish(plan, cases, out, jobs=jobs or os.cpu_count() or 1, json=json, quiet=quiet)
+
+
+def _publish(
+    plan: "NetworkPlan", cases: "list[NetworkCase]", out: Path, *, jobs: int, json: bool, quiet: bool
+) -> int:
+    """Run the cases, write the output folder, show the result."""
+    import json as json_format
+    import sys
+
+    from modelcast.cli.reading import counted
+    from modelcast.cli.terminal import say, show
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.evaluation.network.pool import gather
+    from modelcast.io.fcd_survey import survey_document
+    from modelcast.io.network import network_document, write_network
+    from modelcast.io.output import atomic_folder
+    from modelcast.io.run_store import run_store
+    from modelcast.report.network import network_console, write_network_report
+
+    options, key = plan.as_plain(), plan.key()
+    with atomic_folder(out) as folder, run_store(out, options, key) as store:
+        found = _survey(plan)
+        traffic = None if found is None else survey_document(found)
+        if found is not None and not quiet and not json:
+            _show_traffic(found)
+        with counted("runs", quiet=quiet or json) as progress:
+            results = _run_all(plan, cases, store, found, jobs=jobs, progress=progress)
+        if plan.key() != key:
+            raise ConfigError("an input changed while it was read: run the command again")
+        result = gather(results.values())
+        store.publish(results, folder)
+        write_network(result, options, folder, key=key, traffic=traffic)
+        write_network_report(result, options, folder, traffic=traffic)
     if json:
-        json_format.dump(network_document(result, options), sys.stdout, indent=2, sort_keys=True)
+        document = network_document(result, options, key, traffic)
+        json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
         print()
     elif not quiet:
         show(network_console(result))
         say(f"report: {out / 'report.html'}")
     return 0
+
+
+def _survey(plan: "NetworkPlan") -> "FcdSurvey | None":
+    """What the file of floating-car data holds, where the traffic is one."""
+    if not plan.from_file:
+        return None
+    from modelcast.io.fcd import survey_fcd
+
+    return survey_fcd(plan.scenario)
+
+
+def _show_traffic(found: "FcdSurvey") -> None:
+    """Tell what a file holds before anything runs."""
+    from modelcast.cli.terminal import say
+    from modelcast.report.network import traffic_lines
+
+    for line in traffic_lines(found):
+        say(line)
 
 
 def _cases(
@@ -167,40 +206,37 @@ def _cases(
 def _run_all(
     plan: "NetworkPlan",
     cases: "list[NetworkCase]",
-    folder: Path,
+    store: "RunStore",
+    found: "FcdSurvey | None",
+    *,
     jobs: int,
     progress: Callable[[int, int], None],
-) -> "list[CaseResult]":
+) -> "dict[NetworkCase, CaseResult]":
     """Rows of all runs: those on disk, and the others run now, each written as soon as it is done."""
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor, as_completed
 
     from modelcast.cli.network_case import run_case
-    from modelcast.io.network import read_case, write_case
 
-    options = plan.as_plain()
-    found = {case: read_case(case, options, folder) for case in cases}
-    missing = [case for case in cases if found[case] is None]
-    done = len(cases) - len(missing)
-    progress(done, len(cases))
+    known = {case: store.find(case) for case in cases}
+    results = {case: result for case, result in known.items() if result is not None}
+    missing = [case for case in cases if case not in results]
+
+    def take(case: "NetworkCase", result: "CaseResult") -> None:
+        store.keep(case, result)
+        results[case] = result
+        progress(len(results), len(cases))
+
+    progress(len(results), len(cases))
     if jobs == 1 or len(missing) <= 1:
         for case in missing:
-            result = run_case(plan, case)
-            write_case(result, case, options, folder)
-            found[case] = result
-            done += 1
-            progress(done, len(cases))
-    else:
-        # The largest first, so that no processor waits long for the last one.
-        missing.sort(key=lambda case: -case.density_per_km)
-        context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(min(jobs, len(missing)), mp_context=context) as pool:
-            waiting = {pool.submit(run_case, plan, case): case for case in missing}
-            for future in as_completed(waiting):
-                case = waiting[future]
-                result = future.result()
-                write_case(result, case, options, folder)
-                found[case] = result
-                done += 1
-                progress(done, len(cases))
-    return [result for result in found.values() if result is not None]
+            take(case, run_case(plan, case, found))
+        return results
+    # The largest first, so that no processor waits long for the last one.
+    missing.sort(key=lambda case: -case.density_per_km)
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(jobs, len(missing)), mp_context=context) as pool:
+        waiting = {pool.submit(run_case, plan, case, found): case for case in missing}
+        for future in as_completed(waiting):
+            take(waiting[future], future.result())
+    return results

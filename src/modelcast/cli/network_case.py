@@ -8,9 +8,11 @@ from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
 from modelcast.evaluation.network.measure import measure
 from modelcast.evaluation.network.rows import CaseResult, NetworkCase
+from modelcast.io.fcd_survey import FcdSurvey
 from modelcast.models.motion_filter import filter_for
 from modelcast.simulation.network.engine import run_network
 from modelcast.simulation.network.sender import named_sender
+from modelcast.simulation.scenario.motion import checked
 from modelcast.simulation.scenario.sensed import FleetSensor
 
 __all__ = ["run_case"]
@@ -41,7 +43,7 @@ def _radio(plan: NetworkPlan, name: str) -> tuple[Any, float]:
     return TabulatedRadio(table), table.bin_m
 
 
-def run_case(plan: NetworkPlan, case: NetworkCase) -> CaseResult:
+def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = None) -> CaseResult:
     """Run one case and return its rows.
 
     Parameters
@@ -50,11 +52,14 @@ def run_case(plan: NetworkPlan, case: NetworkCase) -> CaseResult:
         What all runs share.
     case
         The run.
+    found
+        What the file of floating-car data holds, where the traffic is one.
 
     Raises
     ------
     ConfigError
-        Where an option is out of its range, or the traffic does not fit.
+        Where an option is out of its range, the traffic does not fit, or vehicles do not move as their
+        columns say.
     """
     from modelcast.messages.airtime import Stack
 
@@ -71,8 +76,10 @@ def run_case(plan: NetworkPlan, case: NetworkCase) -> CaseResult:
         )
         radio, bin_m = _radio(plan, case.radio)
         seed = int(child_generator(plan.seed, case.run, "loop").integers(2**31))
-        with traffic(plan, case) as frames:
-            run = run_network(frames, sender, radio, plan.settings, seed=seed, sensor=FleetSensor(model))
+        with traffic(plan, case, found) as frames:
+            run = run_network(
+                checked(frames), sender, radio, plan.settings, seed=seed, sensor=FleetSensor(model)
+            )
     except ValueError as error:
         raise ConfigError(str(error)) from error
     return measure(run, case, plan.settings, outcome_bin_m=bin_m)

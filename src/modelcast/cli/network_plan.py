@@ -1,11 +1,15 @@
 """What ``modelcast network`` is asked for: the traffic by name or file, and what all runs share."""
 
+import hashlib
+import importlib.resources
 from dataclasses import KW_ONLY, asdict, dataclass
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from modelcast.cli.options import SensorOptions
 from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.io.network_runs import RunKey
 from modelcast.simulation.network.settings import NetworkSettings
 
 __all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
@@ -65,6 +69,28 @@ class NetworkPlan:
         """All of it as plain values; files by their names."""
         names = [Path(path).name for path in self.trips]
         return {**asdict(self), "scenario": Path(self.scenario).name, "trips": names}
+
+    def key(self) -> RunKey:
+        """Version and hashes of all that a run reads: its traffic, the shipped profile, SUMO.
+
+        Raises
+        ------
+        ConfigError
+            Where a file cannot be read.
+        """
+        from modelcast.cli.run_inputs import recorded_inputs
+        from modelcast.core.version import package_version
+
+        paths = [Path(path) for path in (*self.trips, *([self.scenario] if self.from_file else []))]
+        hashes = recorded_inputs(paths).items()
+        inputs: dict[str, str] = {
+            f"{number} {Path(name).name}": found["sha256"] for number, (name, found) in enumerate(hashes)
+        }
+        profile = importlib.resources.files("modelcast") / "profiles" / "default.json"
+        inputs["profile"] = hashlib.sha256(profile.read_bytes()).hexdigest()
+        if self.scenario in SUMO:
+            inputs["eclipse-sumo"] = metadata.version("eclipse-sumo")
+        return RunKey(package_version(), inputs)
 
     @property
     def from_file(self) -> bool:

@@ -11,6 +11,7 @@ from modelcast.cli.network_plan import SUMO, NetworkPlan
 from modelcast.core.chance import child_generator
 from modelcast.core.trajectory import Trajectory
 from modelcast.evaluation.network.rows import NetworkCase
+from modelcast.io.fcd_survey import FcdSurvey
 from modelcast.simulation.scenario.base import STEP_S, FleetFrame, run_scenario
 from modelcast.simulation.scenario.grid import Grid
 from modelcast.simulation.scenario.highway import Highway
@@ -28,7 +29,9 @@ _MOST_SUMO_VEHICLES = 1.6
 
 
 @contextmanager
-def traffic(plan: NetworkPlan, case: NetworkCase) -> Generator[Iterator[FleetFrame]]:
+def traffic(
+    plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = None
+) -> Generator[Iterator[FleetFrame]]:
     """The traffic of one run; all policies and radios of a seed and density meet the same.
 
     Parameters
@@ -37,6 +40,8 @@ def traffic(plan: NetworkPlan, case: NetworkCase) -> Generator[Iterator[FleetFra
         What all runs share.
     case
         The run. Of several platoons, runs take one each in turn.
+    found
+        What the file of floating-car data holds, where the traffic is one and that is known already.
 
     Raises
     ------
@@ -66,7 +71,7 @@ def traffic(plan: NetworkPlan, case: NetworkCase) -> Generator[Iterator[FleetFra
     else:
         from modelcast.io.fcd import read_fcd
 
-        frames = resampled(read_fcd(plan.scenario), STEP_S)
+        frames = resampled(read_fcd(plan.scenario, found=found), STEP_S)
         yield takewhile(lambda frame: frame.t_s < plan.duration_s, frames)
 
 

@@ -1,27 +1,68 @@
 """Floating-car data of any origin as frames: CSV, Parquet or SUMO's XML, read as a stream.
 
-`modelcast.io.fcd_rows` has the table of columns. Rows are in order of time; each vehicle has one row a time.
-Speed, heading, acceleration and yaw rate are taken from the frames around where the file has none. In SUMO's
-files x and y are the middle of the front bumper: positions are moved back by half a length.
+`modelcast.io.fcd_columns` has the table of columns. Rows are in order of time; each vehicle has one row a
+time. Speed, heading, acceleration and yaw rate are taken from the frames around where the file has none. In
+SUMO's files x and y are the middle of the front bumper: positions are moved back by half a length. Longitude
+and latitude are laid out in metres (`modelcast.io.fcd_survey`).
+
+A vehicle that is missing from a frame, or jumps as no vehicle does, is a new one from there on; and after a
+gap in time, over `GAP_STEPS` median steps, all are.
 """
 
-from collections.abc import Iterator
-from math import cos, sin
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from math import inf
 from pathlib import Path
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
-from modelcast.core.geodesy import wrap_angle_rad
-from modelcast.io.fcd_rows import FcdRow, is_sumo, read_rows
+from modelcast.core.geodesy import heading_to_velocity, wrap_angle_rad
+from modelcast.core.trajectory import GAP_STEPS
+from modelcast.io.base import Tally
+from modelcast.io.fcd_columns import FcdRow
+from modelcast.io.fcd_survey import FcdSurvey, survey
+from modelcast.io.fcd_times import by_time, in_metres
 from modelcast.io.fleet_slots import RAW_COLUMNS, FleetSlots
-from modelcast.simulation.scenario.base import FleetFrame
-from modelcast.simulation.scenario.completion import completed
+from modelcast.simulation.scenario.base import NOBODY, FleetFrame
+from modelcast.simulation.scenario.completion import with_course, with_rates
+from modelcast.simulation.scenario.motion import checked, is_jump
 
-__all__ = ["most_vehicles", "read_fcd"]
+__all__ = ["most_vehicles", "read_fcd", "survey_fcd"]
 
-_HEADING, _LENGTH = RAW_COLUMNS.index("heading_rad"), RAW_COLUMNS.index("length_m")
+_SPEED, _HEADING, _LENGTH = (RAW_COLUMNS.index(name) for name in ("speed_mps", "heading_rad", "length_m"))
+_HEAD_TIMES = 500
+_NO_HEADING = "no heading (attribute angle of SUMO), and no motion yet to take it from"
+
+
+def survey_fcd(
+    path: str | Path, *, vehicle_length_m: float = 4.5, front_bumper: bool | None = None
+) -> FcdSurvey:
+    """Return what a file holds, and how many of its rows `read_fcd` takes.
+
+    Parameters
+    ----------
+    path, vehicle_length_m, front_bumper
+        As for `read_fcd`.
+
+    Raises
+    ------
+    DataFormatError
+        As `read_fcd`.
+    """
+    found = survey(str(path), front_bumper=front_bumper, vehicle_length_m=vehicle_length_m)
+    if not found.unknown[1]:
+        return found
+    # Which rows have no heading shows only when the motion around them is known.
+    tally = Tally()
+    for _ in _frames(found, found.most, vehicle_length_m, tally):
+        pass
+    late = tally.reading(0)
+    reading = replace(
+        found.reading, skipped={**found.reading.skipped, **late.skipped}, repaired=late.repaired
+    )
+    return replace(found, reading=reading)
 
 
 def read_fcd(
@@ -30,6 +71,7 @@ def read_fcd(
     slots: int | None = None,
     vehicle_length_m: float = 4.5,
     front_bumper: bool | None = None,
+    found: FcdSurvey | None = None,
 ) -> Iterator[FleetFrame]:
     """Yield a file's frames at the file's own times, counted from its first.
 
@@ -41,92 +83,160 @@ def read_fcd(
     path
         The file.
     slots
-        Number of slots V; where None the file is read once more beforehand to count its vehicles.
+        Number of slots V; where None the file is read once more beforehand to count its vehicles. Where it
+        is given, the first 500 times of the file alone tell what its positions are.
     vehicle_length_m
         Length of vehicles whose length the file does not say [m].
     front_bumper
         Whether positions are those of the front bumper; where None, in SUMO's files they are.
+    found
+        What `survey_fcd` found, to spare reading the file once more.
 
     Raises
     ------
     DataFormatError
         Where the file is not what it should be, with file, row and value: among others time that runs back,
-        a vehicle twice at one time, or more vehicles than slots.
+        a vehicle twice at one time, more vehicles than slots, positions that do not move as the speeds say.
     """
     at = str(path)
-    places = most_vehicles(at) if slots is None else slots
-    if places < 1:
-        raise DataFormatError(at, "no vehicle in the file", remedy="Check that it is complete.")
-    shifted = is_sumo(at) if front_bumper is None else front_bumper
-    return completed(_frames(at, places, vehicle_length_m, front_bumper=shifted))
+    if found is None:
+        times = None if slots is None else _HEAD_TIMES
+        found = survey(at, front_bumper=front_bumper, vehicle_length_m=vehicle_length_m, times=times)
+    places = found.most if slots is None else slots
+    return _checked(at, _frames(found, places, vehicle_length_m, Tally()))
 
 
 def most_vehicles(path: str | Path) -> int:
-    """Return how many vehicles a file has at most at one time; it is read whole, and held not at all."""
-    return max((len(rows) for rows in _by_time(str(path))), default=0)
+    """Return how many vehicles a file has at most at one time; it is read whole, and held not at all.
+
+    Parameters
+    ----------
+    path
+        The file.
+    """
+    return max((sum(not row.skipped for row in rows) for rows in by_time(str(path))), default=0)
 
 
-def _by_time(path: str) -> Iterator[list[FcdRow]]:
-    """Yield the rows of each time, checked for order."""
-    gathered: list[FcdRow] = []
-    for row in read_rows(path):
-        if gathered and row.t_s != gathered[0].t_s:
-            if row.t_s < gathered[0].t_s:
-                raise DataFormatError(
-                    path,
-                    f"time runs back from {gathered[0].t_s} to {row.t_s}",
-                    row=row.row,
-                    remedy="Sort the file by time.",
-                )
-            yield gathered
-            gathered = []
-        gathered.append(row)
-    if gathered:
-        yield gathered
+def _checked(path: str, frames: Iterable[FleetFrame]) -> Iterator[FleetFrame]:
+    try:
+        yield from checked(frames)
+    except ValueError as error:
+        raise DataFormatError(path, str(error), remedy="Check units and columns.") from error
 
 
-def _frames(path: str, slots: int, length_m: float, *, front_bumper: bool) -> Iterator[FleetFrame]:
-    seats = FleetSlots(slots)
-    start_s: float | None = None
-    for rows in _by_time(path):
-        start_s = rows[0].t_s if start_s is None else start_s
-        labels: dict[str, int] = {}
-        for row in rows:
-            if row.vehicle in labels:
-                raise DataFormatError(
-                    path,
-                    f"vehicle {row.vehicle} occurs twice at {row.t_s} s, also in row {labels[row.vehicle]}",
-                    row=row.row,
-                    remedy="Leave one row a vehicle and time.",
-                )
-            labels[row.vehicle] = row.row
-        numbers = np.array([row.numbers for row in rows])
+def _frames(found: FcdSurvey, slots: int, length_m: float, tally: Tally) -> Iterator[FleetFrame]:
+    """Yield complete frames, and count the rows they leave out or put right."""
+    raw = _RawFrames(found, slots, length_m)
+    moved = _middles(with_course(raw), tally, shifted=found.front_bumper)
+    taken = 0
+    for frame in with_rates(moved):
+        taken += int(frame.active.sum())
+        yield frame
+    if not taken and raw.headless:
+        raise DataFormatError(
+            found.path,
+            "no vehicle moves or has a heading (attribute angle of SUMO), which is needed to find its middle",
+            row=raw.headless,
+            remedy="Add the heading, or say front_bumper=False.",
+        )
+
+
+class _RawFrames:
+    """Frames as the file has them, in metres.
+
+    Parameters
+    ----------
+    found
+        What the file holds.
+    slots, length_m
+        As for `read_fcd`.
+    """
+
+    def __init__(self, found: FcdSurvey, slots: int, length_m: float) -> None:
+        self.headless = 0
+        self._found, self._length_m, self._slots = found, length_m, slots
+        self._seats = FleetSlots(slots)
+        self._before: dict[str, FloatArray] = {}
+        self._jumps: dict[str, int] = {}
+
+    def __iter__(self) -> Iterator[FleetFrame]:
+        gap_s = GAP_STEPS * self._found.step_s
+        start_s, last_s = inf, inf
+        for rows in by_time(self._found.path):
+            t_s = rows[0].t_s
+            start_s = min(start_s, t_s)
+            if t_s - last_s > gap_s:
+                self._before.clear()
+                between = last_s + 0.5 * self._found.step_s - start_s
+                yield self._seated(round(between, 6), [], np.zeros((0, len(RAW_COLUMNS))), rows)
+            here = [row for row in rows if not row.skipped]
+            numbers = self._numbers(here)
+            labels = self._labels([row.vehicle for row in here], numbers, t_s - last_s)
+            yield self._seated(round(t_s - start_s, 6), labels, numbers, rows)
+            last_s = t_s
+
+    def _numbers(self, rows: Sequence[FcdRow]) -> FloatArray:
+        """Return rows' numbers in metres, with lengths, headings from true north."""
+        numbers = np.array([row.numbers for row in rows]).reshape(-1, len(RAW_COLUMNS))
+        numbers[:, :2] = in_metres(numbers, self._found.origin)
         unknown = np.isnan(numbers[:, _LENGTH])
-        numbers[unknown, _LENGTH] = length_m
-        numbers[:, _HEADING] = wrap_angle_rad(numbers[:, _HEADING])
-        if front_bumper:
-            _shift_back(path, rows, numbers)
-        frame = seats.frame(round(rows[0].t_s - start_s, 6), list(labels), numbers)
+        numbers[unknown, _LENGTH] = self._length_m
+        numbers[:, _HEADING] = wrap_angle_rad(numbers[:, _HEADING] + self._found.turn_rad)
+        if not self.headless and np.isnan(numbers[:, _HEADING]).any():
+            self.headless = rows[int(np.argmax(np.isnan(numbers[:, _HEADING])))].row
+        return numbers
+
+    def _labels(self, vehicles: Sequence[str], numbers: FloatArray, elapsed_s: float) -> list[str]:
+        """Return names under which a vehicle that jumped is another one."""
+        known = [(at, self._before[name]) for at, name in enumerate(vehicles) if name in self._before]
+        if known:
+            at = np.array([place for place, _ in known])
+            old, new = np.array([row for _, row in known]), numbers[at]
+            moved = np.hypot(*(new[:, :2] - old[:, :2]).T)
+            for place in at[is_jump(moved, np.maximum(old[:, _SPEED], new[:, _SPEED]), elapsed_s)]:
+                name = vehicles[int(place)]
+                self._jumps[name] = self._jumps.get(name, 0) + 1
+        self._before = dict(zip(vehicles, numbers, strict=True))
+        return [f"{name}\0{self._jumps[name]}" if name in self._jumps else name for name in vehicles]
+
+    def _seated(
+        self, t_s: float, labels: Sequence[str], numbers: FloatArray, rows: Sequence[FcdRow]
+    ) -> FleetFrame:
+        frame = self._seats.frame(t_s, labels, numbers)
         if frame is None:
             raise DataFormatError(
-                path,
-                f"{len(rows)} vehicles at time {rows[0].t_s} do not fit into {slots} slots",
+                self._found.path,
+                f"{len(labels)} vehicles at time {rows[0].t_s} do not fit into {self._slots} slots",
                 row=rows[-1].row,
                 remedy="Raise slots, or leave it out.",
             )
-        yield frame
+        return frame
 
 
-def _shift_back(path: str, rows: list[FcdRow], numbers: FloatArray) -> None:
-    """Move positions from front bumpers to middles, in place."""
-    for row, entry in zip(rows, numbers, strict=True):
-        heading, half = float(entry[_HEADING]), 0.5 * float(entry[_LENGTH])
-        if np.isnan(heading):
-            raise DataFormatError(
-                path,
-                f"vehicle {row.vehicle} has no heading, which is needed to find its middle",
-                row=row.row,
-                remedy="Add the heading, or say front_bumper=False.",
-            )
-        entry[0] -= half * sin(heading)
-        entry[1] -= half * cos(heading)
+def _middles(frames: Iterable[FleetFrame], tally: Tally, *, shifted: bool) -> Iterator[FleetFrame]:
+    """Yield frames of vehicles' middles.
+
+    Who has no heading yet is left out where positions are front bumpers, for its middle is not known; else
+    its heading is zero.
+    """
+    for frame in frames:
+        headless = frame.active & np.isnan(frame.heading_rad)
+        heading = np.where(headless, 0.0, frame.heading_rad)
+        if not shifted:
+            tally.repair("heading not known before the vehicle moves, north taken", int(headless.sum()))
+            yield replace(frame, heading_rad=heading)
+            continue
+        tally.skip(_NO_HEADING, int(headless.sum()))
+        here = frame.active & ~headless
+        back = heading_to_velocity(0.5 * frame.length_m, heading)
+        yield replace(
+            frame,
+            position_m=(frame.position_m - back) * here[:, None],
+            speed_mps=frame.speed_mps * here,
+            heading_rad=heading * here,
+            acceleration_mps2=frame.acceleration_mps2 * here,
+            yaw_rate_radps=frame.yaw_rate_radps * here,
+            length_m=frame.length_m * here,
+            vehicle_id=np.where(here, frame.vehicle_id, NOBODY),
+            active=here,
+        )

@@ -9,13 +9,14 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 
 from modelcast.evaluation.network.rows import NetworkResult, PooledRow
+from modelcast.io.fcd_survey import FcdSurvey, survey_document
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.literal import literal
 from modelcast.report.page import CSS, escape, number, page, table
 from modelcast.report.style import style
 
-__all__ = ["network_console", "network_markdown", "write_network_report"]
+__all__ = ["network_console", "network_markdown", "traffic_lines", "write_network_report"]
 
 _COLUMNS = (
     ("message_rate_hz", "messages [1/s]", 1.0),
@@ -61,13 +62,40 @@ def _cell(row: PooledRow, factor: float, *, intervals: bool) -> str:
     return f"{middle} ± {number(factor * 0.5 * (row.high - row.low), 2)}"
 
 
-def network_markdown(result: NetworkResult) -> str:
+def traffic_lines(found: FcdSurvey) -> list[str]:
+    """What a file of floating-car data holds, in lines for the terminal and the report.
+
+    Parameters
+    ----------
+    found
+        As `modelcast.io.fcd.survey_fcd` gives it.
+    """
+    return _traffic_lines(survey_document(found))
+
+
+def _traffic_lines(traffic: Mapping[str, Any]) -> list[str]:
+    skipped = cast("Mapping[str, int]", traffic["skipped"])
+    repaired = cast("Mapping[str, int]", traffic["repaired"])
+    rest = "".join(f" + {count} skipped ({reason})" for reason, count in skipped.items())
+    step = "" if traffic["step_s"] is None else f", a step of {traffic['step_s']:g} s"
+    counts = f"{traffic['vehicles']} vehicles, {traffic['most_at_once']} at once at most"
+    return [
+        f"{traffic['file']}: {traffic['rows']} rows = {traffic['taken']} taken{rest}",
+        f"  {counts}, {traffic['duration_s']:g} s{step}",
+        *(f"  {count} rows: {reason}" for reason, count in repaired.items()),
+        *(f"  {note}" for note in cast("Sequence[str]", traffic["notes"])),
+    ]
+
+
+def network_markdown(result: NetworkResult, traffic: Mapping[str, Any] | None = None) -> str:
     """Return the one table of a network evaluation, and the capacities, as Markdown.
 
     Parameters
     ----------
     result
         All runs.
+    traffic
+        What the file of floating-car data holds, as plain values; None where the traffic is none.
     """
     names = [name for name, _, _ in _COLUMNS]
     heads = [*_KEYS, *(title for _, title, _ in _COLUMNS)]
@@ -78,6 +106,8 @@ def network_markdown(result: NetworkResult) -> str:
         lines += ["", "Density at which the p90 of the tracking error at 100 m meets a limit:", ""]
         lines += [_joined(heads), "|" + "---|" * len(heads)]
         lines += [_joined(cells) for cells in _capacity_cells(result)]
+    if traffic is not None:
+        lines += ["", "Traffic:", "", *(f"- {line.strip()}" for line in _traffic_lines(traffic))]
     return "\n".join(lines) + "\n"
 
 
@@ -119,7 +149,13 @@ def network_console(result: NetworkResult) -> RenderableType:
     return Group(shown, capacity) if result.capacities else Group(shown)
 
 
-def write_network_report(result: NetworkResult, options: Mapping[str, Any], folder: str | Path) -> list[Path]:
+def write_network_report(
+    result: NetworkResult,
+    options: Mapping[str, Any],
+    folder: str | Path,
+    *,
+    traffic: Mapping[str, Any] | None = None,
+) -> list[Path]:
     """Write ``table.md``, ``report.html`` and the figures as PNG and SVG; return their paths.
 
     Parameters
@@ -130,10 +166,12 @@ def write_network_report(result: NetworkResult, options: Mapping[str, Any], fold
         What they were run with, as plain values.
     folder
         An existing folder.
+    traffic
+        As for `network_markdown`.
     """
     folder = Path(folder)
     markdown = folder / "table.md"
-    markdown.write_text(network_markdown(result), encoding="utf-8", newline="\n")
+    markdown.write_text(network_markdown(result, traffic), encoding="utf-8", newline="\n")
     with style():
         drawings = [drawn(name, plot(result)) for name, (_, plot) in NETWORK_FIGURES.items()]
     names = [name for name, _, _ in _COLUMNS]
@@ -153,6 +191,9 @@ def write_network_report(result: NetworkResult, options: Mapping[str, Any], fold
             f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
             f"<figcaption>{escape(caption)}</figcaption></figure>"
         )
+    if traffic is not None:
+        lines = "".join(f"<li>{escape(line.strip())}</li>" for line in _traffic_lines(traffic))
+        body.append(f"<h2>Traffic</h2><ul>{lines}</ul>")
     body += ["<h2>Options</h2>", table(["option", "value"], _pairs(options), text_columns=2)]
     html = folder / "report.html"
     document = page("modelcast: fleets on a shared channel", CSS, body)

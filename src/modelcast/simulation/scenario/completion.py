@@ -1,7 +1,8 @@
 """Frames from files and other simulators, completed: columns that are missing, from the frames around.
 
 Truth may look ahead: speed and heading come from positions one frame to either side, acceleration and yaw
-rate from speeds and headings in the same way. What is missing is NaN.
+rate from speeds and headings in the same way. What is missing is NaN. A vehicle that has not moved yet has no
+heading that could be taken from its motion: `with_course` leaves it NaN.
 """
 
 from collections.abc import Iterable, Iterator
@@ -14,25 +15,36 @@ from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.core.sensor import HEADING_HOLD_MPS
 from modelcast.simulation.scenario.base import FleetFrame
 
-__all__ = ["completed"]
+__all__ = ["completed", "with_course", "with_rates"]
+
+_LEAST_MOTION_M = 0.1
+"""Positions are written to centimetres or decimetres: less than this has no direction [m]."""
 
 
 def completed(frames: Iterable[FleetFrame]) -> Iterator[FleetFrame]:
     """Yield frames with every column known, at most two frames late.
 
     At a vehicle's first and last frame the difference is on one side; a vehicle seen once has zeros. Below
-    `HEADING_HOLD_MPS` a heading taken from positions keeps its last value.
+    `HEADING_HOLD_MPS` a heading taken from positions keeps its last value; before there is one it is zero.
 
     Parameters
     ----------
     frames
         Frames in order of time; speeds, headings, accelerations and yaw rates that are not known are NaN.
     """
-    return _with_rates(_with_course(frames))
+    return with_rates(
+        replace(frame, heading_rad=np.nan_to_num(frame.heading_rad)) for frame in with_course(frames)
+    )
 
 
-def _with_course(frames: Iterable[FleetFrame]) -> Iterator[FleetFrame]:
-    """Yield frames with speed and heading."""
+def with_course(frames: Iterable[FleetFrame]) -> Iterator[FleetFrame]:
+    """Yield frames with speed, and with heading where the file or the motion says it, at most one frame late.
+
+    Parameters
+    ----------
+    frames
+        As for `completed`.
+    """
     done: FleetFrame | None = None
     for before, now, after in _triples(frames):
         if not (np.isnan(now.speed_mps).any() or np.isnan(now.heading_rad).any()):
@@ -47,16 +59,26 @@ def _with_course(frames: Iterable[FleetFrame]) -> Iterator[FleetFrame]:
             - np.where(had[:, None], earlier.position_m, now.position_m)
         ) / span[:, None]
         speed = _filled(now.speed_mps, np.hypot(moved[:, 0], moved[:, 1]))
-        course = np.arctan2(moved[:, 0], moved[:, 1])
-        if done is not None:
-            course = np.where(had & (speed < HEADING_HOLD_MPS), done.heading_rad, course)
+        held = np.full(len(now), np.nan) if done is None else np.where(had, done.heading_rad, np.nan)
+        course = np.where(
+            np.hypot(moved[:, 0], moved[:, 1]) * np.where(np.isinf(span), 0.0, span) >= _LEAST_MOTION_M,
+            np.arctan2(moved[:, 0], moved[:, 1]),
+            np.nan,
+        )
+        course = np.where((speed < HEADING_HOLD_MPS) & ~np.isnan(held), held, course)
         heading = wrap_angle_rad(_filled(now.heading_rad, course))
-        done = replace(now, speed_mps=speed * now.active, heading_rad=heading * now.active)
+        done = replace(now, speed_mps=speed * now.active, heading_rad=np.where(now.active, heading, 0.0))
         yield done
 
 
-def _with_rates(frames: Iterable[FleetFrame]) -> Iterator[FleetFrame]:
-    """Yield frames with acceleration and yaw rate, from frames that have speed and heading."""
+def with_rates(frames: Iterable[FleetFrame]) -> Iterator[FleetFrame]:
+    """Yield frames with acceleration and yaw rate, at most one frame late.
+
+    Parameters
+    ----------
+    frames
+        Frames that have speed and heading.
+    """
     for before, now, after in _triples(frames):
         earlier, had = _beside(now, before)
         later, has = _beside(now, after)

@@ -1,0 +1,227 @@
+"""Finished runs of a network evaluation on disk, so that a later call takes them up again.
+
+``<case>-<key>.json`` holds one run: ``schema``, ``modelcast`` (version), ``inputs`` (a hash of every file
+that it read), ``options``, and its rows. The key is a hash of version and inputs: a run of another version,
+or of a changed file, has another name and is never taken up. What is read back is checked field by field
+before it is used, for the folder may come from anywhere.
+"""
+
+import hashlib
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+from modelcast.core.exceptions import ConfigError
+from modelcast.evaluation.network.rows import (
+    CaseResult,
+    DistanceRow,
+    NetworkCase,
+    OutcomeRow,
+    RunRow,
+    SecondRow,
+)
+from modelcast.io.documents import document_text, plain_value, row_document
+
+__all__ = ["RUN_SCHEMA", "RunKey", "case_name", "read_case", "run_path", "write_case"]
+
+RUN_SCHEMA = 2
+"""Version of the layout of a run's file; since 2 it holds version and inputs."""
+
+_LARGEST_BYTES = 64 * 2**20
+_MOST_ROWS = 1_000_000
+_LARGEST = 1e15
+_ANY_SIGN = frozenset({"power_dbm"})
+_KEYS = ("density_per_km", "radio", "policy", "run")
+Row = TypeVar("Row", RunRow, DistanceRow, OutcomeRow, SecondRow)
+
+
+@dataclass(frozen=True, slots=True)
+class RunKey:
+    """What a run's rows depend on beside its options.
+
+    Parameters
+    ----------
+    version
+        Of modelcast.
+    inputs
+        A hash or version of all that the run reads, by name.
+    """
+
+    version: str
+    inputs: Mapping[str, str]
+
+    @property
+    def short(self) -> str:
+        """The key as file names hold it."""
+        text = json.dumps([self.version, sorted(self.inputs.items())])
+        return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+def case_name(case: NetworkCase) -> str:
+    """Name of a run.
+
+    Parameters
+    ----------
+    case
+        The run.
+
+    Examples
+    --------
+    >>> case_name(NetworkCase(100.0, "dsrc", "j2945", 3))
+    'dsrc_j2945_100_3'
+    """
+    density = f"{case.density_per_km:g}" if math.isfinite(case.density_per_km) else "own"
+    return f"{case.radio}_{case.policy}_{density}_{case.run}"
+
+
+def run_path(case: NetworkCase, key: RunKey, folder: Path) -> Path:
+    """Return where a run's rows are.
+
+    Parameters
+    ----------
+    case, key, folder
+        As for `write_case`.
+    """
+    return folder / f"{case_name(case)}-{key.short}.json"
+
+
+def write_case(
+    result: CaseResult, case: NetworkCase, options: Mapping[str, Any], key: RunKey, folder: Path
+) -> Path:
+    """Write one run's rows; the file appears whole or not at all.
+
+    Parameters
+    ----------
+    result
+        The rows.
+    case
+        The run.
+    options
+        What it was run with, as plain values: only a call with the same takes it up again.
+    key
+        What else its rows depend on.
+    folder
+        An existing folder.
+    """
+    document = {
+        "schema": RUN_SCHEMA,
+        "modelcast": key.version,
+        "inputs": dict(key.inputs),
+        "options": dict(options),
+        "run": [row_document(result.run)],
+        "distances": [row_document(row) for row in result.distances],
+        "outcomes": [row_document(row) for row in result.outcomes],
+        "seconds": [row_document(row) for row in result.seconds],
+    }
+    path = run_path(case, key, folder)
+    partial = path.with_suffix(f".partial-{os.getpid()}")
+    try:
+        partial.write_text(document_text(document), encoding="utf-8", newline="\n")
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+    return path
+
+
+def read_case(case: NetworkCase, options: Mapping[str, Any], key: RunKey, folder: Path) -> CaseResult | None:
+    """Rows of a run that is done already, None where it is not.
+
+    Parameters
+    ----------
+    case, options, key, folder
+        As for `write_case`.
+
+    Raises
+    ------
+    ConfigError
+        Where the file is of a run with other options, or not such a file; it names file and field.
+    """
+    path = run_path(case, key, folder)
+    if not path.is_file():
+        return None
+    document = _document(path)
+    known, asked = document["options"], plain_value(dict(options))
+    if not isinstance(known, dict):
+        raise _refused(path, "options", "a mapping")
+    if known != asked:
+        given = cast("dict[str, Any]", known)
+        changed = sorted(name for name in {*given, *asked} if given.get(name) != asked.get(name))
+        raise ConfigError(
+            f"{path} was run with other options ({', '.join(changed)}): name another output folder"
+        )
+    if document["modelcast"] != key.version or document["inputs"] != dict(key.inputs):
+        raise _refused(path, "inputs", "those of its name")
+    runs = list(_rows(path, "run", RunRow, document["run"], case))
+    if len(runs) != 1:
+        raise _refused(path, "run", "one row")
+    return CaseResult(
+        runs[0],
+        list(_rows(path, "distances", DistanceRow, document["distances"], case)),
+        outcomes=list(_rows(path, "outcomes", OutcomeRow, document["outcomes"], case)),
+        seconds=list(_rows(path, "seconds", SecondRow, document["seconds"], case)),
+    )
+
+
+def _refused(path: Path, field: str, expected: str) -> ConfigError:
+    return ConfigError(f"{path} is not a run of modelcast network: {field} must be {expected}: remove it")
+
+
+def _document(path: Path) -> dict[str, Any]:
+    """Return the content of a run's file, a mapping of all its fields."""
+    try:
+        if path.stat().st_size > _LARGEST_BYTES:
+            raise _refused(path, "the file", f"at most {_LARGEST_BYTES} bytes")
+        document: object = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be read: {error.strerror or error}") from error
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise _refused(path, "the file", f"JSON ({type(error).__name__})") from error
+    needed = {"schema", "modelcast", "inputs", "options", "run", "distances", "outcomes", "seconds"}
+    if not isinstance(document, dict) or set(cast("dict[str, Any]", document)) != needed:
+        raise _refused(path, "the file", f"a mapping of {', '.join(sorted(needed))}")
+    found = cast("dict[str, Any]", document)
+    if type(found["schema"]) is not int or found["schema"] != RUN_SCHEMA:
+        raise _refused(path, "schema", str(RUN_SCHEMA))
+    return found
+
+
+def _rows(path: Path, name: str, kind: type[Row], rows: object, case: NetworkCase) -> Iterator[Row]:
+    """Yield checked rows; null is a number that does not exist."""
+    if not isinstance(rows, list) or len(cast("list[Any]", rows)) > _MOST_ROWS:
+        raise _refused(path, name, f"a list of at most {_MOST_ROWS} rows")
+    types = {field.name: field.type for field in fields(kind)}
+    for number, row in enumerate(cast("Sequence[object]", rows)):
+        place = f"{name}[{number}]"
+        if not isinstance(row, dict) or set(cast("dict[str, Any]", row)) != set(types):
+            raise _refused(path, place, f"a mapping of the fields of {kind.__name__}")
+        given = cast("dict[str, Any]", row)
+        values = {at: _value(path, f"{place}.{at}", given[at], types[at]) for at in types}
+        own = plain_value({key: getattr(case, key) for key in _KEYS})
+        for key in _KEYS:
+            if given[key] != own[key]:
+                raise _refused(path, f"{place}.{key}", repr(own[key]))
+        yield kind(**values)
+
+
+def _value(path: Path, place: str, value: object, kind: object) -> Any:
+    """Return one checked value of a row."""
+    if kind is str:
+        if not isinstance(value, str):
+            raise _refused(path, place, "a text")
+        return value
+    if kind is int:
+        if type(value) is not int or not 0 <= value < 2**63:
+            raise _refused(path, place, "a whole number, not negative")
+        return value
+    if value is None:
+        return math.nan
+    name = place.rpartition(".")[2]
+    low = -_LARGEST if name in _ANY_SIGN else 0.0
+    high = 1.0 if name.endswith("_ratio") and name != "expired_ratio" else _LARGEST
+    if type(value) not in {int, float} or not low <= cast("float", value) <= high + 1e-9:
+        raise _refused(path, place, f"a number from {low:g} to {high:g}")
+    return float(cast("float", value))

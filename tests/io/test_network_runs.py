@@ -1,0 +1,84 @@
+"""Claims about finished runs of a network evaluation on disk."""
+
+import json
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from modelcast.core.exceptions import ConfigError
+from modelcast.evaluation.network.rows import CaseResult, NetworkCase, RunRow
+from modelcast.io.network_runs import RunKey, read_case, run_path, write_case
+from modelcast.io.run_store import run_store
+
+CASE = NetworkCase(25.0, "dsrc", "j2945", 0)
+KEY = RunKey("1.0", {"0 traffic.xml": "ab"})
+OPTIONS = {"seed": 0}
+
+
+def result() -> CaseResult:
+    own: dict[str, Any] = {"density_per_km": 25.0, "radio": "dsrc", "policy": "j2945", "run": 0}
+    values: dict[str, Any] = {field.name: 0.5 for field in fields(RunRow)}
+    row = RunRow(**{**values, **own})
+    return CaseResult(row, [], outcomes=[], seconds=[])
+
+
+def test_a_run_comes_back_as_it_was_written(tmp_path: Path) -> None:
+    write_case(result(), CASE, OPTIONS, KEY, tmp_path)
+    assert read_case(CASE, OPTIONS, KEY, tmp_path) == result()
+
+
+@pytest.mark.parametrize("key", [RunKey("1.1", KEY.inputs), RunKey("1.0", {"0 traffic.xml": "ac"})])
+def test_a_run_of_another_version_or_input_is_not_taken_up(key: RunKey, tmp_path: Path) -> None:
+    write_case(result(), CASE, OPTIONS, KEY, tmp_path)
+    assert read_case(CASE, OPTIONS, key, tmp_path) is None
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("vehicles", "many"),
+        ("vehicles", -1),
+        ("vehicles", 1e300),
+        ("vehicles", True),
+        ("busy_ratio", 2.0),
+        ("policy", "cam"),
+        ("run", 1.5),
+        ("unknown", 1),
+    ],
+)
+def test_a_damaged_field_is_named(field: str, value: object, tmp_path: Path) -> None:
+    path = write_case(result(), CASE, OPTIONS, KEY, tmp_path)
+    document = json.loads(path.read_text(encoding="utf-8"))
+    document["run"][0][field] = value
+    path.write_text(json.dumps(document), encoding="utf-8")
+    named = "RunRow" if field == "unknown" else f"run.0..{field}"
+    with pytest.raises(ConfigError, match=rf"{path.name} is not a run.*{named}"):
+        read_case(CASE, OPTIONS, KEY, tmp_path)
+
+
+@pytest.mark.parametrize("text", ["", "[" * 100_000, "{}", "[1]", '{"run": NaN}', "9" * 5000])
+def test_what_is_no_run_is_refused(text: str, tmp_path: Path) -> None:
+    run_path(CASE, KEY, tmp_path).write_text(text, encoding="utf-8")
+    with pytest.raises(ConfigError, match="is not a run"):
+        read_case(CASE, OPTIONS, KEY, tmp_path)
+
+
+def test_an_interrupted_call_is_taken_up_and_a_finished_one_leaves_nothing(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with pytest.raises(KeyboardInterrupt), run_store(out, OPTIONS, KEY) as store:  # noqa: PT012
+        store.keep(CASE, result())
+        raise KeyboardInterrupt
+    with run_store(out, OPTIONS, KEY) as store:
+        assert store.find(CASE) == result()
+    assert not list(tmp_path.iterdir())
+
+
+def test_two_calls_at_a_time_are_one_too_many(tmp_path: Path) -> None:
+    with (
+        run_store(tmp_path / "out", OPTIONS, KEY),
+        pytest.raises(ConfigError, match="another modelcast network"),
+        run_store(tmp_path / "out", OPTIONS, KEY),
+    ):
+        pass
