@@ -40,7 +40,7 @@ from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.nmea_sentences import Fix, parse_fix, sentence_body
 from modelcast.io.rows import Rows, located, make_trip, ordered
-from modelcast.io.text_blocks import first_lines
+from modelcast.io.text_head import first_lines
 
 __all__ = ["NmeaReader"]
 

@@ -36,13 +36,13 @@ from modelcast.core.geodesy import Origin
 from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.rows import Rows, joined, make_trip
-from modelcast.io.text_blocks import first_lines, number_column, read_blocks, split_fields
+from modelcast.io.text_blocks import number_column, read_blocks
+from modelcast.io.text_head import file_head, first_lines, split_fields
 from modelcast.simulation.scenario.replay import Replay, make_replay
 
 __all__ = ["OpenAccReader", "read_platoon"]
 
 _COLUMNS = {"Speed": "speed_mps", "E": "east_m", "N": "north_m", "Lon": "lon", "Lat": "lat", "Alt": "up_m"}
-_HEAD_BYTES = 65536
 
 
 class OpenAccReader(AbstractTripReader):
@@ -121,8 +121,7 @@ def _trips_on_one_clock(path: str, on_skipped: OnSkipped) -> Iterator[Trajectory
 
 def _layout(path: str) -> tuple[list[str], list[str], int]:
     """Return the cars' names in order, the header's fields and its one-based line."""
-    with Path(path).open("rb") as file:
-        lines = first_lines(file.read(_HEAD_BYTES))
+    lines = first_lines(file_head(path))
     order = next((line for line in lines[:5] if line.startswith("Vehicle_order,")), None)
     at = next((at for at, line in enumerate(lines[:20]) if line.startswith("Time,")), None)
     if order is None or at is None:

@@ -34,7 +34,7 @@ from modelcast.core.geodesy import ecef_to_enu
 from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.rows import LARGEST, Rows, make_trip
-from modelcast.io.text_blocks import first_lines
+from modelcast.io.text_head import first_lines
 
 __all__ = ["SmartLocReader"]
 
