@@ -142,7 +142,7 @@ def _measurements(path: str) -> _Measurements:
     lines: list[int] = []
     values: dict[str, list[list[float]]] = {word: [] for word in _WORDS}
     other = cut = 0
-    with Path(path).open(encoding="utf-8", errors="replace", newline=None) as file:
+    with Path(path).open(encoding="utf-8-sig", errors="replace", newline=None) as file:
         for number, line in enumerate(file, start=1):
             words = line.split()
             if not words:
@@ -170,6 +170,11 @@ def _check_other(path: str, number: int, words: list[str]) -> None:
         raise DataFormatError(
             path, f"{words[0]!r} is no kind of measurement", row=number,
             remedy="A line is a word and its numbers.",
+        )  # fmt: skip
+    if any(word in _WORDS for word in words[1:]):
+        raise DataFormatError(
+            path, f"a second measurement in a line of {words[0]}", row=number,
+            remedy="A measurement is a line: put a line end between the two.",
         )  # fmt: skip
 
 
