@@ -26,7 +26,7 @@ from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
 from modelcast.io.column_map import detected_map, known_map
 from modelcast.io.rows import Rows, joined
-from modelcast.io.table_layout import TableLayout, decimal_mark, table_layout
+from modelcast.io.table_layout import TableLayout, decimal_mark, is_number, table_layout
 from modelcast.io.table_trips import table_trips
 from modelcast.io.text_blocks import number_column, read_blocks, text_column
 from modelcast.io.text_head import file_head, first_lines
@@ -99,6 +99,11 @@ class CsvReader(AbstractTripReader):
         layout = table_layout(lines, _has_known_names if mapped is None else mapped.issubset)
         if layout is None or not any(layout.names):
             raise DataFormatError(path, "the file is empty", remedy="The first line names the columns.")
+        if mapped is None and all(map(is_number, layout.names)):
+            raise DataFormatError(
+                path, "has numbers where the header row should be", row=layout.lines,
+                remedy="Add a first line that names the columns, for example t,x,y,speed.",
+            )  # fmt: skip
         return layout
 
 

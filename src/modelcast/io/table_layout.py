@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.text_head import split_fields
 
-__all__ = ["SEPARATORS", "TableLayout", "decimal_mark", "table_layout"]
+__all__ = ["SEPARATORS", "TableLayout", "decimal_mark", "is_number", "table_layout"]
 
 SEPARATORS = (",", ";", "\t", "|", " ")
 """What may part fields; a blank stands for any run of blanks and tabs."""
@@ -108,10 +108,11 @@ def _meant(line: str, marks: Sequence[str], means: Callable[[list[str]], bool]) 
 
 
 def _holds_numbers(line: str, marks: Sequence[str]) -> bool:
-    return any(_is_number(field) for mark in marks for field in split_fields(line, mark))
+    return any(is_number(field) for mark in marks for field in split_fields(line, mark))
 
 
-def _is_number(text: str) -> bool:
+def is_number(text: str) -> bool:
+    """Return whether a cell is a number with a decimal point."""
     try:
         float(text)
     except ValueError:

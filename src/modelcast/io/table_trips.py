@@ -21,6 +21,7 @@ from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.column_map import ColumnMap
 from modelcast.io.rows import OPTIONAL, Rows, are_unknown_to_sumo, located, make_trip, with_missing
 from modelcast.io.time_column import TimeUnit
+from modelcast.io.unit_check import refuse_other_unit
 
 __all__ = ["OFF_ROAD", "table_trips"]
 
@@ -102,6 +103,8 @@ def _trip(
     # Small units are often Unix times, which as seconds in float64 lose their last digits.
     start = float(raw_t[0]) if time.unit_s != 1.0 else 0.0
     rows = rows.having(t_s=(raw_t - start) * time.unit_s)
+    if time.assumed:
+        refuse_other_unit(path, rows, time.assumed)
     return make_trip(
         path,
         trip_id,

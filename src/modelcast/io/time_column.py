@@ -55,12 +55,15 @@ class TimeUnit:
         Whether `start` is a Unix time for certain.
     told
         What the trip's counts say about it; empty where the file states the unit itself.
+    assumed
+        The column's name where nothing states that it holds seconds, else empty.
     """
 
     unit_s: float
     start: float = 0.0
     unix: bool = False
     told: str = ""
+    assumed: str = ""
 
 
 class TimeColumn:
@@ -149,7 +152,8 @@ class TimeColumn:
             unit_s, told = by_size[1], f"{self._name} taken as Unix {by_size[2]}"
         if abs(first) * unit_s >= _UNSHIFTED or unit_s != 1.0:
             self._start = whole if whole is not None else int(first)
-        self.unit = TimeUnit(unit_s, float(self._start), unix=bool(told), told=told)
+        assumed = "" if self._stated or told else self._name
+        self.unit = TimeUnit(unit_s, float(self._start), unix=bool(told), told=told, assumed=assumed)
 
     def _dated(self, text: pl.Series, line: IntArray) -> FloatArray:
         """Return dates and times of day as times from the first."""
