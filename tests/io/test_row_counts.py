@@ -118,7 +118,7 @@ ROWS: dict[str, Callable[[bytes], int]] = {
 
 
 def counted(path, name):
-    """Read a file; return the rows it says it held, of trips and of vehicles without one, and both numbers."""
+    """Return a file's trips, and the rows it is said to have held: of trips, and of vehicles without one."""
     told: list[str] = []
     trips = list(read_trips(path, name, on_skipped=lambda _, reason: told.append(reason)))
     for trip in trips:
