@@ -72,3 +72,12 @@ def test_sensor_file_alone_is_an_error(made):
         DataFormatError, match=r"no point3 line\. Positions are in the file that ends with _GT\.txt"
     ):
         list(read_trips(path))
+
+
+@pytest.mark.parametrize("first", ["point3", "odom3", "pseudorange3"])
+def test_two_measurements_in_one_line_are_an_error(made, first):
+    lines = made.smartloc_lines("point3")
+    other = lines[3] if first == "point3" else lines[3].replace("point3", first)
+    lines[3:5] = [other + lines[4]]
+    with pytest.raises(DataFormatError, match=r"row 4: .*(a second measurement|more than 13)"):
+        list(read_trips(made.write("Drive_GT.txt", "\n".join([*lines, ""]))))

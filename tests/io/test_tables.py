@@ -205,3 +205,193 @@ def test_what_is_written_reads_back_to_the_bit(session_made, kind, first, second
             after.start_unix_s,
             after.dt_s,
         )
+
+
+ROWS = [(at / 10, 1.2 * at, 0.5, 12.0) for at in range(12)]
+MS_2024 = 1710496800000
+"""2024-03-15 10:00:00 UTC."""
+
+
+def table(separator=",", *, decimal=".", times=None, names=("t", "x", "y", "speed"), end="\n"):
+    """Return a table of text; `times` writes the time of a row."""
+    lines = [separator.join(names)]
+    for at, row in enumerate(ROWS):
+        cells = [str(value).replace(".", decimal) for value in row]
+        lines.append(separator.join([times(at) if times else cells[0], *cells[1:]]))
+    return end.join(lines) + end
+
+
+def one(path, columns=None):
+    (trip,) = read_trips(path, columns=columns)
+    return trip
+
+
+def same(trip):
+    """Check that a trip is that of `ROWS`."""
+    assert (len(trip), trip.reading.rows, dict(trip.reading.skipped)) == (12, 12, {})
+    assert trip.t_s == pytest.approx([row[0] for row in ROWS], abs=1e-6)
+    assert trip.position_m[:, 0] == pytest.approx([row[1] for row in ROWS])
+    assert trip.speed_mps == pytest.approx(12.0)
+    return trip
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", "|", " ", "   ", " \t "])
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_csv_separator_and_mark_of_decimals_are_found(made, separator, decimal):
+    if separator != decimal:
+        same(one(made.write("t.csv", table(separator, decimal=decimal))))
+
+
+@pytest.mark.parametrize(
+    "before", ["# made up\n\n# by hand, here\n", "sep=,\n", "\n\n", "\ufeff", "# "], ids=repr
+)
+def test_csv_lines_before_the_header_are_passed_over(made, before):
+    same(one(made.write("t.csv", before + table())))
+
+
+def test_csv_error_names_the_line_whatever_stands_before_the_header(made):
+    with pytest.raises(DataFormatError, match="row 6: x is 'oops'"):
+        list(
+            read_trips(
+                made.write("t.csv", "# a\n\n" + table().replace("1.2,", "oops,", 1).replace("\n", "\n\n", 1))
+            )
+        )
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            table(";", decimal=",") + "1,2;14.4;0,5;12,0\n",
+            "decimal points and decimal commas: '14.4' and '0,0'",
+        ),
+        (table(";").replace("1.2;", "1,234.5;"), "row 3: x is '1,234.5', not a finite number"),
+        (table(names=("t", "x", "y", "x")), r"column 'x' occurs more than once \(columns 2, 4\)"),
+    ],
+)
+def test_csv_that_can_be_read_in_two_ways_is_an_error(made, text, message):
+    with pytest.raises(DataFormatError, match=message):
+        list(read_trips(made.write("t.csv", text)))
+
+
+def test_csv_without_a_header_is_an_error(made):
+    with pytest.raises(DataFormatError, match="row 1: has numbers where the header row should be"):
+        list(read_trips(made.write("t.csv", table().partition("\n")[2]), "csv"))
+
+
+@pytest.mark.parametrize("format_name", [None, "csv"])
+def test_unknown_columns_are_an_error_with_a_map_of_their_own_that_works(made, format_name):
+    path = made.write("t.csv", table(names=("Stamp [s]", "pos_x", "pos_y", "velocity")))
+    with pytest.raises(DataFormatError) as caught:
+        list(read_trips(path, format_name))
+    example = str(caught.value).partition("--columns '")[2].partition("'")[0]
+    assert example == "t=Stamp [s],east=pos_x,north=pos_y,speed=velocity"
+    same(one(path, columns=dict(part.split("=") for part in example.split(","))))
+
+
+DATES = {
+    "Z": lambda at: f"2024-03-15T10:00:0{at // 10}.{at % 10}00Z",
+    "blank, UTC": lambda at: f"2024-03-15 10:00:0{at // 10}.{at % 10} UTC",
+    "east": lambda at: f"2024-03-15T11:30:0{at // 10}.{at % 10}+01:30",
+    "west": lambda at: f"2024/03/15 05:00:0{at // 10}.{at % 10}00000000-05",
+    "no zone": lambda at: f"2024-03-15 10:00:0{at // 10}.{at % 10}",
+}
+
+
+@both
+@pytest.mark.parametrize("style", DATES)
+def test_dates_and_times_of_day_are_read(made, kind, style):
+    path = made.write("t.csv", table(times=DATES[style]))
+    if kind == "parquet":
+        pl.read_csv(path, schema_overrides={"t": pl.String}).write_parquet(path := made.folder / "t.parquet")
+    trip = same(one(path))
+    assert trip.start_unix_s == (None if style == "no zone" else MS_2024 / 1000)
+
+
+@pytest.mark.parametrize("unit", ["ms", "us", "ns"])
+@pytest.mark.parametrize("zone", [None, "UTC"])
+def test_parquet_time_stamps_tell_their_unit(made, unit, zone):
+    factor = {"ms": 1, "us": 1000, "ns": 10**6}[unit]
+    stamps = pl.Series("t", [(MS_2024 + 100 * at) * factor for at in range(12)]).cast(pl.Datetime(unit, zone))
+    columns = {name: [row[at] for row in ROWS] for at, name in ((1, "x"), (2, "y"), (3, "speed"))}
+    trip = same(one(write(made, "parquet", {"t": stamps, **columns})))
+    assert trip.start_unix_s == (MS_2024 / 1000 if zone else None)
+
+
+def test_a_row_with_another_kind_of_date_is_an_error(made):
+    rows = table(times=DATES["Z"]).replace("0.500Z", "0.500", 1)
+    with pytest.raises(DataFormatError, match=r"row 7: t is '.*0\.500', not a date and time with a zone"):
+        list(read_trips(made.write("t.csv", rows)))
+
+
+@both
+@pytest.mark.parametrize(("factor", "word"), [(1, "milli"), (1000, "micro"), (10**6, "nano")])
+def test_unix_times_under_a_name_without_unit_are_told_by_their_size(made, kind, factor, word):
+    path = made.write("t.csv", table(times=lambda at: str((MS_2024 + 100 * at) * factor)))
+    if kind == "parquet":
+        pl.read_csv(path).write_parquet(path := made.folder / "t.parquet")
+    trip = same(one(path))
+    assert dict(trip.reading.repaired) == {f"t taken as Unix {word}seconds": 12}
+    assert trip.start_unix_s == MS_2024 / 1000
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("t_ms", 1), ("t_us", 1000), ("t_ns", 10**6)])
+def test_a_stated_unit_needs_no_telling(made, unit, factor):
+    names = (unit, "x", "y", "speed")
+    trip = same(
+        one(made.write("t.csv", table(times=lambda at: str((MS_2024 + 100 * at) * factor), names=names)))
+    )
+    assert dict(trip.reading.repaired) == {}
+    assert np.diff(trip.t_s) == pytest.approx(0.1, abs=1e-12), "nanoseconds keep their digits"
+
+
+@pytest.mark.parametrize("name", ["t_s", "t_ms"])
+def test_a_time_that_cannot_be_in_the_stated_unit_is_an_error(made, name):
+    text = table(times=lambda at: str((MS_2024 + 100 * at) * 10**6), names=(name, "x", "y", "speed"))
+    with pytest.raises(
+        DataFormatError, match=rf"row 2: {name} is 17\d+, .* over 3,000 years\. .*t_ns={name}"
+    ):
+        list(read_trips(made.write("t.csv", text)))
+
+
+def test_a_time_in_another_unit_than_the_first_is_an_error(made):
+    with pytest.raises(DataFormatError, match=r"row 14: t is '1710496800100', not .* unit of the first row"):
+        list(read_trips(made.write("t.csv", table() + f"{MS_2024 + 100},14.4,0.5,12.0\n")))
+
+
+@both
+def test_milliseconds_from_the_start_are_told_by_the_speeds(made, kind):
+    columns = {
+        "t": [100 * at for at in range(12)],
+        "x": [row[1] for row in ROWS],
+        "y": [0.0] * 12,
+        "speed": [12.0] * 12,
+    }
+    path = write(made, kind, columns)
+    with pytest.raises(DataFormatError, match=r"1000 times slower than the speeds say\. .*t_ms=t"):
+        list(read_trips(path))
+    assert len(one(path, columns={"t_ms": "t", "east": "x", "north": "y", "speed": "speed"})) == 12
+
+
+@both
+@pytest.mark.parametrize("sentinel", [-1073741824.0, -1.07374e9])
+def test_rows_of_a_vehicle_off_the_road_are_skipped_by_name(made, kind, sentinel):
+    columns = {name: [row[at] for row in ROWS] for at, name in enumerate(("t", "x", "y", "speed"))}
+    for name in ("x", "y", "speed"):
+        columns[name][4:8] = [sentinel] * 4
+    trip = one(write(made, kind, columns))
+    assert dict(trip.reading.skipped) == {"off the road (SUMO's -1073741824)": 4}
+    assert dict(trip.reading.repaired) == {}
+    assert np.abs(trip.position_m).max() < 20
+    assert len(trip.segments) == 3, "where the vehicle was off the road is a gap"
+
+
+@both
+def test_sentinels_in_latitude_and_in_speed_alone_are_found(made, kind):
+    speed = [12.0] * 6 + [-1073741824.0] + [12.0] * 5
+    latitude = [-1073741824.0] + [10.0 + at * 1e-5 for at in range(11)]
+    columns = {"t": [row[0] for row in ROWS], "lat": latitude, "lon": [20.0] * 12, "speed_kmh": speed}
+    trip = one(write(made, kind, columns))
+    assert dict(trip.reading.skipped) == {"off the road (SUMO's -1073741824)": 1}
+    assert trip.reading.repaired["speed not known (SUMO's -1073741824)"] == 1
+    assert trip.speed_mps == pytest.approx(12.0 / 3.6)

@@ -43,6 +43,9 @@ OFF_EARTH = "no place on Earth"
 class Reading:
     """What happened while a trip was read: nothing is dropped without being counted here.
 
+    Every row is a sample or skipped for one reason: ``rows == samples + sum(skipped.values())``. What is
+    repaired stays a sample (or is skipped later, for a reason of its own) and is counted beside.
+
     Parameters
     ----------
     rows
@@ -56,6 +59,11 @@ class Reading:
     rows: int = 0
     skipped: Mapping[str, int] = field(default_factory=dict[str, int])
     repaired: Mapping[str, int] = field(default_factory=dict[str, int])
+
+    @property
+    def samples(self) -> int:
+        """Rows that became samples, before any resampling."""
+        return self.rows - sum(self.skipped.values())
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,7 +33,7 @@ class Tally:
     >>> tally = Tally()
     >>> tally.skip("no fix", 2)
     >>> tally.repair("out of order", 0)
-    >>> tally.reading(rows=5)
+    >>> tally.reading(rows=5, samples=3)
     Reading(rows=5, skipped=mappingproxy({'no fix': 2}), repaired=mappingproxy({}))
     """
 
@@ -51,13 +51,32 @@ class Tally:
         if count:
             self._repaired[reason] = self._repaired.get(reason, 0) + int(count)
 
-    def reading(self, rows: int) -> Reading:
-        """Return the counts as a frozen value."""
-        return Reading(
+    def reading(self, rows: int, samples: int) -> Reading:
+        """Return the counts as a frozen value.
+
+        Parameters
+        ----------
+        rows
+            Rows that the file held for the vehicle.
+        samples
+            Rows that became samples.
+
+        Raises
+        ------
+        ValueError
+            Where a row is neither a sample nor counted as skipped, or is counted twice: the reader is wrong.
+        """
+        found = Reading(
             rows=rows,
             skipped=MappingProxyType(dict(self._skipped)),
             repaired=MappingProxyType(dict(self._repaired)),
         )
+        if found.samples != samples:
+            raise ValueError(
+                f"{rows} rows read are not {samples} samples and {rows - found.samples} skipped: "
+                f"{dict(self._skipped)}"
+            )
+        return found
 
     def why_empty(self) -> str:
         """Return the reasons in words, for a vehicle of which nothing is left."""

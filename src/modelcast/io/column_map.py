@@ -3,7 +3,8 @@
 ===================  ==========================  =====================================================
 Meaning              Unit                        Names found without a map
 ===================  ==========================  =====================================================
-t, t_ms, t_us        s, ms, µs                   t_s, time_s, t, time; t_ms, time_ms; t_us, time_us
+t                    s, or told by the values    t_s, time_s (seconds for certain), t, time
+t_ms, t_us, t_ns     ms, µs, ns                  t_ms, time_ms; t_us, time_us; t_ns, time_ns
 east, north, up      m                           east_m, east, x; north_m, north, y; up_m, up, z
 lat, lon, alt        deg, deg, m                 latitude_deg, latitude, lat; longitude_deg, longitude,
                                                  lon; altitude_m, altitude, alt
@@ -22,14 +23,16 @@ start_unix           s, Unix time of t = 0;      start_unix_s
 
 Names are case-sensitive. Needed are a time and east with north, or lat with lon; east and north win where
 both are there. Angles have no default unit, so a plain ``heading`` has to be mapped to one of the two.
+`modelcast.io.time_column` says how the values of a time column tell their unit.
 """
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
 
-__all__ = ["ColumnMap", "Meaning", "detected_map", "user_map"]
+__all__ = ["ColumnMap", "Meaning", "detected_map", "example_map", "known_map", "user_map"]
 
 _DEG = 0.017453292519943295
 
@@ -47,6 +50,7 @@ MEANINGS: Mapping[str, Meaning] = {
     "t": Meaning("t_s", 1.0, ("t_s", "time_s", "t", "time")),
     "t_ms": Meaning("t_s", 1e-3, ("t_ms", "time_ms")),
     "t_us": Meaning("t_s", 1e-6, ("t_us", "time_us")),
+    "t_ns": Meaning("t_s", 1e-9, ("t_ns", "time_ns")),
     "east": Meaning("east_m", 1.0, ("east_m", "east", "x")),
     "north": Meaning("north_m", 1.0, ("north_m", "north", "y")),
     "up": Meaning("up_m", 1.0, ("up_m", "up", "z")),
@@ -67,6 +71,23 @@ MEANINGS: Mapping[str, Meaning] = {
     "vehicle": Meaning("vehicle", 1.0, ("vehicle", "vehicle_id")),
     "trip": Meaning("trip", 1.0, ("trip",)),
 }
+_SECONDS = {"t_s", "time_s"}
+"""Names that say seconds; the other names of ``t`` leave the unit to the values."""
+
+_LIKELY: Mapping[str, str] = {
+    "t_ns": r"(time|stamp|^t)[^a-z]*(ns|nano\w*)\b",
+    "t_us": r"(time|stamp|^t)[^a-z]*(us|µs|micro\w*)\b",
+    "t_ms": r"(time|stamp|^t)[^a-z]*(ms|milli\w*)\b",
+    "t": r"time|stamp|date|^t\b|^sec|clock|utc",
+    "lat": r"lat",
+    "lon": r"lon|lng",
+    "east": r"east|^x|[^a-z]x\b|_x\b|^e\d*$|pos_?x",
+    "north": r"north|^y(?!aw)|[^a-z]y\b|_y\b|^n\d*$|pos_?y",
+    "speed_kmh": r"(speed|vel).*(km/?h|kph)",
+    "speed": r"speed|veloc|^v\b|^v_?(mps|ms)?$",
+}
+"""What a column may mean, by its name in lower case: for examples only, never for reading."""
+
 _LOCAL = ("east_m", "north_m")
 _GEODETIC = ("latitude_deg", "longitude_deg")
 
@@ -83,16 +104,91 @@ class ColumnMap:
         The column that names the vehicle or trip, if any.
     whole_id
         Whether `label` holds complete trip identifiers.
+    time_stated
+        Whether the name of the time column, or the map, states its unit.
     """
 
     numbers: Mapping[str, tuple[str, float]]
     label: str | None
     whole_id: bool
+    time_stated: bool
 
     @property
     def geodetic(self) -> bool:
         """Whether positions are latitudes and longitudes."""
         return _LOCAL[0] not in self.numbers
+
+
+def known_map(
+    path: str, columns: Mapping[str, str] | None, names: Sequence[str], *, row: int | None = None
+) -> ColumnMap:
+    """Return what a table's columns mean, by the user's map or by their names.
+
+    Parameters
+    ----------
+    path
+        The file, for errors.
+    columns
+        The user's map, if any.
+    names
+        The table's columns, in order.
+    row
+        The line of the header, where there is one.
+
+    Raises
+    ------
+    ConfigError, DataFormatError
+        As `user_map`; where the names say too little; where a column that is needed occurs twice.
+    """
+    found = user_map(path, columns, names) if columns else detected_map(names)
+    if found is None:
+        raise DataFormatError(
+            path,
+            f"no known names of time and position among the columns {', '.join(names)}",
+            row=row,
+            remedy=f"Give a column map, for example {example_map(names)}.",
+        )
+    used = [name for name, _ in found.numbers.values()] + ([found.label] if found.label else [])
+    twice = next((name for name in used if list(names).count(name) > 1), None)
+    if twice is not None:
+        places = ", ".join(str(at) for at, name in enumerate(names, start=1) if name == twice)
+        raise DataFormatError(
+            path, f"column {twice!r} occurs more than once (columns {places})", row=row,
+            remedy="Rename all but the one that is meant.",
+        )  # fmt: skip
+    return found
+
+
+def example_map(names: Sequence[str]) -> str:
+    """Return an example of a column map made of a table's own columns, for an error.
+
+    Examples
+    --------
+    >>> example_map(["Stamp_ns", "Position Lat", "Position Lon", "Speed [km/h]"])
+    "--columns 't_ns=Stamp_ns,lat=Position Lat,lon=Position Lon,speed_kmh=Speed [km/h]'"
+    >>> example_map(["a", "b", "c"])
+    "--columns 't=a,east=b,north=c'"
+    """
+    free = [name for name in dict.fromkeys(names) if name and not set(name) & set(",='")]
+    if len(free) < 3:
+        return "t=time,east=x,north=y: it names a time and two columns of position"
+    guess: dict[str, str] = {}
+    for meaning, pattern in _LIKELY.items():
+        filled = {MEANINGS[known].fills for known in guess}
+        name = next((name for name in free if re.search(pattern, name.lower())), None)
+        if name is not None and MEANINGS[meaning].fills not in filled:
+            guess[meaning] = name
+            free.remove(name)
+    time = next((meaning for meaning in guess if MEANINGS[meaning].fills == "t_s"), "t")
+    pair = ("lat", "lon") if {"lat", "lon"} <= guess.keys() else ("east", "north")
+    free += [name for meaning, name in guess.items() if meaning in {"lat", "lon", "east", "north"} - {*pair}]
+    speed = [meaning for meaning in ("speed_kmh", "speed") if meaning in guess]
+    wanted = [time, *pair]
+    parts = [
+        f"{meaning}={guess.get(meaning) or free.pop(0)}" for meaning in wanted if free or meaning in guess
+    ]
+    parts += [f"{meaning}={guess[meaning]}" for meaning in speed]
+    return f"--columns '{','.join(parts)}'"
 
 
 def detected_map(names: Collection[str]) -> ColumnMap | None:
@@ -147,7 +243,7 @@ def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> C
             f"The column map {dict(columns)} needs t, and east with north or lat with lon: "
             "for example t=time,east=x,north=y,speed=v."
         )
-    return found
+    return replace(found, time_stated=found.time_stated or "t_s" in columns)
 
 
 def _mapped(found: Mapping[str, str]) -> ColumnMap | None:
@@ -164,4 +260,5 @@ def _mapped(found: Mapping[str, str]) -> ColumnMap | None:
     unused = (*_GEODETIC, "altitude_m") if local else (*_LOCAL, "up_m")
     kept = {fills: entry for fills, entry in numbers.items() if fills not in unused}
     label = found.get("trip", found.get("vehicle"))
-    return ColumnMap(kept, label, "trip" in found)
+    stated = "t" not in found or found["t"] in _SECONDS
+    return ColumnMap(kept, label, "trip" in found, stated)

@@ -1,6 +1,7 @@
-r"""NMEA 0183 logs: GGA and RMC sentences of any talker, one receiver a file, any rate.
+r"""NMEA 0183 logs: GGA and RMC sentences of any talker, any rate, one trip a receiver.
 
-The trip is ``<stem>/receiver``. GGA and RMC with the same time of day, one after the other, are one epoch.
+The trip is ``<stem>/receiver``; where a log holds several receivers (`modelcast.io.nmea_receivers`), the
+first talker of each is added: ``<stem>/receiver-GP``. A GGA and an RMC of the same time are one epoch.
 
 ==========  ====================================  =====================================================
 Sentence    Field                                 Use
@@ -10,25 +11,30 @@ GGA         1 hhmmss.sss                          time of day (UTC)
             6 fix quality                         0 is no fix
             9 altitude, 11 geoid separation [m]   their sum: height above the ellipsoid
 RMC         1 hhmmss.sss, 9 ddmmyy                time of day and date (UTC)
-            2 status                              V is no fix
+            2 status, 12 mode                     V, or mode N, is no fix
             3-6 latitude, N/S, longitude, E/W     position, where the epoch has no GGA
             7 speed [knots]                       speed
             8 course [deg]                        heading, clockwise from true north
 ==========  ====================================  =====================================================
 
-Two-digit years are 1980-2079. Times have the date of the last RMC; where the time of day falls by over 12
-hours it is midnight. Without any RMC date a trip has no absolute time. A tag block (``\...\``) or text
-before ``$`` is passed over.
+Two-digit years are 1981-2079; 1980 is a date that the receiver does not know yet, and none. Times have the
+date of the last RMC; where the time of day falls by over 12 hours it is midnight. Without any RMC date a trip
+has no absolute time.
 
-Skipped and counted: "bad checksum" (sentences without one too), "no fix", "position missing", "duplicate
-time", "partial last line"; "no first value yet". Other sentences are not counted. Repaired and counted:
-"out of time order" (sorted); a missing speed or course (blank at standstill), held or left out as `rows`
-says. A sentence with a good checksum and a bad field is an error. Rows are epochs and bad sentences.
+Lines end with LF, CRLF or CR alone. A sentence begins at ``$`` and ends at the next one: sentences glued
+together are read, and one that the next cuts short is counted. Text before ``$`` (a tag block, a word of the
+logger) and behind the checksum (a time stamp) is passed over. Sixty minutes are a degree.
+
+Skipped and counted: "bad checksum", "no checksum" (also what is left of a cut sentence), "bad field" (under a
+good checksum), "no fix", "no time", "position missing", "duplicate time" (the first epoch of a time is kept),
+"partial last line"; "no first value yet". Other sentences are not counted. Repaired and counted: "out of time
+order" (sorted); a missing speed or course (blank at standstill), held or left out as `rows` says. Rows are
+epochs and faulty sentences; the latter count with the first receiver.
 """
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass
-from datetime import UTC, date, datetime
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
@@ -38,22 +44,51 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, wrap_angle_rad
 from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
-from modelcast.io.nmea_sentences import Fix, parse_fix, sentence_body
+from modelcast.io.nmea_epochs import Epoch, epochs_of, midnights, refuse_second_receiver, timed
+from modelcast.io.nmea_receivers import Heard, receivers
+from modelcast.io.nmea_sentences import Fix, parse_fix, sentence_body, sentences, talker_of
 from modelcast.io.rows import Rows, located, make_trip, ordered
-from modelcast.io.text_blocks import first_lines
+from modelcast.io.text_head import file_head, first_lines
 
 __all__ = ["NmeaReader"]
 
-_DAY_S = 86400.0
+_POSITION = re.compile(r"\$[A-Z]{2,3}(GGA|RMC),")
 
 
-@dataclass(frozen=True, slots=True)
-class _Epoch:
-    """All that is known about one instant."""
+@dataclass(slots=True)
+class _Log:
+    """The GGA and RMC sentences of a log, the faulty ones by reason, and the first that was malformed."""
 
-    line: int
-    t_s: float
-    fix: Fix
+    heard: list[Heard] = field(default_factory=list[Heard])
+    faults: dict[str, int] = field(default_factory=dict[str, int])
+    malformed: tuple[int, str] | None = None
+
+    def fix(self, number: int, sentence: str, body: str | None) -> Fix | None:
+        """Return what a sentence says, None where it is another one or faulty, which is counted."""
+        if body is None:
+            self._fault(_why_faulty(sentence))
+            return None
+        try:
+            return parse_fix(body)
+        except ValueError as error:
+            self.malformed = self.malformed or (number, str(error))
+            self._fault("bad field")
+            return None
+
+    def cut(self, last_line: str) -> None:
+        """Count the last sentence of a last line without a line end as cut, where it is faulty."""
+        last = sentences(last_line)[-1:]
+        if last and sentence_body(last[0]) is None:
+            self.faults[_why_faulty(last[0])] -= 1
+            self._fault("partial last line")
+
+    def _fault(self, reason: str) -> None:
+        self.faults[reason] = self.faults.get(reason, 0) + 1
+
+
+def _why_faulty(sentence: str) -> str:
+    """Return why a sentence without a good checksum is skipped."""
+    return "bad checksum" if "*" in sentence else "no checksum"
 
 
 class NmeaReader(AbstractTripReader):
@@ -62,113 +97,105 @@ class NmeaReader(AbstractTripReader):
     name: ClassVar[str] = "nmea"
 
     def matches(self, path: Path, head: bytes) -> bool:
-        """Return whether one of the first lines is a sentence with a good checksum."""
+        """Return whether one of the first sentences has a good checksum, or begins like a GGA or RMC."""
         del path
-        return any(sentence_body(line) is not None for line in first_lines(head)[:50])
+        return any(
+            sentence_body(sentence) is not None or _POSITION.match(sentence)
+            for line in first_lines(head)
+            for sentence in sentences(line)
+        )
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
-        """Yield the receiver's one trip; the epochs are held in memory."""
-        tally = Tally()
-        trip_id = f"{Path(path).stem}/receiver"
-        fixes, faulty = _fixes(path, tally)
-        epochs, start_unix_s = _epochs(fixes)
-        if not epochs:
-            raise DataFormatError(
-                path,
-                "no GGA or RMC sentence with a good checksum",
-                remedy="Other sentences hold no position.",
-            )
-        count = len(epochs) + faulty
-        rows = _rows(epochs, tally)
-        trip = None
-        if len(rows):
-            first = {name: float(column[0]) for name, column in rows.columns.items()}
-            altitude = first["altitude_m"]
-            origin = Origin(
-                first["latitude_deg"], first["longitude_deg"], altitude if np.isfinite(altitude) else 0.0
-            )
-            rows = located(ordered(rows, tally), origin)
-            trip = make_trip(
-                path, trip_id, rows, tally,
-                count=count, source=self.name, origin=origin, unix_offset_s=start_unix_s,
-            )  # fmt: skip
-        if trip is None:
-            on_skipped(trip_id, tally.why_empty())
-        else:
-            yield trip
+        """Yield a trip per receiver; the epochs are held in memory."""
+        log = _log(path)
+        found = receivers(log.heard)
+        faults = log.faults
+        for name, heard in found.items():
+            receiver = "receiver" if len(found) == 1 else f"receiver-{name}"
+            trip_id = f"{Path(path).stem}/{receiver}"
+            tally = Tally()
+            for reason, count in faults.items():
+                tally.skip(reason, count)
+            trip = _trip(path, trip_id, heard, tally, faulty=sum(faults.values()))
+            faults = {}
+            if trip is None:
+                on_skipped(trip_id, tally.why_empty())
+            else:
+                yield trip
 
 
-def _fixes(path: str, tally: Tally) -> tuple[list[tuple[int, Fix]], int]:
-    """Return the GGA and RMC sentences with their lines, and the number of faulty sentences."""
-    fixes: list[tuple[int, Fix]] = []
-    faulty = 0
+def _log(path: str) -> _Log:
+    """Return what a file holds.
+
+    Raises
+    ------
+    DataFormatError
+        Where it is empty or has no GGA or RMC sentence that can be read.
+    """
+    file_head(path)
+    log = _Log()
     empty = True
-    with Path(path).open(encoding="ascii", errors="replace", newline="\n") as file:
+    line = ""
+    days, last_s = 0, float("nan")
+    with Path(path).open(encoding="ascii", errors="replace", newline=None) as file:
         for number, line in enumerate(file, start=1):
             empty = empty and not line.strip()
-            if "$" not in line:
-                continue
-            body = sentence_body(line)
-            if body is None:
-                faulty += 1
-                tally.skip("bad checksum" if line.endswith("\n") else "partial last line", 1)
-                continue
-            try:
-                fix = parse_fix(body)
-            except ValueError as error:
-                raise DataFormatError(
-                    path, f"{error} in a sentence with a good checksum", row=number,
-                    remedy="Remove the sentence.",
-                ) from error  # fmt: skip
-            if fix is not None:
-                fixes.append((number, fix))
+            for sentence in sentences(line):
+                body = sentence_body(sentence)
+                fix = log.fix(number, sentence, body)
+                if body is None or fix is None:
+                    continue
+                if fix.valid and np.isfinite(fix.time_of_day_s):
+                    days += midnights(last_s, fix.time_of_day_s)
+                    last_s = fix.time_of_day_s
+                log.heard.append(Heard(len(log.heard), number, talker_of(body), days, fix))
+        if not line.endswith("\n"):
+            log.cut(line)
     if empty:
         raise DataFormatError(path, "the file is empty", remedy="Check that it is complete.")
-    return fixes, faulty
+    if not log.heard:
+        _refuse(path, log)
+    return log
 
 
-def _epochs(fixes: list[tuple[int, Fix]]) -> tuple[list[_Epoch], float | None]:
-    """Return the sentences joined by time of day, with times from the first day's midnight, and its date.
-
-    Times are not Unix times yet, because in float64 those lose a quarter of a microsecond.
-    """
-    merged: list[tuple[int, Fix]] = []
-    for line, fix in fixes:
-        if merged and merged[-1][1].time_of_day_s == fix.time_of_day_s and merged[-1][1].kind != fix.kind:
-            merged[-1] = (merged[-1][0], merged[-1][1].joined(fix))
-        else:
-            merged.append((line, fix))
-    dates = [fix.day for _, fix in merged if fix.day is not None]
-    first_s = _unix_day_s(dates[0]) if dates else 0.0
-    day_s = 0.0
-    first_dated = next((at for at, (_, fix) in enumerate(merged) if fix.day is not None), 0)
-    # A midnight before the first date belongs to the day before it.
-    day_s -= _DAY_S * sum(_midnight(merged[at - 1][1], merged[at][1]) for at in range(1, first_dated + 1))
-    epochs: list[_Epoch] = []
-    for at, (line, fix) in enumerate(merged):
-        if at and fix.day is None:
-            day_s += _DAY_S * _midnight(merged[at - 1][1], fix)
-        elif fix.day is not None:
-            day_s = _unix_day_s(fix.day) - first_s
-        epochs.append(_Epoch(line, day_s + fix.time_of_day_s, fix))
-    return epochs, first_s if dates else None
+def _refuse(path: str, log: _Log) -> None:
+    """Raise what is wrong with a log without a GGA or RMC sentence that can be read."""
+    if log.malformed is not None:
+        row, problem = log.malformed
+        raise DataFormatError(
+            path, f"{problem} in a sentence with a good checksum", row=row, remedy="Remove the sentence."
+        )
+    counts = ", ".join(f"{count} with {reason}" for reason, count in log.faults.items())
+    raise DataFormatError(
+        path,
+        "no GGA or RMC sentence with a good checksum" + (f" ({counts})" if counts else ""),
+        remedy="Position is read from GGA and RMC with their checksums, and from no other sentence.",
+    )
 
 
-def _midnight(before: Fix, after: Fix) -> int:
-    """Return 1 where midnight lies between two fixes, -1 where the later one is late from before it."""
-    fall_s = before.time_of_day_s - after.time_of_day_s
-    return int(fall_s > _DAY_S / 2) - int(fall_s < -_DAY_S / 2)
+def _trip(path: str, trip_id: str, heard: list[Heard], tally: Tally, *, faulty: int) -> Trajectory | None:
+    """Return one receiver's trip, or None where no epoch is usable."""
+    epochs = epochs_of(heard)
+    refuse_second_receiver(path, epochs)
+    epochs, start_unix_s = timed(epochs)
+    rows = _rows(epochs, tally)
+    if not len(rows):
+        return None
+    first = {name: float(column[0]) for name, column in rows.columns.items()}
+    altitude = first["altitude_m"]
+    origin = Origin(first["latitude_deg"], first["longitude_deg"], altitude if np.isfinite(altitude) else 0.0)
+    rows = located(ordered(rows, tally), origin)
+    return make_trip(
+        path, trip_id, rows, tally,
+        count=len(epochs) + faulty, source=NmeaReader.name, origin=origin, unix_offset_s=start_unix_s,
+    )  # fmt: skip
 
 
-def _unix_day_s(day: date) -> float:
-    return datetime(day.year, day.month, day.day, tzinfo=UTC).timestamp()
-
-
-def _rows(epochs: list[_Epoch], tally: Tally) -> Rows:
-    """Return the epochs with a fix and a position, in SI units."""
-    fixes = [epoch.fix for epoch in epochs]
+def _rows(epochs: list[Epoch], tally: Tally) -> Rows:
+    """Return the epochs with a fix, a time and a position, in SI units."""
+    fixes = [epoch.heard.fix for epoch in epochs]
     rows = Rows(
-        np.array([epoch.line for epoch in epochs], dtype=np.int64),
+        np.array([epoch.heard.line for epoch in epochs], dtype=np.int64),
         {
             "t_s": np.array([epoch.t_s for epoch in epochs], dtype=np.float64),
             "latitude_deg": np.array([fix.latitude_deg for fix in fixes], dtype=np.float64),
@@ -182,5 +209,6 @@ def _rows(epochs: list[_Epoch], tally: Tally) -> Rows:
     )
     no_fix = np.array([not fix.valid for fix in fixes], dtype=np.bool_)
     rows = rows.without(no_fix, "no fix", tally)
+    rows = rows.without(np.isnan(rows.columns["t_s"]), "no time", tally)
     unplaced = np.isnan(rows.columns["latitude_deg"] + rows.columns["longitude_deg"])
     return rows.without(unplaced, "position missing", tally)

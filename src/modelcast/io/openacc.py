@@ -1,30 +1,39 @@
-"""OpenACC platoons recorded at the ZalaZONE proving ground: one file, several cars on one clock, 10 Hz.
+"""OpenACC platoons: one file, several cars on one clock, 10 Hz; all campaigns that give positions.
 
 Five metadata lines (``Date``, ``Vehicle_order``, ``Number_of_vehicles``, ``ACC``, ``Distance_setting``), a
 header, then one row per 0.1 s. Car k is the k-th name of ``Vehicle_order``; that was checked on one car's
 repeated positions, which follow its name through files with different orders. Some cars have no columns.
 
-=============  ======  ====================================================================
-Column         Unit    Use
-=============  ======  ====================================================================
-Time           s       time; not absolute
-Speed<k>       m/s     speed; slightly negative at standstill in places, kept
-E<k>, N<k>     m       east, north, shifted so that the file's first valid sample is (0, 0)
-Alt<k>         m       height above that sample
-Lon<k>, Lat<k> deg     of the first valid sample only: the frame's origin
-IVS<k>         m       inter-vehicle spacing; not used
-=============  ======  ====================================================================
+=================  ==========  ============================================================
+Column             Unit        Use
+=================  ==========  ============================================================
+Time               s           time; not absolute
+Speed<k>           m/s         speed; slightly negative at standstill in places, kept
+E<k>, N<k>         m           east, north, shifted so that the file's first valid sample
+                               is (0, 0)
+Alt<k>, else U<k>  m           height above that sample, where every car has it
+Lat<k>, Lon<k>     deg or rad  of the first valid sample: the frame's origin; positions
+                               where a car has no E, N
+Acc<k>             m/s²        acceleration (also A, Accel, Acceleration)
+VE, VN, VU<k>      m/s         not used
+IVS<k>             m           inter-vehicle spacing; not used
+Driver<k>          -           ``Human`` or ``ACC``; not used
+=================  ==========  ============================================================
 
-E, N are used rather than longitude and latitude: the two agree within 0.1 m over 550 m in every file seen.
-There is no heading, acceleration or yaw rate.
+Another column is an error. E, N are used rather than longitude and latitude: the two agree within 0.1 m over
+550 m in every file seen. There is no heading or yaw rate.
+
+The campaigns on Italian roads give latitude and longitude in radians, those at ZalaZONE in degrees. Each
+car's are told apart by its motion in E, N, where it has moved over `_TOLD_M`; otherwise a latitude of over
+pi/2 in one row is degrees. Degrees within 1.57 of the equator, without E, N, would be taken for radians.
 
 Skipped and counted: rows without a position ("position missing") or time ("time missing"), a cut last line
-("partial last line"). Repaired: single missing speeds or heights (the last value is held). A car named in
-``Vehicle_order`` without columns, or with none but blank cells, is reported as skipped.
+("partial last line"). Repaired: single missing speeds, heights or accelerations (the last value is held). A
+car named in ``Vehicle_order`` without columns, or with none but blank cells, is reported as skipped.
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -35,14 +44,27 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
 from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
-from modelcast.io.rows import Rows, joined, make_trip
-from modelcast.io.text_blocks import first_lines, number_column, read_blocks, split_fields
+from modelcast.io.openacc_layout import GEODETIC, LOCAL, Layout, openacc_layout
+from modelcast.io.rows import Rows, joined, located, make_trip
+from modelcast.io.text_blocks import number_column, read_blocks
+from modelcast.io.text_head import first_lines, split_fields
 from modelcast.simulation.scenario.replay import Replay, make_replay
 
 __all__ = ["OpenAccReader", "read_platoon"]
 
-_COLUMNS = {"Speed": "speed_mps", "E": "east_m", "N": "north_m", "Lon": "lon", "Lat": "lat", "Alt": "up_m"}
-_HEAD_BYTES = 65536
+_TOLD_M = 20.0
+"""Motion in E, N that tells degrees from radians [m]."""
+_METRES_PER_RAD = 6.37e6
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """Where the file's plane begins, and what that point is in the file's own E, N and height [m]."""
+
+    origin: Origin | None
+    east_m: float
+    north_m: float
+    up_m: float
 
 
 class OpenAccReader(AbstractTripReader):
@@ -53,7 +75,7 @@ class OpenAccReader(AbstractTripReader):
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether the metadata lines of the format are there."""
         del path
-        return any(line.startswith("Vehicle_order,") for line in first_lines(head)[:5])
+        return any(split_fields(line)[0] == "Vehicle_order" for line in first_lines(head)[:5])
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per car, ``<stem>/<name in Vehicle_order>``; the file is held whole."""
@@ -84,33 +106,28 @@ def read_platoon(path: str | Path, *, length_m: float = 4.5) -> Replay:
 
 def _trips_on_one_clock(path: str, on_skipped: OnSkipped) -> Iterator[Trajectory]:
     """Yield a trip per car, with the file's time of its first sample as `start_unix_s`."""
-    names, header, header_line = _layout(path)
+    layout = openacc_layout(path)
     stem = Path(path).stem
-    cars, partial = _cars(path, header, header_line)
-    origin, east_m, north_m = _origin(cars)
-    for number, name in enumerate(names, start=1):
+    cars, partial = _cars(path, layout)
+    frame = _frame(cars, absolute=layout.height == "altitude_m")
+    for number, name in enumerate(layout.names, start=1):
         if number not in cars:
-            on_skipped(f"{stem}/{name}", "named in Vehicle_order but without columns")
+            lacks = "position columns" if number in layout.unplaced else "columns"
+            on_skipped(f"{stem}/{name}", f"named in Vehicle_order but without {lacks}")
             continue
         rows, tally = cars[number], Tally()
         tally.skip("partial last line", int(partial))
         count = len(rows) + int(partial)
         rows = rows.without(np.isnan(rows.columns["t_s"]), "time missing", tally)
         rows = rows.without(_unplaced(rows), "position missing", tally)
-        columns = rows.columns
-        rows = rows.having(
-            east_m=columns["east_m"] - east_m,
-            north_m=columns["north_m"] - north_m,
-            up_m=columns["up_m"] - origin.altitude_m,
-        )
         trip = make_trip(
             path,
             f"{stem}/{name}",
-            rows,
+            _framed(rows, frame),
             tally,
             count=count,
             source=OpenAccReader.name,
-            origin=origin,
+            origin=frame.origin,
             unix_offset_s=0.0,
         )
         if trip is None:
@@ -119,76 +136,109 @@ def _trips_on_one_clock(path: str, on_skipped: OnSkipped) -> Iterator[Trajectory
             yield trip
 
 
-def _layout(path: str) -> tuple[list[str], list[str], int]:
-    """Return the cars' names in order, the header's fields and its one-based line."""
-    with Path(path).open("rb") as file:
-        lines = first_lines(file.read(_HEAD_BYTES))
-    order = next((line for line in lines[:5] if line.startswith("Vehicle_order,")), None)
-    at = next((at for at, line in enumerate(lines[:20]) if line.startswith("Time,")), None)
-    if order is None or at is None:
-        raise DataFormatError(
-            path,
-            "no Vehicle_order line with a header row that begins with Time after it",
-            remedy="OpenACC files begin with five metadata lines and a header row.",
-        )
-    names = [name for name in split_fields(order)[1:] if name]
-    header = split_fields(lines[at])
-    repeated = {field for field in header if header.count(field) > 1}
-    if repeated:
-        raise DataFormatError(path, f"columns {sorted(repeated)} occur more than once", row=at + 1)
-    if len(set(names)) != len(names):
-        names = [f"{name}-{number}" for number, name in enumerate(names, start=1)]
-    for number in _numbers(header):
-        missing = [f"{word}{number}" for word in _COLUMNS if f"{word}{number}" not in header]
-        if missing or not 1 <= number <= len(names):
-            problem = f"column {missing[0]} is missing" if missing else f"Speed{number} has no name"
-            raise DataFormatError(
-                path, f"{problem}; Vehicle_order names {len(names)} cars", row=at + 1,
-                remedy="Car k needs Speedk, Ek, Nk, Lonk, Latk, Altk and the k-th name of Vehicle_order.",
-            )  # fmt: skip
-    if not _numbers(header):
-        raise DataFormatError(path, "no Speed<k> column", row=at + 1, remedy="See docs/formats.md.")
-    return names, header, at + 1
-
-
-def _numbers(header: list[str]) -> list[int]:
-    return [int(field[5:]) for field in header if field.startswith("Speed") and field[5:].isdecimal()]
-
-
-def _cars(path: str, header: list[str], header_line: int) -> tuple[dict[int, Rows], bool]:
-    """Return every car's rows as they stand, and whether the last line is cut."""
-    field = {name: at for at, name in enumerate(header)}
-    parts: dict[int, list[Rows]] = {number: [] for number in _numbers(header)}
-    wanted = [field["Time"], *(field[f"{word}{number}"] for word in _COLUMNS for number in parts)]
+def _cars(path: str, layout: Layout) -> tuple[dict[int, Rows], bool]:
+    """Return every car's rows, angles in degrees, and whether the last line is cut."""
+    parts: dict[int, list[Rows]] = {number: [] for number in layout.cars}
+    time = layout.header.index("Time")
+    wanted = [time, *(place for fields in layout.cars.values() for place in fields.values())]
     partial = False
-    for block in read_blocks(path, counts=[len(header)], fields=wanted, skip_lines=header_line):
+    for block in read_blocks(path, counts=[len(layout.header)], fields=wanted, skip_lines=layout.line):
         partial = partial or block.partial > 0
-        t_s = number_column(path, block, field["Time"], "Time")
+        t_s = number_column(path, block, time, "Time")
         for number, pieces in parts.items():
-            columns: dict[str, FloatArray] = {"t_s": t_s}
-            for word, name in _COLUMNS.items():
-                column = f"{word}{number}"
-                columns[name] = number_column(path, block, field[column], column)
+            columns = {"t_s": t_s}
+            for fills, place in layout.cars[number].items():
+                columns[fills] = number_column(path, block, place, layout.header[place])
             pieces.append(Rows(block.line, columns))
     if not any(len(piece) for pieces in parts.values() for piece in pieces):
-        raise DataFormatError(path, "no rows after the header", row=header_line, remedy="The file is empty.")
-    return {number: joined(pieces) for number, pieces in parts.items()}, partial
+        raise DataFormatError(path, "no rows after the header", row=layout.line, remedy="The file is empty.")
+    return {
+        number: _in_degrees(path, _with_height(joined(pieces), layout.height), geodetic=layout.geodetic)
+        for number, pieces in parts.items()
+    }, partial
+
+
+def _with_height(rows: Rows, name: str | None) -> Rows:
+    """Return the rows with the one height that is used as ``up_m``."""
+    columns = {key: column for key, column in rows.columns.items() if key not in {"altitude_m", "local_up_m"}}
+    return Rows(rows.line, columns if name is None else {**columns, "up_m": rows.columns[name]})
+
+
+def _in_degrees(path: str, rows: Rows, *, geodetic: bool) -> Rows:
+    """Return the rows with angles in degrees, checked, and without E, N where they are not to be used."""
+    columns = dict(rows.columns)
+    if set(GEODETIC) <= columns.keys():
+        factor = np.degrees(1.0) if _are_radians(columns) else 1.0
+        for name, bound in zip(GEODETIC, (90.0, 180.0), strict=True):
+            degrees = columns[name] * factor
+            bad = np.abs(degrees) > bound
+            if bad.any():
+                at = int(np.argmax(bad))
+                raise DataFormatError(
+                    path, f"{name} is {columns[name][at]}, beyond {bound:.0f} degrees",
+                    row=int(rows.line[at]), remedy="Correct the value or leave the cell blank.",
+                )  # fmt: skip
+            columns[name] = degrees
+    if geodetic:
+        columns = {name: column for name, column in columns.items() if name not in LOCAL}
+    return Rows(rows.line, columns)
+
+
+def _are_radians(columns: dict[str, FloatArray]) -> bool:
+    """Return whether latitudes and longitudes are radians, by the motion in E, N or by their size."""
+    lat, lon = columns["lat"], columns["lon"]
+    if set(LOCAL) <= columns.keys():
+        known = np.isfinite(lat + lon + columns["east_m"] + columns["north_m"])
+        moved_m = _range(columns["north_m"][known])
+        if moved_m > _TOLD_M and _range(lat[known]) > 0.0:
+            scale = moved_m / _range(lat[known])
+            return bool(scale > _METRES_PER_RAD * np.sqrt(np.radians(1.0)))
+    known = np.isfinite(lat)
+    return bool(known.any()) and bool(np.abs(lat[known]).max() <= np.pi / 2)
+
+
+def _range(values: FloatArray) -> float:
+    return float(values.max() - values.min()) if values.size else 0.0
 
 
 def _unplaced(rows: Rows) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    return np.isnan(rows.columns["east_m"]) | np.isnan(rows.columns["north_m"])
+    names = LOCAL if set(LOCAL) <= rows.columns.keys() else GEODETIC
+    return np.isnan(rows.columns[names[0]]) | np.isnan(rows.columns[names[1]])
 
 
-def _origin(cars: dict[int, Rows]) -> tuple[Origin, float, float]:
-    """Return the frame's origin: the earliest row with a full position, of the first car that has one."""
+def _framed(rows: Rows, frame: _Frame) -> Rows:
+    """Return the rows on the file's plane."""
+    columns = {name: column for name, column in rows.columns.items() if name not in GEODETIC}
+    if "up_m" in columns:
+        columns["up_m"] = columns["up_m"] - frame.up_m
+    if set(LOCAL) <= columns.keys():
+        columns |= {"east_m": columns["east_m"] - frame.east_m, "north_m": columns["north_m"] - frame.north_m}
+        return Rows(rows.line, columns)
+    if frame.origin is None:
+        return rows
+    angles = {"latitude_deg": rows.columns["lat"], "longitude_deg": rows.columns["lon"]}
+    return located(Rows(rows.line, columns | angles), replace(frame.origin, altitude_m=0.0))
+
+
+def _frame(cars: dict[int, Rows], *, absolute: bool) -> _Frame:
+    """Return the file's frame, at the earliest row with a full position, of the first car that has one."""
+    best = _first_row(cars, (*GEODETIC, "up_m")) or _first_row(cars, GEODETIC)
+    if best is None:
+        return _Frame(None, 0.0, 0.0, 0.0)
+    first = {name: float(column[best[0]]) for name, column in cars[best[1]].columns.items()}
+    up_m = first.get("up_m", 0.0)
+    up_m = up_m if np.isfinite(up_m) else 0.0
+    origin = Origin(first["lat"], first["lon"], up_m if absolute else 0.0) if "lat" in first else None
+    return _Frame(origin, first.get("east_m", 0.0), first.get("north_m", 0.0), up_m)
+
+
+def _first_row(cars: dict[int, Rows], complete: tuple[str, ...]) -> tuple[int, int] | None:
+    """Return the earliest row that has a position and these columns, and its car."""
     best: tuple[int, int] | None = None
     for number, rows in cars.items():
-        columns = rows.columns
-        full = np.isfinite(columns["lat"] + columns["lon"] + columns["up_m"]) & ~_unplaced(rows)
+        full = ~_unplaced(rows)
+        for name in complete:
+            full &= np.isfinite(rows.columns.get(name, np.zeros(len(rows))))
         if full.any() and (best is None or int(np.argmax(full)) < best[0]):
             best = (int(np.argmax(full)), number)
-    if best is None:
-        return Origin(0.0, 0.0), 0.0, 0.0
-    columns = {name: float(column[best[0]]) for name, column in cars[best[1]].columns.items()}
-    origin = Origin(columns["lat"], columns["lon"], columns["up_m"])
-    return origin, columns["east_m"], columns["north_m"]
+    return best

@@ -1,10 +1,12 @@
 """Parquet tables, by the names of their columns: the same columns and map as csv.
 
-`modelcast.io.column_map` has the table of columns and units. Numbers may have any numeric type and are read
-as float64; null is missing, NaN is an error. Rows are numbered from 1 in errors.
+`modelcast.io.column_map` has the table of columns and units, `modelcast.io.time_column` the times that are
+read; a column of Arrow time stamps tells its own unit. Numbers may have any numeric type and are read as
+float64; null is missing, NaN is an error. Rows are numbered from 1 in errors.
 
-Skipped and counted: rows whose time or position is null. Repaired and counted: single missing values of
-optional columns (the last value is held).
+Skipped and counted: rows whose time or position is null, rows off the road (`modelcast.io.table_trips`).
+Repaired and counted: single missing values of optional columns (the last value is held), Unix times whose
+unit only their size tells.
 """
 
 # pyarrow has no type stubs: what comes out of it is unknown to pyright.
@@ -20,17 +22,21 @@ import polars as pl
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
-from modelcast.io.column_map import ColumnMap, detected_map, user_map
-from modelcast.io.rows import Rows, are_numbers
+from modelcast.io.column_map import ColumnMap, known_map
+from modelcast.io.rows import LARGEST, Rows, are_numbers
 from modelcast.io.table_trips import table_trips
+from modelcast.io.time_column import TimeColumn, TimeUnit, holds_dates
 
 __all__ = ["ParquetReader"]
 
 _MAGIC = b"PAR1"
+_LARGEST_TIME = 1e20
+"""Unix nanoseconds are beyond `LARGEST`."""
+_ARROW_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,10 +68,12 @@ class ParquetReader(AbstractTripReader):
         try:
             # pyarrow, because polars ends the whole process on some damaged files.
             with pq.ParquetFile(path, page_checksum_verification=True) as file:
-                found = self._found(path, [str(name) for name in file.schema_arrow.names])
-                for fills, (name, factor) in found.numbers.items():
-                    scale = factor if fills != "t_s" else 1.0
-                    columns[fills] = _numbers(path, name, file.read(columns=[name]).column(0)) * scale
+                found = known_map(path, self.columns, [str(name) for name in file.schema_arrow.names])
+                time_column = file.read(columns=[found.numbers["t_s"][0]]).column(0)
+                columns["t_s"], time = _times(path, found, time_column)
+                for fills, (name, _) in found.numbers.items():
+                    if fills != "t_s":
+                        columns[fills] = _numbers(path, name, file.read(columns=[name]).column(0))
                 if found.label is not None:
                     names = _text(file.read(columns=[found.label]).column(0))
                     labels = pl.Series(found.label, names, dtype=pl.String)
@@ -81,18 +89,37 @@ class ParquetReader(AbstractTripReader):
         )
         if sizes != {count}:
             raise DataFormatError(path, f"columns of different lengths: {sorted(sizes)}")
-        rows = Rows(np.arange(1, count + 1, dtype=np.int64), columns)
-        yield from table_trips(path, self.name, found, rows, labels, partial=False, on_skipped=on_skipped)
+        rows = Rows(_row_numbers(count), columns)
+        yield from table_trips(
+            path, self.name, found, rows, labels, time=time, partial=False, on_skipped=on_skipped
+        )
 
-    def _found(self, path: str, names: list[str]) -> ColumnMap:
-        found = user_map(path, self.columns, names) if self.columns else detected_map(names)
-        if found is None:
-            raise DataFormatError(
-                path,
-                f"no known names of time and position among the columns {', '.join(names)}",
-                remedy="Give a column map, for example t=time,east=x,north=y,speed=v.",
-            )
-        return found
+
+def _row_numbers(count: int) -> IntArray:
+    return np.arange(1, count + 1, dtype=np.int64)
+
+
+def _times(path: str, found: ColumnMap, column: Any) -> tuple[FloatArray, TimeUnit]:
+    """Return the times from their start, in units, NaN where null, and what they mean."""
+    name, unit_s = found.numbers["t_s"]
+    kind = column.type
+    line = _row_numbers(len(column))
+    if pa.types.is_string(kind) or pa.types.is_large_string(kind):
+        text = pl.Series(name, _text(column), dtype=pl.String)
+        if holds_dates(text):
+            dated = TimeColumn(path, name, unit_s, stated=found.time_stated)
+            return dated.read(text, line), dated.unit
+    if pa.types.is_timestamp(kind):
+        times = TimeColumn(path, name, _ARROW_UNITS[kind.unit], stated=True)
+        whole = pl.Series(name, column.cast(pa.int64()))
+        read = times.numbers(whole, whole.cast(pl.Float64), whole, line)
+        return read, replace(times.unit, unix=kind.tz is not None)
+    times = TimeColumn(path, name, unit_s, stated=found.time_stated)
+    values = pl.Series(name, _numbers(path, name, column, _LARGEST_TIME)).fill_nan(None)
+    whole = pl.repeat(None, len(column), dtype=pl.Int64, eager=True)
+    if pa.types.is_integer(kind):
+        whole = pl.Series(name, column.cast(pa.int64()))
+    return times.numbers(whole, values, values, line), times.unit
 
 
 def _text(column: Any) -> list[str | None]:
@@ -100,14 +127,14 @@ def _text(column: Any) -> list[str | None]:
     return cast("list[str | None]", column.cast(pa.string()).to_pylist())
 
 
-def _numbers(path: str, name: str, column: Any) -> FloatArray:
+def _numbers(path: str, name: str, column: Any, largest: float = LARGEST) -> FloatArray:
     """Return a column as float64, NaN where it is null."""
     kind = column.type
     if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_null(kind)):
         raise DataFormatError(path, f"column {name!r} holds {kind}, not numbers", remedy="Convert it first.")
     numbers = np.array(column.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
     null = np.asarray(column.is_null().to_numpy(), dtype=np.bool_)
-    bad = ~are_numbers(numbers) & ~null
+    bad = ~are_numbers(numbers, largest) & ~null
     if bad.any():
         at = int(np.argmax(bad))
         raise DataFormatError(

@@ -14,6 +14,9 @@ from types import MappingProxyType
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.base import AbstractTripReader
+from modelcast.io.column_map import example_map
+from modelcast.io.table_layout import table_layout
+from modelcast.io.text_head import first_lines, refuse_utf16
 
 __all__ = ["ENTRY_POINT_GROUP", "FORMATS", "detect_format", "get_reader", "reader_names"]
 
@@ -93,11 +96,23 @@ def detect_format(path: str | Path) -> str:
             head = file.read(_HEAD_BYTES)
         if not head.strip():
             raise DataFormatError(str(path), "the file is empty", remedy="Check that it is complete.")
+        refuse_utf16(str(path), head)
     for name in reader_names():
         if get_reader(name).matches(at, head):
             return name
     raise DataFormatError(
         str(path),
         "no reader knows this " + ("folder" if at.is_dir() else "file"),
-        remedy=f"Name its format: {', '.join(reader_names())}; csv and parquet also take a column map.",
+        remedy=_map_for(head)
+        + f"Name its format: {', '.join(reader_names())}; csv and parquet also take a column map.",
     )
+
+
+def _map_for(head: bytes) -> str:
+    """Return an example of a column map where a file begins like a table, else nothing."""
+    layout = table_layout(first_lines(head), lambda names: len(names) > 2)
+    names = () if layout is None else layout.names
+    if len(names) < 3 or not all(name.isprintable() and any(map(str.isalpha, name)) for name in names):
+        return ""
+    columns = ", ".join(names)
+    return f"As a table of the columns {columns} it takes a column map, for example {example_map(names)}. "

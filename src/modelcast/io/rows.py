@@ -26,9 +26,11 @@ from modelcast.io.base import Tally
 __all__ = [
     "LARGEST",
     "MOSTLY_THERE",
+    "NOT_KNOWN_TO_SUMO",
     "OPTIONAL",
     "Rows",
     "are_numbers",
+    "are_unknown_to_sumo",
     "joined",
     "located",
     "make_trip",
@@ -54,6 +56,12 @@ LARGEST_MOTION = {
     "yaw_rate_radps": float(np.radians(327.67)),
 }
 """Larger sizes no vehicle has. Yaw rate: the range of SAE J2735. Acceleration: ours, 20 g, as in a crash."""
+
+NOT_KNOWN_TO_SUMO = -(2.0**30)
+"""What SUMO and its TraCI say for a position, speed or angle that there is none of: -1073741824."""
+
+_ROUNDED = 5000.0
+"""How far a sentinel may have been rounded: six digits, as many programs print, leave 1,824."""
 
 LARGEST = 1e18
 """No quantity of any format is larger; what is, is damage, and could overflow later."""
@@ -92,7 +100,7 @@ class Rows:
         return replace(self, columns={**self.columns, **columns})
 
 
-def are_numbers(values: FloatArray) -> BoolArray:
+def are_numbers(values: FloatArray, largest: float = LARGEST) -> BoolArray:
     """Return which values are finite and of a size that quantities have.
 
     Examples
@@ -101,7 +109,19 @@ def are_numbers(values: FloatArray) -> BoolArray:
     >>> are_numbers(np.array([1.0, np.nan, -np.inf, 1e300]))
     array([ True, False, False, False])
     """
-    return np.abs(values) <= LARGEST
+    return np.abs(values) <= largest
+
+
+def are_unknown_to_sumo(values: FloatArray) -> BoolArray:
+    """Return which values are `NOT_KNOWN_TO_SUMO`, rounded to six digits or better.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> are_unknown_to_sumo(np.array([-1073741824.0, -1.07374e9, -1e9, np.nan]))
+    array([ True,  True, False, False])
+    """
+    return np.abs(values - NOT_KNOWN_TO_SUMO) <= _ROUNDED
 
 
 def joined(parts: list[Rows]) -> Rows:
@@ -181,6 +201,7 @@ def make_trip(
     rows = _completed(rows, tally)
     if not len(rows):
         return None
+    reading = tally.reading(count, samples=len(rows))
     columns = rows.columns
     t_s = columns["t_s"]
     steps = np.diff(t_s)
@@ -201,7 +222,7 @@ def make_trip(
             origin=origin,
             start_unix_s=None if unix_offset_s is None else float(t_s[0]) + unix_offset_s,
             source=source,
-            reading=tally.reading(count),
+            reading=reading,
         )
     except (ValueError, FloatingPointError) as error:
         raise DataFormatError(path, str(error), row=int(rows.line[0])) from error

@@ -34,13 +34,15 @@ from modelcast.core.geodesy import ecef_to_enu
 from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.rows import LARGEST, Rows, make_trip
-from modelcast.io.text_blocks import first_lines
+from modelcast.io.text_head import first_lines
 
 __all__ = ["SmartLocReader"]
 
 _TRUTH, _INPUT = "_GT.txt", "_Input.txt"
 _WORDS = {"point3": 4, "odom3": 7}
 """Numbers needed on a line of each kind."""
+_MOST_NUMBERS = 13
+"""Numbers on a line of either kind with its covariance; more are two lines in one."""
 _EARTH_RADIUS_M = (6.3e6, 6.5e6)
 """Bounds of the distance of a road from the Earth's centre."""
 
@@ -140,7 +142,7 @@ def _measurements(path: str) -> _Measurements:
     lines: list[int] = []
     values: dict[str, list[list[float]]] = {word: [] for word in _WORDS}
     other = cut = 0
-    with Path(path).open(encoding="utf-8", errors="replace", newline="\n") as file:
+    with Path(path).open(encoding="utf-8-sig", errors="replace", newline=None) as file:
         for number, line in enumerate(file, start=1):
             words = line.split()
             if not words:
@@ -169,12 +171,22 @@ def _check_other(path: str, number: int, words: list[str]) -> None:
             path, f"{words[0]!r} is no kind of measurement", row=number,
             remedy="A line is a word and its numbers.",
         )  # fmt: skip
+    if any(word in _WORDS for word in words[1:]):
+        raise DataFormatError(
+            path, f"a second measurement in a line of {words[0]}", row=number,
+            remedy="A measurement is a line: put a line end between the two.",
+        )  # fmt: skip
 
 
 def _floats(path: str, number: int, words: list[str], needed: int) -> list[float]:
     """Return the numbers after the word, checked."""
     if len(words) < needed + 1:
         raise DataFormatError(path, f"{words[0]} has {len(words) - 1} numbers, not {needed}", row=number)
+    if len(words) > _MOST_NUMBERS + 1:
+        raise DataFormatError(
+            path, f"{words[0]} has {len(words) - 1} fields, more than {_MOST_NUMBERS}", row=number,
+            remedy="A measurement is a line: put a line end between the two.",
+        )  # fmt: skip
     found: list[float] = []
     for text in words[1 : needed + 1]:
         try:

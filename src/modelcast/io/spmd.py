@@ -24,14 +24,8 @@ from modelcast.core.geodesy import Origin
 from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.rows import Rows, joined, located, make_trip, ordered, with_missing
-from modelcast.io.text_blocks import (
-    Block,
-    first_lines,
-    number_column,
-    read_blocks,
-    split_fields,
-    text_column,
-)
+from modelcast.io.text_blocks import Block, number_column, read_blocks, text_column
+from modelcast.io.text_head import file_head, first_lines, split_fields
 
 __all__ = ["OPEN_ROWS", "SpmdLayout", "read_spmd", "spmd_matches", "valid_position"]
 
@@ -160,8 +154,7 @@ def _is_header(fields: list[str]) -> bool:
 
 def _opened(path: str, layout: SpmdLayout) -> _File:
     """Return where the columns are, by the header row or, without one, by the format's order."""
-    with Path(path).open("rb") as file:
-        lines = first_lines(file.read(65536))
+    lines = first_lines(file_head(path))
     if not lines or not any(line.strip() for line in lines):
         raise DataFormatError(path, "the file is empty", remedy="Check that it was downloaded completely.")
     fields = split_fields(lines[0])

@@ -2,6 +2,9 @@
 
 Rows are grouped by vehicle, in order of first appearance; within a vehicle time must increase. All mapped
 columns are held in memory, 8 bytes a value.
+
+Programs that log SUMO through TraCI write -1073741824 for what a vehicle off the road does not have. Rows
+with such a position are skipped and counted; such values of other columns are missing, and counted too.
 """
 
 from collections.abc import Iterator
@@ -16,16 +19,24 @@ from modelcast.core.geodesy import Origin, wrap_angle_rad
 from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.column_map import ColumnMap
-from modelcast.io.rows import Rows, located, make_trip
+from modelcast.io.rows import OPTIONAL, Rows, are_unknown_to_sumo, located, make_trip, with_missing
+from modelcast.io.time_column import TimeUnit
+from modelcast.io.unit_check import refuse_other_unit
 
-__all__ = ["table_trips"]
+__all__ = ["OFF_ROAD", "table_trips"]
+
+OFF_ROAD = "off the road (SUMO's -1073741824)"
+"""Why a row without a position in SUMO's traffic is skipped."""
+
+_POSITION = ("east_m", "north_m", "latitude_deg", "longitude_deg")
+_OFF = "off_road"
 
 _CONSTANTS = ("origin_latitude_deg", "origin_longitude_deg", "origin_altitude_m", "start_unix_s")
 
 
 def table_trips(
-    path: str, source: str, found: ColumnMap, rows: Rows, labels: pl.Series | None, *, partial: bool,
-    on_skipped: OnSkipped,
+    path: str, source: str, found: ColumnMap, rows: Rows, labels: pl.Series | None, *, time: TimeUnit,
+    partial: bool, on_skipped: OnSkipped,
 ) -> Iterator[Trajectory]:  # fmt: skip
     """Yield a table's trips.
 
@@ -36,12 +47,15 @@ def table_trips(
     found
         The table's columns.
     rows
-        All rows, in SI units except for the time, NaN where blank.
+        All rows as the file has them, the time from `TimeUnit.start`, NaN where blank.
     labels
         The vehicle (or trip) of each row as text, where the table names it.
+    time
+        What the times mean.
     partial
         Whether a cut last line was passed over; it is counted with the last row's vehicle.
     """
+    rows = _in_si(found, _without_positions_off_road(rows))
     _check_range(path, rows)
     stem = Path(path).stem
     origin = _first_origin(rows) if found.geodetic else None
@@ -52,10 +66,7 @@ def table_trips(
         cut = partial and len(rows) - 1 in which[-1:]
         tally.skip("partial last line", int(cut))
         count = len(own) + int(cut)
-        unit_s = found.numbers["t_s"][1]
-        trip = _trip(
-            path, source, trip_id, own, tally, count=count, unit_s=unit_s, shared_origin=origin
-        )  # fmt: skip
+        trip = _trip(path, source, trip_id, own, tally, count=count, time=time, shared_origin=origin)
         if trip is None:
             on_skipped(trip_id, tally.why_empty())
         else:
@@ -63,18 +74,23 @@ def table_trips(
 
 
 def _trip(
-    path: str, source: str, trip_id: str, rows: Rows, tally: Tally, *, count: int, unit_s: float,
+    path: str, source: str, trip_id: str, rows: Rows, tally: Tally, *, count: int, time: TimeUnit,
     shared_origin: Origin | None,
 ) -> Trajectory | None:  # fmt: skip
     """Return one vehicle's trip, or None where no row is usable."""
     columns = rows.columns
     geodetic = "latitude_deg" in columns
-    rows = rows.without(np.isnan(columns["t_s"]), "time blank", tally)
+    if _OFF in columns:
+        rows = rows.without(columns[_OFF] > 0, OFF_ROAD, tally)
+    rows = rows.without(np.isnan(rows.columns["t_s"]), "time blank", tally)
     x, y = ("latitude_deg", "longitude_deg") if geodetic else ("east_m", "north_m")
     rows = rows.without(np.isnan(rows.columns[x] + rows.columns[y]), "position blank", tally)
     if not len(rows):
         return None
     constant = {name: float(columns[name][0]) for name in _CONSTANTS if name in columns}
+    rows = _known_to_sumo(rows, tally)
+    if time.told:
+        tally.repair(time.told, len(rows))
     if "heading_rad" in columns:
         rows = rows.having(heading_rad=_wrapped(rows.columns["heading_rad"]))
     if geodetic and shared_origin is not None:
@@ -82,11 +98,13 @@ def _trip(
         rows = located(rows, shared_origin)
     else:
         origin = _own_origin(constant)
-    unix = constant.get("start_unix_s", np.nan)
+    unix = 0.0 if time.unix else constant.get("start_unix_s", np.nan)
     raw_t = rows.columns["t_s"]
-    # Milli- and microseconds are often Unix times, which as seconds in float64 lose their last digits.
-    start = float(raw_t[0]) if unit_s != 1.0 else 0.0
-    rows = rows.having(t_s=(raw_t - start) * unit_s)
+    # Small units are often Unix times, which as seconds in float64 lose their last digits.
+    start = float(raw_t[0]) if time.unit_s != 1.0 else 0.0
+    rows = rows.having(t_s=(raw_t - start) * time.unit_s)
+    if time.assumed:
+        refuse_other_unit(path, rows, time.assumed)
     return make_trip(
         path,
         trip_id,
@@ -95,8 +113,40 @@ def _trip(
         count=count,
         source=source,
         origin=origin,
-        unix_offset_s=unix + start * unit_s if np.isfinite(unix) else None,
+        unix_offset_s=unix + (start + time.start) * time.unit_s if np.isfinite(unix) else None,
     )
+
+
+def _without_positions_off_road(rows: Rows) -> Rows:
+    """Return the rows with positions that are SUMO's sentinel blank, marked in a column of their own."""
+    places = {name: column for name, column in rows.columns.items() if name in _POSITION}
+    off = np.any([are_unknown_to_sumo(column) for column in places.values()], axis=0)
+    if not off.any():
+        return rows
+    blanked = {name: with_missing(column, off) for name, column in places.items()}
+    return rows.having(**blanked, **{_OFF: off.astype(np.float64)})
+
+
+def _known_to_sumo(rows: Rows, tally: Tally) -> Rows:
+    """Return the rows with optional values that were SUMO's sentinel blank, counted as repaired."""
+    for name, word in (*OPTIONAL.items(), ("altitude_m", "altitude")):
+        unknown = np.isneginf(rows.columns.get(name, np.zeros(0)))
+        if unknown.any():
+            tally.repair(f"{word} not known (SUMO's -1073741824)", int(unknown.sum()))
+            rows = rows.having(**{name: with_missing(rows.columns[name], unknown)})
+    return rows
+
+
+def _in_si(found: ColumnMap, rows: Rows) -> Rows:
+    """Return the rows in SI units but for the time, optional values that are SUMO's sentinel as -inf."""
+    columns = dict(rows.columns)
+    for fills, (_, factor) in found.numbers.items():
+        if fills == "t_s":
+            continue
+        column = columns[fills] * factor if factor != 1.0 else columns[fills]
+        unknown = are_unknown_to_sumo(columns[fills])
+        columns[fills] = np.where(unknown, -np.inf, column) if unknown.any() else column
+    return Rows(rows.line, columns)
 
 
 def _wrapped(heading_rad: FloatArray) -> FloatArray:

@@ -1,11 +1,14 @@
-"""Comma-separated text in blocks of bounded size, every line checked for its number of fields.
+"""Separated text in blocks of bounded size, every line checked for its number of fields.
 
 Published trip files reach many gigabytes, so nothing here holds more than one block of a file. Lines are
 checked and numbered on the raw bytes; only the wanted fields are then split off, as text, because sentinels
 and padding have to be told from numbers, and a bad cell has to be named by its line.
+
+Lines end with LF, CRLF or CR alone, also mixed in one file.
 """
 
 import io
+import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,23 +19,23 @@ import polars as pl
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.rows import are_numbers
+from modelcast.io.text_head import BOM
 
 __all__ = [
     "BLOCK_BYTES",
     "Block",
-    "first_lines",
     "number_column",
     "read_blocks",
-    "split_fields",
     "text_column",
 ]
 
 BLOCK_BYTES = 16 * 2**20
 """Bytes of text parsed at a time."""
 
-_NEWLINE, _RETURN, _COMMA = b"\n\r,"
-_BOM = b"\xef\xbb\xbf"
+_NEWLINE = ord("\n")
 _BLANK = ("", "NULL")
+_BLANKS_AROUND = re.compile(rb"^[ \t]+|[ \t]+(?=\0?$)", re.MULTILINE)
+_BLANKS_BETWEEN = re.compile(rb"[ \t]+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,20 +60,14 @@ class Block:
     partial: int
 
 
-def first_lines(head: bytes) -> list[str]:
-    """Return the complete lines at the start of a file, without byte order mark and line ends."""
-    text = head.removeprefix(_BOM)
-    whole = text[: text.rfind(b"\n") + 1] or text
-    return [line.decode("utf-8", "replace") for line in whole.splitlines()]
-
-
-def split_fields(line: str) -> list[str]:
-    """Return the fields of one line, stripped of blanks and quotes."""
-    return [field.strip(' \t\r"') for field in line.rstrip("\r\n").split(",")]
-
-
 def read_blocks(
-    path: str, *, counts: Collection[int], fields: Sequence[int], skip_lines: int, width: int | None = None
+    path: str,
+    *,
+    counts: Collection[int],
+    fields: Sequence[int],
+    skip_lines: int,
+    width: int | None = None,
+    separator: str = ",",
 ) -> Iterator[Block]:
     """Yield a file's lines in blocks; blank lines are passed over.
 
@@ -86,6 +83,8 @@ def read_blocks(
         Lines at the start to leave out (metadata, header).
     width
         Upper bound of `counts` where it is not the largest.
+    separator
+        What parts the fields; a blank stands for any run of blanks and tabs.
 
     Raises
     ------
@@ -101,18 +100,27 @@ def read_blocks(
             lines = ends.size
             skip = min(max(skip_lines - (first_line - 1), 0), lines)
             text = raw if skip == 0 else raw[ends[skip - 1] + 1 :]
-            text, line, partial = _checked(path, text, first_line + skip, counts)
+            if separator == " ":
+                text = _BLANKS_BETWEEN.sub(b"\t", _BLANKS_AROUND.sub(b"", text))
+            mark = b"\t" if separator == " " else separator.encode()
+            text, line, partial = _checked(path, text, first_line + skip, counts, mark)
             first_line += lines
-            yield Block(index, _parsed(path, text, wanted, width, line), line, partial)
+            yield Block(index, _parsed(path, text, wanted, line, width=width, separator=mark), line, partial)
 
 
 def _whole_lines(file: io.BufferedReader) -> Iterator[bytes]:
-    """Yield the file cut at line ends, without byte order mark; the end is marked by a missing newline."""
+    """Yield the file cut at line ends, all made LF, without byte order mark; NUL marks a missing last one."""
     rest = b""
     first = True
-    while chunk := file.read(BLOCK_BYTES):
+    held = b""
+    while chunk := held + file.read(BLOCK_BYTES):
         if first:
-            chunk, first = chunk.removeprefix(_BOM), False
+            chunk, first = chunk.removeprefix(BOM), False
+        # A CR at the end of a chunk may be half of a CRLF.
+        held = b"\r" if chunk.endswith(b"\r") and len(chunk) > 1 else b""
+        chunk = chunk.removesuffix(held)
+        if b"\r" in chunk:
+            chunk = chunk.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         cut = chunk.rfind(b"\n") + 1
         if cut == 0:
             rest += chunk
@@ -124,15 +132,16 @@ def _whole_lines(file: io.BufferedReader) -> Iterator[bytes]:
         yield rest + b"\0\n"
 
 
-def _checked(path: str, text: bytes, first_line: int, counts: Collection[int]) -> tuple[bytes, IntArray, int]:
+def _checked(
+    path: str, text: bytes, first_line: int, counts: Collection[int], separator: bytes
+) -> tuple[bytes, IntArray, int]:
     """Return the non-blank lines of a block, their numbers, and the number of a cut last line."""
     data = np.frombuffer(text, np.uint8)
     ends = np.flatnonzero(data == _NEWLINE)
     starts = np.concatenate([[0], ends[:-1] + 1]) if ends.size else ends
-    commas = np.diff(np.searchsorted(np.flatnonzero(data == _COMMA), np.concatenate([[0], ends])))
-    found = commas + 1
-    length = ends - starts
-    blank = (length == 0) | ((length == 1) & (data[starts] == _RETURN)) if ends.size else ends.astype(bool)
+    marks = np.flatnonzero(data == ord(separator))
+    found = np.diff(np.searchsorted(marks, np.concatenate([[0], ends]))) + 1
+    blank = ends == starts
     wrong = ~np.isin(found, list(counts)) & ~blank
     line = first_line + np.arange(ends.size, dtype=np.int64)
     partial = 0
@@ -156,15 +165,18 @@ def _checked(path: str, text: bytes, first_line: int, counts: Collection[int]) -
     return text[:-2] + b"\n" if text.endswith(b"\0\n") else text, line, partial
 
 
-def _parsed(path: str, text: bytes, fields: list[int], width: int, line: IntArray) -> pl.DataFrame:
+def _parsed(
+    path: str, text: bytes, fields: list[int], line: IntArray, *, width: int, separator: bytes
+) -> pl.DataFrame:
     """Return the wanted fields of the lines as text."""
     if line.size == 0:
         return pl.DataFrame({str(field): [] for field in fields}, schema={str(f): pl.String for f in fields})
     try:
         # A header of our own tells the parser the full width: lines may be shorter.
-        header = ",".join(map(str, range(width))).encode() + b"\n"
+        header = separator.join(str(field).encode() for field in range(width)) + b"\n"
         cells = pl.read_csv(
             io.BytesIO(header + text),
+            separator=separator.decode(),
             quote_char=None,
             infer_schema=False,
             columns=[str(field) for field in fields],
@@ -189,8 +201,15 @@ def text_column(block: Block, field: int) -> pl.Series:
     return text.set(text.is_in(_BLANK), None)
 
 
-def number_column(path: str, block: Block, field: int, name: str) -> FloatArray:
+def number_column(path: str, block: Block, field: int, name: str, *, decimal: str = ".") -> FloatArray:
     """Return a field as numbers, NaN where it is blank, (R,).
+
+    Parameters
+    ----------
+    path, block, field, name
+        The column, and its name in errors.
+    decimal
+        The one mark of decimals: a number with the other one is an error.
 
     Raises
     ------
@@ -198,7 +217,10 @@ def number_column(path: str, block: Block, field: int, name: str) -> FloatArray:
         Where a cell is not a finite number.
     """
     text = text_column(block, field)
-    values = text.cast(pl.Float64, strict=False)
+    plain = text
+    if decimal != ".":
+        plain = text.str.replace_all(".", "?", literal=True).str.replace(decimal, ".", literal=True)
+    values = plain.cast(pl.Float64, strict=False)
     numbers = values.fill_null(np.nan).to_numpy()
     bad = ~are_numbers(numbers) & text.is_not_null().to_numpy()
     if bad.any():

@@ -1,0 +1,55 @@
+"""The beginning of a file of text: its encoding, its first lines, their fields."""
+
+from pathlib import Path
+
+from modelcast.core.exceptions import DataFormatError
+
+__all__ = ["BOM", "file_head", "first_lines", "refuse_utf16", "split_fields"]
+
+BOM = b"\xef\xbb\xbf"
+"""The byte order mark of UTF-8."""
+
+_UTF16_BOMS = (b"\xff\xfe", b"\xfe\xff")
+_HEAD_BYTES = 65536
+
+
+def refuse_utf16(path: str, head: bytes) -> None:
+    """Raise `DataFormatError` where a file begins with the byte order mark of UTF-16."""
+    if head.startswith(_UTF16_BOMS):
+        raise DataFormatError(
+            path, "is UTF-16 text, as some Windows programs write it", remedy="Save it as UTF-8."
+        )
+
+
+def file_head(path: str) -> bytes:
+    """Return the first bytes of a file of text, enough for its header.
+
+    Raises
+    ------
+    DataFormatError
+        Where it is UTF-16.
+    """
+    with Path(path).open("rb") as file:
+        head = file.read(_HEAD_BYTES)
+    refuse_utf16(path, head)
+    return head
+
+
+def first_lines(head: bytes) -> list[str]:
+    r"""Return the complete lines at the start of a file, without byte order mark and line ends.
+
+    Examples
+    --------
+    >>> first_lines(b"t,x\r1,2\r3,")
+    ['t,x', '1,2']
+    """
+    text = head.removeprefix(BOM)
+    end = max(text.rfind(b"\n"), text.rfind(b"\r")) + 1
+    return [line.decode("utf-8", "replace") for line in (text[:end] or text).splitlines()]
+
+
+def split_fields(line: str, separator: str = ",") -> list[str]:
+    """Return the fields of one line, stripped of blanks and quotes; a blank stands for any run of them."""
+    text = line.rstrip("\r\n")
+    fields = text.split() if separator == " " else text.split(separator)
+    return [field.strip(' \t\r"') for field in fields]
