@@ -101,7 +101,7 @@ def network(
     from rich.console import Console
 
     from modelcast.cli.network_plan import NetworkPlan
-    from modelcast.cli.reading import counted
+    from modelcast.cli.progress import counted
     from modelcast.evaluation.network.pool import gather
     from modelcast.io.network import network_document, write_network
     from modelcast.report.network import network_console, write_network_report

@@ -67,7 +67,7 @@ def write_run(folder: Path, command: str, arguments: Mapping[str, Any], inputs: 
     arguments
         Its arguments as plain values.
     inputs
-        Files and folders it reads; every file is hashed.
+        Files and folders it reads; every file that can be read is hashed.
     """
     document = {
         "schema": RUN_SCHEMA,
@@ -132,24 +132,31 @@ def _require_same_inputs(path: Path, inputs: Iterable[Path], recorded: Mapping[s
     for name in recorded:
         if not Path(name).is_file():
             raise ConfigError(f"{path}: input {name} is missing; run from the same folder as before")
-    for name, found in _hashes(inputs).items():
+    found = _hashes(inputs)
+    for name in recorded:
+        if name not in found:
+            raise ConfigError(f"{path}: input {name} cannot be read any more")
+    for name, digest in found.items():
         if name not in recorded:
             raise ConfigError(f"{path}: input {name} is new since that run")
-        if recorded[name] != found:
+        if recorded[name] != digest:
             raise ConfigError(f"{path}: input {name} has changed since that run")
 
 
 def _hashes(inputs: Iterable[Path]) -> dict[str, str]:
-    return {str(file): _sha256(file) for path in inputs for file in _files(path)}
+    """SHA-256 of every file by its name, without those that cannot be read: the run did without them too."""
+    digests = {str(file): _sha256(file) for path in inputs for file in _files(path)}
+    return {name: digest for name, digest in digests.items() if digest is not None}
 
 
 def _files(path: Path) -> list[Path]:
-    return sorted(item for item in path.rglob("*") if item.is_file()) if path.is_dir() else [path]
+    """The regular files at and under a path; a pipe is not opened, it would wait for a writer."""
+    return sorted(item for item in (path.rglob("*") if path.is_dir() else [path]) if item.is_file())
 
 
-def _sha256(path: Path) -> str:
+def _sha256(path: Path) -> str | None:
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as error:
-        raise ConfigError(f"{path} cannot be read: {error.strerror}") from error
+    except OSError:
+        return None

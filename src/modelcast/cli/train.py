@@ -72,7 +72,8 @@ def train(
     from rich.console import Console
 
     from modelcast.cli.options import parse_columns
-    from modelcast.cli.reading import TripSource, staged, watched
+    from modelcast.cli.progress import staged, watched
+    from modelcast.cli.reading import TripSource
     from modelcast.core.exceptions import ConfigError
     from modelcast.evaluation.training.descent import Descent
     from modelcast.evaluation.training.learned import LearnedSettings

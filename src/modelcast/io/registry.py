@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.base import AbstractTripReader
+from modelcast.io.places import readable_kind
 
 __all__ = ["ENTRY_POINT_GROUP", "FORMATS", "detect_format", "get_reader", "reader_names"]
 
@@ -82,13 +83,11 @@ def detect_format(path: str | Path) -> str:
     Raises
     ------
     DataFormatError
-        Where the file does not exist, is empty, or no reader knows it.
+        Where the file does not exist, is a pipe or a device, is empty, or no reader knows it.
     """
     at = Path(path)
-    if not at.exists():
-        raise DataFormatError(str(path), "does not exist", remedy="Check the path.")
     head = b""
-    if at.is_file():
+    if readable_kind(at) == "file":
         with at.open("rb") as file:
             head = file.read(_HEAD_BYTES)
         if not head.strip():
