@@ -208,7 +208,7 @@ def test_real_trips_are_laid_on_a_road_at_a_density(tmp_path: Path, data_folder:
         CodecError("no", 7),
         ConfigError("no"),
         DataFormatError("a.csv", "no", row=3, remedy="Yes."),
-        MissingExtraError("Traffic", "sumo", "libsumo"),
+        MissingExtraError("Traffic", "sumo"),
     ],
 )
 def test_an_error_of_a_worker_process_arrives_as_it_was_raised(error: ModelcastError) -> None:

@@ -1,30 +1,38 @@
 """The command line: its commands, its exit codes, and how errors are shown.
 
-Exit codes: 0 done; 1 internal error; 2 usage, bad input or no usable trip; 3 some trips failed, the rest is
-complete; 130 interrupted.
+Exit codes: 0 done; 1 internal error (of doctor: something is broken); 2 usage, bad input or no usable trip; 3
+some trips failed, the rest is complete; 130 interrupted; 141 whoever read the output stopped reading.
 """
 
+import os
+import sys
 from collections.abc import Sequence
 
 from cyclopts import App, CycloptsError
 
-from modelcast.cli.compare import compare
-from modelcast.cli.convert import convert
-from modelcast.cli.coverage import coverage
-from modelcast.cli.decode import decode
-from modelcast.cli.demo import demo
-from modelcast.cli.encode import encode
-from modelcast.cli.evaluate import evaluate
-from modelcast.cli.network import network
 from modelcast.cli.terminal import complain, refused
-from modelcast.cli.train import train
-from modelcast.cli.trips import trips
 from modelcast.core.exceptions import ModelcastError
 
-__all__ = ["INTERRUPTED", "USAGE", "run"]
+__all__ = ["BROKEN_PIPE", "COMMANDS", "INTERRUPTED", "USAGE", "run"]
 
 USAGE = 2
 INTERRUPTED = 130
+BROKEN_PIPE = 141
+
+COMMANDS = (
+    "demo",
+    "evaluate",
+    "compare",
+    "trips",
+    "convert",
+    "coverage",
+    "network",
+    "train",
+    "decode",
+    "encode",
+    "doctor",
+)
+"""Names of the commands; each is the function of that name in the module of that name, imported when used."""
 
 
 def _version() -> str:
@@ -41,17 +49,10 @@ app = App(
     print_error=True,
     error_formatter=refused,
     result_action="return_value",
+    suppress_keyboard_interrupt=False,
 )
-app.command(demo)
-app.command(evaluate)
-app.command(compare)
-app.command(trips)
-app.command(convert)
-app.command(coverage)
-app.command(network)
-app.command(train)
-app.command(decode)
-app.command(encode)
+for _name in COMMANDS:
+    app.command(f"modelcast.cli.{_name}:{_name}", name=_name)
 
 
 def run(arguments: Sequence[str]) -> int:
@@ -64,16 +65,36 @@ def run(arguments: Sequence[str]) -> int:
     """
     try:
         code = app(list(arguments))
-    except CycloptsError:
-        return USAGE  # already shown, with the usage
-    except ModelcastError as error:
-        complain(error)
+        sys.stdout.flush()
+    except CycloptsError:  # already shown, with the usage
+        if "-" in arguments:
+            complain("only decode and encode read the standard input: write it into a file and name that")
         return USAGE
-    except OSError as error:
-        # Readers name their files themselves: what is left is a place that cannot be written.
-        complain(f"{error.filename or 'a file'}: {error.strerror or error}")
+    except (BrokenPipeError, SystemExit) as error:
+        # rich leaves with SystemExit where nobody reads what it prints.
+        if isinstance(error, SystemExit) and not isinstance(error.__context__, BrokenPipeError):
+            raise
+        return _stop_printing()
+    except (ModelcastError, OSError) as error:
+        # Readers name their files themselves: what is left of OSError is a place that cannot be written.
+        complain(_place_and_reason(error) if isinstance(error, OSError) else error)
         return USAGE
     except KeyboardInterrupt:
-        complain("interrupted; nothing was written")
+        complain("interrupted")
         return INTERRUPTED
     return code if isinstance(code, int) else 0
+
+
+def _place_and_reason(error: OSError) -> str:
+    return f"{error.filename or 'a file'}: {error.strerror or error}"
+
+
+def _stop_printing() -> int:
+    """Send what is still to be printed nowhere, so that the interpreter ends in silence."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except BrokenPipeError:
+            os.dup2(nowhere, stream.fileno())
+    return BROKEN_PIPE

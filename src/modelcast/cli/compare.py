@@ -10,7 +10,7 @@ __all__ = ["compare"]
 
 def compare(
     *paths: Path,
-    out: Path = Path("out"),
+    out: Path = Path("out/compare"),
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
@@ -28,7 +28,7 @@ def compare(
     paths
         Files or folders with recorded trips.
     out
-        Output folder; one that an earlier run wrote is replaced.
+        Output folder; one that an earlier run of this command wrote is replaced.
     format
         Name of the files' format; found from their content where not given.
     columns
@@ -47,7 +47,8 @@ def compare(
     from dataclasses import replace
 
     from modelcast.cli.options import parse_columns
-    from modelcast.cli.reading import PARTLY_FAILED, TripSource, counted, watched
+    from modelcast.cli.progress import busy, counted, watched
+    from modelcast.cli.reading import PARTLY_FAILED, TripSource
     from modelcast.cli.run_record import write_run
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
@@ -61,7 +62,7 @@ def compare(
     settings, candidates = options.settings(), options.candidates()
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     silent = quiet or json
-    with atomic_folder(out) as folder:
+    with atomic_folder(out, command="compare", shown=f"--out {out}") as folder:
         with watched(source, quiet=silent) as shown:
             trips = list(shown)
         with counted("trips", quiet=silent) as progress:
@@ -77,8 +78,9 @@ def compare(
         }
         known = [trip.id for trip in result.trips if trip.in_training]
         write_run(folder, "compare", asked, (*paths, *options.files), training_trips=known)
-        write_comparison(result, folder)
-        write_comparison_report(result, folder)
+        with busy("writing the report", quiet=silent):
+            write_comparison(result, folder)
+            write_comparison_report(result, folder)
     if json:
         json_format.dump(comparison_document(result), sys.stdout, indent=2, sort_keys=True)
         print()

@@ -22,7 +22,8 @@ def convert(
     paths
         Files or folders with recorded trips.
     out
-        The .parquet or .csv to write.
+        The .parquet or .csv to write; it appears whole or not at all, in place of an older one. It may be
+        none of the files that are read.
     format
         Name of the files' format; found from their content where not given.
     columns
@@ -33,9 +34,11 @@ def convert(
         Print nothing but errors.
     """
     from modelcast.cli.options import parse_columns
-    from modelcast.cli.reading import TripSource, watched
+    from modelcast.cli.progress import watched
+    from modelcast.cli.reading import TripSource
     from modelcast.cli.terminal import say
     from modelcast.core.exceptions import ConfigError
+    from modelcast.io.output import atomic_file
     from modelcast.io.write_trips import write_csv, write_parquet
 
     writers = {".csv": write_csv, ".parquet": write_parquet}
@@ -45,17 +48,11 @@ def convert(
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast convert --help)")
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
-    partial = out.with_name(f".{out.name}.partial")
-    try:
+    with atomic_file(out, inputs=paths, shown=f"--out {out}") as file:
         with watched(source, quiet=quiet) as shown:
-            write(shown, partial)
+            write(shown, file)
         if source.trips == 0:
             raise ConfigError("no usable trip: nothing was written")
-        partial.replace(out)
-    except OSError as error:
-        raise ConfigError(f"--out {out} cannot be written: {error.strerror}") from error
-    finally:
-        partial.unlink(missing_ok=True)
     if not quiet:
         say(f"{source.trips} trips written to {out}")
     return source.exit_code

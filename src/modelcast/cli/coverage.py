@@ -44,7 +44,7 @@ def coverage(
     paths
         Files or folders with recorded trips to test on.
     out
-        Output folder; one that an earlier run wrote is replaced.
+        Output folder; one that an earlier run of this command wrote is replaced.
     train
         Files to learn from instead; put the tested trips before this option.
     bank
@@ -80,6 +80,7 @@ def coverage(
 
     from modelcast.cli.banks import named_bank, profile_in_use
     from modelcast.cli.options import parse_columns
+    from modelcast.cli.progress import busy, counted
     from modelcast.cli.reading import TripSource
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
@@ -110,16 +111,18 @@ def coverage(
     taught = TripSource(train, format_name=format, columns=names)
     try:
         settings = EvaluationSettings(tuple(threshold), protocol=protocol, seed=seed)
-        with atomic_folder(out) as folder:
+        with atomic_folder(out, command="coverage", shown=f"--out {out}") as folder:
             groups = _cases(tested, settings, quiet=quiet or json)
             training = _cases(taught, settings, quiet=quiet or json) if train else {}
-            result = measure_coverage(
-                groups,
-                members,
-                train=[case for cases in training.values() for case in cases],
-                thresholds_m=settings.thresholds_m,
-                hybrid=hybrid,
-            )
+            with counted("trips", quiet=quiet or json) as progress:
+                result = measure_coverage(
+                    groups,
+                    members,
+                    train=[case for cases in training.values() for case in cases],
+                    thresholds_m=settings.thresholds_m,
+                    hybrid=hybrid,
+                    progress=progress,
+                )
             judged = [case.recorded for cases in groups.values() for case in cases]
             known = known_trips(judged, named.trained_on)
             document = coverage_document(
@@ -132,7 +135,7 @@ def coverage(
             )
             path = write_coverage(document, folder)
             text = path.read_text(encoding="utf-8")
-            with style():
+            with busy("drawing", quiet=quiet or json), style():
                 for name, figure in (
                     ("coverage", plot_coverage(result.rows)),
                     ("times", plot_times(result.times)),
@@ -154,7 +157,7 @@ def _cases(
     source: "TripSource", settings: "EvaluationSettings", *, quiet: bool
 ) -> dict[str, list["TripCase"]]:
     """The trips made ready, by the first part of their identifier: the file, unless a table names trips."""
-    from modelcast.cli.reading import watched
+    from modelcast.cli.progress import watched
     from modelcast.core.exceptions import ConfigError
     from modelcast.evaluation.case import make_case
 

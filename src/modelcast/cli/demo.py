@@ -19,7 +19,7 @@ def demo(
     Parameters
     ----------
     out
-        Output folder; one that an earlier run wrote is replaced.
+        Output folder; one that an earlier run of this command wrote is replaced.
     duration
         Length of the drive [s].
     seed
@@ -28,6 +28,7 @@ def demo(
         Print nothing but errors.
     """
     from modelcast.cli.evaluation_run import publish, show
+    from modelcast.cli.progress import busy
     from modelcast.cli.run_record import write_run
     from modelcast.core.exceptions import ConfigError
     from modelcast.evaluation.case import SensedTrip
@@ -36,14 +37,17 @@ def demo(
     from modelcast.simulation.drive import generate_drive
 
     try:
-        drive = generate_drive(seed=seed, duration_s=duration)
+        with busy("generating a drive", quiet=quiet):
+            drive = generate_drive(seed=seed, duration_s=duration)
     except ValueError as error:
         raise ConfigError(str(error)) from error
     settings = EvaluateOptions(seed=seed).settings()
-    with atomic_folder(out) as folder:
-        result = evaluate([SensedTrip(drive.truth, drive.input)], settings)
+    with atomic_folder(out, command="demo", shown=f"--out {out}") as folder:
+        with busy("evaluating a generated drive", quiet=quiet):
+            result = evaluate([SensedTrip(drive.truth, drive.input)], settings)
         write_run(folder, "demo", {"duration": duration, "seed": seed})
-        publish(result, folder)
+        with busy("writing the report", quiet=quiet):
+            publish(result, folder)
     if not quiet:
         show(result, out)
     return 0

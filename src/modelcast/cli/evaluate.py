@@ -10,7 +10,7 @@ __all__ = ["evaluate"]
 
 def evaluate(
     *paths: Path,
-    out: Path = Path("out"),
+    out: Path = Path("out/evaluate"),
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
@@ -29,7 +29,7 @@ def evaluate(
     paths
         Files or folders with recorded trips.
     out
-        Output folder; one that an earlier run wrote is replaced.
+        Output folder; one that an earlier run of this command wrote is replaced.
     format
         Name of the files' format; found from their content where not given.
     columns

@@ -2,18 +2,20 @@
 
 import json as json_format
 import sys
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
 from modelcast.cli import terminal
 from modelcast.cli.options import parse_columns
-from modelcast.cli.reading import PARTLY_FAILED, TripSource, watched
+from modelcast.cli.progress import busy, watched
+from modelcast.cli.reading import PARTLY_FAILED, TripSource
 from modelcast.cli.run_record import EvaluationRun, write_run
 from modelcast.core.exceptions import ConfigError
 from modelcast.evaluation.evaluate import evaluate
 from modelcast.evaluation.result import EvaluationResult
 from modelcast.evaluation.settings import EvaluationSettings
-from modelcast.io.output import atomic_folder
+from modelcast.io.output import atomic_folder, require_apart, require_writable
 from modelcast.io.results import summary_document, write_message_trace, write_results
 from modelcast.report.console import console_report
 from modelcast.report.html import write_report
@@ -39,18 +41,19 @@ def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json:
     """
     settings = asked.options.settings()
     if trace is not None:
-        _require_trace(trace, out)
+        _require_trace(trace, out, asked.inputs)
     source = TripSource(
         asked.paths,
         format_name=asked.format_name,
         columns=parse_columns(asked.columns),
         pattern=asked.trip,
     )
-    with atomic_folder(out) as folder:
+    with atomic_folder(out, command="evaluate", shown=f"--out {out}") as folder:
         result = evaluate_source(source, settings, quiet=quiet or json)
         known = [trip.id for trip in result.trips if trip.in_training]
         write_run(folder, "evaluate", asked.arguments(), asked.inputs, training_trips=known)
-        publish(result, folder)
+        with busy("writing the report", quiet=quiet or json):
+            publish(result, folder)
         if trace is not None:
             write_message_trace(result, trace)
     if json:
@@ -92,12 +95,12 @@ def publish(result: EvaluationResult, folder: Path) -> None:
     write_report(result, folder)
 
 
-def _require_trace(trace: Path, out: Path) -> None:
+def _require_trace(trace: Path, out: Path, inputs: Iterable[Path]) -> None:
     """Refuse a trace that could not be written, before the work is done."""
     if trace.suffix not in {".csv", ".parquet"}:
         raise ConfigError(f"--trace {trace}: end it in .csv or .parquet")
-    if not trace.parent.is_dir():
-        raise ConfigError(f"--trace {trace}: there is no folder {trace.parent}")
+    require_writable(trace, shown=f"--trace {trace}")
+    require_apart(trace, inputs, shown=f"--trace {trace}")
     if trace.resolve().is_relative_to(out.resolve()):
         raise ConfigError(f"--trace {trace}: name a file outside --out {out}, which is replaced whole")
 

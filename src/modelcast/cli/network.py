@@ -125,7 +125,7 @@ def _publish(
     import json as json_format
     import sys
 
-    from modelcast.cli.reading import counted
+    from modelcast.cli.progress import counted
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
     from modelcast.evaluation.network.pool import gather
@@ -136,7 +136,7 @@ def _publish(
     from modelcast.report.network import network_console, write_network_report
 
     options, key = plan.as_plain(), plan.key()
-    with atomic_folder(out) as folder, run_store(out, options, key) as store:
+    with atomic_folder(out, command="network") as folder, run_store(out, options, key) as store:
         found = _survey(plan)
         traffic = None if found is None else survey_document(found)
         if found is not None and not quiet and not json:

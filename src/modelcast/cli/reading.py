@@ -1,35 +1,27 @@
-"""Reading trips for a command: progress on the terminal, files that fail kept apart."""
+"""Reading trips for a command: a file that fails costs that file alone."""
 
 import fnmatch
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    SpinnerColumn,
-    TaskID,
-    TextColumn,
-    TimeElapsedColumn,
-)
-
-from modelcast.cli.terminal import complain, error_console
-from modelcast.core.exceptions import DataFormatError
+from modelcast.cli.terminal import complain
+from modelcast.core.exceptions import DataFormatError, ModelcastError
 from modelcast.core.printable import printable
 from modelcast.core.trajectory import Trajectory
-from modelcast.io.trips import read_trips
+from modelcast.io.recordings import Recording, Recordings
 
-__all__ = ["PARTLY_FAILED", "TripSource", "counted", "staged", "watched"]
+__all__ = ["PARTLY_FAILED", "TripSource"]
 
 PARTLY_FAILED = 3
 """Exit code where some trips failed and the rest is complete."""
 
 
 class TripSource:
-    """The trips of several files, in order; a file that cannot be read becomes a failure, not an end.
+    """The trips of several files, in order, once; a file that cannot be read becomes a failure, not an end.
+
+    Names and reasons come from files: control characters in them are written out.
 
     Parameters
     ----------
@@ -41,6 +33,11 @@ class TripSource:
         Column map for csv and parquet.
     pattern
         Trips whose identifier matches this shell pattern are taken.
+
+    Raises
+    ------
+    ConfigError
+        Where the format is unknown, or has fixed columns but a map is given.
     """
 
     def __init__(
@@ -52,19 +49,17 @@ class TripSource:
         pattern: str = "*",
     ) -> None:
         self._paths = paths
-        self._format = format_name
-        self._columns = columns
         self._pattern = pattern
+        self._recordings = Recordings(paths, format_name, columns=columns, on_skipped=self._skip)
         self.failures: dict[str, str] = {}
         self.skipped: dict[str, str] = {}
         self.started = 0
         self.trips = 0
 
-    def __len__(self) -> int:
-        return len(self._paths)
-
-    def _skip(self, name: str, reason: str) -> None:
-        self.skipped[Path(name).name if Path(name).exists() else name] = reason
+    @property
+    def files(self) -> int | None:
+        """Number of files, None where folders are among the paths."""
+        return None if any(path.is_dir() for path in self._paths) else len(self._paths)
 
     @property
     def exit_code(self) -> int:
@@ -72,105 +67,56 @@ class TripSource:
         return PARTLY_FAILED if self.failures else 0
 
     def __iter__(self) -> Iterator[Trajectory]:
-        # One reader over all paths would end at the first bad one; identifiers stay unique all the same.
         seen: dict[str, int] = {}
-        for path in self._paths:
+        while (recording := self._next_recording()) is not None:
             self.started += 1
             try:
-                for trip in read_trips(path, self._format, columns=self._columns, on_skipped=self._skip):
+                for read in recording.trips():
+                    trip = _named(read, printable(read.trip_id))
                     if fnmatch.fnmatch(trip.trip_id, self._pattern):
                         seen[trip.trip_id] = seen.get(trip.trip_id, 0) + 1
                         self.trips += 1
-                        yield _renamed(trip, seen[trip.trip_id])
-            except DataFormatError as error:
-                place = "" if error.row is None else f"row {error.row}: "
-                copies = sum(name.partition("#")[0] == path.name for name in self.failures)
-                name = f"{path.name}#{copies + 1}" if copies else path.name
-                self.failures[name] = f"{place}{error.problem}. {error.remedy}".strip()
-                complain(error)
+                        copy = seen[trip.trip_id]
+                        yield trip if copy == 1 else _named(trip, f"{trip.trip_id}#{copy}")
+            except Exception as error:  # noqa: BLE001 - whatever it is, it costs this file alone
+                self._fail(recording.path, error)
+
+    def _next_recording(self) -> Recording | None:
+        while True:
+            try:
+                return next(self._recordings, None)
+            except Exception as error:  # noqa: BLE001 - as above
+                self.started += 1
+                self._fail(self._recordings.at, error)
+
+    def _fail(self, path: str, error: Exception) -> None:
+        """Note a file that could not be read, and say so."""
+        label = printable(self._recordings.label(path))
+        self.failures[_free(self.failures, label)] = printable(_reason(error))
+        complain(str(error) if isinstance(error, DataFormatError) else f"{path}: {_reason(error)}")
+
+    def _skip(self, name: str, reason: str) -> None:
+        label = self._recordings.label(name) if os.path.lexists(name) else name
+        self.skipped[_free(self.skipped, printable(label))] = printable(reason)
 
 
-def _renamed(trip: Trajectory, copy: int) -> Trajectory:
-    return trip if copy == 1 else replace(trip, trip_id=f"{trip.trip_id}#{copy}")
+def _free(taken: Mapping[str, str], name: str) -> str:
+    """The name, or with #2, #3, ... behind it where it is taken."""
+    copy = sum(other == name or other.startswith(f"{name}#") for other in taken)
+    return f"{name}#{copy + 1}" if copy else name
 
 
-@contextmanager
-def watched(source: TripSource, *, quiet: bool) -> Generator[Iterator[Trajectory]]:
-    """Yield the source's trips, with files begun and trips taken shown on the terminal meanwhile.
-
-    Parameters
-    ----------
-    source
-        Its length is the number of files.
-    quiet
-        Show nothing.
-    """
-    bar = _bar("files", quiet=quiet)
-    task = bar.add_task("files", total=len(source), note="")
-
-    def shown() -> Iterator[Trajectory]:
-        for trip in source:
-            note = f"trip {source.trips}: {printable(trip.trip_id)}"
-            bar.update(task, completed=source.started - 1, note=note)
-            yield trip
-
-    with bar:
-        yield shown()
+def _reason(error: Exception) -> str:
+    """What to say of a file that could not be read."""
+    if isinstance(error, DataFormatError):
+        place = "" if error.row is None else f"row {error.row}: "
+        return f"{place}{error.problem}. {error.remedy}".strip()
+    if isinstance(error, ModelcastError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return "is too large for this machine's memory (MemoryError). Split it, or take a larger machine."
+    return f"its reader failed with {type(error).__name__}: {error}. Please report this with the file."
 
 
-@contextmanager
-def counted(label: str, *, quiet: bool) -> Generator[Callable[[int, int], None]]:
-    """Yield a function that takes steps done and steps to do, shown on the terminal meanwhile.
-
-    Parameters
-    ----------
-    label
-        What the steps are.
-    quiet
-        Show nothing.
-    """
-    bar = _bar(label, quiet=quiet)
-    task = bar.add_task(label, total=None, note="")
-
-    def show(done: int, steps: int) -> None:
-        bar.update(task, completed=done, total=steps)
-
-    with bar:
-        yield show
-
-
-@contextmanager
-def staged(*, quiet: bool) -> Generator[Callable[[str, int, int], None]]:
-    """Yield a function that takes a stage's name, steps done and steps to do; each stage has its bar.
-
-    Parameters
-    ----------
-    quiet
-        Show nothing.
-    """
-    bar = _bar("", quiet=quiet)
-    tasks: dict[str, TaskID] = {}
-
-    def show(stage: str, done: int, steps: int) -> None:
-        if stage not in tasks:
-            tasks[stage] = bar.add_task(stage, total=steps, note=stage)
-        bar.update(tasks[stage], completed=done, total=steps)
-
-    with bar:
-        yield show
-
-
-def _bar(label: str, *, quiet: bool) -> Progress:
-    """A progress bar on stderr that leaves nothing behind, and is silent where that is no terminal."""
-    console = error_console()
-    return Progress(
-        SpinnerColumn(),
-        TextColumn(label),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[note]}", markup=False),
-        TimeElapsedColumn(),
-        console=console,
-        transient=True,
-        disable=quiet or not console.is_terminal,
-    )
+def _named(trip: Trajectory, name: str) -> Trajectory:
+    return trip if trip.trip_id == name else replace(trip, trip_id=name)

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +18,14 @@ def recorded_inputs(inputs: Iterable[Path]) -> dict[str, dict[str, Any]]:
     Parameters
     ----------
     inputs
-        Files, and folders with files.
+        Files, and folders with files. One that cannot be read is left out: the run did without it too.
     """
-    return {
-        str(file): {"bytes": regular_bytes(file), "sha256": sha256_of(file)}
-        for path in inputs
-        for file in sorted(_files(path))
-    }
+    found: dict[str, dict[str, Any]] = {}
+    for path in inputs:
+        for file in sorted(_files(path)):
+            with suppress(ConfigError):
+                found[str(file)] = {"bytes": regular_bytes(file), "sha256": sha256_of(file)}
+    return found
 
 
 def require_same_inputs(

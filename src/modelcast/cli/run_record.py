@@ -103,7 +103,7 @@ def write_run(
     arguments
         Its arguments as plain values.
     inputs
-        Files and folders it reads; every file is hashed.
+        Files and folders it reads; every file that can be read is hashed.
     training_trips
         Identifiers of the trips that the profile in use was trained on.
     """

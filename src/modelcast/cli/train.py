@@ -70,21 +70,19 @@ def train(
     import sys
 
     from modelcast.cli.options import parse_columns
-    from modelcast.cli.reading import TripSource, staged, watched
+    from modelcast.cli.progress import staged, watched
+    from modelcast.cli.reading import TripSource
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
     from modelcast.evaluation.training.descent import Descent
     from modelcast.evaluation.training.learned import LearnedSettings
     from modelcast.evaluation.training.processes import ProcessSettings
     from modelcast.evaluation.training.profile import ProfileSettings, train_profile
-    from modelcast.io.output import claimed_file
-    from modelcast.io.profile import write_profile
+    from modelcast.io.output import atomic_file
     from modelcast.report.training import training_report
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast train --help)")
-    if any(path.is_file() and out.exists() and path.samefile(out) for path in paths):
-        raise ConfigError(f"--out {out} is one of the trips: name another file")
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     silent = quiet or json
     try:
@@ -97,14 +95,14 @@ def train(
             validate=validate,
             seed=seed,
         )
-        with claimed_file(out) as place:
+        with atomic_file(out, inputs=paths, shown=f"--out {out}") as file:
             with watched(source, quiet=silent) as shown:
                 trips = list(shown)
             if not trips:
                 raise ConfigError("no usable trip")
             with staged(quiet=silent) as progress:
                 profile = train_profile(trips, settings, progress=progress)
-            write_profile(profile, place)
+            file.write(profile.text.encode("utf-8"))
     except ValueError as error:
         raise ConfigError(str(error)) from error
     if json:

@@ -37,7 +37,8 @@ def trips(
 
     from modelcast.agents.plausibility import trip_findings
     from modelcast.cli.options import parse_columns
-    from modelcast.cli.reading import TripSource, watched
+    from modelcast.cli.progress import watched
+    from modelcast.cli.reading import TripSource
     from modelcast.cli.terminal import show
     from modelcast.core.exceptions import ConfigError
     from modelcast.core.inspection import inspect

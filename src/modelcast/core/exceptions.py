@@ -13,6 +13,8 @@ Mistakes of a caller of the Python interface are plain ``ValueError``.
 
 from typing import Any
 
+from modelcast.core.extras import EXTRAS
+
 __all__ = ["CodecError", "ConfigError", "DataFormatError", "MissingExtraError", "ModelcastError"]
 
 
@@ -84,10 +86,9 @@ class MissingExtraError(ModelcastError):
     what
         What the user asked for.
     extra
-        The extra that brings it.
-    package
-        The package that is missing.
+        The extra that brings it, a name in `modelcast.core.extras.EXTRAS`.
     """
 
-    def __init__(self, what: str, extra: str, package: str) -> None:
-        super().__init__(f"{what} needs {package}: pip install 'modelcast[{extra}]'")
+    def __init__(self, what: str, extra: str) -> None:
+        packages = " and ".join(EXTRAS[extra].packages)
+        super().__init__(f"{what} needs {packages}: pip install 'modelcast[{extra}]'")

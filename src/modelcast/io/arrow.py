@@ -9,7 +9,7 @@ plain strings: dictionary columns of several files do not unify when they are re
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, BinaryIO, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -98,19 +98,19 @@ def plain_text(table: Any) -> Any:
     return table
 
 
-def write_tables(tables: Iterable[Any], schema: Any, path: Path) -> None:
+def write_tables(tables: Iterable[Any], schema: Any, out: Path | BinaryIO) -> None:
     """Write Arrow tables of one schema as a Parquet file.
 
     Parameters
     ----------
     tables, schema
         What to write.
-    path
-        The file.
+    out
+        The file, or one open for writing bytes.
     """
     is_float = {field.name: bool(pa.types.is_floating(field.type)) for field in schema}
     with pq.ParquetWriter(
-        str(path),
+        str(out) if isinstance(out, Path) else out,
         schema,
         compression="zstd",
         compression_level=1,

@@ -51,6 +51,11 @@ class Tally:
         if count:
             self._repaired[reason] = self._repaired.get(reason, 0) + int(count)
 
+    @property
+    def left_out(self) -> int:
+        """Rows left out so far."""
+        return sum(self._skipped.values())
+
     def reading(self, rows: int, samples: int) -> Reading:
         """Return the counts as a frozen value.
 

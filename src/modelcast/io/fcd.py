@@ -58,7 +58,7 @@ def survey_fcd(
     tally = Tally()
     for _ in _frames(found, found.most, vehicle_length_m, tally):
         pass
-    late = tally.reading(0)
+    late = tally.reading(tally.left_out, 0)
     reading = replace(
         found.reading, skipped={**found.reading.skipped, **late.skipped}, repaired=late.repaired
     )

@@ -107,7 +107,7 @@ def survey(
     for rows in islice(by_time(path), times):
         found.add(rows)
     found.finish()
-    reading = found.tally.reading(found.rows)
+    reading = found.tally.reading(found.rows, found.rows - found.tally.left_out)
     if not found.names:
         counts = ", ".join(f"{count} {what}" for what, count in reading.skipped.items())
         raise DataFormatError(

@@ -1,30 +1,33 @@
-"""Output folders that appear whole or not at all.
+"""Outputs that appear whole or not at all, files and folders alike.
 
-A command writes into a temporary folder beside the one the user named; only a command that succeeds renames
-it. A list of the files written, `MANIFEST`, goes with it: a later run replaces a folder only where that list
-names every file in it, so a file the user put there is never lost.
+A command writes into a temporary sibling of what the user named; only a command that succeeds renames it. An
+error or an interrupt removes it and leaves the old output as it was; after a kill the next run to the same
+place does (`modelcast.io.partial`). Of several runs to one place at a time, the one that ends last wins, and
+its output is whole.
 """
 
+import errno
 import os
 import shutil
-import tempfile
-from collections.abc import Generator
-from contextlib import contextmanager
-from itertools import count
+import stat
+from collections.abc import Generator, Iterable
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import BinaryIO
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.io.manifest import MANIFEST, require_replaceable, write_manifest
+from modelcast.io.partial import clean_leftovers, old_sibling, partial_file, partial_folder
 
-__all__ = ["MANIFEST", "atomic_folder", "claimed_file"]
+__all__ = ["MANIFEST", "atomic_file", "atomic_folder", "require_apart", "require_writable"]
 
-MANIFEST = "MANIFEST.txt"
-"""Name of the file that lists what modelcast wrote into a folder, one relative path a line."""
-
-_SHOWN = 3
+_TAKEN = frozenset({errno.EEXIST, errno.ENOTEMPTY})
 
 
 @contextmanager
-def atomic_folder(path: str | Path) -> Generator[Path]:
+def atomic_folder(
+    path: str | Path, *, command: str | None = None, shown: str | None = None
+) -> Generator[Path]:
     """Yield a temporary folder that takes the place of `path` when the block ends without an error.
 
     Parameters
@@ -32,6 +35,10 @@ def atomic_folder(path: str | Path) -> Generator[Path]:
     path
         The output folder. Missing parents are created. An empty folder, or one an earlier run wrote, is
         replaced.
+    command
+        Name of the command that writes; it does not replace the result of another.
+    shown
+        What errors call the folder; `path` where None.
 
     Yields
     ------
@@ -41,12 +48,14 @@ def atomic_folder(path: str | Path) -> Generator[Path]:
     Raises
     ------
     ConfigError
-        Where `path` is a file, is the working folder, or holds files that modelcast did not write. It is
-        raised before the block runs, and again after it if such a file has appeared meanwhile.
+        Where `path` is a file, is the working folder, holds files that modelcast did not write, or holds the
+        result of another command. It is raised before the block runs, and again after it if such a file has
+        appeared meanwhile.
 
     Notes
     -----
-    An error or an interrupt in the block removes the temporary folder and leaves the old output as it was.
+    An error or an interrupt in the block removes the temporary folder, and the parents made for it, and
+    leaves the old output as it was.
 
     Examples
     --------
@@ -58,124 +67,175 @@ def atomic_folder(path: str | Path) -> Generator[Path]:
     ['MANIFEST.txt', 'a.txt']
     """
     # A link is followed, so that its target is replaced and not the link.
-    target = Path(path).resolve()
-    _require_replaceable(target, shown=str(path))
-    target.parent.mkdir(parents=True, exist_ok=True)
-    partial = _new_sibling(target, "partial")
+    target, shown = Path(path).resolve(), shown or str(path)
+    clean_leftovers(target)
+    require_replaceable(target, command, shown=shown)
+    missing = [folder for folder in target.parents if not folder.exists()]
     try:
-        yield partial
-        names = _files(partial)
-        (partial / MANIFEST).write_text(
-            "".join(f"{name}\n" for name in names), encoding="utf-8", newline="\n"
-        )
-        _require_replaceable(target, shown=str(path))
-        _swap(partial, target)
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
+        with ExitStack() as stack:
+            try:
+                partial = stack.enter_context(partial_folder(target))
+            except OSError as error:
+                raise ConfigError(f"{shown} cannot be written: {error.strerror or error}") from error
+            yield partial
+            write_manifest(partial, command)
+            _sync_tree(partial)
+            _place(partial, target, command, shown=shown)
+    except BaseException:
+        for folder in missing:
+            with suppress(OSError):
+                folder.rmdir()
+        raise
+    _sync(target.parent)
 
 
 @contextmanager
-def claimed_file(path: str | Path) -> Generator[Path]:
-    """Yield a temporary file that takes the place of `path` when the block ends without an error.
+def atomic_file(
+    path: str | Path, *, inputs: Iterable[str | Path] = (), shown: str | None = None
+) -> Generator[BinaryIO]:
+    """Yield a temporary file, open for writing, that takes the place of `path` when the block ends well.
 
     Parameters
     ----------
     path
-        The output file; a link is followed, so that its target is replaced.
-
-    Yields
-    ------
-    Path
-        The file to write into, beside `path`; it is there already, so what cannot be written is known before
-        the work is done.
+        The output file, in a folder that exists. An older file is replaced; its permissions are kept. A link
+        is followed, so that its target is replaced and not the link.
+    inputs
+        Files and folders that are read meanwhile: none of them is replaced.
+    shown
+        What errors call the file; `path` where None.
 
     Raises
     ------
     ConfigError
-        Where `path` is a folder or another thing that is no ordinary file, its folder does not exist, or
-        nothing can be written there.
+        Where `path` is a folder, a device or a pipe, its folder does not exist, it is one of the inputs, or
+        it cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> target = Path(tempfile.mkdtemp()) / "a.txt"
+    >>> with atomic_file(target) as file:
+    ...     _ = file.write(b"a")
+    ...     target.exists()
+    False
+    >>> [item.name for item in target.parent.iterdir()]
+    ['a.txt']
     """
-    target = Path(path).resolve()
-    if target.is_dir():
-        raise ConfigError(f"{path} is a folder: name a file in it")
-    if target.exists() and not target.is_file():
-        raise ConfigError(f"{path} is no ordinary file: name another")
-    if target.exists() and not os.access(target, os.W_OK):
-        raise ConfigError(f"{path} cannot be written: it is read-only")
-    if not target.parent.is_dir():
-        raise ConfigError(f"{path}: its folder does not exist")
+    target, shown = require_writable(path, shown=shown), shown or str(path)
+    require_apart(path, inputs, shown=shown)
+    clean_leftovers(target)
     try:
-        # Made anew under a name that nobody could know: a link that somebody put there is not followed.
-        descriptor, name = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".partial", dir=target.parent)
-    except OSError as error:
-        raise ConfigError(f"{path} cannot be written: {error.strerror}") from error
-    os.close(descriptor)
-    partial = Path(name)
-    try:
-        yield partial
-        partial.chmod(target.stat().st_mode if target.exists() else 0o666 & ~_umask())
-        partial.replace(target)
-    except OSError as error:
-        raise ConfigError(f"{path} cannot be written: {error.strerror}") from error
-    finally:
-        partial.unlink(missing_ok=True)
-
-
-def _umask() -> int:
-    """Permissions that new files do not get; the system tells them only when they are set."""
-    found = os.umask(0o077)
-    os.umask(found)
-    return found
-
-
-def _new_sibling(target: Path, purpose: str) -> Path:
-    """Return a new empty folder beside `target`, with the permissions any new folder has."""
-    for number in count():
-        sibling = target.with_name(f".{target.name}.{purpose}-{os.getpid()}-{number}")
-        try:
-            sibling.mkdir()
-        except FileExistsError:
-            continue
-        return sibling
-    raise AssertionError  # count() does not end
-
-
-def _files(folder: Path) -> list[str]:
-    """Return the relative paths of everything but folders below `folder`, sorted."""
-    found = (item for item in folder.rglob("*") if item.is_symlink() or not item.is_dir())
-    return sorted(item.relative_to(folder).as_posix() for item in found)
-
-
-def _require_replaceable(target: Path, *, shown: str) -> None:
-    if not target.exists():
-        return
-    if not target.is_dir():
-        raise ConfigError(f"{shown} is a file, not a folder: name another output folder")
-    if Path.cwd().is_relative_to(target):
-        raise ConfigError(f"{shown} is the working folder or holds it: name a folder inside it")
-    manifest = target / MANIFEST
-    known = {MANIFEST}
-    if manifest.is_file():
-        known.update(manifest.read_text(encoding="utf-8").splitlines())
-    foreign = [name for name in _files(target) if name not in known or not manifest.is_file()]
-    if foreign:
-        more = f" and {len(foreign) - _SHOWN} more" if len(foreign) > _SHOWN else ""
-        raise ConfigError(
-            f"{shown} holds files that modelcast did not write ({', '.join(foreign[:_SHOWN])}{more}): "
-            "move them away or name another output folder"
-        )
-
-
-def _swap(partial: Path, target: Path) -> None:
-    """Rename `partial` to `target`; where that fails, the old folder is put back."""
-    if not target.exists():
-        partial.rename(target)
-        return
-    parked = _new_sibling(target, "old")
-    target.replace(parked)
-    try:
-        partial.rename(target)
-    except OSError:
-        parked.replace(target)
+        with partial_file(target) as (partial, descriptor):
+            with os.fdopen(descriptor, "wb", closefd=False) as file:
+                yield file
+            os.fsync(descriptor)
+            if os.name == "nt":  # where an open file cannot be renamed
+                os.close(descriptor)
+            with suppress(OSError):
+                partial.chmod(stat.S_IMODE(target.stat().st_mode))
+            partial.replace(target)
+    except BrokenPipeError:
         raise
-    shutil.rmtree(parked, ignore_errors=True)
+    except OSError as error:
+        raise ConfigError(f"{shown} cannot be written: {error.strerror or error}") from error
+    _sync(target.parent)
+
+
+def require_writable(path: str | Path, *, shown: str | None = None) -> Path:
+    """Return an output file's place, with links followed, or refuse it before the work is done.
+
+    Parameters
+    ----------
+    path
+        The output file.
+    shown
+        What errors call it; `path` where None.
+
+    Raises
+    ------
+    ConfigError
+        Where it is a folder, a device or a pipe, or its folder does not exist or takes no new file.
+    """
+    shown = shown or str(path)
+    try:
+        target = Path(path).resolve()
+        folder = target.parent
+        if not folder.is_dir():
+            raise ConfigError(f"{shown}: its folder does not exist: make it, or name another file")
+        if target.exists() and not target.is_file():
+            kind = "a folder" if target.is_dir() else "a device or a pipe"
+            raise ConfigError(f"{shown} is {kind}, not a file: name another file")
+    except (OSError, RuntimeError) as error:  # a loop of links is a RuntimeError before Python 3.13
+        raise ConfigError(f"{shown} cannot be written: {error}") from error
+    if not os.access(folder, os.W_OK):
+        raise ConfigError(f"{shown}: its folder cannot be written to: name another file")
+    return target
+
+
+def require_apart(path: str | Path, inputs: Iterable[str | Path], *, shown: str | None = None) -> None:
+    """Refuse an output file that is one of the inputs, by whatever name, link or hard link.
+
+    Parameters
+    ----------
+    path
+        The output file.
+    inputs
+        Files and folders; of a folder all files count.
+    shown
+        What errors call the output file; `path` where None.
+
+    Raises
+    ------
+    ConfigError
+        Where it is one of them.
+    """
+    with suppress(OSError):
+        target = Path(path).stat()
+        for given in map(Path, inputs):
+            for file in (given, *(given.rglob("*") if given.is_dir() else ())):
+                with suppress(OSError):
+                    if os.path.samestat(file.stat(), target):
+                        raise ConfigError(
+                            f"{shown or path} is the input {file}, which is never replaced: name another file"
+                        )
+
+
+def _place(partial: Path, target: Path, command: str | None, *, shown: str) -> None:
+    """Rename `partial` to `target`; where that fails, or is interrupted, the old folder is put back."""
+    old = old_sibling(partial)
+    while True:
+        require_replaceable(target, command, shown=shown)
+        try:
+            with suppress(FileNotFoundError):
+                partial.chmod(stat.S_IMODE(target.stat().st_mode))
+                target.rename(old)
+            partial.rename(target)
+        except BaseException as error:
+            if old.exists() and not target.exists():
+                old.rename(target)
+            # Where another run's output has taken the place meanwhile, that one is replaced.
+            if not (isinstance(error, OSError) and error.errno in _TAKEN):
+                raise
+        else:
+            return
+        finally:
+            if target.exists():
+                shutil.rmtree(old, ignore_errors=True)
+
+
+def _sync_tree(folder: Path) -> None:
+    """Have the operating system write a folder out: a crash after the renaming then loses nothing."""
+    for item in folder.rglob("*"):
+        _sync(item)
+    _sync(folder)
+
+
+def _sync(path: Path) -> None:
+    if os.name != "posix":  # elsewhere a file opened for reading cannot be synced
+        return
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -15,6 +15,7 @@ from types import MappingProxyType
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.base import AbstractTripReader
 from modelcast.io.column_map import example_map
+from modelcast.io.places import readable_kind
 from modelcast.io.table_layout import table_layout
 from modelcast.io.text_head import first_lines, refuse_utf16
 
@@ -85,13 +86,11 @@ def detect_format(path: str | Path) -> str:
     Raises
     ------
     DataFormatError
-        Where the file does not exist, is empty, or no reader knows it.
+        Where the file does not exist, is a pipe or a device, is empty, or no reader knows it.
     """
     at = Path(path)
-    if not at.exists():
-        raise DataFormatError(str(path), "does not exist", remedy="Check the path.")
     head = b""
-    if at.is_file():
+    if readable_kind(at) == "file":
         with at.open("rb") as file:
             head = file.read(_HEAD_BYTES)
         if not head.strip():

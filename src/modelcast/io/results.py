@@ -16,6 +16,7 @@ The same result gives the same bytes: keys are sorted, and there is no time stam
 """
 
 import csv
+import io
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ from modelcast.core.version import package_version
 from modelcast.evaluation.result import Columns, EvaluationResult
 from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table, plain_text, sample_tables, write_tables
 from modelcast.io.documents import document_text, plain_value, row_document
+from modelcast.io.output import atomic_file
 
 __all__ = [
     "SUMMARY_SCHEMA",
@@ -99,7 +101,7 @@ def write_message_trace(
     result
         The evaluation.
     path
-        ``*.csv`` or ``*.parquet``.
+        ``*.csv`` or ``*.parquet``; it appears whole or not at all.
     policy
         ``mbc`` or ``baseline``.
     bank
@@ -110,20 +112,21 @@ def write_message_trace(
     Raises
     ------
     ConfigError
-        Where the suffix is another, or no message fits the choice.
+        Where the suffix is another, no message fits the choice, or the file cannot be written.
     """
     path = Path(path)
     if path.suffix not in {".csv", ".parquet"}:
         raise ConfigError(f"a message trace is .csv or .parquet, not {path.name!r}")
     table = _message_trace(result.events, policy=policy, bank=bank, threshold_m=threshold_m)
-    if path.suffix == ".parquet":
-        write_tables([table], table.schema, path)
-    else:
-        columns = [column.to_pylist() for column in table.columns]
-        with path.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
+    with atomic_file(path) as file:
+        if path.suffix == ".parquet":
+            write_tables([table], table.schema, file)
+        else:
+            text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=True)
+            writer = csv.writer(text, lineterminator="\n")
             writer.writerow(table.column_names)
-            writer.writerows(zip(*columns, strict=True))
+            writer.writerows(zip(*(column.to_pylist() for column in table.columns), strict=True))
+            text.detach()
 
 
 def _message_trace(events: Columns, *, policy: str, bank: str | None, threshold_m: float | None) -> Any:

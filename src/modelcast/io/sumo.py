@@ -83,7 +83,7 @@ def _library() -> Any:
         with contextlib.redirect_stdout(io.StringIO()):
             return import_module("libsumo")
     except ImportError as error:
-        raise MissingExtraError("Traffic by SUMO", "sumo", "libsumo") from error
+        raise MissingExtraError("Traffic by SUMO", "sumo") from error
 
 
 def _frames(

@@ -60,7 +60,7 @@ def sumo_home() -> Path:
     try:
         return Path(str(import_module("sumo").SUMO_HOME))
     except ImportError as error:
-        raise MissingExtraError("Traffic by SUMO", "sumo", "eclipse-sumo and libsumo") from error
+        raise MissingExtraError("Traffic by SUMO", "sumo") from error
 
 
 def highway_input(

@@ -11,8 +11,9 @@ was skipped, the name of the first format and the resampling mark do not. Trips 
 # pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 from collections.abc import Iterable
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import polars as pl
@@ -21,21 +22,22 @@ import pyarrow.parquet as pq
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.trajectory import Trajectory
+from modelcast.io.output import atomic_file
 
 __all__ = ["write_csv", "write_parquet"]
 
 
-def write_csv(trips: Iterable[Trajectory], path: str | Path) -> None:
+def write_csv(trips: Iterable[Trajectory], out: str | Path | BinaryIO) -> None:
     """Write trips as comma-separated text, numbers with every digit they need.
 
     Parameters
     ----------
     trips
         Trips with different identifiers (which may hold no comma or quote).
-    path
-        The file to write.
+    out
+        The file to write, which appears whole or not at all; or one open for writing bytes.
     """
-    with Path(path).open("wb") as file:
+    with _opened(out) as file:
         header = True
         for trip in trips:
             if set(trip.trip_id) & set(',"\r\n'):
@@ -48,21 +50,28 @@ def write_csv(trips: Iterable[Trajectory], path: str | Path) -> None:
             file.write((",".join(_SCHEMA) + "\n").encode())
 
 
-def write_parquet(trips: Iterable[Trajectory], path: str | Path) -> None:
+def write_parquet(trips: Iterable[Trajectory], out: str | Path | BinaryIO) -> None:
     """Write trips as Parquet, float64, a row group a trip.
 
     Parameters
     ----------
     trips
         Trips with different identifiers.
-    path
-        The file to write.
+    out
+        The file to write, which appears whole or not at all; or one open for writing bytes.
     """
     schema: Any = pa.schema([(name, pa.string() if name == "trip" else pa.float64()) for name in _SCHEMA])
-    with pq.ParquetWriter(str(path), schema, compression="zstd", write_page_checksum=True) as writer:
+    with (
+        _opened(out) as file,
+        pq.ParquetWriter(file, schema, compression="zstd", write_page_checksum=True) as writer,
+    ):
         for trip in trips:
             table: Any = _table(trip).to_arrow().cast(schema)
             writer.write_table(table)
+
+
+def _opened(out: str | Path | BinaryIO) -> AbstractContextManager[BinaryIO]:
+    return atomic_file(out) if isinstance(out, str | Path) else nullcontext(out)
 
 
 _NUMBERS = (

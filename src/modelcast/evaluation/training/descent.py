@@ -216,7 +216,7 @@ def make_regressor(how: Descent, seed: int) -> tuple[Any, Any]:
         from sklearn.neural_network import MLPRegressor  # noqa: PLC0415 - an optional extra
         from threadpoolctl import threadpool_limits  # noqa: PLC0415 - comes with scikit-learn
     except ImportError as error:
-        raise MissingExtraError("modelcast train", "train", "scikit-learn") from error
+        raise MissingExtraError("modelcast train", "train") from error
     regressor: Any = MLPRegressor  # its stubs know batch_size as a text alone
     network = regressor(
         hidden_layer_sizes=how.hidden,

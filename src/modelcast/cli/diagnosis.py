@@ -1,0 +1,162 @@
+"""What ``modelcast doctor`` finds, as plain values, and what is wrong with it."""
+
+import json
+import os
+import platform
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, cast
+
+from modelcast.cli.installation import InstalledPackage, extra_packages, required_packages
+from modelcast.cli.kernel_cache import kernel_cache
+from modelcast.core.extras import EXTRAS
+from modelcast.core.version import package_version
+
+__all__ = ["Problem", "diagnose"]
+
+_FOLDERS = {
+    "MODELCAST_DATA": "the real trips that tests and benchmarks read",
+    "MODELCAST_REFERENCE": "the reference figures that make validate reads",
+}
+_VARIABLES = (
+    "MODELCAST_REQUIRE_DATA",
+    "MODELCAST_NS3_PYTHON",
+    "NUMBA_CACHE_DIR",
+    "NUMBA_CPU_NAME",
+    "NUMBA_DISABLE_JIT",
+    "SUMO_HOME",
+)
+_ENCODINGS = frozenset({"utf-8", "utf8"})
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """Something that is broken.
+
+    Parameters
+    ----------
+    what
+        What is broken.
+    remedy
+        What to do about it, in a line.
+    """
+
+    what: str
+    remedy: str
+
+
+def diagnose() -> tuple[dict[str, Any], list[Problem]]:
+    """Look at the installation and return what was found, as plain values, and what is broken.
+
+    An extra that is missing is no problem; one that is there and too old or faulty is.
+    """
+    required, extras = required_packages(), extra_packages()
+    problems = [*_package_problems(required), *_extra_problems(extras.items())]
+    document: dict[str, Any] = {
+        "modelcast": {
+            "version": package_version(),
+            "place": str(Path(__file__).resolve().parent.parent),
+            "python": platform.python_version(),
+            "interpreter": sys.executable,
+            "system": platform.platform(),
+        },
+        "packages": {one.name: one.installed for one in required},
+        "processor": _processor(broken=any(one.name == "numba" and one.problem for one in required)),
+        "extras": {
+            name: {
+                "installed": {one.name: one.installed for one in packages},
+                "present": not any(one.problem for one in packages),
+                "needed_by": EXTRAS[name].needed_by,
+            }
+            for name, packages in extras.items()
+        },
+        "variables": {name: os.environ.get(name) for name in (*_FOLDERS, *_VARIABLES)},
+        "terminal": {
+            "terminal": sys.stdout.isatty(),
+            "encoding": sys.stdout.encoding,
+            "TERM": os.environ.get("TERM"),
+            "NO_COLOR": os.environ.get("NO_COLOR"),
+        },
+    }
+    document["cache"], found = _cache()
+    problems += [*found, *_profile_problems(), *_folder_problems(), *_terminal_problems()]
+    return {**document, "problems": [asdict(one) for one in problems]}, problems
+
+
+def _package_problems(required: Sequence[InstalledPackage]) -> list[Problem]:
+    if not required:
+        return [Problem("modelcast is not installed", "install it: pip install . in its folder")]
+    return [
+        Problem(f"{one.name} {one.problem}", f"pip install --upgrade '{one.name}>={one.least}'")
+        for one in required
+        if one.problem
+    ]
+
+
+def _extra_problems(extras: Any) -> list[Problem]:
+    return [
+        Problem(f"{one.name} (extra {name}) {one.problem}", f"pip install --upgrade 'modelcast[{name}]'")
+        for name, packages in extras
+        for one in packages
+        if one.installed is not None and one.problem
+    ]
+
+
+def _processor(*, broken: bool) -> dict[str, Any]:
+    """What compiled code is made for, and the cores this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    cores = len(affinity(0)) if affinity is not None else os.cpu_count()
+    found: dict[str, Any] = {"machine": platform.machine(), "cores": cores, "name": None, "features": []}
+    if not broken:
+        from llvmlite import binding
+
+        features = cast("dict[str, bool]", binding.get_host_cpu_features())
+        found["name"] = binding.get_host_cpu_name()
+        found["features"] = sorted(name for name, has in features.items() if has)
+    return found
+
+
+def _cache() -> tuple[dict[str, Any] | None, list[Problem]]:
+    try:
+        cache = kernel_cache()
+    except (ImportError, OSError) as error:
+        return None, [Problem(f"the cache of compiled code: {error}", "mend what is named above")]
+    found = {"place": str(cache.place), "size_bytes": cache.size_bytes, "writable": cache.writable}
+    if cache.writable:
+        return found, []
+    remedy = "set NUMBA_CACHE_DIR to a folder that can be written to; until then every run compiles anew"
+    return found, [Problem(f"compiled code cannot be kept in {cache.place}", remedy)]
+
+
+def _profile_problems() -> list[Problem]:
+    """Whether the profile that ships with modelcast is there and whole; nothing is compiled for that."""
+    try:
+        json.loads((files("modelcast") / "profiles" / "default.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        return [
+            Problem(
+                f"the profile that ships with modelcast cannot be read: {error}",
+                "pip install --force-reinstall --no-deps modelcast",
+            )
+        ]
+    return []
+
+
+def _folder_problems() -> list[Problem]:
+    return [
+        Problem(
+            f"{name} names {os.environ[name]}, which is no folder", f"name the folder of {what}, or unset it"
+        )
+        for name, what in _FOLDERS.items()
+        if os.environ.get(name) and not Path(os.environ[name]).is_dir()
+    ]
+
+
+def _terminal_problems() -> list[Problem]:
+    encoding = sys.stdout.encoding
+    if encoding.lower() in _ENCODINGS:
+        return []
+    return [Problem(f"the output is written as {encoding}: tables lose their signs", "set PYTHONUTF8=1")]

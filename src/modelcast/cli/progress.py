@@ -1,0 +1,123 @@
+"""What a command shows while it works: on the standard error, where that is a terminal; gone at the end."""
+
+import os
+import sys
+from collections.abc import Callable, Generator, Iterator
+from contextlib import contextmanager
+
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+)
+
+from modelcast.cli.reading import TripSource
+from modelcast.cli.terminal import error_console
+from modelcast.core.printable import printable
+from modelcast.core.trajectory import Trajectory
+
+__all__ = ["busy", "counted", "staged", "watched"]
+
+
+@contextmanager
+def busy(label: str, *, quiet: bool) -> Generator[None]:
+    """Show that something is being done, and for how long, where its steps cannot be counted.
+
+    Parameters
+    ----------
+    label
+        What is being done.
+    quiet
+        Show nothing.
+    """
+    bar = _bar(label, quiet=quiet, steps=False)
+    bar.add_task(label, total=None, note="")
+    with bar:
+        yield
+
+
+@contextmanager
+def watched(source: TripSource, *, quiet: bool) -> Generator[Iterator[Trajectory]]:
+    """Yield the source's trips, with files begun and trips taken shown on the terminal meanwhile.
+
+    Parameters
+    ----------
+    source
+        The files.
+    quiet
+        Show nothing.
+    """
+    bar = _bar("files", quiet=quiet)
+    task = bar.add_task("files", total=source.files, note="")
+
+    def shown() -> Iterator[Trajectory]:
+        for trip in source:
+            note = f"trip {source.trips}: {printable(trip.trip_id)}"
+            bar.update(task, completed=source.started - 1, note=note)
+            yield trip
+
+    with bar:
+        yield shown()
+
+
+@contextmanager
+def counted(label: str, *, quiet: bool) -> Generator[Callable[[int, int], None]]:
+    """Yield a function that takes steps done and steps to do, shown on the terminal meanwhile.
+
+    Parameters
+    ----------
+    label
+        What the steps are.
+    quiet
+        Show nothing.
+    """
+    bar = _bar(label, quiet=quiet)
+    task = bar.add_task(label, total=None, note="")
+
+    def show(done: int, steps: int) -> None:
+        bar.update(task, completed=done, total=steps)
+
+    with bar:
+        yield show
+
+
+@contextmanager
+def staged(*, quiet: bool) -> Generator[Callable[[str, int, int], None]]:
+    """Yield a function that takes a stage's name, steps done and steps to do; each stage has its bar.
+
+    Parameters
+    ----------
+    quiet
+        Show nothing.
+    """
+    bar = _bar("", quiet=quiet)
+    tasks: dict[str, TaskID] = {}
+
+    def show(stage: str, done: int, steps: int) -> None:
+        if stage not in tasks:
+            tasks[stage] = bar.add_task(stage, total=steps, note=stage)
+        bar.update(tasks[stage], completed=done, total=steps)
+
+    with bar:
+        yield show
+
+
+def _bar(label: str, *, quiet: bool, steps: bool = True) -> Progress:
+    """A progress bar on stderr that leaves nothing behind, and is silent where that is no terminal."""
+    # rich takes FORCE_COLOR for a terminal: what counts here is whether somebody watches.
+    watched = sys.stderr.isatty() and os.environ.get("TERM") not in {"dumb", "unknown"}
+    counts = (BarColumn(), MofNCompleteColumn()) if steps else ()
+    return Progress(
+        SpinnerColumn(),
+        TextColumn(label, markup=False),
+        *counts,
+        TextColumn("{task.fields[note]}", markup=False),
+        TimeElapsedColumn(),
+        console=error_console(),
+        transient=True,
+        disable=quiet or not watched,
+    )

@@ -1,0 +1,42 @@
+"""The optional parts of modelcast: the one table of what each brings and what needs it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+__all__ = ["EXTRAS", "Extra"]
+
+
+@dataclass(frozen=True, slots=True)
+class Extra:
+    """An optional part.
+
+    Parameters
+    ----------
+    packages
+        What it installs, by the names to install, with the module of each.
+    needed_by
+        What cannot be done without it, as words that go on "needed by".
+    """
+
+    packages: Mapping[str, str]
+    needed_by: str
+
+
+EXTRAS: Mapping[str, Extra] = MappingProxyType(
+    {
+        "live": Extra(
+            MappingProxyType({"cryptography": "cryptography"}),
+            "signing and checking signatures from Python (modelcast.messages.security); no command",
+        ),
+        "train": Extra(
+            MappingProxyType({"scikit-learn": "sklearn"}),
+            "modelcast train; modelcast compare --bank trained",
+        ),
+        "sumo": Extra(
+            MappingProxyType({"eclipse-sumo": "sumo", "libsumo": "libsumo"}),
+            "modelcast network --scenario sumo-highway, sumo-grid, sumo-junction",
+        ),
+    }
+)
+"""The extras by their names in ``pip install 'modelcast[NAME]'``."""
