@@ -2,16 +2,18 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-SOURCES := $(shell find src -name '*.py' 2>/dev/null | LC_ALL=C sort)
 
 
-
-.PHONY: demo test check bench fuzz validate setup setup-dev lock clean
+.PHONY: demo test verify check bench fuzz validate setup setup-dev lock clean
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
 test: check
 	$(BIN)/python -m pytest -n auto
+
+# What is slow: a wheel installed, upgraded and run, processes that race on a cold cache.
+verify: setup-dev
+	$(BIN)/python -m pytest -n auto -m slow tests
 
 check: setup-dev
 	$(BIN)/ruff check .
@@ -60,4 +62,4 @@ lock:
 		pyproject.toml --group fuzz -o requirements-fuzz.lock
 
 clean:
-	rm -rf $(VENV) .numba_cache out build dist
+	rm -rf $(VENV) out build dist

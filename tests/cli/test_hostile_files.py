@@ -211,7 +211,7 @@ def test_training_fails_before_it_begins_where_its_file_cannot_be_written(
     for out, named in (
         (str(tmp_path), "is a folder"),
         (missing, "does not exist"),
-        (str(trip), "one of the trips"),
+        (str(trip), "which is never replaced"),
     ):
         assert run(["train", str(trip), "--out", out, "--quiet"]) == 2
         assert named in capsys.readouterr().err

@@ -289,7 +289,7 @@ def test_settings_name_everything_that_changes_the_numbers() -> None:
         "stack": replace(base.stack, certificates="digest"),
         "references": False,
     }
-    assert {*changed, "map_at"} == {item.name for item in fields(EvaluationSettings)}
+    assert {*changed, "map_at", "trained_on"} == {item.name for item in fields(EvaluationSettings)}
     plain = base.as_plain()
     silent = [name for name, value in changed.items() if replace(base, **{name: value}).as_plain() == plain]
     assert silent == []

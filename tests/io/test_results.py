@@ -20,7 +20,8 @@ from modelcast.evaluation.result import (
 )
 from modelcast.io import arrow
 from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table
-from modelcast.io.output import MANIFEST, atomic_folder
+from modelcast.io.manifest import MANIFEST
+from modelcast.io.output import atomic_folder
 from modelcast.io.results import summary_document, write_message_trace, write_results
 
 NAN = float("nan")

@@ -151,7 +151,7 @@ def test_the_default_model_takes_at_most_24_octets_with_id_and_length() -> None:
     message = UpdateMessage(some_core(), 0, carries_all=False, codes=(codes,))
     (extension,) = decode_bsm(UpdateCodec(wire).encode(message)).regional
     assert 2 + len(extension[1]) == sizes[0]
-    digest = hashlib.sha256(profile.text.encode()).hexdigest()
+    digest = hashlib.sha256(profile.named_bytes).hexdigest()
     assert f"{wire.number:06x}" == digest[:6] == profile.identity[:6]
 
 

@@ -24,7 +24,7 @@ _FOLDERS = {
 _VARIABLES = (
     "MODELCAST_REQUIRE_DATA",
     "MODELCAST_NS3_PYTHON",
-    "NUMBA_CACHE_DIR",
+    "MODELCAST_CACHE_DIR",
     "NUMBA_CPU_NAME",
     "NUMBA_DISABLE_JIT",
     "SUMO_HOME",
@@ -127,7 +127,7 @@ def _cache() -> tuple[dict[str, Any] | None, list[Problem]]:
     found = {"place": str(cache.place), "size_bytes": cache.size_bytes, "writable": cache.writable}
     if cache.writable:
         return found, []
-    remedy = "set NUMBA_CACHE_DIR to a folder that can be written to; until then every run compiles anew"
+    remedy = "set MODELCAST_CACHE_DIR to a folder that can be written to; until then every run compiles anew"
     return found, [Problem(f"compiled code cannot be kept in {cache.place}", remedy)]
 
 

@@ -21,13 +21,14 @@ _BROUGHT = "llvmlite"
 _PROBE = """
 import importlib, sys
 for name in sys.argv[1:]:
-    print(name, end=" ", flush=True)
+    sys.stdout.write(name + " ")
+    sys.stdout.flush()
     try:
         importlib.import_module(name)
     except Exception as error:
-        print(f"{type(error).__name__}: {error}".replace("\\n", " "), flush=True)
-    else:
-        print(flush=True)
+        sys.stdout.write(f"{type(error).__name__}: {error}".replace("\\n", " "))
+    sys.stdout.write("\\n")
+    sys.stdout.flush()
 """
 
 

@@ -37,7 +37,7 @@ def fingerprint(trip: Trajectory) -> str:
     --------
     >>> from dataclasses import replace
     >>> from modelcast.simulation.drive import generate_drive
-    >>> trip = generate_drive(seed=1, duration_s=30.0).truth
+    >>> trip = generate_drive(seed=1, duration_s=90.0).truth
     >>> fingerprint(trip) == fingerprint(replace(trip, trip_id="another/name"))
     True
     """

@@ -96,7 +96,7 @@ def sentence_body(sentence: str) -> str | None:
     --------
     >>> sentence_body("$GPTXT,01*2A") is None
     True
-    >>> sentence_body("$GPTXT*42,1710496800000")
+    >>> sentence_body("$GPTXT*4F,1710496800000")
     'GPTXT'
     """
     _, dollar, rest = sentence.rpartition("$")

@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import BinaryIO
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.io.manifest import MANIFEST, require_replaceable, write_manifest
+from modelcast.io.manifest import require_replaceable, write_manifest
 from modelcast.io.partial import clean_leftovers, old_sibling, partial_file, partial_folder
 
-__all__ = ["MANIFEST", "atomic_file", "atomic_folder", "require_apart", "require_writable"]
+__all__ = ["atomic_file", "atomic_folder", "require_apart", "require_writable"]
 
 _TAKEN = frozenset({errno.EEXIST, errno.ENOTEMPTY})
 

@@ -1,0 +1,256 @@
+"""The first five minutes: bad files, default folders, interrupts, pipes, help, doctor, progress."""
+
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError
+from pathlib import Path
+
+import pytest
+
+from modelcast.cli import installation, kernel_cache
+from modelcast.cli.app import BROKEN_PIPE, COMMANDS, INTERRUPTED, run
+from modelcast.cli.progress import busy, counted
+from modelcast.core.exceptions import MissingExtraError
+from modelcast.core.extras import EXTRAS
+from modelcast.core.trajectory import Trajectory
+from modelcast.io.csv import CsvReader
+
+TABLE = "t_s,east_m,north_m\n" + "".join(f"{i / 10},{i},0\n" for i in range(40))
+
+
+@pytest.fixture(name="folder")
+def _folder(tmp_path: Path) -> Path:
+    folder = tmp_path / "trips"
+    folder.mkdir()
+    for name in ("a", "b", "c"):
+        (folder / f"{name}.csv").write_text(TABLE)
+    return folder
+
+
+@pytest.mark.parametrize(
+    "error", [ValueError("odd"), MemoryError(), OSError(5, "Input/output error"), KeyError("x")]
+)
+def test_whatever_fails_in_a_file_costs_that_file_alone(
+    error: Exception, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A reader that fails on b.csv, with any error."""
+    read = CsvReader.read
+
+    def failing(self: CsvReader, path: str, *rest: object) -> Iterator[Trajectory]:
+        if path.endswith("b.csv"):
+            raise error
+        yield from read(self, path, *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(CsvReader, "read", failing)
+    assert run(["trips", str(folder), "--json"]) == 3
+    shown = capsys.readouterr()
+    document = json.loads(shown.out)
+    assert [trip["trip_id"] for trip in document["trips"]] == ["a/vehicle", "c/vehicle"]
+    assert list(document["failures"]) == ["trips/b.csv"]
+    assert "b.csv" in shown.err
+    assert shown.err.count("\n") == 1
+    if not isinstance(error, OSError):
+        assert type(error).__name__ in document["failures"]["trips/b.csv"]
+
+
+def test_names_that_are_no_text_and_control_characters_are_written_out(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / os.fsdecode(b"\xff\x1b[2J.csv")).write_text(TABLE.replace("0.3", "oops"))
+    assert run(["trips", str(folder)]) == 3
+    shown = capsys.readouterr()
+    assert "\x1b" not in shown.err + shown.out
+    assert "\\x1b[2J.csv" in shown.err
+
+
+def test_a_missing_file_costs_an_evaluation_nothing_else(folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    paths = [str(folder / "a.csv"), str(tmp_path / "missing.csv")]
+    small = ["--bank", "cv", "--per", "0", "--seeds", "1", "--threshold", "0.3", "--no-references", "--quiet"]
+    assert run(["evaluate", *paths, "--out", str(out), *small]) == 3
+    assert list(json.loads((out / "summary.json").read_text())["failures"]) == ["missing.csv"]
+    assert list(json.loads((out / "run.json").read_text())["inputs"]) == [paths[0]]
+
+
+def test_evaluate_works_after_the_demo_and_compare_after_evaluate(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All with their default folders, and each again over its own result."""
+    monkeypatch.chdir(tmp_path)
+    small = ["--bank", "cv", "--per", "0", "--seeds", "1", "--threshold", "0.3", "--no-references", "--quiet"]
+    trip = str(folder / "a.csv")
+    assert run(["demo", "--duration", "90", "--quiet"]) == 0
+    for _ in range(2):
+        assert run(["evaluate", trip, *small]) == 0
+        assert run(["compare", trip, *small, "--protocol", "recorded", "--resamples", "20"]) == 0
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["compare", "demo", "evaluate"]
+    assert run(["evaluate", trip, *small, "--out", "out/compare"]) == 2
+
+
+@pytest.mark.parametrize("command", ["evaluate", "compare", "coverage"])
+@pytest.mark.parametrize("option", [("--format", "avi"), ("--threshold", "-1"), ("--columns", "t")])
+def test_a_wrong_option_is_told_before_any_folder_is_looked_at(
+    command: str, option: tuple[str, str], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = folder / "mine"
+    mine.mkdir()
+    (mine / "notes.txt").touch()
+    assert run([command, str(folder), *option, "--out", str(mine)]) == 2
+    assert "notes.txt" not in capsys.readouterr().err
+    assert run([command, str(folder), *option, "--out", str(folder / "new" / "out")]) == 2
+    assert not (folder / "new").exists()
+
+
+def test_convert_and_trace_refuse_to_replace_an_input(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = folder / "a.csv"
+    assert run(["convert", str(given), "--out", str(given)]) == 2
+    assert run(["convert", str(folder), "--out", str(given)]) == 2
+    assert run(["evaluate", str(given), "--trace", str(given), "--out", str(folder / "out")]) == 2
+    assert given.read_text() == TABLE
+    assert capsys.readouterr().err.count("is the input") == 3
+    assert sorted(path.name for path in folder.iterdir()) == ["a.csv", "b.csv", "c.csv"]
+
+
+def test_an_interrupt_ends_with_130_and_one_line(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(CsvReader, "read", interrupted)
+    for command in ("trips", "convert", "evaluate", "compare", "coverage"):
+        out = [] if command == "trips" else ["--out", str(tmp_path / "out.csv")]
+        assert run([command, str(folder), *out]) == INTERRUPTED
+        assert capsys.readouterr().err == "modelcast: interrupted\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["trips"]
+
+
+def test_a_signal_ends_a_real_process_the_same_way(folder: Path) -> None:
+    """The process is stopped while it reads a pipe that never ends: the profile's file."""
+    script = (
+        "import os, signal, sys\nfrom modelcast.io.csv import CsvReader\n"
+        "def read(*_):\n    os.kill(os.getpid(), signal.SIGINT)\n    signal.pause()\n"
+        "CsvReader.read = read\nsys.argv[1:] = ['trips', sys.argv[1]]\n"
+        "from modelcast.__main__ import main\nmain()"
+    )
+    ended = subprocess.run(  # noqa: S603 - our own script
+        [sys.executable, "-c", script, str(folder)], capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "modelcast: interrupted\n")
+    assert signal.SIGINT
+
+
+@pytest.mark.parametrize("arguments", [["trips", "{}"], ["trips", "{}", "--json"], ["--help"]])
+def test_nobody_reading_the_output_ends_in_silence(arguments: list[str], folder: Path) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-m", "modelcast", *(one.format(folder) for one in arguments)]
+    ended = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, check=False)  # noqa: S603
+    os.close(writing)
+    assert (ended.returncode, ended.stderr) == (BROKEN_PIPE, b"")
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
+def test_help_imports_no_heavy_library(command: str) -> None:
+    script = (
+        "import sys\nfrom modelcast.cli.app import run\nassert run([*sys.argv[1:], '--help']) == 0\n"
+        "heavy = {'numpy', 'numba', 'polars', 'matplotlib', 'scipy', 'pyarrow'} & set(sys.modules)\n"
+        "assert not heavy, heavy"
+    )
+    words = [command] if command else []
+    subprocess.run([sys.executable, "-c", script, *words], check=True, capture_output=True)  # noqa: S603
+
+
+class Watched(io.StringIO):
+    """A standard error that somebody watches."""
+
+    def isatty(self) -> bool:
+        """It is one."""
+        return True
+
+
+def test_progress_is_shown_where_somebody_watches_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    shown: dict[str, str] = {}
+    for name, stream, quiet in (
+        ("watched", Watched(), False),
+        ("piped", io.StringIO(), False),
+        ("quiet", Watched(), True),
+    ):
+        monkeypatch.setattr(sys, "stderr", stream)
+        with busy("drawing", quiet=quiet):
+            pass
+        with counted("trips", quiet=quiet) as progress:
+            progress(1, 2)
+        shown[name] = stream.getvalue()
+    assert "drawing" in shown["watched"]
+    assert "1/2" in shown["watched"]
+    assert shown["piped"] == shown["quiet"] == ""
+
+
+def test_doctor_finds_this_installation_well(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("MODELCAST_DATA", raising=False)
+    monkeypatch.delenv("MODELCAST_REFERENCE", raising=False)
+    assert run(["doctor", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["problems"] == []
+    assert {"numpy", "numba", "llvmlite"} <= set(found["packages"])
+    assert set(found["extras"]) == set(EXTRAS)
+    assert run(["doctor"]) == 0
+    shown = capsys.readouterr().out
+    for word in ("Python", "numba", "cores", "cache", "extra sumo", "all is well"):
+        assert word in shown
+
+
+def test_doctor_names_what_is_broken_and_its_remedy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A data folder that is gone, a cache that is a file, and a package that is not there."""
+    (tmp_path / "cache").touch()
+    monkeypatch.setenv("MODELCAST_DATA", str(tmp_path / "gone"))
+    monkeypatch.setenv("MODELCAST_CACHE_DIR", str(tmp_path / "cache"))
+    version = installation.version
+
+    def without(name: str) -> str:
+        if name == "pymap3d":
+            raise PackageNotFoundError(name)
+        return version(name)
+
+    monkeypatch.setattr(installation, "version", without)
+    assert run(["doctor"]) == 1
+    shown = capsys.readouterr().out
+    for word in ("MODELCAST_DATA", "MODELCAST_CACHE_DIR to a folder", "pip install --upgrade 'pymap3d>=3.1'"):
+        assert word in shown
+    assert not kernel_cache.kernel_cache().writable
+
+
+def test_a_module_that_takes_the_interpreter_down_is_named_and_the_others_are_tried(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "deadly.py").write_text("import os; os._exit(9)")
+    (tmp_path / "faulty.py").write_text("raise RuntimeError('no luck')")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    faults = installation._import_faults(["json", "deadly", "faulty"])
+    assert faults == {"deadly": "the interpreter ended with code 9", "faulty": "RuntimeError: no luck"}
+
+
+def test_the_table_of_extras_is_that_of_the_package() -> None:
+    path = Path(__file__).parents[2] / "pyproject.toml"
+    stated = tomllib.loads(path.read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    assert {name: [one.partition(">=")[0] for one in wanted] for name, wanted in stated.items()} == {
+        name: list(extra.packages) for name, extra in EXTRAS.items()
+    }
+    assert "needs eclipse-sumo and libsumo: pip install 'modelcast[sumo]'" in str(
+        MissingExtraError("It", "sumo")
+    )

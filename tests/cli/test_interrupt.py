@@ -1,0 +1,71 @@
+"""Ctrl-C while compiled code runs: 130 and one line."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import modelcast
+from modelcast.io.write_trips import write_csv
+from modelcast.simulation.drive import generate_drive
+
+PROGRAM = """
+import os, signal, sys, threading
+from modelcast.cli import app
+from modelcast.evaluation import walk_kernels
+
+inner, calls = walk_kernels.walk, [0]
+
+def walk(*arguments):
+    # A signal that arrives while the kernel runs is seen when it returns: this one waits for nothing.
+    calls[0] += 1
+    if calls[0] == 3:
+        signal.raise_signal(signal.SIGINT)
+    return inner(*arguments)
+
+walk_kernels.walk = walk
+sys.exit(app.run(sys.argv[1:]))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
+def test_an_interrupt_in_an_evaluation_ends_with_130_and_one_line(tmp_path: Path) -> None:
+    write_csv([generate_drive(seed=1, duration_s=90.0).input], tmp_path / "drive.csv")
+    known = {**os.environ, "PYTHONPATH": str(Path(modelcast.__file__).parent.parent)}
+    words = "evaluate", str(tmp_path / "drive.csv"), "--out", str(tmp_path / "out")
+    found = subprocess.run(  # noqa: S603 - our own interpreter
+        [sys.executable, "-c", PROGRAM, *words], env=known, capture_output=True, text=True, check=False
+    )
+    assert (found.returncode, found.stderr) == (130, "modelcast: interrupted\n")
+    assert not (tmp_path / "out").exists()
+    assert not [one for one in tmp_path.iterdir() if one.name != "drive.csv"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
+def test_a_signal_that_comes_while_a_kernel_runs_is_seen_when_it_returns(tmp_path: Path) -> None:
+    """A timer interrupts the main thread in the middle of a long kernel of many calls by address."""
+    program = """
+import signal
+import numpy as np
+from modelcast.models.base import Windows
+from modelcast.models.gp import GaussianProcess
+
+model = GaussianProcess()
+rng = np.random.default_rng(0)
+windows = Windows(rng.normal(size=(200_000, 10, 7)), dt_s=0.1)
+model.fit(Windows(windows.samples[:1], dt_s=0.1))
+signal.setitimer(signal.ITIMER_REAL, 0.05)
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+try:
+    while True:
+        model.fit(windows)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    known = {**os.environ, "PYTHONPATH": str(Path(modelcast.__file__).parent.parent)}
+    found = subprocess.run(  # noqa: S603 - our own interpreter
+        [sys.executable, "-c", program], env=known, capture_output=True, text=True, check=False, cwd=tmp_path
+    )
+    assert (found.stdout, found.stderr) == ("interrupted\n", "")
