@@ -239,3 +239,16 @@ def test_the_shipped_profile_names_its_47_trips_and_kept_its_identity() -> None:
     profile = default_profile()
     assert len(set(profile.training_trips)) == len(profile.record["trips"]) == 47
     assert profile_from_text(replace(profile, training_trips=()).text).identity == profile.identity
+
+
+@pytest.mark.parametrize(
+    ("bank", "said"),
+    [("learned+gp-nothing", "no sub-model is named 'gp-nothing'"), ("cv+" * 8 + "cv", "at most 6")],
+)
+def test_a_bank_that_no_profile_can_hold_is_refused_before_training(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], bank: str, said: str
+) -> None:
+    """The trips are not even read: they do not exist."""
+    assert run(["train", str(tmp_path / "no.csv"), "--out", str(tmp_path / "p.json"), "--bank", bank]) == 2
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "p.json").exists()

@@ -210,7 +210,7 @@ def _with_new(known: IntArray, held: FloatArray, reported: IntArray) -> tuple[In
 
 
 def trip_findings(trip: Trajectory, checks: Plausibility | None = None) -> Mapping[Finding, int] | None:
-    """Samples of a trip by finding, as if each were a message; None without a column of speed or heading.
+    """Samples of a trip by finding, as if each were a message; None without columns of speed and heading.
 
     Parameters
     ----------

@@ -87,6 +87,7 @@ def train(
     silent = quiet or json
     try:
         names = tuple(bank.split("+")) if bank else ()
+        _require_trainable(names)
         descent = Descent(hidden=hidden, steps=steps, averaged=max(1, steps // 3))
         settings = ProfileSettings(
             LearnedSettings(coefficients=coefficients, descent=descent),
@@ -113,3 +114,16 @@ def train(
         show(training_report(profile))
         say(f"profile: {out}, sha256 {profile.identity}")
     return source.exit_code
+
+
+def _require_trainable(names: tuple[str, ...]) -> None:
+    """Refuse members before hours of training that no profile could hold."""
+    from modelcast.cli.banks import member_names, profile_in_use
+    from modelcast.evaluation.training.profile import MOST_NAMES
+
+    known = member_names(profile_in_use(None))
+    unknown = [name for name in names if name not in known and not name.startswith("gp-regime-")]
+    if unknown:
+        raise ValueError(f"--bank: no sub-model is named {unknown[0]!r}; there are {', '.join(known)}")
+    if len(names) > MOST_NAMES:
+        raise ValueError(f"--bank names at most {MOST_NAMES} sub-models, got {len(names)}")

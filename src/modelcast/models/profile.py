@@ -27,7 +27,7 @@ from modelcast.models.learned import Selector
 from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.regimes import Regimes
 
-__all__ = ["PROFILE_SCHEMA", "Profile", "default_profile", "profile_from_text"]
+__all__ = ["MOST_MEMBERS", "PROFILE_SCHEMA", "Profile", "default_profile", "profile_from_text"]
 
 PROFILE_SCHEMA = 1
 """Version of the layout; it rises when a key changes its meaning or goes away.
@@ -36,19 +36,22 @@ The keys ``regimes`` and ``training_trips`` were added without a new number: a p
 write them, so that older files keep their bytes and with them their identity.
 """
 
-_MOST_MEMBERS, _MOST_SHELF, _MOST_TRIPS = 8, 64, 100_000
+MOST_MEMBERS = 8
+"""Sub-models that a profile's bank may have."""
+
+_MOST_SHELF, _MOST_TRIPS = 64, 100_000
 _MAPPING = Table(Anything(), 1000)
 _TEXT = Keys(
     {
         "schema": Anything(),
         "label": Text(64, empty=True),
-        "members": Each(_MAPPING, 1, _MOST_MEMBERS),
+        "members": Each(_MAPPING, 1, MOST_MEMBERS),
         "shelf": Each(_MAPPING, 0, _MOST_SHELF),
         "start": Text(64),
         "identify": Text(64),
         "selector": Maybe(_MAPPING),
         "costs": _MAPPING,
-        "calibrations": Table(_MAPPING, _MOST_MEMBERS),
+        "calibrations": Table(_MAPPING, MOST_MEMBERS),
         "record": _MAPPING,
     },
     {

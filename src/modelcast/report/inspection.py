@@ -100,7 +100,7 @@ def _trip(one: TripInspection, findings: Findings, thresholds_m: Sequence[float]
     for name, value in _lines(one):
         table.add_row(name, literal(value))
     if findings is None:
-        table.add_row("implausible", literal("not checked: needs speed or heading"))
+        table.add_row("implausible", literal("not checked: needs speed and heading"))
     else:
         implausible = _implausible(findings)
         table.add_row("implausible", literal(_counts("", implausible).lstrip("; ") or "nothing"))

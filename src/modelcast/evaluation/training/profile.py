@@ -35,7 +35,7 @@ from modelcast.models.kinematic import (
 )
 from modelcast.models.learned import Selector
 from modelcast.models.plain import from_plain, to_plain
-from modelcast.models.profile import Profile
+from modelcast.models.profile import MOST_MEMBERS, Profile
 from modelcast.models.regimes import REGIME_BANK, Regimes
 from modelcast.models.trusted import Trusted
 from modelcast.policy.costs import CostTable
@@ -46,6 +46,7 @@ from modelcast.policy.rules import IdentifyRule, StartRule
 __all__ = [
     "DEFAULT_NAMES",
     "LONGEST_WINDOW",
+    "MOST_NAMES",
     "ProfileSettings",
     "named_training_trips",
     "profile_learner",
@@ -63,7 +64,11 @@ Protocol = Literal["recorded", "sensor"]
 _PROTOCOLS: tuple[Protocol, ...] = ("recorded", "sensor")
 
 DEFAULT_NAMES = ("learned", "ctra", "gp-vehicle")
+
 """Members where they are not chosen: on its own training trips the learned one looks better than it is."""
+
+MOST_NAMES = MOST_MEMBERS - 2
+"""Members that may be named: a starter and the guard may join them in the profile."""
 
 _STARTER = Trusted(ConstantTurnRateAcceleration(), 1.5)
 """The horizon is that of decision 010: what must end is the acceleration."""
