@@ -26,6 +26,7 @@ __all__ = [
     "Slot",
     "SlotMatrix",
     "count",
+    "count_each",
     "find",
     "forget",
     "hear",
@@ -337,6 +338,23 @@ def hear_each(
             position_m[k, 0],
             position_m[k, 1],
             sub_interval_s,
+        )
+
+
+@kernel
+def count_each(
+    hosts: HostVector,
+    slots: SlotMatrix,
+    t_s: FloatVector,
+    position_m: FloatMatrix,
+    sub_interval_s: float,
+    range_m: float,
+    out_count: IntVector,
+) -> None:
+    """Count for every host at its own time and place; all arrays (H,), positions (H, 2)."""
+    for host in range(t_s.size):
+        out_count[host] = count(
+            hosts, slots, host, t_s[host], position_m[host, 0], position_m[host, 1], sub_interval_s, range_m
         )
 
 
