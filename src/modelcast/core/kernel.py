@@ -170,10 +170,15 @@ class Kernel(registry.CPUDispatcher):  # type: ignore[misc]
 def kernel(function: Callable[_Parameters, _Result], /) -> Callable[_Parameters, _Result]: ...
 @overload
 def kernel(
-    *, fast: bool = False, inlined: bool = False
+    *, fast: bool = False, inlined: bool = False, copied: bool = False
 ) -> Callable[[Callable[_Parameters, _Result]], Callable[_Parameters, _Result]]: ...
 def kernel(
-    function: Callable[..., Any] | None = None, /, *, fast: bool = False, inlined: bool = False
+    function: Callable[..., Any] | None = None,
+    /,
+    *,
+    fast: bool = False,
+    inlined: bool = False,
+    copied: bool = False,
 ) -> Any:
     """Compile a function when it is first called.
 
@@ -187,6 +192,9 @@ def kernel(
         Whether it becomes part of its callers, and borrows the arrays it is given: it counts no references to
         them, which for a function called for every pair of vehicles is most of the time. Such a function
         creates no array, nor does what it calls; assigning a slice counts as creating one.
+    copied
+        Whether its text is put into its callers before they are compiled: for loops whose lengths a caller
+        states as constants.
 
     Examples
     --------
@@ -202,11 +210,11 @@ def kernel(
     6.0
     """
     if function is None:
-        return functools.partial(_kernel_of, fast=fast, inlined=inlined)
-    return _kernel_of(function, fast=fast, inlined=inlined)
+        return functools.partial(_kernel_of, fast=fast, inlined=inlined, copied=copied)
+    return _kernel_of(function, fast=fast, inlined=inlined, copied=copied)
 
 
-def _kernel_of(function: Callable[..., Any], *, fast: bool, inlined: bool) -> Any:
+def _kernel_of(function: Callable[..., Any], *, fast: bool, inlined: bool, copied: bool) -> Any:
     """Return the kernel of a function; itself where nothing is compiled."""
     if not COMPILES:
         return function
@@ -215,6 +223,8 @@ def _kernel_of(function: Callable[..., Any], *, fast: bool, inlined: bool) -> An
         options["fastmath"] = set(_FAST)
     if inlined:
         options |= {"_nrt": False, "forceinline": True}
+    if copied:
+        options["inline"] = "always"
     return Kernel(function, targetoptions=options)
 
 

@@ -5,6 +5,7 @@ asked for just before the call (`point_address`) and never kept, stored or sent:
 process alone. A loop over a bank takes an array of them.
 """
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -29,6 +30,7 @@ _plain: list[Callable[..., None]] = []
 """Point functions by number, where nothing is compiled and an address is such a number."""
 
 
+@functools.cache
 def point_address(function: Any, signature: tuple[Any, ...]) -> int:
     """Return where a point function is in this process.
 

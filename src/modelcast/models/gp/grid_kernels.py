@@ -56,7 +56,7 @@ def objective(
     )
 
 
-@kernel(fast=True, inlined=True)
+@kernel(fast=True, copied=True)
 def _coarse_grid(
     folded: FloatVector,
     gamma: FloatVector,
@@ -173,7 +173,7 @@ def coarse_grid(
         _coarse_grid(folded, gamma, D, n, (n + 1) // 2, n // 2, tab, constants, z, table)
 
 
-@kernel(fast=True, inlined=True)
+@kernel(fast=True, copied=True)
 def _rotate(
     folded: FloatVector, D: int, n: int, he: int, ho: int, hp: int, row: FloatVector, z: FloatVector
 ) -> None:
@@ -202,7 +202,7 @@ def rotate(folded: FloatVector, D: int, n: int, row: FloatVector, z: FloatVector
         _rotate(folded, D, n, he, n // 2, hp, row, z)
 
 
-@kernel(fast=True, inlined=True)
+@kernel(fast=True, copied=True)
 def _profile(
     D: int,
     n: int,
