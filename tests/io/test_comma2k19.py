@@ -92,3 +92,13 @@ def test_nan_in_a_log_is_an_error_with_its_row(made):
     arrays["CAN/speed/value"][3] = np.nan
     with pytest.raises(DataFormatError, match=r"speed, row 4: time or value is not a finite number"):
         list(read_trips(made.comma(made.folder / "d" / "1", arrays)))
+
+
+def test_a_header_of_an_array_cut_within_its_dictionary_is_an_error(made):
+    """NumPy's tokenizer ends in an error of its own there."""
+    folder = made.comma(made.folder / "drive" / "40")
+    victim = folder / "processed_log" / "CAN" / "speed" / "t"
+    head = b"{'descr': '<f8', 'fortran_order': (False\n"
+    victim.write_bytes(b"\x93NUMPY\x01\x00" + len(head).to_bytes(2, "little") + head)
+    with pytest.raises(DataFormatError, match="is not a NumPy array"):
+        list(read_trips(folder))

@@ -34,6 +34,7 @@ out. Numbers that are not finite, and arrays of other shapes, are errors.
 
 from collections.abc import Iterator
 from pathlib import Path
+from tokenize import TokenError
 from typing import ClassVar, cast
 
 import numpy as np
@@ -165,7 +166,7 @@ def _array(path: Path) -> FloatArray:
     try:
         with path.open("rb") as file:
             loaded = cast("object", np.load(file, allow_pickle=False))
-    except (ValueError, EOFError, OSError, SyntaxError, MemoryError) as error:
+    except (ValueError, EOFError, OSError, SyntaxError, MemoryError, TokenError) as error:
         raise DataFormatError(str(path), f"is not a NumPy array: {error}") from error
     if not isinstance(loaded, np.ndarray) or loaded.dtype.kind not in "fiu":
         raise DataFormatError(str(path), "holds no numbers")
