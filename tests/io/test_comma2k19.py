@@ -102,3 +102,10 @@ def test_a_header_of_an_array_cut_within_its_dictionary_is_an_error(made):
     victim.write_bytes(b"\x93NUMPY\x01\x00" + len(head).to_bytes(2, "little") + head)
     with pytest.raises(DataFormatError, match="is not a NumPy array"):
         list(read_trips(folder))
+
+
+def test_infinite_times_are_an_error(made):
+    arrays = made.comma_arrays()
+    arrays["CAN/speed/t"][3:6] = np.inf
+    with pytest.raises(DataFormatError, match="row 4: time or value is not a finite number"):
+        list(read_trips(made.comma(made.folder / "drive" / "40", arrays)))

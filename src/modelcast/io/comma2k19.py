@@ -150,7 +150,7 @@ def _log(segment: Path, name: str, width: int) -> tuple[FloatArray, FloatArray]:
         )
     value = value.reshape(t_s.size, width)
     bad = ~are_numbers(value).all(axis=1) | ~are_numbers(t_s)
-    bad[1:] |= np.diff(t_s) < 0
+    bad[1:] |= t_s[1:] < t_s[:-1]
     if bad.any():
         at = int(np.argmax(bad))
         raise DataFormatError(
