@@ -193,6 +193,19 @@ def test_recorded_platoons_run_a_file_a_seed(tmp_path: Path, data_folder: Path) 
     assert all(5.0 <= row["vehicles"] <= 11.0 and 0.5 < row["message_rate_hz"] < 8.0 for row in rows)
 
 
+def test_trips_that_the_profile_was_trained_on_are_told(
+    tmp_path: Path, data_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In the terminal, the table, the page and the summary."""
+    file = str(data_folder / "openacc_zalazone" / "short_setting__handling_part14.csv")
+    out = tmp_path / "out"
+    line = words(out, scenario="platoon", policy="bsm-10hz", seeds="1", duration="6")
+    assert run([word for word in line if word != "--quiet"] + ["--trips", file]) == 0
+    assert json.loads((out / "summary.json").read_text())["training_trips"]
+    for text in (capsys.readouterr().out, (out / "table.md").read_text(), (out / "report.html").read_text()):
+        assert "the profile in use was trained on" in text
+
+
 def test_real_trips_are_laid_on_a_road_at_a_density(tmp_path: Path, data_folder: Path) -> None:
     file = str(data_folder / "openacc_zalazone" / "short_setting__handling_part14.csv")
     out = tmp_path / "out"

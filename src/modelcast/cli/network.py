@@ -141,16 +141,19 @@ def _publish(
         traffic = None if found is None else survey_document(found)
         if found is not None and not quiet and not json:
             _show_traffic(found)
+        known, notes = _training_trips(plan)
+        for line in () if quiet or json else notes:
+            say(line)
         with counted("runs", quiet=quiet or json) as progress:
             results = _run_all(plan, cases, store, found, jobs=jobs, progress=progress)
         if plan.key() != key:
             raise ConfigError("an input changed while it was read: run the command again")
         result = gather(results.values())
         store.publish(results, folder)
-        write_network(result, options, folder, key=key, traffic=traffic)
-        write_network_report(result, options, folder, traffic=traffic)
+        write_network(result, options, folder, key=key, traffic=traffic, training_trips=known)
+        write_network_report(result, options, folder, traffic=traffic, notes=notes)
     if json:
-        document = network_document(result, options, key, traffic)
+        document = network_document(result, options, key, traffic, known)
         json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
         print()
     elif not quiet:
@@ -166,6 +169,20 @@ def _survey(plan: "NetworkPlan") -> "FcdSurvey | None":
     from modelcast.io.fcd import survey_fcd
 
     return survey_fcd(plan.scenario)
+
+
+def _training_trips(plan: "NetworkPlan") -> tuple[tuple[str, ...], list[str]]:
+    """Recorded trips of the traffic that the shipped profile was trained on, and what is told of them."""
+    if not plan.trips:
+        return (), []
+    from modelcast.core.fingerprint import known_trips
+    from modelcast.io.trips import read_trips
+    from modelcast.models.profile import default_profile
+    from modelcast.report.training_trips import training_note
+
+    trips = tuple(read_trips(plan.trips))
+    known = known_trips(trips, default_profile().training_trips)
+    return known, training_note(known, len(trips))
 
 
 def _show_traffic(found: "FcdSurvey") -> None:

@@ -39,7 +39,11 @@ _TEXT = {"radio", "policy"}
 
 
 def network_document(
-    result: NetworkResult, options: Mapping[str, Any], key: RunKey, traffic: Mapping[str, Any] | None = None
+    result: NetworkResult,
+    options: Mapping[str, Any],
+    key: RunKey,
+    traffic: Mapping[str, Any] | None = None,
+    training_trips: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Return the content of ``summary.json`` as plain values.
 
@@ -54,12 +58,15 @@ def network_document(
     traffic
         What the file of floating-car data holds (`modelcast.io.fcd_survey.survey_document`); None where the
         traffic is none.
+    training_trips
+        Recorded trips of the traffic that the shipped profile was trained on.
     """
     return {
         "schema": NETWORK_SCHEMA,
         "modelcast": key.version,
         "inputs": plain_value(dict(key.inputs)),
         "traffic": None if traffic is None else plain_value(dict(traffic)),
+        "training_trips": list(training_trips),
         "options": plain_value(dict(options)),
         "runs": [row_document(row) for row in result.runs],
         "pooled": [row_document(row) for row in result.pooled],
@@ -74,19 +81,20 @@ def write_network(
     *,
     key: RunKey,
     traffic: Mapping[str, Any] | None = None,
+    training_trips: Sequence[str] = (),
 ) -> list[Path]:
     """Write ``summary.json`` and the Parquet files; return their paths.
 
     Parameters
     ----------
-    result, options, key, traffic
+    result, options, key, traffic, training_trips
         As for `network_document`.
     folder
         An existing folder.
     """
     folder = Path(folder)
     summary = folder / "summary.json"
-    text = document_text(network_document(result, options, key, traffic))
+    text = document_text(network_document(result, options, key, traffic, training_trips))
     summary.write_text(text, encoding="utf-8", newline="\n")
     paths = [summary]
     groups: tuple[tuple[str, Sequence[Any], Any], ...] = (

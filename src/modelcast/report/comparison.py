@@ -6,14 +6,13 @@ from pathlib import Path
 from rich.console import Group, RenderableType
 from rich.table import Table
 
-from modelcast.core.printable import printable
 from modelcast.evaluation.compare.result import CandidateRow, ComparisonResult, RatioRow
 from modelcast.report.console import failures_table, warning_texts
 from modelcast.report.figures.comparison import plot_comparison, worst_rows
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.panels import centimetres
 from modelcast.report.headline import nearest_ratio
-from modelcast.report.literal import literal
+from modelcast.report.literal import literal, markdown
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
@@ -53,11 +52,11 @@ def comparison_markdown(result: ComparisonResult) -> str:
         The comparison.
     """
     told = warning_lines((trip.id, trip.warnings) for trip in result.trips)
-    lines = [f"- **Warning**: {_escaped(line)}" for line in told] + ([""] if told else [])
+    lines = [f"- **Warning**: {markdown(line)}" for line in told] + ([""] if told else [])
     lines += [_scope(result), ""]
-    lines += [text for line in _training_lines(result) for text in (_escaped(line), "")]
+    lines += [text for line in _training_lines(result) for text in (markdown(line), "")]
     lines += [
-        f"- route {row.route}: {_escaped(row.name)}, {_counted(row.trips, 'trip')}, {row.duration_s:.0f} s"
+        f"- route {row.route}: {markdown(row.name)}, {_counted(row.trips, 'trip')}, {row.duration_s:.0f} s"
         for row in result.routes
     ]
     for protocol in _protocols(result):
@@ -66,7 +65,7 @@ def comparison_markdown(result: ComparisonResult) -> str:
         lines += [_joined(heads), "|" + "---|" * len(heads)]
         lines += [_joined(row) for row in cells]
         lines += _reference_lines(result, protocol)
-    left_out = [f"- {_escaped(name)}: {_escaped(reason)}" for name, reason in sorted(result.failures.items())]
+    left_out = [f"- {markdown(name)}: {markdown(reason)}" for name, reason in sorted(result.failures.items())]
     if left_out:
         lines += ["", "Left out:", "", *left_out]
     return "\n".join(lines) + "\n"
@@ -93,7 +92,7 @@ def _full_table(result: ComparisonResult, protocol: str) -> tuple[list[str], lis
     cells: list[list[str]] = []
     for candidate in result.candidates:
         rows = _rows(result, candidate, protocol)
-        own = [_escaped(_shown_name(candidate))]
+        own = [markdown(_shown_name(candidate))]
         own += [_with_limits(row.message_ratio, row.message_low, row.message_high) for row in rows]
         own += ["<br>".join(_signed(row) for row in rows)]
         own += [" / ".join(f"{row.bytes_ratio:.2f}" for row in rows)]
@@ -101,7 +100,7 @@ def _full_table(result: ComparisonResult, protocol: str) -> tuple[list[str], lis
         own += [_worst(result, candidate, protocol, percentile) for percentile in (90, 99) if losses]
         worst = _worst_row(rows)
         own += [f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}"]
-        own += [f"{_escaped(worst.worst_trip)}, {worst.worst_ratio:.2f} at {centimetres(worst.threshold_m)}"]
+        own += [f"{markdown(worst.worst_trip)}, {worst.worst_ratio:.2f} at {centimetres(worst.threshold_m)}"]
         cells.append(own)
     return heads, cells
 
@@ -237,7 +236,3 @@ def _counted(count: int, noun: str) -> str:
 
 def _joined(cells: Sequence[str]) -> str:
     return "| " + " | ".join(cells) + " |"
-
-
-def _escaped(text: str) -> str:
-    return printable(text).replace("&", "&amp;").replace("|", "\\|").replace("<", "&lt;")

@@ -12,7 +12,7 @@ from modelcast.evaluation.network.rows import NetworkResult, PooledRow
 from modelcast.io.fcd_survey import FcdSurvey, survey_document
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.network import NETWORK_FIGURES
-from modelcast.report.literal import literal
+from modelcast.report.literal import literal, markdown
 from modelcast.report.page import CSS, escape, number, page, table
 from modelcast.report.style import style
 
@@ -87,7 +87,9 @@ def _traffic_lines(traffic: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def network_markdown(result: NetworkResult, traffic: Mapping[str, Any] | None = None) -> str:
+def network_markdown(
+    result: NetworkResult, traffic: Mapping[str, Any] | None = None, notes: Sequence[str] = ()
+) -> str:
     """Return the one table of a network evaluation, and the capacities, as Markdown.
 
     Parameters
@@ -96,10 +98,18 @@ def network_markdown(result: NetworkResult, traffic: Mapping[str, Any] | None = 
         All runs.
     traffic
         What the file of floating-car data holds, as plain values; None where the traffic is none.
+    notes
+        What must be known before the figures.
     """
     names = [name for name, _, _ in _COLUMNS]
     heads = [*_KEYS, *(title for _, title, _ in _COLUMNS)]
-    lines = [_SCOPE, "", _joined(heads), "|" + "---|" * len(heads)]
+    lines = [
+        _SCOPE,
+        "",
+        *(text for line in notes for text in (f"**{markdown(line)}**", "")),
+        _joined(heads),
+        "|" + "---|" * len(heads),
+    ]
     lines += [_joined(cells) for cells in _rows(result, names, intervals=True)]
     if result.capacities:
         heads = ["radio", "policy", "limit [m]", "vehicles a km"]
@@ -155,6 +165,7 @@ def write_network_report(
     folder: str | Path,
     *,
     traffic: Mapping[str, Any] | None = None,
+    notes: Sequence[str] = (),
 ) -> list[Path]:
     """Write ``table.md``, ``report.html`` and the figures as PNG and SVG; return their paths.
 
@@ -166,12 +177,12 @@ def write_network_report(
         What they were run with, as plain values.
     folder
         An existing folder.
-    traffic
+    traffic, notes
         As for `network_markdown`.
     """
     folder = Path(folder)
-    markdown = folder / "table.md"
-    markdown.write_text(network_markdown(result, traffic), encoding="utf-8", newline="\n")
+    place = folder / "table.md"
+    place.write_text(network_markdown(result, traffic, notes), encoding="utf-8", newline="\n")
     with style():
         drawings = [drawn(name, plot(result)) for name, (_, plot) in NETWORK_FIGURES.items()]
     names = [name for name, _, _ in _COLUMNS]
@@ -179,6 +190,7 @@ def write_network_report(
     body = [
         "<h1>Fleets on a shared channel</h1>",
         f'<p class="scope">{escape(_SCOPE)}</p>',
+        *(f'<p class="note">{escape(line)}.</p>' for line in notes),
         table(heads, _rows(result, names, intervals=True), text_columns=3),
     ]
     if result.capacities:
@@ -198,7 +210,7 @@ def write_network_report(
     html = folder / "report.html"
     document = page("modelcast: fleets on a shared channel", CSS, body)
     html.write_text(document, encoding="utf-8", newline="\n")
-    return [markdown, html, *write_drawings(drawings, folder)]
+    return [place, html, *write_drawings(drawings, folder)]
 
 
 def _pairs(options: Mapping[str, Any], prefix: str = "") -> list[list[str]]:
