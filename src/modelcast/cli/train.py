@@ -124,6 +124,6 @@ def _require_trainable(names: tuple[str, ...]) -> None:
     known = member_names(profile_in_use(None))
     unknown = [name for name in names if name not in known and not name.startswith("gp-regime-")]
     if unknown:
-        raise ValueError(f"--bank: no sub-model is named {unknown[0]!r}; there are {', '.join(known)}")
+        raise ValueError(f"--bank: no sub-model is named {unknown[0]}; there are {', '.join(known)}")
     if len(names) > MOST_NAMES:
         raise ValueError(f"--bank names at most {MOST_NAMES} sub-models, got {len(names)}")
