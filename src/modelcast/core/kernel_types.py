@@ -30,7 +30,6 @@ __all__ = [
     "Layout",
     "StridedFloatMatrix",
     "StridedFloatVector",
-    "StridedIntVector",
     "UInt8Matrix",
     "UInt8Vector",
     "UInt64Vector",
@@ -69,7 +68,6 @@ StridedFloatMatrix = Annotated[npt.NDArray[np.float64], Layout("float64", 2, "A"
 IntVector = Annotated[npt.NDArray[np.int64], Layout("int64", 1)]
 IntMatrix = Annotated[npt.NDArray[np.int64], Layout("int64", 2)]
 IntCube = Annotated[npt.NDArray[np.int64], Layout("int64", 3)]
-StridedIntVector = Annotated[npt.NDArray[np.int64], Layout("int64", 1, "A")]
 BoolVector = Annotated[npt.NDArray[np.bool_], Layout("bool", 1)]
 Float32Vector = Annotated[npt.NDArray[np.float32], Layout("float32", 1)]
 Float32Cube = Annotated[npt.NDArray[np.float32], Layout("float32", 3)]

@@ -6,7 +6,7 @@ from typing import Literal
 
 from modelcast.core.exceptions import DataFormatError
 
-__all__ = ["place_kind", "readable_kind"]
+__all__ = ["mode_kind", "place_kind", "readable_kind"]
 
 _SPECIAL = {
     stat.S_IFIFO: "a pipe",
@@ -14,6 +14,18 @@ _SPECIAL = {
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
 }
+
+
+def mode_kind(mode: int) -> str:
+    """Return ``file``, ``folder``, or what else in words.
+
+    Parameters
+    ----------
+    mode
+        As the operating system tells it of a place.
+    """
+    kind = stat.S_IFMT(mode)
+    return {stat.S_IFREG: "file", stat.S_IFDIR: "folder"}.get(kind) or _SPECIAL.get(kind, "no regular file")
 
 
 def place_kind(path: str | Path) -> str:
@@ -29,8 +41,7 @@ def place_kind(path: str | Path) -> str:
     OSError
         Where that cannot be told.
     """
-    kind = stat.S_IFMT(Path(path).stat().st_mode)
-    return {stat.S_IFREG: "file", stat.S_IFDIR: "folder"}.get(kind) or _SPECIAL.get(kind, "no regular file")
+    return mode_kind(Path(path).stat().st_mode)
 
 
 def readable_kind(path: str | Path) -> Literal["file", "folder"]:

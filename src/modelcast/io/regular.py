@@ -2,21 +2,13 @@
 
 import hashlib
 import os
-import stat
 from pathlib import Path
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.json_text import LARGEST_BYTES
+from modelcast.io.places import mode_kind, place_kind
 
 __all__ = ["kind_of", "read_document", "regular_bytes", "sha256_of"]
-
-_KINDS = (
-    (stat.S_ISDIR, "a folder"),
-    (stat.S_ISFIFO, "a pipe"),
-    (stat.S_ISCHR, "a device"),
-    (stat.S_ISBLK, "a device"),
-    (stat.S_ISSOCK, "a socket"),
-)
 
 
 def kind_of(path: Path) -> str:
@@ -28,10 +20,10 @@ def kind_of(path: Path) -> str:
         Any path; a link is followed.
     """
     try:
-        mode = path.stat().st_mode
+        kind = place_kind(path)
     except (OSError, ValueError):
         return ""
-    return "file" if stat.S_ISREG(mode) else "folder" if stat.S_ISDIR(mode) else "other"
+    return kind if kind in {"file", "folder"} else "other"
 
 
 def regular_bytes(path: Path) -> int:
@@ -117,9 +109,9 @@ def _opened(path: Path):  # noqa: ANN202 - the type of open() says more than a n
 
 
 def _regular(path: Path, found: os.stat_result) -> int:
-    if not stat.S_ISREG(found.st_mode):
-        kind = next((name for test, name in _KINDS if test(found.st_mode)), "something else")
-        raise ConfigError(f"{_named(path)} is {kind}, not a file")
+    kind = mode_kind(found.st_mode)
+    if kind != "file":
+        raise ConfigError(f"{_named(path)} is {'a folder' if kind == 'folder' else kind}, not a file")
     return found.st_size
 
 

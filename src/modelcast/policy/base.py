@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.policy import error_driven_kernels as kernels
 
 __all__ = [
@@ -17,7 +17,6 @@ __all__ = [
     "Message",
     "Motion",
     "TransmitInputs",
-    "column",
     "required",
 ]
 
@@ -126,11 +125,6 @@ class TransmitInputs:
 
 
 Part = TypeVar("Part", Motion, Air)
-
-
-def column(values: FloatArray) -> FloatArray:
-    """Return values as compiled rules take them: contiguous 64-bit floats."""
-    return owned(values)
 
 
 def required(part: Part | None, name: str, policy: str) -> Part:

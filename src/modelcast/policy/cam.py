@@ -14,7 +14,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray, owned
 from modelcast.policy import cam_kernels as kernels
 from modelcast.policy import dcc_kernels
-from modelcast.policy.base import AbstractTransmitPolicy, Decisions, Message, TransmitInputs, column, required
+from modelcast.policy.base import AbstractTransmitPolicy, Decisions, Message, TransmitInputs, required
 from modelcast.policy.dcc import AdaptiveDcc, ReactiveDcc
 
 __all__ = ["CamState", "CamTriggering", "CooperativeAwareness"]
@@ -206,12 +206,12 @@ class CooperativeAwareness(AbstractTransmitPolicy[CamState]):
             rows,
             control,
             code,
-            column(inputs.t_s),
-            column(motion.position_m),
-            column(motion.speed_mps),
-            column(motion.heading_rad),
-            column(busy_ratio),
-            column(airtime_s),
+            owned(inputs.t_s),
+            owned(motion.position_m),
+            owned(motion.speed_mps),
+            owned(motion.heading_rad),
+            owned(busy_ratio),
+            owned(airtime_s),
             self.triggering.min_inter_transmit_time_s,
             self.triggering.constants(),
             control_constants,

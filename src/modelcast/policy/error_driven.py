@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import FloatArray, IntArray, owned
 from modelcast.policy import error_driven_kernels as kernels
-from modelcast.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs, column
+from modelcast.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
 from modelcast.policy.costs import CostTable
 from modelcast.policy.rules import IdentifyRule, StartRule
 
@@ -159,7 +159,7 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
             np.ascontiguousarray(inputs.tracking_error_m, dtype=np.float64),
             np.ascontiguousarray(inputs.available),
             first_failure_s,
-            np.full_like(first_failure_s, np.nan) if scores is None else column(scores),
+            np.full_like(first_failure_s, np.nan) if scores is None else owned(scores),
             state.in_use,
             np.ascontiguousarray(inputs.age_s, dtype=np.float64),
             np.ascontiguousarray(inputs.silence_s, dtype=np.float64),

@@ -15,9 +15,9 @@ from enum import IntEnum
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import FloatArray, IntArray, owned
 from modelcast.policy import j2945_kernels as kernels
-from modelcast.policy.base import AbstractTransmitPolicy, Decisions, Message, TransmitInputs, column, required
+from modelcast.policy.base import AbstractTransmitPolicy, Decisions, Message, TransmitInputs, required
 from modelcast.policy.j2945_parameters import J2945Parameters
 
 __all__ = ["J2945", "Cause", "J2945State", "max_inter_transmit_time", "transmit_probability"]
@@ -150,12 +150,12 @@ class J2945(AbstractTransmitPolicy[J2945State]):
         believed = np.empty(vehicles, dtype=np.bool_)
         kernels.step_each(
             rows,
-            column(inputs.t_s),
-            column(until_s),
-            column(inputs.tracking_error_m[:, 0]),
-            column(air.channel_busy_ratio),
-            column(air.neighbours),
-            column(air.packet_error_ratio),
+            owned(inputs.t_s),
+            owned(until_s),
+            owned(inputs.tracking_error_m[:, 0]),
+            owned(air.channel_busy_ratio),
+            owned(air.neighbours),
+            owned(air.packet_error_ratio),
             np.ascontiguousarray(motion.critical),
             rng.random((vehicles, 3)),
             self.parameters.constants(),

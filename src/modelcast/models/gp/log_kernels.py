@@ -4,10 +4,7 @@ import numpy as np
 
 from modelcast.core.kernel import kernel
 
-__all__ = ["FAST", "rough_log"]
-
-FAST = {"contract", "reassoc", "nsz", "arcp"}
-"""Liberties the compiler may take; never those that would make ``isnan`` meaningless."""
+__all__ = ["rough_log"]
 
 _LOG_TWO = float(np.log(2.0))
 _DEGREE = 7
