@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from modelcast.policy import j2945_kernels, neighbours_kernels
-from modelcast.policy.j2945 import J2945
-from modelcast.policy.neighbours import neighbour_tables
+from modelcast.station.policy import j2945_kernels, neighbours_kernels
+from modelcast.station.policy.j2945 import J2945
+from modelcast.station.policy.neighbours import neighbour_tables
 
 REMOTES = 300
 CAPACITY = 384

@@ -11,9 +11,9 @@ changes, so its identity stays; the file is rewritten only where fingerprints di
 import os
 from pathlib import Path
 
-from modelcast.evaluation.training.profile import named_training_trips
 from modelcast.io.profile import read_profile, write_profile
 from modelcast.io.trips import read_trips
+from modelcast.study.training.profile import named_training_trips
 
 __all__ = ["main"]
 

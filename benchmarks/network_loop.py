@@ -13,15 +13,15 @@ from typing import Any
 import numpy as np
 
 from modelcast.channel.dsrc import Dsrc
-from modelcast.core.sensor import SensorModel
-from modelcast.simulation.network import deciding_kernels, receiver_kernels
-from modelcast.simulation.network.engine import run_network
-from modelcast.simulation.network.loop import FleetLoop
-from modelcast.simulation.network.sender import named_sender
-from modelcast.simulation.network.settings import NetworkSettings
-from modelcast.simulation.scenario.base import FleetFrame, run_scenario
-from modelcast.simulation.scenario.highway import Highway
-from modelcast.simulation.scenario.sensed import FleetSensor
+from modelcast.runtime.fleet import deciding_kernels, receiver_kernels
+from modelcast.runtime.fleet.engine import run_network
+from modelcast.runtime.fleet.loop import FleetLoop
+from modelcast.runtime.fleet.sender import named_sender
+from modelcast.runtime.fleet.settings import NetworkSettings
+from modelcast.world.scenario.base import FleetFrame, run_scenario
+from modelcast.world.scenario.highway import Highway
+from modelcast.world.scenario.sensed import FleetSensor
+from modelcast.world.sensors import SensorModel
 
 DENSITY_PER_KM = 200.0
 SECONDS = 10.0

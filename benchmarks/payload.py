@@ -13,16 +13,6 @@ from pathlib import Path
 
 import numpy as np
 
-from modelcast.core.trajectory import Trajectory
-from modelcast.evaluation.case import TripCase, make_case
-from modelcast.evaluation.metrics import quantiles
-from modelcast.evaluation.pooling import sorted_errors
-from modelcast.evaluation.rate import count_rates
-from modelcast.evaluation.settings import EvaluationSettings
-from modelcast.evaluation.tracking import run_tracking
-from modelcast.evaluation.training.descent import Descent
-from modelcast.evaluation.training.learned import DEFAULT_STAGES, LearnedSettings, NoiseStage, train_learned
-from modelcast.evaluation.walk import TripBank
 from modelcast.io.trips import read_trips
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc_update import extension_octets
@@ -30,6 +20,16 @@ from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned import LearnedTrajectory
+from modelcast.runtime.trip.walk import TripBank
+from modelcast.study.case import TripCase, make_case
+from modelcast.study.metrics import quantiles
+from modelcast.study.pooling import sorted_errors
+from modelcast.study.rate import count_rates
+from modelcast.study.settings import EvaluationSettings
+from modelcast.study.tracking import run_tracking
+from modelcast.study.training.descent import Descent
+from modelcast.study.training.learned import DEFAULT_STAGES, LearnedSettings, NoiseStage, train_learned
+from modelcast.trips.trajectory import Trajectory
 from payload_figure import draw
 
 THRESHOLDS_M = (0.2, 0.3, 0.4, 0.5)

@@ -14,13 +14,6 @@ from pathlib import Path
 
 import numpy as np
 
-from modelcast.evaluation.case import TripCase, make_case
-from modelcast.evaluation.metrics import quantiles
-from modelcast.evaluation.pooling import sorted_errors
-from modelcast.evaluation.rate import count_rates
-from modelcast.evaluation.settings import PAPER_BANK, EvaluationSettings
-from modelcast.evaluation.tracking import run_tracking
-from modelcast.evaluation.walk import TripBank
 from modelcast.io.trips import read_trips
 from modelcast.messages.mbc_update import extension_octets
 from modelcast.models.bank import Bank
@@ -29,6 +22,13 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.predicted_path import DEFAULT_CARRIED, DEFAULT_SPAN_S, PredictedPath, carried_layout
 from modelcast.models.profile import default_profile
+from modelcast.runtime.trip.walk import TripBank
+from modelcast.study.case import TripCase, make_case
+from modelcast.study.metrics import quantiles
+from modelcast.study.pooling import sorted_errors
+from modelcast.study.rate import count_rates
+from modelcast.study.settings import PAPER_BANK, EvaluationSettings
+from modelcast.study.tracking import run_tracking
 from payload_figure import draw
 
 TRAINED = default_profile().sub_model("gp-trained")

@@ -13,14 +13,14 @@ from pathlib import Path
 
 import numpy as np
 
-from modelcast.agents.host import Host, HostState
-from modelcast.agents.plausibility import Finding, Plausibility, PlausibilityState
-from modelcast.agents.reports import Reports, reports_of
 from modelcast.io.trips import read_trips
 from modelcast.messages.mbc import ModelUpdate
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.velocity import sample_matrix, velocity_estimator_for
+from modelcast.station.receiver.host import Host, HostState
+from modelcast.station.receiver.plausibility import Finding, Plausibility, PlausibilityState
+from modelcast.station.receiver.statements import Statements, statements_of
+from modelcast.station.sensing.velocity import sample_matrix, velocity_estimator_for
 
 ROUNDS = 9
 VEHICLES, STEPS = 300, 50
@@ -37,10 +37,10 @@ def main() -> int:
     trips: Counter[str] = Counter()
     for trip in read_trips(Path(folder)):
         trips[trip.source] += 1
-        given = reports_of(trip)
+        given = statements_of(trip)
         if given is None:
             velocity_mps = sample_matrix(trip, velocity_estimator_for(trip))[:, 2:4].copy()
-            given = Reports(
+            given = Statements(
                 np.zeros(len(trip), dtype=np.int64),
                 trip.t_s,
                 position_m=trip.position_m,
@@ -57,9 +57,9 @@ def main() -> int:
     return 0
 
 
-def thinned(given: Reports, every: int) -> Reports:
+def thinned(given: Statements, every: int) -> Statements:
     """Return every so many-th report."""
-    return Reports(
+    return Statements(
         given.vehicle[::every],
         given.t_s[::every],
         position_m=given.position_m[::every],
@@ -72,7 +72,7 @@ def timings() -> None:
     """Print the cost of a check in batch, and of a message at the host with and without."""
     vehicle = np.tile(np.arange(VEHICLES), STEPS)
     t_s = np.repeat(np.arange(STEPS) * 0.1, VEHICLES)
-    whole = Reports(
+    whole = Statements(
         vehicle,
         t_s,
         position_m=np.stack([20 * t_s, 5.0 * vehicle], axis=1),
@@ -91,14 +91,14 @@ def timings() -> None:
         )
 
 
-def batch_us(checks: Plausibility, whole: Reports) -> float:
+def batch_us(checks: Plausibility, whole: Statements) -> float:
     """Return the shortest time a message of all rounds [µs]."""
 
     def run() -> None:
         state = PlausibilityState()
         for step in range(STEPS):
             part = slice(step * VEHICLES, (step + 1) * VEHICLES)
-            one = Reports(
+            one = Statements(
                 whole.vehicle[part],
                 whole.t_s[part],
                 position_m=whole.position_m[part],
@@ -110,7 +110,7 @@ def batch_us(checks: Plausibility, whole: Reports) -> float:
     return least_us(run, whole.t_s.size)
 
 
-def host_us(host: Host, whole: Reports) -> float:
+def host_us(host: Host, whole: Statements) -> float:
     """Return the shortest time a message of all rounds [µs]."""
     messages = [
         ModelUpdate(

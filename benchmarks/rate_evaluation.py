@@ -5,11 +5,11 @@ import statistics
 import time
 from pathlib import Path
 
-from modelcast.evaluation.case import TripCase, make_case
-from modelcast.evaluation.rate import count_rates
-from modelcast.evaluation.settings import BASELINE_BANK, EvaluationSettings
-from modelcast.evaluation.walk import TripBank
 from modelcast.io.trips import read_trips
+from modelcast.runtime.trip.walk import TripBank
+from modelcast.study.case import TripCase, make_case
+from modelcast.study.rate import count_rates
+from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
 
 FILE = "openacc_zalazone/no_ACC__handling_part22.csv"
 ROUNDS = 9

@@ -5,11 +5,11 @@ import time
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
-from modelcast.core.sensor import SensorModel
-from modelcast.simulation.scenario.base import STEP_S, AbstractScenario, FleetFrame, run_scenario
-from modelcast.simulation.scenario.grid import Grid
-from modelcast.simulation.scenario.highway import Highway
-from modelcast.simulation.scenario.sensed import sensed
+from modelcast.world.scenario.base import STEP_S, AbstractScenario, FleetFrame, run_scenario
+from modelcast.world.scenario.grid import Grid
+from modelcast.world.scenario.highway import Highway
+from modelcast.world.scenario.sensed import sensed
+from modelcast.world.sensors import SensorModel
 
 DURATION_S = 60.0
 

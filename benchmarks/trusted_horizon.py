@@ -13,16 +13,16 @@ from pathlib import Path
 import numpy as np
 
 from modelcast.core.arrays import SingleArray
-from modelcast.evaluation.case import TripCase, make_case
-from modelcast.evaluation.settings import BASELINE_BANK, EvaluationSettings
-from modelcast.evaluation.tracking import run_tracking
-from modelcast.evaluation.walk import TripBank
 from modelcast.io.trips import read_trips
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantTurnRateAcceleration, ConstantTurnRateVelocity
 from modelcast.models.trusted import Trusted
+from modelcast.runtime.trip.walk import TripBank
+from modelcast.study.case import TripCase, make_case
+from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.study.tracking import run_tracking
 
 PACKET_ERROR_RATIO = 0.4
 THRESHOLDS_M = (0.2, 0.3, 0.4, 0.5)

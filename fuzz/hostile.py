@@ -17,9 +17,6 @@ from modelcast.cli.evaluation_run import run_evaluation
 from modelcast.cli.run_record import EvaluationRun, load_run, write_run
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.rules import is_clean
-from modelcast.core.trajectory import Trajectory
-from modelcast.evaluation.evaluate import evaluate
-from modelcast.evaluation.settings import EvaluationSettings
 from modelcast.io.profile import read_profile
 from modelcast.io.write_trips import write_csv
 from modelcast.messages.mbc_profile import WireProfile
@@ -30,14 +27,17 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess, Hyperparameters, VehicleProcess
 from modelcast.models.gp.conditional import AxisKernel
 from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
-from modelcast.models.learned import FeatureMap, LearnedTrajectory, Network, Selector
+from modelcast.models.learned import FeatureMap, LearnedTrajectory, Perceptron, Selector
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.profile import Profile, default_profile
 from modelcast.models.regimes import Regimes
 from modelcast.models.trusted import Trusted
-from modelcast.models.velocity import DEFAULT_FROM_POSITIONS, sample_matrix
-from modelcast.policy.costs import CostTable
-from modelcast.simulation.drive import generate_drive
+from modelcast.station.policy.costs import CostTable
+from modelcast.station.sensing.velocity import DEFAULT_FROM_POSITIONS, sample_matrix
+from modelcast.study.evaluate import evaluate
+from modelcast.study.settings import EvaluationSettings
+from modelcast.trips.trajectory import Trajectory
+from modelcast.world.drive import generate_drive
 
 __all__ = ["check_profile", "check_run", "profile_documents", "run_document"]
 
@@ -254,9 +254,9 @@ def _small() -> Profile:
     )
 
 
-def _network(rng: np.random.Generator, outputs: int, up_to_noise_m: float) -> Network:
+def _network(rng: np.random.Generator, outputs: int, up_to_noise_m: float) -> Perceptron:
     inputs, hidden = FeatureMap(20).inputs, 4
-    return Network(
+    return Perceptron(
         up_to_noise_m,
         centre=np.zeros(inputs),
         width=np.ones(inputs),

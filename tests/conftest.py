@@ -10,11 +10,11 @@ import pytest
 from hypothesis import settings
 
 from modelcast.core.arrays import FloatArray
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.trips import read_trips
 from modelcast.models.bank import Bank
 from modelcast.models.base import Windows
-from modelcast.models.velocity import sample_matrix, velocity_estimator_for
+from modelcast.station.sensing.velocity import sample_matrix, velocity_estimator_for
+from modelcast.trips.trajectory import Trajectory
 
 settings.register_profile("ci", derandomize=True, deadline=None)
 settings.load_profile("ci")

@@ -14,20 +14,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from modelcast.agents.host import Host as Host
     from modelcast.core.exceptions import ModelcastError as ModelcastError
-    from modelcast.core.sensor import SensorModel as SensorModel
-    from modelcast.core.trajectory import Trajectory as Trajectory
-    from modelcast.core.trajectory import build_trajectory as build_trajectory
-    from modelcast.evaluation.case import SensedTrip as SensedTrip
-    from modelcast.evaluation.compare.candidate import FixedCandidate as FixedCandidate
-    from modelcast.evaluation.compare.candidate import TrainedCandidate as TrainedCandidate
-    from modelcast.evaluation.compare.run import compare as compare
-    from modelcast.evaluation.compare.settings import CompareSettings as CompareSettings
-    from modelcast.evaluation.evaluate import evaluate as evaluate
-    from modelcast.evaluation.result import EvaluationResult as EvaluationResult
-    from modelcast.evaluation.settings import EvaluationSettings as EvaluationSettings
-    from modelcast.evaluation.training.profile import train_profile as train_profile
     from modelcast.io.profile import read_profile as read_profile
     from modelcast.io.results import write_results as write_results
     from modelcast.io.trips import read_trips as read_trips
@@ -39,45 +26,58 @@ if TYPE_CHECKING:
     from modelcast.models.gp import GaussianProcess as GaussianProcess
     from modelcast.models.profile import Profile as Profile
     from modelcast.models.profile import default_profile as default_profile
-    from modelcast.policy.error_driven import ErrorDriven as ErrorDriven
-    from modelcast.policy.periodic import Periodic as Periodic
     from modelcast.report.html import write_report as write_report
     from modelcast.report.tables import rates_frame as rates_frame
     from modelcast.report.tables import references_frame as references_frame
     from modelcast.report.tables import tracking_frame as tracking_frame
-    from modelcast.simulation.drive import generate_drive as generate_drive
+    from modelcast.station.policy.error_driven import ErrorDriven as ErrorDriven
+    from modelcast.station.policy.periodic import Periodic as Periodic
+    from modelcast.station.receiver.host import Host as Host
+    from modelcast.study.case import SensedTrip as SensedTrip
+    from modelcast.study.compare.candidate import FixedCandidate as FixedCandidate
+    from modelcast.study.compare.candidate import TrainedCandidate as TrainedCandidate
+    from modelcast.study.compare.run import compare as compare
+    from modelcast.study.compare.settings import CompareSettings as CompareSettings
+    from modelcast.study.evaluate import evaluate as evaluate
+    from modelcast.study.result import EvaluationResult as EvaluationResult
+    from modelcast.study.settings import EvaluationSettings as EvaluationSettings
+    from modelcast.study.training.profile import train_profile as train_profile
+    from modelcast.trips.trajectory import Trajectory as Trajectory
+    from modelcast.trips.trajectory import build_trajectory as build_trajectory
+    from modelcast.world.drive import generate_drive as generate_drive
+    from modelcast.world.sensors import SensorModel as SensorModel
 
 _HOMES = {
     "Bank": "models.bank",
     "BsmCore": "messages.bsm",
-    "CompareSettings": "evaluation.compare.settings",
+    "CompareSettings": "study.compare.settings",
     "ConstantVelocity": "models.constant_velocity",
-    "ErrorDriven": "policy.error_driven",
-    "EvaluationResult": "evaluation.result",
-    "EvaluationSettings": "evaluation.settings",
-    "FixedCandidate": "evaluation.compare.candidate",
+    "ErrorDriven": "station.policy.error_driven",
+    "EvaluationResult": "study.result",
+    "EvaluationSettings": "study.settings",
+    "FixedCandidate": "study.compare.candidate",
     "GaussianProcess": "models.gp",
-    "Host": "agents.host",
+    "Host": "station.receiver.host",
     "ModelcastError": "core.exceptions",
-    "Periodic": "policy.periodic",
+    "Periodic": "station.policy.periodic",
     "Profile": "models.profile",
-    "SensedTrip": "evaluation.case",
-    "SensorModel": "core.sensor",
-    "TrainedCandidate": "evaluation.compare.candidate",
-    "Trajectory": "core.trajectory",
-    "build_trajectory": "core.trajectory",
-    "compare": "evaluation.compare.run",
+    "SensedTrip": "study.case",
+    "SensorModel": "world.sensors",
+    "TrainedCandidate": "study.compare.candidate",
+    "Trajectory": "trips.trajectory",
+    "build_trajectory": "trips.trajectory",
+    "compare": "study.compare.run",
     "decode_bsm": "messages.bsm",
     "default_profile": "models.profile",
     "encode_bsm": "messages.bsm",
-    "evaluate": "evaluation.evaluate",
-    "generate_drive": "simulation.drive",
+    "evaluate": "study.evaluate",
+    "generate_drive": "world.drive",
     "rates_frame": "report.tables",
     "read_profile": "io.profile",
     "read_trips": "io.trips",
     "references_frame": "report.tables",
     "tracking_frame": "report.tables",
-    "train_profile": "evaluation.training.profile",
+    "train_profile": "study.training.profile",
     "write_report": "report.html",
     "write_results": "io.results",
 }

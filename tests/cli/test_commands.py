@@ -13,10 +13,10 @@ import polars as pl
 import pytest
 
 from modelcast.cli.app import run
-from modelcast.core.trajectory import Trajectory, build_trajectory
 from modelcast.io.trips import read_trips
 from modelcast.io.write_trips import write_csv
-from modelcast.simulation.drive import generate_drive
+from modelcast.trips.trajectory import Trajectory, build_trajectory
+from modelcast.world.drive import generate_drive
 
 SMALL = ("--threshold", "0.3", "--per", "0", "0.4", "--seeds", "2", "--quiet")
 

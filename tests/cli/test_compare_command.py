@@ -14,7 +14,7 @@ from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import SensorOptions
 from modelcast.io.write_trips import write_csv
 from modelcast.models.profile import default_profile
-from modelcast.simulation.drive import generate_drive
+from modelcast.world.drive import generate_drive
 
 SMALL = ("--threshold", "0.3", "0.5", "--per", "0", "0.4", "--seeds", "2", "--resamples", "50")
 BANKS = ("--bank", "cv", "ctra+cv", "--rules", "order/on-failure", "keep/final")

@@ -17,8 +17,8 @@ from modelcast.cli.app import BROKEN_PIPE, COMMANDS, INTERRUPTED, run
 from modelcast.cli.progress import busy, counted
 from modelcast.core.exceptions import MissingExtraError
 from modelcast.core.extras import EXTRAS
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.csv import CsvReader
+from modelcast.trips.trajectory import Trajectory
 
 TABLE = "t_s,east_m,north_m\n" + "".join(f"{i / 10},{i},0\n" for i in range(40))
 

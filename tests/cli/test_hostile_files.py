@@ -21,15 +21,15 @@ from modelcast.cli.option_rules import OPTIONS
 from modelcast.cli.options import SensorOptions
 from modelcast.cli.run_record import load_run
 from modelcast.core.exceptions import ConfigError
-from modelcast.core.fingerprint import fingerprint
-from modelcast.evaluation.evaluate import evaluate
-from modelcast.evaluation.settings import PAPER_BANK, EvaluationSettings
 from modelcast.io.profile import read_profile
 from modelcast.io.trips import read_trips
 from modelcast.io.write_trips import write_csv, write_parquet
 from modelcast.models.profile import default_profile, profile_from_text
 from modelcast.report.console import training_lines
-from modelcast.simulation.drive import generate_drive
+from modelcast.study.evaluate import evaluate
+from modelcast.study.settings import PAPER_BANK, EvaluationSettings
+from modelcast.trips.fingerprint import fingerprint
+from modelcast.world.drive import generate_drive
 
 FUZZ = Path(__file__).parents[2] / "fuzz"
 HOSTILE = runpy.run_path(str(FUZZ / "hostile.py"))

@@ -9,12 +9,12 @@ import pytest
 
 import modelcast
 from modelcast.io.write_trips import write_csv
-from modelcast.simulation.drive import generate_drive
+from modelcast.world.drive import generate_drive
 
 PROGRAM = """
 import os, signal, sys, threading
 from modelcast.cli import app
-from modelcast.evaluation import walk_kernels
+from modelcast.runtime.trip import walk_kernels
 
 inner, calls = walk_kernels.walk, [0]
 

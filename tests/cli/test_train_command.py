@@ -11,7 +11,7 @@ from modelcast.cli.banks import named_bank
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.profile import read_profile
 from modelcast.io.write_trips import write_csv
-from modelcast.simulation.drive import generate_drive
+from modelcast.world.drive import generate_drive
 
 QUICK = ("--steps", "12", "--hidden", "8", "8", "--coefficients", "2")
 

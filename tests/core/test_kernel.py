@@ -20,16 +20,16 @@ from modelcast.core import kernel as kernel_module
 from modelcast.core.kernel import Kernel, kernel, kernels
 from modelcast.core.kernel_cache import CACHE_VARIABLE, KernelFile, sources_of
 from modelcast.core.kernel_types import FloatMatrix, FloatVector
-from modelcast.evaluation.walk import TripBank
 from modelcast.messages.quantisation import quantised_bank
 from modelcast.models.address_kernels import FIT_TYPES, point_address
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.predicted_path import PredictedPath
-from modelcast.models.velocity import velocity_estimator_for
-from modelcast.policy.error_driven import ErrorDriven
-from modelcast.simulation.drive import generate_drive
+from modelcast.runtime.trip.walk import TripBank
+from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.sensing.velocity import velocity_estimator_for
+from modelcast.world.drive import generate_drive
 
 SOURCE = Path(modelcast.__file__).parent
 
@@ -112,11 +112,11 @@ def test_a_bank_made_here_walks_in_another_process_as_it_does_here() -> None:
 ANSWERS_NOT_NEEDED = {
     # Called for what they write; the number they return beside it cannot mean "declined".
     "modelcast.channel.dsrc_station_kernels.sense_medium": "which way the medium turned; nobody waits yet",
-    "modelcast.core.conditioning_kernels.negative_log_likelihood": "the value, where the sums are wanted",
-    "modelcast.core.conditioning_kernels._update": "innovation and its variance, where the state is wanted",
-    "modelcast.evaluation.clairvoyant_kernels._squared_errors": "the greatest, where all are wanted",
-    "modelcast.evaluation.training.survival_kernels.survival_slopes": "the loss, where slopes are wanted",
-    "modelcast.policy.neighbours_kernels.forget": "how many went; the caller looks at the free list",
+    "modelcast.trips.conditioning_kernels.negative_log_likelihood": "the value, where the sums are wanted",
+    "modelcast.trips.conditioning_kernels._update": "innovation and its variance, where the state is wanted",
+    "modelcast.study.clairvoyant_kernels._squared_errors": "the greatest, where all are wanted",
+    "modelcast.study.training.survival_kernels.survival_slopes": "the loss, where slopes are wanted",
+    "modelcast.station.policy.neighbours_kernels.forget": "how many went; the caller looks at the free list",
 }
 """The closed list of kernels whose answer a caller may leave, and why nothing is lost."""
 
@@ -283,15 +283,15 @@ def test_the_interpreter_alone_gives_the_same(tmp_path: Path) -> None:
 def test_an_evaluation_runs_with_the_interpreter_alone(tmp_path: Path) -> None:
     """The same messages, compiled or not, by a bank whose functions call each other by address."""
     program = """
-    from modelcast.evaluation.walk import TripBank
+    from modelcast.runtime.trip.walk import TripBank
     from modelcast.messages.quantisation import quantised_bank
     from modelcast.models.bank import Bank
     from modelcast.models.constant_velocity import ConstantVelocity
     from modelcast.models.kinematic import ConstantTurnRateAcceleration
     from modelcast.models.gp.vehicle import VehicleGaussianProcess
-    from modelcast.models.velocity import velocity_estimator_for
-    from modelcast.policy.error_driven import ErrorDriven
-    from modelcast.simulation.drive import generate_drive
+    from modelcast.station.sensing.velocity import velocity_estimator_for
+    from modelcast.station.policy.error_driven import ErrorDriven
+    from modelcast.world.drive import generate_drive
     drive = generate_drive(seed=3, duration_s=90.0).input
     bank = quantised_bank(Bank((ConstantTurnRateAcceleration(), ConstantVelocity())))
     walk = TripBank(drive, bank, velocity_estimator_for(drive)).walk(ErrorDriven(0.3, start="hindsight"))

@@ -19,7 +19,7 @@ import pytest
 
 from modelcast.cli.app import app, run
 from modelcast.io.write_trips import write_csv
-from modelcast.simulation.drive import generate_drive
+from modelcast.world.drive import generate_drive
 
 sys.path.insert(0, str(Path(__file__).parent))
 from code_blocks import PAGES, ROOT, Block, blocks_of, printed_by

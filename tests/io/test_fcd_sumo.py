@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, enu_to_geodetic
 from modelcast.io.fcd import read_fcd, survey_fcd
-from modelcast.simulation.scenario.base import FleetFrame
+from modelcast.world.scenario.base import FleetFrame
 
 Row = Mapping[str, Any]
 """A row: tag, time, id, x, y, angle, type, speed, pos, lane, edge; what a tag does not have is absent."""

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.evaluation.network.rows import CaseResult, NetworkCase, RunRow
 from modelcast.io.network_runs import RunKey, read_case, run_path, write_case
 from modelcast.io.run_store import run_store
+from modelcast.study.network.rows import CaseResult, NetworkCase, RunRow
 
 CASE = NetworkCase(25.0, "dsrc", "j2945", 0)
 KEY = RunKey("1.0", {"0 traffic.xml": "ab"})

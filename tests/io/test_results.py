@@ -10,7 +10,12 @@ import pyarrow.parquet as pq
 import pytest
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.evaluation.result import (
+from modelcast.io import arrow
+from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table
+from modelcast.io.manifest import MANIFEST
+from modelcast.io.output import atomic_folder
+from modelcast.io.results import summary_document, write_message_trace, write_results
+from modelcast.study.result import (
     Coded,
     EvaluationResult,
     RateRow,
@@ -18,11 +23,6 @@ from modelcast.evaluation.result import (
     TrackingRow,
     TripRow,
 )
-from modelcast.io import arrow
-from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table
-from modelcast.io.manifest import MANIFEST
-from modelcast.io.output import atomic_folder
-from modelcast.io.results import summary_document, write_message_trace, write_results
 
 NAN = float("nan")
 

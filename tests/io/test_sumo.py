@@ -10,8 +10,8 @@ import pytest
 from modelcast.core.exceptions import ConfigError, MissingExtraError
 from modelcast.core.geodesy import heading_to_velocity
 from modelcast.io.sumo import run_sumo
-from modelcast.io.sumo_networks import SumoInput, grid_input, highway_input, junction_input
-from modelcast.simulation.scenario.base import STEP_S
+from modelcast.io.sumo_roads import SumoInput, grid_input, highway_input, junction_input
+from modelcast.world.scenario.base import STEP_S
 
 INSTALLED = importlib.util.find_spec("libsumo") is not None and importlib.util.find_spec("sumo") is not None
 needs_sumo = pytest.mark.skipif(not INSTALLED, reason="needs SUMO: pip install 'modelcast[sumo]'")

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.core.geodesy import Origin
-from modelcast.core.trajectory import build_trajectory
 from modelcast.io.trips import read_trips
 from modelcast.io.write_trips import write_csv, write_parquet
+from modelcast.trips.trajectory import build_trajectory
 
 WRITERS = {"csv": write_csv, "parquet": write_parquet}
 both = pytest.mark.parametrize("kind", WRITERS)

@@ -8,11 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modelcast.agents.host import Host, HostState, Receipt
 from modelcast.cli.banks import bank_from_text, member_names
 from modelcast.core.exceptions import CodecError
 from modelcast.core.geodesy import Origin, enu_to_surface
-from modelcast.evaluation.walk import TripBank
 from modelcast.messages.asn1 import reference_codec, reference_encode
 from modelcast.messages.bsm import BsmCore, decode_bsm, encode_bsm
 from modelcast.messages.bsm_batch import codes_of_values, values_of_codes
@@ -48,8 +46,10 @@ from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.payload import PayloadField, PayloadLayout
 from modelcast.models.profile import Profile, default_profile
 from modelcast.models.trusted import Trusted
-from modelcast.models.velocity import velocity_estimator_for
-from modelcast.simulation.drive import generate_drive
+from modelcast.runtime.trip.walk import TripBank
+from modelcast.station.receiver.host import Host, HostState, Receipt
+from modelcast.station.sensing.velocity import velocity_estimator_for
+from modelcast.world.drive import generate_drive
 
 TRAINED = default_profile().sub_model("gp-trained")
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from modelcast.core.trajectory import Trajectory
-from modelcast.simulation.drive import generate_drive
+from modelcast.trips.trajectory import Trajectory
+from modelcast.world.drive import generate_drive
 
 
 @pytest.fixture(scope="session")

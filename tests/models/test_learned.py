@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from modelcast.core.arrays import FloatArray
-from modelcast.evaluation.training.learned_kernels import trip_features
 from modelcast.models.base import Windows
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
-from modelcast.models.learned import FeatureMap, LearnedTrajectory, Network
+from modelcast.models.learned import FeatureMap, LearnedTrajectory, Perceptron
 from modelcast.models.learned.features import NOISES
 from modelcast.models.learned.learned_trajectory import feature_constants
+from modelcast.study.training.learned_kernels import trip_features
 
 FEATURES = FeatureMap(20)
 INPUTS = FEATURES.inputs
@@ -19,9 +19,9 @@ ROUNDING = 1e-9
 """Derivatives of high-degree fits multiply the rounding of positions by up to 1e6."""
 
 
-def network(up_to_noise_m: float = np.inf, *, seed: int = 0, outputs: int = 6) -> Network:
+def network(up_to_noise_m: float = np.inf, *, seed: int = 0, outputs: int = 6) -> Perceptron:
     rng = np.random.default_rng(seed)
-    return Network(
+    return Perceptron(
         up_to_noise_m,
         centre=rng.normal(size=INPUTS),
         width=rng.uniform(0.5, 2.0, INPUTS),

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelcast.core.arrays import FloatArray
-from modelcast.evaluation.walk import TripBank
 from modelcast.messages.quantisation import core_steps, quantised_bank
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel, Windows
@@ -19,9 +18,10 @@ from modelcast.models.payload import PayloadField, PayloadLayout
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.profile import default_profile
 from modelcast.models.quantised import CoreSteps, Quantised
-from modelcast.models.velocity import velocity_estimator_for
-from modelcast.policy.error_driven import ErrorDriven
-from modelcast.simulation.drive import generate_drive
+from modelcast.runtime.trip.walk import TripBank
+from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.sensing.velocity import velocity_estimator_for
+from modelcast.world.drive import generate_drive
 
 TRAINED = default_profile().sub_model("gp-trained")
 

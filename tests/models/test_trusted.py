@@ -4,9 +4,6 @@ import numpy as np
 import pytest
 
 from modelcast.core.arrays import FloatArray
-from modelcast.core.trajectory import Trajectory
-from modelcast.evaluation import replay_kernels
-from modelcast.evaluation.walk import TripBank
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -18,8 +15,11 @@ from modelcast.models.kinematic import (
 )
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.models.trusted import Trusted
-from modelcast.models.velocity import velocity_estimator_for
-from modelcast.policy.error_driven import ErrorDriven
+from modelcast.runtime.trip import replay_kernels
+from modelcast.runtime.trip.walk import TripBank
+from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.sensing.velocity import velocity_estimator_for
+from modelcast.trips.trajectory import Trajectory
 
 DT_S = 0.1
 AGES_S = np.linspace(0.0, 12.0, 241)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
-from modelcast.evaluation.result import (
+from modelcast.study.result import (
     Ecdf,
     EvaluationResult,
     Manoeuvre,

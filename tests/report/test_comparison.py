@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from modelcast.evaluation.compare.result import (
+from modelcast.report.comparison import comparison_console, comparison_markdown, write_comparison_report
+from modelcast.report.figures import plot_comparison
+from modelcast.report.style import style
+from modelcast.study.compare.result import (
     CandidateRow,
     ComparedTrip,
     ComparisonResult,
@@ -20,9 +23,6 @@ from modelcast.evaluation.compare.result import (
     RouteRow,
     TrackingRatioRow,
 )
-from modelcast.report.comparison import comparison_console, comparison_markdown, write_comparison_report
-from modelcast.report.figures import plot_comparison
-from modelcast.report.style import style
 
 NAMES = ("cv", "ctra", "gp+cv order/on-failure")
 

@@ -9,8 +9,6 @@ import pytest
 from matplotlib import rcParams
 from matplotlib.patches import Rectangle
 
-from modelcast.evaluation.coverage import FORMS, CoverageRow, TimeRow
-from modelcast.evaluation.result import EvaluationResult, ReferenceRow
 from modelcast.report.figures import (
     FIGURES,
     plot_distribution,
@@ -24,6 +22,8 @@ from modelcast.report.figures import (
 from modelcast.report.figures.coverage import plot_coverage, plot_times
 from modelcast.report.figures.trips import MOST_ROWS
 from modelcast.report.style import POLICY_COLOURS, style
+from modelcast.study.coverage import FORMS, CoverageRow, TimeRow
+from modelcast.study.result import EvaluationResult, ReferenceRow
 
 Make = Callable[..., EvaluationResult]
 

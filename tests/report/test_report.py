@@ -9,10 +9,10 @@ import polars as pl
 import pytest
 from rich.console import Console
 
-from modelcast.evaluation.result import EvaluationResult
 from modelcast.report.console import console_report
 from modelcast.report.html import report_document, write_report
 from modelcast.report.tables import events_frame, rates_frame, samples_frame, tracking_frame, trips_frame
+from modelcast.study.result import EvaluationResult
 
 Make = Callable[..., EvaluationResult]
 VOID = {"meta", "img", "br"}

@@ -36,7 +36,7 @@ from modelcast import (
     train_profile,
     write_results,
 )
-from modelcast.policy.error_driven import ErrorDrivenState
+from modelcast.station.policy.error_driven import ErrorDrivenState
 
 
 def show(done: int, known: int) -> None:

@@ -9,7 +9,6 @@ import numpy as np
 
 from modelcast.cli.options import CostUnit
 from modelcast.core.exceptions import ConfigError
-from modelcast.evaluation.settings import PAPER_BANK, PAPER_NOISE_FLOOR_M, rules_of
 from modelcast.io.profile import read_profile
 from modelcast.messages.airtime import Stack
 from modelcast.messages.sizes import SizeModel
@@ -26,9 +25,10 @@ from modelcast.models.learned import Selector
 from modelcast.models.profile import Profile, default_profile
 from modelcast.models.regimes import REGIME_BANK
 from modelcast.models.trusted import Trusted
-from modelcast.policy.costs import CostTable
-from modelcast.policy.guard import unguarded
-from modelcast.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.costs import CostTable
+from modelcast.station.policy.guard import unguarded
+from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.study.settings import PAPER_BANK, PAPER_NOISE_FLOOR_M, rules_of
 
 __all__ = [
     "NamedBank",

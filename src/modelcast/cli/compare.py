@@ -52,10 +52,10 @@ def compare(
     from modelcast.cli.run_record import write_run
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
-    from modelcast.evaluation.compare.run import compare as compare_trips
     from modelcast.io.comparison import comparison_document, write_comparison
     from modelcast.io.output import atomic_folder
     from modelcast.report.comparison import comparison_console, write_comparison_report
+    from modelcast.study.compare.run import compare as compare_trips
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast compare --help)")

@@ -10,15 +10,15 @@ from cyclopts import Parameter
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import CostUnit, Numbers, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
-from modelcast.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.rules import IdentifyRule, StartRule
 
 if TYPE_CHECKING:
     from modelcast.cli.banks import NamedBank
-    from modelcast.core.trajectory import Trajectory
-    from modelcast.evaluation.compare.candidate import AbstractCandidate, TrainedCandidate
-    from modelcast.evaluation.compare.settings import CompareSettings
-    from modelcast.evaluation.settings import EvaluationSettings
     from modelcast.models.profile import Profile
+    from modelcast.study.compare.candidate import AbstractCandidate, TrainedCandidate
+    from modelcast.study.compare.settings import CompareSettings
+    from modelcast.study.settings import EvaluationSettings
+    from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["CompareOptions"]
 
@@ -128,7 +128,7 @@ class CompareOptions:
             Where a value is out of its range.
         """
         from modelcast.core.exceptions import ConfigError
-        from modelcast.evaluation.compare.settings import CompareSettings
+        from modelcast.study.compare.settings import CompareSettings
 
         shared = EvaluateOptions(
             threshold=self.threshold,
@@ -163,8 +163,8 @@ class CompareOptions:
         """
         from modelcast.cli.banks import member_names, profile_in_use
         from modelcast.core.exceptions import ConfigError
-        from modelcast.evaluation.compare.candidate import FixedCandidate
         from modelcast.models.regimes import REGIME_BANK
+        from modelcast.study.compare.candidate import FixedCandidate
 
         if not self.trusted_horizon:
             raise ConfigError("--trusted-horizon: name at least one, as 0")
@@ -230,7 +230,7 @@ def _trainer(profile: "Profile") -> "Callable[[Sequence[Trajectory]], Profile]":
     made: dict[tuple[str, ...], Profile] = {}
 
     def train(trips: "Sequence[Trajectory]") -> "Profile":
-        from modelcast.evaluation.training.profile import ProfileSettings, train_profile
+        from modelcast.study.training.profile import ProfileSettings, train_profile
 
         settings = ProfileSettings(names=tuple(member.name for member in profile.bank.members))
         key = tuple(trip.trip_id for trip in trips)
@@ -244,8 +244,8 @@ def _trainer(profile: "Profile") -> "Callable[[Sequence[Trajectory]], Profile]":
 def _trained_candidate(text: str, train: "Callable[[Sequence[Trajectory]], Profile]") -> "TrainedCandidate":
     """A bank of a profile trained on all other routes: the profile's own, or the one named after a colon."""
     from modelcast.cli.banks import named_bank
-    from modelcast.evaluation.compare.candidate import TrainedCandidate
-    from modelcast.evaluation.training.profile import LONGEST_WINDOW
+    from modelcast.study.compare.candidate import TrainedCandidate
+    from modelcast.study.training.profile import LONGEST_WINDOW
 
     def learn(trips: "Sequence[Trajectory]", shared: "EvaluationSettings") -> "EvaluationSettings":
         named = named_bank(text.partition(":")[2] or "default", profile=train(trips))

@@ -9,8 +9,8 @@ from modelcast.cli.options import Columns, Format
 
 if TYPE_CHECKING:
     from modelcast.cli.reading import TripSource
-    from modelcast.evaluation.case import TripCase
-    from modelcast.evaluation.settings import EvaluationSettings
+    from modelcast.study.case import TripCase
+    from modelcast.study.settings import EvaluationSettings
 
 __all__ = ["coverage"]
 
@@ -84,16 +84,16 @@ def coverage(
     from modelcast.cli.reading import TripSource
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
-    from modelcast.core.fingerprint import known_trips
-    from modelcast.evaluation.coverage import Hybrid, measure_coverage
-    from modelcast.evaluation.settings import EvaluationSettings
     from modelcast.io.coverage import coverage_document, write_coverage
     from modelcast.io.output import atomic_folder
-    from modelcast.policy.guard import unguarded
     from modelcast.report.coverage import coverage_report
     from modelcast.report.figures.coverage import plot_coverage, plot_times
     from modelcast.report.style import style
     from modelcast.report.training_trips import training_note
+    from modelcast.station.policy.guard import unguarded
+    from modelcast.study.coverage import Hybrid, measure_coverage
+    from modelcast.study.settings import EvaluationSettings
+    from modelcast.trips.fingerprint import known_trips
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast coverage --help)")
@@ -159,7 +159,7 @@ def _cases(
     """The trips made ready, by the first part of their identifier: the file, unless a table names trips."""
     from modelcast.cli.progress import watched
     from modelcast.core.exceptions import ConfigError
-    from modelcast.evaluation.case import make_case
+    from modelcast.study.case import make_case
 
     groups: dict[str, list[TripCase]] = {}
     with watched(source, quiet=quiet) as trips:

@@ -31,10 +31,10 @@ def demo(
     from modelcast.cli.progress import busy
     from modelcast.cli.run_record import write_run
     from modelcast.core.exceptions import ConfigError
-    from modelcast.evaluation.case import SensedTrip
-    from modelcast.evaluation.evaluate import evaluate
     from modelcast.io.output import atomic_folder
-    from modelcast.simulation.drive import generate_drive
+    from modelcast.study.case import SensedTrip
+    from modelcast.study.evaluate import evaluate
+    from modelcast.world.drive import generate_drive
 
     try:
         with busy("generating a drive", quiet=quiet):

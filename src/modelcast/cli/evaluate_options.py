@@ -9,10 +9,10 @@ from cyclopts import Parameter
 
 from modelcast.cli.options import CostUnit, Numbers, SensorOptions
 from modelcast.messages.rules import CertificateRule
-from modelcast.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.rules import IdentifyRule, StartRule
 
 if TYPE_CHECKING:
-    from modelcast.evaluation.settings import EvaluationSettings
+    from modelcast.study.settings import EvaluationSettings
 
 __all__ = ["EvaluateOptions"]
 
@@ -158,8 +158,8 @@ class EvaluateOptions:
         from modelcast.cli.option_rules import OPTIONS
         from modelcast.core.exceptions import ConfigError
         from modelcast.core.rules import check
-        from modelcast.evaluation.settings import EvaluationSettings
         from modelcast.messages.airtime import Stack
+        from modelcast.study.settings import EvaluationSettings
 
         named = named_bank(
             self.bank,

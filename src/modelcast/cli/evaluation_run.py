@@ -12,13 +12,13 @@ from modelcast.cli.progress import busy, watched
 from modelcast.cli.reading import PARTLY_FAILED, TripSource
 from modelcast.cli.run_record import EvaluationRun, write_run
 from modelcast.core.exceptions import ConfigError
-from modelcast.evaluation.evaluate import evaluate
-from modelcast.evaluation.result import EvaluationResult
-from modelcast.evaluation.settings import EvaluationSettings
 from modelcast.io.output import atomic_folder, require_apart, require_writable
 from modelcast.io.results import summary_document, write_message_trace, write_results
 from modelcast.report.console import console_report
 from modelcast.report.html import write_report
+from modelcast.study.evaluate import evaluate
+from modelcast.study.result import EvaluationResult
+from modelcast.study.settings import EvaluationSettings
 
 __all__ = ["evaluate_source", "publish", "run_evaluation", "show"]
 

@@ -9,9 +9,9 @@ from modelcast.cli.options import Numbers, Paths, SensorOptions, Words
 
 if TYPE_CHECKING:
     from modelcast.cli.network_plan import NetworkPlan
-    from modelcast.evaluation.network.rows import CaseResult, NetworkCase
     from modelcast.io.fcd_survey import FcdSurvey
     from modelcast.io.run_store import RunStore
+    from modelcast.study.network.rows import CaseResult, NetworkCase
 
 __all__ = ["network"]
 
@@ -128,12 +128,12 @@ def _publish(
     from modelcast.cli.progress import counted
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
-    from modelcast.evaluation.network.pool import gather
     from modelcast.io.fcd_survey import survey_document
     from modelcast.io.network import network_document, write_network
     from modelcast.io.output import atomic_folder
     from modelcast.io.run_store import run_store
     from modelcast.report.network import network_console, write_network_report
+    from modelcast.study.network.pool import gather
 
     options, key = plan.as_plain(), plan.key()
     with atomic_folder(out, command="network") as folder, run_store(out, options, key) as store:
@@ -175,10 +175,10 @@ def _training_trips(plan: "NetworkPlan") -> tuple[tuple[str, ...], list[str]]:
     """Recorded trips of the traffic that the shipped profile was trained on, and what is told of them."""
     if not plan.trips:
         return (), []
-    from modelcast.core.fingerprint import known_trips
     from modelcast.io.trips import read_trips
     from modelcast.models.profile import default_profile
     from modelcast.report.training_trips import training_note
+    from modelcast.trips.fingerprint import known_trips
 
     trips = tuple(read_trips(plan.trips))
     known = known_trips(trips, default_profile().training_trips)
@@ -203,8 +203,8 @@ def _cases(
 
     from modelcast.cli.network_plan import RADIOS
     from modelcast.core.exceptions import ConfigError
-    from modelcast.evaluation.network.rows import NetworkCase
-    from modelcast.simulation.network.sender import SENDERS
+    from modelcast.runtime.fleet.sender import SENDERS
+    from modelcast.study.network.rows import NetworkCase
 
     for name, given, known in (("radio", radio, RADIOS), ("policy", policy, SENDERS)):
         unknown = [word for word in given if word not in known]

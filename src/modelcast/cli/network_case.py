@@ -6,14 +6,14 @@ from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_traffic import BLOCK_M, traffic
 from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
-from modelcast.evaluation.network.measure import measure
-from modelcast.evaluation.network.rows import CaseResult, NetworkCase
 from modelcast.io.fcd_survey import FcdSurvey
-from modelcast.models.motion_filter import filter_for
-from modelcast.simulation.network.engine import run_network
-from modelcast.simulation.network.sender import named_sender
-from modelcast.simulation.scenario.motion import checked
-from modelcast.simulation.scenario.sensed import FleetSensor
+from modelcast.runtime.fleet.engine import run_network
+from modelcast.runtime.fleet.sender import named_sender
+from modelcast.study.network.measure import measure
+from modelcast.study.network.rows import CaseResult, NetworkCase
+from modelcast.world.scenario.motion import checked
+from modelcast.world.scenario.sensed import FleetSensor
+from modelcast.world.sensors import filter_for
 
 __all__ = ["run_case"]
 

@@ -10,7 +10,7 @@ from typing import Any
 from modelcast.cli.options import SensorOptions
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.network_runs import RunKey
-from modelcast.simulation.network.settings import NetworkSettings
+from modelcast.runtime.fleet.settings import NetworkSettings
 
 __all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
 

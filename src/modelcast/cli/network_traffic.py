@@ -9,15 +9,15 @@ from pathlib import Path
 
 from modelcast.cli.network_plan import SUMO, NetworkPlan
 from modelcast.core.chance import child_generator
-from modelcast.core.trajectory import Trajectory
-from modelcast.evaluation.network.rows import NetworkCase
 from modelcast.io.fcd_survey import FcdSurvey
-from modelcast.simulation.scenario.base import STEP_S, FleetFrame, run_scenario
-from modelcast.simulation.scenario.grid import Grid
-from modelcast.simulation.scenario.highway import Highway
-from modelcast.simulation.scenario.library import TripRoad
-from modelcast.simulation.scenario.replay import Replay
-from modelcast.simulation.scenario.resampling import resampled
+from modelcast.study.network.rows import NetworkCase
+from modelcast.trips.trajectory import Trajectory
+from modelcast.world.scenario.base import STEP_S, FleetFrame, run_scenario
+from modelcast.world.scenario.grid import Grid
+from modelcast.world.scenario.highway import Highway
+from modelcast.world.scenario.library import TripRoad
+from modelcast.world.scenario.recorded import Replay
+from modelcast.world.scenario.resampling import resampled
 
 __all__ = ["BLOCK_M", "traffic"]
 
@@ -93,7 +93,7 @@ def _trips(paths: tuple[str, ...]) -> tuple[Trajectory, ...]:
 
 def _sumo_frames(plan: NetworkPlan, case: NetworkCase, folder: Path) -> Iterator[FleetFrame]:
     from modelcast.io.sumo import run_sumo
-    from modelcast.io.sumo_networks import grid_input, highway_input, junction_input
+    from modelcast.io.sumo_roads import grid_input, highway_input, junction_input
 
     seed, lasts_s = plan.seed + case.run, plan.duration_s + 60.0
     density = case.density_per_km

@@ -8,7 +8,7 @@ from typing import Any, get_args
 from modelcast.cli.options import CostUnit
 from modelcast.core.rules import AbstractRule, Each, Flag, Keys, Maybe, Number, Text, Whole
 from modelcast.messages.rules import CertificateRule
-from modelcast.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.rules import IdentifyRule, StartRule
 
 __all__ = ["LONGEST_PATH", "OPTIONS"]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
-    from modelcast.core.sensor import SensorModel
+    from modelcast.world.sensors import SensorModel
 
 __all__ = [
     "Columns",
@@ -85,7 +85,7 @@ class SensorOptions:
         """
         import numpy as np
 
-        from modelcast.core.sensor import SensorModel
+        from modelcast.world.sensors import SensorModel
 
         return SensorModel(
             position_noise_m=self.position_noise,

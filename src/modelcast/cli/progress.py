@@ -18,7 +18,7 @@ from rich.progress import (
 from modelcast.cli.reading import TripSource
 from modelcast.cli.terminal import error_console
 from modelcast.core.printable import printable
-from modelcast.core.trajectory import Trajectory
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["busy", "counted", "staged", "watched"]
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from modelcast.cli.terminal import complain
 from modelcast.core.exceptions import DataFormatError, ModelcastError
 from modelcast.core.printable import printable
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.recordings import Recording, Recordings
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["PARTLY_FAILED", "TripSource"]
 

@@ -74,12 +74,12 @@ def train(
     from modelcast.cli.reading import TripSource
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
-    from modelcast.evaluation.training.descent import Descent
-    from modelcast.evaluation.training.learned import LearnedSettings
-    from modelcast.evaluation.training.processes import ProcessSettings
-    from modelcast.evaluation.training.profile import ProfileSettings, train_profile
     from modelcast.io.output import atomic_file
     from modelcast.report.training import training_report
+    from modelcast.study.training.descent import Descent
+    from modelcast.study.training.learned import LearnedSettings
+    from modelcast.study.training.processes import ProcessSettings
+    from modelcast.study.training.profile import ProfileSettings, train_profile
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast train --help)")
@@ -119,7 +119,7 @@ def train(
 def _require_trainable(names: tuple[str, ...]) -> None:
     """Refuse members before hours of training that no profile could hold."""
     from modelcast.cli.banks import member_names, profile_in_use
-    from modelcast.evaluation.training.profile import MOST_NAMES
+    from modelcast.study.training.profile import MOST_NAMES
 
     known = member_names(profile_in_use(None))
     unknown = [name for name in names if name not in known and not name.startswith("gp-regime-")]

@@ -35,15 +35,15 @@ def trips(
     import json as json_format
     import sys
 
-    from modelcast.agents.plausibility import trip_findings
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import watched
     from modelcast.cli.reading import TripSource
     from modelcast.cli.terminal import show
     from modelcast.core.exceptions import ConfigError
-    from modelcast.core.inspection import inspect
-    from modelcast.evaluation.settings import EvaluationSettings
     from modelcast.report.inspection import inspection_document, inspection_report
+    from modelcast.station.receiver.plausibility import trip_findings
+    from modelcast.study.settings import EvaluationSettings
+    from modelcast.trips.inspection import inspect
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast trips --help)")

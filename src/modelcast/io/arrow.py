@@ -16,7 +16,7 @@ import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from modelcast.evaluation.result import Coded, Columns, SampleBlock
+from modelcast.study.result import Coded, Columns, SampleBlock
 
 __all__ = ["SAMPLES_SCHEMA", "columns_table", "plain_text", "sample_tables", "write_tables"]
 

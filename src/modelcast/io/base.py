@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import ClassVar, TypeAlias
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.core.trajectory import Reading, Trajectory
+from modelcast.trips.trajectory import Reading, Trajectory
 
 __all__ = ["AbstractTripReader", "OnSkipped", "Tally", "ignore_skipped"]
 

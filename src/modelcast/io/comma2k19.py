@@ -42,10 +42,10 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, wrap_angle_rad
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.rows import Rows, are_numbers, located, make_trip, ordered
 from modelcast.io.spmd import valid_position
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["Comma2k19Reader"]
 

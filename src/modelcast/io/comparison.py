@@ -2,7 +2,7 @@
 
 ``summary.json`` (`comparison_document`)
     ``schema`` (1), ``modelcast`` (version), ``settings``, ``routes``, ``trips``, ``candidates``, ``ratios``,
-    ``tracking``, ``references``, ``failures``, ``skipped``: the rows of `modelcast.evaluation.compare.result`
+    ``tracking``, ``references``, ``failures``, ``skipped``: the rows of `modelcast.study.compare.result`
     that pool all trips. A number that does not exist is null.
 ``messages.parquet``
     One row for each candidate, protocol, trip and threshold: `CountRow`.
@@ -21,10 +21,10 @@ from typing import Any
 import numpy as np
 
 from modelcast.core.version import package_version
-from modelcast.evaluation.compare.result import ComparisonResult, CountRow, TrackingRatioRow
-from modelcast.evaluation.result import POOLED, Columns
 from modelcast.io.arrow import columns_table, write_tables
 from modelcast.io.documents import document_text, plain_value, row_document
+from modelcast.study.compare.result import ComparisonResult, CountRow, TrackingRatioRow
+from modelcast.study.result import POOLED, Columns
 
 __all__ = ["COMPARISON_SCHEMA", "comparison_document", "write_comparison"]
 

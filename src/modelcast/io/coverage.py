@@ -1,4 +1,4 @@
-"""``coverage.json``: what `modelcast.evaluation.coverage` found, for programs to read.
+"""``coverage.json``: what `modelcast.study.coverage` found, for programs to read.
 
 Keys: ``schema`` (1), ``modelcast`` (version), ``protocol``, ``bank``, ``tested`` (trips by group),
 ``coverage`` and ``times`` (rows of `CoverageRow` and `TimeRow`, under the same names), ``calibrations`` (by
@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from modelcast.core.version import package_version
-from modelcast.evaluation.coverage import CoverageResult
+from modelcast.study.coverage import CoverageResult
 
 __all__ = ["COVERAGE_SCHEMA", "coverage_document", "write_coverage"]
 

@@ -22,7 +22,6 @@ from typing import ClassVar
 import polars as pl
 
 from modelcast.core.exceptions import DataFormatError
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
 from modelcast.io.column_map import detected_map, known_map
 from modelcast.io.rows import Rows, joined
@@ -31,6 +30,7 @@ from modelcast.io.table_trips import table_trips
 from modelcast.io.text_blocks import number_column, read_blocks, text_column
 from modelcast.io.text_head import file_head, first_lines
 from modelcast.io.time_column import TimeColumn
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["CsvReader"]
 

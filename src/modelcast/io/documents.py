@@ -18,7 +18,7 @@ def row_document(row: Any) -> dict[str, Any]:
     Parameters
     ----------
     row
-        As in `modelcast.evaluation.result`.
+        As in `modelcast.study.result`.
     """
     return {field.name: plain_value(getattr(row, field.name)) for field in fields(row)}
 

@@ -19,15 +19,15 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import heading_to_velocity, wrap_angle_rad
-from modelcast.core.trajectory import GAP_STEPS
 from modelcast.io.base import Tally
 from modelcast.io.fcd_columns import FcdRow
 from modelcast.io.fcd_survey import FcdSurvey, survey
 from modelcast.io.fcd_times import by_time, in_metres
 from modelcast.io.fleet_slots import RAW_COLUMNS, FleetSlots
-from modelcast.simulation.scenario.base import NOBODY, FleetFrame
-from modelcast.simulation.scenario.completion import with_course, with_rates
-from modelcast.simulation.scenario.motion import checked, is_jump
+from modelcast.trips.trajectory import GAP_STEPS
+from modelcast.world.scenario.base import NOBODY, FleetFrame
+from modelcast.world.scenario.completion import with_course, with_rates
+from modelcast.world.scenario.motion import checked, is_jump
 
 __all__ = ["most_vehicles", "read_fcd", "survey_fcd"]
 
@@ -76,7 +76,7 @@ def read_fcd(
     """Yield a file's frames at the file's own times, counted from its first.
 
     Only a few frames are held at a time. A step of 0.1 s is what senders need; `resampled`, in
-    `modelcast.simulation.scenario.resampling`, makes it of a coarser one.
+    `modelcast.world.scenario.resampling`, makes it of a coarser one.
 
     Parameters
     ----------

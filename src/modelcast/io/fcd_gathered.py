@@ -11,7 +11,7 @@ from modelcast.core.geodesy import Origin
 from modelcast.io.base import Tally
 from modelcast.io.fcd_columns import FcdRow
 from modelcast.io.fcd_times import in_metres
-from modelcast.simulation.scenario.motion import MotionCheck
+from modelcast.world.scenario.motion import MotionCheck
 
 __all__ = ["HEADING", "LENGTH", "SPEED", "Gathered"]
 

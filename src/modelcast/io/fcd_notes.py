@@ -6,10 +6,10 @@ from math import pi
 import numpy as np
 
 from modelcast.core.geodesy import Origin
-from modelcast.core.trajectory import GAP_STEPS
 from modelcast.io.fcd_columns import FcdColumns
 from modelcast.io.fcd_gathered import Gathered
-from modelcast.simulation.scenario.motion import MotionCheck
+from modelcast.trips.trajectory import GAP_STEPS
+from modelcast.world.scenario.motion import MotionCheck
 
 __all__ = ["notes"]
 

@@ -3,7 +3,7 @@
 The file is read once. That tells how many vehicles there are, how many of its rows are vehicles, which
 columns have to be taken from motion, and whether x and y are metres or, as with SUMO's ``--fcd-output.geo``,
 longitude and latitude: in one of the two vehicles move as their speeds say
-(`modelcast.simulation.scenario.motion`). Where they do in neither, or where it cannot be told, the file is
+(`modelcast.world.scenario.motion`). Where they do in neither, or where it cannot be told, the file is
 refused.
 """
 
@@ -18,12 +18,12 @@ import numpy as np
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
-from modelcast.core.trajectory import Reading
 from modelcast.io.fcd_columns import FcdColumns
 from modelcast.io.fcd_gathered import Gathered
 from modelcast.io.fcd_notes import notes
 from modelcast.io.fcd_rows import read_columns
 from modelcast.io.fcd_times import by_time
+from modelcast.trips.trajectory import Reading
 
 __all__ = ["FcdSurvey", "survey", "survey_document"]
 

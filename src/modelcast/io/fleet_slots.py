@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
-from modelcast.simulation.scenario.base import NOBODY, FleetFrame
+from modelcast.world.scenario.base import NOBODY, FleetFrame
 
 __all__ = ["RAW_COLUMNS", "FleetSlots"]
 

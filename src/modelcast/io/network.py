@@ -19,16 +19,16 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.evaluation.network.rows import (
+from modelcast.io.arrow import columns_table, write_tables
+from modelcast.io.documents import document_text, plain_value, row_document
+from modelcast.io.network_runs import RunKey
+from modelcast.study.network.rows import (
     DistanceRow,
     NetworkResult,
     OutcomeRow,
     RunRow,
     SecondRow,
 )
-from modelcast.io.arrow import columns_table, write_tables
-from modelcast.io.documents import document_text, plain_value, row_document
-from modelcast.io.network_runs import RunKey
 
 __all__ = ["NETWORK_SCHEMA", "network_document", "write_network"]
 

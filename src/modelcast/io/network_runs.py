@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.evaluation.network.rows import (
+from modelcast.io.documents import document_text, plain_value, row_document
+from modelcast.study.network.rows import (
     CaseResult,
     DistanceRow,
     NetworkCase,
@@ -24,7 +25,6 @@ from modelcast.evaluation.network.rows import (
     RunRow,
     SecondRow,
 )
-from modelcast.io.documents import document_text, plain_value, row_document
 
 __all__ = ["RUN_SCHEMA", "RunKey", "case_name", "read_case", "run_path", "write_case"]
 

@@ -42,13 +42,13 @@ import numpy as np
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, wrap_angle_rad
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.nmea_epochs import Epoch, epochs_of, midnights, refuse_second_receiver, timed
 from modelcast.io.nmea_receivers import Heard, receivers
 from modelcast.io.nmea_sentences import Fix, parse_fix, sentence_body, sentences, talker_of
 from modelcast.io.rows import Rows, located, make_trip, ordered
 from modelcast.io.text_head import file_head, first_lines
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["NmeaReader"]
 

@@ -33,9 +33,9 @@ import numpy as np
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import wrap_angle_rad
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.rows import LARGEST, Rows, make_trip, ordered, with_missing
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["NycCvpdReader"]
 

@@ -42,13 +42,13 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.openacc_layout import GEODETIC, LOCAL, Layout, openacc_layout
 from modelcast.io.rows import Rows, joined, located, make_trip
 from modelcast.io.text_blocks import number_column, read_blocks
 from modelcast.io.text_head import first_lines, split_fields
-from modelcast.simulation.scenario.replay import Replay, make_replay
+from modelcast.trips.trajectory import Trajectory
+from modelcast.world.scenario.recorded import Replay, make_replay
 
 __all__ = ["OpenAccReader", "read_platoon"]
 

@@ -24,12 +24,12 @@ import pyarrow.parquet as pq
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
 from modelcast.io.column_map import ColumnMap, known_map
 from modelcast.io.rows import LARGEST, Rows, are_numbers
 from modelcast.io.table_trips import table_trips
 from modelcast.io.time_column import TimeColumn, TimeUnit, holds_dates
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["ParquetReader"]
 

@@ -8,9 +8,9 @@ from modelcast.core.rules import FieldError, Text, check
 from modelcast.io.regular import read_document
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.models.profile import Profile, profile_from_text
-from modelcast.policy.costs import CostTable
-from modelcast.policy.guard import GUARD
-from modelcast.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.costs import CostTable
+from modelcast.station.policy.guard import GUARD
+from modelcast.station.policy.rules import IdentifyRule, StartRule
 
 __all__ = ["read_profile", "write_profile"]
 

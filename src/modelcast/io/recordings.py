@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Literal
 
 from modelcast.core.exceptions import DataFormatError
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
 from modelcast.io.places import place_kind, readable_kind
 from modelcast.io.registry import detect_format, get_reader, reader_names
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["Recording", "Recordings"]
 

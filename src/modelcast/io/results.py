@@ -2,7 +2,7 @@
 
 ``summary.json`` (`summary_document`)
     ``schema`` (1), ``modelcast`` (version), ``settings``, ``trips``, ``rates``, ``references``, ``tracking``,
-    ``failures``, ``skipped``. The rows are those of `modelcast.evaluation.result`, under the same names; a
+    ``failures``, ``skipped``. The rows are those of `modelcast.study.result`, under the same names; a
     row that pools all trips has ``"trip": "all"``. A number that does not exist is null. Floats are written
     in full.
 ``events.parquet``
@@ -26,10 +26,10 @@ import pyarrow.compute as pc
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.version import package_version
-from modelcast.evaluation.result import Columns, EvaluationResult
 from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table, plain_text, sample_tables, write_tables
 from modelcast.io.documents import document_text, plain_value, row_document
 from modelcast.io.output import atomic_file
+from modelcast.study.result import Columns, EvaluationResult
 
 __all__ = [
     "SUMMARY_SCHEMA",

@@ -18,10 +18,10 @@ import numpy as np
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, geodetic_to_enu
-from modelcast.core.judgement import IMPLAUSIBLE
-from modelcast.core.jumps import MAX_SPEED_MPS
-from modelcast.core.trajectory import Trajectory, build_trajectory
 from modelcast.io.base import Tally
+from modelcast.trips.judgement import IMPLAUSIBLE
+from modelcast.trips.jumps import MAX_SPEED_MPS
+from modelcast.trips.trajectory import Trajectory, build_trajectory
 
 __all__ = [
     "LARGEST",

@@ -16,8 +16,8 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.evaluation.network.rows import CaseResult, NetworkCase
 from modelcast.io.network_runs import RunKey, read_case, run_path, write_case
+from modelcast.study.network.rows import CaseResult, NetworkCase
 
 __all__ = ["RunStore", "run_store"]
 

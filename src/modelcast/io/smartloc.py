@@ -31,10 +31,10 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import ecef_to_enu
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.rows import LARGEST, Rows, make_trip
 from modelcast.io.text_head import first_lines
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["SmartLocReader"]
 

@@ -21,11 +21,11 @@ import polars as pl
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.rows import Rows, joined, located, make_trip, ordered, with_missing
 from modelcast.io.text_blocks import Block, number_column, read_blocks, text_column
 from modelcast.io.text_head import file_head, first_lines, split_fields
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["OPEN_ROWS", "SpmdLayout", "read_spmd", "spmd_matches", "valid_position"]
 

@@ -38,10 +38,10 @@ from typing import ClassVar
 import numpy as np
 
 from modelcast.core.geodesy import wrap_angle_rad
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.rows import Rows, with_missing
 from modelcast.io.spmd import Key, SpmdLayout, read_spmd, spmd_matches, valid_position
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["SpmdBsmReader"]
 

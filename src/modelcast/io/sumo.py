@@ -22,9 +22,9 @@ import numpy as np
 from modelcast.core.exceptions import ConfigError, MissingExtraError
 from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.io.fleet_slots import FleetSlots
-from modelcast.io.sumo_networks import SumoInput, sumo_home
-from modelcast.simulation.scenario.base import STEP_S, FleetFrame
-from modelcast.simulation.scenario.completion import completed
+from modelcast.io.sumo_roads import SumoInput, sumo_home
+from modelcast.world.scenario.base import STEP_S, FleetFrame
+from modelcast.world.scenario.completion import completed
 
 __all__ = ["require_sumo", "run_sumo"]
 
@@ -42,7 +42,7 @@ def run_sumo(
     Parameters
     ----------
     source
-        Network and routes: `modelcast.io.sumo_networks`, or files of one's own.
+        Network and routes: `modelcast.io.sumo_roads`, or files of one's own.
     slots
         Number of slots V: as many vehicles may be there at a time.
     duration_s

@@ -16,12 +16,12 @@ import polars as pl
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, wrap_angle_rad
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.column_map import ColumnMap
 from modelcast.io.rows import OPTIONAL, Rows, are_unknown_to_sumo, located, make_trip, with_missing
 from modelcast.io.time_column import TimeUnit
 from modelcast.io.unit_check import refuse_other_unit
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["OFF_ROAD", "table_trips"]
 

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.base import OnSkipped
 from modelcast.io.recordings import Recordings
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["read_trips"]
 

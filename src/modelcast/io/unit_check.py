@@ -8,8 +8,8 @@ taken for metres.
 import numpy as np
 
 from modelcast.core.exceptions import DataFormatError
-from modelcast.core.trajectory import GAP_STEPS
 from modelcast.io.rows import Rows
+from modelcast.trips.trajectory import GAP_STEPS
 
 __all__ = ["refuse_other_unit"]
 

@@ -21,8 +21,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from modelcast.core.arrays import FloatArray
-from modelcast.core.trajectory import Trajectory
 from modelcast.io.output import atomic_file
+from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["write_csv", "write_parquet"]
 

@@ -73,7 +73,7 @@ class SizeModel:
         bank
             The sub-models.
         identify
-            The policy's rule, as `modelcast.policy.rules` names it.
+            The policy's rule, as `modelcast.station.policy.rules` names it.
         """
         bits = [carried_layout(member).bits for member in bank.members]
         alone = identify == "never" or len(bits) == 1

@@ -4,7 +4,7 @@ A sub-model's own covariance is nominal: a stated guess, or what a Gaussian proc
 widens and shrinks it along and across the predicted course, by horizon, until the 90 % ellipse holds 90 % of
 the training errors. Errors have heavier tails than a Gaussian, so one covariance cannot make every level
 right: `Calibration.radius` gives the radius of the ellipse for any other level, learnt too.
-`modelcast.evaluation.training.calibration` fits them.
+`modelcast.study.training.calibration` fits them.
 """
 
 from collections.abc import Mapping

@@ -1,7 +1,7 @@
 """Constant velocity: what a receiver does with a raw basic safety message.
 
-The velocity is the one that the trip's named causal estimator gives (`modelcast.models.velocity`); sub-model
-and baseline share it.
+The velocity is the one that the trip's named causal estimator gives (`modelcast.station.sensing.velocity`);
+sub-model and baseline share it.
 """
 
 from dataclasses import dataclass

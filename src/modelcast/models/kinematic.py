@@ -1,7 +1,7 @@
 """Constant acceleration, constant turn rate, and both: the kinematic models beside constant velocity.
 
 Velocity, acceleration along the course and yaw rate are those that the trip's named causal estimators give at
-the window's last sample (`modelcast.models.velocity`, `modelcast.models.rates`).
+the window's last sample (`modelcast.station.sensing.velocity`, `modelcast.station.sensing.rates`).
 
 References
 ----------

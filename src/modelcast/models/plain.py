@@ -26,7 +26,7 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
-from modelcast.models.learned import LearnedTrajectory, Network, Selector
+from modelcast.models.learned import LearnedTrajectory, Perceptron, Selector
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.regimes import Regimes
 from modelcast.models.trusted import Trusted
@@ -34,7 +34,7 @@ from modelcast.models.trusted import Trusted
 __all__ = ["PLAIN_CLASSES", "from_plain", "to_plain"]
 
 PLAIN_CLASSES: dict[str, type] = {
-    cls.__name__: cls
+    "Network" if cls is Perceptron else cls.__name__: cls
     for cls in (
         AxisKernel,
         ConstantAcceleration,
@@ -44,7 +44,7 @@ PLAIN_CLASSES: dict[str, type] = {
         GaussianProcess,
         Hyperparameters,
         LearnedTrajectory,
-        Network,
+        Perceptron,
         PredictedPath,
         Regimes,
         Selector,
@@ -52,7 +52,9 @@ PLAIN_CLASSES: dict[str, type] = {
         VehicleProcess,
     )
 }
-"""Classes that a profile may name."""
+"""Classes that a profile may name, by the names it uses; those of an old class stay what they were."""
+
+_NAMES: dict[type[object], str] = {cls: name for name, cls in PLAIN_CLASSES.items()}
 
 
 def to_plain(value: Any) -> Any:
@@ -92,13 +94,13 @@ def to_plain(value: Any) -> Any:
         return {str(key): to_plain(item) for key, item in items}
     if isinstance(value, Sequence):
         return [to_plain(item) for item in cast("Sequence[object]", value)]
-    name = type(value).__name__
-    if is_dataclass(value) and PLAIN_CLASSES.get(name) is type(value):
+    name = _NAMES.get(cast("type[object]", type(value)), "")
+    if is_dataclass(value) and name:
         return {
             "is": name,
             **{item.name: to_plain(getattr(value, item.name)) for item in fields(value) if item.init},
         }
-    raise TypeError(f"a profile holds no {name}: {value!r}")
+    raise TypeError(f"a profile holds no {type(value).__name__}: {value!r}")
 
 
 def from_plain(plain: Any, path: str = "$") -> Any:

@@ -17,7 +17,6 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, cast
 
-from modelcast.core.fingerprint import FINGERPRINT
 from modelcast.core.json_text import parse_json, schema_of
 from modelcast.core.rules import Anything, Each, FieldError, Keys, Maybe, Table, Text, check
 from modelcast.models.bank import Bank
@@ -26,6 +25,7 @@ from modelcast.models.calibration import Calibration
 from modelcast.models.learned import Selector
 from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.regimes import Regimes
+from modelcast.trips.fingerprint import FINGERPRINT
 
 __all__ = ["MOST_MEMBERS", "PROFILE_SCHEMA", "Profile", "default_profile", "profile_from_text"]
 
@@ -74,18 +74,18 @@ class Profile:
     regimes
         Driving regimes with a sub-model each; None where there are none.
     start, identify
-        The policy's rules, as in `modelcast.policy.error_driven.ErrorDriven`.
+        The policy's rules, as in `modelcast.station.policy.error_driven.ErrorDriven`.
     selector
         What the start rule ``predicted`` asks; None where there is none.
     costs
-        What the rule ``cheapest`` weighs, as `modelcast.policy.costs.CostTable.as_plain` has it; empty where
-        there is nothing.
+        What the rule ``cheapest`` weighs, as `modelcast.station.policy.costs.CostTable.as_plain` has it;
+        empty where there is nothing.
     calibrations
         Calibration of each sub-model's covariance, by name; some or none.
     record
         How it was trained: trips, seeds, settings, figures. Plain values.
     training_trips
-        `modelcast.core.fingerprint.fingerprint` of every trip it was trained on; empty where that is not
+        `modelcast.trips.fingerprint.fingerprint` of every trip it was trained on; empty where that is not
         known. Not part of the identity.
 
     Raises

@@ -3,7 +3,7 @@
 A regime is what the sender knows of a window at its last sample: speed, how hard the vehicle brakes or speeds
 up, how hard it turns. The turn is told by the acceleration across the course, not by the yaw rate: that of a
 car which barely moves is mostly noise, and would make a regime of its own. The regimes are found, and their
-sub-models trained, by `modelcast.evaluation.training.regimes`.
+sub-models trained, by `modelcast.study.training.regimes`.
 """
 
 from dataclasses import KW_ONLY, dataclass

@@ -1,7 +1,7 @@
 """What each figure of the report shows, in two sentences, with the definitions a reader needs."""
 
-from modelcast.evaluation.result import EvaluationResult
 from modelcast.report.headline import main_bank, rate_basis
+from modelcast.study.result import EvaluationResult
 
 __all__ = ["PROTOCOLS", "TITLES", "captions", "loss_conditions"]
 
@@ -19,7 +19,7 @@ PROTOCOLS = {
     "recorded": "the log is both input and truth, so errors of the recording itself are not seen",
     "sensor": "the truth (known, or the log, smoothed if need be) differs from what the sender's sensors see",
 }
-"""What the protocols of `modelcast.evaluation.result.TripRow` mean."""
+"""What the protocols of `modelcast.study.result.TripRow` mean."""
 
 
 _REFERENCES = (

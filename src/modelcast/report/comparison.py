@@ -6,7 +6,6 @@ from pathlib import Path
 from rich.console import Group, RenderableType
 from rich.table import Table
 
-from modelcast.evaluation.compare.result import CandidateRow, ComparisonResult, RatioRow
 from modelcast.report.console import failures_table, warning_texts
 from modelcast.report.figures.comparison import plot_comparison, worst_rows
 from modelcast.report.figures.files import drawn, write_drawings
@@ -16,6 +15,7 @@ from modelcast.report.literal import literal, markdown
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
+from modelcast.study.compare.result import CandidateRow, ComparisonResult, RatioRow
 
 __all__ = ["comparison_console", "comparison_markdown", "write_comparison_report"]
 

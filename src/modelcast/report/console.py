@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from rich.console import Group, RenderableType
 from rich.table import Table
 
-from modelcast.evaluation.result import EvaluationResult
 from modelcast.report.headline import (
     SHOWN_POLICIES,
     Headline,
@@ -20,6 +19,7 @@ from modelcast.report.headline import (
 from modelcast.report.literal import literal
 from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
+from modelcast.study.result import EvaluationResult
 
 __all__ = [
     "conditioning_lines",

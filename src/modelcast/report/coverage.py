@@ -5,9 +5,9 @@ from math import isnan
 from rich.console import Group, RenderableType
 from rich.table import Table
 
-from modelcast.evaluation.coverage import FORMS, CoverageResult
 from modelcast.models.calibration import LEVELS
 from modelcast.report.literal import literal
+from modelcast.study.coverage import FORMS, CoverageResult
 
 __all__ = ["coverage_report"]
 

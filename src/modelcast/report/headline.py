@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from modelcast.evaluation.result import POOLED, EvaluationResult, RateRow, ReferenceRow, TrackingRow
+from modelcast.study.result import POOLED, EvaluationResult, RateRow, ReferenceRow, TrackingRow
 
 __all__ = [
     "EQUAL_RATE_POLICIES",

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, cast
 
 from modelcast.core.version import package_version
-from modelcast.evaluation.result import POOLED, EvaluationResult, TrackingRow, TripRow
 from modelcast.report.captions import PROTOCOLS, TITLES, captions, loss_conditions
 from modelcast.report.console import scope_line, training_lines
 from modelcast.report.figures import Drawing, draw_figures, write_drawings
@@ -25,6 +24,7 @@ from modelcast.report.headline import (
 )
 from modelcast.report.page import CSS, escape, number, page, table
 from modelcast.report.warnings import warning_lines
+from modelcast.study.result import POOLED, EvaluationResult, TrackingRow, TripRow
 
 __all__ = ["report_document", "write_report"]
 

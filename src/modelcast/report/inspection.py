@@ -8,10 +8,10 @@ from typing import Any
 from rich.console import Group, RenderableType
 from rich.table import Table
 
-from modelcast.agents.plausibility import Finding
-from modelcast.core.inspection import TripInspection
-from modelcast.core.judgement import LONGEST_NOISE_SPAN_S, judge
 from modelcast.report.literal import literal
+from modelcast.station.receiver.plausibility import Finding
+from modelcast.trips.inspection import TripInspection
+from modelcast.trips.judgement import LONGEST_NOISE_SPAN_S, judge
 
 _NEVER_MOVED = "not told: never moved"
 

@@ -8,13 +8,13 @@ import numpy as np
 from rich.console import Group, RenderableType
 from rich.table import Table
 
-from modelcast.evaluation.network.rows import NetworkResult, PooledRow
 from modelcast.io.fcd_survey import FcdSurvey, survey_document
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.literal import literal, markdown
 from modelcast.report.page import CSS, escape, number, page, table
 from modelcast.report.style import style
+from modelcast.study.network.rows import NetworkResult, PooledRow
 
 __all__ = ["network_console", "network_markdown", "traffic_lines", "write_network_report"]
 

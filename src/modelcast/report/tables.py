@@ -1,6 +1,6 @@
 """The rows and columns of a result as Polars data frames; no other module makes data frames.
 
-The frames have the names of `modelcast.evaluation.result`, and the same columns and types also where a
+The frames have the names of `modelcast.study.result`, and the same columns and types also where a
 result has no rows.
 """
 
@@ -10,8 +10,8 @@ from typing import Any
 
 import polars as pl
 
-from modelcast.evaluation.result import EvaluationResult, RateRow, ReferenceRow, TrackingRow, TripRow
 from modelcast.io.arrow import columns_table, plain_text, sample_tables
+from modelcast.study.result import EvaluationResult, RateRow, ReferenceRow, TrackingRow, TripRow
 
 __all__ = [
     "events_frame",

@@ -6,7 +6,7 @@ a host needs neither the network nor the window.
 
 from modelcast.models.learned.features import FeatureMap
 from modelcast.models.learned.learned_trajectory import LearnedTrajectory
-from modelcast.models.learned.network import Network
+from modelcast.models.learned.perceptron import Perceptron
 from modelcast.models.learned.selector import Selector
 
-__all__ = ["FeatureMap", "LearnedTrajectory", "Network", "Selector"]
+__all__ = ["FeatureMap", "LearnedTrajectory", "Perceptron", "Selector"]

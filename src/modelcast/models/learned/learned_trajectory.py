@@ -11,7 +11,7 @@ from modelcast.models.base import AbstractSubModel, PointFunctions
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned import learned_kernels
 from modelcast.models.learned.features import LAGS, FeatureMap
-from modelcast.models.learned.network import Network
+from modelcast.models.learned.perceptron import Perceptron
 from modelcast.models.payload import STEP_AND_BITS, PayloadField, PayloadLayout
 from modelcast.models.trusted import LONGEST_TIME_S, SHORTEST_HORIZON_S
 
@@ -62,9 +62,9 @@ class LearnedTrajectory(AbstractSubModel):
     --------
     >>> import numpy as np
     >>> from modelcast.models.base import Windows
-    >>> from modelcast.models.learned import FeatureMap, Network
+    >>> from modelcast.models.learned import FeatureMap, Perceptron
     >>> inputs = FeatureMap(20).inputs
-    >>> silent = Network(
+    >>> silent = Perceptron(
     ...     np.inf,
     ...     centre=np.zeros(inputs),
     ...     width=np.ones(inputs),
@@ -84,7 +84,7 @@ class LearnedTrajectory(AbstractSubModel):
     array([[[10.2,  0.1]]])
     """
 
-    networks: Annotated[tuple[Network, ...], Each(One((Network,), "a network"), 1, 16)]
+    networks: Annotated[tuple[Perceptron, ...], Each(One((Perceptron,), "a network"), 1, 16)]
     coefficients: Annotated[int, Whole(1, 8)] = 4
     _: KW_ONLY
     time_scale_s: Annotated[float, Number(0.1, 60.0)] = 5.0
@@ -173,7 +173,7 @@ class LearnedTrajectory(AbstractSubModel):
         return kinematic.covariance(own, np.asarray(horizons_s, dtype=np.float64), dt_s=dt_s)
 
 
-def require_sizes(networks: tuple[Network, ...], *, inputs: int, outputs: int) -> None:
+def require_sizes(networks: tuple[Perceptron, ...], *, inputs: int, outputs: int) -> None:
     """Refuse networks of other sizes: a compiled one would read past the end.
 
     Parameters

@@ -14,7 +14,7 @@ from modelcast.models.base import Windows
 from modelcast.models.learned import selector_kernels
 from modelcast.models.learned.features import LAGS, FeatureMap
 from modelcast.models.learned.learned_trajectory import feature_constants, require_sizes
-from modelcast.models.learned.network import Network
+from modelcast.models.learned.perceptron import Perceptron
 from modelcast.models.point_kernels import fit_batch
 
 __all__ = ["Selector"]
@@ -56,7 +56,7 @@ class Selector:
 
     members: Annotated[tuple[str, ...], Each(Text(64), 1, 8)]
     thresholds_m: Annotated[tuple[float, ...], Each(THRESHOLD_M, 1, 64)]
-    networks: Annotated[tuple[Network, ...], Each(One((Network,), "a network"), 1, 16)]
+    networks: Annotated[tuple[Perceptron, ...], Each(One((Perceptron,), "a network"), 1, 16)]
     _: KW_ONLY
     lags: Annotated[int, LAGS] = 20
     margin: Annotated[float, Number(-1e6, 1e6)] = 0.0
@@ -130,7 +130,7 @@ class Selector:
         fit_batch(self.address, samples, self.packed(windows.dt_s, threshold_m), out)
         return out
 
-    def _at(self, network: Network, at: tuple[int, int, float]) -> Network:
+    def _at(self, network: Perceptron, at: tuple[int, int, float]) -> Perceptron:
         """The network with the outputs of one threshold, between two of those trained."""
         count = len(self.members)
         below, above, share = at
@@ -138,7 +138,7 @@ class Selector:
         bias = network.bias_3.reshape(-1, count)
         first = np.zeros(count)
         first[0] = self.margin
-        return Network(
+        return Perceptron(
             network.up_to_noise_m,
             centre=network.centre,
             width=network.width,
@@ -182,7 +182,7 @@ class Selector:
             Plain values, as read from JSON.
         """
         networks = tuple(
-            Network(np.inf, **{name: np.asarray(layers[name], dtype=np.float64) for name in _LAYERS})
+            Perceptron(np.inf, **{name: np.asarray(layers[name], dtype=np.float64) for name in _LAYERS})
             for layers in plain["networks"]
         )
         return cls(

@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.typing import LineStyleType
 
-from modelcast.evaluation.compare.result import ComparisonResult, RatioRow, TrackingRatioRow
-from modelcast.evaluation.result import POOLED
 from modelcast.report.figures.panels import drawable, empty_figure
 from modelcast.report.headline import REFERENCE_LABELS
 from modelcast.report.style import INK, PAGE_IN, new_figure, style
+from modelcast.study.compare.result import ComparisonResult, RatioRow, TrackingRatioRow
+from modelcast.study.result import POOLED
 
 __all__ = ["plot_comparison", "worst_rows"]
 

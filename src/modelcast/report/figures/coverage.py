@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from modelcast.evaluation.coverage import FORMS, CoverageRow, TimeRow
 from modelcast.models.calibration import LEVELS
 from modelcast.report.figures.panels import drawable, empty_figure
 from modelcast.report.style import INK, PAGE_IN, POLICY_COLOURS, new_figure, style
+from modelcast.study.coverage import FORMS, CoverageRow, TimeRow
 
 __all__ = ["plot_coverage", "plot_times"]
 
@@ -30,7 +30,7 @@ def plot_coverage(rows: Sequence[CoverageRow]) -> Figure:
     Parameters
     ----------
     rows
-        Of `modelcast.evaluation.coverage.measure_coverage`.
+        Of `modelcast.study.coverage.measure_coverage`.
     """
     names = list(dict.fromkeys(row.sub_model for row in rows))
     with style():
@@ -86,7 +86,7 @@ def plot_times(rows: Sequence[TimeRow]) -> Figure:
     Parameters
     ----------
     rows
-        Of `modelcast.evaluation.coverage.measure_coverage`.
+        Of `modelcast.study.coverage.measure_coverage`.
     """
     names = list(dict.fromkeys(row.sub_model for row in rows if row.instants))
     thresholds_m = sorted({row.threshold_m for row in rows})

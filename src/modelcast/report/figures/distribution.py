@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from modelcast.evaluation.result import Ecdf, EvaluationResult
 from modelcast.report.figures.panels import empty_figure, panel_grid, top_legend
 from modelcast.report.headline import SHOWN_POLICIES, nearest_ratio, policy_label, rate_basis
 from modelcast.report.style import INK, POLICY_COLOURS, POLICY_LINES, style
+from modelcast.study.result import Ecdf, EvaluationResult
 
 __all__ = ["plot_distribution"]
 

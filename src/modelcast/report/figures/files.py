@@ -7,7 +7,6 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from modelcast.evaluation.result import EvaluationResult
 from modelcast.report.figures.distribution import plot_distribution
 from modelcast.report.figures.loss import plot_loss
 from modelcast.report.figures.manoeuvre import plot_manoeuvre
@@ -15,6 +14,7 @@ from modelcast.report.figures.rates import plot_rates
 from modelcast.report.figures.timeline import plot_timeline
 from modelcast.report.figures.trips import plot_trips
 from modelcast.report.style import style
+from modelcast.study.result import EvaluationResult
 
 __all__ = ["FIGURES", "Drawing", "draw_figures", "drawn", "write_drawings", "write_figures"]
 

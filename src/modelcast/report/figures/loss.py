@@ -5,10 +5,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from modelcast.core.arrays import FloatArray
-from modelcast.evaluation.result import EvaluationResult, TrackingRow
 from modelcast.report.figures.panels import empty_figure, panel_grid, top_legend
 from modelcast.report.headline import SHOWN_POLICIES, policy_label, pooled_tracking, rate_basis
 from modelcast.report.style import INK, POLICY_COLOURS, POLICY_LINES, POLICY_MARKERS, style
+from modelcast.study.result import EvaluationResult, TrackingRow
 
 __all__ = ["plot_loss"]
 

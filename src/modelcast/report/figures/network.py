@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from modelcast.evaluation.network.pool import LIMITS_M
-from modelcast.evaluation.network.rows import DistanceRow, NetworkResult, PooledRow, SecondRow
 from modelcast.report.figures.panels import empty_figure
 from modelcast.report.style import INK, PAGE_IN, new_figure
+from modelcast.study.network.pool import LIMITS_M
+from modelcast.study.network.rows import DistanceRow, NetworkResult, PooledRow, SecondRow
 
 __all__ = [
     "NETWORK_FIGURES",

@@ -5,7 +5,6 @@ from matplotlib.container import BarContainer
 from matplotlib.figure import Figure
 from matplotlib.typing import LineStyleType
 
-from modelcast.evaluation.result import EvaluationResult
 from modelcast.report.figures.panels import empty_figure
 from modelcast.report.headline import REFERENCE_LABELS, Headline, headlines, pooled_reference
 from modelcast.report.style import (
@@ -17,6 +16,7 @@ from modelcast.report.style import (
     new_figure,
     style,
 )
+from modelcast.study.result import EvaluationResult
 
 __all__ = ["plot_rates"]
 

@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
-from modelcast.evaluation.result import EvaluationResult, Timeline
 from modelcast.report.figures.panels import centimetres, drawable, empty_figure
 from modelcast.report.style import (
     FAINT,
@@ -19,6 +18,7 @@ from modelcast.report.style import (
     new_figure,
     style,
 )
+from modelcast.study.result import EvaluationResult, Timeline
 
 __all__ = ["plot_timeline"]
 

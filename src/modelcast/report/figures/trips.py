@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from modelcast.evaluation.result import POOLED, EvaluationResult
 from modelcast.report.figures.panels import centimetres, drawable, empty_figure
 from modelcast.report.headline import (
     HEADLINE_RATIO,
@@ -26,6 +25,7 @@ from modelcast.report.style import (
     new_figure,
     style,
 )
+from modelcast.study.result import POOLED, EvaluationResult
 
 __all__ = ["MOST_ROWS", "plot_trips"]
 

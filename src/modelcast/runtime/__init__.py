@@ -1,0 +1,1 @@
+"""What drives stations: recorded trips, and fleets on a shared channel."""

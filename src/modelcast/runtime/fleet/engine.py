@@ -1,0 +1,139 @@
+"""A run of the closed loop: frames in, counts out."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import KW_ONLY, dataclass
+from itertools import chain
+from typing import Any
+
+import numpy as np
+
+from modelcast.channel.radio import AbstractRadio
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.runtime.fleet.arrays import Tally
+from modelcast.runtime.fleet.loop import FleetLoop
+from modelcast.runtime.fleet.sender import FleetSender
+from modelcast.runtime.fleet.settings import NetworkSettings
+from modelcast.world.scenario.base import FleetFrame
+from modelcast.world.scenario.sensed import FleetSensor
+
+__all__ = ["NetworkRun", "run_network"]
+
+
+@dataclass(frozen=True, slots=True)
+class NetworkRun:
+    """What one run counted, the warm-up left out but in the series.
+
+    Parameters
+    ----------
+    tally
+        Counts of senders and hosts.
+    outcomes
+        Pairs of frame and vehicle in reach by the radio's bins of distance and cause, (bins, causes).
+    expired
+        Messages that were never sent.
+    vehicle_s
+        Time observed, over all vehicles [s].
+    busy_ratio
+        Mean channel busy ratio over vehicles and time.
+    series
+        (steps, len(SERIES)), a row a step.
+    recent
+        Tracking errors at the headline distances, (seconds, BINS), a row a second.
+    sender_bytes
+        Payload bytes by sub-model, (M,).
+    """
+
+    tally: Tally
+    outcomes: IntArray
+    _: KW_ONLY
+    expired: int
+    vehicle_s: float
+    busy_ratio: float
+    series: FloatArray
+    recent: IntArray
+    sender_bytes: IntArray
+
+
+def run_network(
+    frames: Iterable[FleetFrame],
+    sender: FleetSender,
+    radio: AbstractRadio[Any],
+    settings: NetworkSettings | None = None,
+    *,
+    seed: int,
+    sensor: FleetSensor | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> NetworkRun:
+    """Run a fleet on the air and return what was counted.
+
+    Parameters
+    ----------
+    frames
+        Frames of one run, `NetworkSettings.dt_s` apart.
+    sender
+        What every vehicle sends, and when.
+    radio
+        The channel they share.
+    settings
+        What is tracked and counted; None for the defaults.
+    seed
+        Of senders, radio and sensors; frames bring their own chance. Same seed, same counts.
+    sensor
+        What the vehicles see of themselves; None for the truth.
+    progress
+        Called after every step with the number of steps done.
+
+    Raises
+    ------
+    ValueError
+        Where there is no frame, frames are not a step apart, or the run ends within the warm-up.
+
+    Examples
+    --------
+    >>> from modelcast.channel.dsrc import Dsrc
+    >>> from modelcast.runtime.fleet.sender import named_sender
+    >>> from modelcast.world.scenario.base import run_scenario
+    >>> from modelcast.world.scenario.highway import Highway
+    >>> road = Highway(500.0, 20.0, warm_up_s=0.0)
+    >>> frames = run_scenario(road, np.random.default_rng(1), duration_s=2.0)
+    >>> run = run_network(frames, named_sender("bsm-10hz"), Dsrc(), NetworkSettings(warm_up_s=1.0), seed=1)
+    >>> round(run.vehicle_s, 6), int(run.tally.causes.sum())
+    (10.0, 100)
+    """
+    chosen = NetworkSettings() if settings is None else settings
+    pending: Iterator[FleetFrame] = iter(frames)
+    first = next(pending, None)
+    if first is None:
+        raise ValueError("frames must hold at least one frame")
+    loop = FleetLoop(first, sender, radio, chosen, seed=seed, sensor=sensor)
+    warm_up = round(chosen.warm_up_s / chosen.dt_s)
+    a_second = max(1, round(1.0 / chosen.dt_s))
+    outcomes: IntArray | None = None
+    expired, series, recent = 0, list[FloatArray](), list[IntArray]()
+    for number, frame in enumerate(chain([first], pending)):
+        if number == warm_up:
+            loop.forget_counts()
+            outcomes, expired = None, 0
+        received, row = loop.step(frame)
+        outcomes = received.outcomes.copy() if outcomes is None else outcomes + received.outcomes
+        expired += received.expired.size
+        series.append(row)
+        if (number + 1) % a_second == 0:
+            recent.append(loop.tally.recent.copy())
+            loop.tally.recent[...] = 0
+        if progress is not None:
+            progress(number + 1)
+    if len(series) <= warm_up or outcomes is None:
+        raise ValueError(f"the run must outlast the warm-up of {chosen.warm_up_s} s, got {len(series)} steps")
+    rows = np.array(series)
+    counted = rows[warm_up:]
+    return NetworkRun(
+        loop.tally,
+        outcomes,
+        expired=expired,
+        vehicle_s=float(counted[:, 0].sum() * chosen.dt_s),
+        busy_ratio=float(np.nansum(counted[:, 3] * counted[:, 0]) / max(counted[:, 0].sum(), 1.0)),
+        series=rows,
+        recent=np.array(recent, dtype=np.int64).reshape(len(recent), -1),
+        sender_bytes=sender.payload_bytes,
+    )

@@ -1,0 +1,1 @@
+"""Stations driven by recorded trips, over a channel that loses messages."""

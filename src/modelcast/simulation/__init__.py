@@ -1,1 +1,0 @@
-"""Traffic that is made, not recorded."""

@@ -1,0 +1,193 @@
+"""What a transmit policy is: ``init`` and ``decide`` over a batch of vehicles, state passed in and out."""
+
+import abc
+from dataclasses import KW_ONLY, dataclass
+from enum import IntEnum
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.station.policy import error_driven_kernels as kernels
+
+__all__ = [
+    "AbstractTransmitPolicy",
+    "Air",
+    "Decisions",
+    "Message",
+    "Motion",
+    "TransmitInputs",
+    "required",
+]
+
+State = TypeVar("State")
+
+
+class Message(IntEnum):
+    """What a vehicle transmits at an instant."""
+
+    NOTHING = kernels.NOTHING
+    UPDATE = kernels.UPDATE
+    IDENTIFICATION = kernels.IDENTIFICATION
+    KEEP_ALIVE = kernels.KEEP_ALIVE
+
+    @property
+    def label(self) -> str:
+        """Name in tables and traces."""
+        return self.name.lower().replace("_", "-")
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """What B vehicles measure of themselves.
+
+    Parameters
+    ----------
+    position_m
+        East and north, (B, 2) [m].
+    speed_mps
+        (B,) [m/s].
+    heading_rad
+        Clockwise from north, (B,) [rad].
+    critical
+        Whether a critical event goes on, as `J2945Parameters.is_critical` says, (B,).
+    """
+
+    position_m: FloatArray
+    speed_mps: FloatArray
+    _: KW_ONLY
+    heading_rad: FloatArray
+    critical: BoolArray
+
+
+@dataclass(frozen=True, slots=True)
+class Air:
+    """What B vehicles know of the channel and of those they hear.
+
+    Parameters
+    ----------
+    channel_busy_ratio
+        As the radio measured it over its last interval, (B,).
+    neighbours
+        Remotes heard of late within range, as `Neighbours.survey` counts them, (B,).
+    packet_error_ratio
+        Mean over those remotes, NaN where there is none to count, (B,).
+    airtime_s
+        Of the message that would be sent, (B,) [s].
+    """
+
+    channel_busy_ratio: FloatArray
+    neighbours: FloatArray
+    _: KW_ONLY
+    packet_error_ratio: FloatArray
+    airtime_s: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class TransmitInputs:
+    """What B vehicles know when they decide. A policy that needs a part that is None refuses it.
+
+    Parameters
+    ----------
+    t_s
+        Now, (B,) [s].
+    age_s
+        Time since the last model update, (B,) [s].
+    silence_s
+        Time since the last message of any kind, infinite before the first, (B,) [s].
+    tracking_error_m
+        Error of every sub-model fitted at the last update, infinite where it had no full window then or
+        nothing was sent yet, (B, M) [m].
+    available
+        Which sub-models have a full window now, (B, M).
+    predicted_life
+        How long each sub-model is predicted to last if it were sent now, in any unit that rises with it,
+        (B, M); NaN where nothing is predicted, None where no policy asks.
+    until_s
+        End of the interval that is decided on, when `decide` is asked next, (B,) [s]; None leaves it to the
+        policy.
+    motion
+        What the vehicles measure of themselves.
+    air
+        What they know of the channel.
+    """
+
+    t_s: FloatArray
+    age_s: FloatArray
+    _: KW_ONLY
+    silence_s: FloatArray
+    tracking_error_m: FloatArray
+    available: BoolArray
+    predicted_life: FloatArray | None = None
+    until_s: FloatArray | None = None
+    motion: Motion | None = None
+    air: Air | None = None
+
+
+Part = TypeVar("Part", Motion, Air)
+
+
+def required(part: Part | None, name: str, policy: str) -> Part:
+    """Return a part of the inputs that a policy cannot do without.
+
+    Raises
+    ------
+    ValueError
+        Where it is None.
+    """
+    if part is None:
+        raise ValueError(f"{policy} needs TransmitInputs.{name}, got None: fill it in")
+    return part
+
+
+@dataclass(frozen=True, slots=True)
+class Decisions:
+    """What B vehicles do: a `Message` each, the sub-model in use afterwards, and how it is sent.
+
+    Parameters
+    ----------
+    kind
+        `Message` values, (B,).
+    in_use
+        Index of the sub-model, (B,).
+    send_s
+        When the message is handed to the radio, infinite where there is none, (B,) [s].
+    power_dbm
+        Radiated power, NaN where the policy leaves it to the radio or nothing is sent, (B,) [dBm].
+    believed
+        Whether the sender takes the message for received, and measures its tracking error against it from now
+        on, (B,).
+    """
+
+    kind: IntArray
+    in_use: IntArray
+    _: KW_ONLY
+    send_s: FloatArray
+    power_dbm: FloatArray
+    believed: BoolArray
+
+    @classmethod
+    def at_once(cls, kind: IntArray, in_use: IntArray, t_s: FloatArray) -> "Decisions":
+        """Messages that leave now, at the radio's own power, and are taken for received."""
+        sends = kind != Message.NOTHING
+        return cls(
+            kind,
+            in_use,
+            send_s=np.where(sends, t_s, np.inf),
+            power_dbm=np.full(kind.size, np.nan),
+            believed=sends,
+        )
+
+
+class AbstractTransmitPolicy(abc.ABC, Generic[State]):
+    """Decides what each of B vehicles transmits, from its own past alone."""
+
+    @abc.abstractmethod
+    def init(self, vehicles: int, sub_models: int) -> State:
+        """Return the state of that many vehicles before their first sample."""
+
+    @abc.abstractmethod
+    def decide(
+        self, state: State, inputs: TransmitInputs, rng: np.random.Generator
+    ) -> tuple[Decisions, State]:
+        """Return the decisions of one instant and the state after it; the given state is left alone."""

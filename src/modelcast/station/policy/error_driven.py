@@ -1,0 +1,172 @@
+"""The error-driven policy: speak when no sub-model tracks any more (the paper's Algorithm 1).
+
+At every sample the sender compares its position with what each sub-model fitted at the last update
+predicts.
+
+- *Model update*: every sub-model's error has reached the threshold. All are fitted anew.
+- *Sub-model identification*: the one in use has failed, another still holds. The paper names this message and
+  leaves its rule open; `ErrorDriven.identify` offers five.
+- *Keep-alive*: an update sent because nothing was for `ErrorDriven.max_inter_transmit_time_s`.
+
+An error equal to the threshold counts as failed. The baseline is the same policy over a bank of constant
+velocity alone, which never needs an identification.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray, IntArray, owned
+from modelcast.station.policy import error_driven_kernels as kernels
+from modelcast.station.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
+from modelcast.station.policy.costs import CostTable
+from modelcast.station.policy.rules import IdentifyRule, StartRule
+
+__all__ = ["ErrorDriven", "ErrorDrivenState"]
+
+_STARTS = {
+    "order": kernels.START_ORDER,
+    "keep": kernels.START_KEEP,
+    "survivor": kernels.START_SURVIVOR,
+    "predicted": kernels.START_PREDICTED,
+    "hindsight": kernels.START_HINDSIGHT,
+    "guarded": kernels.START_GUARDED,
+}
+_IDENTIFIES = {
+    "on-failure": kernels.IDENTIFY_ON_FAILURE,
+    "final": kernels.IDENTIFY_FINAL,
+    "best": kernels.IDENTIFY_BEST,
+    "never": kernels.IDENTIFY_NEVER,
+    "cheapest": kernels.IDENTIFY_CHEAPEST,
+}
+
+_NO_COSTS = np.zeros(kernels.COST_HEADER)
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorDrivenState:
+    """State of B vehicles.
+
+    Parameters
+    ----------
+    in_use
+        Sub-model in use, -1 before the first update, (B,).
+    first_failure_s
+        Age of the update at each sub-model's first failure, infinite while it has none, (B, M) [s].
+    """
+
+    in_use: IntArray
+    first_failure_s: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
+    """Algorithm 1 of the paper, with what it leaves open made an option.
+
+    Parameters
+    ----------
+    threshold_m
+        Tracking error at which a sub-model has failed [m].
+    start
+        Sub-model in use after an update: the first in the bank's ``order`` that has a full window (default:
+        the paper's bank starts with constant velocity); the one in use before (``keep``); the one that
+        lasted longest since the last update (``survivor``); or the one that should last longest by what the
+        inputs say (`TransmitInputs.predicted_life`), in order where they say nothing. Who makes the inputs
+        takes them from a selector (``predicted``, `modelcast.models.learned.Selector`) or from how
+        predictions of the last two seconds did (``hindsight``, `modelcast.station.policy.hindsight`;
+        ``guarded``, the same, and constant velocity while the bank has fallen behind it,
+        `modelcast.station.policy.guard`).
+    identify
+        ``on-failure`` (default): when the one in use fails while another holds at that instant, name the one
+        with the smallest error; it leaves Algorithm 1's update rule untouched and sends the fewest messages a
+        receiver can follow. ``final``: the same, but a sub-model that failed once is not used again before
+        the next update, which therefore comes once each has failed at some time, not when all fail at once.
+        ``best``: at every change of the best. ``never``: when the one in use fails, all are fitted anew,
+        whether another still holds or not; only the one in use need be sent. ``cheapest``: when the one in
+        use fails, name the one that is expected to hold longest, but only where that costs less a second than
+        an update does; else all are fitted anew.
+    max_inter_transmit_time_s
+        Longest silence before a keep-alive [s]; None for no limit.
+    costs
+        What messages cost and how long they serve; needed for ``cheapest``, unused otherwise.
+
+    Raises
+    ------
+    ValueError
+        Where a threshold or time is not positive, a rule is unknown, or ``cheapest`` has no costs.
+
+    Examples
+    --------
+    >>> ErrorDriven(0.2, max_inter_transmit_time_s=2.0).start
+    'order'
+    """
+
+    threshold_m: float
+    start: StartRule = "order"
+    identify: IdentifyRule = "on-failure"
+    max_inter_transmit_time_s: float | None = None
+    costs: CostTable | None = None
+
+    def __post_init__(self) -> None:
+        if not self.threshold_m > 0:
+            raise ValueError(f"threshold_m must be positive, got {self.threshold_m}")
+        if self.start not in _STARTS:
+            raise ValueError(f"start must be one of {', '.join(_STARTS)}, got {self.start!r}")
+        if self.identify not in _IDENTIFIES:
+            raise ValueError(f"identify must be one of {', '.join(_IDENTIFIES)}, got {self.identify!r}")
+        longest = self.max_inter_transmit_time_s
+        if longest is not None and not longest > 0:
+            raise ValueError(f"max_inter_transmit_time_s must be positive or None, got {longest}")
+        if self.identify == "cheapest" and self.costs is None:
+            raise ValueError("identify 'cheapest' needs costs: train a CostTable, or take another rule")
+
+    @property
+    def alone(self) -> "ErrorDriven":
+        """The same over a bank of one, which has nothing to select from."""
+        return ErrorDriven(self.threshold_m, max_inter_transmit_time_s=self.max_inter_transmit_time_s)
+
+    @property
+    def codes(self) -> tuple[float, float, int, FloatArray]:
+        """The trailing arguments of the compiled step."""
+        longest = self.max_inter_transmit_time_s
+        costs = _NO_COSTS if self.costs is None else self.costs.packed(self.threshold_m)
+        return self.threshold_m, np.inf if longest is None else longest, _IDENTIFIES[self.identify], costs
+
+    @property
+    def start_code(self) -> int:
+        """The trailing argument of the compiled start rule."""
+        return _STARTS[self.start]
+
+    def init(self, vehicles: int, sub_models: int) -> ErrorDrivenState:
+        """Nothing in use, nothing failed."""
+        return ErrorDrivenState(
+            np.full(vehicles, -1, dtype=np.int64), np.full((vehicles, sub_models), np.inf)
+        )
+
+    def decide(
+        self,
+        state: ErrorDrivenState,
+        inputs: TransmitInputs,
+        rng: np.random.Generator,  # noqa: ARG002 - this policy draws nothing
+    ) -> tuple[Decisions, ErrorDrivenState]:
+        """Run the compiled steps for every vehicle; the message leaves at once."""
+        if self.costs is not None and self.identify == "cheapest":
+            self.costs.check_members(state.first_failure_s.shape[1])
+        kind = np.empty_like(state.in_use)
+        in_use = np.empty_like(state.in_use)
+        first_failure_s = state.first_failure_s.copy()
+        scores = inputs.predicted_life
+        kernels.step_each(
+            np.ascontiguousarray(inputs.tracking_error_m, dtype=np.float64),
+            np.ascontiguousarray(inputs.available),
+            first_failure_s,
+            np.full_like(first_failure_s, np.nan) if scores is None else owned(scores),
+            state.in_use,
+            np.ascontiguousarray(inputs.age_s, dtype=np.float64),
+            np.ascontiguousarray(inputs.silence_s, dtype=np.float64),
+            self.start_code,
+            *self.codes,
+            kind,
+            in_use,
+        )
+        return Decisions.at_once(kind, in_use, inputs.t_s), ErrorDrivenState(in_use, first_failure_s)

@@ -1,0 +1,11 @@
+"""Names of what the algorithm leaves open: the one list that policy, settings and command line share."""
+
+from typing import Literal
+
+__all__ = ["IdentifyRule", "StartRule"]
+
+StartRule = Literal["order", "keep", "survivor", "predicted", "hindsight", "guarded"]
+"""Sub-model in use after an update, as `modelcast.station.policy.error_driven.ErrorDriven` describes them."""
+
+IdentifyRule = Literal["on-failure", "final", "best", "never", "cheapest"]
+"""When another sub-model is named."""

@@ -1,0 +1,1 @@
+"""What a station makes of what it hears."""

@@ -1,0 +1,211 @@
+"""The honest protocol: candidates side by side, each trip judged by what was learnt on other routes."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from modelcast.core.arrays import IntArray
+from modelcast.core.chance import child_generator
+from modelcast.core.exceptions import ConfigError
+from modelcast.study.compare.bootstrap import resample_weights
+from modelcast.study.compare.candidate import AbstractCandidate
+from modelcast.study.compare.result import (
+    CandidateRow,
+    ComparedTrip,
+    ComparisonResult,
+    CountRow,
+    RouteRow,
+    TrackingRatioRow,
+)
+from modelcast.study.compare.settings import CompareSettings
+from modelcast.study.compare.stage import reference_ratios, stage_trips
+from modelcast.study.compare.table import Resamples, ratio_rows, tracking_rows
+from modelcast.study.compare.trial import candidate_row, fit_folds, run_trial
+from modelcast.study.routes import route_names, routes
+from modelcast.trips.fingerprint import known_trips
+from modelcast.trips.trajectory import Trajectory
+
+__all__ = ["compare"]
+
+Progress = Callable[[int, int], None]
+
+
+def compare(
+    trips: Sequence[Trajectory],
+    candidates: Sequence[AbstractCandidate],
+    settings: CompareSettings | None = None,
+    *,
+    progress: Progress | None = None,
+) -> ComparisonResult:
+    """Evaluate every candidate on the same trips, thresholds, losses and protocols.
+
+    Parameters
+    ----------
+    trips
+        Recorded trips, with distinct identifiers.
+    candidates
+        What is compared; a trained one is fitted anew for every route, on the trips of the others.
+    settings
+        What to do.
+    progress
+        Called with trips done and trips to do, counted over all candidates and protocols.
+
+    Returns
+    -------
+    ComparisonResult
+        Pooled rows with 95 % intervals over the trips, and rows a trip.
+
+    Raises
+    ------
+    ConfigError
+        Where names repeat, no trip is long enough, or a trained candidate has no other route to learn from.
+
+    Examples
+    --------
+    >>> from modelcast.study.compare.candidate import FixedCandidate
+    >>> from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+    >>> from modelcast.world.drive import generate_drive
+    >>> asked = CompareSettings(EvaluationSettings((0.5,), (0.0,), seeds=1, references=False), ("recorded",))
+    >>> result = compare([generate_drive(1, 90.0).truth], [FixedCandidate("cv", BASELINE_BANK)], asked)
+    >>> result.ratios[0].message_ratio, result.ratios[0].airtime_ratio
+    (1.0, 1.0)
+    """
+    settings = CompareSettings() if settings is None else settings
+    reference = _checked_reference(candidates, settings)
+    usable, failures = _usable(trips, max(candidate.window for candidate in candidates))
+    route = routes(usable, settings.route_by)
+    _require_other_routes(candidates, route)
+    resamples = _resamples(usable, route, settings)
+    work = _Work(progress, len(candidates) * len(settings.protocols) * len(usable))
+    staged = stage_trips(usable, settings)
+    training_trips: frozenset[str] = frozenset()
+    for candidate in candidates:
+        folds = fit_folds(candidate, usable, route, settings.evaluation)
+        if not candidate.is_trained:  # one that is, is judged on other trips than it was trained on
+            training_trips |= folds[0].training_trips
+        work.candidates.append(candidate_row(candidate, folds[0]))
+        for protocol, ready in staged.items():
+            trial = run_trial(candidate.name, protocol, ready, route, folds, step=work.step)
+            work.counts += trial.counts
+            work.tracking += tracking_rows(
+                candidate.name,
+                trial,
+                shares_s=[trip.case.truth.dt_s for trip in ready],
+                durations_s=[trip.case.truth.duration_s for trip in ready],
+                resamples=resamples,
+            )
+    return ComparisonResult(
+        {**settings.as_plain(), "against": reference},
+        routes=_route_rows(usable, route),
+        trips=tuple(
+            _trip_row(
+                trip, int(number), training_trips, [ready[at].case.warnings for ready in staged.values()]
+            )
+            for at, (trip, number) in enumerate(zip(usable, route, strict=True))
+        ),
+        candidates=tuple(work.candidates),
+        ratios=tuple(ratio_rows(work.counts, reference, resamples)),
+        tracking=tuple(work.tracking),
+        counts=tuple(work.counts),
+        references=tuple(reference_ratios(staged, settings)),
+        failures=failures,
+    )
+
+
+class _Work:
+    """What has been gathered so far, and how much is left.
+
+    Parameters
+    ----------
+    progress
+        Told after each step.
+    steps
+        How many there are.
+    """
+
+    def __init__(self, progress: Progress | None, steps: int) -> None:
+        self._progress = progress
+        self._steps = steps
+        self._done = 0
+        self.candidates: list[CandidateRow] = []
+        self.counts: list[CountRow] = []
+        self.tracking: list[TrackingRatioRow] = []
+
+    def step(self) -> None:
+        """Count one trip as done."""
+        self._done += 1
+        if self._progress is not None:
+            self._progress(self._done, self._steps)
+
+
+def _checked_reference(candidates: Sequence[AbstractCandidate], settings: CompareSettings) -> str:
+    """The candidate that differences are taken to, once all names are seen to differ."""
+    names = [candidate.name for candidate in candidates]
+    if not names:
+        raise ConfigError("name at least one candidate to compare")
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        raise ConfigError(f"two candidates are named {repeated[0]}: name each once")
+    against = names[0] if settings.against is None else settings.against
+    if against not in names:
+        raise ConfigError(f"no candidate is named '{against}'; there are {', '.join(names)}")
+    return against
+
+
+def _usable(trips: Sequence[Trajectory], window: int) -> tuple[list[Trajectory], dict[str, str]]:
+    """Trips that hold every candidate's window, and why the others are left out for all of them."""
+    usable: list[Trajectory] = []
+    failures: dict[str, str] = {}
+    seen: set[str] = set()
+    for trip in trips:
+        if trip.trip_id in seen:
+            raise ConfigError(f"two trips are named {trip.trip_id}: rename one of their files")
+        seen.add(trip.trip_id)
+        longest = int(np.diff(trip.segments).max())
+        if longest < window:
+            failures[trip.trip_id] = f"its longest part has {longest} samples, a window needs {window}"
+        else:
+            usable.append(trip)
+    if not usable:
+        reasons = "; ".join(f"{trip}: {reason}" for trip, reason in failures.items())
+        raise ConfigError("no usable trip" + (f" ({reasons})" if reasons else ""))
+    return usable, failures
+
+
+def _require_other_routes(candidates: Sequence[AbstractCandidate], route: IntArray) -> None:
+    trained = [candidate.name for candidate in candidates if candidate.is_trained]
+    if trained and int(route.max()) == 0:
+        raise ConfigError(
+            f"all trips lie on one route, so {', '.join(trained)} would be judged on the ground it was "
+            "trained on: give trips of other routes too, or a profile that was trained elsewhere"
+        )
+
+
+def _resamples(trips: Sequence[Trajectory], route: IntArray, settings: CompareSettings) -> Resamples:
+    clusters = route if settings.cluster == "route" else np.arange(len(trips), dtype=np.int64)
+    rng = child_generator(settings.evaluation.seed, "bootstrap")
+    return Resamples(resample_weights(clusters, settings.resamples, rng), clusters)
+
+
+def _route_rows(trips: Sequence[Trajectory], route: IntArray) -> tuple[RouteRow, ...]:
+    rows: list[RouteRow] = []
+    for number, name in enumerate(route_names(trips, route)):
+        members = [trip for trip, own in zip(trips, route.tolist(), strict=True) if own == number]
+        rows.append(RouteRow(number, name, len(members), sum(trip.duration_s for trip in members)))
+    return tuple(rows)
+
+
+def _trip_row(
+    trip: Trajectory, route: int, training_trips: frozenset[str], warnings: Sequence[Mapping[str, str]]
+) -> ComparedTrip:
+    """The trip, with the warnings of all protocols: smoothing makes some of them needless in one."""
+    return ComparedTrip(
+        trip.trip_id,
+        trip.source,
+        route,
+        duration_s=trip.duration_s,
+        samples=len(trip),
+        dt_s=trip.dt_s,
+        warnings={kind: text for one in warnings for kind, text in one.items()},
+        in_training=bool(known_trips([trip], training_trips)),
+    )

@@ -1,0 +1,84 @@
+"""Trips made ready once for all candidates: truth, what is seen, and the baseline they are held against."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from modelcast.runtime.trip.walk import TripBank
+from modelcast.study.case import TripCase, make_case
+from modelcast.study.compare.result import ReferenceRatio
+from modelcast.study.compare.settings import CompareSettings
+from modelcast.study.reference import count_references, pooled_references
+from modelcast.study.result import POOLED, ReferenceRow
+from modelcast.study.tracking import LossRuns
+from modelcast.trips.trajectory import Trajectory
+
+__all__ = ["StagedTrip", "reference_ratios", "stage_trips"]
+
+
+@dataclass(frozen=True, slots=True)
+class StagedTrip:
+    """One trip in one protocol, with what every candidate is compared with.
+
+    Parameters
+    ----------
+    case
+        Truth and what the sender sees.
+    baseline
+        The baseline's bank, ready for it.
+    losses
+        The loss runs, whose losses and baselines all candidates share.
+    """
+
+    case: TripCase
+    baseline: TripBank
+    losses: LossRuns
+
+
+def stage_trips(trips: Sequence[Trajectory], settings: CompareSettings) -> dict[str, list[StagedTrip]]:
+    """Every trip made ready in every protocol, by protocol.
+
+    Parameters
+    ----------
+    trips
+        The trips, in order.
+    settings
+        Protocols, sensor and losses.
+    """
+    staged: dict[str, list[StagedTrip]] = {}
+    for protocol in settings.protocols:
+        own = replace(settings.evaluation, protocol=protocol)
+        staged[protocol] = []
+        for trip in trips:
+            case = make_case(trip, own)
+            baseline = TripBank(case.seen, own.baseline_bank, case.estimator)
+            staged[protocol].append(StagedTrip(case, baseline, LossRuns(case, baseline, own)))
+    return staged
+
+
+def reference_ratios(staged: dict[str, list[StagedTrip]], settings: CompareSettings) -> list[ReferenceRatio]:
+    """Messages of the references over the baseline's, pooled over the trips of each protocol.
+
+    Parameters
+    ----------
+    staged
+        As `stage_trips` returns them.
+    settings
+        Thresholds, and whether references are asked for.
+    """
+    if not settings.evaluation.references:
+        return []
+    found: list[ReferenceRatio] = []
+    for protocol, trips in staged.items():
+        rows: list[ReferenceRow] = []
+        for trip in trips:
+            rows += count_references(trip.case, settings.evaluation.thresholds_m)
+        pooled = pooled_references([replace(row, trip=POOLED) for row in rows])
+        for threshold_m in settings.evaluation.thresholds_m:
+            policy = settings.evaluation.policy(threshold_m, keep_alive=False)
+            baseline = sum(trip.baseline.walk(policy).updates for trip in trips)
+            found += [
+                ReferenceRatio(row.reference, protocol, threshold_m, row.messages / baseline)
+                for row in pooled
+                if row.threshold_m in {None, threshold_m}
+            ]
+    return found

@@ -1,0 +1,234 @@
+"""From a candidate's trials to rows: each trip, and all pooled, with bootstrap intervals over the trips."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray, IntArray, SingleArray
+from modelcast.study.compare.bootstrap import (
+    Limits,
+    limits,
+    quantile_resamples,
+    ratio_resamples,
+)
+from modelcast.study.compare.result import CountRow, RatioRow, TrackingRatioRow
+from modelcast.study.compare.trial import READINGS, ErrorGroup, Trial
+from modelcast.study.metrics import quantiles
+from modelcast.study.result import POOLED
+
+__all__ = ["Resamples", "ratio_rows", "tracking_rows"]
+
+_PROBABILITIES = (0.9, 0.99)
+
+
+@dataclass(frozen=True, slots=True)
+class Resamples:
+    """The bootstrap's draws, the same for everything that is compared.
+
+    Parameters
+    ----------
+    weights
+        How often each resample draws each trip, (R, N).
+    clusters
+        Trips of one number are drawn together, (N,).
+    """
+
+    weights: FloatArray
+    clusters: IntArray
+
+
+def ratio_rows(counts: Sequence[CountRow], reference: str, resamples: Resamples) -> list[RatioRow]:
+    """Ratios of sums over all trips, for every candidate, protocol and threshold.
+
+    Parameters
+    ----------
+    counts
+        Rows of all candidates; within each candidate, protocol and threshold in the order of the trips.
+    reference
+        Name of the candidate that differences are taken to.
+    resamples
+        The bootstrap's draws.
+    """
+    groups: dict[tuple[str, str, float], list[CountRow]] = {}
+    for row in counts:
+        groups.setdefault((row.candidate, row.protocol, row.threshold_m), []).append(row)
+    drawn = {key: _drawn_ratio(group, resamples) for key, group in groups.items()}
+    return [
+        _ratio_row(
+            groups[key],
+            groups[reference, *key[1:]],
+            resamples,
+            drawn=drawn[key],
+            reference_drawn=drawn[reference, *key[1:]],
+        )
+        for key in groups
+    ]
+
+
+def _ratio_row(
+    rows: list[CountRow],
+    reference: list[CountRow],
+    resamples: Resamples,
+    *,
+    drawn: FloatArray,
+    reference_drawn: FloatArray,
+) -> RatioRow:
+    clusters = resamples.clusters
+    duration_s = sum(row.duration_s for row in rows)
+    own_bytes, base_bytes = (_column(rows, name) for name in ("message_bytes", "baseline_bytes"))
+    own_air, base_air = (_column(rows, name) for name in ("airtime_s", "baseline_airtime_s"))
+    base = sum(row.baseline_messages for row in rows)
+    ratio, other = _ratio(rows), _ratio(reference)
+    low, high = limits(drawn, clusters)
+    difference_low, difference_high = limits(drawn - reference_drawn, clusters)
+    bytes_low, bytes_high = limits(ratio_resamples(resamples.weights, own_bytes, base_bytes), clusters)
+    air_low, air_high = limits(ratio_resamples(resamples.weights, own_air, base_air), clusters)
+    worst = max(rows, key=lambda row: row.excess)
+    return RatioRow(
+        rows[0].candidate,
+        rows[0].protocol,
+        rows[0].threshold_m,
+        trips=len(rows),
+        duration_s=duration_s,
+        update_rate_hz=sum(row.updates for row in rows) / duration_s,
+        identification_rate_hz=sum(row.identifications for row in rows) / duration_s,
+        baseline_rate_hz=base / duration_s,
+        message_ratio=ratio,
+        message_low=low,
+        message_high=high,
+        difference=ratio - other,
+        difference_low=difference_low,
+        difference_high=difference_high,
+        bytes_per_s=float(own_bytes.sum()) / duration_s,
+        baseline_bytes_per_s=float(base_bytes.sum()) / duration_s,
+        bytes_ratio=float(own_bytes.sum() / base_bytes.sum()),
+        bytes_low=bytes_low,
+        bytes_high=bytes_high,
+        airtime_per_s=float(own_air.sum()) / duration_s,
+        baseline_airtime_per_s=float(base_air.sum()) / duration_s,
+        airtime_ratio=float(own_air.sum() / base_air.sum()),
+        airtime_low=air_low,
+        airtime_high=air_high,
+        trips_over=sum(row.excess > 0 for row in rows),
+        worst_trip=worst.trip,
+        worst_excess=worst.excess,
+        worst_ratio=worst.messages / worst.baseline_messages,
+    )
+
+
+def _column(rows: Sequence[CountRow], name: str) -> FloatArray:
+    return np.array([getattr(row, name) for row in rows], dtype=np.float64)
+
+
+def _ratio(rows: Sequence[CountRow]) -> float:
+    return sum(row.messages for row in rows) / sum(row.baseline_messages for row in rows)
+
+
+def _drawn_ratio(rows: Sequence[CountRow], resamples: Resamples) -> FloatArray:
+    return ratio_resamples(resamples.weights, _column(rows, "messages"), _column(rows, "baseline_messages"))
+
+
+def tracking_rows(
+    name: str,
+    trial: Trial,
+    *,
+    shares_s: Sequence[float],
+    durations_s: Sequence[float],
+    resamples: Resamples,
+) -> list[TrackingRatioRow]:
+    """Tracking errors under loss of one candidate: all trips pooled first, then each.
+
+    Parameters
+    ----------
+    name
+        The candidate.
+    trial
+        Its errors.
+    shares_s
+        The time one sample of each trip stands for, (N,) [s].
+    durations_s
+        Time observed of each trip, (N,) [s].
+    resamples
+        The bootstrap's draws.
+    """
+    trips = list(dict.fromkeys(row.trip for row in trial.counts))
+    pooled: list[TrackingRatioRow] = []
+    alone: list[TrackingRatioRow] = []
+    times = np.array([shares_s, durations_s])
+    for group in trial.groups:
+        whole = _Part(POOLED, range(len(trips)), _drawn_limits(group, shares_s, resamples))
+        pooled.append(_tracking_row((name, trial.protocol), group, whole, times))
+        for at, trip in enumerate(trips):
+            part = _Part(trip, range(at, at + 1), ((None, None), (None, None)))
+            alone.append(_tracking_row((name, trial.protocol), group, part, times))
+    return [*pooled, *alone]
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Some of the trips, their name in rows, and the limits of both ratios over them."""
+
+    name: str
+    trips: range
+    limits: tuple[Limits, Limits]
+
+
+def _drawn_limits(
+    group: ErrorGroup, shares_s: Sequence[float], resamples: Resamples
+) -> tuple[Limits, Limits]:
+    """Intervals of both ratios, against the harder baseline in each resample."""
+    if np.unique(resamples.clusters).size < 2:
+        return (None, None), (None, None)
+    own, matched, periodic = (
+        quantile_resamples(resamples.weights, group.errors_m[name], shares_s, _PROBABILITIES)
+        for name in READINGS
+    )
+    drawn = own / np.minimum(matched, periodic)
+    return limits(drawn[:, 0], resamples.clusters), limits(drawn[:, 1], resamples.clusters)
+
+
+def _tracking_row(
+    whose: tuple[str, str], group: ErrorGroup, part: _Part, times_s: FloatArray
+) -> TrackingRatioRow:
+    """The row of some trips; ``times_s`` is the time of one sample and of the whole of every trip, (2, N)."""
+    shares_s = times_s[0].tolist()
+    duration_s = float(times_s[1, part.trips].sum())
+    rates = [sum(group.messages[reading][at] for at in part.trips) / duration_s for reading in READINGS]
+    p90, p99 = np.transpose([_pooled(group.errors_m[reading], shares_s, part.trips) for reading in READINGS])
+    return TrackingRatioRow(
+        *whose,
+        part.name,
+        threshold_m=group.threshold_m,
+        packet_error_ratio=group.packet_error_ratio,
+        message_rate_hz=rates[0],
+        matched_rate_hz=rates[1],
+        periodic_rate_hz=rates[2],
+        p90_m=float(p90[0]),
+        matched_p90_m=float(p90[1]),
+        periodic_p90_m=float(p90[2]),
+        p90_ratio=_over(p90),
+        p90_low=part.limits[0][0],
+        p90_high=part.limits[0][1],
+        p99_m=float(p99[0]),
+        matched_p99_m=float(p99[1]),
+        periodic_p99_m=float(p99[2]),
+        p99_ratio=_over(p99),
+        p99_low=part.limits[1][0],
+        p99_high=part.limits[1][1],
+    )
+
+
+def _over(found_m: FloatArray) -> float:
+    """The candidate's quantile over the smaller of the baselines'; NaN where that is nothing."""
+    harder_m = float(found_m[1:].min())
+    return float(found_m[0]) / harder_m if harder_m > 0 else float("nan")
+
+
+def _pooled(
+    by_trip_m: Sequence[Sequence[SingleArray]], shares_s: Sequence[float], trips: range
+) -> FloatArray:
+    """Quantiles over some trips, each sample weighing the time it stands for, (Q,)."""
+    rows = [row for at in trips for row in by_trip_m[at]]
+    weights = [shares_s[at] for at in trips for _ in by_trip_m[at]]
+    return quantiles(rows, weights, _PROBABILITIES)

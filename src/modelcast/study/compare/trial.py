@@ -1,0 +1,192 @@
+"""One candidate over all trips: its messages, and its errors under loss beside the equal-rate baselines."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import KW_ONLY, dataclass, field
+
+from modelcast.core.arrays import IntArray, SingleArray
+from modelcast.runtime.trip.walk import TripBank
+from modelcast.study.compare.candidate import AbstractCandidate
+from modelcast.study.compare.result import CandidateRow, CountRow
+from modelcast.study.compare.stage import StagedTrip
+from modelcast.study.pooling import sorted_errors
+from modelcast.study.rate import count_rates
+from modelcast.study.settings import EvaluationSettings
+from modelcast.study.tracking import Contender, TrackingRun
+from modelcast.trips.trajectory import Trajectory
+
+__all__ = ["READINGS", "ErrorGroup", "Trial", "candidate_row", "fit_folds", "run_trial"]
+
+READINGS = ("own", "matched", "periodic")
+"""The candidate, and both readings of the equal-rate baseline."""
+
+
+@dataclass(slots=True)
+class ErrorGroup:
+    """Errors of one candidate and its equal-rate baselines at one threshold and loss ratio, trip by trip.
+
+    Parameters
+    ----------
+    threshold_m, packet_error_ratio
+        Which.
+    errors_m
+        For each of `READINGS`, for each trip, its sorted errors, one array a seed [m].
+    messages
+        For each of `READINGS`, messages sent on each trip, keep-alive included.
+    """
+
+    threshold_m: float
+    packet_error_ratio: float
+    _: KW_ONLY
+    errors_m: dict[str, list[list[SingleArray]]] = field(
+        default_factory=lambda: {name: [] for name in READINGS}
+    )
+    messages: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in READINGS})
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One candidate in one protocol.
+
+    Parameters
+    ----------
+    protocol
+        Which protocol.
+    counts
+        One row for each trip and threshold, in the order of the trips.
+    groups
+        One for each threshold and loss ratio.
+    """
+
+    protocol: str
+    counts: list[CountRow]
+    groups: list[ErrorGroup]
+
+
+def fit_folds(
+    candidate: AbstractCandidate,
+    trips: Sequence[Trajectory],
+    route: IntArray,
+    settings: EvaluationSettings,
+) -> list[EvaluationSettings]:
+    """The candidate's settings for every route left out, in the order of the routes.
+
+    Parameters
+    ----------
+    candidate
+        Fitted once where it learns nothing, else once a route, on the trips of all others.
+    trips, route
+        All trips, and the route of each, (N,).
+    settings
+        What all candidates share.
+    """
+    count = int(route.max(initial=-1)) + 1
+    if not candidate.is_trained:
+        return [candidate.fitted((), settings)] * count
+    numbers: list[int] = route.tolist()
+    folds = (
+        [trip for trip, own in zip(trips, numbers, strict=True) if own != left_out]
+        for left_out in range(count)
+    )
+    return [candidate.fitted(others, settings) for others in folds]
+
+
+def candidate_row(candidate: AbstractCandidate, settings: EvaluationSettings) -> CandidateRow:
+    """The row that says who a candidate is.
+
+    Parameters
+    ----------
+    candidate
+        The candidate.
+    settings
+        As it was fitted for the first route left out.
+    """
+    return CandidateRow(
+        candidate.name,
+        tuple(repr(member) for member in settings.bank.members),
+        start=settings.rules[0],
+        identify=settings.rules[1],
+        is_trained=candidate.is_trained,
+        is_hybrid=len(settings.bank.members) > 1,
+        update_bytes=int(settings.sizes.each_update_bytes(settings.bank, settings.rules[1]).max()),
+    )
+
+
+def run_trial(
+    name: str,
+    protocol: str,
+    staged: Sequence[StagedTrip],
+    route: IntArray,
+    folds: Sequence[EvaluationSettings],
+    *,
+    step: Callable[[], None],
+) -> Trial:
+    """Run one candidate over all trips of one protocol.
+
+    Parameters
+    ----------
+    name, protocol
+        The candidate's name, and which protocol the trips were made ready in.
+    staged, route
+        The trips, and the route of each, (N,).
+    folds
+        The candidate's settings for every route left out.
+    step
+        Called after each trip.
+    """
+    first = folds[0]
+    groups = [
+        ErrorGroup(threshold_m, ratio)
+        for threshold_m in first.thresholds_m
+        for ratio in first.packet_error_ratios
+    ]
+    trial = Trial(protocol, [], groups)
+    numbers: list[int] = route.tolist()
+    for trip, number in zip(staged, numbers, strict=True):
+        settings = folds[number]
+        ready = TripBank(trip.case.seen, settings.sent_bank, trip.case.estimator, settings.selector_in_use)
+        trial.counts.extend(_count_rows(name, protocol, trip, ready, settings, route=number))
+        _add_errors(trial, trip, ready, settings)
+        step()
+    return trial
+
+
+def _count_rows(
+    name: str, protocol: str, trip: StagedTrip, ready: TripBank, settings: EvaluationSettings, *, route: int
+) -> list[CountRow]:
+    """The messages of one trip at every threshold, beside the baseline's."""
+    counts = [count for count, _ in count_rates(trip.case, ready, trip.baseline, settings)]
+    return [
+        CountRow(
+            name,
+            protocol,
+            trip.case.truth.trip_id,
+            route=route,
+            threshold_m=own.threshold_m,
+            updates=own.updates,
+            identifications=own.identifications,
+            message_bytes=own.message_bytes,
+            baseline_messages=base.updates,
+            baseline_bytes=base.message_bytes,
+            airtime_s=own.airtime_s,
+            baseline_airtime_s=base.airtime_s,
+            duration_s=own.duration_s,
+        )
+        for own, base in zip(counts[::2], counts[1::2], strict=True)
+    ]
+
+
+def _add_errors(trial: Trial, trip: StagedTrip, ready: TripBank, settings: EvaluationSettings) -> None:
+    """Add one trip's errors to every group."""
+    ratios = len(settings.packet_error_ratios)
+    if not ratios:
+        return
+    for at, threshold_m in enumerate(settings.thresholds_m):
+        policy = settings.policy(threshold_m, keep_alive=True)
+        walk = ready.walk(policy)
+        own = trip.losses.walked(ready, walk, Contender("mbc", ready.bank.name, None, threshold_m))
+        rest = trip.losses.equal_rate(policy, walk.updates + walk.identifications, "total")
+        runs: list[TrackingRun] = [own, *rest]
+        for name, run in zip(READINGS, runs, strict=True):
+            for row, group in enumerate(trial.groups[at * ratios : (at + 1) * ratios]):
+                group.errors_m[name].append(sorted_errors(run, row))
+                group.messages[name].append(run.messages)

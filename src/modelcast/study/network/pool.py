@@ -1,0 +1,135 @@
+"""Runs pooled over seeds, and the density at which tracking fails."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import fields
+from itertools import pairwise
+
+import numpy as np
+
+from modelcast.study.metrics import confidence_limits
+from modelcast.study.network.rows import CapacityRow, CaseResult, NetworkResult, PooledRow, RunRow
+
+__all__ = ["LIMITS_M", "capacities", "gather", "pool"]
+
+LIMITS_M = (0.5, 1.0)
+"""Tracking errors whose density is asked for [m]."""
+
+_KEYS = ("density_per_km", "radio", "policy", "run")
+FIGURES = tuple(field.name for field in fields(RunRow) if field.name not in _KEYS)
+
+
+def gather(results: Iterable[CaseResult]) -> NetworkResult:
+    """Put the runs in order and pool them.
+
+    Parameters
+    ----------
+    results
+        Of single runs, in any order.
+    """
+    ordered = sorted(results, key=lambda one: _key(one.run))
+    runs = [one.run for one in ordered]
+    pooled = pool(runs)
+    return NetworkResult(
+        runs,
+        [row for one in ordered for row in one.distances],
+        outcomes=[row for one in ordered for row in one.outcomes],
+        seconds=[row for one in ordered for row in one.seconds],
+        pooled=pooled,
+        capacities=capacities(pooled),
+    )
+
+
+def _key(row: RunRow) -> tuple[float, str, str, int]:
+    density = row.density_per_km
+    return (density if np.isfinite(density) else 0.0, row.radio, row.policy, row.run)
+
+
+def pool(runs: Sequence[RunRow]) -> list[PooledRow]:
+    """Mean and interval over seeds of every figure, for each density, radio and policy.
+
+    Parameters
+    ----------
+    runs
+        In order.
+    """
+    groups: dict[tuple[str, str, str], list[RunRow]] = {}
+    for row in runs:
+        groups.setdefault((repr(row.density_per_km), row.radio, row.policy), []).append(row)
+    rows: list[PooledRow] = []
+    for own in groups.values():
+        for figure in FIGURES:
+            values = np.array([getattr(row, figure) for row in own], dtype=np.float64)
+            there = values[np.isfinite(values)]
+            low, high = confidence_limits(values)
+            rows.append(
+                PooledRow(
+                    density_per_km=own[0].density_per_km,
+                    radio=own[0].radio,
+                    policy=own[0].policy,
+                    seeds=len(own),
+                    figure=figure,
+                    value=float(there.mean()) if there.size else np.nan,
+                    low=low,
+                    high=high,
+                )
+            )
+    return rows
+
+
+def capacities(pooled: Sequence[PooledRow]) -> list[CapacityRow]:
+    """Density at which the 90th percentile of the tracking error at 100 m reaches each limit.
+
+    Between two densities run, the error is taken as linear in the logarithm of the density; the first
+    crossing from below counts.
+
+    Parameters
+    ----------
+    pooled
+        As `pool` gives them.
+
+    Examples
+    --------
+    >>> rows = [
+    ...     PooledRow(
+    ...         density_per_km=density,
+    ...         radio="dsrc",
+    ...         policy="j2945",
+    ...         seeds=1,
+    ...         figure="pte_p90_100_m",
+    ...         value=value,
+    ...         low=None,
+    ...         high=None,
+    ...     )
+    ...     for density, value in ((25.0, 0.25), (100.0, 0.75))
+    ... ]
+    >>> [row.density_per_km and round(row.density_per_km, 6) for row in capacities(rows)]
+    [50.0, None]
+    """
+    groups: dict[tuple[str, str], list[PooledRow]] = {}
+    for row in pooled:
+        if row.figure == "pte_p90_100_m" and np.isfinite(row.density_per_km):
+            groups.setdefault((row.radio, row.policy), []).append(row)
+    rows: list[CapacityRow] = []
+    for (radio, policy), own in groups.items():
+        ordered = sorted(own, key=lambda row: row.density_per_km)
+        rows += [
+            CapacityRow(
+                radio=radio,
+                policy=policy,
+                limit_m=limit_m,
+                density_per_km=_crossing(ordered, limit_m),
+                highest_per_km=ordered[-1].density_per_km,
+                above_at_lowest=ordered[0].value >= limit_m,
+            )
+            for limit_m in LIMITS_M
+        ]
+    return rows
+
+
+def _crossing(ordered: Sequence[PooledRow], limit_m: float) -> float | None:
+    for before, after in pairwise(ordered):
+        if before.value < limit_m <= after.value:
+            share = (limit_m - before.value) / (after.value - before.value)
+            low, high = np.log(before.density_per_km), np.log(after.density_per_km)
+            return float(np.exp(low + share * (high - low)))
+    return None

@@ -1,0 +1,124 @@
+"""Message rates on an ideal channel, without keep-alive: the paper's first figure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modelcast.runtime.trip.walk import TripBank, Walk
+from modelcast.study.case import TripCase
+from modelcast.study.result import POOLED, RateRow
+from modelcast.study.sent import sent_messages
+from modelcast.study.settings import EvaluationSettings
+
+__all__ = ["RateCount", "count_rates", "pooled_rates", "rate_row"]
+
+
+@dataclass(frozen=True, slots=True)
+class RateCount:
+    """Messages of one walk.
+
+    Parameters
+    ----------
+    policy, bank, threshold_m
+        Whose messages.
+    updates, identifications, moving_messages
+        How many, and how many of all were sent while moving.
+    duration_s, moving_s
+        Time observed and time moving [s].
+    message_bytes
+        Application bytes sent.
+    airtime_s
+        How long they occupy the channel [s].
+    """
+
+    policy: str
+    bank: str
+    threshold_m: float
+    updates: int
+    identifications: int
+    moving_messages: int
+    duration_s: float
+    moving_s: float
+    message_bytes: int
+    airtime_s: float
+
+
+def count_rates(
+    case: TripCase, mbc: TripBank, baseline: TripBank, settings: EvaluationSettings
+) -> list[tuple[RateCount, Walk]]:
+    """Walk both policies at every threshold and count their messages.
+
+    Parameters
+    ----------
+    case
+        The trip.
+    mbc, baseline
+        Both banks, ready for what the sender sees.
+    settings
+        Thresholds, rules and sizes.
+    """
+    counts: list[tuple[RateCount, Walk]] = []
+    for threshold_m in settings.thresholds_m:
+        policy = settings.policy(threshold_m, keep_alive=False)
+        for name, ready in (("mbc", mbc), ("baseline", baseline)):
+            walk = ready.walk(policy)
+            sent = sent_messages(walk, ready.bank, case.truth.t_s, settings)
+            count = RateCount(
+                name,
+                ready.bank.name,
+                threshold_m,
+                walk.updates,
+                walk.identifications,
+                int((walk.transmits & ~case.standing).sum()),
+                case.truth.duration_s,
+                float(np.count_nonzero(~case.standing) * case.truth.dt_s),
+                int(sent.size_bytes.sum()),
+                float(sent.airtime_s.sum()),
+            )
+            counts.append((count, walk))
+    return counts
+
+
+def rate_row(trip: str, count: RateCount) -> RateRow:
+    """The table row of one count."""
+    total = count.updates + count.identifications
+    moving_s = count.moving_s
+    return RateRow(
+        trip,
+        count.policy,
+        count.bank,
+        threshold_m=count.threshold_m,
+        updates=count.updates,
+        identifications=count.identifications,
+        duration_s=count.duration_s,
+        update_rate_hz=count.updates / count.duration_s,
+        identification_rate_hz=count.identifications / count.duration_s,
+        total_rate_hz=total / count.duration_s,
+        moving_total_rate_hz=count.moving_messages / moving_s if moving_s > 0 else 0.0,
+        bytes_per_s=count.message_bytes / count.duration_s,
+        airtime_per_s=count.airtime_s / count.duration_s,
+    )
+
+
+def pooled_rates(counts: Sequence[RateCount]) -> list[RateRow]:
+    """Rows that pool the same policy and threshold over trips: sums of messages over sums of time."""
+    groups: dict[tuple[str, str, float], list[RateCount]] = {}
+    for count in counts:
+        groups.setdefault((count.policy, count.bank, count.threshold_m), []).append(count)
+    return [
+        rate_row(
+            POOLED,
+            RateCount(
+                *key,
+                sum(count.updates for count in group),
+                sum(count.identifications for count in group),
+                sum(count.moving_messages for count in group),
+                sum(count.duration_s for count in group),
+                sum(count.moving_s for count in group),
+                sum(count.message_bytes for count in group),
+                sum(count.airtime_s for count in group),
+            ),
+        )
+        for key, group in groups.items()
+    ]

@@ -1,0 +1,244 @@
+"""What an evaluation is asked to do."""
+
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, asdict, dataclass, field
+from typing import Any, Literal, cast
+
+import numpy as np
+
+from modelcast.channel.base import AbstractChannel
+from modelcast.channel.erasure import GilbertElliott, IndependentErasure
+from modelcast.messages.airtime import Stack
+from modelcast.messages.quantisation import quantised_bank
+from modelcast.messages.sizes import SizeModel
+from modelcast.models.bank import Bank
+from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.gp import GaussianProcess
+from modelcast.models.learned import Selector
+from modelcast.models.profile import default_profile
+from modelcast.station.policy.costs import CostTable
+from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.policy.guard import GUARD
+from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.world.sensors import SensorModel
+
+__all__ = ["BASELINE_BANK", "PAPER_BANK", "PAPER_NOISE_FLOOR_M", "EvaluationSettings", "rules_of"]
+
+PAPER_NOISE_FLOOR_M = 1e-5
+"""The paper's Gaussian process has no noise floor: a hundredth of a millimetre stands for none [m]."""
+
+PAPER_BANK = Bank(
+    (ConstantVelocity(), GaussianProcess(form="anchored", noise_floor_m=PAPER_NOISE_FLOOR_M)),
+    "paper",
+)
+"""The paper's bank: constant velocity, then the per-axis maximum-likelihood Gaussian process."""
+
+BASELINE_BANK = Bank((ConstantVelocity(),), "cv")
+"""Raw basic safety messages: the receiver coasts at constant velocity."""
+
+
+def rules_of(bank: Bank) -> tuple[StartRule, IdentifyRule]:
+    """The rules that a bank is used with where nobody says otherwise.
+
+    Parameters
+    ----------
+    bank
+        The shipped profile's bank is used as that profile says, any other as the paper reads.
+    """
+    profile = default_profile()
+    if bank == profile.bank:
+        return cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
+    return "order", "on-failure"
+
+
+def _require_known(name: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise ValueError(f"{name} must be one of {', '.join(known)}, got {value!r}")
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluationSettings:
+    """What an evaluation is asked to do.
+
+    Parameters
+    ----------
+    thresholds_m
+        Tracking-error thresholds [m].
+    packet_error_ratios
+        Mean shares of messages lost in the loss runs, 0..1.
+    seeds, seed
+        How many runs are drawn for every loss ratio, and the seed they are spawned from.
+    bank
+        Sub-models of model-based communication; the shipped profile's where not given.
+    start, identify
+        The policy's rules, as in `ErrorDriven`. Where None, those of that profile for its bank, and the plain
+        reading of the paper, ``order`` and ``on-failure``, for any other.
+    selector
+        Predicts which sub-model of the bank lasts; needed for ``start`` ``predicted``.
+    costs
+        What messages cost and how long they serve; needed for ``identify`` ``cheapest``.
+    keep_alive_s
+        Longest silence in the loss runs, for every error-driven policy [s]; rate runs have none.
+    mean_burst_s
+        Mean length of loss bursts [s]; None for independent losses.
+    delay_s
+        Delivery delay [s].
+    expiry_s
+        Silence after which the host drops a remote [s]; None keeps it. Samples without a track are excluded
+        and counted.
+    protocol
+        ``recorded``, ``sensor``, or ``auto``: sensor where the log is on a coarse grid or holds values.
+    sensor
+        What the sender measures in the ``sensor`` protocol.
+    keep_samples
+        Whose tracking-error samples are kept: of the ``first`` seed, ``all`` or ``none``.
+    map_at
+        Trip id and time of the manoeuvre to draw [s]; None picks the sharpest.
+    quantised
+        Whether senders, hosts and the baseline predict with what a message can say (the default), or with
+        the numbers as they were fitted.
+    sizes
+        How many bytes each kind of message takes.
+    stack
+        What goes round a message on the air, and which carry a certificate.
+    trained_on
+        Fingerprints of the trips that the bank was trained on (`modelcast.trips.fingerprint`); those of the
+        shipped profile for its bank, and none for any other, where None.
+    references
+        Whether the clairvoyant references and the rules of cooperative awareness messages are counted too.
+
+    Raises
+    ------
+    ValueError
+        Where a value is out of its range.
+    """
+
+    thresholds_m: tuple[float, ...] = (0.2, 0.3, 0.4, 0.5)
+    packet_error_ratios: tuple[float, ...] = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
+    _: KW_ONLY
+    seeds: int = 5
+    seed: int = 0
+    bank: Bank = field(default_factory=lambda: default_profile().bank)
+    start: StartRule | None = None
+    identify: IdentifyRule | None = None
+    selector: Selector | None = None
+    costs: CostTable | None = None
+    keep_alive_s: float | None = 2.0
+    mean_burst_s: float | None = None
+    delay_s: float = 0.0
+    expiry_s: float | None = None
+    protocol: Literal["auto", "recorded", "sensor"] = "auto"
+    sensor: SensorModel = field(default_factory=SensorModel)
+    keep_samples: Literal["first", "all", "none"] = "first"
+    map_at: tuple[str, float] | None = None
+    quantised: bool = True
+    sizes: SizeModel = field(default_factory=SizeModel)
+    stack: Stack = field(default_factory=Stack)
+    trained_on: frozenset[str] | None = None
+    references: bool = True
+
+    def __post_init__(self) -> None:
+        if not self.thresholds_m:
+            raise ValueError("at least one threshold is needed")
+        for name, values in (
+            ("thresholds_m", self.thresholds_m),
+            ("packet_error_ratios", self.packet_error_ratios),
+        ):
+            if len(set(values)) != len(values):
+                raise ValueError(f"{name} must not repeat, got {values}")
+        if self.seeds < 1 or self.seed < 0:
+            raise ValueError(f"seeds must be >= 1 and seed >= 0, got {self.seeds} and {self.seed}")
+        if not (np.isfinite(self.delay_s) and self.delay_s >= 0):
+            raise ValueError(f"delay_s must be finite and not negative, got {self.delay_s}")
+        if self.expiry_s is not None and not self.expiry_s > 0:
+            raise ValueError(f"expiry_s must be positive or None, got {self.expiry_s}")
+        _require_known("protocol", self.protocol, ("auto", "recorded", "sensor"))
+        _require_known("keep_samples", self.keep_samples, ("first", "all", "none"))
+        self._check_rules()
+        for threshold_m in self.thresholds_m:
+            self.policy(threshold_m, keep_alive=True)
+        for ratio in self.packet_error_ratios:
+            self.channel(ratio)
+
+    def _check_rules(self) -> None:
+        """Refuse rules without what they need, or with what was trained for another bank."""
+        names = tuple(member.name for member in self.bank.complete().members)
+        start, identify = self.rules
+        if start == "predicted":
+            if self.selector is None:
+                raise ValueError("start 'predicted' needs a selector trained for the bank: take another rule")
+            self.selector.check_members(names)
+        own = tuple(member.name for member in self.bank.members)
+        if start == "guarded" and len(own) > 1 and GUARD not in own:
+            raise ValueError(f"start 'guarded' needs {GUARD} in the bank, got {', '.join(own)}: add it")
+        if identify == "cheapest" and self.costs is not None:
+            self.costs.check_members(len(names))
+
+    def policy(self, threshold_m: float, *, keep_alive: bool) -> ErrorDriven:
+        """The error-driven policy at a threshold, with or without the keep-alive of the loss runs."""
+        longest = self.keep_alive_s if keep_alive else None
+        start, identify = self.rules
+        return ErrorDriven(threshold_m, start, identify, longest, self.costs)
+
+    @property
+    def rules(self) -> tuple[StartRule, IdentifyRule]:
+        """The policy's rules, those not given filled in."""
+        if self.start is not None and self.identify is not None:
+            return self.start, self.identify
+        start, identify = rules_of(self.bank)
+        return self.start or start, self.identify or identify
+
+    @property
+    def training_trips(self) -> frozenset[str]:
+        """Fingerprints of the trips that the bank was trained on."""
+        if self.trained_on is not None:
+            return self.trained_on
+        profile = default_profile()
+        return frozenset(profile.training_trips if self.bank == profile.bank else ())
+
+    @property
+    def sent_bank(self) -> Bank:
+        """The bank as senders and hosts hold it."""
+        return quantised_bank(self.bank) if self.quantised else self.bank
+
+    @property
+    def baseline_bank(self) -> Bank:
+        """The baseline's, likewise."""
+        return quantised_bank(BASELINE_BANK) if self.quantised else BASELINE_BANK
+
+    @property
+    def selector_in_use(self) -> Selector | None:
+        """The selector, where the start rule asks it."""
+        return self.selector if self.rules[0] == "predicted" else None
+
+    def channel(self, ratio: float) -> AbstractChannel:
+        """The channel that loses this share of messages."""
+        if self.mean_burst_s is None:
+            return IndependentErasure(ratio)
+        return GilbertElliott(ratio, self.mean_burst_s)
+
+    def as_plain(self) -> Mapping[str, Any]:
+        """The settings as plain values, for summaries."""
+        return {
+            "thresholds_m": list(self.thresholds_m),
+            "packet_error_ratios": list(self.packet_error_ratios),
+            "seeds": self.seeds,
+            "seed": self.seed,
+            "bank": self.bank.name,
+            "sub_models": [repr(member) for member in self.bank.members],
+            "start": self.rules[0],
+            "identify": self.rules[1],
+            "selector": None if self.selector is None else self.selector.summary,
+            "costs": None if self.costs is None else self.costs.as_plain(),
+            "keep_alive_s": self.keep_alive_s,
+            "mean_burst_s": self.mean_burst_s,
+            "delay_s": self.delay_s,
+            "expiry_s": self.expiry_s,
+            "protocol": self.protocol,
+            "sensor": asdict(self.sensor),
+            "quantised": self.quantised,
+            "sizes": asdict(self.sizes),
+            "stack": asdict(self.stack),
+            "keep_samples": self.keep_samples,
+            "references": self.references,
+        }

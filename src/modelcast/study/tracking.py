@@ -1,0 +1,279 @@
+"""Tracking at the receiver under loss: what was sent, what arrived, and how far off the host was.
+
+Every policy of one trip meets the same losses, drawn for each instant whether or not it sends then. The first
+message is always delivered. The equal-rate baselines take MBC's own rate in the same run, keep-alive
+included, either its updates alone (the paper) or all its messages (fairer).
+"""
+
+from collections.abc import Iterator
+from dataclasses import KW_ONLY, dataclass
+
+import numpy as np
+
+from modelcast.core.arrays import BoolArray, IntArray, SingleArray
+from modelcast.core.chance import child_generator
+from modelcast.runtime.trip import replay_kernels
+from modelcast.runtime.trip.walk import TripBank, Walk
+from modelcast.station.policy.base import Message
+from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.policy.periodic import Periodic
+from modelcast.study.case import TripCase
+from modelcast.study.metrics import Histogram
+from modelcast.study.settings import EvaluationSettings
+from modelcast.trips.jumps import jumps_between
+
+__all__ = ["Contender", "LossRuns", "TrackingRun", "draw_losses", "run_tracking"]
+
+_BISECTIONS = 24
+_WIDEST_THRESHOLD_M = 64.0
+_SMALLEST_THRESHOLD_M = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Contender:
+    """Which policy a run shows, in which comparison."""
+
+    policy: str
+    bank: str
+    rate_basis: str | None
+    threshold_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """What one sender transmits over a trip: message, sub-model and update at each sample, (T,) each."""
+
+    kind: IntArray
+    in_use: IntArray
+    update_index: IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class TrackingRun:
+    """Errors of one contender over one trip, at every loss ratio (L of them) and seed (K of them).
+
+    Parameters
+    ----------
+    contender
+        Whose errors.
+    own_threshold_m
+        Threshold the policy ran at [m]; None where it has none.
+    messages
+        Messages sent, mean over the seeds.
+    after_m, before_m, along_m, cross_m, age_s
+        Errors after and before the instant's message, their parts along and across the track [m] and the age
+        of the model held [s]; NaN where the host held nothing, (L, K, T).
+    gaps_s
+        Gaps between receptions, one histogram a loss ratio [s].
+    """
+
+    contender: Contender
+    own_threshold_m: float | None
+    _: KW_ONLY
+    messages: float
+    after_m: SingleArray
+    before_m: SingleArray
+    along_m: SingleArray
+    cross_m: SingleArray
+    age_s: SingleArray
+    gaps_s: tuple[Histogram, ...]
+
+
+def draw_losses(case: TripCase, settings: EvaluationSettings) -> BoolArray:
+    """Which instants lose their message in every run, (L, K, T); the first is never lost.
+
+    Nor is the first behind a jump of the recording: no vehicle made it, so no host had to live with it.
+
+    Parameters
+    ----------
+    case
+        The trip.
+    settings
+        Loss ratios, seeds and channel.
+    """
+    t_s = case.truth.t_s
+    shape = (len(settings.packet_error_ratios), settings.seeds, t_s.size)
+    lost = np.empty(shape, dtype=np.bool_)
+    for row, ratio in enumerate(settings.packet_error_ratios):
+        for run in range(settings.seeds):
+            rng = child_generator(settings.seed, run, case.truth.trip_id, "loss")
+            lost[row, run] = settings.channel(ratio).losses(t_s, rng)
+    jumped, _ = jumps_between(t_s, case.truth.position_m, case.truth.segments)
+    lost[:, :, [0, *jumped.tolist()]] = False
+    return lost
+
+
+def run_tracking(
+    case: TripCase, mbc: TripBank, baseline: TripBank, settings: EvaluationSettings
+) -> Iterator[TrackingRun]:
+    """Yield every contender's errors: MBC, the baseline, and four equal-rate baselines a threshold.
+
+    Parameters
+    ----------
+    case
+        The trip.
+    mbc, baseline
+        Both banks, ready for what the sender sees.
+    settings
+        Thresholds, losses, seeds and rules.
+    """
+    runs = LossRuns(case, baseline, settings)
+    for threshold_m in settings.thresholds_m:
+        policy = settings.policy(threshold_m, keep_alive=True)
+        walk = mbc.walk(policy)
+        yield runs.walked(mbc, walk, Contender("mbc", mbc.bank.name, None, threshold_m))
+        yield runs.walked(
+            baseline, baseline.walk(policy), Contender("baseline", baseline.bank.name, None, threshold_m)
+        )
+        for basis, messages in (
+            ("update", walk.updates),
+            ("total", walk.updates + walk.identifications),
+        ):
+            yield from runs.equal_rate(policy, messages, basis)
+
+
+class LossRuns:
+    """The loss runs of one trip: all contenders meet the same losses, whichever bank they send.
+
+    Parameters
+    ----------
+    case
+        The trip.
+    baseline
+        The bank of the equal-rate baselines, ready for what the sender sees.
+    settings
+        Losses and seeds; its bank and thresholds play no part, so that several banks may share the runs.
+    """
+
+    def __init__(self, case: TripCase, baseline: TripBank, settings: EvaluationSettings) -> None:
+        self._case = case
+        self._baseline = baseline
+        self._settings = settings
+        self._lost = draw_losses(case, settings)
+        self._counts: dict[tuple[float, float | None], int] = {}
+
+    def walked(self, ready: TripBank, walk: Walk, shown_as: Contender) -> TrackingRun:
+        """The errors of one sender that walked the trip.
+
+        Parameters
+        ----------
+        ready
+            Its bank.
+        walk
+            What it sent.
+        shown_as
+            Whose errors these are.
+        """
+        sent = [Sent(walk.kind, walk.in_use, walk.update_index)]
+        return self._replay(ready, sent, shown_as=shown_as, own_threshold_m=walk.policy.threshold_m)
+
+    def equal_rate(self, policy: ErrorDriven, messages: int, basis: str) -> Iterator[TrackingRun]:
+        """Yield the errors of both readings of the equal-rate baseline: matched, then periodic.
+
+        Parameters
+        ----------
+        policy
+            Its threshold names the comparison, its keep-alive holds for the matched baseline too.
+        messages
+            How many messages they are to send.
+        basis
+            Which messages were counted: ``update`` or ``total``.
+        """
+        name = self._baseline.bank.name
+        matched = self._matched(policy.max_inter_transmit_time_s, messages)
+        yield self.walked(
+            self._baseline, matched, Contender("baseline-matched", name, basis, policy.threshold_m)
+        )
+        sent = [self._periodic(messages, run) for run in range(self._settings.seeds)]
+        self._baseline.fit_at(np.unique(np.concatenate([np.flatnonzero(one.kind) for one in sent])))
+        yield self._replay(
+            self._baseline,
+            sent,
+            shown_as=Contender("baseline-periodic", name, basis, policy.threshold_m),
+            own_threshold_m=None,
+        )
+
+    def _periodic(self, messages: int, run: int) -> Sent:
+        """So many messages in the mean, the first at once, with the phase of this run and vehicle."""
+        t_s = self._case.truth.t_s
+        kind = np.zeros(t_s.size, dtype=np.int64)
+        kind[0] = Message.UPDATE
+        if messages > 1:
+            rng = child_generator(self._settings.seed, run, self._case.truth.trip_id, "phase")
+            rate_hz = (messages - 1) / self._case.truth.duration_s
+            kind[Periodic(rate_hz).transmit_indices(t_s, rng)] = Message.UPDATE
+        update_index = np.maximum.accumulate(np.where(kind > 0, np.arange(kind.size), 0))
+        return Sent(kind, np.zeros_like(kind), update_index)
+
+    def _matched(self, longest_s: float | None, messages: int) -> Walk:
+        """The baseline's walk whose count of messages comes nearest, its threshold found by bisection."""
+        low, high = _SMALLEST_THRESHOLD_M, _WIDEST_THRESHOLD_M
+        best, best_count = low, -1
+        for _ in range(_BISECTIONS):
+            middle = float(np.sqrt(low * high))
+            count = self._count(middle, longest_s)
+            if best_count < 0 or abs(count - messages) < abs(best_count - messages):
+                best, best_count = middle, count
+            if count == messages:
+                break
+            low, high = (middle, high) if count > messages else (low, middle)
+        return self._baseline.walk(ErrorDriven(best, max_inter_transmit_time_s=longest_s))
+
+    def _count(self, threshold_m: float, longest_s: float | None) -> int:
+        """How many messages the baseline sends at a threshold: every bisection begins with the same ones."""
+        key = threshold_m, longest_s
+        if key not in self._counts:
+            policy = ErrorDriven(threshold_m, max_inter_transmit_time_s=longest_s)
+            self._counts[key] = self._baseline.walk(policy).updates
+        return self._counts[key]
+
+    def _replay(
+        self,
+        ready: TripBank,
+        sent: list[Sent],
+        *,
+        shown_as: Contender,
+        own_threshold_m: float | None,
+    ) -> TrackingRun:
+        """Replay the host over all losses; one schedule serves every seed, or each seed has its own."""
+        case, lost, settings = self._case, self._lost, self._settings
+        ratios, seeds, count = lost.shape
+        runs = ratios * seeds
+        errors = np.empty((5, runs, count))
+        gaps_s = np.empty((runs, count))
+        gap_count = np.empty(runs, dtype=np.int64)
+        kind = np.stack([one.kind for one in sent])
+        replay_kernels.replay(
+            ready.ready.members,
+            case.truth.t_s,
+            ready.samples,
+            ready.parameters,
+            case.truth.position_m,
+            case.direction,
+            kind,
+            np.stack([one.in_use for one in sent]),
+            np.stack([one.update_index for one in sent]),
+            lost.reshape(runs, count),
+            settings.delay_s,
+            np.inf if settings.expiry_s is None else settings.expiry_s,
+            errors,
+            gaps_s,
+            gap_count,
+        )
+        gaps = tuple(Histogram() for _ in range(ratios))
+        for run in range(runs):
+            gaps[run // seeds].add(gaps_s[run, : gap_count[run]], 1.0)
+        after_m, before_m, along_m, cross_m, age_s = errors.astype(np.float32).reshape(
+            5, ratios, seeds, count
+        )
+        return TrackingRun(
+            shown_as,
+            own_threshold_m,
+            messages=float(np.count_nonzero(kind)) / len(sent),
+            after_m=after_m,
+            before_m=before_m,
+            along_m=along_m,
+            cross_m=cross_m,
+            age_s=age_s,
+            gaps_s=gaps,
+        )

@@ -1,0 +1,426 @@
+"""Training of a whole profile: networks, hyper-parameters, calibrations, the bank's order, and the record.
+
+With ``validate`` everything is also trained without each route, and counted and calibrated on it. The bank's
+members are chosen there: first the sub-model that sends the fewest messages alone, then others while they
+save some beside it (`members`). Without it the bank is `DEFAULT_NAMES`, and the figures are of the training
+trips themselves, which favours what was fitted to them; the record says which. A sub-model that does with a
+single sample stands last, for starts and gaps; where the start rule is ``guarded``, constant velocity.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Any, Literal, cast
+
+from modelcast.core.version import package_version
+from modelcast.models.bank import Bank
+from modelcast.models.base import AbstractSubModel
+from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.kinematic import (
+    ConstantAcceleration,
+    ConstantTurnRateAcceleration,
+    ConstantTurnRateVelocity,
+)
+from modelcast.models.learned import Selector
+from modelcast.models.plain import from_plain, to_plain
+from modelcast.models.profile import MOST_MEMBERS, Profile
+from modelcast.models.regimes import REGIME_BANK, Regimes
+from modelcast.models.trusted import Trusted
+from modelcast.runtime.trip.walk import TripBank
+from modelcast.station.policy.costs import CostTable
+from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.policy.guard import GUARD, unguarded
+from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.study.case import TripCase, make_case
+from modelcast.study.routes import routes
+from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.study.training.calibration import pooled_calibrations
+from modelcast.study.training.costs import train_costs
+from modelcast.study.training.hyperparameters import TrainedPair
+from modelcast.study.training.learned import LearnedSettings, train_learned
+from modelcast.study.training.members import Fold, MemberSettings, choose_names
+from modelcast.study.training.processes import ProcessSettings, train_processes
+from modelcast.study.training.selection import SelectorSettings, train_selector
+from modelcast.trips.fingerprint import fingerprint
+from modelcast.trips.trajectory import Trajectory
+
+__all__ = [
+    "DEFAULT_NAMES",
+    "LONGEST_WINDOW",
+    "MOST_NAMES",
+    "ProfileSettings",
+    "named_training_trips",
+    "profile_learner",
+    "train_profile",
+]
+
+LONGEST_WINDOW = 21
+"""Samples that the longest window of a trained sub-model holds."""
+
+Progress = Callable[[str, int, int], None]
+"""Called with what is being done, steps done and steps to do."""
+
+Protocol = Literal["recorded", "sensor"]
+
+_PROTOCOLS: tuple[Protocol, ...] = ("recorded", "sensor")
+
+DEFAULT_NAMES = ("learned", "ctra", "gp-vehicle")
+
+"""Members where they are not chosen: on its own training trips the learned one looks better than it is."""
+
+MOST_NAMES = MOST_MEMBERS - 2
+"""Members that may be named: a starter and the guard may join them in the profile."""
+
+_STARTER = Trusted(ConstantTurnRateAcceleration(), 1.5)
+"""The horizon is that of decision 010: what must end is the acceleration."""
+
+_KINEMATIC: tuple[AbstractSubModel, ...] = (
+    _STARTER,
+    ConstantTurnRateVelocity(),
+    ConstantAcceleration(),
+    ConstantVelocity(),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class ProfileSettings:
+    """How a profile is trained.
+
+    Parameters
+    ----------
+    learned
+        Of the learned sub-model.
+    processes
+        Of the Gaussian processes.
+    thresholds_m
+        Thresholds at which messages are counted [m].
+    members
+        How the bank's members are chosen, and its rules.
+    names
+        The bank's members in order; where empty, chosen with ``validate``, `DEFAULT_NAMES` without.
+    selector
+        Of what the start rule ``predicted`` asks.
+    validate
+        Whether everything is also trained once without each route, and counted on it.
+    seed
+        Of all random numbers.
+
+    Raises
+    ------
+    ValueError
+        Where there is no threshold.
+    """
+
+    learned: LearnedSettings = field(default_factory=LearnedSettings)
+    _: KW_ONLY
+    processes: ProcessSettings = field(default_factory=ProcessSettings)
+    thresholds_m: tuple[float, ...] = (0.2, 0.3, 0.4, 0.5)
+    members: MemberSettings = field(default_factory=lambda: MemberSettings((0.2, 0.5)))
+    names: tuple[str, ...] = ()
+    selector: SelectorSettings = field(default_factory=SelectorSettings)
+    validate: bool = False
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not self.thresholds_m:
+            raise ValueError("thresholds_m must hold at least one")
+
+
+@dataclass(frozen=True, slots=True)
+class _Judged:
+    """Trips by protocol, and sub-models that are judged on them."""
+
+    cases: dict[str, list[TripCase]]
+    shelf: "_Shelf"
+
+    @property
+    def pooled(self) -> Fold:
+        """All trips together, with the sub-models that a bank is chosen from."""
+        return Fold([case for cases in self.cases.values() for case in cases], self.shelf.candidates)
+
+
+@dataclass(frozen=True, slots=True)
+class _Shelf:
+    """All sub-models that training trips taught, and the Gaussian processes' searches."""
+
+    candidates: tuple[AbstractSubModel, ...]
+    aside: tuple[AbstractSubModel, ...]
+    regimes: Regimes | None
+    processes: dict[str, TrainedPair]
+
+    @property
+    def members(self) -> tuple[AbstractSubModel, ...]:
+        """What a bank is chosen from, what is only there by name, and the regimes'."""
+        return (*self.candidates, *self.aside, *(() if self.regimes is None else self.regimes.members))
+
+    def bank(self, names: Sequence[str]) -> Bank:
+        """The bank of these members."""
+        named = {member.name: member for member in self.members}
+        unknown = [name for name in names if name not in named]
+        if unknown:
+            raise ValueError(f"no trained sub-model is named {unknown[0]}; there are {', '.join(named)}")
+        return Bank(tuple(named[name] for name in names))
+
+
+def train_profile(
+    trips: Sequence[Trajectory], settings: ProfileSettings | None = None, *, progress: Progress | None = None
+) -> Profile:
+    """Train everything that vehicles share.
+
+    Parameters
+    ----------
+    trips
+        As read.
+    settings
+        How.
+    progress
+        Called as the work goes on.
+
+    Raises
+    ------
+    MissingExtraError
+        Where scikit-learn, which the extra ``train`` brings, is not installed.
+    ValueError
+        Where the trips are too short to learn from, or ``validate`` finds a single route only.
+    """
+    settings = ProfileSettings() if settings is None else settings
+    shelf = _train(trips, settings, progress, "")
+    if settings.validate:
+        folds = _folds(trips, settings, progress)
+    else:
+        folds = [_Judged(_cases(trips, settings.seed), shelf)]
+
+    def choosing(done: int, to_do: int) -> None:
+        if progress is not None:
+            progress("members", done, to_do)
+
+    names, steps = settings.names, ()
+    if not names and settings.validate:
+        names, steps = choose_names([fold.pooled for fold in folds], settings.members, progress=choosing)
+    elif not names:
+        names = DEFAULT_NAMES
+    bank = shelf.bank(names)
+    if bank.window > 1:
+        names = (*names, _STARTER.name)
+    if settings.members.start == "guarded" and GUARD not in names:
+        names = (*names, GUARD)
+    bank = shelf.bank(names)
+
+    def calibrating(done: int, to_do: int) -> None:
+        if progress is not None:
+            progress("calibrations", done, to_do)
+
+    calibrations = pooled_calibrations(
+        [(fold.pooled.cases, fold.shelf.bank(names).members) for fold in folds], progress=calibrating
+    )
+    figures = _figures(folds, names, settings)
+    selector, costs = _selection(folds, names, settings, progress)
+    return Profile(
+        bank,
+        shelf=tuple(
+            member
+            for member in (*shelf.candidates, *shelf.aside)
+            if member not in (*bank.members, *_KINEMATIC)
+        ),
+        regimes=shelf.regimes,
+        start=settings.members.start,
+        identify=settings.members.identify,
+        selector=selector,
+        costs=costs.as_plain(),
+        calibrations=calibrations,
+        record=_record(trips, settings, shelf, {**figures, "steps": list(steps)}),
+        training_trips=tuple(fingerprint(trip) for trip in trips),
+    )
+
+
+def named_training_trips(profile: Profile, trips: Sequence[Trajectory]) -> Profile:
+    """A profile trained before profiles named their trips, with their fingerprints; its identity stays.
+
+    Parameters
+    ----------
+    profile
+        The profile; its record lists the trips by identifier, format and duration.
+    trips
+        Those trips, in any order and among others.
+
+    Raises
+    ------
+    ValueError
+        Where a trip of the record is not among them, or lasts otherwise.
+    """
+    given = {trip.trip_id: trip for trip in trips}
+    found: list[str] = []
+    for row in profile.record["trips"]:
+        trip = given.get(row["trip"])
+        if trip is None:
+            raise ValueError(f"the profile was trained on {row['trip']}, which is not among the trips given")
+        if (trip.source, round(trip.duration_s, 3)) != (row["format"], row["duration_s"]):
+            raise ValueError(
+                f"{row['trip']} is {trip.source} of {trip.duration_s:.3f} s, but the profile was trained on "
+                f"{row['format']} of {row['duration_s']} s"
+            )
+        found.append(fingerprint(trip))
+    return replace(profile, training_trips=tuple(found))
+
+
+def profile_learner(
+    settings: ProfileSettings | None = None,
+) -> Callable[[Sequence[Trajectory], EvaluationSettings], EvaluationSettings]:
+    """Return what `modelcast.study.compare.candidate.TrainedCandidate` calls for every route left out.
+
+    Parameters
+    ----------
+    settings
+        How each profile is trained.
+    """
+
+    def learn(trips: Sequence[Trajectory], shared: EvaluationSettings) -> EvaluationSettings:
+        profile = train_profile(trips, settings)
+        rules = cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
+        return replace(shared, bank=profile.bank, start=rules[0], identify=rules[1])
+
+    return learn
+
+
+def _train(
+    trips: Sequence[Trajectory], settings: ProfileSettings, progress: Progress | None, note: str
+) -> _Shelf:
+    def told(what: str) -> Callable[[int, int], None]:
+        def tell(done: int, to_do: int) -> None:
+            if progress is not None:
+                progress(what + note, done, to_do)
+
+        return tell
+
+    learned = train_learned(trips, replace(settings.learned, seed=settings.seed), progress=told("networks"))
+    found = train_processes(
+        trips,
+        settings.processes,
+        seed=settings.seed,
+        progress=lambda what, done, to_do: told(what)(done, to_do),
+    )
+    return _Shelf((learned, *found.candidates, *_KINEMATIC), (found.fixed,), found.regimes, found.pairs)
+
+
+def _cases(trips: Sequence[Trajectory], seed: int) -> dict[str, list[TripCase]]:
+    """The trips in both protocols; a recording that is no truth of its own in one of them only."""
+    found: dict[str, list[TripCase]] = {}
+    for protocol in _PROTOCOLS:
+        asked = EvaluationSettings(
+            protocol=protocol, seed=seed, bank=BASELINE_BANK, start="order", identify="never"
+        )
+        made = [make_case(trip, asked) for trip in trips]
+        found[protocol] = [
+            case for case in made if protocol in ("sensor", case.inspection.recommended_protocol)
+        ]
+    return found
+
+
+def _selection(
+    folds: Sequence[_Judged], names: Sequence[str], settings: ProfileSettings, progress: Progress | None
+) -> tuple[Selector, CostTable]:
+    """What ``predicted`` and ``cheapest`` need, from the largest fold, with that fold's own sub-models."""
+
+    def selecting(done: int, to_do: int) -> None:
+        if progress is not None:
+            progress("selector", done, to_do)
+
+    largest = max(folds, key=lambda fold: len(fold.pooled.cases))
+    bank = largest.shelf.bank(names)
+    cases = largest.pooled.cases
+    selector = train_selector(cases, bank, replace(settings.selector, seed=settings.seed), progress=selecting)
+    costs = train_costs(cases, bank, start=settings.members.start)
+    return cast("Selector", from_plain(to_plain(selector))), costs  # rounded as the text keeps it
+
+
+def _folds(
+    trips: Sequence[Trajectory], settings: ProfileSettings, progress: Progress | None
+) -> list[_Judged]:
+    """The trips of every route, each with sub-models trained without it."""
+    route = routes(trips)
+    count = int(route.max()) + 1
+    if count < 2:
+        raise ValueError("all trips lie on one route: there is none to leave out (train without validation)")
+    folds: list[_Judged] = []
+    for left_out in range(count):
+        others = [trip for trip, own in zip(trips, route, strict=True) if own != left_out]
+        tested = [trip for trip, own in zip(trips, route, strict=True) if own == left_out]
+        shelf = _train(others, settings, progress, f" without route {left_out + 1} of {count}")
+        folds.append(_Judged(_cases(tested, settings.seed), shelf))
+    return folds
+
+
+def _figures(folds: Sequence[_Judged], names: Sequence[str], settings: ProfileSettings) -> dict[str, Any]:
+    """Messages of the bank, of every sub-model alone and of the baseline, by protocol, one a threshold."""
+    found: dict[str, dict[str, list[int]]] = {}
+    for fold in folds:
+        regimes = fold.shelf.regimes
+        banks = {
+            "bank": fold.shelf.bank(names),
+            **{member.name: Bank((member,)) for member in fold.shelf.members},
+            **({} if regimes is None else {REGIME_BANK: regimes.bank}),
+            "baseline": BASELINE_BANK,
+        }
+        for name, bank in banks.items():
+            rules = settings.members
+            start = rules.start if name == "bank" else unguarded(rules.start)
+            for protocol, cases in fold.cases.items():
+                row = found.setdefault(name, {}).setdefault(protocol, [0] * len(settings.thresholds_m))
+                for case in cases:
+                    ready = TripBank(case.seen, bank, case.estimator)
+                    for at, threshold_m in enumerate(settings.thresholds_m):
+                        walk = ready.walk(ErrorDriven(threshold_m, start, rules.identify))
+                        row[at] += walk.updates + walk.identifications
+    return {
+        "counted_on": "routes left out" if settings.validate else "training trips",
+        "thresholds_m": list(settings.thresholds_m),
+        "messages": found,
+    }
+
+
+def _record(
+    trips: Sequence[Trajectory],
+    settings: ProfileSettings,
+    shelf: _Shelf,
+    figures: dict[str, Any],
+) -> dict[str, Any]:
+    """What the profile says of its own making."""
+    learned = settings.learned
+    return {
+        "modelcast": package_version(),
+        "seed": settings.seed,
+        "trips": [
+            {"trip": trip.trip_id, "format": trip.source, "duration_s": round(trip.duration_s, 3)}
+            for trip in trips
+        ],
+        "networks": {
+            "hidden": list(learned.descent.hidden),
+            "coefficients": learned.coefficients,
+            "steps": learned.descent.steps,
+            "windows": learned.rows,
+            "playbacks": [how.name or "as recorded" for how in learned.playbacks],
+            "longest_s": learned.longest_s,
+            "loss_thresholds_m": list(learned.descent.thresholds_m),
+            "stages": [
+                {
+                    "noise_range_m": [str(edge) for edge in stage.noise_range_m],
+                    "views": [view.name for view in stage.views],
+                }
+                for stage in learned.stages
+            ],
+        },
+        "processes": {
+            name: {
+                "kept": pair.better.by,
+                **{
+                    one.by: {
+                        "log_likelihood": one.log_likelihood,
+                        "mean_survival_s": list(one.mean_survival_s),
+                        "message_rate_hz": list(one.message_rate_hz),
+                    }
+                    for one in (pair.likelihood, pair.survival)
+                },
+            }
+            for name, pair in shelf.processes.items()
+        },
+        "figures": figures,
+    }

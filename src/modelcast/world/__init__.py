@@ -1,0 +1,1 @@
+"""What is outside a station: traffic, roads, and the sensors through which it sees itself."""

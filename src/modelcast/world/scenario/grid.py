@@ -1,0 +1,253 @@
+"""A Manhattan grid: blocks, one lane each way, a signal at every junction, turns of smooth curvature.
+
+Nobody leaves: at each junction a driver draws where to go among the streets there are. Approaches of a
+junction have green one after the other, so that no two ways cross; a driver does not enter a junction that
+cannot be left again.
+"""
+
+from dataclasses import KW_ONLY, dataclass, field, replace
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.world.scenario import following_kernels as following
+from modelcast.world.scenario import grid_kernels as kernels
+from modelcast.world.scenario.base import STEP_S, AbstractScenario, FleetFrame
+from modelcast.world.scenario.bounds import check_positive, vehicle_count
+from modelcast.world.scenario.drivers import CITY, Drivers
+from modelcast.world.scenario.streets import AMBER_S, LANE_M, Streets, make_streets
+
+__all__ = ["Grid", "GridState"]
+
+_FULLEST = 0.6
+"""Above this share of standing room a grid locks."""
+
+
+@dataclass(frozen=True, slots=True)
+class GridState:
+    """A grid at one instant.
+
+    Parameters
+    ----------
+    number
+        Steps since t = 0; negative while the traffic warms up.
+    numbers, integers
+        Rows as in `grid_kernels`, (COLUMNS, V) and (INTEGERS, V).
+    order, first
+        Slots by link and place, (V,); where each link begins in them, (K + 1,).
+    left_last
+        The vehicle that left each link last, (K,).
+    offset_s
+        By how much each link's signal is ahead of the clock, (K,) [s].
+    drivers
+        Traits, (TRAITS, V).
+    rng
+        The run's generator.
+    """
+
+    number: int
+    numbers: FloatArray
+    _: KW_ONLY
+    integers: IntArray
+    order: IntArray
+    first: IntArray
+    left_last: IntArray
+    offset_s: FloatArray
+    drivers: FloatArray
+    rng: np.random.Generator
+
+    @property
+    def link(self) -> IntArray:
+        """Directed link of each vehicle, (V,)."""
+        return self.integers[kernels.LINK]
+
+
+@dataclass(frozen=True, slots=True)
+class Grid(AbstractScenario[GridState]):
+    """A closed Manhattan grid; the number of vehicles is constant.
+
+    Parameters
+    ----------
+    columns, rows
+        Junctions from west to east and from south to north, at least 2 each.
+    density_per_km
+        Vehicles a kilometre of street, both directions together [1/km].
+    block_m
+        Distance between junctions [m].
+    junction_m
+        From a junction's middle to its stop lines [m].
+    green_s
+        Green for each approach [s].
+    turn_mps2
+        Lateral acceleration at the sharpest point of a turn [m/s²].
+    drivers
+        Who drives.
+    warm_up_s
+        Driven before t = 0 [s].
+
+    Raises
+    ------
+    ValueError
+        Where the vehicles fill the streets so much that they would lock, or a value is out of bounds.
+
+    Examples
+    --------
+    >>> Grid(3, 3, 20.0, block_m=200.0).slots  # 12 streets of 200 m
+    48
+    """
+
+    columns: int = 5
+    rows: int = 5
+    density_per_km: float = 20.0
+    _: KW_ONLY
+    block_m: float = 200.0
+    junction_m: float = 15.0
+    green_s: float = 12.0
+    turn_mps2: float = 2.5
+    drivers: Drivers = CITY
+    warm_up_s: float = 120.0
+    _streets: Streets = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if self.columns < 2 or self.rows < 2:
+            raise ValueError(f"columns and rows must be at least 2, got {self.columns} and {self.rows}")
+        if not 8.0 <= self.junction_m <= 0.3 * self.block_m:
+            raise ValueError(
+                f"junction_m must lie between 8 and 0.3 of block_m = {self.block_m}, got {self.junction_m}"
+            )
+        check_positive(self, "density_per_km", "green_s", "turn_mps2")
+        if not self.warm_up_s >= 0.0:
+            raise ValueError(f"warm_up_s must be at least 0, got {self.warm_up_s}")
+        streets = make_streets(
+            self.columns, self.rows, block_m=self.block_m, junction_m=self.junction_m, green_s=self.green_s
+        )
+        object.__setattr__(self, "_streets", streets)
+        room = self.drivers.length_m[1] + self.drivers.gap_m
+        most = int(_FULLEST * streets.length_m / room) * streets.direction.size
+        if not 1 <= self.slots <= most:
+            raise ValueError(
+                f"density_per_km must make between 1 and {most} vehicles on {self.street_m:.0f} m, "
+                f"got {self.slots}"
+            )
+
+    @property
+    def street_m(self) -> float:
+        """Total length of the streets [m]."""
+        return self.block_m * (self.columns * (self.rows - 1) + self.rows * (self.columns - 1))
+
+    @property
+    def slots(self) -> int:
+        """Number of vehicles V."""
+        return vehicle_count(self.density_per_km, self.street_m)
+
+    def init(self, rng: np.random.Generator) -> GridState:
+        """Spread the vehicles over the links, and let them drive for the warm-up."""
+        streets, vehicles = self._streets, self.slots
+        links = streets.direction.size
+        traits = self.drivers.draw(vehicles, rng)
+        integers = np.zeros((kernels.INTEGERS, vehicles), dtype=np.int64)
+        integers[kernels.CAME_FROM] = -1
+        numbers = np.zeros((kernels.COLUMNS, vehicles))
+        integers[kernels.LINK] = (np.arange(vehicles) + rng.integers(links)) % links
+        rank = np.arange(vehicles) // links
+        numbers[kernels.S] = (rank + 0.5) * streets.length_m / (int(rank.max()) + 1)
+        for i, uniform in enumerate(rng.random(vehicles)):
+            integers[kernels.NEXT_MOVE, i] = kernels.choose_move(
+                streets.follower, integers[kernels.LINK, i], uniform
+            )
+        numbers[kernels.GAP_ERR : kernels.PEDAL + 1] = rng.standard_normal((3, vehicles))
+        order, first = np.arange(vehicles, dtype=np.int64), np.zeros(links + 1, dtype=np.int64)
+        kernels.sort_by_link(numbers, integers, order, first)
+        state = GridState(
+            -round(self.warm_up_s / STEP_S),
+            numbers,
+            integers=integers,
+            order=order,
+            first=first,
+            left_last=np.full(links, -1, dtype=np.int64),
+            offset_s=_junction_offsets(streets, rng),
+            drivers=traits,
+            rng=rng,
+        )
+        while state.number < 0:
+            state = self.step(state)
+        return state
+
+    def step(self, state: GridState) -> GridState:
+        """Return the state a step later."""
+        streets = self._streets
+        numbers, integers = state.numbers.copy(), state.integers.copy()
+        order, first, left_last = state.order.copy(), state.first.copy(), state.left_last.copy()
+        kernels.step(
+            numbers,
+            integers,
+            order,
+            first,
+            left_last,
+            state.drivers,
+            streets.follower,
+            streets.connector_m,
+            streets.ends,
+            streets.green_start_s - state.offset_s,
+            streets.cycle_s,
+            self._settings(),
+            state.rng.standard_normal((kernels.NORMALS, self.slots)),
+            state.rng.random(self.slots),
+            state.number * STEP_S,
+            STEP_S,
+        )
+        return replace(
+            state,
+            number=state.number + 1,
+            numbers=numbers,
+            integers=integers,
+            order=order,
+            first=first,
+            left_last=left_last,
+        )
+
+    def frame(self, state: GridState) -> FleetFrame:
+        """Return the fleet; every slot is active."""
+        streets = self._streets
+        out = np.empty((6, self.slots))
+        kernels.poses(
+            state.numbers,
+            state.integers,
+            streets.start_m,
+            streets.direction,
+            streets.connector_m,
+            streets.curve,
+            out,
+        )
+        return FleetFrame(
+            round(state.number * STEP_S, 6),
+            np.ascontiguousarray(out[0:2].T),
+            speed_mps=out[2],
+            heading_rad=out[3],
+            acceleration_mps2=out[4],
+            yaw_rate_radps=out[5],
+            length_m=state.drivers[following.LENGTH],
+            vehicle_id=np.arange(self.slots, dtype=np.int64),
+            active=np.ones(self.slots, dtype=np.bool_),
+        )
+
+    def _settings(self) -> FloatArray:
+        """Return the grid as the kernels take it."""
+        drivers = self.drivers
+        return np.array(
+            [
+                self._streets.length_m,
+                self.green_s,
+                AMBER_S,
+                self.turn_mps2,
+                drivers.wander_m,
+                drivers.pedal_noise_mps2,
+                drivers.perception_noise,
+                LANE_M,
+            ]
+        )
+
+
+def _junction_offsets(streets: Streets, rng: np.random.Generator) -> FloatArray:
+    """Return a random offset for every junction's signals, by the link that leads to it, (K,) [s]."""
+    return rng.random(int(streets.ends.max()) + 1)[streets.ends] * streets.cycle_s

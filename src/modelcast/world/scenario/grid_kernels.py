@@ -1,0 +1,298 @@
+"""Compiled step of the Manhattan grid: signals, following across junctions, turns; cost linear in vehicles.
+
+A vehicle's place s on its link runs from 0 to the link's length. Past the stop line it belongs to the next
+link at once, and comes up to its beginning on the connector, at negative s.
+"""
+
+from math import exp, pi, sin, sqrt
+
+import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatCube, FloatMatrix, FloatVector, IntMatrix, IntVector
+from modelcast.world.scenario.following_kernels import (
+    APPROACH_ERROR_HZ,
+    DESIRED_SPEED,
+    FREE_M,
+    GAP,
+    GAP_ERROR,
+    LENGTH,
+    move,
+    respond,
+    wander,
+    wanted,
+)
+from modelcast.world.scenario.pose_kernels import lateral_clock, place
+
+__all__ = ["COLUMNS", "INTEGERS", "NORMALS", "choose_move", "poses", "sort_by_link", "step"]
+
+S, V, A, WANDER, WANDER_1, WANDER_2, GAP_ERR, APPROACH_ERR, PEDAL = range(9)
+COLUMNS = 9
+"""Rows of the state's numbers."""
+
+LINK, MOVE, NEXT_MOVE, COMMITTED, CAME_FROM = range(5)
+INTEGERS = 5
+"""Rows of the state's integers: link; how the vehicle came onto it, and how it will leave it (0 straight on,
+1 left, 2 right); whether it has made up its mind to pass the stop line; the link it came from, -1 before its
+first junction."""
+
+NORMALS = 4
+
+LINK_M, GREEN_S, AMBER_S, TURN_MPS2, WANDER_M, PEDAL_NOISE, PERCEPTION, LANE_M = range(8)
+"""The grid's settings, as one vector."""
+
+WANDER_RATE_HZ = 0.5
+ERROR_S = 20.0
+PEDAL_S = 3.0
+STRAIGHT_ON = 0.5  # the rest is shared by left and right
+CAN_STOP_MPS2 = 3.0  # who would have to brake harder passes the amber signal
+DECIDED_M = 5.0
+DECIDED_MPS2 = 2.0
+EASE_MPS2 = 1.2  # braking for a turn
+LINE_M = 1.0  # a front stops this far before the line
+LOOK_M = 120.0
+CLEAR = 0.6  # of its way across: from here a turning vehicle is out of the way of who goes straight on
+ROOM = 1.15  # of length and gap: what a standing vehicle takes up
+SPARE_M = 16.0  # kept free for those who are too close to stop when a link fills up
+
+
+@kernel
+def _turn_speed(
+    move_kind: int, connectors: FloatVector, drivers: FloatMatrix, i: int, lateral: float
+) -> float:
+    """Speed across a junction: the sharpest point of the curve, pi / L, at a lateral acceleration."""
+    if move_kind == 0:
+        return float(drivers[DESIRED_SPEED, i])
+    return min(drivers[DESIRED_SPEED, i], sqrt(lateral * connectors[move_kind] / pi))
+
+
+@kernel
+def choose_move(follower: IntMatrix, link: int, uniform: float) -> int:
+    """Draw how to leave a link."""
+    weight = np.zeros(3)
+    for kind in range(3):
+        if follower[link, kind] >= 0:
+            weight[kind] = STRAIGHT_ON if kind == 0 else 0.5 * (1.0 - STRAIGHT_ON)
+    left = uniform * weight.sum()
+    for kind in range(3):
+        if weight[kind] > 0.0 and left < weight[kind]:
+            return kind
+        left -= weight[kind]
+    return int(np.argmax(weight))
+
+
+@kernel
+def sort_by_link(numbers: FloatMatrix, integers: IntMatrix, order: IntVector, first: IntVector) -> None:
+    """Put the slots in order of link and place; `first[k] : first[k + 1]` are those of link k."""
+    links = first.size - 1
+    first[:] = 0
+    for i in range(order.size):
+        first[integers[LINK, i] + 1] += 1
+    for k in range(links):
+        first[k + 1] += first[k]
+    fill = first[:-1].copy()
+    old = order.copy()
+    for i in old:
+        k = integers[LINK, i]
+        j = fill[k] - 1
+        while j >= first[k] and numbers[S, order[j]] > numbers[S, i]:
+            order[j + 1] = order[j]
+            j -= 1
+        order[j + 1] = i
+        fill[k] += 1
+
+
+@kernel
+def _perceived(
+    numbers: FloatMatrix, drivers: FloatMatrix, i: int, j: int, gap: float, v0: float, perception: float
+) -> float:
+    """Acceleration that driver i, with the errors of the moment, wants behind j."""
+    if gap > LOOK_M:
+        return wanted(drivers, i, numbers[V, i], FREE_M, 0.0, 0.0, v0)
+    seen = gap * exp(perception * GAP_ERROR * numbers[GAP_ERR, i])
+    error = perception * APPROACH_ERROR_HZ * max(gap, 0.0) * numbers[APPROACH_ERR, i]
+    return wanted(drivers, i, numbers[V, i], seen, max(0.0, numbers[V, j] - error), numbers[A, j], v0)
+
+
+@kernel
+def step(
+    numbers: FloatMatrix,
+    integers: IntMatrix,
+    order: IntVector,
+    first: IntVector,
+    left_last: IntVector,
+    drivers: FloatMatrix,
+    follower: IntMatrix,
+    connectors: FloatVector,
+    ends: IntVector,
+    green_start: FloatVector,
+    cycle: FloatVector,
+    settings: FloatVector,
+    normals: FloatMatrix,
+    uniforms: FloatVector,
+    t_s: float,
+    dt: float,
+) -> None:
+    """Advance all vehicles by a step, in place.
+
+    Parameters
+    ----------
+    numbers, integers
+        (COLUMNS, V), (INTEGERS, V).
+    order, first
+        Slots by link and place, (V,); where each link begins in them, (K + 1,).
+    left_last
+        The vehicle that left each link last, -1 for none, (K,).
+    drivers
+        (TRAITS, V).
+    follower, connectors, ends, green_start, cycle
+        As in `Streets`.
+    settings
+        The grid, (8,).
+    normals, uniforms
+        Random numbers, (NORMALS, V) and (V,).
+    t_s
+        Now.
+    """
+    vehicles, links = order.size, follower.shape[0]
+    length = settings[LINK_M]
+    kept, pedal_kept = exp(-dt / ERROR_S), exp(-dt / PEDAL_S)
+    fresh, pedal_fresh = sqrt(1.0 - kept * kept), sqrt(1.0 - pedal_kept * pedal_kept)
+    taken = np.zeros(links)
+    user = np.full(
+        links, -1
+    )  # by junction, of which there are fewer: the approach whose vehicles are in it or bound to be
+    for i in range(vehicles):
+        numbers[GAP_ERR, i] = kept * numbers[GAP_ERR, i] + fresh * normals[0, i]
+        numbers[APPROACH_ERR, i] = kept * numbers[APPROACH_ERR, i] + fresh * normals[1, i]
+        numbers[PEDAL, i] = pedal_kept * numbers[PEDAL, i] + pedal_fresh * normals[2, i]
+        taken[integers[LINK, i]] += ROOM * (drivers[LENGTH, i] + drivers[GAP, i])
+        came = integers[CAME_FROM, i]
+        if came >= 0 and numbers[S, i] < 0.5 * drivers[LENGTH, i]:
+            user[ends[came]] = came if user[ends[came]] in (-1, came) else links
+        if integers[COMMITTED, i] == 1:
+            here = integers[LINK, i]
+            user[ends[here]] = here if user[ends[here]] in (-1, here) else links
+    target = np.empty(vehicles)
+    gaps = np.full(vehicles, FREE_M)
+    for link in range(links):
+        for k in range(first[link], first[link + 1]):
+            i = order[k]
+            v, s, half = numbers[V, i], numbers[S, i], 0.5 * drivers[LENGTH, i]
+            kind = integers[NEXT_MOVE, i]
+            v0 = drivers[DESIRED_SPEED, i]
+            if s < 0.0:
+                v0 = _turn_speed(integers[MOVE, i], connectors, drivers, i, settings[TURN_MPS2])
+            ease = _turn_speed(kind, connectors, drivers, i, settings[TURN_MPS2])
+            to_turn = length - s
+            if k + 1 < first[link + 1]:
+                j = order[k + 1]
+                gap = numbers[S, j] - s - half - 0.5 * drivers[LENGTH, j]
+                wish = _perceived(numbers, drivers, i, j, gap, v0, settings[PERCEPTION])
+                gaps[i] = gap
+            else:
+                following = follower[link, kind]
+                phase = (t_s - green_start[link]) % cycle[link]
+                green = phase < settings[GREEN_S]
+                amber = not green and phase < settings[GREEN_S] + settings[AMBER_S]
+                to_line = max(length - s - half, 0.1)
+                must_brake = v * v / (2.0 * to_line)
+                if amber and must_brake > CAN_STOP_MPS2:
+                    integers[COMMITTED, i] = 1
+                room = taken[following] + drivers[LENGTH, i] + drivers[GAP, i] + SPARE_M <= length
+                room = room and user[ends[link]] in (-1, link)
+                passes = green and (room or must_brake > CAN_STOP_MPS2)
+                if s + half > length or integers[COMMITTED, i] == 1:
+                    passes = True
+                if passes and (to_line < DECIDED_M or must_brake > DECIDED_MPS2):
+                    integers[COMMITTED, i] = 1  # a start is not broken off because somebody else is late
+                if passes:
+                    wish = wanted(drivers, i, v, FREE_M, 0.0, 0.0, v0)
+                    if first[following] < first[following + 1]:
+                        j = int(order[first[following]])
+                        gap = length - s + connectors[kind] + numbers[S, j] - half - 0.5 * drivers[LENGTH, j]
+                        wish = min(wish, _perceived(numbers, drivers, i, j, gap, v0, settings[PERCEPTION]))
+                        gaps[i] = gap
+                    j = left_last[link]
+                    if j >= 0 and numbers[S, j] < 0.0 and integers[CAME_FROM, j] == link:
+                        gone = connectors[integers[MOVE, j]] + numbers[S, j]
+                        if gone < CLEAR * connectors[integers[MOVE, j]]:
+                            gap = length - s + gone - half - 0.5 * drivers[LENGTH, j]
+                            other = _perceived(numbers, drivers, i, j, gap, v0, settings[PERCEPTION])
+                            wish = min(wish, other)
+                            gaps[i] = min(gaps[i], gap)
+                else:
+                    gap = to_line + drivers[GAP, i] - LINE_M
+                    wish = max(wanted(drivers, i, v, gap, 0.0, 0.0, v0), -must_brake - 0.5)
+                    gaps[i] = gap
+            if v > ease:
+                needed = (v * v - ease * ease) / (2.0 * max(to_turn, 0.5))
+                if needed > 0.9 * EASE_MPS2:
+                    wish = min(wish, -needed)
+            target[i] = wish
+    for i in range(vehicles):
+        v, a = numbers[V, i], numbers[A, i]
+        unsteady = settings[PEDAL_NOISE] * numbers[PEDAL, i] * min(1.0, v / 5.0)
+        a_next = respond(v, a, target[i] + unsteady, gaps[i], dt)
+        along, v, a = move(v, a, a_next, dt)
+        numbers[V, i], numbers[A, i] = v, a
+        clock = lateral_clock(v) * dt
+        wander(numbers, WANDER, i, clock, settings[WANDER_M], WANDER_RATE_HZ, normals[3, i])
+        numbers[S, i] += along
+        if numbers[S, i] >= length:
+            link, kind = int(integers[LINK, i]), int(integers[NEXT_MOVE, i])
+            left_last[link] = i
+            numbers[S, i] -= length + connectors[kind]
+            integers[LINK, i] = follower[link, kind]
+            integers[MOVE, i] = kind
+            integers[NEXT_MOVE, i] = choose_move(follower, int(follower[link, kind]), uniforms[i])
+            integers[COMMITTED, i] = 0
+            integers[CAME_FROM, i] = link
+    sort_by_link(numbers, integers, order, first)
+
+
+@kernel
+def poses(
+    numbers: FloatMatrix,
+    integers: IntMatrix,
+    start: FloatMatrix,
+    direction: IntVector,
+    connectors: FloatVector,
+    curve: FloatCube,
+    out: FloatMatrix,
+) -> None:
+    """Write the vehicles' motion on the plane, (6, V)."""
+    points = curve.shape[1]
+    for i in range(numbers.shape[1]):
+        link, kind, s = integers[LINK, i], integers[MOVE, i], numbers[S, i]
+        d = direction[link]
+        ex, ey = (1 - d) * ((d + 1) % 2), (2 - d) * (d % 2)
+        curvature, slope, tangent = 0.0, 0.0, 0.5 * pi * d
+        east, north = start[link, 0] + ex * s, start[link, 1] + ey * s
+        if s < 0.0 and kind > 0:
+            length = connectors[kind]
+            share = (s + length) / length
+            side = 1.0 if kind == 1 else -1.0
+            curvature = side * pi / length * sin(pi * share) ** 2
+            slope = side * (pi / length) ** 2 * sin(2.0 * pi * share)
+            table = curve[kind - 1]
+            cell = min(int(share * (points - 1)), points - 2)
+            u = share * (points - 1) - cell
+            h = length / (points - 1)
+            # cubic Hermite between the table's points, whose tangents are known
+            b0, b1 = (1.0 + 2.0 * u) * (1.0 - u) ** 2, u * u * (3.0 - 2.0 * u)
+            m0, m1 = u * (1.0 - u) ** 2 * h, -u * u * (1.0 - u) * h
+            p, q = table[cell], table[cell + 1]
+            x = b0 * p[0] + b1 * q[0] + m0 * np.cos(p[2]) + m1 * np.cos(q[2])
+            y = b0 * p[1] + b1 * q[1] + m0 * np.sin(p[2]) + m1 * np.sin(q[2])
+            # the curve ends at the link's start: go back from there, turned into the old direction
+            x -= table[points - 1, 0]
+            y -= table[points - 1, 1]
+            turned = tangent - side * 0.5 * pi
+            east = start[link, 0] + x * np.cos(turned) - y * np.sin(turned)
+            north = start[link, 1] + x * np.sin(turned) + y * np.cos(turned)
+            tangent = turned + side * 0.5 * pi * (share - sin(2.0 * pi * share) / (2.0 * pi))
+        place(
+            out, i, east, north, float(tangent), float(curvature), float(slope), numbers[V, i], numbers[A, i],
+            numbers[WANDER, i], numbers[WANDER_1, i], numbers[WANDER_2, i],
+        )  # fmt: skip

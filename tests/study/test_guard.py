@@ -1,0 +1,103 @@
+"""Claims about the guard: what a bank may cost a trip, and that it acts only where it is needed."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from modelcast.models.bank import Bank
+from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.gp import derivative_process, vehicle_process
+from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
+from modelcast.runtime.trip.walk import TripBank, Walk
+from modelcast.station.policy.base import Message
+from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.policy.guard import ALLOWED, falls_back
+from modelcast.station.sensing.velocity import velocity_estimator_for
+from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.trips.trajectory import Trajectory, build_trajectory
+
+BANK = Bank((ConstantAcceleration(), ConstantTurnRateAcceleration(), ConstantVelocity()))
+
+
+def walked(trip: Trajectory, bank: Bank, start: str, threshold_m: float = 0.3) -> Walk:
+    ready = TripBank(trip, bank, velocity_estimator_for(trip))
+    return ready.walk(ErrorDriven(threshold_m, start, "never", 2.0))  # pyright: ignore[reportArgumentType]
+
+
+def jerking(seed: int, hold: int) -> Trajectory:
+    """A car whose acceleration turns round every so many samples: what it did last it does not do next."""
+    rng = np.random.default_rng(seed)
+    signs = np.repeat((-1.0) ** np.arange(600 // hold + 1), hold)[:600]
+    acceleration_mps2 = 3.0 * signs * rng.uniform(0.6, 1.4, 600)
+    speed_mps = 15.0 + np.cumsum(acceleration_mps2) * 0.1
+    along_m = np.cumsum(speed_mps) * 0.1
+    return build_trajectory(
+        "made/1", 0.1 * np.arange(600), np.column_stack([along_m, np.zeros(600)]), speed_mps=speed_mps
+    )
+
+
+@pytest.mark.parametrize(
+    ("seed", "hold", "threshold_m"), [*product(range(6), (3, 4, 7, 12), (0.2, 0.3, 0.5))]
+)
+def test_a_bank_that_always_comes_too_late_costs_a_few_messages_at_most(
+    seed: int, hold: int, threshold_m: float
+) -> None:
+    trip = jerking(seed, hold)
+    baseline = walked(trip, BASELINE_BANK, "order", threshold_m)
+    guarded = walked(trip, BANK, "guarded", threshold_m)
+    assert guarded.updates <= baseline.updates + ALLOWED + 4
+
+
+def test_unguarded_it_costs_many_times_as_much() -> None:
+    trip = jerking(3, 4)
+    baseline = walked(trip, BASELINE_BANK, "order").updates
+    assert walked(trip, BANK, "hindsight").updates >= baseline + 40
+    assert walked(trip, BANK, "guarded").updates <= baseline + 5
+
+
+def test_once_in_step_the_sender_sends_with_constant_velocity() -> None:
+    trip = jerking(1, 4)
+    alone, guarded = walked(trip, BASELINE_BANK, "order"), walked(trip, BANK, "guarded")
+    behind = np.cumsum(guarded.transmits) - np.cumsum(alone.transmits)
+    last = int(np.flatnonzero(np.diff(behind))[-1])  # from then on nothing is lost or gained
+    assert last < len(trip) // 2
+    assert guarded.kind[last + 2 :].tolist() == alone.kind[last + 2 :].tolist()
+    assert set(guarded.in_use[last + 2 :]) == {2}
+
+
+def test_a_bank_that_never_falls_behind_is_not_guarded(drive: Trajectory) -> None:
+    free, guarded = walked(drive, BANK, "hindsight"), walked(drive, BANK, "guarded")
+    alone = walked(drive, BASELINE_BANK, "order")
+    assert (np.cumsum(free.transmits) - np.cumsum(alone.transmits)).max() < ALLOWED
+    assert guarded.kind.tolist() == free.kind.tolist()
+    assert guarded.in_use.tolist() == free.in_use.tolist()
+    assert Message.IDENTIFICATION not in guarded.kind
+
+
+@pytest.mark.parametrize("behind", range(2, 8))
+def test_each_message_lost_doubles_the_lead_it_takes(behind: int) -> None:
+    leads = np.arange(300)
+    serves = falls_back(np.full(300, behind), leads)
+    assert leads[~serves].min() == 2**behind
+    assert not falls_back(np.array([ALLOWED - 1]), np.array([-5])).any()
+
+
+def test_one_sub_model_and_what_stands_in_for_it_have_nothing_to_guard(drive: Trajectory) -> None:
+    lone = Bank((vehicle_process(),))
+    assert walked(drive, lone, "guarded").kind.tolist() == walked(drive, lone, "order").kind.tolist()
+    two = Bank((vehicle_process(), derivative_process()))
+    with pytest.raises(ValueError, match="needs cv as a member of its own"):
+        walked(drive, two, "guarded")
+    with pytest.raises(ValueError, match="needs cv in the bank, got gp-vehicle, gp-derivative"):
+        EvaluationSettings(bank=two, start="guarded", identify="never")
+
+
+def test_a_guarded_bank_needs_constant_velocity() -> None:
+    bank = Bank((ConstantAcceleration(), ConstantTurnRateAcceleration()))
+    with pytest.raises(ValueError, match="start 'guarded' needs cv in the bank, got ca, ctra: add it"):
+        EvaluationSettings(bank=bank, start="guarded", identify="never")
+    with pytest.raises(ValueError, match="the bank has no cv, only ca, ctra"):
+        walked(jerking(0, 5), bank, "guarded")
+    with pytest.raises(ValueError, match="must have one shape"):
+        falls_back(np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64))
