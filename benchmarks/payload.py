@@ -20,7 +20,7 @@ from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned import LearnedTrajectory
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.metrics import quantiles
 from modelcast.study.pooling import sorted_errors
@@ -79,7 +79,7 @@ def judged(
         )
         for case in cases[own]:
             ready, base = (
-                TripBank(case.seen, one, case.estimator)
+                TripRuntime(case.seen, one, case.estimator)
                 for one in (settings.sent_bank, settings.baseline_bank)
             )
             for stack, place in ((Stack(), 1), (Stack("digest"), 2)):

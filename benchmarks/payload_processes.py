@@ -22,7 +22,8 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.predicted_path import DEFAULT_CARRIED, DEFAULT_SPAN_S, PredictedPath, carried_layout
 from modelcast.models.profile import default_profile
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.metrics import quantiles
 from modelcast.study.pooling import sorted_errors
@@ -89,7 +90,8 @@ def judged(process: str, name: str, member: AbstractSubModel, cases: list[TripCa
     errors: list[list[np.ndarray]] = [[], []]
     for case in cases:
         ready, base = (
-            TripBank(case.seen, one, case.estimator) for one in (settings.sent_bank, settings.baseline_bank)
+            TripRuntime(case.seen, one, case.estimator)
+            for one in (settings.sent_bank, settings.baseline_bank)
         )
         counts = [count for count, _ in count_rates(case, ready, base, settings)]
         for whose in (0, 1):
@@ -138,12 +140,12 @@ def bases(cases: list[TripCase], span_s: float = DEFAULT_SPAN_S, stride: int = 2
     _, vectors = np.linalg.eigh(np.exp(-0.5 * apart**2))
     paths: list[np.ndarray] = []
     for case in cases:
-        ready = TripBank(case.seen, Bank((process,)), case.estimator)
+        ready = TripRuntime(case.seen, Bank((process,)), case.estimator)
         at = np.arange(30, len(case.seen) - 1, stride)
         ready.fit_at(at)
         own = np.ascontiguousarray(ready.parameters[at, : len(process.parameter_names)])
         moved = process.predict(own, span_s * share, dt_s=case.seen.dt_s)
-        velocity = case.estimator.velocity(case.seen)[at]
+        velocity = sample_matrix(case.seen, case.estimator)[:, 2:4][at]
         paths.append(
             (moved - velocity[:, None] * (span_s * share)[:, None]).transpose(0, 2, 1).reshape(-1, 21)
         )

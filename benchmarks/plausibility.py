@@ -20,7 +20,8 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.station.receiver.host import Host, HostState
 from modelcast.station.receiver.plausibility import Finding, Plausibility, PlausibilityState
 from modelcast.station.receiver.statements import Statements, statements_of
-from modelcast.station.sensing.velocity import sample_matrix, velocity_estimator_for
+from modelcast.station.sensing.sensing import sample_matrix
+from modelcast.station.sensing.velocity import velocity_estimator_for
 
 ROUNDS = 9
 VEHICLES, STEPS = 300, 50

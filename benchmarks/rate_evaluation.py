@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from modelcast.io.trips import read_trips
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.rate import count_rates
 from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
@@ -20,8 +20,8 @@ def walk_all(cases: list[TripCase], settings: EvaluationSettings) -> int:
     """Walk every trip with both policies at every threshold; nothing is kept from an earlier call."""
     messages = 0
     for case in cases:
-        mbc = TripBank(case.seen, settings.bank, case.estimator)
-        baseline = TripBank(case.seen, BASELINE_BANK, case.estimator)
+        mbc = TripRuntime(case.seen, settings.bank, case.estimator)
+        baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator)
         for count, _walk in count_rates(case, mbc, baseline, settings):
             messages += count.updates + count.identifications
     return messages

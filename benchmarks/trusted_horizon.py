@@ -19,7 +19,7 @@ from modelcast.models.base import AbstractSubModel
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantTurnRateAcceleration, ConstantTurnRateVelocity
 from modelcast.models.trusted import Trusted
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
 from modelcast.study.tracking import run_tracking
@@ -56,8 +56,8 @@ def ratios(
     errors: dict[tuple[str, float], list[SingleArray]] = defaultdict(list)
     messages: dict[float, float] = defaultdict(float)
     for case in cases:
-        mbc = TripBank(case.seen, Bank((member,)), case.estimator)
-        baseline = TripBank(case.seen, BASELINE_BANK, case.estimator)
+        mbc = TripRuntime(case.seen, Bank((member,)), case.estimator)
+        baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator)
         for run in run_tracking(case, mbc, baseline, settings):
             who = run.contender
             if who.policy == "mbc":

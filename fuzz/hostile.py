@@ -33,7 +33,8 @@ from modelcast.models.profile import Profile, default_profile
 from modelcast.models.regimes import Regimes
 from modelcast.models.trusted import Trusted
 from modelcast.station.policy.costs import CostTable
-from modelcast.station.sensing.velocity import DEFAULT_FROM_POSITIONS, sample_matrix
+from modelcast.station.sensing.sensing import sample_matrix
+from modelcast.station.sensing.velocity import DEFAULT_FROM_POSITIONS
 from modelcast.study.evaluate import evaluate
 from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory

@@ -13,7 +13,8 @@ from modelcast.core.arrays import FloatArray
 from modelcast.io.trips import read_trips
 from modelcast.models.bank import Bank
 from modelcast.models.base import Windows
-from modelcast.station.sensing.velocity import sample_matrix, velocity_estimator_for
+from modelcast.station.sensing.sensing import sample_matrix
+from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.trips.trajectory import Trajectory
 
 settings.register_profile("ci", derandomize=True, deadline=None)

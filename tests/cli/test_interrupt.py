@@ -14,9 +14,9 @@ from modelcast.world.drive import generate_drive
 PROGRAM = """
 import os, signal, sys, threading
 from modelcast.cli import app
-from modelcast.runtime.trip import walk_kernels
+from modelcast.station.sender import speaking_kernels
 
-inner, calls = walk_kernels.walk, [0]
+inner, calls = speaking_kernels.speak_through, [0]
 
 def walk(*arguments):
     # A signal that arrives while the kernel runs is seen when it returns: this one waits for nothing.
@@ -25,7 +25,7 @@ def walk(*arguments):
         signal.raise_signal(signal.SIGINT)
     return inner(*arguments)
 
-walk_kernels.walk = walk
+speaking_kernels.speak_through = walk
 sys.exit(app.run(sys.argv[1:]))
 """
 

@@ -20,13 +20,12 @@ from modelcast.core import kernel as kernel_module
 from modelcast.core.kernel import Kernel, kernel, kernels
 from modelcast.core.kernel_cache import CACHE_VARIABLE, KernelFile, sources_of
 from modelcast.core.kernel_types import FloatMatrix, FloatVector
-from modelcast.messages.quantisation import quantised_bank
 from modelcast.models.address_kernels import FIT_TYPES, point_address
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.predicted_path import PredictedPath
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.world.drive import generate_drive
@@ -94,8 +93,8 @@ def test_a_kernel_travels_by_name() -> None:
     assert pickle.loads(pickle.dumps(divided)) is divided  # noqa: S301 - our own bytes
 
 
-def _walked(bank: TripBank) -> tuple[list[int], list[int]]:
-    walk = bank.walk(ErrorDriven(0.3, start="hindsight"))
+def _walked(bank: TripRuntime) -> tuple[list[int], list[int]]:
+    walk = bank.run(ErrorDriven(0.3, start="hindsight"))
     return walk.kind.tolist(), walk.in_use.tolist()
 
 
@@ -103,7 +102,7 @@ def test_a_bank_made_here_walks_in_another_process_as_it_does_here() -> None:
     """Addresses do not travel, though a quantised path of a Gaussian process holds two, one in the other."""
     drive = generate_drive(seed=3, duration_s=100.0).input
     members = (PredictedPath(GaussianProcess(form="intercept")), ConstantVelocity())
-    bank = TripBank(drive, quantised_bank(Bank(members)), velocity_estimator_for(drive))
+    bank = TripRuntime(drive, Bank(members), velocity_estimator_for(drive), quantised=True)
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         there = pool.apply(_walked, (bank,))
     assert there == _walked(bank)
@@ -283,20 +282,19 @@ def test_the_interpreter_alone_gives_the_same(tmp_path: Path) -> None:
 def test_an_evaluation_runs_with_the_interpreter_alone(tmp_path: Path) -> None:
     """The same messages, compiled or not, by a bank whose functions call each other by address."""
     program = """
-    from modelcast.runtime.trip.walk import TripBank
-    from modelcast.messages.quantisation import quantised_bank
+    from modelcast.runtime.trip.runtime import TripRuntime
     from modelcast.models.bank import Bank
     from modelcast.models.constant_velocity import ConstantVelocity
     from modelcast.models.kinematic import ConstantTurnRateAcceleration
-    from modelcast.models.gp.vehicle import VehicleGaussianProcess
     from modelcast.station.sensing.velocity import velocity_estimator_for
     from modelcast.station.policy.error_driven import ErrorDriven
     from modelcast.world.drive import generate_drive
     drive = generate_drive(seed=3, duration_s=90.0).input
-    bank = quantised_bank(Bank((ConstantTurnRateAcceleration(), ConstantVelocity())))
-    walk = TripBank(drive, bank, velocity_estimator_for(drive)).walk(ErrorDriven(0.3, start="hindsight"))
+    bank = Bank((ConstantTurnRateAcceleration(), ConstantVelocity()))
+    sender = TripRuntime(drive, bank, velocity_estimator_for(drive), quantised=True)
+    walk = sender.run(ErrorDriven(0.3, start="hindsight"))
     print(walk.kind.tolist(), walk.in_use.tolist())
-    """.replace("    from modelcast.models.gp.vehicle import VehicleGaussianProcess\n", "")
+    """
     compiled = run_fixture(tmp_path, program)
     plain = run_fixture(tmp_path, program, NUMBA_DISABLE_JIT="1")
     assert compiled.stdout == plain.stdout != ""

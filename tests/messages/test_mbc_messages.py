@@ -37,7 +37,7 @@ from modelcast.messages.mbc_wire import (
     encode_identification,
     profile_number,
 )
-from modelcast.messages.quantisation import carried_bank, quantised_bank
+from modelcast.messages.quantisation import carried_bank
 from modelcast.messages.update_document import HeldProfile, model_document, octets_of_model, read_model
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -46,7 +46,7 @@ from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.payload import PayloadField, PayloadLayout
 from modelcast.models.profile import Profile, default_profile
 from modelcast.models.trusted import Trusted
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.receiver.host import Host, HostState, Receipt
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.world.drive import generate_drive
@@ -294,7 +294,7 @@ def test_the_host_predicts_from_octets_what_the_sender_predicts(carries_all: boo
     )
     given = Bank((*default_profile().bank.members[:2], ConstantVelocity(), *processes), "all")
     plain = carried_bank(given)
-    sender = TripBank(drive.input, quantised_bank(given), velocity_estimator_for(drive.input))
+    sender = TripRuntime(drive.input, given, velocity_estimator_for(drive.input), quantised=True)
     wire = WireProfile.of(given, 5)
     at = np.arange(30, 590, 23)
     sender.fit_at(at)

@@ -18,7 +18,7 @@ from modelcast.models.payload import PayloadField, PayloadLayout
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.profile import default_profile
 from modelcast.models.quantised import CoreSteps, Quantised
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.world.drive import generate_drive
@@ -83,7 +83,7 @@ def test_values_beyond_the_last_code_take_it() -> None:
 def test_what_was_quantised_once_stays_as_it_is(model: AbstractSubModel) -> None:
     """A receiver that quantised again would hold the same."""
     case = generate_drive(3, 90.0)
-    ready = TripBank(case.input, quantised_bank(Bank((model,))), velocity_estimator_for(case.input))
+    ready = TripRuntime(case.input, Bank((model,)), velocity_estimator_for(case.input), quantised=True)
     at = np.arange(100, 500, 7)
     ready.fit_at(at)
     count = len(model.parameter_names)
@@ -149,7 +149,9 @@ def test_quantising_costs_few_messages() -> None:
     drive = generate_drive(5, 300.0)
     bank, estimator = default_profile().bank, velocity_estimator_for(drive.input)
     policy = ErrorDriven(0.2, "order", "never")
-    plain, sent = (TripBank(drive.input, one, estimator).walk(policy) for one in (bank, quantised_bank(bank)))
+    plain, sent = (
+        TripRuntime(drive.input, bank, estimator, quantised=one).run(policy) for one in (False, True)
+    )
     assert abs(sent.updates - plain.updates) <= 0.05 * plain.updates + 2
 
 

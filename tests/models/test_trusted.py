@@ -16,7 +16,7 @@ from modelcast.models.kinematic import (
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.models.trusted import Trusted
 from modelcast.runtime.trip import replay_kernels
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.trips.trajectory import Trajectory
@@ -124,8 +124,8 @@ def test_a_model_that_stands_or_spins_at_its_horizon_goes_straight_on() -> None:
 def test_sender_batch_and_replay_agree_in_every_bit(drive: Trajectory) -> None:
     """Without losses the host's error before a message is the sender's, of the sub-model in use."""
     member = Trusted(GaussianProcess(form="intercept"), 0.4, 0.3)
-    bank = TripBank(drive, Bank((member,)), velocity_estimator_for(drive))
-    walk = bank.walk(ErrorDriven(0.5))
+    bank = TripRuntime(drive, Bank((member,)), velocity_estimator_for(drive))
+    walk = bank.run(ErrorDriven(0.5))
     count = len(drive)
     before = np.concatenate([[0], walk.update_index[:-1]])
     age_s = drive.t_s - drive.t_s[before]
@@ -134,13 +134,13 @@ def test_sender_batch_and_replay_agree_in_every_bit(drive: Trajectory) -> None:
     own = bank.parameters[before[damped], : len(member.parameter_names)]
     moved = member.predict_at(own, age_s[damped], dt_s=drive.dt_s)
     off = drive.position_m[before[damped]] + moved - drive.position_m[damped]
-    assert np.array_equal(np.sqrt((off * off).sum(axis=1)), walk.tracking_error_m[damped, 0])
+    assert np.array_equal(np.sqrt((off * off).sum(axis=1)), bank.tracking_error_m(walk)[damped, 0])
 
     errors = np.empty((5, 1, count))
     replay_kernels.replay(
-        bank.ready.members,
+        bank.own.ready.members,
         drive.t_s,
-        bank.samples,
+        bank.stated_m,
         bank.parameters,
         drive.position_m,
         np.tile([1.0, 0.0], (count, 1)),
@@ -154,7 +154,7 @@ def test_sender_batch_and_replay_agree_in_every_bit(drive: Trajectory) -> None:
         np.empty((1, count)),
         np.empty(1, dtype=np.int64),
     )
-    assert np.array_equal(errors[1, 0, damped], walk.tracking_error_m[damped, 0])
+    assert np.array_equal(errors[1, 0, damped], bank.tracking_error_m(walk)[damped, 0])
 
 
 def test_name_and_payload_stay_the_models() -> None:

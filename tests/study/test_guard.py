@@ -9,8 +9,8 @@ from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import derivative_process, vehicle_process
 from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
-from modelcast.runtime.trip.walk import TripBank, Walk
-from modelcast.station.policy.base import Message
+from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.guard import ALLOWED, falls_back
 from modelcast.station.sensing.velocity import velocity_estimator_for
@@ -20,9 +20,9 @@ from modelcast.trips.trajectory import Trajectory, build_trajectory
 BANK = Bank((ConstantAcceleration(), ConstantTurnRateAcceleration(), ConstantVelocity()))
 
 
-def walked(trip: Trajectory, bank: Bank, start: str, threshold_m: float = 0.3) -> Walk:
-    ready = TripBank(trip, bank, velocity_estimator_for(trip))
-    return ready.walk(ErrorDriven(threshold_m, start, "never", 2.0))  # pyright: ignore[reportArgumentType]
+def walked(trip: Trajectory, bank: Bank, start: str, threshold_m: float = 0.3) -> TripMessages:
+    ready = TripRuntime(trip, bank, velocity_estimator_for(trip))
+    return ready.run(ErrorDriven(threshold_m, start, "never", 2.0))  # pyright: ignore[reportArgumentType]
 
 
 def jerking(seed: int, hold: int) -> Trajectory:
@@ -72,7 +72,7 @@ def test_a_bank_that_never_falls_behind_is_not_guarded(drive: Trajectory) -> Non
     assert (np.cumsum(free.transmits) - np.cumsum(alone.transmits)).max() < ALLOWED
     assert guarded.kind.tolist() == free.kind.tolist()
     assert guarded.in_use.tolist() == free.in_use.tolist()
-    assert Message.IDENTIFICATION not in guarded.kind
+    assert MessageKind.IDENTIFICATION not in guarded.kind
 
 
 @pytest.mark.parametrize("behind", range(2, 8))

@@ -11,7 +11,7 @@ from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.profile import profile_from_text
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.study.training.descent import Descent
@@ -56,8 +56,8 @@ def learned() -> AbstractSubModel:
 
 def messages(trip: Trajectory, member: AbstractSubModel) -> int:
     bank = Bank((member, ConstantTurnRateAcceleration())) if member.window > 1 else Bank((member,))
-    ready = TripBank(trip, bank, velocity_estimator_for(trip))
-    return ready.walk(ErrorDriven(0.2, identify="never")).updates
+    ready = TripRuntime(trip, bank, velocity_estimator_for(trip))
+    return ready.run(ErrorDriven(0.2, identify="never")).updates
 
 
 def test_on_cars_it_has_not_seen_it_sends_fewer_messages_than_what_it_corrects(

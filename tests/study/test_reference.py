@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from modelcast.io.trips import read_trips
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.clairvoyant import clairvoyant
 from modelcast.study.clairvoyant_kernels import decide
@@ -129,7 +129,7 @@ def test_every_part_starts_anew(gapped_drive: Trajectory) -> None:
 def test_the_baseline_never_needs_fewer_than_the_future_known(drive: Trajectory, threshold_m: float) -> None:
     case = make_case(drive, EvaluationSettings(protocol="recorded"))
     policy = EvaluationSettings().policy(threshold_m, keep_alive=False)
-    walk = TripBank(case.seen, BASELINE_BANK, case.estimator).walk(policy)
+    walk = TripRuntime(case.seen, BASELINE_BANK, case.estimator).run(policy)
     assert clairvoyant(drive, 1, threshold_m).least_messages <= walk.updates
 
 
@@ -140,7 +140,7 @@ def test_nor_does_it_on_real_trips(dynamic_trips: dict[str, Trajectory], thresho
     for trip in dynamic_trips.values():
         case = make_case(trip, EvaluationSettings(protocol="recorded"))
         policy = EvaluationSettings().policy(threshold_m, keep_alive=False)
-        walk = TripBank(case.seen, BASELINE_BANK, case.estimator).walk(policy)
+        walk = TripRuntime(case.seen, BASELINE_BANK, case.estimator).run(policy)
         found = clairvoyant(trip, 1, threshold_m)
         assert found.starts.size <= walk.updates + trip.segments.size - 2
 

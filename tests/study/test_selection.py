@@ -16,8 +16,8 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
 from modelcast.models.learned import Selector
-from modelcast.runtime.trip.walk import TripBank, Walk
-from modelcast.station.policy.base import Message, TransmitInputs
+from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.policy.base import MessageKind, TransmitInputs
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.hindsight import LAGS_S, hindsight_scores
@@ -54,8 +54,8 @@ def costs(case: TripCase) -> CostTable:
     return train_costs([case], BANK, CostSettings(THRESHOLDS_M))
 
 
-def ready(case: TripCase, selector: Selector | None = None) -> TripBank:
-    return TripBank(case.seen, BANK, case.estimator, selector)
+def ready(case: TripCase, selector: Selector | None = None) -> TripRuntime:
+    return TripRuntime(case.seen, BANK, case.estimator, selector)
 
 
 def decided_stepwise(
@@ -79,14 +79,14 @@ def decided_stepwise(
         )
         decisions, state = policy.decide(state, inputs, rng)
         kind = int(decisions.kind[0])
-        origin = now if kind in (Message.UPDATE, Message.KEEP_ALIVE) else origin
-        spoken = now if kind != Message.NOTHING else spoken
+        origin = now if kind in (MessageKind.UPDATE, MessageKind.KEEP_ALIVE) else origin
+        spoken = now if kind != MessageKind.NOTHING else spoken
         kinds.append(kind)
         used.append(int(decisions.in_use[0]))
     return kinds, used
 
 
-def same(walk: Walk, stepwise: tuple[list[int], list[int]]) -> bool:
+def same(walk: TripMessages, stepwise: tuple[list[int], list[int]]) -> bool:
     return walk.kind.tolist() == stepwise[0] and walk.in_use.tolist() == stepwise[1]
 
 
@@ -104,7 +104,7 @@ def test_deciding_step_by_step_with_scores_in_hindsight_is_the_walk(
         ages_s = np.array([case.seen.t_s[now] - case.seen.t_s[now - back] for back in backs])
         return hindsight_scores(ages_s, np.array(errors).reshape(2, -1), 0.3)
 
-    walk = ready(case).walk(policy)
+    walk = ready(case).run(policy)
     assert same(walk, decided_stepwise(policy, sender, scores))
     assert set(walk.in_use[walk.transmits]) == {0, 1}
 
@@ -121,7 +121,7 @@ def test_deciding_step_by_step_with_a_selector_is_the_walk(
         window = sender.samples[None, first : now + 1]
         return selector.scores(Windows(window, dt_s=case.seen.dt_s), 0.3)[0]
 
-    walk = ready(case, selector).walk(policy)
+    walk = ready(case, selector).run(policy)
     assert same(walk, decided_stepwise(policy, sender, scores))
     assert set(walk.in_use[walk.transmits]) == {0, 1}
 
@@ -130,18 +130,18 @@ def test_deciding_step_by_step_by_costs_is_the_walk_and_the_plain_rule(
     case: TripCase, costs: CostTable, replica: Callable[..., Any]
 ) -> None:
     policy = ErrorDriven(0.3, "order", "cheapest", costs=costs.priced(60.0, 12.0))
-    walk = ready(case).walk(policy)
+    sender = ready(case)
+    walk = sender.run(policy)
+    errors_m = sender.tracking_error_m(walk)
     stepwise = decided_stepwise(policy, replica(case.seen, BANK), lambda _: np.full(2, np.nan))
     assert same(walk, stepwise)
     assert walk.identifications > 0
     table = costs.priced(60.0, 12.0)
     for i in np.flatnonzero(walk.transmits)[1:]:
-        holding = np.flatnonzero(walk.tracking_error_m[i] < 0.3)
+        holding = np.flatnonzero(errors_m[i] < 0.3)
         age_s = case.seen.t_s[i] - case.seen.t_s[walk.update_index[i - 1]]
-        pays = any(
-            table.pays(0.3, int(m), age_s=age_s, share=walk.tracking_error_m[i, m] / 0.3) for m in holding
-        )
-        assert (walk.kind[i] == Message.IDENTIFICATION) == pays
+        pays = any(table.pays(0.3, int(m), age_s=age_s, share=errors_m[i, m] / 0.3) for m in holding)
+        assert (walk.kind[i] == MessageKind.IDENTIFICATION) == pays
 
 
 def test_free_identifications_are_algorithm_1_and_dear_ones_are_never(
@@ -152,14 +152,14 @@ def test_free_identifications_are_algorithm_1_and_dear_ones_are_never(
         free = ErrorDriven(threshold_m, "order", "cheapest", costs=costs.priced(1.0, 1e-9))
         dear = ErrorDriven(threshold_m, "order", "cheapest", costs=costs.priced(1.0, 1e9))
         for policy, plain in ((free, "on-failure"), (dear, "never")):
-            got, wanted = ready(case).walk(policy), ready(case).walk(ErrorDriven(threshold_m, "order", plain))
+            got, wanted = ready(case).run(policy), ready(case).run(ErrorDriven(threshold_m, "order", plain))
             assert np.array_equal(got.kind, wanted.kind)
 
 
 def test_lives_are_what_walks_of_one_sub_model_last(case: TripCase) -> None:
     """A sub-model alone updates exactly when the life of its last update is over."""
     lives_s = member_lives_s(ready(case), np.array(THRESHOLDS_M), 30.0)
-    walk = TripBank(case.seen, BASELINE_BANK, case.estimator).walk(ErrorDriven(0.2))
+    walk = TripRuntime(case.seen, BASELINE_BANK, case.estimator).run(ErrorDriven(0.2))
     at = np.flatnonzero(walk.transmits)
     assert np.diff(case.seen.t_s[at]) == pytest.approx(lives_s[at[:-1], 0, 0])
     ended = np.isfinite(lives_s).all(axis=(1, 2))
@@ -205,7 +205,7 @@ def test_hindsight_prefers_what_did_well_and_is_silent_without_a_past() -> None:
 
 
 def test_a_window_too_short_for_the_features_starts_in_order(case: TripCase, selector: Selector) -> None:
-    walk = ready(case, selector).walk(ErrorDriven(0.2, "predicted", "never"))
+    walk = ready(case, selector).run(ErrorDriven(0.2, "predicted", "never"))
     short = np.arange(len(case.seen)) - case.seen.segment_start < selector.window_at(case.seen.dt_s) - 1
     assert (walk.in_use[short & walk.transmits] == 0).all()
 
@@ -218,7 +218,7 @@ def test_the_mirror_image_of_a_drive_is_selected_alike_by_hindsight(drive: Traje
         yaw_rate_radps=None if drive.yaw_rate_radps is None else -drive.yaw_rate_radps,
     )
     policy = ErrorDriven(0.3, "hindsight", "never")
-    walks = [TripBank(trip, BANK, velocity_estimator_for(trip)).walk(policy) for trip in (drive, mirrored)]
+    walks = [TripRuntime(trip, BANK, velocity_estimator_for(trip)).run(policy) for trip in (drive, mirrored)]
     assert np.array_equal(walks[0].in_use, walks[1].in_use)
 
 
@@ -247,9 +247,9 @@ def test_what_was_trained_for_another_bank_is_refused(
 ) -> None:
     other = Bank((ConstantTurnRateAcceleration(), ConstantVelocity()))
     with pytest.raises(ValueError, match=r"cv\+ctra"):
-        TripBank(case.seen, other, case.estimator, selector)
+        TripRuntime(case.seen, other, case.estimator, selector)
     with pytest.raises(ValueError, match="selector"):
-        ready(case).walk(ErrorDriven(0.2, "predicted"))
+        ready(case).run(ErrorDriven(0.2, "predicted"))
     with pytest.raises(ValueError, match="selector"):
         EvaluationSettings(bank=BANK, start="predicted")
     with pytest.raises(ValueError, match="costs"):

@@ -12,8 +12,8 @@ from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.runtime.trip import replay_kernels
-from modelcast.runtime.trip.walk import TripBank, Walk
-from modelcast.station.policy.base import Message
+from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sensing.velocity import REPORTED
 from modelcast.study.case import TripCase, make_case
@@ -30,30 +30,31 @@ HYBRID = Bank((GaussianProcess(form="intercept"), ConstantVelocity()))
 
 def runs(case: TripCase, settings: EvaluationSettings) -> dict[tuple[str, str | None, float], TrackingRun]:
     """Every contender's run, by policy, rate basis and threshold."""
-    mbc = TripBank(case.seen, settings.bank, case.estimator)
-    baseline = TripBank(case.seen, BASELINE_BANK, case.estimator)
+    mbc = TripRuntime(case.seen, settings.bank, case.estimator)
+    baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator)
     return {
         (run.contender.policy, run.contender.rate_basis, run.contender.threshold_m): run
         for run in run_tracking(case, mbc, baseline, settings)
     }
 
 
-def walked(case: TripCase, settings: EvaluationSettings, threshold_m: float = 0.3) -> Walk:
-    bank = TripBank(case.seen, settings.bank, case.estimator)
-    return bank.walk(settings.policy(threshold_m, keep_alive=True))
+def walked(case: TripCase, settings: EvaluationSettings, threshold_m: float = 0.3) -> TripMessages:
+    bank = TripRuntime(case.seen, settings.bank, case.estimator)
+    return bank.run(settings.policy(threshold_m, keep_alive=True))
 
 
 def mbc(case: TripCase, settings: EvaluationSettings, threshold_m: float = 0.3) -> TrackingRun:
     return runs(case, settings)["mbc", None, threshold_m]
 
 
-def is_update(walk: Walk) -> BoolArray:
-    return np.isin(walk.kind, (Message.UPDATE, Message.KEEP_ALIVE))
+def is_update(walk: TripMessages) -> BoolArray:
+    return np.isin(walk.kind, (MessageKind.UPDATE, MessageKind.KEEP_ALIVE))
 
 
-def own_error_m(walk: Walk) -> FloatArray:
+def own_error_m(case: TripCase, settings: EvaluationSettings, walk: TripMessages) -> FloatArray:
     """The sender's error of the sub-model in use, after its message, where that was no update."""
-    return walk.tracking_error_m[np.arange(walk.kind.size), walk.in_use]
+    sender = TripRuntime(case.seen, settings.bank, case.estimator)
+    return sender.tracking_error_m(walk)[np.arange(walk.kind.size), walk.in_use]
 
 
 @pytest.mark.parametrize("identify", ["on-failure", "final", "best"])
@@ -65,8 +66,8 @@ def test_without_loss_the_host_errs_as_the_sender_does_and_stays_below_the_thres
     walk = walked(gapped_case, settings)
     after = mbc(gapped_case, settings).after_m[0, 0]
     kept = ~is_update(walk)
-    assert (walk.kind == Message.IDENTIFICATION).any()
-    assert after[kept] == pytest.approx(own_error_m(walk)[kept], abs=SINGLE_M)
+    assert (walk.kind == MessageKind.IDENTIFICATION).any()
+    assert after[kept] == pytest.approx(own_error_m(gapped_case, settings, walk)[kept], abs=SINGLE_M)
     assert (after[kept] < 0.3).all()
 
 
@@ -93,7 +94,7 @@ def test_without_loss_the_claim_holds_on_real_trips(
         walk = walked(case, settings, threshold_m)
         after = mbc(case, settings, threshold_m).after_m[0, 0]
         kept = ~is_update(walk)
-        assert after[kept] == pytest.approx(own_error_m(walk)[kept], abs=SINGLE_M)
+        assert after[kept] == pytest.approx(own_error_m(case, settings, walk)[kept], abs=SINGLE_M)
         assert (after[kept] < threshold_m).all()
 
 
@@ -110,8 +111,8 @@ def test_in_the_sensor_protocol_it_holds_against_the_input_and_not_against_the_t
 
 def plain_replay(
     case: TripCase,
-    bank: TripBank,
-    walk: Walk,
+    bank: TripRuntime,
+    walk: TripMessages,
     lost: BoolArray,
     settings: EvaluationSettings,
 ) -> dict[str, list[float]]:
@@ -139,7 +140,7 @@ def plain_replay(
             if case.truth.t_s[message] + delay_s - heard_s > expiry_s:
                 held = None  # forgotten
             heard_s = case.truth.t_s[message] + delay_s
-            if walk.kind[message] != Message.IDENTIFICATION:
+            if walk.kind[message] != MessageKind.IDENTIFICATION:
                 held = (message, int(walk.in_use[message]))
             elif held is not None and held[0] == walk.update_index[message]:
                 held = (held[0], int(walk.in_use[message]))
@@ -158,8 +159,8 @@ def test_the_replay_follows_the_rules_of_the_receiver(
         (0.3,), (0.0, 0.6), seeds=2, bank=HYBRID, identify="best", delay_s=delay_s, expiry_s=expiry_s
     )
     run, lost = mbc(gapped_case, settings), draw_losses(gapped_case, settings)
-    bank = TripBank(gapped_case.seen, HYBRID, gapped_case.estimator)
-    walk = bank.walk(settings.policy(0.3, keep_alive=True))
+    bank = TripRuntime(gapped_case.seen, HYBRID, gapped_case.estimator)
+    walk = bank.run(settings.policy(0.3, keep_alive=True))
     for ratio, seed in ((0, 0), (1, 0), (1, 1)):
         expected = plain_replay(gapped_case, bank, walk, lost[ratio, seed], settings)
         for name, errors in (("after", run.after_m), ("age", run.age_s)):
@@ -184,16 +185,16 @@ def scattered() -> Trajectory:
 def held_after(kinds: list[str], used: list[int], lost: list[int]) -> list[tuple[int, int]]:
     """Update and sub-model held at each of four samples, told from the error, when some messages are lost."""
     trip = scattered()
-    bank = TripBank(trip, Bank((ConstantVelocity(), GaussianProcess(form="intercept"))), REPORTED)
+    bank = TripRuntime(trip, Bank((ConstantVelocity(), GaussianProcess(form="intercept"))), REPORTED)
     bank.fit_at(np.arange(10, 14))
     kind = np.array([[{"-": 0, "update": 1, "identify": 2, "alive": 3}[one] for one in kinds]])
     missing = np.zeros((1, 4), dtype=np.bool_)
     missing[0, lost] = True
     errors = np.empty((5, 1, 4))
     replay_kernels.replay(
-        bank.ready.members,
+        bank.own.ready.members,
         trip.t_s[10:].copy(),
-        bank.samples[10:].copy(),
+        bank.stated_m[10:].copy(),
         bank.parameters[10:].copy(),
         np.zeros((4, 2)),
         np.tile([1.0, 0.0], (4, 1)),
@@ -385,8 +386,8 @@ def test_rate_matched_baselines_come_within_a_message_or_a_hundredth(
     )
     for trip in dynamic_trips.values():
         case = make_case(trip, settings)
-        bank = TripBank(case.seen, BASELINE_BANK, case.estimator)
-        fewest = bank.walk(ErrorDriven(64.0, max_inter_transmit_time_s=keep_alive_s)).updates
+        bank = TripRuntime(case.seen, BASELINE_BANK, case.estimator)
+        fewest = bank.run(ErrorDriven(64.0, max_inter_transmit_time_s=keep_alive_s)).updates
         for basis, _, wanted, sent in matched(case, settings):
             if abs(sent - wanted) > max(1.0, 0.01 * wanted):
                 assert (basis, keep_alive_s, sent) == ("update", 2.0, fewest)

@@ -11,8 +11,8 @@ from modelcast.core.arrays import BoolArray
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
-from modelcast.runtime.trip.walk import TripBank, Walk
-from modelcast.station.policy.base import Message, TransmitInputs
+from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.policy.base import MessageKind, TransmitInputs
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.study.settings import BASELINE_BANK, PAPER_BANK
@@ -34,17 +34,17 @@ TWO_GPS = Bank(
 )
 
 
-def ready(trip: Trajectory, bank: Bank) -> TripBank:
-    return TripBank(trip, bank, velocity_estimator_for(trip))
+def ready(trip: Trajectory, bank: Bank) -> TripRuntime:
+    return TripRuntime(trip, bank, velocity_estimator_for(trip))
 
 
-def events(walk: Walk) -> list[tuple[int, str, int]]:
+def events(walk: TripMessages) -> list[tuple[int, str, int]]:
     at = np.flatnonzero(walk.transmits)
-    return [(int(i), Message(walk.kind[i]).label, int(walk.in_use[i])) for i in at]
+    return [(int(i), MessageKind(walk.kind[i]).label, int(walk.in_use[i])) for i in at]
 
 
-def updates(walk: Walk) -> BoolArray:
-    return np.isin(walk.kind, (Message.UPDATE, Message.KEEP_ALIVE))
+def updates(walk: TripMessages) -> BoolArray:
+    return np.isin(walk.kind, (MessageKind.UPDATE, MessageKind.KEEP_ALIVE))
 
 
 def every_rule() -> list[ErrorDriven]:
@@ -71,7 +71,7 @@ def differences(
         if margin_m < MARGIN_M:
             continue
         compared += 1
-        if events(walked.walk(policy)) != expected:
+        if events(walked.run(policy)) != expected:
             wrong.append(policy)
     return wrong, compared
 
@@ -131,12 +131,12 @@ def test_deciding_in_batch_sample_by_sample_is_the_walk(
             available=np.array([[one.has_window(now, m) for m in members] for one in senders]),
         )
         decisions, state = policy.decide(state, inputs, rng)
-        origin[np.isin(decisions.kind, (Message.UPDATE, Message.KEEP_ALIVE))] = now
-        spoken[decisions.kind != Message.NOTHING] = now
+        origin[np.isin(decisions.kind, (MessageKind.UPDATE, MessageKind.KEEP_ALIVE))] = now
+        spoken[decisions.kind != MessageKind.NOTHING] = now
         kinds.append(decisions.kind)
         used.append(decisions.in_use)
     for v, trip in enumerate(trips):
-        walk = ready(trip, PAPER_BANK).walk(policy)
+        walk = ready(trip, PAPER_BANK).run(policy)
         assert np.array_equal(walk.kind, np.array(kinds)[:, v])
         assert np.array_equal(walk.in_use, np.array(used)[:, v])
 
@@ -146,7 +146,7 @@ def test_on_constant_acceleration_the_baseline_speaks_when_half_a_t_squared_reac
 ) -> None:
     """At 2 m/s² the error is t²: 0.25 m at 0.5 s exactly, which has failed; 0.3 m is reached by 0.6 s."""
     for threshold_m, steps in ((0.25 - 1e-6, 5), (0.3, 6), (1.0 - 1e-6, 10)):
-        walk = ready(accelerating, BASELINE_BANK).walk(ErrorDriven(threshold_m))
+        walk = ready(accelerating, BASELINE_BANK).run(ErrorDriven(threshold_m))
         assert set(np.diff(np.flatnonzero(walk.transmits))) == {steps}
         assert walk.identifications == 0
 
@@ -163,13 +163,13 @@ def test_an_error_equal_to_the_threshold_has_failed() -> None:
         speed_mps=np.where(t == 0.0, 1.0, 0.0),
         heading_rad=np.zeros(9),
     )
-    assert events(ready(trip, BASELINE_BANK).walk(ErrorDriven(0.5)))[1] == (4, "update", 0)
-    assert events(ready(trip, BASELINE_BANK).walk(ErrorDriven(np.nextafter(0.5, 1.0))))[1] == (5, "update", 0)
+    assert events(ready(trip, BASELINE_BANK).run(ErrorDriven(0.5)))[1] == (4, "update", 0)
+    assert events(ready(trip, BASELINE_BANK).run(ErrorDriven(np.nextafter(0.5, 1.0))))[1] == (5, "update", 0)
 
 
 @pytest.mark.parametrize("policy", every_rule()[::5], ids=str)
 def test_the_baseline_never_identifies(policy: ErrorDriven, gapped_drive: Trajectory) -> None:
-    walk = ready(gapped_drive, BASELINE_BANK).walk(policy)
+    walk = ready(gapped_drive, BASELINE_BANK).run(policy)
     assert walk.identifications == 0
     assert not walk.in_use.any()
 
@@ -179,7 +179,7 @@ def test_the_baseline_never_identifies(policy: ErrorDriven, gapped_drive: Trajec
 def test_no_silence_exceeds_the_limit_by_more_than_a_step(
     bank: Bank, longest_s: float, gapped_drive: Trajectory
 ) -> None:
-    walk = ready(gapped_drive, bank).walk(ErrorDriven(0.5, max_inter_transmit_time_s=longest_s))
+    walk = ready(gapped_drive, bank).run(ErrorDriven(0.5, max_inter_transmit_time_s=longest_s))
     at = np.flatnonzero(walk.transmits)
     t_s = gapped_drive.t_s
     steps_s = t_s[at[1:]] - t_s[at[1:] - 1]
@@ -188,38 +188,42 @@ def test_no_silence_exceeds_the_limit_by_more_than_a_step(
 
 
 def test_a_keep_alive_is_sent_only_where_something_still_holds(gapped_drive: Trajectory) -> None:
-    walk = ready(gapped_drive, PAPER_BANK).walk(ErrorDriven(0.3, max_inter_transmit_time_s=1.0))
-    alive = walk.kind == Message.KEEP_ALIVE
+    sender = ready(gapped_drive, PAPER_BANK)
+    walk = sender.run(ErrorDriven(0.3, max_inter_transmit_time_s=1.0))
+    alive = walk.kind == MessageKind.KEEP_ALIVE
     assert alive.any()
-    assert (walk.tracking_error_m[alive].min(axis=1) < 0.3).all()
+    assert (sender.tracking_error_m(walk)[alive].min(axis=1) < 0.3).all()
 
 
 def test_an_update_is_sent_where_nothing_holds_and_nowhere_else(gapped_drive: Trajectory) -> None:
     """Under the rules that leave Algorithm 1 as it is."""
     for identify in ("on-failure", "best"):
-        walk = ready(gapped_drive, PAPER_BANK).walk(ErrorDriven(0.3, identify=identify))
-        failed = walk.tracking_error_m.min(axis=1) >= 0.3
-        assert np.array_equal(walk.kind == Message.UPDATE, failed)
+        sender = ready(gapped_drive, PAPER_BANK)
+        walk = sender.run(ErrorDriven(0.3, identify=identify))
+        failed = sender.tracking_error_m(walk).min(axis=1) >= 0.3
+        assert np.array_equal(walk.kind == MessageKind.UPDATE, failed)
 
 
 @pytest.mark.parametrize("start", STARTS)
 def test_final_never_returns_to_a_sub_model_that_failed_since_the_update(
     start: Any, gapped_drive: Trajectory
 ) -> None:
-    walk = ready(gapped_drive, TWO_GPS).walk(ErrorDriven(0.2, start, "final"))
+    sender = ready(gapped_drive, TWO_GPS)
+    walk = sender.run(ErrorDriven(0.2, start, "final"))
     assert walk.identifications > 0
     for first, end in zip(
         np.flatnonzero(updates(walk)), [*np.flatnonzero(updates(walk))[1:], None], strict=True
     ):
-        failed = np.maximum.accumulate(walk.tracking_error_m[first:end][1:] >= 0.2)
+        failed = np.maximum.accumulate(sender.tracking_error_m(walk)[first:end][1:] >= 0.2)
         used = walk.in_use[first:end][1:]
         assert not failed[np.arange(used.size), used].any()
 
 
 def test_best_always_uses_the_smallest_error(gapped_drive: Trajectory) -> None:
-    walk = ready(gapped_drive, TWO_GPS).walk(ErrorDriven(0.3, identify="best"))
+    sender = ready(gapped_drive, TWO_GPS)
+    walk = sender.run(ErrorDriven(0.3, identify="best"))
     kept = ~updates(walk)
-    best = walk.tracking_error_m[kept].argmin(axis=1)
+    best = sender.tracking_error_m(walk)[kept].argmin(axis=1)
     assert np.array_equal(walk.in_use[kept], best)
 
 
@@ -227,21 +231,22 @@ def test_best_always_uses_the_smallest_error(gapped_drive: Trajectory) -> None:
 def test_the_sub_model_in_use_holds_after_every_sample_without_an_update(
     identify: Any, gapped_drive: Trajectory
 ) -> None:
-    walk = ready(gapped_drive, TWO_GPS).walk(ErrorDriven(0.3, identify=identify))
+    sender = ready(gapped_drive, TWO_GPS)
+    walk = sender.run(ErrorDriven(0.3, identify=identify))
     kept = np.flatnonzero(~updates(walk))
-    assert (walk.tracking_error_m[kept, walk.in_use[kept]] < 0.3).all()
+    assert (sender.tracking_error_m(walk)[kept, walk.in_use[kept]] < 0.3).all()
 
 
 def test_thresholds_share_fits_without_changing_each_other(gapped_drive: Trajectory) -> None:
     shared = ready(gapped_drive, PAPER_BANK)
     for threshold_m in (*THRESHOLDS_M, *THRESHOLDS_M[::-1]):
         policy = ErrorDriven(threshold_m)
-        assert events(shared.walk(policy)) == events(ready(gapped_drive, PAPER_BANK).walk(policy))
+        assert events(shared.run(policy)) == events(ready(gapped_drive, PAPER_BANK).run(policy))
 
 
 def test_constant_velocity_serves_where_a_window_is_short(gapped_drive: Trajectory) -> None:
     bank = Bank((GaussianProcess(form="intercept"), ConstantVelocity()))
-    walk = ready(gapped_drive, bank).walk(ErrorDriven(0.2))
+    walk = ready(gapped_drive, bank).run(ErrorDriven(0.2))
     short = np.arange(len(gapped_drive)) - gapped_drive.segment_start + 1 < 10
     assert (walk.in_use[short & updates(walk)] == 1).all()
     assert walk.in_use[0] == 1
@@ -251,7 +256,7 @@ def test_a_bank_without_a_member_for_short_windows_is_completed(gapped_drive: Tr
     """At a start, and after a gap, constant velocity serves; elsewhere the bank's own member alone."""
     alone = ready(gapped_drive, Bank((GaussianProcess(form="intercept"),)))
     assert [member.name for member in alone.bank.members] == ["gp-intercept", "cv"]
-    walk = alone.walk(ErrorDriven(0.3))
+    walk = alone.run(ErrorDriven(0.3))
     short = np.arange(len(gapped_drive)) - gapped_drive.segment_start + 1 < 10
     at = updates(walk)
     assert (walk.in_use[short & at] == 1).all()
@@ -259,4 +264,4 @@ def test_a_bank_without_a_member_for_short_windows_is_completed(gapped_drive: Tr
     fitted_late = ~short[walk.update_index]
     later = np.roll(fitted_late, 1)
     later[0] = False
-    assert np.isinf(walk.tracking_error_m[later & fitted_late & ~at, 1]).all()
+    assert np.isinf(alone.tracking_error_m(walk)[later & fitted_late & ~at, 1]).all()

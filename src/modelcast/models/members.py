@@ -1,5 +1,6 @@
 """A bank made ready for one sampling interval, and its members as compiled loops take them."""
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.models.bank import Bank
-from modelcast.models.base import PointFunctions
+from modelcast.models.base import AbstractSubModel, PointFunctions
 from modelcast.models.member_kernels import Members
 
 __all__ = ["ReadyBank"]
@@ -54,7 +55,7 @@ class ReadyBank:
         dt_s
             Sampling interval [s].
         """
-        functions = tuple(member.point_functions(dt_s) for member in bank.members)
+        functions = tuple(_functions(_Same(member), dt_s) for member in bank.members)
         return cls(functions, bank.windows, bank.offsets, bank.trust)
 
     @property
@@ -70,3 +71,22 @@ class ReadyBank:
             offsets=self.offsets,
             trust=self.trust,
         )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Same:
+    """A sub-model by identity: telling whether two are equal costs as much as making their tables."""
+
+    member: AbstractSubModel
+
+    def __hash__(self) -> int:
+        return id(self.member)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and other.member is self.member
+
+
+@functools.lru_cache(maxsize=64)
+def _functions(same: _Same, dt_s: float) -> PointFunctions:
+    """Point functions of a member, made once for an interval."""
+    return same.member.point_functions(dt_s)

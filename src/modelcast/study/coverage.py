@@ -21,7 +21,7 @@ from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.calibration import LEVELS, Calibration, gaussian_radius
 from modelcast.models.threshold_time import expected_time_to_threshold
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.study.case import TripCase
 from modelcast.study.training.calibration import (
@@ -245,7 +245,7 @@ def _hybrid_parts(
     parts: list[_Part] = []
     for name, cases in groups.items():
         for case in cases:
-            ready = TripBank(case.seen, Bank(tuple(members)), case.estimator)
+            ready = TripRuntime(case.seen, Bank(tuple(members)), case.estimator)
             # So short a silence makes the sender update at every sample.
             policy = ErrorDriven(
                 hybrid.threshold_m,
@@ -253,7 +253,7 @@ def _hybrid_parts(
                 "never",
                 max_inter_transmit_time_s=0.5 * case.seen.dt_s,
             )
-            in_use = ready.walk(policy).in_use
+            in_use = ready.run(policy).in_use
             parts += [
                 _Part(case, member, calibrations[name][member.name], in_use == m)
                 for m, member in enumerate(members)

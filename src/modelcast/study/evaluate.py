@@ -7,7 +7,7 @@ import numpy as np
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.models.learned.spans import short_at
-from modelcast.runtime.trip.walk import TripBank, Walk
+from modelcast.runtime.trip.runtime import TripMessages, TripRuntime, sense_trip
 from modelcast.study.case import SensedTrip, TripCase, make_case
 from modelcast.study.illustration import draw_manoeuvre, draw_timeline, sharpest_instant
 from modelcast.study.pooling import TrackingPool, pool_ecdf, pool_row
@@ -25,7 +25,7 @@ from modelcast.study.result import (
     TrackingRow,
     TripRow,
 )
-from modelcast.study.settings import EvaluationSettings
+from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
 from modelcast.study.tracking import Contender, run_tracking
 from modelcast.trips.fingerprint import known_trips
 from modelcast.trips.trajectory import Trajectory
@@ -134,8 +134,12 @@ def _evaluate_trip(
         collected.failures[trip_id] = f"its longest part has {longest} samples, a window needs {needed}"
         return
     case = make_case(trip, settings)
-    mbc = TripBank(case.seen, settings.sent_bank, case.estimator, settings.selector_in_use)
-    baseline = TripBank(case.seen, settings.baseline_bank, case.estimator)
+    quantised = settings.quantised
+    sensed = sense_trip(case.seen, case.estimator, quantised=quantised)
+    mbc, baseline = (
+        TripRuntime(case.seen, bank, case.estimator, selector, quantised=quantised, sensed=sensed)
+        for bank, selector in ((settings.bank, settings.selector_in_use), (BASELINE_BANK, None))
+    )
     collected.trips.append(_trip_row(case, settings))
     counted = count_rates(case, mbc, baseline, settings)
     for count, walk in counted:
@@ -159,8 +163,8 @@ def _evaluate_trip(
 
 def _illustrate(
     case: TripCase,
-    banks: tuple[TripBank, TripBank],
-    walk: Walk,
+    banks: tuple[TripRuntime, TripRuntime],
+    walk: TripMessages,
     settings: EvaluationSettings,
     collected: _Collected,
 ) -> None:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.runtime.trip.walk import TripBank, Walk
-from modelcast.station.policy.base import Message
+from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.policy.base import MessageKind
 from modelcast.study.case import TripCase
 from modelcast.study.result import Manoeuvre, Timeline
 from modelcast.trips.trajectory import Trajectory
@@ -65,7 +65,7 @@ def sharpest_instant(truth: Trajectory) -> Sharpest | None:
     return best
 
 
-def draw_timeline(case: TripCase, mbc: TripBank, walk: Walk, index: int) -> Timeline:
+def draw_timeline(case: TripCase, mbc: TripRuntime, walk: TripMessages, index: int) -> Timeline:
     """Every sub-model's error over the stretch about an instant.
 
     Parameters
@@ -82,7 +82,7 @@ def draw_timeline(case: TripCase, mbc: TripBank, walk: Walk, index: int) -> Time
     t_s = case.truth.t_s
     low, high = np.searchsorted(t_s, [t_s[index] - _STRETCH_S / 2, t_s[index] + _STRETCH_S / 2])
     part = slice(int(low), int(high))
-    errors = walk.tracking_error_m[part].copy()
+    errors = mbc.tracking_error_m(walk)[part]
     errors[np.isinf(errors)] = np.nan
     kind = walk.kind[part]
     times = t_s[part]
@@ -93,12 +93,12 @@ def draw_timeline(case: TripCase, mbc: TripBank, walk: Walk, index: int) -> Time
         times,
         errors,
         walk.in_use[part],
-        times[(kind == Message.UPDATE) | (kind == Message.KEEP_ALIVE)],
-        times[kind == Message.IDENTIFICATION],
+        times[(kind == MessageKind.UPDATE) | (kind == MessageKind.KEEP_ALIVE)],
+        times[kind == MessageKind.IDENTIFICATION],
     )
 
 
-def draw_manoeuvre(case: TripCase, banks: Sequence[TripBank], threshold_m: float, index: int) -> Manoeuvre:
+def draw_manoeuvre(case: TripCase, banks: Sequence[TripRuntime], threshold_m: float, index: int) -> Manoeuvre:
     """Paths that every sub-model predicts from just before an instant, beside the truth.
 
     Parameters
@@ -140,7 +140,7 @@ def draw_manoeuvre(case: TripCase, banks: Sequence[TripBank], threshold_m: float
     )
 
 
-def _paths(ready: TripBank, start: int, horizons_s: FloatArray) -> dict[str, FloatArray]:
+def _paths(ready: TripRuntime, start: int, horizons_s: FloatArray) -> dict[str, FloatArray]:
     history = start - ready.trip.segment_start[start] + 1
     paths: dict[str, FloatArray] = {}
     for m, member in enumerate(ready.bank.members):
@@ -148,5 +148,5 @@ def _paths(ready: TripBank, start: int, horizons_s: FloatArray) -> dict[str, Flo
             continue
         own = ready.parameters[start : start + 1, ready.bank.offsets[m] : ready.bank.offsets[m + 1]]
         moved = member.predict(own, horizons_s, dt_s=ready.trip.dt_s)[0]
-        paths[member.name] = ready.trip.position_m[start] + moved
+        paths[member.name] = ready.stated_m[start] + moved
     return paths

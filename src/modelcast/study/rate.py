@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modelcast.runtime.trip.walk import TripBank, Walk
+from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.study.case import TripCase
 from modelcast.study.result import POOLED, RateRow
 from modelcast.study.sent import sent_messages
@@ -45,9 +45,9 @@ class RateCount:
 
 
 def count_rates(
-    case: TripCase, mbc: TripBank, baseline: TripBank, settings: EvaluationSettings
-) -> list[tuple[RateCount, Walk]]:
-    """Walk both policies at every threshold and count their messages.
+    case: TripCase, mbc: TripRuntime, baseline: TripRuntime, settings: EvaluationSettings
+) -> list[tuple[RateCount, TripMessages]]:
+    """TripMessages both policies at every threshold and count their messages.
 
     Parameters
     ----------
@@ -58,11 +58,12 @@ def count_rates(
     settings
         Thresholds, rules and sizes.
     """
-    counts: list[tuple[RateCount, Walk]] = []
-    for threshold_m in settings.thresholds_m:
-        policy = settings.policy(threshold_m, keep_alive=False)
-        for name, ready in (("mbc", mbc), ("baseline", baseline)):
-            walk = ready.walk(policy)
+    counts: list[tuple[RateCount, TripMessages]] = []
+    policies = [settings.policy(threshold_m, keep_alive=False) for threshold_m in settings.thresholds_m]
+    for threshold_m, *walks in zip(
+        settings.thresholds_m, mbc.run_each(policies), baseline.run_each(policies), strict=True
+    ):
+        for name, ready, walk in zip(("mbc", "baseline"), (mbc, baseline), walks, strict=True):
             sent = sent_messages(walk, ready.bank, case.truth.t_s, settings)
             count = RateCount(
                 name,

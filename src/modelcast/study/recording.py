@@ -5,13 +5,13 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from modelcast.runtime.trip.walk import Walk
-from modelcast.station.policy.base import Message
+from modelcast.runtime.trip.runtime import TripMessages
+from modelcast.station.policy.base import MessageKind
 from modelcast.study.case import TripCase
 from modelcast.study.rate import RateCount
 from modelcast.study.result import Coded, Columns, SampleBlock
 from modelcast.study.sent import sent_messages
-from modelcast.study.settings import EvaluationSettings
+from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
 from modelcast.study.tracking import TrackingRun
 
 __all__ = ["EventRecorder", "sample_block"]
@@ -59,7 +59,7 @@ class EventRecorder:
         }
         self._bytes: list[npt.NDArray[np.int32]] = []
 
-    def add(self, case: TripCase, count: RateCount, walk: Walk) -> None:
+    def add(self, case: TripCase, count: RateCount, walk: TripMessages) -> None:
         """Record the messages of one walk.
 
         Parameters
@@ -71,7 +71,7 @@ class EventRecorder:
         walk
             What was sent.
         """
-        given = self._settings.baseline_bank if count.policy == "baseline" else self._settings.sent_bank
+        given = BASELINE_BANK if count.policy == "baseline" else self._settings.bank
         bank = given.complete()
         sent = sent_messages(walk, bank, case.truth.t_s, self._settings)
         at = sent.at
@@ -82,7 +82,7 @@ class EventRecorder:
             ("bank", count.bank),
         ):
             self._codes[name].append(np.full(at.size, self._coded[name].code(value), dtype=np.int32))
-        kinds = np.array([self._coded["kind"].code(kind.label) for kind in Message], dtype=np.int32)
+        kinds = np.array([self._coded["kind"].code(kind.label) for kind in MessageKind], dtype=np.int32)
         used = np.array([self._coded["sub_model"].code(name) for name in members], dtype=np.int32)
         self._codes["kind"].append(kinds[walk.kind[at]])
         self._codes["sub_model"].append(used[walk.in_use[at]])

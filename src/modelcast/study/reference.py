@@ -6,6 +6,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.station.policy.cam import CamTriggering
+from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.study.case import STANDING_SPEED_MPS, TripCase
 from modelcast.study.clairvoyant import clairvoyant
 from modelcast.study.minimax_kernels import MOST_DEGREE
@@ -112,7 +113,7 @@ def _motion(case: TripCase) -> tuple[FloatArray, FloatArray]:
     first move it is that of the move).
     """
     seen = case.seen
-    velocity_mps = case.estimator.velocity(seen)
+    velocity_mps = sample_matrix(seen, case.estimator)[:, 2:4]
     size_mps = np.hypot(velocity_mps[:, 0], velocity_mps[:, 1])
     stuck = case.protocol == "recorded" and case.inspection.speed_is_stuck
     speed_mps = size_mps if seen.speed_mps is None or stuck else seen.speed_mps

@@ -6,8 +6,8 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.models.bank import Bank
-from modelcast.runtime.trip.walk import Walk
-from modelcast.station.policy.base import Message
+from modelcast.runtime.trip.runtime import TripMessages
+from modelcast.station.policy.base import MessageKind
 from modelcast.study.settings import EvaluationSettings
 
 __all__ = ["SentMessages", "sent_messages"]
@@ -32,7 +32,9 @@ class SentMessages:
     airtime_s: FloatArray
 
 
-def sent_messages(walk: Walk, bank: Bank, t_s: FloatArray, settings: EvaluationSettings) -> SentMessages:
+def sent_messages(
+    walk: TripMessages, bank: Bank, t_s: FloatArray, settings: EvaluationSettings
+) -> SentMessages:
     """Messages of a walk by the sizes and the stack of the settings.
 
     Parameters
@@ -48,6 +50,6 @@ def sent_messages(walk: Walk, bank: Bank, t_s: FloatArray, settings: EvaluationS
     """
     at = np.flatnonzero(walk.transmits)
     updates = settings.sizes.each_update_bytes(bank, walk.policy.identify)
-    named = walk.kind[at] == Message.IDENTIFICATION
+    named = walk.kind[at] == MessageKind.IDENTIFICATION
     size_bytes = np.where(named, settings.sizes.identification_bytes, updates[walk.in_use[at]])
     return SentMessages(at, size_bytes, settings.stack.sent_airtime_s(t_s[at], size_bytes))

@@ -9,7 +9,6 @@ import numpy as np
 from modelcast.channel.base import AbstractChannel
 from modelcast.channel.erasure import GilbertElliott, IndependentErasure
 from modelcast.messages.airtime import Stack
-from modelcast.messages.quantisation import quantised_bank
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -195,16 +194,6 @@ class EvaluationSettings:
             return self.trained_on
         profile = default_profile()
         return frozenset(profile.training_trips if self.bank == profile.bank else ())
-
-    @property
-    def sent_bank(self) -> Bank:
-        """The bank as senders and hosts hold it."""
-        return quantised_bank(self.bank) if self.quantised else self.bank
-
-    @property
-    def baseline_bank(self) -> Bank:
-        """The baseline's, likewise."""
-        return quantised_bank(BASELINE_BANK) if self.quantised else BASELINE_BANK
 
     @property
     def selector_in_use(self) -> Selector | None:

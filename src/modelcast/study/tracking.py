@@ -13,8 +13,8 @@ import numpy as np
 from modelcast.core.arrays import BoolArray, IntArray, SingleArray
 from modelcast.core.chance import child_generator
 from modelcast.runtime.trip import replay_kernels
-from modelcast.runtime.trip.walk import TripBank, Walk
-from modelcast.station.policy.base import Message
+from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.periodic import Periodic
 from modelcast.study.case import TripCase
@@ -104,7 +104,7 @@ def draw_losses(case: TripCase, settings: EvaluationSettings) -> BoolArray:
 
 
 def run_tracking(
-    case: TripCase, mbc: TripBank, baseline: TripBank, settings: EvaluationSettings
+    case: TripCase, mbc: TripRuntime, baseline: TripRuntime, settings: EvaluationSettings
 ) -> Iterator[TrackingRun]:
     """Yield every contender's errors: MBC, the baseline, and four equal-rate baselines a threshold.
 
@@ -120,10 +120,10 @@ def run_tracking(
     runs = LossRuns(case, baseline, settings)
     for threshold_m in settings.thresholds_m:
         policy = settings.policy(threshold_m, keep_alive=True)
-        walk = mbc.walk(policy)
+        walk = mbc.run(policy)
         yield runs.walked(mbc, walk, Contender("mbc", mbc.bank.name, None, threshold_m))
         yield runs.walked(
-            baseline, baseline.walk(policy), Contender("baseline", baseline.bank.name, None, threshold_m)
+            baseline, baseline.run(policy), Contender("baseline", baseline.bank.name, None, threshold_m)
         )
         for basis, messages in (
             ("update", walk.updates),
@@ -145,14 +145,14 @@ class LossRuns:
         Losses and seeds; its bank and thresholds play no part, so that several banks may share the runs.
     """
 
-    def __init__(self, case: TripCase, baseline: TripBank, settings: EvaluationSettings) -> None:
+    def __init__(self, case: TripCase, baseline: TripRuntime, settings: EvaluationSettings) -> None:
         self._case = case
         self._baseline = baseline
         self._settings = settings
         self._lost = draw_losses(case, settings)
         self._counts: dict[tuple[float, float | None], int] = {}
 
-    def walked(self, ready: TripBank, walk: Walk, shown_as: Contender) -> TrackingRun:
+    def walked(self, ready: TripRuntime, walk: TripMessages, shown_as: Contender) -> TrackingRun:
         """The errors of one sender that walked the trip.
 
         Parameters
@@ -197,15 +197,15 @@ class LossRuns:
         """So many messages in the mean, the first at once, with the phase of this run and vehicle."""
         t_s = self._case.truth.t_s
         kind = np.zeros(t_s.size, dtype=np.int64)
-        kind[0] = Message.UPDATE
+        kind[0] = MessageKind.UPDATE
         if messages > 1:
             rng = child_generator(self._settings.seed, run, self._case.truth.trip_id, "phase")
             rate_hz = (messages - 1) / self._case.truth.duration_s
-            kind[Periodic(rate_hz).transmit_indices(t_s, rng)] = Message.UPDATE
+            kind[Periodic(rate_hz).transmit_indices(t_s, rng)] = MessageKind.UPDATE
         update_index = np.maximum.accumulate(np.where(kind > 0, np.arange(kind.size), 0))
         return Sent(kind, np.zeros_like(kind), update_index)
 
-    def _matched(self, longest_s: float | None, messages: int) -> Walk:
+    def _matched(self, longest_s: float | None, messages: int) -> TripMessages:
         """The baseline's walk whose count of messages comes nearest, its threshold found by bisection."""
         low, high = _SMALLEST_THRESHOLD_M, _WIDEST_THRESHOLD_M
         best, best_count = low, -1
@@ -217,19 +217,19 @@ class LossRuns:
             if count == messages:
                 break
             low, high = (middle, high) if count > messages else (low, middle)
-        return self._baseline.walk(ErrorDriven(best, max_inter_transmit_time_s=longest_s))
+        return self._baseline.run(ErrorDriven(best, max_inter_transmit_time_s=longest_s))
 
     def _count(self, threshold_m: float, longest_s: float | None) -> int:
         """How many messages the baseline sends at a threshold: every bisection begins with the same ones."""
         key = threshold_m, longest_s
         if key not in self._counts:
             policy = ErrorDriven(threshold_m, max_inter_transmit_time_s=longest_s)
-            self._counts[key] = self._baseline.walk(policy).updates
+            self._counts[key] = self._baseline.run(policy).updates
         return self._counts[key]
 
     def _replay(
         self,
-        ready: TripBank,
+        ready: TripRuntime,
         sent: list[Sent],
         *,
         shown_as: Contender,
@@ -244,9 +244,9 @@ class LossRuns:
         gap_count = np.empty(runs, dtype=np.int64)
         kind = np.stack([one.kind for one in sent])
         replay_kernels.replay(
-            ready.ready.members,
+            ready.own.ready.members,
             case.truth.t_s,
-            ready.samples,
+            ready.stated_m,
             ready.parameters,
             case.truth.position_m,
             case.direction,

@@ -12,7 +12,6 @@ from modelcast.channel.tabulated import ReceptionTable, TabulatedRadio
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc import ModelUpdate
-from modelcast.messages.quantisation import quantised_bank
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.profile import default_profile
@@ -21,13 +20,14 @@ from modelcast.runtime.fleet.engine import run_network
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.sender import SENDERS, FleetSender, named_sender
 from modelcast.runtime.fleet.settings import NetworkSettings
-from modelcast.runtime.trip.walk import TripBank
-from modelcast.station.policy.base import Message
+from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.receiver.host import Host, HostState
 from modelcast.station.sensing.motion_filter import MotionFilter
-from modelcast.station.sensing.velocity import REPORTED, sample_matrix
+from modelcast.station.sensing.sensing import sample_matrix
+from modelcast.station.sensing.velocity import REPORTED
 from modelcast.study.network.measure import binned_quantiles
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.scenario.base import FleetFrame, run_scenario
@@ -128,8 +128,8 @@ def test_error_driven_senders_send_what_the_walk_over_their_trip_sends(
     slots = stayed(seen)
     assert slots.size >= 3
     for slot in slots:
-        walk = TripBank(trip_of(seen, slot), quantised_bank(bank), REPORTED).walk(sender.policy)
-        assert np.array_equal(sent[:, slot], walk.kind != Message.NOTHING)
+        walk = TripRuntime(trip_of(seen, slot), bank, REPORTED, quantised=True).run(sender.policy)
+        assert np.array_equal(sent[:, slot], walk.kind != MessageKind.NOTHING)
 
 
 def test_windows_are_those_of_a_recorded_trip(seen: list[FleetFrame]) -> None:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelcast.core.arrays import FloatArray
-from modelcast.station.policy.base import Decisions, Message, TransmitInputs
+from modelcast.station.policy.base import Decisions, MessageKind, TransmitInputs
 from modelcast.station.policy.error_driven import ErrorDriven, ErrorDrivenState
 
 TH = 0.5
@@ -24,8 +24,8 @@ def decided(
     failed_s: tuple[float, ...] = (np.inf, np.inf),
     silence_s: float = 0.4,
     available: tuple[bool, ...] = (True, True),
-) -> tuple[Message, int, list[float]]:
-    """Message, sub-model and first failures after one decision of one vehicle, 0.4 s after its update."""
+) -> tuple[MessageKind, int, list[float]]:
+    """MessageKind, sub-model and first failures after one decision of one vehicle, 0.4 s after its update."""
     inputs = TransmitInputs(
         np.array([7.0]),
         np.array([0.4]),
@@ -35,52 +35,52 @@ def decided(
     )
     state = ErrorDrivenState(np.array([in_use]), np.array([failed_s]))
     decisions, after = policy.decide(state, inputs, RNG)
-    return Message(decisions.kind[0]), int(decisions.in_use[0]), after.first_failure_s[0].tolist()
+    return MessageKind(decisions.kind[0]), int(decisions.in_use[0]), after.first_failure_s[0].tolist()
 
 
 @pytest.mark.parametrize("identify", ["on-failure", "final", "best", "never"])
 def test_an_update_follows_when_every_sub_model_fails(identify: str) -> None:
     kind, in_use, failed_s = decided(ErrorDriven(TH, identify=identify), [BAD, BAD], in_use=1)
-    assert (kind, in_use) == (Message.UPDATE, 0)
+    assert (kind, in_use) == (MessageKind.UPDATE, 0)
     assert failed_s == [np.inf, np.inf]
 
 
 @pytest.mark.parametrize("identify", ["on-failure", "final", "best", "never"])
 def test_an_error_equal_to_the_threshold_has_failed(identify: str) -> None:
     policy = ErrorDriven(TH, identify=identify)
-    assert decided(policy, [TH, TH])[0] == Message.UPDATE
-    assert decided(policy, [np.nextafter(TH, 0.0), TH])[0] == Message.NOTHING
+    assert decided(policy, [TH, TH])[0] == MessageKind.UPDATE
+    assert decided(policy, [np.nextafter(TH, 0.0), TH])[0] == MessageKind.NOTHING
 
 
 @pytest.mark.parametrize("identify", ["on-failure", "final", "best"])
 def test_another_is_named_when_the_one_in_use_fails(identify: str) -> None:
     kind, in_use, failed_s = decided(ErrorDriven(TH, identify=identify), [BAD, FAIR])
-    assert (kind, in_use) == (Message.IDENTIFICATION, 1)
+    assert (kind, in_use) == (MessageKind.IDENTIFICATION, 1)
     assert failed_s == [0.4, np.inf]
 
 
 def test_never_fits_anew_when_the_one_in_use_fails() -> None:
-    assert decided(ErrorDriven(TH, identify="never"), [BAD, GOOD])[:2] == (Message.UPDATE, 0)
-    assert decided(ErrorDriven(TH, identify="never"), [GOOD, BAD])[:2] == (Message.NOTHING, 0)
+    assert decided(ErrorDriven(TH, identify="never"), [BAD, GOOD])[:2] == (MessageKind.UPDATE, 0)
+    assert decided(ErrorDriven(TH, identify="never"), [GOOD, BAD])[:2] == (MessageKind.NOTHING, 0)
 
 
 def test_the_best_of_those_that_hold_is_named() -> None:
     three = {"failed_s": (np.inf,) * 3, "available": (True,) * 3}
-    assert decided(ErrorDriven(TH), [BAD, FAIR, GOOD], **three)[:2] == (Message.IDENTIFICATION, 2)
+    assert decided(ErrorDriven(TH), [BAD, FAIR, GOOD], **three)[:2] == (MessageKind.IDENTIFICATION, 2)
 
 
 def test_only_best_switches_while_the_one_in_use_holds() -> None:
-    for identify, kind in (("on-failure", Message.NOTHING), ("final", Message.NOTHING)):
+    for identify, kind in (("on-failure", MessageKind.NOTHING), ("final", MessageKind.NOTHING)):
         assert decided(ErrorDriven(TH, identify=identify), [FAIR, GOOD])[:2] == (kind, 0)
-    assert decided(ErrorDriven(TH, identify="best"), [FAIR, GOOD])[:2] == (Message.IDENTIFICATION, 1)
+    assert decided(ErrorDriven(TH, identify="best"), [FAIR, GOOD])[:2] == (MessageKind.IDENTIFICATION, 1)
 
 
 def test_a_failure_is_final_until_the_next_update_only_under_final() -> None:
     """The first sub-model failed once and holds again; the second, in use, fails now."""
     case = {"in_use": 1, "failed_s": (0.2, np.inf)}
-    assert decided(ErrorDriven(TH, identify="final"), [GOOD, BAD], **case)[0] == Message.UPDATE
+    assert decided(ErrorDriven(TH, identify="final"), [GOOD, BAD], **case)[0] == MessageKind.UPDATE
     again = decided(ErrorDriven(TH, identify="on-failure"), [GOOD, BAD], **case)
-    assert again[:2] == (Message.IDENTIFICATION, 0)
+    assert again[:2] == (MessageKind.IDENTIFICATION, 0)
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_the_start_rule_names_the_sub_model_after_an_update(
     start: str, failed_s: tuple[float, float], expected: int
 ) -> None:
     kind, in_use, _ = decided(ErrorDriven(TH, start), [BAD, BAD], in_use=1, failed_s=failed_s)
-    assert (kind, in_use) == (Message.UPDATE, expected)
+    assert (kind, in_use) == (MessageKind.UPDATE, expected)
 
 
 @pytest.mark.parametrize("start", ["order", "keep", "survivor"])
@@ -108,25 +108,25 @@ def test_a_sub_model_without_a_full_window_never_starts(start: str) -> None:
 
 def test_silence_up_to_the_limit_calls_for_a_keep_alive() -> None:
     policy = ErrorDriven(TH, max_inter_transmit_time_s=2.0)
-    assert decided(policy, [GOOD, GOOD], silence_s=1.9)[0] == Message.NOTHING
+    assert decided(policy, [GOOD, GOOD], silence_s=1.9)[0] == MessageKind.NOTHING
     kind, _, failed_s = decided(policy, [GOOD, BAD], silence_s=2.0)
-    assert kind == Message.KEEP_ALIVE
+    assert kind == MessageKind.KEEP_ALIVE
     assert failed_s == [np.inf, np.inf]
-    assert decided(policy, [BAD, BAD], silence_s=2.0)[0] == Message.UPDATE
+    assert decided(policy, [BAD, BAD], silence_s=2.0)[0] == MessageKind.UPDATE
 
 
 def test_the_first_decision_is_an_update() -> None:
     for start in ("order", "keep", "survivor"):
         nothing = {"in_use": -1, "silence_s": np.inf}
         policy = ErrorDriven(TH, start, max_inter_transmit_time_s=2.0)
-        assert decided(policy, [np.inf, np.inf], **nothing)[:2] == (Message.UPDATE, 0)
+        assert decided(policy, [np.inf, np.inf], **nothing)[:2] == (MessageKind.UPDATE, 0)
 
 
 @given(errors=st.lists(st.floats(0.0, 2.0), min_size=1, max_size=40))
 def test_a_bank_of_one_never_identifies(errors: list[float]) -> None:
     policy = ErrorDriven(TH, max_inter_transmit_time_s=2.0)
     kinds, _ = driven(policy, np.array(errors)[:, None, None])
-    assert not (kinds == Message.IDENTIFICATION).any()
+    assert not (kinds == MessageKind.IDENTIFICATION).any()
 
 
 @given(
@@ -161,8 +161,10 @@ def driven(policy: ErrorDriven, errors: FloatArray) -> tuple[FloatArray, FloatAr
             available=np.ones((vehicles, members), dtype=np.bool_),
         )
         decisions, state = policy.decide(state, inputs, RNG)
-        update_s = np.where(np.isin(decisions.kind, (Message.UPDATE, Message.KEEP_ALIVE)), now, update_s)
-        message_s = np.where(decisions.kind != Message.NOTHING, now, message_s)
+        update_s = np.where(
+            np.isin(decisions.kind, (MessageKind.UPDATE, MessageKind.KEEP_ALIVE)), now, update_s
+        )
+        message_s = np.where(decisions.kind != MessageKind.NOTHING, now, message_s)
         kinds.append(decisions.kind)
         used.append(decisions.in_use)
     return np.array(kinds), np.array(used)
@@ -204,4 +206,4 @@ def test_impossible_settings_are_refused_by_name(arguments: dict[str, object], n
 
 
 def test_messages_have_labels_for_traces() -> None:
-    assert [kind.label for kind in Message] == ["nothing", "update", "identification", "keep-alive"]
+    assert [kind.label for kind in MessageKind] == ["nothing", "update", "identification", "keep-alive"]

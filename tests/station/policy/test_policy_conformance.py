@@ -11,7 +11,7 @@ from modelcast.station.policy.base import (
     AbstractTransmitPolicy,
     Air,
     Decisions,
-    Message,
+    MessageKind,
     Motion,
     TransmitInputs,
 )
@@ -146,9 +146,9 @@ def test_decisions_are_complete(policy: AbstractTransmitPolicy[Any]) -> None:
         assert now.until_s is not None
         for field in fields(decision):
             assert getattr(decision, field.name).shape == (VEHICLES,)
-        sends = decision.kind != Message.NOTHING
+        sends = decision.kind != MessageKind.NOTHING
         sent += sends
-        assert set(decision.kind.tolist()) <= set(Message)
+        assert set(decision.kind.tolist()) <= set(MessageKind)
         assert (np.isinf(decision.send_s) == ~sends).all()
         assert (decision.send_s[sends] >= now.t_s[sends]).all()
         assert (decision.send_s[sends] < now.until_s[sends]).all()

@@ -15,8 +15,8 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.trusted import Trusted
 from modelcast.runtime.trip import replay_kernels
-from modelcast.runtime.trip.walk import TripBank, Walk
-from modelcast.station.policy.base import Message
+from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.policy.base import MessageKind
 from modelcast.station.receiver.host import Host, HostState, Receipt
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.settings import EvaluationSettings
@@ -214,11 +214,11 @@ def test_fed_message_by_message_it_believes_what_the_replay_says(
     trip = dynamic_trips[name]
     settings = EvaluationSettings((0.2,), (0.4,), bank=bank, identify="best", protocol="recorded")
     case = make_case(trip, settings)
-    sender = TripBank(case.seen, bank, case.estimator)
-    walk = sender.walk(settings.policy(0.2, keep_alive=True))
+    sender = TripRuntime(case.seen, bank, case.estimator)
+    walk = sender.run(settings.policy(0.2, keep_alive=True))
     lost = draw_losses(case, settings)[0, :1]
     errors = replayed(case, sender, walk, lost, expiry_s=1.5)
-    number = np.cumsum(np.isin(walk.kind, (Message.UPDATE, Message.KEEP_ALIVE)))
+    number = np.cumsum(np.isin(walk.kind, (MessageKind.UPDATE, MessageKind.KEEP_ALIVE)))
     state, host = HostState(), Host(bank, expiry_s=1.5)
     for now, t_s in enumerate(trip.t_s):
         if walk.transmits[now] and not lost[0, now]:
@@ -233,10 +233,12 @@ def test_fed_message_by_message_it_believes_what_the_replay_says(
     assert 0 < np.isnan(errors[0]).sum() < len(trip)
 
 
-def sent(sender: TripBank, walk: Walk, now: int, number: int) -> ModelUpdate | SubModelIdentification:
+def sent(
+    sender: TripRuntime, walk: TripMessages, now: int, number: int
+) -> ModelUpdate | SubModelIdentification:
     """The message of this sample as it goes on the air."""
     t_s, used = float(sender.trip.t_s[now]), int(walk.in_use[now])
-    if walk.kind[now] == Message.IDENTIFICATION:
+    if walk.kind[now] == MessageKind.IDENTIFICATION:
         return SubModelIdentification(1, number, t_s, in_use=used)
     return ModelUpdate(
         1,
@@ -249,14 +251,16 @@ def sent(sender: TripBank, walk: Walk, now: int, number: int) -> ModelUpdate | S
     )
 
 
-def replayed(case: TripCase, sender: TripBank, walk: Walk, lost: BoolArray, *, expiry_s: float) -> FloatArray:
+def replayed(
+    case: TripCase, sender: TripRuntime, walk: TripMessages, lost: BoolArray, *, expiry_s: float
+) -> FloatArray:
     """The evaluation's replay in double precision: errors after, before, along, across, and age, (5, T)."""
     count = len(case.truth)
     errors = np.empty((5, 1, count))
     replay_kernels.replay(
-        sender.ready.members,
+        sender.own.ready.members,
         case.truth.t_s,
-        sender.samples,
+        sender.stated_m,
         sender.parameters,
         case.truth.position_m,
         case.direction,

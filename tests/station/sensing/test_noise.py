@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelcast.station.sensing.noise import DEFAULT_NOISE, NoiseEstimator, clipped_share
-from modelcast.station.sensing.velocity import sample_matrix, velocity_estimator_for
+from modelcast.station.sensing.sensing import position_noise_m, sample_matrix
+from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.sensors import SensorModel, sense
 
@@ -35,7 +36,7 @@ def noisy(noise_m: float, *, dt_s: float = 0.1, seed: int = 0, shift_m: float = 
 @pytest.mark.parametrize("dt_s", [0.1, 0.2])
 @pytest.mark.parametrize("noise_m", [0.001, 0.01, 0.1, 0.5])
 def test_white_noise_is_read_right(noise_m: float, dt_s: float) -> None:
-    found = DEFAULT_NOISE.standard_deviation_m(noisy(noise_m, dt_s=dt_s)) / noise_m
+    found = position_noise_m(noisy(noise_m, dt_s=dt_s)) / noise_m
     settled = found[found.size // 4 :]
     assert np.median(settled) == pytest.approx(1.0, rel=0.1)
     assert (np.abs(settled - 1.0) < SCATTER_RATIO).mean() > 0.8
@@ -47,7 +48,7 @@ def test_clipping_leaves_no_bias() -> None:
         estimator = NoiseEstimator("long", clip=clip, span_s=100.0)
         t = np.arange(0.0, 1200.0, 0.1)
         white = np.random.default_rng(4).standard_normal((t.size, 2))
-        found = estimator.standard_deviation_m(build_trajectory("made/1", t, white))
+        found = position_noise_m(build_trajectory("made/1", t, white), estimator)
         assert found[6000:].mean() == pytest.approx(1.0, rel=0.03)
 
 
@@ -65,7 +66,7 @@ def test_one_wrong_position_raises_the_estimate_by_the_binomials_of_its_order(or
     position = np.zeros((t.size, 2))
     position[100, 0] = 1.0
     estimator = NoiseEstimator("wide", order=order, clip=1e12, prior_samples=1.0, prior_m=1e-9, span_s=1e6)
-    found = estimator.standard_deviation_m(build_trajectory("made/1", t, position))
+    found = position_noise_m(build_trajectory("made/1", t, position), estimator)
     seen = order + 1  # the other differences are exactly zero, which a frozen receiver sends
     assert found[-1] ** 2 * (seen + 1) == pytest.approx(0.5, rel=1e-6)
     weights = np.array([comb(order, a) for a in range(order + 1)])
@@ -78,7 +79,7 @@ def test_the_future_changes_no_estimate(now: int, jump_m: float) -> None:
     position = trip.position_m.copy()
     position[now + 1 :] += jump_m
     changed = replace(trip, position_m=position)
-    before, after = (DEFAULT_NOISE.standard_deviation_m(one)[: now + 1] for one in (trip, changed))
+    before, after = (position_noise_m(one)[: now + 1] for one in (trip, changed))
     assert np.array_equal(before, after)
 
 
@@ -86,16 +87,14 @@ def test_the_future_changes_no_estimate(now: int, jump_m: float) -> None:
 def test_scaling_the_track_and_the_prior_scales_the_estimate(estimator: NoiseEstimator) -> None:
     trip = noisy(0.02)
     larger = replace(trip, position_m=8.0 * trip.position_m)
-    scaled = replace(estimator, prior_m=8.0 * estimator.prior_m).standard_deviation_m(larger)
-    assert scaled == pytest.approx(8.0 * estimator.standard_deviation_m(trip), rel=ROUNDING_RATIO)
+    scaled = position_noise_m(larger, replace(estimator, prior_m=8.0 * estimator.prior_m))
+    assert scaled == pytest.approx(8.0 * position_noise_m(trip, estimator), rel=ROUNDING_RATIO)
 
 
 @given(angle=st.floats(-7.0, 7.0), east_m=st.floats(-1e4, 1e4), north_m=st.floats(-1e4, 1e4))
 def test_moving_and_turning_the_frame_changes_nothing(angle: float, east_m: float, north_m: float) -> None:
     trip = noisy(0.02)
-    here, there = (
-        DEFAULT_NOISE.standard_deviation_m(one) for one in (trip, trip.moved(angle, (east_m, north_m)))
-    )
+    here, there = (position_noise_m(one) for one in (trip, trip.moved(angle, (east_m, north_m))))
     assert there == pytest.approx(here, rel=ROUNDING_RATIO)
 
 
@@ -105,7 +104,7 @@ def test_no_polynomial_below_the_order_is_noise_however_uneven_the_steps() -> No
     position = np.stack([20.0 * t - 3.0 * t**2 + 0.1 * t**3, 5.0 + 0.02 * t**3], axis=1)
     trip = build_trajectory("made/1", t, position)
     assert np.ptp(np.diff(trip.t_s)) > 0.03
-    assert replace(DEFAULT_NOISE, prior_m=1e-12).standard_deviation_m(trip).max() < 1e-9
+    assert position_noise_m(trip, replace(DEFAULT_NOISE, prior_m=1e-12)).max() < 1e-9
 
 
 def test_a_part_starts_with_what_was_known_before() -> None:
@@ -113,8 +112,8 @@ def test_a_part_starts_with_what_was_known_before() -> None:
     late = replace(
         whole, t_s=whole.t_s + np.where(np.arange(600) >= 300, 30.0, 0.0), segments=np.array([0, 300, 600])
     )
-    found = DEFAULT_NOISE.standard_deviation_m(late)
-    assert np.array_equal(found[:300], DEFAULT_NOISE.standard_deviation_m(whole)[:300])
+    found = position_noise_m(late)
+    assert np.array_equal(found[:300], position_noise_m(whole)[:300])
     assert (found[300:304] == found[299]).all()
     assert found[304] != found[299]
     assert (found[:4] == pytest.approx(DEFAULT_NOISE.prior_m)) is True
@@ -123,7 +122,7 @@ def test_a_part_starts_with_what_was_known_before() -> None:
 def test_a_receiver_that_repeats_its_position_tells_nothing() -> None:
     trip = noisy(0.05)
     position = np.where(np.arange(600)[:, None] < 300, trip.position_m, trip.position_m[299])
-    found = DEFAULT_NOISE.standard_deviation_m(replace(trip, position_m=position))
+    found = position_noise_m(replace(trip, position_m=position))
     assert (found[304:] == found[303]).all()
 
 
@@ -132,7 +131,7 @@ def test_one_jump_of_the_receiver_passes() -> None:
     trip = noisy(0.01)
     position = trip.position_m.copy()
     position[300:] += 5.0
-    found = DEFAULT_NOISE.standard_deviation_m(replace(trip, position_m=position))
+    found = position_noise_m(replace(trip, position_m=position))
     assert found[300:].max() < 0.02
 
 
@@ -140,7 +139,7 @@ def test_growing_noise_is_followed() -> None:
     trip = noisy(0.01)
     position = trip.position_m.copy()
     position[300:] += 0.3 * np.random.default_rng(9).standard_normal((300, 2))
-    found = DEFAULT_NOISE.standard_deviation_m(replace(trip, position_m=position))
+    found = position_noise_m(replace(trip, position_m=position))
     assert found[-1] == pytest.approx(0.3, rel=SCATTER_RATIO)
 
 
@@ -177,5 +176,5 @@ def test_noise_added_to_real_trips_is_read_right(dynamic_trips: dict[str, Trajec
 def test_real_trips_as_recorded_are_told_apart(dynamic_trips: dict[str, Trajectory]) -> None:
     """Nine receivers have well under 1 mm of white noise, one has 1-2 cm."""
     for name, trip in dynamic_trips.items():
-        median_m = np.median(DEFAULT_NOISE.standard_deviation_m(trip))
+        median_m = np.median(position_noise_m(trip))
         assert (0.008 < median_m < 0.03) if name == "BMW_I3" else median_m < 0.001

@@ -12,12 +12,11 @@ from modelcast.station.sensing.rates import (
     NO_RATES_BELOW_MPS,
     RATES_FROM_VELOCITY,
     RateEstimator,
-    course_rates,
 )
+from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.station.sensing.velocity import (
     DEFAULT_FROM_POSITIONS,
     VelocityEstimator,
-    sample_matrix,
     velocity_estimator_for,
 )
 from modelcast.trips.trajectory import Trajectory, build_trajectory
@@ -99,7 +98,7 @@ def test_a_standing_car_neither_accelerates_nor_turns() -> None:
     """Reported or not: a gyroscope has an offset, and positions have noise."""
     noise = np.random.default_rng(3).normal(0.0, 0.003, (80, 2))
     trip = build_trajectory("made/1", 0.1 * np.arange(80), noise)
-    velocity = DEFAULT_FROM_POSITIONS.velocity(trip)
+    velocity = sample_matrix(trip, DEFAULT_FROM_POSITIONS)[:, 2:4]
     slow = np.hypot(*velocity.T) < NO_RATES_BELOW_MPS
     assert slow.all()
     assert not rates(trip).any()
@@ -150,7 +149,7 @@ def test_a_gap_starts_afresh_without_rates(*, reported: bool) -> None:
 def test_turning_the_frame_changes_no_rate(estimator: RateEstimator) -> None:
     trip = weaving()
     found = [
-        course_rates(one, DEFAULT_FROM_POSITIONS.velocity(one), acceleration=estimator, yaw_rate=estimator)
+        sample_matrix(one, DEFAULT_FROM_POSITIONS, rates=estimator)[:, 4:6]
         for one in (trip, trip.moved(0.8, (0.0, 0.0)))
     ]
     assert np.abs(found[1] - found[0]).max() < ROUNDING_MPS2

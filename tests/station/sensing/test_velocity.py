@@ -6,13 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelcast.core.arrays import FloatArray
-from modelcast.station.sensing.noise import DEFAULT_NOISE
-from modelcast.station.sensing.rates import course_rates
+from modelcast.station.sensing.sensing import position_noise_m, sample_matrix
 from modelcast.station.sensing.velocity import (
     DEFAULT_FROM_POSITIONS,
     REPORTED,
     VelocityEstimator,
-    sample_matrix,
     velocity_estimator_for,
 )
 from modelcast.trips.trajectory import Trajectory, build_trajectory
@@ -45,7 +43,7 @@ def curved() -> Trajectory:
 def test_a_straight_constant_drive_gives_its_velocity_from_the_second_sample_on(
     estimator: VelocityEstimator,
 ) -> None:
-    velocity = estimator.velocity(along(uneven_times(40), (3.0, -2.0), (14.0, -9.0)))
+    velocity = sample_matrix(along(uneven_times(40), (3.0, -2.0), (14.0, -9.0)), estimator)[:, 2:4]
     assert np.abs(velocity[1:] - (14.0, -9.0)).max() < ROUNDING_MPS
 
 
@@ -55,7 +53,7 @@ def test_a_quadratic_gives_the_end_velocity_of_a_parabola_from_the_third_sample_
 ) -> None:
     trip = along(uneven_times(40), (0.0, 0.0), (14.0, 2.0), (-1.5, 0.8))
     expected = np.array([14.0, 2.0]) + 2.0 * np.outer(trip.t_s, (-1.5, 0.8))
-    assert np.abs(estimator.velocity(trip)[2:] - expected[2:]).max() < ROUNDING_MPS
+    assert np.abs(sample_matrix(trip, estimator)[:, 2:4][2:] - expected[2:]).max() < ROUNDING_MPS
 
 
 @pytest.mark.parametrize("estimator", SLOPES, ids=lambda one: one.name)
@@ -64,7 +62,7 @@ def test_a_slope_lags_a_parabola_by_half_its_window(estimator: VelocityEstimator
     lag_s = 0.05 * (estimator.window - 1)
     full = slice(estimator.window - 1, None)
     expected = 14.0 + 3.0 * (trip.t_s[full] - lag_s)
-    assert np.abs(estimator.velocity(trip)[full, 0] - expected).max() < ROUNDING_MPS
+    assert np.abs(sample_matrix(trip, estimator)[:, 2:4][full, 0] - expected).max() < ROUNDING_MPS
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS, ids=lambda one: one.name)
@@ -74,15 +72,17 @@ def test_the_future_changes_nothing(estimator: VelocityEstimator, now: int) -> N
     position = trip.position_m.copy()
     position[now + 1 :] += 5.0  # more would be a jump, which reading judges by what follows
     other = build_trajectory("made/1", trip.t_s, position)
-    assert np.array_equal(estimator.velocity(trip)[: now + 1], estimator.velocity(other)[: now + 1])
+    assert np.array_equal(
+        sample_matrix(trip, estimator)[:, 2:4][: now + 1], sample_matrix(other, estimator)[:, 2:4][: now + 1]
+    )
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS, ids=lambda one: one.name)
 def test_a_gap_starts_afresh_with_zero(estimator: VelocityEstimator) -> None:
     trip = curved()
     late = trip.t_s + np.where(np.arange(len(trip)) >= 25, 30.0, 0.0)
-    velocity = estimator.velocity(build_trajectory("made/1", late, trip.position_m))
-    alone = estimator.velocity(build_trajectory("made/2", trip.t_s[25:], trip.position_m[25:]))
+    velocity = sample_matrix(build_trajectory("made/1", late, trip.position_m), estimator)[:, 2:4]
+    alone = sample_matrix(build_trajectory("made/2", trip.t_s[25:], trip.position_m[25:]), estimator)[:, 2:4]
     assert np.array_equal(velocity[0], (0.0, 0.0))
     assert np.array_equal(velocity[25], (0.0, 0.0))
     assert np.abs(velocity[25:] - alone).max() < ROUNDING_MPS
@@ -93,13 +93,15 @@ def test_reported_velocity_is_speed_along_heading() -> None:
     trip = build_trajectory(
         "made/1", t, np.zeros((3, 2)), speed_mps=np.full(3, 10.0), heading_rad=np.array([0, 0.5, 1]) * np.pi
     )
-    assert REPORTED.velocity(trip) == pytest.approx(np.array([[0, 10], [10, 0], [0, -10]]), abs=1e-12)
+    assert sample_matrix(trip, REPORTED)[:, 2:4] == pytest.approx(
+        np.array([[0, 10], [10, 0], [0, -10]]), abs=1e-12
+    )
 
 
 def test_direction_only_takes_the_size_from_the_log() -> None:
     trip = curved()
     fast = build_trajectory("made/1", trip.t_s, trip.position_m, speed_mps=np.full(len(trip), 33.0))
-    velocity = VelocityEstimator("course", 2, direction_only=True).velocity(fast)
+    velocity = sample_matrix(fast, VelocityEstimator("course", 2, direction_only=True))[:, 2:4]
     assert np.hypot(*velocity[1:].T) == pytest.approx(33.0)
 
 
@@ -113,12 +115,13 @@ def test_a_log_without_heading_gets_the_default_estimator() -> None:
 
 def test_the_sample_matrix_holds_positions_velocities_rates_and_noise() -> None:
     trip = curved()
-    velocity = DEFAULT_FROM_POSITIONS.velocity(trip)
     samples = sample_matrix(trip, DEFAULT_FROM_POSITIONS)
+    slope = np.polynomial.Polynomial.fit(trip.t_s[6:10] - trip.t_s[9], trip.position_m[6:10, 0], 2).convert()
     assert np.array_equal(samples[:, :2], trip.position_m)
-    assert np.array_equal(samples[:, 2:4], velocity)
-    assert np.array_equal(samples[:, 4:6], course_rates(trip, velocity))
-    assert np.array_equal(samples[:, 6], DEFAULT_NOISE.standard_deviation_m(trip))
+    assert samples[9, 2] == pytest.approx(slope.coef[1])
+    turn = np.unwrap(np.arctan2(samples[:, 2], samples[:, 3]))
+    assert samples[30:, 5] == pytest.approx(np.gradient(turn, trip.t_s)[30:], abs=0.2)
+    assert np.array_equal(samples[:, 6], position_noise_m(trip))
 
 
 @pytest.mark.parametrize(("window", "degree"), [(1, 1), (2, 2), (3, 0), (5, 3), (-2, 1)])
@@ -132,4 +135,4 @@ def test_a_window_that_cannot_carry_the_degree_is_refused(window: int, degree: i
 )
 def test_a_missing_column_is_named(estimator: VelocityEstimator) -> None:
     with pytest.raises(ValueError, match="needs speed"):
-        estimator.velocity(curved())
+        sample_matrix(curved(), estimator)[:, 2:4]

@@ -53,7 +53,7 @@ def loop_constants(sender: FleetSender, dt_s: float) -> LoopConstants:
     else:
         rule, interval_s = RULE_CAM, policy.triggering.min_inter_transmit_time_s
         control, control_constants, share = _control(policy)
-    count, clip, kept, prior_samples, free = DEFAULT_NOISE.step_constants(dt_s)
+    noise = DEFAULT_NOISE.numbers(dt_s)
     signed = stack.certificates != "unsigned"
     around = stack.frame_bytes(np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.bool_))[0]
     return LoopConstants(
@@ -75,14 +75,7 @@ def loop_constants(sender: FleetSender, dt_s: float) -> LoopConstants:
             ],
             dtype=np.float64,
         ),
-        noise=(
-            kept * DEFAULT_NOISE.prior_m * DEFAULT_NOISE.prior_m,
-            count,
-            clip,
-            kept,
-            prior_samples,
-            float(free),
-        ),
+        noise=(noise.first_mean, noise.averaged, noise.clip, noise.share, noise.prior_count, noise.free),
         critical_mps2=critical_mps2,
     )
 

@@ -12,7 +12,6 @@ from modelcast.core.kernel_types import (
     IntVector,
 )
 from modelcast.models.member_kernels import Members, predict_member
-from modelcast.models.point_kernels import EAST, NORTH
 from modelcast.station.policy.error_driven_kernels import IDENTIFICATION, NOTHING
 
 __all__ = ["replay"]
@@ -24,7 +23,7 @@ _TIME_SLACK_S = 1e-9
 def replay(
     members: Members,
     t_s: FloatVector,
-    samples: FloatMatrix,
+    stated_m: FloatMatrix,
     parameters: FloatMatrix,
     truth_m: FloatMatrix,
     direction: FloatMatrix,
@@ -44,7 +43,8 @@ def replay(
     ``lost`` (R, T) says which instants' messages never arrive; ``truth_m`` (T, 2) and the unit vectors
     ``direction`` (T, 2) are joined only here. Writes ``errors`` (5, R, T): the tracking error after and
     before the instant's message, its parts along and across the track, and the age of the model held, all
-    NaN where the host holds nothing (nothing came yet, or it expired). ``gaps_s`` (R, T) receives the gaps
+    NaN where the host holds nothing (nothing came yet, or it expired). ``stated_m`` (T, 2) are the positions
+    that messages state. ``gaps_s`` (R, T) receives the gaps
     between receptions of each run and ``gap_count`` (R,) their number.
     """
     runs, count = lost.shape
@@ -69,8 +69,8 @@ def replay(
                     continue
                 if not touched and held >= 0 and t_s[j] - received_s <= expiry_s:
                     predict_member(members, member, own, t_s[j] - t_s[held], displacement)
-                    east = samples[held, EAST] + displacement[0] - truth_m[j, 0]
-                    north = samples[held, NORTH] + displacement[1] - truth_m[j, 1]
+                    east = stated_m[held, 0] + displacement[0] - truth_m[j, 0]
+                    north = stated_m[held, 1] + displacement[1] - truth_m[j, 1]
                     before = np.sqrt(east * east + north * north)
                 touched = True
                 arrival_s = t_s[i] + delay_s
@@ -90,8 +90,8 @@ def replay(
                 errors[:, run, j] = np.nan
                 continue
             predict_member(members, member, own, t_s[j] - t_s[held], displacement)
-            east = samples[held, EAST] + displacement[0] - truth_m[j, 0]
-            north = samples[held, NORTH] + displacement[1] - truth_m[j, 1]
+            east = stated_m[held, 0] + displacement[0] - truth_m[j, 0]
+            north = stated_m[held, 1] + displacement[1] - truth_m[j, 1]
             after = np.sqrt(east * east + north * north)
             errors[0, run, j] = after
             errors[1, run, j] = before if touched else after

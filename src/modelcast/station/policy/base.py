@@ -14,7 +14,7 @@ __all__ = [
     "AbstractTransmitPolicy",
     "Air",
     "Decisions",
-    "Message",
+    "MessageKind",
     "Motion",
     "TransmitInputs",
     "required",
@@ -23,7 +23,7 @@ __all__ = [
 State = TypeVar("State")
 
 
-class Message(IntEnum):
+class MessageKind(IntEnum):
     """What a vehicle transmits at an instant."""
 
     NOTHING = kernels.NOTHING
@@ -142,12 +142,12 @@ def required(part: Part | None, name: str, policy: str) -> Part:
 
 @dataclass(frozen=True, slots=True)
 class Decisions:
-    """What B vehicles do: a `Message` each, the sub-model in use afterwards, and how it is sent.
+    """What B vehicles do: a `MessageKind` each, the sub-model in use afterwards, and how it is sent.
 
     Parameters
     ----------
     kind
-        `Message` values, (B,).
+        `MessageKind` values, (B,).
     in_use
         Index of the sub-model, (B,).
     send_s
@@ -169,7 +169,7 @@ class Decisions:
     @classmethod
     def at_once(cls, kind: IntArray, in_use: IntArray, t_s: FloatArray) -> "Decisions":
         """Messages that leave now, at the radio's own power, and are taken for received."""
-        sends = kind != Message.NOTHING
+        sends = kind != MessageKind.NOTHING
         return cls(
             kind,
             in_use,

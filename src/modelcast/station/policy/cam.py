@@ -14,7 +14,13 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray, owned
 from modelcast.station.policy import cam_kernels as kernels
 from modelcast.station.policy import dcc_kernels
-from modelcast.station.policy.base import AbstractTransmitPolicy, Decisions, Message, TransmitInputs, required
+from modelcast.station.policy.base import (
+    AbstractTransmitPolicy,
+    Decisions,
+    MessageKind,
+    TransmitInputs,
+    required,
+)
 from modelcast.station.policy.dcc import AdaptiveDcc, ReactiveDcc
 
 __all__ = ["CamState", "CamTriggering", "CooperativeAwareness"]
@@ -217,5 +223,5 @@ class CooperativeAwareness(AbstractTransmitPolicy[CamState]):
             control_constants,
             sends,
         )
-        kind = np.where(sends, Message.UPDATE, Message.NOTHING).astype(np.int64)
+        kind = np.where(sends, MessageKind.UPDATE, MessageKind.NOTHING).astype(np.int64)
         return Decisions.at_once(kind, np.zeros_like(kind), inputs.t_s), CamState(rows, control)

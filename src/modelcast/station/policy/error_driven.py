@@ -31,6 +31,7 @@ _STARTS = {
     "predicted": kernels.START_PREDICTED,
     "hindsight": kernels.START_HINDSIGHT,
     "guarded": kernels.START_GUARDED,
+    "recent": kernels.START_RECENT,
 }
 _IDENTIFIES = {
     "on-failure": kernels.IDENTIFY_ON_FAILURE,

@@ -22,6 +22,7 @@ __all__ = [
     "START_KEEP",
     "START_ORDER",
     "START_PREDICTED",
+    "START_RECENT",
     "START_SURVIVOR",
     "UPDATE",
     "class_of",
@@ -34,8 +35,10 @@ __all__ = [
 NOTHING, UPDATE, IDENTIFICATION, KEEP_ALIVE = range(4)
 """Kinds of decision; a keep-alive is a model update that silence, not error, called for."""
 
-START_ORDER, START_KEEP, START_SURVIVOR, START_PREDICTED, START_HINDSIGHT, START_GUARDED = range(6)
-"""Start rules; those from `START_PREDICTED` on read scores."""
+START_ORDER, START_KEEP, START_SURVIVOR, START_PREDICTED, START_HINDSIGHT, START_GUARDED, START_RECENT = (
+    range(7)
+)
+"""Start rules; those from `START_PREDICTED` to `START_GUARDED` read scores."""
 
 IDENTIFY_ON_FAILURE, IDENTIFY_FINAL, IDENTIFY_BEST, IDENTIFY_NEVER, IDENTIFY_CHEAPEST = range(5)
 
@@ -53,7 +56,7 @@ def start_member(
     """Sub-model to use after an update; -1 where none has a full window.
 
     ``scores`` (M,) say how long each is predicted to last if sent now, in any unit that rises with it; NaN
-    where nothing is predicted. Rules from `START_PREDICTED` on read them.
+    where nothing is predicted. Rules from `START_PREDICTED` to `START_GUARDED` read them.
     """
     first = -1
     for m in range(available.size):

@@ -17,7 +17,13 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray, owned
 from modelcast.station.policy import j2945_kernels as kernels
-from modelcast.station.policy.base import AbstractTransmitPolicy, Decisions, Message, TransmitInputs, required
+from modelcast.station.policy.base import (
+    AbstractTransmitPolicy,
+    Decisions,
+    MessageKind,
+    TransmitInputs,
+    required,
+)
 from modelcast.station.policy.j2945_parameters import J2945Parameters
 
 __all__ = ["J2945", "Cause", "J2945State", "max_inter_transmit_time", "transmit_probability"]
@@ -164,7 +170,7 @@ class J2945(AbstractTransmitPolicy[J2945State]):
             power_dbm,
             believed,
         )
-        kind = np.where(cause != Cause.NOTHING, Message.UPDATE, Message.NOTHING).astype(np.int64)
+        kind = np.where(cause != Cause.NOTHING, MessageKind.UPDATE, MessageKind.NOTHING).astype(np.int64)
         decisions = Decisions(
             kind, np.zeros_like(kind), send_s=send_s, power_dbm=power_dbm, believed=believed
         )

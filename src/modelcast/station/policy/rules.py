@@ -4,7 +4,7 @@ from typing import Literal
 
 __all__ = ["IdentifyRule", "StartRule"]
 
-StartRule = Literal["order", "keep", "survivor", "predicted", "hindsight", "guarded"]
+StartRule = Literal["order", "keep", "survivor", "predicted", "hindsight", "guarded", "recent"]
 """Sub-model in use after an update, as `modelcast.station.policy.error_driven.ErrorDriven` describes them."""
 
 IdentifyRule = Literal["on-failure", "final", "best", "never", "cheapest"]

@@ -11,7 +11,7 @@ import numpy as np
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import BoolVector, FloatCube, FloatMatrix, FloatVector
 
-__all__ = ["CONSTANTS", "STATES", "advance", "correct", "filter_fleet", "shown", "start"]
+__all__ = ["CONSTANTS", "STATES", "advance", "correct", "filter_fleet", "follow", "shown", "start"]
 
 STATES = 6
 
@@ -136,6 +136,26 @@ def shown(seen: FloatVector, slowest_mps: float, state: FloatVector, out: FloatV
 
 
 @kernel
+def follow(
+    elapsed_s: float,
+    seen: FloatVector,
+    fresh: bool,
+    slowest_mps: float,
+    c: FloatVector,
+    state: FloatVector,
+    spread: FloatMatrix,
+    out: FloatVector,
+) -> None:
+    """Take in what a vehicle sees, (6,), and write what it takes for its motion into ``out`` (6,)."""
+    if fresh:
+        start(seen, c, state, spread)
+    else:
+        advance(elapsed_s, seen[3], c, state, spread)
+        correct(seen, c, state, spread)
+    shown(seen, slowest_mps, state, out)
+
+
+@kernel
 def filter_fleet(
     dt_s: float,
     seen: FloatMatrix,
@@ -152,9 +172,4 @@ def filter_fleet(
         if not active[v]:
             out[v] = seen[v]
             continue
-        if fresh[v]:
-            start(seen[v], c, states[v], spreads[v])
-        else:
-            advance(dt_s, seen[v, 3], c, states[v], spreads[v])
-            correct(seen[v], c, states[v], spreads[v])
-        shown(seen[v], slowest_mps, states[v], out[v])
+        follow(dt_s, seen[v], fresh[v], slowest_mps, c, states[v], spreads[v], out[v])

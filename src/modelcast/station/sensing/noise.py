@@ -10,9 +10,7 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray
-from modelcast.station.sensing.noise_kernels import difference_variances, settle
-from modelcast.trips.trajectory import Trajectory
+from modelcast.station.sensing.sensing_kernels import NoiseNumbers
 
 __all__ = ["DEFAULT_NOISE", "NoiseEstimator", "clipped_share"]
 
@@ -53,16 +51,8 @@ class NoiseEstimator:
     two squares of normal numbers at ``c`` times its own mean leaves the share s that solves
     ``s = 1 - exp(-c·s)``, which is divided out.
 
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from modelcast.trips.trajectory import build_trajectory
-    >>> t = np.arange(0.0, 60.0, 0.1)
-    >>> circle = 50.0 * np.stack([np.sin(0.3 * t), np.cos(0.3 * t)], axis=1)
-    >>> noise = 0.05 * np.random.default_rng(1).standard_normal(circle.shape)
-    >>> trip = build_trajectory("made/1", t, circle + noise)
-    >>> DEFAULT_NOISE.standard_deviation_m(trip)[[0, 100, -1]].round(2)
-    array([0.01, 0.05, 0.05])
+    The mean lasts through gaps; only differences start afresh behind one. A receiver that repeats its
+    position exactly tells nothing, and the estimate stays.
     """
 
     name: str
@@ -83,34 +73,24 @@ class NoiseEstimator:
         if not (np.isfinite(self.clip) and self.clip > 1.0):
             raise ValueError(f"clip must be finite and exceed 1, got {self.clip}")
 
-    def standard_deviation_m(self, trip: Trajectory) -> FloatArray:
-        """Noise of the positions at every sample, from that sample and earlier ones, (T,) [m].
-
-        The mean lasts through gaps; only differences start afresh behind one. A receiver that repeats its
-        position exactly tells nothing, and the estimate stays.
-
-        Parameters
-        ----------
-        trip
-            What the sender sees.
-        """
-        squares = np.empty(len(trip))
-        difference_variances(trip.t_s, trip.position_m, trip.segment_start, self.order, squares)
-        out = np.empty(len(trip))
-        count, clip, share, prior_samples, free = self.step_constants(trip.dt_s)
-        settle(squares, count, clip, share, self.prior_m, prior_samples, free, out)
-        return out
-
-    def step_constants(self, dt_s: float) -> tuple[float, float, float, float, int]:
-        """The trailing arguments of `noise_kernels.settled`, for who takes one sample at a time.
+    def numbers(self, dt_s: float) -> NoiseNumbers:
+        """Numbers that compiled sensing takes, at a sampling interval [s].
 
         Parameters
         ----------
         dt_s
             Sampling interval [s].
         """
-        count = max(self.span_s / dt_s, 1.0)
-        return count, self.clip, clipped_share(self.clip), self.prior_samples, _FREE
+        share = clipped_share(self.clip)
+        return NoiseNumbers(
+            max(self.span_s / dt_s, 1.0),
+            self.clip,
+            share,
+            self.prior_samples,
+            float(_FREE),
+            self.order,
+            share * self.prior_m * self.prior_m,
+        )
 
 
 def clipped_share(clip: float) -> float:

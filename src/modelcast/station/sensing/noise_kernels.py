@@ -1,11 +1,9 @@
 """Compiled online estimate of white position noise from divided differences of past positions."""
 
-from math import sqrt
-
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntVector
+from modelcast.core.kernel_types import FloatMatrix, FloatVector
 
-__all__ = ["difference_variance", "difference_variances", "settle", "settled"]
+__all__ = ["difference_variance", "settled"]
 
 
 @kernel
@@ -29,17 +27,6 @@ def difference_variance(t_s: FloatVector, position_m: FloatMatrix, i: int, order
 
 
 @kernel
-def difference_variances(
-    t_s: FloatVector, position_m: FloatMatrix, segment_start: IntVector, order: int, out: FloatVector
-) -> None:
-    """`difference_variance` at every sample into ``out`` (T,); -1 where a part has too few samples yet."""
-    for i in range(t_s.size):
-        out[i] = -1.0
-        if i - segment_start[i] >= order:
-            out[i] = difference_variance(t_s, position_m, i, order)
-
-
-@kernel
 def settled(
     square: float,
     mean: float,
@@ -50,36 +37,15 @@ def settled(
     prior_count: float,
     free: float,
 ) -> tuple[float, float]:
-    """Take one square into the running mean: (mean, how many were seen); arguments as in `settle`.
+    """Take one square into the running mean, clipped at a multiple of it: (mean, how many were seen).
 
-    The mean starts at ``share * prior * prior`` with none seen; the noise is ``sqrt(mean / share)``.
+    ``count`` values are averaged (exponentially), fewer at the start; the first ``free`` are not clipped. The
+    mean starts at ``share * prior * prior`` with none seen; the noise is ``sqrt(mean / share)``, where
+    ``share`` is what clipping leaves of the mean of white noise. A square of zero is passed over: the
+    receiver froze.
     """
     if square > 0.0:
         seen += 1.0
         square = share * square if seen <= free else min(square, clip * mean)
         mean += (square - mean) / min(prior_count + seen, count)
     return mean, seen
-
-
-@kernel
-def settle(
-    squares: FloatVector,
-    count: float,
-    clip: float,
-    share: float,
-    prior: float,
-    prior_count: float,
-    free: int,
-    out: FloatVector,
-) -> None:
-    """Running mean of squares, each clipped at a multiple of the mean so far; its root into ``out`` (T,).
-
-    ``count`` values are averaged (exponentially), fewer at the start; the first ``free`` are not clipped.
-    ``share`` is what clipping leaves of the mean of white noise. Negative and zero values are passed over:
-    they say that there was no difference, or that the receiver froze.
-    """
-    mean = share * prior * prior
-    seen = 0.0
-    for i in range(squares.size):
-        mean, seen = settled(squares[i], mean, seen, count, clip, share, prior_count, free)
-        out[i] = sqrt(mean / share)

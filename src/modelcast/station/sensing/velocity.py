@@ -8,20 +8,12 @@ always share one estimator.
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from modelcast.core.arrays import FloatArray
-from modelcast.core.geodesy import heading_to_velocity
-from modelcast.station.sensing.noise import DEFAULT_NOISE
-from modelcast.station.sensing.rates import course_rates
-from modelcast.station.sensing.velocity_kernels import end_slopes
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = [
     "DEFAULT_FROM_POSITIONS",
     "REPORTED",
     "VelocityEstimator",
-    "sample_matrix",
     "velocity_estimator_for",
 ]
 
@@ -58,33 +50,6 @@ class VelocityEstimator:
         if self.window and self.window <= self.degree:
             raise ValueError(f"window must exceed the degree {self.degree}, got {self.window}")
 
-    def velocity(self, trip: Trajectory) -> FloatArray:
-        """East and north velocity at every sample from that sample and earlier ones, (T, 2) [m/s].
-
-        Parameters
-        ----------
-        trip
-            What the sender sees.
-
-        Raises
-        ------
-        ValueError
-            Where the trip lacks the columns that the estimator needs.
-        """
-        speed = trip.speed_mps
-        if self.window == 0:
-            if speed is None or trip.heading_rad is None:
-                raise ValueError(f"{trip.trip_id}: '{self.name}' needs speed and heading")
-            return heading_to_velocity(speed, trip.heading_rad)
-        slopes = np.empty_like(trip.position_m)
-        end_slopes(trip.t_s, trip.position_m, trip.segment_start, self.window, self.degree, slopes)
-        if not self.direction_only:
-            return slopes
-        if speed is None:
-            raise ValueError(f"{trip.trip_id}: '{self.name}' needs speed")
-        size = np.hypot(slopes[:, 0], slopes[:, 1])
-        return slopes * (speed / np.maximum(size, 1e-9))[:, None]
-
 
 REPORTED = VelocityEstimator("reported", 0)
 """Speed along heading, as the log (or the vehicle's CAN and GNSS) reports them."""
@@ -106,23 +71,3 @@ def velocity_estimator_for(trip: Trajectory, *, speed_is_stuck: bool = False) ->
     """
     reported = trip.speed_mps is not None and trip.heading_rad is not None and not speed_is_stuck
     return REPORTED if reported else DEFAULT_FROM_POSITIONS
-
-
-def sample_matrix(trip: Trajectory, estimator: VelocityEstimator) -> FloatArray:
-    """What windows are cut from, (T, 7).
-
-    East, north [m], their velocities [m/s], acceleration along the course [m/s²], yaw rate, clockwise
-    [rad/s], and position noise an axis [m], at every sample; all from that sample and earlier ones.
-
-    Parameters
-    ----------
-    trip
-        What the sender sees.
-    estimator
-        Of the velocity. Acceleration and yaw rate are those of
-        `modelcast.station.sensing.rates.course_rates`, the noise that of
-        `modelcast.station.sensing.noise.DEFAULT_NOISE`.
-    """
-    velocity = estimator.velocity(trip)
-    noise = DEFAULT_NOISE.standard_deviation_m(trip)[:, None]
-    return np.ascontiguousarray(np.hstack([trip.position_m, velocity, course_rates(trip, velocity), noise]))

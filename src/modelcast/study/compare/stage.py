@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.compare.result import ReferenceRatio
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.reference import count_references, pooled_references
 from modelcast.study.result import POOLED, ReferenceRow
+from modelcast.study.settings import BASELINE_BANK
 from modelcast.study.tracking import LossRuns
 from modelcast.trips.trajectory import Trajectory
 
@@ -30,7 +31,7 @@ class StagedTrip:
     """
 
     case: TripCase
-    baseline: TripBank
+    baseline: TripRuntime
     losses: LossRuns
 
 
@@ -50,7 +51,7 @@ def stage_trips(trips: Sequence[Trajectory], settings: CompareSettings) -> dict[
         staged[protocol] = []
         for trip in trips:
             case = make_case(trip, own)
-            baseline = TripBank(case.seen, own.baseline_bank, case.estimator)
+            baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator, quantised=own.quantised)
             staged[protocol].append(StagedTrip(case, baseline, LossRuns(case, baseline, own)))
     return staged
 
@@ -75,7 +76,7 @@ def reference_ratios(staged: dict[str, list[StagedTrip]], settings: CompareSetti
         pooled = pooled_references([replace(row, trip=POOLED) for row in rows])
         for threshold_m in settings.evaluation.thresholds_m:
             policy = settings.evaluation.policy(threshold_m, keep_alive=False)
-            baseline = sum(trip.baseline.walk(policy).updates for trip in trips)
+            baseline = sum(trip.baseline.run(policy).updates for trip in trips)
             found += [
                 ReferenceRatio(row.reference, protocol, threshold_m, row.messages / baseline)
                 for row in pooled

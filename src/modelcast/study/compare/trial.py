@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 
 from modelcast.core.arrays import IntArray, SingleArray
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.compare.candidate import AbstractCandidate
 from modelcast.study.compare.result import CandidateRow, CountRow
 from modelcast.study.compare.stage import StagedTrip
@@ -143,7 +143,14 @@ def run_trial(
     numbers: list[int] = route.tolist()
     for trip, number in zip(staged, numbers, strict=True):
         settings = folds[number]
-        ready = TripBank(trip.case.seen, settings.sent_bank, trip.case.estimator, settings.selector_in_use)
+        ready = TripRuntime(
+            trip.case.seen,
+            settings.bank,
+            trip.case.estimator,
+            settings.selector_in_use,
+            quantised=settings.quantised,
+            sensed=trip.baseline.sensed,
+        )
         trial.counts.extend(_count_rows(name, protocol, trip, ready, settings, route=number))
         _add_errors(trial, trip, ready, settings)
         step()
@@ -151,7 +158,13 @@ def run_trial(
 
 
 def _count_rows(
-    name: str, protocol: str, trip: StagedTrip, ready: TripBank, settings: EvaluationSettings, *, route: int
+    name: str,
+    protocol: str,
+    trip: StagedTrip,
+    ready: TripRuntime,
+    settings: EvaluationSettings,
+    *,
+    route: int,
 ) -> list[CountRow]:
     """The messages of one trip at every threshold, beside the baseline's."""
     counts = [count for count, _ in count_rates(trip.case, ready, trip.baseline, settings)]
@@ -175,14 +188,14 @@ def _count_rows(
     ]
 
 
-def _add_errors(trial: Trial, trip: StagedTrip, ready: TripBank, settings: EvaluationSettings) -> None:
+def _add_errors(trial: Trial, trip: StagedTrip, ready: TripRuntime, settings: EvaluationSettings) -> None:
     """Add one trip's errors to every group."""
     ratios = len(settings.packet_error_ratios)
     if not ratios:
         return
     for at, threshold_m in enumerate(settings.thresholds_m):
         policy = settings.policy(threshold_m, keep_alive=True)
-        walk = ready.walk(policy)
+        walk = ready.run(policy)
         own = trip.losses.walked(ready, walk, Contender("mbc", ready.bank.name, None, threshold_m))
         rest = trip.losses.equal_rate(policy, walk.updates + walk.identifications, "total")
         runs: list[TrackingRun] = [own, *rest]

@@ -15,7 +15,7 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.calibration import LEVELS, Calibration, course_axes, gaussian_radius, widened
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.case import TripCase
 
 __all__ = [
@@ -107,7 +107,7 @@ def prediction_errors(
     """
     wanted_s = np.asarray(horizons_s, dtype=np.float64)
     seen, truth = case.seen, case.truth
-    ready = TripBank(seen, Bank((member,)), case.estimator)
+    ready = TripRuntime(seen, Bank((member,)), case.estimator)
     at = fitted_at(case, member, stride)
     ready.fit_at(at)
     parameters = np.ascontiguousarray(ready.parameters[at, : len(member.parameter_names)])

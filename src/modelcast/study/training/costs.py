@@ -8,7 +8,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.rules import StartRule
@@ -83,7 +83,7 @@ def train_costs(
         Where no case has a second update.
     """
     settings = CostSettings() if settings is None else settings
-    ready = [TripBank(case.seen, bank, case.estimator, selector) for case in cases]
+    ready = [TripRuntime(case.seen, bank, case.estimator, selector) for case in cases]
     lives: list[float] = []
     tables: list[FloatArray] = []
     for threshold_m in settings.thresholds_m:
@@ -102,7 +102,7 @@ def train_costs(
 
 
 def _count(
-    ready: Sequence[TripBank], policy: ErrorDriven, settings: CostSettings
+    ready: Sequence[TripRuntime], policy: ErrorDriven, settings: CostSettings
 ) -> tuple[float, FloatArray]:
     """Mean life of an update, and the table of one threshold (M, ages, shares) [s]."""
     members = len(ready[0].bank.members) if ready else 0
@@ -110,16 +110,16 @@ def _count(
     total_s, count = np.zeros(shape), np.zeros(shape)
     duration_s, updates = 0.0, 0
     for one in ready:
-        walk = one.walk(policy)
+        walk = one.run(policy)
         duration_s += one.trip.duration_s
         updates += walk.updates
         selection_kernels.count_residual(
-            one.ready.members,
+            one.own.ready.members,
             one.parameters,
             one.trip.t_s,
             one.samples,
             walk.update_index,
-            walk.tracking_error_m,
+            one.tracking_error_m(walk),
             policy.threshold_m,
             settings.longest_s,
             np.array(settings.age_edges_s),

@@ -28,8 +28,8 @@ from modelcast.models.point_kernels import (
     VELOCITY_NORTH,
     YAW_RATE,
 )
-from modelcast.station.sensing.noise import DEFAULT_NOISE
-from modelcast.station.sensing.velocity import sample_matrix, velocity_estimator_for
+from modelcast.station.sensing.sensing import position_noise_m, sample_matrix
+from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.study.training.descent import Descent, Lesson, descend
 from modelcast.study.training.inputs import window_inputs
 from modelcast.study.training.playback import DEFAULT_PLAYBACKS, Playback
@@ -229,7 +229,7 @@ def _ends(viewed: Viewed, settings: LearnedSettings, noises_m: tuple[float, floa
     last = np.repeat(trip.segments[1:] - 1, np.diff(trip.segments))
     enough = np.arange(len(trip)) - trip.segment_start >= settings.features.lags
     enough &= trip.dt_s >= LAG_STEP_S * SHORTEST_SPAN  # else so many samples do not reach back far enough
-    noise_m = DEFAULT_NOISE.standard_deviation_m(trip)
+    noise_m = position_noise_m(trip)
     enough &= (noise_m >= noises_m[0] / _OVERLAP) & (noise_m <= noises_m[1] * _OVERLAP)
     return np.flatnonzero(enough & (trip.t_s[last] - trip.t_s >= settings.longest_s))
 

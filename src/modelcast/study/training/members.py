@@ -7,7 +7,7 @@ import numpy as np
 
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.guard import unguarded
 from modelcast.station.policy.rules import IdentifyRule, StartRule
@@ -181,8 +181,8 @@ def _messages(cases: Sequence[TripCase], bank: Bank, settings: MemberSettings) -
     total = 0
     start = unguarded(settings.start)
     for case in cases:
-        ready = TripBank(case.seen, bank, case.estimator)
+        ready = TripRuntime(case.seen, bank, case.estimator)
         for threshold_m in settings.thresholds_m:
-            walk = ready.walk(ErrorDriven(threshold_m, start, settings.identify))
+            walk = ready.run(ErrorDriven(threshold_m, start, settings.identify))
             total += walk.updates + walk.identifications
     return float(total)

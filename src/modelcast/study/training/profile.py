@@ -25,7 +25,7 @@ from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.profile import MOST_MEMBERS, Profile
 from modelcast.models.regimes import REGIME_BANK, Regimes
 from modelcast.models.trusted import Trusted
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.guard import GUARD, unguarded
@@ -366,9 +366,9 @@ def _figures(folds: Sequence[_Judged], names: Sequence[str], settings: ProfileSe
             for protocol, cases in fold.cases.items():
                 row = found.setdefault(name, {}).setdefault(protocol, [0] * len(settings.thresholds_m))
                 for case in cases:
-                    ready = TripBank(case.seen, bank, case.estimator)
+                    ready = TripRuntime(case.seen, bank, case.estimator)
                     for at, threshold_m in enumerate(settings.thresholds_m):
-                        walk = ready.walk(ErrorDriven(threshold_m, start, rules.identify))
+                        walk = ready.run(ErrorDriven(threshold_m, start, rules.identify))
                         row[at] += walk.updates + walk.identifications
     return {
         "counted_on": "routes left out" if settings.validate else "training trips",

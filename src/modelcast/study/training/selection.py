@@ -13,7 +13,7 @@ from modelcast.core.arrays import BoolArray, FloatArray
 from modelcast.core.chance import child_generator
 from modelcast.models.bank import Bank
 from modelcast.models.learned import FeatureMap, Perceptron, Selector
-from modelcast.runtime.trip.walk import TripBank
+from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.case import TripCase
 from modelcast.study.training import selection_kernels
 from modelcast.study.training.descent import Descent, LayerAverage, make_regressor
@@ -136,7 +136,7 @@ def train_selector(
     )
 
 
-def member_lives_s(ready: TripBank, thresholds_m: FloatArray, longest_s: float) -> FloatArray:
+def member_lives_s(ready: TripRuntime, thresholds_m: FloatArray, longest_s: float) -> FloatArray:
     """How long every sub-model fitted at every sample holds, (T, thresholds, M) [s].
 
     0 where a member had no full window, NaN where the trip ends before the answer.
@@ -157,7 +157,7 @@ def member_lives_s(ready: TripBank, thresholds_m: FloatArray, longest_s: float) 
     for m, window in enumerate(bank.windows):
         own = np.empty((count, thresholds_m.size))
         selection_kernels.survivals(
-            ready.ready.members,
+            ready.own.ready.members,
             m,
             np.ascontiguousarray(ready.parameters[:, bank.offsets[m] : bank.offsets[m + 1]]),
             history >= window,
@@ -177,7 +177,7 @@ def _rows(cases: Sequence[TripCase], bank: Bank, settings: SelectorSettings) -> 
     lives: list[FloatArray] = []
     features, thresholds_m = settings.features, np.array(settings.thresholds_m)
     for case in cases:
-        ready = TripBank(case.seen, bank, case.estimator)
+        ready = TripRuntime(case.seen, bank, case.estimator)
         own = member_lives_s(ready, thresholds_m, settings.longest_s).reshape(len(case.seen), -1)
         window = features.window_at(case.seen.dt_s)
         history = np.arange(len(case.seen)) - case.seen.segment_start + 1

@@ -8,7 +8,8 @@ import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.models.base import AbstractMotionModel, Windows
-from modelcast.station.sensing.velocity import sample_matrix, velocity_estimator_for
+from modelcast.station.sensing.sensing import sample_matrix
+from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["TrainingWindows", "survival_s", "training_windows"]

@@ -1,0 +1,189 @@
+"""What stations hold, as plain arrays that compiled steps write: one vehicle is a batch of one.
+
+V vehicles measure (`Sensed`) and fit sub-models (`Fits`). L *lanes* decide: each is one sender of one
+vehicle, by one rule at one threshold, so that all that decide over the same samples share the fits. A vehicle
+on the road has one lane; an evaluation has one a threshold; a guarded sender has two more, which stay silent.
+Samples of a vehicle are numbered from 0; the rings hold them at their number modulo the ring's length.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from modelcast.core.kernel_types import (
+    BoolMatrix,
+    BoolVector,
+    FloatCube,
+    FloatMatrix,
+    FloatVector,
+    IntCube,
+    IntMatrix,
+    IntVector,
+)
+from modelcast.models.point_kernels import SAMPLE_COLUMNS
+
+__all__ = ["MEASURED", "Fits", "LaneRules", "Lanes", "Sensed", "fits", "lanes", "sensed"]
+
+MEASURED = 6
+"""Columns of a measurement: east, north [m], speed [m/s], heading [rad], acceleration along the course
+[m/s²], yaw
+rate, clockwise [rad/s]; not a number where there is none."""
+
+
+class Sensed(NamedTuple):
+    """What V vehicles measured, in rings of R samples.
+
+    ``t_s`` (V, 2R) and ``samples`` (V, 2R, 7): every sample stands twice, R apart, so that each window lies
+    in one piece; ``stated_m`` (V, R, 2) the position that a message states; ``history`` (V, R) samples of its
+    gapless part up to each; ``taken`` (V,) samples so far; ``noise`` (V, 2) running mean of squares, and how
+    many; ``shown`` (V, 6) the newest measurement, filtered where there is a filter, whose ``states`` (V, 6)
+    and ``spreads`` (V, 6, 6) follow.
+    """
+
+    t_s: FloatMatrix
+    samples: FloatCube
+    stated_m: FloatCube
+    history: IntMatrix
+    taken: IntVector
+    noise: FloatMatrix
+    shown: FloatMatrix
+    states: FloatMatrix
+    spreads: FloatCube
+
+
+class Fits(NamedTuple):
+    """Sub-models as their receivers hold them, in rings of F samples.
+
+    ``parameters`` (V, F, P) of all members in turn; ``number`` (V, F, M) the sample that each was fitted at,
+    -1 for none.
+    """
+
+    parameters: FloatCube
+    number: IntCube
+
+
+class Lanes(NamedTuple):
+    """What L senders remember.
+
+    ``update`` (L,) sample of the update that their remotes are believed to hold, -1 for none; ``in_use`` (L,)
+    its sub-model; ``origin`` (L, 3) its instant [s] and the position it states [m]; ``held`` (L, P) its
+    parameters and ``usable`` (L, M) which members it fitted; ``failed_s`` (L, M) its age when each first
+    failed [s]; ``message_s`` (L,) when the last message of any kind was decided [s]; ``kind`` (L,) what was
+    decided last.
+
+    ``last`` (L, P), ``last_usable`` (L, M) and ``last_origin`` (L, 3) are those of the last message, whether
+    it is believed received or not, and ``scores`` (L, M) the recent errors of each member's. ``behind`` and
+    ``lead`` (L,) are the guard's counts, ``follows`` (L,) whether it has not acted yet. ``errors`` (L, M),
+    ``chances`` (L, M) and ``available`` (L, M) are overwritten.
+    """
+
+    update: IntVector
+    in_use: IntVector
+    origin: FloatMatrix
+    held: FloatMatrix
+    usable: BoolMatrix
+    failed_s: FloatMatrix
+    message_s: FloatVector
+    kind: IntVector
+    last: FloatMatrix
+    last_usable: BoolMatrix
+    last_origin: FloatMatrix
+    scores: FloatMatrix
+    behind: IntVector
+    lead: IntVector
+    follows: BoolVector
+    errors: FloatMatrix
+    chances: FloatMatrix
+    available: BoolMatrix
+
+
+class LaneRules(NamedTuple):
+    """Rules of L lanes.
+
+    ``vehicle`` (L,) whose samples each decides over; ``threshold_m`` and ``silence_s`` (L,) error and silence
+    that call for a message; ``start`` and ``identify`` (L,) codes of the rules; ``costs`` (L, C) as
+    `CostTable.packed`, ``selector`` (L, K) constants of the selector at each threshold; ``only`` (L,) the one
+    member that a lane may use, -1 for all; ``free`` and ``alone`` (L,) for a guarded lane the lanes before it
+    that run the same bank unguarded and the guard alone, else -1. ``within_m`` is the resolution below which
+    recent errors are equal [m].
+    """
+
+    vehicle: IntVector
+    threshold_m: FloatVector
+    silence_s: FloatVector
+    start: IntVector
+    identify: IntVector
+    costs: FloatMatrix
+    selector: FloatMatrix
+    only: IntVector
+    free: IntVector
+    alone: IntVector
+    within_m: float
+
+
+def sensed(vehicles: int, ring: int) -> Sensed:
+    """Return what vehicles hold that measured nothing.
+
+    Parameters
+    ----------
+    vehicles, ring
+        V and R.
+    """
+    return Sensed(
+        t_s=np.zeros((vehicles, 2 * ring)),
+        samples=np.zeros((vehicles, 2 * ring, SAMPLE_COLUMNS)),
+        stated_m=np.zeros((vehicles, ring, 2)),
+        history=np.zeros((vehicles, ring), dtype=np.int64),
+        taken=np.zeros(vehicles, dtype=np.int64),
+        noise=np.zeros((vehicles, 2)),
+        shown=np.zeros((vehicles, MEASURED)),
+        states=np.zeros((vehicles, MEASURED)),
+        spreads=np.zeros((vehicles, MEASURED, MEASURED)),
+    )
+
+
+def fits(vehicles: int, ring: int, *, members: int, parameters: int) -> Fits:
+    """Return fits of nothing.
+
+    Parameters
+    ----------
+    vehicles, ring
+        V and F.
+    members, parameters
+        M, and P of all together.
+    """
+    return Fits(
+        np.zeros((vehicles, ring, parameters)), np.full((vehicles, ring, members), -1, dtype=np.int64)
+    )
+
+
+def lanes(count: int, *, members: int, parameters: int) -> Lanes:
+    """Return senders that have sent nothing.
+
+    Parameters
+    ----------
+    count
+        L.
+    members, parameters
+        M, and P of all together.
+    """
+    return Lanes(
+        update=np.full(count, -1, dtype=np.int64),
+        in_use=np.full(count, -1, dtype=np.int64),
+        origin=np.zeros((count, 3)),
+        held=np.zeros((count, parameters)),
+        usable=np.zeros((count, members), dtype=np.bool_),
+        failed_s=np.full((count, members), np.inf),
+        message_s=np.full(count, -np.inf),
+        kind=np.zeros(count, dtype=np.int64),
+        last=np.zeros((count, parameters)),
+        last_usable=np.zeros((count, members), dtype=np.bool_),
+        last_origin=np.zeros((count, 3)),
+        scores=np.full((count, members), -1.0),
+        behind=np.zeros(count, dtype=np.int64),
+        lead=np.zeros(count, dtype=np.int64),
+        follows=np.ones(count, dtype=np.bool_),
+        errors=np.zeros((count, members)),
+        chances=np.zeros((count, members)),
+        available=np.zeros((count, members), dtype=np.bool_),
+    )

@@ -1,0 +1,116 @@
+"""The rules of error-driven lanes as compiled steps take them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.models.learned import Selector
+from modelcast.station.arrays import LaneRules
+from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.policy.guard import unguarded
+
+__all__ = ["SpeakingLanes", "speaking_lanes"]
+
+
+@dataclass(frozen=True, slots=True)
+class SpeakingLanes:
+    """Lanes of some senders.
+
+    Parameters
+    ----------
+    rules
+        Of all L lanes.
+    speaks
+        The lane whose messages go out, one a sender, (B,).
+    """
+
+    rules: LaneRules
+    speaks: IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class _Lane:
+    """One lane of a sender, before it has a place among all."""
+
+    policy: ErrorDriven
+    only: int = -1
+    guarded: bool = False
+
+
+def speaking_lanes(
+    policies: Sequence[ErrorDriven],
+    vehicles: Sequence[int],
+    *,
+    guard: int,
+    dt_s: float,
+    selector: Selector | None = None,
+    within_m: float = 0.0,
+) -> SpeakingLanes:
+    """Return the lanes of senders, one policy and vehicle each.
+
+    Parameters
+    ----------
+    policies, vehicles
+        Of each sender, B.
+    guard
+        Member that a guarded sender falls back on, -1 where there is none to guard.
+    dt_s
+        Sampling interval [s].
+    selector
+        What senders that start with the predicted member ask.
+    within_m
+        Resolution below which recent errors are equal [m].
+
+    Raises
+    ------
+    ValueError
+        Where a sender starts with the predicted member and there is no selector.
+    """
+    lanes: list[_Lane] = []
+    vehicle: list[int] = []
+    speaks: list[int] = []
+    for policy, own in zip(policies, vehicles, strict=True):
+        guarded = policy.start == "guarded"
+        if guarded and guard >= 0:
+            lanes += [_Lane(replace(policy, start=unguarded(policy.start))), _Lane(policy.alone, only=guard)]
+            lanes.append(_Lane(policy, guarded=True))
+        else:
+            lanes.append(_Lane(replace(policy, start="order") if guarded else policy))
+        vehicle += [own] * (len(lanes) - len(vehicle))
+        speaks.append(len(lanes) - 1)
+    codes = [lane.policy.codes for lane in lanes]
+    numbers = np.arange(len(lanes))
+    watched = np.array([lane.guarded for lane in lanes], dtype=np.bool_)
+    rules = LaneRules(
+        vehicle=np.array(vehicle, dtype=np.int64),
+        threshold_m=np.array([code[0] for code in codes]),
+        silence_s=np.array([code[1] for code in codes]),
+        start=np.array([lane.policy.start_code for lane in lanes], dtype=np.int64),
+        identify=np.array([code[2] for code in codes], dtype=np.int64),
+        costs=_rows([code[3] for code in codes]),
+        selector=_rows([_selecting(lane.policy, selector, dt_s) for lane in lanes]),
+        only=np.array([lane.only for lane in lanes], dtype=np.int64),
+        free=np.where(watched, numbers - 2, -1).astype(np.int64),
+        alone=np.where(watched, numbers - 1, -1).astype(np.int64),
+        within_m=within_m,
+    )
+    return SpeakingLanes(rules, np.array(speaks, dtype=np.int64))
+
+
+def _selecting(policy: ErrorDriven, selector: Selector | None, dt_s: float) -> FloatArray:
+    """Return the selector's constants at the policy's threshold."""
+    if policy.start != "predicted":
+        return np.zeros(1)
+    if selector is None:
+        raise ValueError("start 'predicted' needs a selector: train one for this bank, or start in order")
+    return selector.packed(dt_s, policy.threshold_m)
+
+
+def _rows(vectors: Sequence[FloatArray]) -> FloatArray:
+    """Return vectors as rows of one matrix, zeros behind the short ones."""
+    found = np.zeros((len(vectors), max(one.size for one in vectors)))
+    for row, one in zip(found, vectors, strict=True):
+        row[: one.size] = one
+    return found

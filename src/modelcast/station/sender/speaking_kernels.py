@@ -1,0 +1,257 @@
+"""Compiled error-driven sending: what every lane does at a sample, for trips, fleets and the road alike.
+
+A guarded lane follows the lane that runs its bank unguarded until the guard acts for the first time, and is
+on its own from then on (`modelcast.station.policy.guard`).
+"""
+
+import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatVector, IntMatrix, IntVector
+from modelcast.station.arrays import Fits, LaneRules, Lanes, Sensed
+from modelcast.station.policy.error_driven_kernels import (
+    IDENTIFY_NEVER,
+    KEEP_ALIVE,
+    NOTHING,
+    START_RECENT,
+    START_SURVIVOR,
+    UPDATE,
+    step,
+)
+from modelcast.station.policy.guard_kernels import falls_back
+from modelcast.station.sender.fitting_kernels import SenderModels, distance_to, fit
+from modelcast.station.sender.starting_kernels import available, chosen
+
+__all__ = ["SCRATCH", "compose", "forget_lane", "hold", "speak", "speak_now", "speak_through"]
+
+SCRATCH = 5
+"""Numbers that these steps overwrite."""
+
+_TIME_SLACK_S = 1e-9
+
+
+@kernel(inlined=True)
+def forget_lane(lanes: Lanes, b: int) -> None:
+    """Let a lane have sent nothing: another vehicle has taken its place."""
+    lanes.update[b] = lanes.in_use[b] = -1
+    lanes.message_s[b] = -np.inf
+    lanes.kind[b] = NOTHING
+    lanes.behind[b] = lanes.lead[b] = 0
+    lanes.follows[b] = True
+    for m in range(lanes.usable.shape[1]):
+        lanes.usable[b, m] = lanes.last_usable[b, m] = False
+        lanes.failed_s[b, m] = np.inf
+        lanes.scores[b, m] = -1.0
+
+
+@kernel(inlined=True)
+def _error(
+    models: SenderModels,
+    s: Sensed,
+    rules: LaneRules,
+    lanes: Lanes,
+    b: int,
+    at: int,
+    m: int,
+    scratch: FloatVector,
+) -> float:
+    """Tracking error of a member that remotes hold; infinite where it had no full window."""
+    if not lanes.usable[b, m]:
+        return np.inf
+    v, offsets = rules.vehicle[b], models.members.offsets
+    own = lanes.held[b, offsets[m] : offsets[m + 1]]
+    return distance_to(models, m, own, lanes.origin[b], s.t_s[v, at], s.samples[v, at], scratch)
+
+
+@kernel(inlined=True)
+def _ask(
+    models: SenderModels, s: Sensed, rules: LaneRules, lanes: Lanes, b: int, at: int, scratch: FloatVector
+) -> int:
+    """Ask Algorithm 1 what a lane sends that sent before; an identification changes ``lanes.in_use``."""
+    t_s = s.t_s[rules.vehicle[b], at]
+    if rules.identify[b] == IDENTIFY_NEVER and rules.start[b] != START_SURVIVOR:
+        # Whether others hold changes nothing, and nobody asks when they failed.
+        if not _error(models, s, rules, lanes, b, at, lanes.in_use[b], scratch) < rules.threshold_m[b]:
+            return UPDATE
+        silent = t_s - lanes.message_s[b] >= rules.silence_s[b] - _TIME_SLACK_S
+        return KEEP_ALIVE if silent else NOTHING
+    for m in range(models.members.windows.size):
+        lanes.errors[b, m] = _error(models, s, rules, lanes, b, at, m, scratch)
+    kind, lanes.in_use[b] = step(
+        lanes.errors[b],
+        lanes.failed_s[b],
+        lanes.in_use[b],
+        t_s - lanes.origin[b, 0],
+        t_s - lanes.message_s[b],
+        rules.threshold_m[b],
+        rules.silence_s[b],
+        rules.identify[b],
+        rules.costs[b],
+    )
+    return kind
+
+
+@kernel(inlined=True)
+def hold(
+    models: SenderModels,
+    s: Sensed,
+    fits: Fits,
+    rules: LaneRules,
+    lanes: Lanes,
+    b: int,
+    number: int,
+    member: int,
+) -> None:
+    """Take what a lane says at a sample for what its remotes hold from now on."""
+    v, ring = rules.vehicle[b], s.stated_m.shape[1]
+    place, offsets = number % fits.parameters.shape[1], models.members.offsets
+    lanes.update[b], lanes.in_use[b] = number, member
+    lanes.origin[b, 0] = s.t_s[v, number % ring]
+    lanes.origin[b, 1], lanes.origin[b, 2] = s.stated_m[v, number % ring, 0], s.stated_m[v, number % ring, 1]
+    for m in range(models.members.windows.size):
+        lanes.usable[b, m] = fits.number[v, place, m] == number and lanes.available[b, m]
+        lanes.failed_s[b, m] = np.inf
+        if lanes.usable[b, m]:
+            for i in range(offsets[m], offsets[m + 1]):
+                lanes.held[b, i] = fits.parameters[v, place, i]
+
+
+@kernel(inlined=True)
+def _remember(
+    models: SenderModels, s: Sensed, fits: Fits, rules: LaneRules, lanes: Lanes, b: int, number: int
+) -> None:
+    """Keep the members fitted for a message: the next one sets them against what happened."""
+    v, ring = rules.vehicle[b], s.stated_m.shape[1]
+    place, offsets = number % fits.parameters.shape[1], models.members.offsets
+    lanes.last_origin[b, 0] = s.t_s[v, number % ring]
+    lanes.last_origin[b, 1], lanes.last_origin[b, 2] = (
+        s.stated_m[v, number % ring, 0],
+        s.stated_m[v, number % ring, 1],
+    )
+    for m in range(models.members.windows.size):
+        lanes.last_usable[b, m] = lanes.available[b, m]
+        if lanes.available[b, m]:
+            for i in range(offsets[m], offsets[m + 1]):
+                lanes.last[b, i] = fits.parameters[v, place, i]
+
+
+@kernel(inlined=True)
+def compose(
+    models: SenderModels,
+    s: Sensed,
+    fits: Fits,
+    rules: LaneRules,
+    lanes: Lanes,
+    b: int,
+    number: int,
+    scratch: FloatVector,
+) -> int:
+    """Fit what a lane's message at a sample carries; returns the sub-model in use.
+
+    Where another member may be named later, or its errors are asked for, all are fitted that have a full
+    window.
+    """
+    available(models, s, rules, lanes, b, number)
+    member = chosen(models, s, fits, rules, lanes, b, number, scratch)
+    start = rules.start[b]
+    every = rules.identify[b] != IDENTIFY_NEVER or start in (START_SURVIVOR, START_RECENT)
+    for m in range(models.members.windows.size):
+        if lanes.available[b, m] and (every or m == member):
+            fit(models, s, fits, rules.vehicle[b], number, m)
+    if start == START_RECENT:
+        _remember(models, s, fits, rules, lanes, b, number)
+    return member
+
+
+@kernel(inlined=True)
+def _follow(lanes: Lanes, b: int, free: int) -> None:
+    """Let a lane be where the one it follows is."""
+    lanes.update[b], lanes.in_use[b], lanes.message_s[b] = (
+        lanes.update[free],
+        lanes.in_use[free],
+        lanes.message_s[free],
+    )
+    for i in range(3):
+        lanes.origin[b, i] = lanes.origin[free, i]
+    for i in range(lanes.held.shape[1]):
+        lanes.held[b, i] = lanes.held[free, i]
+    for m in range(lanes.usable.shape[1]):
+        lanes.usable[b, m], lanes.failed_s[b, m] = lanes.usable[free, m], lanes.failed_s[free, m]
+    lanes.follows[b] = False
+
+
+@kernel(inlined=True)
+def speak(
+    models: SenderModels,
+    s: Sensed,
+    fits: Fits,
+    rules: LaneRules,
+    lanes: Lanes,
+    b: int,
+    number: int,
+    scratch: FloatVector,
+) -> int:
+    """Let a lane decide at a sample: what it sends; its state is written. ``scratch`` (`SCRATCH`,)."""
+    v, ring = rules.vehicle[b], s.stated_m.shape[1]
+    at = number % ring + ring
+    free, alone = rules.free[b], rules.alone[b]
+    following = free >= 0 and lanes.follows[b]
+    kind = UPDATE
+    if following:
+        kind = int(lanes.kind[free])
+    elif lanes.update[b] >= 0:
+        kind = _ask(models, s, rules, lanes, b, at, scratch)
+    guards = False
+    if free >= 0:
+        held = lanes.in_use[free] if following else lanes.in_use[b]
+        asked = lanes.kind[alone] != NOTHING and kind == NOTHING and held == models.guard
+        if asked and falls_back(lanes.behind[b], lanes.lead[b]):
+            guards, kind = True, UPDATE  # in step with it from now on
+        lanes.behind[b] += int(kind != NOTHING) - int(lanes.kind[alone] != NOTHING)
+        lanes.lead[b] += int(lanes.kind[alone] != NOTHING) - int(lanes.kind[free] != NOTHING)
+    if kind in (UPDATE, KEEP_ALIVE):
+        guards = guards or (free >= 0 and falls_back(lanes.behind[b], lanes.lead[b]))
+        if following and guards:
+            _follow(lanes, b, free)
+            following = False
+        if not following:
+            member = compose(models, s, fits, rules, lanes, b, number, scratch)
+            if free >= 0 and falls_back(lanes.behind[b], lanes.lead[b]):
+                member = models.guard
+                fit(models, s, fits, v, number, member)
+            hold(models, s, fits, rules, lanes, b, number, member)
+    if following:
+        lanes.update[b], lanes.in_use[b] = lanes.update[free], lanes.in_use[free]
+    if kind != NOTHING:
+        lanes.message_s[b] = s.t_s[v, at]
+    lanes.kind[b] = kind
+    return kind
+
+
+@kernel
+def speak_through(
+    models: SenderModels,
+    s: Sensed,
+    fits: Fits,
+    rules: LaneRules,
+    lanes: Lanes,
+    kind: IntMatrix,
+    in_use: IntMatrix,
+    update_index: IntMatrix,
+) -> None:
+    """Let every lane decide at every sample of its vehicle, T of them: outputs are (L, T)."""
+    scratch = np.empty(SCRATCH)
+    for number in range(kind.shape[1]):
+        for b in range(kind.shape[0]):
+            kind[b, number] = speak(models, s, fits, rules, lanes, b, number, scratch)
+            in_use[b, number], update_index[b, number] = lanes.in_use[b], lanes.update[b]
+
+
+@kernel
+def speak_now(
+    models: SenderModels, s: Sensed, fits: Fits, rules: LaneRules, lanes: Lanes, lane: IntVector
+) -> None:
+    """Let some lanes decide at the newest sample of their vehicles."""
+    scratch = np.empty(SCRATCH)
+    for b in lane:
+        lanes.kind[b] = speak(models, s, fits, rules, lanes, b, int(s.taken[rules.vehicle[b]]) - 1, scratch)
