@@ -1,7 +1,8 @@
 """Model updates between values and wire: what a sender's bank fitted, and what a host can predict with.
 
-Here the local frame of one side meets the latitudes and longitudes of the message. Sender and host may have
-frames of their own.
+Here the local frame of one side meets the latitudes and longitudes of the message, by the bijection of
+`modelcast.core.geodesy_kernels`. Sender and host may have frames of their own; in the sender's, a host holds
+exactly the position that `geodesy_kernels.stated` says.
 """
 
 from collections.abc import Mapping
@@ -11,8 +12,16 @@ from typing import Final
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
-from modelcast.core.geodesy import Origin, enu_to_geodetic, geodetic_to_enu, heading_to_velocity
+from modelcast.core.geodesy import Origin, frame_constants, heading_to_velocity
+from modelcast.core.geodesy_kernels import (
+    CODES_PER_DEGREE,
+    FARTHEST_M,
+    NO_LATITUDE_CODE,
+    place_of,
+    state_place,
+)
 from modelcast.messages.bsm import BsmCore
+from modelcast.messages.bsm_fields import CORE_INDEX
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import ReceivedUpdate, UpdateMessage
@@ -30,6 +39,7 @@ __all__ = [
 
 _MINUTE_S: Final = 60.0
 _FALLBACK: Final = "cv"
+_NO_PLACE: Final = f"no place within {FARTHEST_M / 1000:.0f} km of the origin, or one at a pole"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +88,8 @@ def update_to_wire(
     Raises
     ------
     ValueError
-        Where bank and profile do not fit, no member has a velocity, or a value cannot be written.
+        Where bank and profile do not fit, no member has a velocity, the position is too far from the origin,
+        or a value cannot be written.
     """
     by_member = _by_member(bank, update.parameters)
     if len(by_member) != len(profile.layouts):
@@ -89,17 +100,17 @@ def update_to_wire(
     if CORE_PARAMETERS[0] not in motion:
         raise ValueError(f"{bank.name}: no sub-model has a velocity, and Part I needs one")
     east, north = motion[CORE_PARAMETERS[0]], motion[CORE_PARAMETERS[1]]
-    latitude_deg, longitude_deg, _ = enu_to_geodetic(np.array([[*update.position_m, 0.0]]), frame.origin)[
-        0
-    ].tolist()
+    latitude_code, longitude_code = state_place(frame_constants(frame.origin), *update.position_m.tolist())
+    if latitude_code == NO_LATITUDE_CODE:
+        raise ValueError(f"position {update.position_m.tolist()} m: {_NO_PLACE}")
     values: dict[str, float | None] = dict(core or {})
     values.setdefault("yaw_rate_radps", 0.0)
     values |= {
         "message_count": update.sequence % (SEQUENCE.high + 1),
         "temporary_id": update.vehicle,
         "second_of_minute_s": (update.t_s - frame.minute_s) % _MINUTE_S,
-        "latitude_deg": latitude_deg,
-        "longitude_deg": longitude_deg,
+        "latitude_deg": latitude_code / CODES_PER_DEGREE,
+        "longitude_deg": longitude_code / CODES_PER_DEGREE,
         "speed_mps": float(np.hypot(east, north)),
         "heading_rad": float(np.arctan2(east, north)),
     }
@@ -138,8 +149,9 @@ def update_from_wire(
     Raises
     ------
     ValueError
-        Where Part I lacks position, instant, speed or heading, the bank holds a model that no message
-        carries, or constant velocity is needed and the bank has no member of the name ``cv``.
+        Where Part I lacks position, instant, speed or heading, the position is too far from the origin, the
+        bank holds a model that no message carries, or constant velocity is needed and the bank has no member
+        of the name ``cv``.
     """
     for member in bank.members:
         if member.payload_layout is None:
@@ -150,11 +162,12 @@ def update_from_wire(
     missing = [name for name, value in found.items() if value is None]
     if missing:
         raise ValueError(f"Part I lacks {', '.join(missing)}: there is nothing to coast from")
-    mark_s, latitude_deg, longitude_deg, speed, heading = (float(value or 0.0) for value in found.values())
+    mark_s, _, _, speed, heading = (float(value or 0.0) for value in found.values())
     since = (received_s - frame.minute_s - mark_s + _MINUTE_S / 2) % _MINUTE_S - _MINUTE_S / 2
-    at_m = geodetic_to_enu(
-        np.array([latitude_deg]), np.array([longitude_deg]), np.array([frame.origin.altitude_m]), frame.origin
-    )
+    codes = [core.codes[CORE_INDEX[name]] for name in names[1:3]]
+    at_m = place_of(frame_constants(frame.origin), *codes)
+    if not np.isfinite(at_m).all():
+        raise ValueError(f"latitude and longitude {codes} / {CODES_PER_DEGREE} deg: {_NO_PLACE}")
     velocity = heading_to_velocity(np.array([speed]), np.array([heading]))[0]
     motion: dict[str, float] = dict(
         zip(
@@ -176,7 +189,7 @@ def update_from_wire(
         int(core.value("temporary_id") or 0),
         int(core.value("message_count") or 0),
         received_s - since,
-        position_m=at_m[0, :2],
+        position_m=np.array(at_m),
         in_use=in_use,
         parameters=np.array(parameters),
         dt_s=dt_s,
