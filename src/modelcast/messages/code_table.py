@@ -85,6 +85,20 @@ class CodeTable:
             raise ValueError(f"row {row}: {self.names[at]} is not a number, and no code stands for that")
         return codes, held
 
+    def decoded(self, core: IntArray, codes: IntArray) -> FloatArray:
+        """What receivers hold, (B, P): 0 for what no code came of.
+
+        Parameters
+        ----------
+        core
+            Codes of Part I, (B, 25).
+        codes
+            Codes of the coefficients at their parameters' places, (B, P); those of Part I are filled in.
+        """
+        held = np.zeros(codes.shape)
+        kernels.decoded_rows(self.rows, np.require(core, np.int64, ["C", "W"]), codes, held)
+        return held
+
 
 def code_table(bank: Bank) -> CodeTable:
     """Table of a bank.
@@ -92,8 +106,8 @@ def code_table(bank: Bank) -> CodeTable:
     Parameters
     ----------
     bank
-        Its sub-models; of one without a layout the predicted path is carried. Remainders of quantised ones are
-        no parameters here.
+        Its sub-models; of one without a layout the predicted path is carried. Remainders of quantised
+        ones are no parameters here.
 
     Raises
     ------

@@ -24,8 +24,10 @@ __all__ = [
     "PLACE",
     "SPEED_PLACE",
     "decoded_parameters",
+    "decoded_rows",
     "instant_of",
     "motion_codes",
+    "motion_rows",
     "quantise_parameters",
     "quantise_rows",
     "state_instant",
@@ -127,6 +129,23 @@ def motion_codes(
 
 
 @kernel
+def motion_rows(
+    table: FloatMatrix,
+    offsets: IntVector,
+    in_use: IntVector,
+    carries_all: bool,
+    codes: IntMatrix,
+    core: IntMatrix,
+) -> tuple[int, int]:
+    """Write `motion_codes` of many rows; row and place of the first contradiction, or -1s."""
+    for row in range(codes.shape[0]):
+        at = motion_codes(table, offsets, in_use[row], carries_all, codes[row], core[row])
+        if at >= 0:
+            return row, at
+    return -1, -1
+
+
+@kernel
 def decoded_parameters(table: FloatMatrix, core: IntVector, codes: IntVector, held: FloatVector) -> None:
     """Take from Part I the codes that stand there, and write what all codes stand for, (P,) both.
 
@@ -140,6 +159,13 @@ def decoded_parameters(table: FloatMatrix, core: IntVector, codes: IntVector, he
         if place == HEADING_PLACE and codes[i - 1] == 0:
             codes[i] = 0
     values_of_codes(table, codes, held)
+
+
+@kernel
+def decoded_rows(table: FloatMatrix, core: IntMatrix, codes: IntMatrix, held: FloatMatrix) -> None:
+    """Write `decoded_parameters` of many rows."""
+    for row in range(codes.shape[0]):
+        decoded_parameters(table, core[row], codes[row], held[row])
 
 
 @kernel
