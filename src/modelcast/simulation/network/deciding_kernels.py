@@ -6,6 +6,7 @@ import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector
+from modelcast.messages.airtime_kernels import StackNumbers, airtime, frame_bytes
 from modelcast.models.member_kernels import parameter_count
 from modelcast.models.point_kernels import EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH
 from modelcast.policy import cam_kernels, dcc_kernels, error_driven_kernels, j2945_kernels, periodic_kernels
@@ -13,7 +14,7 @@ from modelcast.policy.belief_kernels import tracking_error_of_model
 from modelcast.policy.neighbours_kernels import NeighbourTables, count, survey
 from modelcast.simulation.network.arrays import Contents, Outbox, SenderArrays, Tally
 from modelcast.simulation.network.composing_kernels import LoopModels, moved
-from modelcast.simulation.network.emitting_kernels import airtime, emit, frame_bytes
+from modelcast.simulation.network.emitting_kernels import emit
 from modelcast.simulation.network.layout_kernels import (
     CONTENT_EAST_M,
     CONTENT_FIT_S,
@@ -176,7 +177,7 @@ def _cam(
 def decide(
     models: LoopModels,
     limits: tuple[float, float, float],
-    stack: FloatVector,
+    stack: StackNumbers,
     rule: int,
     constants: FloatVector,
     control: int,
@@ -245,7 +246,7 @@ def decide(
         elif rule == RULE_ERROR_DRIVEN:
             sends = _error_driven(models, s, v, sample, t_s, constants, contents, scratch)
         else:
-            payload = float(models.payload_bytes[models.payload_bytes.size - 1])
+            payload = int(models.payload_bytes[models.payload_bytes.size - 1])
             airtime_s = airtime(frame_bytes(payload, True, stack), stack)
             sends = _cam(
                 s,
