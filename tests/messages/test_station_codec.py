@@ -209,14 +209,23 @@ def test_a_sub_model_without_a_velocity_takes_that_of_another_or_what_is_given_b
     parameters = first.parameters.copy()
     parameters[0, bounds[1] :] = 0.0  # neither has a full window
     alone = replace(first, parameters=parameters)
-    with pytest.raises(ValueError, match="row 0: no velocity is known, and Part I needs one"):
-        codec.encode(alone)
     speed, heading = CORE_INDEX["speed_mps"], CORE_INDEX["heading_rad"]
+    assert codec.codes(alone)[0, [speed, heading]].tolist() == [0, 0]
     given_beside = codec.codes(alone, further=motion_of((0.0, 5.0, 1.0, 0.1)))
     assert given_beside[0, [speed, heading]].tolist() == [250, 0]
     parameters[0, bounds[2] : bounds[2] + 2] = 5.0, 0.0
     of_another = codec.codes(replace(first, parameters=parameters), further=motion_of((0.0, 7.0, 1.0, 0.1)))
     assert of_another[0, [speed, heading]].tolist() == [250, 7200]
+
+
+def test_a_bank_without_a_velocity_needs_one_beside() -> None:
+    codec = StationCodec.of(bank_from_text("gp-regime-1"), 5, "never")
+    rows = some_rows(codec, (9.0, 3.0, 1.0, 0.1), 3)
+    with pytest.raises(ValueError, match="row 0: no velocity is known, and Part I needs one"):
+        codec.encode(rows)
+    frames, lengths = codec.encode(rows, further=motion_of((9.0, 3.0, 1.0, 0.1)))
+    heard = codec.decode(frames, lengths, received_s=rows.t_s)
+    assert heard.rows.parameters.tobytes() == codec.table.quantise(rows.parameters)[1].tobytes()
 
 
 def test_sub_models_sent_together_that_disagree_about_part_i_are_refused() -> None:

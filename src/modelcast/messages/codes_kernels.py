@@ -76,7 +76,7 @@ def quantise_parameters(
             value = hypot(parameters[i], parameters[i + 1])
         elif table[i, PLACE] == HEADING_PLACE:
             value = atan2(parameters[i - 1], parameters[i])
-        code, _ = code_of(value, table[i])
+        code, _ = code_of(value, table, i)
         codes[i] = int(code)
         if table[i, PLACE] == HEADING_PLACE and codes[i - 1] == 0:
             codes[i] = 0
@@ -106,24 +106,29 @@ def motion_codes(
 ) -> int:
     """Write into Part I the codes (P,) that stand there; the place of a code that contradicts it, or -1.
 
-    Those of the sub-model in use go before. What it has not comes from the first that has a full window: one
-    without has zeros only. Those that are sent along must agree with it.
+    Those of the sub-model in use go before. What it has not comes from the first that has it; sub-models with
+    zeros only, which may lack a full window, fill what is still unavailable. The others that are sent along
+    must agree with Part I.
     """
     filled = np.zeros(core.size, np.bool_)
-    for turn in range(offsets.size):
-        m = in_use if turn == 0 else turn - 1
-        first, end = offsets[m], offsets[m + 1]
+    count = offsets.size - 1
+    for turn in range(1 + 2 * count):
+        m = in_use if turn == 0 else (turn - 1) % count
         empty = True
-        for i in range(first, end):
+        for i in range(offsets[m], offsets[m + 1]):
             empty = empty and codes[i] == 0
-        if empty and m != in_use:
+        last = turn > count
+        if turn > 0 and empty != last:
             continue
-        for i in range(first, end):
+        for i in range(offsets[m], offsets[m + 1]):
             place = int(table[i, PLACE])
-            if place != IN_EXTENSION and not filled[place]:
+            if place == IN_EXTENSION:
+                continue
+            known = filled[place] or (last and table[i, FIRST] <= core[place] <= table[i, LAST])
+            if not known:
                 core[place] = codes[i]
                 filled[place] = True
-            elif place != IN_EXTENSION and carries_all and core[place] != codes[i]:
+            elif carries_all and not empty and core[place] != codes[i]:
                 return i
     return -1
 
