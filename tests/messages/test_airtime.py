@@ -1,15 +1,19 @@
 """Claims about what messages cost on the air."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from modelcast.messages import airtime_kernels as kernels
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc_codec import UpdateCodec
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import update_octets
 from modelcast.messages.quantisation import quantised_bank
+from modelcast.messages.rules import CertificateRule
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -42,6 +46,25 @@ def test_by_the_timer_no_certificate_is_more_than_one_message_late(t_s: np.ndarr
 def test_ten_messages_a_second_carry_one_certificate_in_five_by_the_timer() -> None:
     assert Stack("timer").carries_certificate(np.arange(100) * 0.1).sum() == 20
     assert Stack("gap").carries_certificate(np.arange(100) * 0.1).sum() == 1
+
+
+@given(times, st.sampled_from(get_args(CertificateRule)))
+def test_the_vectors_are_the_rule_for_one_message_in_a_row(t_s: np.ndarray, rule: CertificateRule) -> None:
+    stack = Stack(rule)
+    numbers, last_s, certified_s = stack.numbers, -np.inf, -np.inf
+    carried = stack.carries_certificate(t_s)
+    lasts_s = stack.sent_airtime_s(t_s, np.arange(t_s.size) + 40)
+    for i, now_s in enumerate(t_s.tolist()):
+        has = kernels.carries_certificate(numbers.rule, numbers.interval_s, now_s, last_s, certified_s)
+        assert has == carried[i]
+        size = kernels.frame_bytes(40 + i, has, numbers)
+        assert size == stack.frame_bytes(np.array([40 + i]), np.array([has]))[0]
+        assert kernels.airtime(size, numbers) == lasts_s[i]
+        last_s, certified_s = now_s, now_s if has else certified_s
+
+
+def test_every_rule_has_its_number() -> None:
+    assert get_args(CertificateRule) == kernels.RULES
 
 
 def test_the_layers_of_a_message_add_up() -> None:

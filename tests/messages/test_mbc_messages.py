@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from modelcast.cli.banks import bank_from_text, member_names
 from modelcast.core.exceptions import CodecError
-from modelcast.core.geodesy import Origin, enu_to_surface
+from modelcast.core.geodesy import Origin, enu_to_surface, stated_local
 from modelcast.messages.asn1 import reference_codec, reference_encode
 from modelcast.messages.bsm import BsmCore, decode_bsm, encode_bsm
 from modelcast.messages.bsm_batch import codes_of_values, values_of_codes
@@ -326,6 +326,38 @@ def test_the_host_predicts_from_octets_what_the_sender_predicts(carries_all: boo
         assert np.linalg.norm(places[0] - places[1]) <= 2 * GRID_M + HEIGHT_M
         moved = (others - others[0]) - (own - own[0])
         assert np.hypot(*moved.T).max() <= ROUNDING_M + TURNED * np.hypot(*(own - own[0]).T).max()
+
+
+@given(
+    east_m=st.floats(-50_000.0, 50_000.0), north_m=st.floats(-50_000.0, 50_000.0), latitude=st.floats(-80, 80)
+)
+@example(east_m=50_000.0, north_m=-50_000.0, latitude=60.0)
+def test_the_host_holds_the_stated_position_bit_for_bit_and_says_it_again_alike(
+    east_m: float, north_m: float, latitude: float
+) -> None:
+    """Seventy kilometres from the origin too, where the plane is 400 m above the ground."""
+    bank, place = Bank((ConstantVelocity(),)), Origin(latitude, 179.9, 250.0)
+    wire, frame = WireProfile.of(bank, 5), LocalFrame(place)
+    sent = ModelUpdate(
+        7, 1, 5.0, position_m=np.array([east_m, north_m]), in_use=0, parameters=np.array([9.0, 0.0]), dt_s=0.1
+    )
+    octets = UpdateCodec(wire).encode(update_to_wire(sent, bank, wire, frame, carries_all=False))
+    held = update_from_wire(read_update(octets, {5: wire}), bank, frame, received_s=5.0)
+    assert held.position_m.tobytes() == stated_local(sent.position_m[None], place)[0].tobytes()
+    assert np.abs(held.position_m - sent.position_m).max() < GRID_M
+    assert UpdateCodec(wire).encode(update_to_wire(held, bank, wire, frame, carries_all=False)) == octets
+
+
+def test_a_position_beyond_the_frame_is_refused_by_sender_and_host() -> None:
+    bank = Bank((ConstantVelocity(),))
+    far = ModelUpdate(
+        7, 1, 5.0, position_m=np.array([6e5, 0.0]), in_use=0, parameters=np.array([9.0, 0.0]), dt_s=0.1
+    )
+    with pytest.raises(ValueError, match="no place within 500 km"):
+        update_to_wire(far, bank, WireProfile.of(bank, 5), FRAME, carries_all=False)
+    found = read_update(encode_bsm(some_core()), {})
+    with pytest.raises(ValueError, match="no place within 500 km"):
+        update_from_wire(found, bank, LocalFrame(Origin(-42.3, 96.3)), received_s=0.0)
 
 
 def frame_delay(frame: LocalFrame) -> float:

@@ -2,25 +2,36 @@
 
 Local positions are east-north-up on the WGS-84 ellipsoid about an origin, by pymap3d. Headings are
 clockwise from true north, as in SAE J2735; yaw angles are anticlockwise from east.
+
+Where positions have no height, as in a message or on a plane, `local_to_geodetic` and `geodetic_to_local` are
+each other's inverse: they go by the surface of the origin's height (`geodesy_kernels`).
 """
 
+import math
 from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
 import pymap3d  # its results are untyped: this is the one module that imports it
 
-from modelcast.core.arrays import FloatArray
+from modelcast.core import geodesy_kernels as kernels
+from modelcast.core.arrays import FloatArray, owned
 
 __all__ = [
     "Origin",
     "ecef_to_enu",
     "enu_to_geodetic",
     "enu_to_surface",
+    "frame_constants",
     "geodetic_to_enu",
+    "geodetic_to_local",
     "heading_to_velocity",
+    "local_to_geodetic",
+    "stated_local",
     "wrap_angle_rad",
 ]
+
+_HIGHEST_M = 100_000.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,6 +185,100 @@ def enu_to_surface(enu_m: FloatArray, origin: Origin) -> FloatArray:
     """
     latitude_deg, longitude_deg, _ = enu_to_geodetic(enu_m, origin).T
     return _stacked(cast("object", pymap3d.geodetic2ecef(latitude_deg, longitude_deg, 0.0 * latitude_deg)))
+
+
+def frame_constants(origin: Origin) -> FloatArray:
+    """What compiled code needs of a local frame, (`geodesy_kernels.FRAME_SIZE`,).
+
+    Parameters
+    ----------
+    origin
+        Where the local frame touches the ellipsoid.
+
+    Raises
+    ------
+    ValueError
+        Where it is no place on Earth.
+    """
+    latitude_deg, longitude_deg, altitude_m = origin.latitude_deg, origin.longitude_deg, origin.altitude_m
+    if not (abs(latitude_deg) <= 90.0 and np.isfinite(longitude_deg)):
+        raise ValueError(f"an origin is a latitude and a longitude, got {latitude_deg}, {longitude_deg} deg")
+    if not abs(altitude_m) <= _HIGHEST_M:
+        raise ValueError(f"an origin is within {_HIGHEST_M} m of the ellipsoid, got {altitude_m} m")
+    frame = np.zeros(kernels.FRAME_SIZE)
+    frame[: kernels.SIN_LATITUDE] = kernels.earth_centred(latitude_deg, longitude_deg, altitude_m)
+    latitude, longitude = math.radians(latitude_deg), math.radians(longitude_deg)
+    frame[kernels.SIN_LATITUDE], frame[kernels.COS_LATITUDE] = math.sin(latitude), math.cos(latitude)
+    frame[kernels.SIN_LONGITUDE], frame[kernels.COS_LONGITUDE] = math.sin(longitude), math.cos(longitude)
+    frame[kernels.ALTITUDE_M] = altitude_m
+    return frame
+
+
+def local_to_geodetic(local_m: FloatArray, origin: Origin) -> FloatArray:
+    """Latitude and longitude of positions on a local plane, (T, 2) [deg].
+
+    Parameters
+    ----------
+    local_m
+        East and north, (T, 2) [m], of points at the origin's height.
+    origin
+        Of the local frame.
+
+    Returns
+    -------
+    FloatArray
+        NaN where a position is not known, or farther than `geodesy_kernels.FARTHEST_M` (and a metre).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> at, place = Origin(42.0, -83.0), np.array([[30_000.0, -40_000.0]])
+    >>> bool(np.abs(geodetic_to_local(local_to_geodetic(place, at), at) - place).max() < 1e-7)
+    True
+    """
+    out_deg = np.empty((len(local_m), 2))
+    kernels.to_geodetic_rows(frame_constants(origin), owned(local_m, np.float64), out_deg)
+    return out_deg
+
+
+def geodetic_to_local(places_deg: FloatArray, origin: Origin) -> FloatArray:
+    """East and north of places at the origin's height, (T, 2) [m].
+
+    Parameters
+    ----------
+    places_deg
+        Latitude and longitude, (T, 2) [deg].
+    origin
+        Of the local frame.
+
+    Returns
+    -------
+    FloatArray
+        NaN where a place is not known, or farther than `geodesy_kernels.FARTHEST_M`.
+    """
+    out_m = np.empty((len(places_deg), 2))
+    kernels.to_local_rows(frame_constants(origin), owned(places_deg, np.float64), out_m)
+    return out_m
+
+
+def stated_local(local_m: FloatArray, origin: Origin) -> FloatArray:
+    """East and north as the receivers of a message have them, (T, 2) [m].
+
+    Parameters
+    ----------
+    local_m
+        East and north, (T, 2) [m].
+    origin
+        Of the local frame.
+
+    Returns
+    -------
+    FloatArray
+        NaN where a position has no codes, or they stand for one that is too far.
+    """
+    out_m = np.empty((len(local_m), 2))
+    kernels.stated_places(frame_constants(origin), owned(local_m, np.float64), out_m)
+    return out_m
 
 
 def _stacked(enu: object) -> FloatArray:

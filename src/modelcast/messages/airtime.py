@@ -9,12 +9,11 @@ from typing import get_args
 
 import numpy as np
 
-from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
+from modelcast.messages import airtime_kernels as kernels
 from modelcast.messages.rules import CertificateRule
 
 __all__ = ["Stack"]
-
-_TIME_SLACK_S = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +93,22 @@ class Stack:
         if not self.certificate_bytes >= self.digest_bytes:
             raise ValueError(f"certificate_bytes must be at least {self.digest_bytes}")
 
+    @property
+    def numbers(self) -> kernels.StackNumbers:
+        """The stack as kernels take it."""
+        signed = self.certificates != "unsigned"
+        around = self.mac_bytes + self.fcs_bytes + self.llc_bytes + self.wsmp_bytes
+        return kernels.StackNumbers(
+            kernels.RULES.index(self.certificates),
+            float(self.certificate_interval_s),
+            int(around + (self.digest_bytes if signed else 0)),
+            int(self.certificate_bytes - self.digest_bytes if signed else 0),
+            float(self.preamble_s),
+            float(self.symbol_s),
+            int(self.service_tail_bits),
+            int(self.bits_per_symbol),
+        )
+
     def carries_certificate(self, t_s: FloatArray) -> BoolArray:
         """Which messages of one sender carry the certificate, (N,).
 
@@ -102,15 +117,8 @@ class Stack:
         t_s
             When each was sent, rising, (N,) [s].
         """
-        if self.certificates == "gap":
-            return np.diff(t_s, prepend=-np.inf) > self.certificate_interval_s + _TIME_SLACK_S
-        carried = np.full(t_s.size, self.certificates == "always")
-        if self.certificates == "timer":
-            last_s = -np.inf
-            for at, now_s in enumerate(t_s.tolist()):
-                if now_s - last_s >= self.certificate_interval_s - _TIME_SLACK_S:
-                    carried[at] = True
-                    last_s = now_s
+        carried = np.zeros(t_s.size, np.bool_)
+        kernels.which_carry(owned(t_s), self.numbers, carried)
         return carried
 
     def frame_bytes(self, payload_bytes: IntArray, certificate: BoolArray) -> IntArray:
@@ -123,10 +131,9 @@ class Stack:
         certificate
             Which carry the certificate, (N,).
         """
-        around = self.mac_bytes + self.fcs_bytes + self.llc_bytes + self.wsmp_bytes
-        signed = 0 if self.certificates == "unsigned" else self.digest_bytes
-        more = 0 if self.certificates == "unsigned" else self.certificate_bytes - self.digest_bytes
-        return np.asarray(payload_bytes + (around + signed) + more * certificate, dtype=np.int64)
+        out = np.zeros(payload_bytes.size, np.int64)
+        kernels.frames_bytes(owned(payload_bytes, np.int64), owned(certificate, np.bool_), self.numbers, out)
+        return out
 
     def airtime_s(self, payload_bytes: IntArray, certificate: BoolArray) -> FloatArray:
         """How long each frame lasts, (N,) [s].
@@ -136,8 +143,9 @@ class Stack:
         payload_bytes, certificate
             As in `frame_bytes`.
         """
-        bits = self.service_tail_bits + 8 * self.frame_bytes(payload_bytes, certificate)
-        return self.preamble_s + self.symbol_s * np.ceil(bits / self.bits_per_symbol)
+        out = np.zeros(payload_bytes.size)
+        kernels.airtimes(self.frame_bytes(payload_bytes, certificate), self.numbers, out)
+        return out
 
     def sent_airtime_s(self, t_s: FloatArray, payload_bytes: IntArray) -> FloatArray:
         """How long each message of one sender lasts, by the certificate rule, (N,) [s].

@@ -17,6 +17,7 @@ from modelcast.messages.fields import Field
 
 __all__ = [
     "CORE_FRAME_OCTETS",
+    "CORE_LAYOUT",
     "CORE_MEANING",
     "CoreBatch",
     "OctetArray",
@@ -34,7 +35,8 @@ _HEADER: Final = np.array([BASIC_SAFETY_MESSAGE >> 8, BASIC_SAFETY_MESSAGE & 0xF
 CORE_FRAME_OCTETS: Final = _HEADER.size + _CORE_OCTETS
 """Octets of a frame that holds Part I alone: 40."""
 
-_LAYOUT: Final = np.array([(f.low, f.high - f.low, f.width_bits) for f in CORE_FIELDS], np.int64)
+CORE_LAYOUT: Final = np.array([(f.low, f.high - f.low, f.width_bits) for f in CORE_FIELDS], np.int64)
+"""How Part I lies on the wire, as `bsm_kernels` takes it, (25, 3)."""
 
 
 def _meaning(field: Field) -> tuple[float, ...]:
@@ -135,7 +137,7 @@ def encode_cores(codes: IntArray) -> tuple[OctetArray, IntArray]:
     _check_columns(codes)
     frames = np.empty((codes.shape[0], CORE_FRAME_OCTETS), np.uint8)
     whole = np.ascontiguousarray(codes, np.int64)
-    row = bsm_kernels.pack(whole, _LAYOUT, _HEADER, _PREAMBLE_BITS, frames)
+    row = bsm_kernels.pack(whole, CORE_LAYOUT, _HEADER, _PREAMBLE_BITS, frames)
     if row >= 0:
         field, code = next(
             (field, int(code))
@@ -174,7 +176,7 @@ def decode_cores(frames: OctetArray, lengths: IntArray) -> CoreBatch:
     bsm_kernels.unpack(
         owned(frames, np.uint8),
         owned(lengths, np.int64),
-        _LAYOUT,
+        CORE_LAYOUT,
         BASIC_SAFETY_MESSAGE,
         found.codes,
         found.fault_bits,

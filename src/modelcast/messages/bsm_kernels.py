@@ -10,7 +10,6 @@ from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
     BoolVector,
     FloatMatrix,
-    FloatVector,
     IntMatrix,
     IntVector,
     UInt8Matrix,
@@ -150,14 +149,14 @@ def unpack(
 
 
 @kernel
-def code_of(value: float, row: FloatVector) -> tuple[float, bool]:
-    """Code nearest to a value, and whether there is one; ``row`` is one of `meaning`."""
-    first, last, unavailable = row[FIRST], row[LAST], row[UNAVAILABLE]
+def code_of(value: float, meaning: FloatMatrix, f: int) -> tuple[float, bool]:
+    """Code of field ``f`` nearest to a value, and whether there is one."""
+    first, last, unavailable = meaning[f, FIRST], meaning[f, LAST], meaning[f, UNAVAILABLE]
     known = not np.isnan(unavailable)
     if np.isnan(value):
         return unavailable, known
-    outside = row[OUTSIDE]
-    steps = np.rint(value / row[SCALE] * row[STEP_DENOMINATOR] / row[STEP_NUMERATOR])
+    outside = meaning[f, OUTSIDE]
+    steps = np.rint(value / meaning[f, SCALE] * meaning[f, STEP_DENOMINATOR] / meaning[f, STEP_NUMERATOR])
     if outside == _REFUSE:
         return steps, first <= steps <= last and steps == value
     if first <= steps <= last:
@@ -177,7 +176,7 @@ def codes_of(values: FloatMatrix, meaning: FloatMatrix, codes: IntMatrix) -> tup
     """Write codes of values, (B, F) both; return row and field of the first refused value, or -1, -1."""
     for row in range(values.shape[0]):
         for f in range(values.shape[1]):
-            code, held = code_of(values[row, f], meaning[f])
+            code, held = code_of(values[row, f], meaning, f)
             if not held:
                 return row, f
             codes[row, f] = np.int64(code)

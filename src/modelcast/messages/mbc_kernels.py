@@ -24,7 +24,7 @@ def quantise(
     core = meaning.shape[0]
     for row in range(parameters.shape[0]):
         for f in range(core):
-            code, known = code_of(parameters[row, f], meaning[f])
+            code, known = code_of(parameters[row, f], meaning, f)
             if not known:
                 return row, f
             # A whole number in between, as on the wire: no zero with a sign.

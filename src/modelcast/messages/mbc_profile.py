@@ -4,11 +4,39 @@ from dataclasses import dataclass
 
 from modelcast.messages.mbc_wire import MAX_COEFFICIENT_OCTETS, PROFILE, SUB_MODEL, profile_number
 from modelcast.models.bank import Bank
+from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.payload import PayloadLayout
 from modelcast.models.predicted_path import carried_layout
 from modelcast.models.profile import Profile
+from modelcast.models.quantised import Quantised
 
-__all__ = ["WireProfile"]
+__all__ = ["WireProfile", "carries_all", "plain_members"]
+
+
+def carries_all(bank: Bank, identify: str) -> bool:
+    """Whether updates hold the coefficients of all sub-models: where another may be named later.
+
+    Parameters
+    ----------
+    bank
+        The sub-models.
+    identify
+        The policy's rule, as `modelcast.station.policy.rules` names it; by ``never`` none is named.
+    """
+    return identify != "never" and len(bank.members) > 1
+
+
+def plain_members(bank: Bank, identify: str) -> tuple[bool, ...]:
+    """With which sub-models an update is a plain message, as any receiver takes it: constant velocity.
+
+    Parameters
+    ----------
+    bank, identify
+        As in `carries_all`; where all are sent, none is.
+    """
+    own = [one.model if isinstance(one, Quantised) else one for one in bank.members]
+    alone = not carries_all(bank, identify)
+    return tuple(alone and isinstance(one, ConstantVelocity) for one in own)
 
 
 @dataclass(frozen=True, slots=True)

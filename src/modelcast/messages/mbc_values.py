@@ -1,7 +1,8 @@
 """Model updates between values and wire: what a sender's bank fitted, and what a host can predict with.
 
-Here the local frame of one side meets the latitudes and longitudes of the message. Sender and host may have
-frames of their own.
+Here the local frame of one side meets the latitudes and longitudes of the message, by the bijection of
+`modelcast.core.geodesy_kernels`. Sender and host may have frames of their own; in the sender's, a host holds
+exactly the position that `geodesy_kernels.stated` says.
 """
 
 from collections.abc import Mapping
@@ -10,15 +11,23 @@ from typing import Final
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray
-from modelcast.core.geodesy import Origin, enu_to_geodetic, geodetic_to_enu, heading_to_velocity
-from modelcast.messages.bsm import BsmCore
+from modelcast.core.geodesy import Origin, frame_constants
+from modelcast.core.geodesy_kernels import (
+    CODES_PER_DEGREE,
+    FARTHEST_M,
+    NO_LATITUDE_CODE,
+    place_of,
+    state_place,
+)
+from modelcast.messages.bsm_fields import CORE_INDEX
+from modelcast.messages.code_table import code_table
+from modelcast.messages.codes_kernels import instant_of
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import ReceivedUpdate, UpdateMessage
 from modelcast.messages.mbc_wire import AGE, SEQUENCE, IdentificationMessage
+from modelcast.messages.station_codec import StationCodec, UpdateRows, coefficient_codes, further_values
 from modelcast.models.bank import Bank
-from modelcast.models.payload import CORE_PARAMETERS
 
 __all__ = [
     "LocalFrame",
@@ -28,8 +37,8 @@ __all__ = [
     "update_to_wire",
 ]
 
-_MINUTE_S: Final = 60.0
 _FALLBACK: Final = "cv"
+_NO_PLACE: Final = f"no place within {FARTHEST_M / 1000:.0f} km of the origin, or one at a pole"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,43 +87,31 @@ def update_to_wire(
     Raises
     ------
     ValueError
-        Where bank and profile do not fit, no member has a velocity, or a value cannot be written.
+        Where bank and profile do not fit, no member has a velocity, the position is too far from the origin,
+        or a value cannot be written.
     """
-    by_member = _by_member(bank, update.parameters)
-    if len(by_member) != len(profile.layouts):
-        raise ValueError(f"bank has {len(by_member)} sub-models, profile {len(profile.layouts)}")
-    motion = {name: value for own in by_member for name, value in own.items() if name in CORE_PARAMETERS}
-    # The sub-model in use goes before: one without a full window has zeros.
-    motion |= {name: value for name, value in by_member[update.in_use].items() if name in CORE_PARAMETERS}
-    if CORE_PARAMETERS[0] not in motion:
-        raise ValueError(f"{bank.name}: no sub-model has a velocity, and Part I needs one")
-    east, north = motion[CORE_PARAMETERS[0]], motion[CORE_PARAMETERS[1]]
-    latitude_deg, longitude_deg, _ = enu_to_geodetic(np.array([[*update.position_m, 0.0]]), frame.origin)[
-        0
-    ].tolist()
-    values: dict[str, float | None] = dict(core or {})
-    values.setdefault("yaw_rate_radps", 0.0)
-    values |= {
-        "message_count": update.sequence % (SEQUENCE.high + 1),
-        "temporary_id": update.vehicle,
-        "second_of_minute_s": (update.t_s - frame.minute_s) % _MINUTE_S,
-        "latitude_deg": latitude_deg,
-        "longitude_deg": longitude_deg,
-        "speed_mps": float(np.hypot(east, north)),
-        "heading_rad": float(np.arctan2(east, north)),
-    }
-    for name, field in (
-        ("acceleration_mps2", "acceleration_forward_mps2"),
-        ("yaw_rate_radps", "yaw_rate_radps"),
-    ):
-        if name in motion:
-            values[field] = motion[name]
-    codes = tuple(
-        tuple(layout.codes_of(np.array([[by_member[m][name] for name in layout.names]]))[0].tolist())
-        for m, layout in enumerate(profile.layouts)
-        if m in profile.carried(update.in_use, carries_all=carries_all)
+    table = code_table(bank)
+    counts: list[int] = np.diff(table.offsets).tolist()
+    if len(counts) != len(profile.layouts):
+        raise ValueError(f"bank has {len(counts)} sub-models, profile {len(profile.layouts)}")
+    own = [
+        update.parameters[first : first + count]  # without remainders
+        for first, count in zip(bank.offsets.tolist(), counts, strict=False)
+    ]
+    latitude_code, longitude_code = state_place(frame_constants(frame.origin), *update.position_m.tolist())
+    if latitude_code == NO_LATITUDE_CODE:
+        raise ValueError(f"position {update.position_m.tolist()} m: {_NO_PLACE}")
+    rows = UpdateRows(
+        np.array([update.vehicle]),
+        np.array([update.sequence]),
+        np.array([update.t_s]),
+        place=np.array([[latitude_code, longitude_code]]),
+        in_use=np.array([update.in_use]),
+        parameters=np.concatenate(own)[None],
     )
-    return UpdateMessage(BsmCore.from_values(values), update.in_use, carries_all=carries_all, codes=codes)
+    codec = StationCodec(profile, table, carries_all, (False,) * len(counts))
+    codes = codec.codes(rows, minute_s=frame.minute_s, further=further_values(core or {}))
+    return codec.message(codes[0], update.in_use)
 
 
 def update_from_wire(
@@ -138,8 +135,9 @@ def update_from_wire(
     Raises
     ------
     ValueError
-        Where Part I lacks position, instant, speed or heading, the bank holds a model that no message
-        carries, or constant velocity is needed and the bank has no member of the name ``cv``.
+        Where Part I lacks position, instant, speed or heading, the position is too far from the origin, the
+        bank holds a model that no message carries, or constant velocity is needed and the bank has no member
+        of the name ``cv``.
     """
     for member in bank.members:
         if member.payload_layout is None:
@@ -150,35 +148,22 @@ def update_from_wire(
     missing = [name for name, value in found.items() if value is None]
     if missing:
         raise ValueError(f"Part I lacks {', '.join(missing)}: there is nothing to coast from")
-    mark_s, latitude_deg, longitude_deg, speed, heading = (float(value or 0.0) for value in found.values())
-    since = (received_s - frame.minute_s - mark_s + _MINUTE_S / 2) % _MINUTE_S - _MINUTE_S / 2
-    at_m = geodetic_to_enu(
-        np.array([latitude_deg]), np.array([longitude_deg]), np.array([frame.origin.altitude_m]), frame.origin
-    )
-    velocity = heading_to_velocity(np.array([speed]), np.array([heading]))[0]
-    motion: dict[str, float] = dict(
-        zip(
-            CORE_PARAMETERS,
-            (*velocity, core.value("acceleration_forward_mps2") or 0.0, core.value("yaw_rate_radps") or 0.0),
-            strict=True,
-        )
-    )
-    coefficients: dict[int, dict[str, float]] = {}
+    mark, *place = (core.codes[CORE_INDEX[name]] for name in names[:3])
+    at_m = place_of(frame_constants(frame.origin), *place)
+    if not np.isfinite(at_m).all():
+        raise ValueError(f"latitude and longitude {place} / {CODES_PER_DEGREE} deg: {_NO_PLACE}")
+    table = code_table(bank)
+    codes = np.zeros(len(table.names), np.int64)
     in_use = _coasting(bank) if received.update is None else received.update.sub_model
     if received.update is not None and received.profile is not None:
-        coefficients = _coefficients(received.update, received.profile)
-    parameters = [
-        coefficients.get(m, {}).get(name, motion.get(name, 0.0))
-        for m, member in enumerate(bank.members)
-        for name in member.parameter_names
-    ]
+        codes = coefficient_codes(table, received.profile, received.update)
     return ModelUpdate(
         int(core.value("temporary_id") or 0),
         int(core.value("message_count") or 0),
-        received_s - since,
-        position_m=at_m[0, :2],
+        instant_of(mark, received_s, frame.minute_s),
+        position_m=np.array(at_m),
         in_use=in_use,
-        parameters=np.array(parameters),
+        parameters=table.decoded(np.array([core.codes]), codes[None])[0],
         dt_s=dt_s,
     )
 
@@ -224,26 +209,6 @@ def identification_from_wire(message: IdentificationMessage, update: ModelUpdate
     return SubModelIdentification(
         message.temporary_id, message.sequence, update.t_s + message.age_s, in_use=message.sub_model
     )
-
-
-def _by_member(bank: Bank, parameters: FloatArray) -> list[dict[str, float]]:
-    """Parameters of each member by name."""
-    bounds: list[int] = bank.offsets.tolist()
-    return [
-        dict(zip(member.parameter_names, parameters[first:end].tolist(), strict=True))
-        for member, first, end in zip(bank.members, bounds[:-1], bounds[1:], strict=True)
-    ]
-
-
-def _coefficients(update: UpdateMessage, profile: WireProfile) -> dict[int, dict[str, float]]:
-    """Coefficients that came with an update, by sub-model and name."""
-    members = profile.carried(update.sub_model, carries_all=update.carries_all)
-    found: dict[int, dict[str, float]] = {}
-    for member, codes in zip(members, update.codes, strict=True):
-        layout = profile.layouts[member]
-        values = layout.values_of(np.array([codes], dtype=np.int64).reshape(1, -1))[0]
-        found[member] = dict(zip(layout.names, values.tolist(), strict=True))
-    return found
 
 
 def _coasting(bank: Bank) -> int:

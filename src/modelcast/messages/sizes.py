@@ -12,12 +12,10 @@ import numpy as np
 from modelcast.core.arrays import IntArray
 from modelcast.messages.bsm_batch import CORE_FRAME_OCTETS
 from modelcast.messages.mbc_codec import IDENTIFICATION_OCTETS
+from modelcast.messages.mbc_profile import carries_all, plain_members
 from modelcast.messages.mbc_update import update_octets
 from modelcast.models.bank import Bank
-from modelcast.models.base import AbstractSubModel
-from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.predicted_path import carried_layout
-from modelcast.models.quantised import Quantised
 
 __all__ = ["SizeModel"]
 
@@ -38,6 +36,7 @@ class SizeModel:
 
     Examples
     --------
+    >>> from modelcast.models.constant_velocity import ConstantVelocity
     >>> from modelcast.models.kinematic import ConstantTurnRateAcceleration
     >>> bank = Bank((ConstantTurnRateAcceleration(), ConstantVelocity()))
     >>> sizes = SizeModel()
@@ -76,13 +75,7 @@ class SizeModel:
             The policy's rule, as `modelcast.station.policy.rules` names it.
         """
         bits = [carried_layout(member).bits for member in bank.members]
-        alone = identify == "never" or len(bits) == 1
-        sizes = [update_octets(own if alone else sum(bits)) for own in bits]
-        plain = [alone and _is_plain(member) for member in bank.members]
+        together = carries_all(bank, identify)
+        sizes = [update_octets(sum(bits) if together else own) for own in bits]
+        plain = plain_members(bank, identify)
         return np.where(plain, CORE_FRAME_OCTETS, sizes).astype(np.int64) + self.more_bytes
-
-
-def _is_plain(member: AbstractSubModel) -> bool:
-    """Whether it is what any receiver makes of Part I."""
-    own = member.model if isinstance(member, Quantised) else member
-    return isinstance(own, ConstantVelocity)

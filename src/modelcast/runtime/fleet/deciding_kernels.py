@@ -6,11 +6,12 @@ import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector
+from modelcast.messages.airtime_kernels import StackNumbers, airtime, frame_bytes
 from modelcast.models.member_kernels import parameter_count
 from modelcast.models.point_kernels import EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH
 from modelcast.runtime.fleet.arrays import Contents, Outbox, SenderArrays, Tally
 from modelcast.runtime.fleet.composing_kernels import LoopModels, moved
-from modelcast.runtime.fleet.emitting_kernels import airtime, emit, frame_bytes
+from modelcast.runtime.fleet.emitting_kernels import emit
 from modelcast.runtime.fleet.layout_kernels import (
     CONTENT_EAST_M,
     CONTENT_FIT_S,
@@ -182,7 +183,7 @@ def _cam(
 def decide(
     models: LoopModels,
     limits: tuple[float, float, float],
-    stack: FloatVector,
+    stack: StackNumbers,
     rule: int,
     constants: FloatVector,
     control: int,
@@ -251,7 +252,7 @@ def decide(
         elif rule == RULE_ERROR_DRIVEN:
             sends = _error_driven(models, s, v, sample, t_s, constants, contents, scratch)
         else:
-            payload = float(models.payload_bytes[models.payload_bytes.size - 1])
+            payload = int(models.payload_bytes[models.payload_bytes.size - 1])
             airtime_s = airtime(frame_bytes(payload, True, stack), stack)
             sends = _cam(
                 s,

@@ -1,9 +1,8 @@
 """Compiled accounting of what the closed loop's senders hand to the radio: bytes, certificates, airtime."""
 
-from math import ceil
-
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatVector
+from modelcast.messages.airtime_kernels import StackNumbers, airtime, carries_certificate, frame_bytes
 from modelcast.runtime.fleet.arrays import Contents, Outbox, SenderArrays, Tally
 from modelcast.runtime.fleet.composing_kernels import LoopModels, compose
 from modelcast.runtime.fleet.layout_kernels import (
@@ -26,40 +25,14 @@ from modelcast.runtime.fleet.layout_kernels import (
     SENDER_BITS,
 )
 
-__all__ = ["CERTIFICATE_RULES", "airtime", "emit", "frame_bytes"]
-
-CERTIFICATE_RULES = ("gap", "timer", "always", "digest", "unsigned")
-_GAP, _TIMER, _ALWAYS = range(3)
-_TIME_SLACK_S = 1e-9
-
-
-@kernel(inlined=True)
-def _has_certificate(s: SenderArrays, v: int, sent_s: float, rule: int, interval_s: float) -> bool:
-    """Whether a message carries the certificate, as `modelcast.messages.airtime.Stack` says."""
-    if rule == _GAP:
-        return sent_s - s.sent_s[v] > interval_s + _TIME_SLACK_S
-    if rule == _TIMER:
-        return sent_s - s.certified_s[v] >= interval_s - _TIME_SLACK_S
-    return rule == _ALWAYS
-
-
-@kernel(inlined=True)
-def frame_bytes(payload: float, certificate: bool, stack: FloatVector) -> float:
-    """Return the bytes handed to the physical layer for a payload."""
-    return payload + stack[2] + (stack[3] if certificate else 0.0)
-
-
-@kernel(inlined=True)
-def airtime(size_bytes: float, stack: FloatVector) -> float:
-    """Return how long a frame of that size is on the air [s]."""
-    return stack[4] + stack[5] * ceil((stack[6] + 8.0 * size_bytes) / stack[7])
+__all__ = ["emit"]
 
 
 @kernel(inlined=True)
 def emit(
     models: LoopModels,
     limits: tuple[float, float, float],
-    stack: FloatVector,
+    stack: StackNumbers,
     s: SenderArrays,
     v: int,
     at: int,
@@ -82,10 +55,10 @@ def emit(
     contents.beliefs[v, ring, BELIEF_NUMBER], contents.beliefs[v, ring, BELIEF_STEP] = number, -1
     row[CONTENT_VEHICLE], row[CONTENT_NUMBER] = s.vehicle[v], number
     row[CONTENT_FIT_S], row[CONTENT_SENT_S] = t_s, sent_s
-    certificate = _has_certificate(s, v, sent_s, int(stack[0]), stack[1])
-    frame = frame_bytes(row[CONTENT_BYTES], certificate, stack)
+    certificate = carries_certificate(stack.rule, stack.interval_s, sent_s, s.sent_s[v], s.certified_s[v])
+    frame = frame_bytes(int(row[CONTENT_BYTES]), certificate, stack)
     k = out.filled[0]
-    out.sender[k], out.ready_s[k], out.size_bytes[k] = v, sent_s, int(frame)
+    out.sender[k], out.ready_s[k], out.size_bytes[k] = v, sent_s, frame
     out.power_dbm[k], out.message_id[k] = power_dbm, (number << SENDER_BITS) | v
     out.filled[0] = k + 1
     if believed > 0.0:

@@ -5,7 +5,7 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
-from modelcast.runtime.fleet.emitting_kernels import CERTIFICATE_RULES
+from modelcast.messages.airtime_kernels import StackNumbers
 from modelcast.runtime.fleet.layout_kernels import (
     RULE_CAM,
     RULE_ERROR_DRIVEN,
@@ -34,7 +34,7 @@ class LoopConstants:
     control: int
     control_constants: FloatArray
     extra: tuple[float, float, float, float]
-    stack: FloatArray
+    stack: StackNumbers
     noise: tuple[float, float, float, float, float, float]
     critical_mps2: float
 
@@ -54,27 +54,13 @@ def loop_constants(sender: FleetSender, dt_s: float) -> LoopConstants:
         rule, interval_s = RULE_CAM, policy.triggering.min_inter_transmit_time_s
         control, control_constants, share = _control(policy)
     noise = DEFAULT_NOISE.numbers(dt_s)
-    signed = stack.certificates != "unsigned"
-    around = stack.frame_bytes(np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.bool_))[0]
     return LoopConstants(
         rule,
         sender.rule_constants(),
         control=control,
         control_constants=control_constants,
         extra=(sender.power_dbm, sender.jitter_s, interval_s, share),
-        stack=np.array(
-            [
-                CERTIFICATE_RULES.index(stack.certificates),
-                stack.certificate_interval_s,
-                around,
-                stack.certificate_bytes - stack.digest_bytes if signed else 0,
-                stack.preamble_s,
-                stack.symbol_s,
-                stack.service_tail_bits,
-                stack.bits_per_symbol,
-            ],
-            dtype=np.float64,
-        ),
+        stack=stack.numbers,
         noise=(noise.first_mean, noise.averaged, noise.clip, noise.share, noise.prior_count, noise.free),
         critical_mps2=critical_mps2,
     )
