@@ -54,11 +54,12 @@ class Sensed(NamedTuple):
 class Fits(NamedTuple):
     """Sub-models as their receivers hold them, in rings of F samples.
 
-    ``parameters`` (V, F, P) of all members in turn; ``number`` (V, F, M) the sample that each was fitted at,
-    -1 for none.
+    ``parameters`` (V, F, P) of all members in turn, and their ``codes``; ``number`` (V, F, M) the sample that
+    each was fitted at, -1 for none.
     """
 
     parameters: FloatCube
+    codes: IntCube
     number: IntCube
 
 
@@ -153,7 +154,9 @@ def fits(vehicles: int, ring: int, *, members: int, parameters: int) -> Fits:
         M, and P of all together.
     """
     return Fits(
-        np.zeros((vehicles, ring, parameters)), np.full((vehicles, ring, members), -1, dtype=np.int64)
+        np.zeros((vehicles, ring, parameters)),
+        np.zeros((vehicles, ring, parameters), dtype=np.int64),
+        np.full((vehicles, ring, members), -1, dtype=np.int64),
     )
 
 

@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
-from modelcast.messages.quantisation import core_steps
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.runtime.trip import errors_kernels
@@ -78,8 +77,7 @@ def sense_trip(trip: Trajectory, estimator: VelocityEstimator, *, quantised: boo
     quantised
         Whether positions are stated as messages can say them, or as they were measured.
     """
-    grid_m = core_steps().position_m if quantised else 0.0
-    return sensed_trip(trip, Sensing.of(trip, estimator, grid_m=grid_m))
+    return sensed_trip(trip, Sensing.of(trip, estimator, quantised=quantised))
 
 
 class TripRuntime:

@@ -5,18 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.messages.quantisation import CoreSteps, core_steps
+from modelcast.messages.code_table import code_table
+from modelcast.messages.codes_kernels import COLUMNS
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
-from modelcast.models.base import AbstractSubModel
 from modelcast.models.learned import Selector
 from modelcast.models.members import ReadyBank
-from modelcast.models.payload import CORE_PARAMETERS
 from modelcast.models.predicted_path import carried_form
 from modelcast.station.policy.guard import GUARD
-from modelcast.station.sender.fitting_kernels import Codes, SenderModels
+from modelcast.station.sender.fitting_kernels import SenderModels
 
-__all__ = ["SenderBank", "codes_of"]
+__all__ = ["SenderBank"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +31,9 @@ class SenderBank:
         where there is none, and then serves only for want of another.
     ready
         Their point functions.
-    codes
-        What a message can say of their parameters.
+    table
+        What a message can say of their parameters, (P, `codes_kernels.COLUMNS`); empty where they are held as
+        they were fitted.
     sizes
         Bytes of an update by the sub-model in use, (M,).
     fallback
@@ -46,7 +46,7 @@ class SenderBank:
 
     bank: Bank
     ready: ReadyBank
-    codes: Codes
+    table: FloatArray
     sizes: IntArray
     fallback: int
     dt_s: float
@@ -92,7 +92,7 @@ class SenderBank:
         return cls(
             whole,
             ReadyBank.of(whole, dt_s),
-            codes_of(whole, core_steps() if quantised else None),
+            code_table(whole).rows if quantised else np.empty((0, COLUMNS)),
             (SizeModel() if sizes is None else sizes).each_update_bytes(whole, identify),
             -1 if whole is carried else len(carried.members),
             dt_s,
@@ -126,7 +126,7 @@ class SenderBank:
         selector = self.selector
         return SenderModels(
             self.ready.members,
-            self.codes,
+            self.table,
             self.sizes,
             self.fallback,
             guard,
@@ -134,52 +134,3 @@ class SenderBank:
             1 if selector is None else selector.window_at(self.dt_s),
             self.dt_s,
         )
-
-
-def codes_of(bank: Bank, steps: CoreSteps | None) -> Codes:
-    """Return what a message can say of a bank's parameters.
-
-    Parameters
-    ----------
-    bank
-        Members in the forms that messages carry.
-    steps
-        Those of Part I; None for parameters as they were fitted.
-
-    Raises
-    ------
-    ValueError
-        Where a member's velocity is not east, then north.
-    """
-    names = [member.parameter_names for member in bank.members]
-    velocity = np.full(len(names), -1, dtype=np.int64)
-    for m, own in enumerate(names):
-        if CORE_PARAMETERS[0] in own:
-            velocity[m] = own.index(CORE_PARAMETERS[0])
-        if (CORE_PARAMETERS[0] in own or CORE_PARAMETERS[1] in own) and own[velocity[m] :][
-            :2
-        ] != CORE_PARAMETERS[:2]:
-            raise ValueError(
-                f"{bank.members[m].name}: velocity must be east, then north, got {', '.join(own)}"
-            )
-    fields = [
-        _field(member, name, steps) for member, own in zip(bank.members, names, strict=True) for name in own
-    ]
-    polar = (0.0, 0.0, 0.0) if steps is None else (steps.speed_mps, steps.last_speed, steps.heading_rad)
-    table: FloatArray = np.array(fields, dtype=np.float64).reshape(-1, 3)
-    return Codes(table, velocity, np.array(polar, dtype=np.float64))
-
-
-def _field(member: AbstractSubModel, name: str, steps: CoreSteps | None) -> tuple[float, float, float]:
-    """Step, lowest and highest code of a parameter; step 0 where it has none of its own."""
-    layout = member.payload_layout
-    if steps is None:
-        return 0.0, 0.0, 0.0
-    if name == "acceleration_mps2":
-        return steps.acceleration_mps2, -float(steps.last_acceleration), float(steps.last_acceleration)
-    if name == "yaw_rate_radps":
-        return steps.yaw_rate_radps, -float(steps.last_yaw_rate), float(steps.last_yaw_rate)
-    if layout is not None and name in layout.names:
-        step, low, high = layout.table[layout.names.index(name)].tolist()
-        return step, low, high
-    return 0.0, 0.0, 0.0

@@ -1,44 +1,32 @@
 """Compiled fitting: a sub-model's parameters as its receivers hold them, once for every sample and member."""
 
-from math import atan2, cos, hypot, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntVector
+from modelcast.messages.codes_kernels import quantise_parameters
 from modelcast.models.member_kernels import Members, fit_member, predict_member
 from modelcast.models.point_kernels import EAST, NORTH
 from modelcast.station.arrays import Fits, Sensed
 
-__all__ = ["Codes", "SenderModels", "coded", "distance_to", "fit", "fit_each"]
-
-
-class Codes(NamedTuple):
-    """What a message can say of P parameters of M members.
-
-    ``fields`` (P, 3): step (0: as it is), lowest and highest code; ``velocity`` (M,) where the velocity of
-    each member begins among its parameters, -1 for none; ``polar`` (3,) step [m/s] and last code of the
-    speed, step of the heading [rad].
-    """
-
-    fields: FloatMatrix
-    velocity: IntVector
-    polar: FloatVector
+__all__ = ["SenderModels", "distance_to", "fit", "fit_each"]
 
 
 class SenderModels(NamedTuple):
     """Sub-models of a sender.
 
-    ``members`` (M); their ``codes``; ``sizes`` (M,) of an update by the sub-model in use [bytes].
-    ``fallback`` is the member that serves only for want of another, ``guard`` the one that serves where the
-    bank has fallen behind it; -1 for none. ``selector`` is the address of the function that predicts which
-    member lasts, 0 for none, and ``selector_window`` the samples it looks at. ``dt_s`` is the sampling
-    interval.
+    ``members`` (M); ``table`` (P, `codes_kernels.COLUMNS`) of what a message can say of their parameters,
+    empty where receivers hold them as they were fitted; ``sizes`` (M,) of an update by the one in use
+    [bytes]. ``fallback`` is the member that serves only for want of another, ``guard`` the one that serves
+    where the bank has fallen behind it; -1 for none. ``selector`` is the address of the function that
+    predicts which member lasts, 0 for none, and ``selector_window`` the samples it looks at. ``dt_s`` is the
+    sampling interval.
     """
 
     members: Members
-    codes: Codes
+    table: FloatMatrix
     sizes: IntVector
     fallback: int
     guard: int
@@ -47,35 +35,31 @@ class SenderModels(NamedTuple):
     dt_s: float
 
 
-@kernel
-def coded(codes: Codes, m: int, first: int, parameters: FloatVector) -> None:
-    """Put a member's parameters (P,), whose codes stand from ``first`` on, where their codes put them."""
-    for i in range(parameters.size):
-        step = codes.fields[first + i, 0]
-        if step > 0.0:
-            low, high = codes.fields[first + i, 1], codes.fields[first + i, 2]
-            parameters[i] = min(max(np.rint(parameters[i] / step), low), high) * step
-    velocity = codes.velocity[m]
-    if velocity >= 0 and codes.polar[0] > 0.0:
-        east, north = parameters[velocity], parameters[velocity + 1]
-        speed = min(np.rint(hypot(east, north) / codes.polar[0]), codes.polar[1]) * codes.polar[0]
-        heading = np.rint(atan2(east, north) / codes.polar[2]) * codes.polar[2]
-        parameters[velocity], parameters[velocity + 1] = speed * sin(heading), speed * cos(heading)
-
-
 @kernel(inlined=True)
-def fit(models: SenderModels, s: Sensed, fits: Fits, v: int, number: int, m: int) -> None:
-    """Fit a member that has a full window at a sample of a vehicle, unless that is done."""
+def fit(models: SenderModels, s: Sensed, fits: Fits, v: int, number: int, m: int) -> bool:
+    """Fit a member that has a full window at a sample of a vehicle, unless that is done; whether it could be.
+
+    Its parameters are written as its receivers hold them. Where one is not a number, the fit failed.
+    """
     place = number % fits.parameters.shape[1]
     if fits.number[v, place, m] == number:
-        return
+        return True
     members = models.members
     end = number % s.stated_m.shape[1] + s.stated_m.shape[1] + 1
     first, last = members.offsets[m], members.offsets[m + 1]
     out = fits.parameters[v, place, first:last]
     fit_member(members, m, s.samples[v, end - members.windows[m] : end], out)
-    coded(models.codes, m, first, out)
+    failed = -1
+    if models.table.shape[0] > 0:
+        failed = quantise_parameters(models.table[first:last], out, fits.codes[v, place, first:last], out)
+    else:
+        for i in range(out.size):
+            if np.isnan(out[i]):
+                failed = i
+    if failed >= 0:
+        return False
     fits.number[v, place, m] = number
+    return True
 
 
 @kernel
@@ -83,8 +67,10 @@ def fit_each(models: SenderModels, s: Sensed, fits: Fits, numbers: IntVector) ->
     """Fit every member that has a full window at the given samples of the first vehicle."""
     for number in numbers:
         for m in range(models.members.windows.size):
-            if s.history[0, number % s.stated_m.shape[1]] >= models.members.windows[m]:
-                fit(models, s, fits, 0, number, m)
+            if s.history[0, number % s.stated_m.shape[1]] < models.members.windows[m]:
+                continue
+            if not fit(models, s, fits, 0, number, m):
+                fits.parameters[0, number % fits.parameters.shape[1], models.members.offsets[m]] = np.nan
 
 
 @kernel(inlined=True)

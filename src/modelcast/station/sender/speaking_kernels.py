@@ -136,6 +136,17 @@ def _remember(
 
 
 @kernel(inlined=True)
+def _first(
+    models: SenderModels, s: Sensed, fits: Fits, rules: LaneRules, lanes: Lanes, b: int, number: int
+) -> int:
+    """First member that can be fitted, where the one chosen could not; 0 for none."""
+    for m in range(models.members.windows.size):
+        if lanes.available[b, m] and fit(models, s, fits, rules.vehicle[b], number, m):
+            return m
+    return 0  # nothing serves: an update falls due at the next sample
+
+
+@kernel(inlined=True)
 def compose(
     models: SenderModels,
     s: Sensed,
@@ -157,7 +168,9 @@ def compose(
     every = rules.identify[b] != IDENTIFY_NEVER or start in (START_SURVIVOR, START_RECENT)
     for m in range(models.members.windows.size):
         if lanes.available[b, m] and (every or m == member):
-            fit(models, s, fits, rules.vehicle[b], number, m)
+            lanes.available[b, m] = fit(models, s, fits, rules.vehicle[b], number, m)
+    if member >= 0 and not lanes.available[b, member]:
+        member = _first(models, s, fits, rules, lanes, b, number)
     if start == START_RECENT:
         _remember(models, s, fits, rules, lanes, b, number)
     return member
@@ -216,9 +229,9 @@ def speak(
             following = False
         if not following:
             member = compose(models, s, fits, rules, lanes, b, number, scratch)
-            if free >= 0 and falls_back(lanes.behind[b], lanes.lead[b]):
+            back = free >= 0 and falls_back(lanes.behind[b], lanes.lead[b])
+            if back and fit(models, s, fits, v, number, models.guard):
                 member = models.guard
-                fit(models, s, fits, v, number, member)
             hold(models, s, fits, rules, lanes, b, number, member)
     if following:
         lanes.update[b], lanes.in_use[b] = lanes.update[free], lanes.in_use[free]

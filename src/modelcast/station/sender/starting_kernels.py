@@ -71,8 +71,7 @@ def _hindsight(
         age_s = t_s - float(s.t_s[v, place])
         scratch[2], scratch[3], scratch[4] = s.t_s[v, place], s.stated_m[v, place, 0], s.stated_m[v, place, 1]
         for m in range(members.windows.size):
-            if lanes.available[b, m]:
-                fit(models, s, fits, v, then, m)
+            if lanes.available[b, m] and fit(models, s, fits, v, then, m):
                 own = fits.parameters[
                     v, then % fits.parameters.shape[1], members.offsets[m] : members.offsets[m + 1]
                 ]

@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, owned
+from modelcast.core.geodesy import Origin, frame_constants
+from modelcast.core.geodesy_kernels import FARTHEST_M
 from modelcast.station.arrays import Sensed, sensed
 from modelcast.station.sensing.motion_filter import HEADING_HOLD_MPS, MotionFilter
 from modelcast.station.sensing.noise import DEFAULT_NOISE, NoiseEstimator
@@ -13,7 +15,18 @@ from modelcast.station.sensing.sensing_kernels import SensingNumbers, sense
 from modelcast.station.sensing.velocity import REPORTED, VelocityEstimator
 from modelcast.trips.trajectory import GAP_STEPS, Trajectory
 
-__all__ = ["Sensing", "measurements", "part_begins", "position_noise_m", "sample_matrix", "sensed_trip"]
+__all__ = [
+    "NOWHERE",
+    "Sensing",
+    "measurements",
+    "part_begins",
+    "position_noise_m",
+    "sample_matrix",
+    "sensed_trip",
+]
+
+NOWHERE = Origin(0.0, 0.0)
+"""Where a plane without an origin is laid: a code is worth 1.1 cm there on each axis, and nowhere more."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,8 +45,9 @@ class Sensing:
         Of the position's white noise.
     motion
         Filter over the measurements, which must then all be there; None for none.
-    grid_m
-        Step of the position that a message states, on each axis; 0 for none [m].
+    origin
+        Of the plane that positions are measured on, by which a message states them as latitude and longitude;
+        None where receivers hold them as they were measured.
 
     Raises
     ------
@@ -47,7 +61,7 @@ class Sensing:
     has_yaw_rate: bool = True
     noise: NoiseEstimator = DEFAULT_NOISE
     motion: MotionFilter | None = None
-    grid_m: float = 0.0
+    origin: Origin | None = None
 
     def __post_init__(self) -> None:
         if self.motion is not None and not (
@@ -56,7 +70,7 @@ class Sensing:
             raise ValueError("a motion filter needs speed, heading, acceleration and yaw rate")
 
     @classmethod
-    def of(cls, trip: Trajectory, velocity: VelocityEstimator, *, grid_m: float = 0.0) -> "Sensing":
+    def of(cls, trip: Trajectory, velocity: VelocityEstimator, *, quantised: bool = False) -> "Sensing":
         """Estimators for a trip by the columns it has.
 
         Parameters
@@ -65,8 +79,9 @@ class Sensing:
             What the sender sees.
         velocity
             Of its velocity.
-        grid_m
-            As in `Sensing`.
+        quantised
+            Whether positions are stated as messages say them; of a trip without an origin as if it were
+            `NOWHERE`.
 
         Raises
         ------
@@ -81,7 +96,7 @@ class Sensing:
             velocity=velocity,
             has_acceleration=trip.acceleration_mps2 is not None,
             has_yaw_rate=trip.yaw_rate_radps is not None,
-            grid_m=grid_m,
+            origin=(trip.origin or NOWHERE) if quantised else None,
         )
 
     def numbers(self, dt_s: float) -> SensingNumbers:
@@ -97,7 +112,7 @@ class Sensing:
             NO_RATES_BELOW_MPS,
             GAP_STEPS * dt_s,
             HEADING_HOLD_MPS,
-            self.grid_m,
+            np.empty(0) if self.origin is None else frame_constants(self.origin),
             np.empty(0) if self.motion is None else self.motion.constants(),
             self.noise.numbers(dt_s),
         )
@@ -144,6 +159,11 @@ def sensed_trip(trip: Trajectory, sensing: Sensing) -> Sensed:
     sensing
         Its estimators.
 
+    Raises
+    ------
+    ValueError
+        Where messages cannot state its positions.
+
     Examples
     --------
     White noise of 5 cm is found within seconds:
@@ -159,6 +179,11 @@ def sensed_trip(trip: Trajectory, sensing: Sensing) -> Sensed:
     array([0.01, 0.05, 0.05])
     """
     count = len(trip)
+    if sensing.origin is not None and np.hypot(*trip.position_m.T).max() > FARTHEST_M:
+        raise ValueError(
+            f"{trip.trip_id}: messages state positions within {FARTHEST_M / 1e3:g} km of the origin, "
+            f"this trip is up to {np.hypot(*trip.position_m.T).max() / 1e3:.0f} km off: cut it"
+        )
     held = sensed(1, count)
     vehicle = np.zeros(count, dtype=np.int64)
     sense(held, vehicle, owned(trip.t_s), measurements(trip), part_begins(trip), sensing.numbers(trip.dt_s))

@@ -3,8 +3,7 @@
 from math import cos, hypot, sin, sqrt
 from typing import NamedTuple
 
-import numpy as np
-
+from modelcast.core.geodesy_kernels import stated
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector, IntVector
 from modelcast.models.point_kernels import (
@@ -47,7 +46,8 @@ class SensingNumbers(NamedTuple):
     velocities and ``rates_degree`` give acceleration and yaw rate where they are not reported
     (``has_acceleration``, ``has_yaw_rate``); both are zero below ``standing_mps``. A step longer than
     ``gap_s`` begins a new part. ``filter`` (8,) are the constants of the motion filter, empty for none; it
-    holds the heading below ``hold_mps``. ``grid_m`` is the step of the position that a message states.
+    holds the heading below ``hold_mps``. ``frame`` is that of the plane (`geodesy_kernels`), by which
+    a message states the position; empty where receivers hold it as it was measured.
     """
 
     velocity_window: int
@@ -60,7 +60,7 @@ class SensingNumbers(NamedTuple):
     standing_mps: float
     gap_s: float
     hold_mps: float
-    grid_m: float
+    frame: FloatVector
     filter: FloatVector
     noise: NoiseNumbers
 
@@ -130,9 +130,10 @@ def _take(s: Sensed, v: int, t_s: float, fresh: bool, c: SensingNumbers) -> None
     s.samples[v, at, POSITION_NOISE] = sqrt(s.noise[v, 0] / n.share)
     for column in range(s.samples.shape[2]):
         s.samples[v, place, column] = s.samples[v, at, column]
-    for axis in range(2):
-        at_m = s.samples[v, at, EAST + axis]
-        s.stated_m[v, place, axis] = np.rint(at_m / c.grid_m) * c.grid_m if c.grid_m > 0.0 else at_m
+    east, north = s.samples[v, at, EAST], s.samples[v, at, NORTH]
+    if c.frame.size > 0:
+        east, north = stated(c.frame, east, north)
+    s.stated_m[v, place, 0], s.stated_m[v, place, 1] = east, north
     s.taken[v] = number + 1
 
 
