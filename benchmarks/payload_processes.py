@@ -23,12 +23,13 @@ from modelcast.models.gp import GaussianProcess
 from modelcast.models.predicted_path import DEFAULT_CARRIED, DEFAULT_SPAN_S, PredictedPath, carried_layout
 from modelcast.models.profile import default_profile
 from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.banks import PAPER_BANK
 from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.metrics import quantiles
 from modelcast.study.pooling import sorted_errors
 from modelcast.study.rate import count_rates
-from modelcast.study.settings import PAPER_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.study.tracking import run_tracking
 from payload_figure import draw
 

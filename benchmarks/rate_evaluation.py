@@ -7,9 +7,10 @@ from pathlib import Path
 
 from modelcast.io.trips import read_trips
 from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.rate import count_rates
-from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 
 FILE = "openacc_zalazone/no_ACC__handling_part22.csv"
 ROUNDS = 9

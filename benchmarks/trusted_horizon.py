@@ -20,8 +20,9 @@ from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantTurnRateAcceleration, ConstantTurnRateVelocity
 from modelcast.models.trusted import Trusted
 from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import TripCase, make_case
-from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.study.tracking import run_tracking
 
 PACKET_ERROR_RATIO = 0.4

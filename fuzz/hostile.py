@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.cli.banks import named_bank
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.evaluation_run import run_evaluation
 from modelcast.cli.run_record import EvaluationRun, load_run, write_run
@@ -32,6 +31,7 @@ from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.profile import Profile, default_profile
 from modelcast.models.regimes import Regimes
 from modelcast.models.trusted import Trusted
+from modelcast.station.banks import named_bank
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.station.sensing.velocity import DEFAULT_FROM_POSITIONS

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from modelcast.cli.banks import bank_from_text, named_bank
 from modelcast.cli.compare_options import CompareOptions
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.core.exceptions import ConfigError
@@ -15,6 +14,7 @@ from modelcast.models.gp import AxisKernel, VehicleProcess
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.profile import Profile, default_profile
 from modelcast.models.trusted import Trusted
+from modelcast.station.banks import bank_from_text, named_bank
 
 NAMES = [
     "cv",

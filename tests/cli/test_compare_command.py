@@ -8,12 +8,12 @@ import polars as pl
 import pytest
 
 from modelcast.cli.app import run
-from modelcast.cli.banks import member_names
 from modelcast.cli.compare_options import CompareOptions
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import SensorOptions
 from modelcast.io.write_trips import write_csv
 from modelcast.models.profile import default_profile
+from modelcast.station.banks import member_names
 from modelcast.world.drive import generate_drive
 
 SMALL = ("--threshold", "0.3", "0.5", "--per", "0", "0.4", "--seeds", "2", "--resamples", "50")

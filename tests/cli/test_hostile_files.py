@@ -26,8 +26,9 @@ from modelcast.io.trips import read_trips
 from modelcast.io.write_trips import write_csv, write_parquet
 from modelcast.models.profile import default_profile, profile_from_text
 from modelcast.report.console import training_lines
+from modelcast.station.banks import PAPER_BANK
 from modelcast.study.evaluate import evaluate
-from modelcast.study.settings import PAPER_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.fingerprint import fingerprint
 from modelcast.world.drive import generate_drive
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from modelcast.cli.app import run
-from modelcast.cli.banks import named_bank
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.profile import read_profile
 from modelcast.io.write_trips import write_csv
+from modelcast.station.banks import named_bank
 from modelcast.world.drive import generate_drive
 
 QUICK = ("--steps", "12", "--hidden", "8", "8", "--coefficients", "2")

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.cli.banks import bank_from_text, member_names
 from modelcast.core.geodesy import Origin
 from modelcast.messages.asn1 import reference_codec, reference_encode
 from modelcast.messages.bsm import BasicSafetyMessage
@@ -23,6 +22,7 @@ from modelcast.messages.quantisation import quantised_bank
 from modelcast.models.bank import Bank
 from modelcast.models.base import Windows
 from modelcast.models.profile import default_profile
+from modelcast.station.banks import bank_from_text, member_names
 
 __all__ = ["BANKS", "NUMBER", "main", "sent"]
 

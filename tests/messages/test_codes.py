@@ -7,7 +7,6 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from modelcast.cli.banks import bank_from_text, member_names
 from modelcast.core.arrays import FloatArray
 from modelcast.messages import codes_kernels as kernels
 from modelcast.messages.bsm_fields import CORE_FIELDS, CORE_INDEX
@@ -17,6 +16,7 @@ from modelcast.models.bank import Bank
 from modelcast.models.payload import PayloadField
 from modelcast.models.predicted_path import carried_form, carried_layout
 from modelcast.models.profile import default_profile
+from modelcast.station.banks import bank_from_text, member_names
 
 ALL = Bank(tuple(bank_from_text(f"{name}").members[0] for name in member_names(default_profile())), "all")
 TABLE = code_table(ALL)

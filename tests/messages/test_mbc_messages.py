@@ -8,7 +8,6 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from modelcast.cli.banks import bank_from_text, member_names
 from modelcast.core.exceptions import CodecError
 from modelcast.core.geodesy import Origin, enu_to_surface, stated_local
 from modelcast.messages.asn1 import reference_codec, reference_encode
@@ -47,6 +46,7 @@ from modelcast.models.payload import PayloadField, PayloadLayout
 from modelcast.models.profile import Profile, default_profile
 from modelcast.models.trusted import Trusted
 from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.banks import bank_from_text, member_names
 from modelcast.station.receiver.host import Host, HostState, Receipt
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.world.drive import generate_drive

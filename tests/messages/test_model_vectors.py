@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from modelcast.cli.banks import bank_from_text, member_names
 from modelcast.messages.bsm import BsmCore
 from modelcast.messages.mbc_codec import UpdateCodec
 from modelcast.messages.mbc_profile import WireProfile
@@ -19,6 +18,7 @@ from modelcast.messages.mbc_wire import (
     encode_identification,
 )
 from modelcast.models.profile import default_profile
+from modelcast.station.banks import bank_from_text, member_names
 
 HERE = Path(__file__).parent
 VECTORS: dict[str, Any] = json.loads((HERE / "vectors" / "models.json").read_text(encoding="utf-8"))

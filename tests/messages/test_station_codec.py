@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from modelcast.cli.banks import bank_from_text
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import CodecError
 from modelcast.messages.bsm import BasicSafetyMessage, BsmCore, decode_bsm, encode_bsm, encode_message
@@ -25,6 +24,7 @@ from modelcast.messages.station_codec import (
 from modelcast.models.bank import Bank
 from modelcast.models.payload import CORE_PARAMETERS
 from modelcast.models.profile import default_profile
+from modelcast.station.banks import bank_from_text
 
 BANKS = {
     "default": default_profile().bank,

@@ -11,6 +11,7 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.models.bank import Bank
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
+from modelcast.station.banks import BASELINE_BANK, PAPER_BANK
 from modelcast.study.compare.bootstrap import (
     limits,
     quantile_resamples,
@@ -24,7 +25,7 @@ from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.evaluate import evaluate
 from modelcast.study.metrics import quantiles
 from modelcast.study.result import POOLED
-from modelcast.study.settings import BASELINE_BANK, PAPER_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory
 from modelcast.world.drive import generate_drive
 

@@ -11,11 +11,12 @@ from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.learned import FeatureMap, Perceptron, Selector
+from modelcast.station.banks import PAPER_BANK
 from modelcast.station.policy.costs import CostTable
 from modelcast.study.case import STANDING_SPEED_MPS, SensedTrip, make_case
 from modelcast.study.evaluate import evaluate
 from modelcast.study.result import POOLED, EvaluationResult, RateRow
-from modelcast.study.settings import PAPER_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.drive import generate_drive
 

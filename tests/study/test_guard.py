@@ -10,11 +10,12 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import derivative_process, vehicle_process
 from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.guard import ALLOWED, falls_back
 from modelcast.station.sensing.velocity import velocity_estimator_for
-from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 
 BANK = Bank((ConstantAcceleration(), ConstantTurnRateAcceleration(), ConstantVelocity()))

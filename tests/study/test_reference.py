@@ -8,13 +8,14 @@ from scipy.optimize import minimize
 
 from modelcast.io.trips import read_trips
 from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.clairvoyant import clairvoyant
 from modelcast.study.clairvoyant_kernels import decide
 from modelcast.study.evaluate import evaluate
 from modelcast.study.minimax_kernels import FAILS, HOLDS
 from modelcast.study.reference import count_references
-from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 
 THRESHOLDS_M = (0.2, 0.5)

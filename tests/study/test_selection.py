@@ -17,6 +17,7 @@ from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
 from modelcast.models.learned import Selector
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.station.policy.base import MessageKind, TransmitInputs
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
@@ -24,7 +25,7 @@ from modelcast.station.policy.hindsight import LAGS_S, hindsight_scores
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.study.case import TripCase
 from modelcast.study.compare.candidate import FixedCandidate
-from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.study.training.costs import CostSettings, train_costs
 from modelcast.study.training.descent import Descent
 from modelcast.study.training.members import MemberSettings, choose_members

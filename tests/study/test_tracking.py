@@ -13,12 +13,13 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.runtime.trip import replay_kernels
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.banks import BASELINE_BANK, PAPER_BANK
 from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sensing.velocity import REPORTED
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.evaluate import evaluate
-from modelcast.study.settings import BASELINE_BANK, PAPER_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.study.tracking import TrackingRun, draw_losses, run_tracking
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 

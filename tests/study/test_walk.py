@@ -12,10 +12,10 @@ from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.banks import BASELINE_BANK, PAPER_BANK
 from modelcast.station.policy.base import MessageKind, TransmitInputs
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sensing.velocity import velocity_estimator_for
-from modelcast.study.settings import BASELINE_BANK, PAPER_BANK
 from modelcast.trips.trajectory import Trajectory
 
 MARGIN_M = 1e-9

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 from cyclopts import Parameter
 
 from modelcast.cli.evaluate_options import EvaluateOptions
-from modelcast.cli.options import CostUnit, Numbers, SensorOptions, Words
+from modelcast.cli.options import Numbers, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
-from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
 
 if TYPE_CHECKING:
-    from modelcast.cli.banks import NamedBank
     from modelcast.models.profile import Profile
+    from modelcast.station.banks import NamedBank
     from modelcast.study.compare.candidate import AbstractCandidate, TrainedCandidate
     from modelcast.study.compare.settings import CompareSettings
     from modelcast.study.settings import EvaluationSettings
@@ -161,9 +161,10 @@ class CompareOptions:
         ConfigError
             Where a bank or rule is unknown.
         """
-        from modelcast.cli.banks import member_names, profile_in_use
+        from modelcast.cli.banks import profile_in_use
         from modelcast.core.exceptions import ConfigError
         from modelcast.models.regimes import REGIME_BANK
+        from modelcast.station.banks import member_names
         from modelcast.study.compare.candidate import FixedCandidate
 
         if not self.trusted_horizon:
@@ -205,10 +206,10 @@ class CompareOptions:
 
     def _banks(self, text: str, profile: "Profile") -> "dict[str, NamedBank]":
         """A bank with every trusted horizon, by what its name ends in; equal ones, as of cv alone, once."""
-        from modelcast.cli.banks import named_bank
+        from modelcast.cli.banks import bank_in_use
 
         made = {
-            horizon_s: named_bank(
+            horizon_s: bank_in_use(
                 text,
                 noise_floor_m=self.noise_floor,
                 window=self.window,
@@ -243,7 +244,7 @@ def _trainer(profile: "Profile") -> "Callable[[Sequence[Trajectory]], Profile]":
 
 def _trained_candidate(text: str, train: "Callable[[Sequence[Trajectory]], Profile]") -> "TrainedCandidate":
     """A bank of a profile trained on all other routes: the profile's own, or the one named after a colon."""
-    from modelcast.cli.banks import named_bank
+    from modelcast.station.banks import named_bank
     from modelcast.study.compare.candidate import TrainedCandidate
     from modelcast.study.training.profile import LONGEST_WINDOW
 

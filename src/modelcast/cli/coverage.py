@@ -78,7 +78,7 @@ def coverage(
     """
     import sys
 
-    from modelcast.cli.banks import named_bank, profile_in_use
+    from modelcast.cli.banks import bank_in_use, profile_in_use
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import busy, counted
     from modelcast.cli.reading import TripSource
@@ -97,7 +97,7 @@ def coverage(
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast coverage --help)")
-    named = named_bank(
+    named = bank_in_use(
         bank,
         noise_floor_m=noise_floor,
         trusted_horizon_s=trusted_horizon or None,

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from cyclopts import Parameter
 
-from modelcast.cli.options import CostUnit, Numbers, SensorOptions
+from modelcast.cli.options import Numbers, SensorOptions
 from modelcast.messages.rules import CertificateRule
-from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
 
 if TYPE_CHECKING:
     from modelcast.study.settings import EvaluationSettings
@@ -154,14 +154,14 @@ class EvaluateOptions:
         ConfigError
             Where a value is out of its range.
         """
-        from modelcast.cli.banks import named_bank, profile_in_use
+        from modelcast.cli.banks import bank_in_use, profile_in_use
         from modelcast.cli.option_rules import OPTIONS
         from modelcast.core.exceptions import ConfigError
         from modelcast.core.rules import check
         from modelcast.messages.airtime import Stack
         from modelcast.study.settings import EvaluationSettings
 
-        named = named_bank(
+        named = bank_in_use(
             self.bank,
             noise_floor_m=self.noise_floor,
             window=self.window,

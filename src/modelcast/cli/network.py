@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from modelcast.cli.options import Numbers, Paths, SensorOptions, Words
+from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
 
 if TYPE_CHECKING:
     from modelcast.cli.network_plan import NetworkPlan
@@ -31,12 +32,18 @@ def network(
     lanes: int = 0,
     blocks: int = 5,
     certificates: str = "gap",
+    bank: str = "default",
+    profile: str | None = None,
+    start: StartRule | None = None,
+    identify: IdentifyRule | None = None,
+    cost: CostUnit = "bytes",
     threshold: float = 0.2,
     keep_alive: float = 2.0,
     relaxed_error: float | None = None,
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
     out: Path = Path("out/network"),
     jobs: int = 0,
+    threads: int = 1,
     json: bool = False,
     quiet: bool = False,
 ) -> int:
@@ -61,8 +68,7 @@ def network(
         dsrc, sidelink, abstract, or several after one another.
     policy
         bsm-10hz, baseline, mbc, j2945, j2945-filtered, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5,
-        cam, or several after one another. mbc sends the first sub-model of the bank that has a full window
-        (start rule order), the j2945-mbc ones what erred least of late; hindsight is not in the loop.
+        cam, or several after one another.
     duration
         Time simulated [s].
     warm_up
@@ -79,6 +85,17 @@ def network(
         Junctions on each side of the grid.
     certificates
         Which messages carry the certificate: gap, timer, always, digest, unsigned.
+    bank
+        Sub-models of mbc and the j2945-mbc ones, as for evaluate.
+    profile
+        File of the profile in use, as for evaluate.
+    start
+        Sub-model that their messages start with, as for evaluate; where not given, mbc takes the bank's rule
+        and the others what erred least of late (recent). Timers know no guard and no survivor.
+    identify
+        When mbc names another sub-model, as for evaluate; the others never do.
+    cost
+        What the rule cheapest counts: messages, bytes or airtime.
     threshold
         Tracking-error threshold of baseline and mbc [m].
     keep_alive
@@ -92,6 +109,8 @@ def network(
         Output folder.
     jobs
         Runs at a time; 0 for one a processor.
+    threads
+        Threads of each run; the result is the same whatever their number.
     json
         Print summary.json instead of tables.
     quiet
@@ -109,6 +128,12 @@ def network(
         blocks=blocks,
         seed=seed,
         certificates=certificates,
+        bank=bank,
+        profile=profile,
+        start=start,
+        identify=identify,
+        cost=cost,
+        threads=threads,
         threshold_m=threshold,
         keep_alive_s=keep_alive,
         relaxed_error_m=relaxed_error,
@@ -203,7 +228,7 @@ def _cases(
 
     from modelcast.cli.network_plan import RADIOS
     from modelcast.core.exceptions import ConfigError
-    from modelcast.runtime.fleet.sender import SENDERS
+    from modelcast.station.sender.sender import SENDERS
     from modelcast.study.network.rows import NetworkCase
 
     for name, given, known in (("radio", radio, RADIOS), ("policy", policy, SENDERS)):

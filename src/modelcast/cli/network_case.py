@@ -2,13 +2,14 @@
 
 from typing import Any
 
+from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_traffic import BLOCK_M, traffic
 from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.fcd_survey import FcdSurvey
 from modelcast.runtime.fleet.engine import run_network
-from modelcast.runtime.fleet.sender import named_sender
+from modelcast.station.sender.sender import named_sender
 from modelcast.study.network.measure import measure
 from modelcast.study.network.rows import CaseResult, NetworkCase
 from modelcast.world.scenario.motion import checked
@@ -66,8 +67,14 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
     certificates: Any = plan.certificates
     try:
         model = plan.sensor.model()
+        named = bank_in_use(plan.bank, profile=profile_in_use(plan.profile))
         sender = named_sender(
             case.policy,
+            bank=named.bank,
+            start=plan.start,
+            identify=plan.identify,
+            costs=named.costs(plan.cost) if plan.identify == "cheapest" else None,
+            selector=named.selector if plan.start == "predicted" else None,
             threshold_m=plan.threshold_m,
             keep_alive_s=plan.keep_alive_s,
             relaxed_error_m=plan.relaxed_error_m,
@@ -78,7 +85,13 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
         seed = int(child_generator(plan.seed, case.run, "loop").integers(2**31))
         with traffic(plan, case, found) as frames:
             run = run_network(
-                checked(frames), sender, radio, plan.settings, seed=seed, sensor=FleetSensor(model)
+                checked(frames),
+                sender,
+                radio,
+                plan.settings,
+                seed=seed,
+                sensor=FleetSensor(model),
+                threads=plan.threads,
             )
     except ValueError as error:
         raise ConfigError(str(error)) from error

@@ -11,6 +11,7 @@ from modelcast.cli.options import SensorOptions
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.network_runs import RunKey
 from modelcast.runtime.fleet.settings import NetworkSettings
+from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
 
 __all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
 
@@ -40,6 +41,10 @@ class NetworkPlan:
         Of all random numbers.
     certificates
         Rule of the certificates.
+    bank, profile, start, identify, cost
+        Of senders of models, as users name them.
+    threads
+        Threads of each run.
     threshold_m, keep_alive_s
         Of error-driven senders [m], [s].
     relaxed_error_m
@@ -59,6 +64,12 @@ class NetworkPlan:
     blocks: int
     seed: int
     certificates: str
+    bank: str
+    profile: str | None
+    start: StartRule | None
+    identify: IdentifyRule | None
+    cost: CostUnit
+    threads: int
     threshold_m: float
     keep_alive_s: float
     relaxed_error_m: float | None
@@ -67,8 +78,11 @@ class NetworkPlan:
 
     def as_plain(self) -> dict[str, Any]:
         """All of it as plain values; files by their names."""
-        names = [Path(path).name for path in self.trips]
-        return {**asdict(self), "scenario": Path(self.scenario).name, "trips": names}
+        found = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
+        del found["threads"]  # the result is the same whatever their number
+        for name in ("scenario", "bank", "profile"):
+            found[name] = None if found[name] is None else Path(found[name]).name
+        return found
 
     def key(self) -> RunKey:
         """Version and hashes of all that a run reads: its traffic, the shipped profile, SUMO.
@@ -81,7 +95,10 @@ class NetworkPlan:
         from modelcast.cli.run_inputs import recorded_inputs
         from modelcast.core.version import package_version
 
-        paths = [Path(path) for path in (*self.trips, *([self.scenario] if self.from_file else []))]
+        files = [self.scenario] if self.from_file else []
+        files += [self.bank] if self.bank.endswith(".json") else []
+        files += [] if self.profile is None else [self.profile]
+        paths = [Path(path) for path in (*self.trips, *files)]
         hashes = recorded_inputs(paths).items()
         inputs: dict[str, str] = {
             f"{number} {Path(name).name}": found["sha256"] for number, (name, found) in enumerate(hashes)

@@ -5,10 +5,9 @@ Both are held against the same table, so that a run which was accepted can be re
 
 from typing import Any, get_args
 
-from modelcast.cli.options import CostUnit
 from modelcast.core.rules import AbstractRule, Each, Flag, Keys, Maybe, Number, Text, Whole
 from modelcast.messages.rules import CertificateRule
-from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
 
 __all__ = ["LONGEST_PATH", "OPTIONS"]
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -11,7 +11,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Columns",
-    "CostUnit",
     "Format",
     "Numbers",
     "Paths",
@@ -29,9 +28,6 @@ Words = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")
 
 Paths = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative="")]
 """Several files or folders after one another."""
-
-CostUnit = Literal["messages", "bytes", "airtime"]
-"""What the rule ``cheapest`` counts."""
 
 Source = Annotated[str, Parameter(allow_leading_hyphen=True)]
 """A file, or - for the standard input, or the content itself."""

@@ -118,7 +118,8 @@ def train(
 
 def _require_trainable(names: tuple[str, ...]) -> None:
     """Refuse members before hours of training that no profile could hold."""
-    from modelcast.cli.banks import member_names, profile_in_use
+    from modelcast.cli.banks import profile_in_use
+    from modelcast.station.banks import member_names
     from modelcast.study.training.profile import MOST_NAMES
 
     known = member_names(profile_in_use(None))

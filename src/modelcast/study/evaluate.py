@@ -8,6 +8,7 @@ import numpy as np
 from modelcast.core.exceptions import ConfigError
 from modelcast.models.learned.spans import short_at
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime, sense_trip
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import SensedTrip, TripCase, make_case
 from modelcast.study.illustration import draw_manoeuvre, draw_timeline, sharpest_instant
 from modelcast.study.pooling import TrackingPool, pool_ecdf, pool_row
@@ -25,7 +26,7 @@ from modelcast.study.result import (
     TrackingRow,
     TripRow,
 )
-from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.study.tracking import Contender, run_tracking
 from modelcast.trips.fingerprint import known_trips
 from modelcast.trips.trajectory import Trajectory

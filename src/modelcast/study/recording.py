@@ -6,12 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from modelcast.runtime.trip.runtime import TripMessages
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.station.policy.base import MessageKind
 from modelcast.study.case import TripCase
 from modelcast.study.rate import RateCount
 from modelcast.study.result import Coded, Columns, SampleBlock
 from modelcast.study.sent import sent_messages
-from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.study.tracking import TrackingRun
 
 __all__ = ["EventRecorder", "sample_block"]

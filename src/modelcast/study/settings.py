@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, asdict, dataclass, field
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 import numpy as np
 
@@ -11,43 +11,16 @@ from modelcast.channel.erasure import GilbertElliott, IndependentErasure
 from modelcast.messages.airtime import Stack
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
-from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import GaussianProcess
 from modelcast.models.learned import Selector
 from modelcast.models.profile import default_profile
+from modelcast.station.banks import rules_of
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.guard import GUARD
 from modelcast.station.policy.rules import IdentifyRule, StartRule
 from modelcast.world.sensors import SensorModel
 
-__all__ = ["BASELINE_BANK", "PAPER_BANK", "PAPER_NOISE_FLOOR_M", "EvaluationSettings", "rules_of"]
-
-PAPER_NOISE_FLOOR_M = 1e-5
-"""The paper's Gaussian process has no noise floor: a hundredth of a millimetre stands for none [m]."""
-
-PAPER_BANK = Bank(
-    (ConstantVelocity(), GaussianProcess(form="anchored", noise_floor_m=PAPER_NOISE_FLOOR_M)),
-    "paper",
-)
-"""The paper's bank: constant velocity, then the per-axis maximum-likelihood Gaussian process."""
-
-BASELINE_BANK = Bank((ConstantVelocity(),), "cv")
-"""Raw basic safety messages: the receiver coasts at constant velocity."""
-
-
-def rules_of(bank: Bank) -> tuple[StartRule, IdentifyRule]:
-    """The rules that a bank is used with where nobody says otherwise.
-
-    Parameters
-    ----------
-    bank
-        The shipped profile's bank is used as that profile says, any other as the paper reads.
-    """
-    profile = default_profile()
-    if bank == profile.bank:
-        return cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
-    return "order", "on-failure"
+__all__ = ["EvaluationSettings"]
 
 
 def _require_known(name: str, value: str, known: tuple[str, ...]) -> None:

@@ -1,100 +1,190 @@
-"""What a fleet on the air holds, as plain arrays that the compiled loop owns and writes.
+"""What a fleet on the air holds beside its stations, as plain arrays that the compiled loop owns and writes.
 
 Vehicles are slots of the scenario. Every message has a number that counts those of its slot from 0; its
-content stands at that number modulo `MESSAGES_KEPT` in its sender's ring, as decoded from its bytes. Since
+content stands at that number modulo `MESSAGES_KEPT` in its sender's ring, as decoded from its codes. Since
 every host that holds a message holds the same numbers, tracks only say which message they hold.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from modelcast.core.kernel_types import (
     BoolVector,
     FloatCube,
-    FloatMatrix,
     FloatVector,
-    Int32Cube,
+    IntCube,
     IntMatrix,
     IntVector,
 )
-from modelcast.models.point_kernels import SAMPLE_COLUMNS
+from modelcast.messages.airtime_kernels import StackNumbers
 from modelcast.runtime.fleet.bins_kernels import BINS
-from modelcast.runtime.fleet.layout_kernels import (
-    BELIEF_COLUMNS,
-    CAUSES,
-    CONTENT_HEAD,
-    MESSAGES_KEPT,
-    SUMS,
-)
-from modelcast.station.policy.dcc_kernels import STATE_COLUMNS as DCC_COLUMNS
-from modelcast.station.policy.j2945_kernels import STATE_COLUMNS as RULE_COLUMNS
 
 __all__ = [
+    "AIRTIME_S",
+    "BELIEF",
+    "BELIEF_COLUMNS",
+    "BELIEF_NUMBER",
+    "CAUSES",
+    "CERTIFICATES",
+    "CONTENT_BYTES",
+    "CONTENT_EAST_M",
+    "CONTENT_FIT_S",
+    "CONTENT_HEAD",
+    "CONTENT_KIND",
+    "CONTENT_MEMBER",
+    "CONTENT_NAMED_S",
+    "CONTENT_NORTH_M",
+    "CONTENT_NUMBER",
+    "CONTENT_SENT_S",
+    "CONTENT_UPDATE",
+    "CONTENT_VEHICLE",
+    "FAR",
+    "FRAME_BYTES",
+    "IDENTIFICATIONS",
+    "MESSAGES",
+    "MESSAGES_KEPT",
+    "MODELS",
+    "PAYLOAD_BYTES",
+    "POWER_DBM",
+    "REFUSED",
+    "SENDER_BITS",
+    "STALE",
+    "SUMS",
+    "TAKEN",
+    "TRACK_COLUMNS",
+    "TRACK_MESSAGE",
+    "TRACK_RECEIVED_S",
+    "TRACK_VEHICLE",
+    "UNKNOWN",
     "Contents",
+    "FleetNumbers",
     "Outbox",
-    "SenderArrays",
+    "Senders",
     "Tally",
     "contents",
     "outbox",
-    "sender_arrays",
+    "pooled",
+    "senders",
     "tally",
 ]
 
+MESSAGES_KEPT = 128
+"""Messages of a sender that its ring holds; the message count on the air (DE_MsgCount) runs modulo it too."""
 
-class SenderArrays(NamedTuple):
-    """What V senders hold.
+SENDER_BITS = 20
+"""Bits of a message's id on the radio that say whose it is; its number stands above them."""
 
-    ``vehicle`` (V,) who is in the slot, -1 for nobody; ``history`` (V,) samples since it came; ``samples``
-    (V, 2n, 7) and ``times`` (2n,) the last n samples, each written twice so that every window lies in one
-    piece; ``noise`` (V, 2) running mean of squares and how many; ``phase`` (V,) where in a step each decides;
-    ``rows`` (V, 15) and ``control`` (V, 5) state of the rule; ``begins_s``
-    and ``begun`` (V,) when each begins to decide, and whether it has; ``due_s`` (V,) of the periodic one;
-    ``number`` (V,) of the next message; ``believed`` (V,) of that which the remotes are believed to hold, -1
-    for none; ``sent_s`` and ``certified_s`` (V,) when the last message, and the last with a certificate,
-    went out; ``pending`` (V, 4) a message of the next step: time, power, whether believed, cause.
+(
+    CONTENT_VEHICLE,
+    CONTENT_NUMBER,
+    CONTENT_KIND,
+    CONTENT_UPDATE,
+    CONTENT_FIT_S,
+    CONTENT_NAMED_S,
+    CONTENT_SENT_S,
+    CONTENT_EAST_M,
+    CONTENT_NORTH_M,
+    CONTENT_MEMBER,
+    CONTENT_BYTES,
+) = range(11)
+"""Columns of a message's content: who sent it and its number; its kind, and the number of the update that it
+is
+or names; instant of that update's fit, of the decision, and when it was handed to the radio; the position
+stated; the sub-model; payload bytes. Parameters follow: of an identification, those of the update it
+names."""
+
+CONTENT_HEAD = 11
+
+BELIEF_NUMBER, BELIEF = range(2)
+"""Columns of what a message makes its holders believe: its number; step, bins of tracking error and
+information
+age at that step, in one word (`tracking_kernels`)."""
+
+BELIEF_COLUMNS = 2
+
+TRACK_MESSAGE, TRACK_RECEIVED_S, TRACK_VEHICLE = range(3)
+"""Columns of a track: id of the message held, when the last one arrived, whose they are."""
+
+TRACK_COLUMNS = 4  # a power of two: a track never straddles two cache lines
+
+CAUSES = 4
+"""Causes of a message as `j2945_kernels` numbers them; the others count under time (1)."""
+
+(
+    MESSAGES,
+    MODELS,
+    IDENTIFICATIONS,
+    CERTIFICATES,
+    PAYLOAD_BYTES,
+    FRAME_BYTES,
+    AIRTIME_S,
+    POWER_DBM,
+    TAKEN,
+    FAR,
+    REFUSED,
+    STALE,
+    UNKNOWN,
+) = range(13)
+"""Sums: messages handed to the radio, those with a model, identifications, those with a certificate; bytes,
+bytes
+of frames, airtime, power; receptions taken in, of remotes out of reach, without a free slot, older than what
+is held, naming an update that is not held."""
+
+SUMS = 13
+
+
+class Senders(NamedTuple):
+    """What V stations on the air hold of their messages.
+
+    ``vehicle`` (V,) who is in the slot, -1 for nobody; ``number`` (V,) of the next message; ``update`` (V,)
+    of the update that the remotes are believed to hold; ``sent_s`` and ``certified_s`` (V,) when the last
+    message, and the last with a certificate, went out.
     """
 
     vehicle: IntVector
-    history: IntVector
-    samples: FloatCube
-    times: FloatVector
-    noise: FloatMatrix
-    phase: FloatVector
-    rows: FloatMatrix
-    control: FloatMatrix
-    begins_s: FloatVector
-    begun: BoolVector
-    due_s: FloatVector
     number: IntVector
-    believed: IntVector
+    update: IntVector
     sent_s: FloatVector
     certified_s: FloatVector
-    pending: FloatMatrix
-    trials: FloatCube
-    origin: FloatMatrix
-    scores: FloatMatrix
+
+
+class FleetNumbers(NamedTuple):
+    """What all messages of a fleet have in common.
+
+    ``stack`` what goes round a payload; ``identification_bytes``; ``carries_all`` whether updates hold the
+    parameters of all members; ``plain`` (M,) with which the message is a plain one; ``power_dbm`` where the
+    policy leaves it open; ``jitter_s`` by which messages that leave at once are spread.
+    """
+
+    stack: StackNumbers
+    identification_bytes: int
+    carries_all: bool
+    plain: BoolVector
+    power_dbm: float
+    jitter_s: float
 
 
 class Contents(NamedTuple):
     """Messages as decoded, ``rows`` (V, MESSAGES_KEPT, W), and what they make their holders believe.
 
-    ``beliefs`` (V, MESSAGES_KEPT, 4) is worked out once a step for each message, since it is the same for all
+    ``beliefs`` (V, MESSAGES_KEPT, 2) is worked out once a step for each message, since it is the same for all
     hosts that hold it.
     """
 
     rows: FloatCube
-    beliefs: Int32Cube
+    beliefs: IntCube
 
 
 class Outbox(NamedTuple):
-    """Messages of one step, (2V,): sender, ready [s], bytes, power [dBm], id; and the count, (1,)."""
+    """Messages of one step: sender, ready [s], bytes, power [dBm], id, when the next is due; count, (1,)."""
 
     sender: IntVector
     ready_s: FloatVector
     size_bytes: IntVector
     power_dbm: FloatVector
     message_id: IntVector
+    next_s: FloatVector
     filled: IntVector
 
 
@@ -104,7 +194,7 @@ class Tally(NamedTuple):
     ``error``, ``age``, ``gap`` (distances, BINS) of tracking errors, information ages and inter-packet gaps;
     ``held``, ``pairs`` (distances,) samples with a live track, and all; ``recent`` (BINS,) tracking errors
     near the middle distances since it was last cleared; ``causes`` (CAUSES,) messages by cause; ``sums``
-    (SUMS,) as `layout_kernels` names them.
+    (SUMS,).
     """
 
     error: IntMatrix
@@ -117,40 +207,14 @@ class Tally(NamedTuple):
     sums: FloatVector
 
 
-def sender_arrays(vehicles: int, window: int, phase: Any, *, members: int, parameters: int) -> SenderArrays:
-    """Return the arrays of senders that have seen nothing.
-
-    Parameters
-    ----------
-    vehicles
-        V.
-    window
-        Longest window of a sub-model, n.
-    phase
-        Where in a step each decides, (V,) in [0, 1).
-    members, parameters
-        Sub-models, and most parameters of one.
-    """
-    return SenderArrays(
+def senders(vehicles: int) -> Senders:
+    """Return V stations that have sent nothing."""
+    return Senders(
         vehicle=np.full(vehicles, -1, dtype=np.int64),
-        history=np.zeros(vehicles, dtype=np.int64),
-        samples=np.zeros((vehicles, 2 * window, SAMPLE_COLUMNS)),
-        times=np.zeros(2 * window),
-        noise=np.zeros((vehicles, 2)),
-        phase=np.ascontiguousarray(phase, dtype=np.float64),
-        rows=np.zeros((vehicles, RULE_COLUMNS)),
-        control=np.zeros((vehicles, DCC_COLUMNS)),
-        begins_s=np.zeros(vehicles),
-        begun=np.zeros(vehicles, dtype=np.bool_),
-        due_s=np.full(vehicles, -np.inf),
         number=np.zeros(vehicles, dtype=np.int64),
-        believed=np.full(vehicles, -1, dtype=np.int64),
+        update=np.full(vehicles, -1, dtype=np.int64),
         sent_s=np.full(vehicles, -np.inf),
         certified_s=np.full(vehicles, -np.inf),
-        pending=np.full((vehicles, 4), np.inf),
-        trials=np.zeros((vehicles, members, parameters + 1)),
-        origin=np.zeros((vehicles, 3)),
-        scores=np.full((vehicles, members), -1.0),
     )
 
 
@@ -159,12 +223,12 @@ def contents(vehicles: int, parameters: int) -> Contents:
     shape = (vehicles, MESSAGES_KEPT)
     return Contents(
         rows=np.full((*shape, CONTENT_HEAD + parameters), -1.0),
-        beliefs=np.full((*shape, BELIEF_COLUMNS), -1, dtype=np.int32),
+        beliefs=np.full((*shape, BELIEF_COLUMNS), -1, dtype=np.int64),
     )
 
 
 def outbox(vehicles: int) -> Outbox:
-    """Return an empty outbox."""
+    """Return an empty outbox for so many vehicles."""
     most = 2 * vehicles
     return Outbox(
         sender=np.zeros(most, dtype=np.int64),
@@ -172,6 +236,7 @@ def outbox(vehicles: int) -> Outbox:
         size_bytes=np.zeros(most, dtype=np.int64),
         power_dbm=np.zeros(most),
         message_id=np.zeros(most, dtype=np.int64),
+        next_s=np.full(most, np.inf),
         filled=np.zeros(1, dtype=np.int64),
     )
 
@@ -188,3 +253,8 @@ def tally(distances: int) -> Tally:
         causes=np.zeros(CAUSES, dtype=np.int64),
         sums=np.zeros(SUMS),
     )
+
+
+def pooled(tallies: list[Tally]) -> Tally:
+    """Return the counts of several parts of a fleet together, always added in their order."""
+    return Tally(*(np.sum(columns, axis=0) for columns in zip(*tallies, strict=True)))

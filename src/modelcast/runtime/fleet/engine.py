@@ -11,8 +11,8 @@ from modelcast.channel.radio import AbstractRadio
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.runtime.fleet.arrays import Tally
 from modelcast.runtime.fleet.loop import FleetLoop
-from modelcast.runtime.fleet.sender import FleetSender
 from modelcast.runtime.fleet.settings import NetworkSettings
+from modelcast.station.sender.sender import Sender
 from modelcast.world.scenario.base import FleetFrame
 from modelcast.world.scenario.sensed import FleetSensor
 
@@ -56,12 +56,13 @@ class NetworkRun:
 
 def run_network(
     frames: Iterable[FleetFrame],
-    sender: FleetSender,
+    sender: Sender,
     radio: AbstractRadio[Any],
     settings: NetworkSettings | None = None,
     *,
     seed: int,
     sensor: FleetSensor | None = None,
+    threads: int = 1,
     progress: Callable[[int], None] | None = None,
 ) -> NetworkRun:
     """Run a fleet on the air and return what was counted.
@@ -80,6 +81,8 @@ def run_network(
         Of senders, radio and sensors; frames bring their own chance. Same seed, same counts.
     sensor
         What the vehicles see of themselves; None for the truth.
+    threads
+        How many work on the fleet; the result is the same whatever their number.
     progress
         Called after every step with the number of steps done.
 
@@ -91,7 +94,7 @@ def run_network(
     Examples
     --------
     >>> from modelcast.channel.dsrc import Dsrc
-    >>> from modelcast.runtime.fleet.sender import named_sender
+    >>> from modelcast.station.sender.sender import named_sender
     >>> from modelcast.world.scenario.base import run_scenario
     >>> from modelcast.world.scenario.highway import Highway
     >>> road = Highway(500.0, 20.0, warm_up_s=0.0)
@@ -105,7 +108,7 @@ def run_network(
     first = next(pending, None)
     if first is None:
         raise ValueError("frames must hold at least one frame")
-    loop = FleetLoop(first, sender, radio, chosen, seed=seed, sensor=sensor)
+    loop = FleetLoop(first, sender, radio, chosen, seed=seed, sensor=sensor, threads=threads)
     warm_up = round(chosen.warm_up_s / chosen.dt_s)
     a_second = max(1, round(1.0 / chosen.dt_s))
     outcomes: IntArray | None = None
@@ -119,8 +122,7 @@ def run_network(
         expired += received.expired.size
         series.append(row)
         if (number + 1) % a_second == 0:
-            recent.append(loop.tally.recent.copy())
-            loop.tally.recent[...] = 0
+            recent.append(loop.take_recent())
         if progress is not None:
             progress(number + 1)
     if len(series) <= warm_up or outcomes is None:
@@ -135,5 +137,5 @@ def run_network(
         busy_ratio=float(np.nansum(counted[:, 3] * counted[:, 0]) / max(counted[:, 0].sum(), 1.0)),
         series=rows,
         recent=np.array(recent, dtype=np.int64).reshape(len(recent), -1),
-        sender_bytes=sender.payload_bytes,
+        sender_bytes=sender.update_bytes,
     )

@@ -3,49 +3,57 @@
 In each step every vehicle takes its sample; the tracks of all hosts are set against the truth; every vehicle
 decides, at a time of its own within the step; the radio carries what was sent; hosts take in what they heard.
 What they heard is what they count, so it changes what is sent in the next step.
+
+Vehicles are worked on in `PARTS` parts, which several threads may share. What a part counts and sends stands
+apart and is put together in the order of the parts, so that the number of threads changes nothing.
 """
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
-from modelcast.core.arrays import FloatArray, owned
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.core.chance import child_generator
-from modelcast.models.members import ReadyBank
-from modelcast.runtime.fleet import deciding_kernels, receiver_kernels, sampling_kernels
+from modelcast.runtime.fleet import hearing_kernels, sending_kernels, tracking_kernels
 from modelcast.runtime.fleet.arrays import (
-    Contents,
-    Outbox,
-    SenderArrays,
-    contents,
-    outbox,
-    sender_arrays,
-    tally,
-)
-from modelcast.runtime.fleet.composing_kernels import LoopModels
-from modelcast.runtime.fleet.layout_kernels import (
     MESSAGES,
     POWER_DBM,
-    RULE_J2945,
     SENDER_BITS,
     TRACK_COLUMNS,
+    FleetNumbers,
+    Outbox,
+    Tally,
+    contents,
+    outbox,
+    pooled,
+    senders,
+    tally,
 )
-from modelcast.runtime.fleet.loop_constants import loop_constants
-from modelcast.runtime.fleet.sender import FleetSender
+from modelcast.runtime.fleet.hearing_kernels import Heard, HearingLimits
+from modelcast.runtime.fleet.sending_kernels import SendingStations, StepInputs
 from modelcast.runtime.fleet.settings import NetworkSettings
+from modelcast.runtime.fleet.tracking_kernels import Tracking
+from modelcast.station.arrays import MEASURED, fits, lanes, sensed
 from modelcast.station.policy import j2945_kernels
-from modelcast.station.policy.belief_kernels import LOCAL_COLUMNS
+from modelcast.station.policy.hindsight_kernels import LAGS_S
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.policy.j2945_parameters import J2945Parameters
 from modelcast.station.policy.neighbours import neighbour_tables
-from modelcast.station.policy.neighbours_kernels import NeighbourTables
-from modelcast.station.sensing.noise import DEFAULT_NOISE
+from modelcast.station.policy.policy_numbers import RULE_J2945
+from modelcast.station.sender.bank import SenderBank
+from modelcast.station.sender.lane_rules import speaking_lanes
+from modelcast.station.sender.sender import Sender
+from modelcast.station.sender.timed_kernels import timers
+from modelcast.station.sensing.sensing import NOWHERE, Sensing
+from modelcast.station.sensing.sensing_kernels import forget_each, sense
 from modelcast.world.scenario.base import FleetFrame
-from modelcast.world.scenario.filtered import FleetFilter, FleetFilterState
 from modelcast.world.scenario.sensed import FleetSensor, FleetSensorState
 
-__all__ = ["SERIES", "FleetLoop"]
+__all__ = ["PARTS", "SERIES", "FleetLoop"]
 
 SERIES = (
     "vehicles",
@@ -59,6 +67,9 @@ SERIES = (
 )
 """Columns of `NetworkRun.series`: vehicles there, messages sent, receptions, means of channel busy ratio and
 transmit power; and of J2945/1's state: smoothed density, longest time between messages, believed loss."""
+
+PARTS = 8
+"""Parts of a fleet that threads share; the same whatever their number."""
 
 _STEP_SLACK_S = 1e-6
 _SPARE_SLOTS = 64
@@ -80,44 +91,51 @@ class FleetLoop:
         Of all random numbers.
     sensor
         What the vehicles see of themselves; None for the truth.
+    threads
+        How many work on the parts of the fleet.
     """
 
     def __init__(
         self,
         first: FleetFrame,
-        sender: FleetSender,
+        sender: Sender,
         radio: AbstractRadio[Any],
         settings: NetworkSettings,
         *,
         seed: int,
         sensor: FleetSensor | None = None,
+        threads: int = 1,
     ) -> None:
         vehicles = len(first)
         if vehicles >= 1 << SENDER_BITS:
             raise ValueError(f"a fleet has fewer than {1 << SENDER_BITS} slots, got {vehicles}")
+        if threads < 1:
+            raise ValueError(f"threads must be at least 1, got {threads}")
         rng = child_generator(seed, "senders")
         phase = rng.random(vehicles)
-        bank, dt_s = sender.bank, settings.dt_s
-        window = max(int(bank.windows.max()), DEFAULT_NOISE.order + 1)
         self.sender, self.radio, self.settings = sender, radio, settings
         self.expiry_s = max(settings.expiry_s, 2.0 * sender.longest_silence_s)
-        self._ready = ReadyBank.of(bank, dt_s)
-        self._payload_bytes = sender.payload_bytes
-        self.senders: SenderArrays = sender_arrays(
-            vehicles,
-            window,
-            phase,
-            members=len(bank.members),
-            parameters=int(sender.parameter_counts.max()),
+        if not np.isfinite(self.expiry_s):
+            self.expiry_s = np.inf
+        self._bank = SenderBank.of(
+            sender.bank,
+            settings.dt_s,
+            identify=sender.lanes.identify,
+            sizes=sender.sizes,
+            selector=sender.selector,
         )
-        self.contents: Contents = contents(vehicles, int(sender.parameter_counts.max()))
-        self.outbox: Outbox = outbox(vehicles)
+        self._guard = self._bank.guard if sender.lanes.start == "guarded" else -1
+        self.stations = self._stations(vehicles, phase)
+        self.contents = contents(vehicles, self._widest())
         capacity = _capacity(first, settings)
-        self.tables: NeighbourTables = neighbour_tables(
+        self.tables = neighbour_tables(
             vehicles, capacity, sub_intervals=_sub_intervals(sender), phase_s=phase * 1.0
         )
         self.tracks = np.full((vehicles, capacity, TRACK_COLUMNS), -1.0)
-        self.tally = tally(settings.distances)
+        self._parts = list(pairwise(np.linspace(0, vehicles, PARTS + 1).astype(np.int64).tolist()))
+        self._outboxes = [outbox(end - begin) for begin, end in self._parts]
+        self._tallies = [tally(settings.distances) for _ in self._parts]
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self.number = 0
         self._rng = rng
         self._radio_state: Any = radio.init(vehicles, child_generator(seed, "radio"))
@@ -125,14 +143,52 @@ class FleetLoop:
         self._sensor_state: FleetSensorState | None = None
         if sensor is not None:
             self._sensor_state = sensor.init(vehicles, child_generator(seed, "sensor"))
-        self._filter = None if sender.motion is None else FleetFilter(sender.motion)
-        self._filter_state: FleetFilterState | None = None
-        if self._filter is not None:
-            self._filter_state = self._filter.init(vehicles)
-        self._constants = loop_constants(sender, dt_s)
+        self._sensing = Sensing(motion=sender.motion, origin=NOWHERE).numbers(settings.dt_s)
         spread_s = settings.start_spread_s
-        self._spread_s = sender.longest_silence_s if spread_s is None else spread_s
+        self._spread_s = min(sender.longest_silence_s, settings.expiry_s) if spread_s is None else spread_s
         self._last_s = -np.inf
+
+    def _stations(self, vehicles: int, phase: FloatArray) -> SendingStations:
+        """Return the senders' arrays, of stations that have measured and sent nothing."""
+        sender, bank, dt_s = self.sender, self._bank.bank, self.settings.dt_s
+        rule, guard = sender.lanes, self._guard
+        spoken = speaking_lanes(
+            [rule] * vehicles,
+            range(vehicles),
+            guard=guard,
+            dt_s=dt_s,
+            selector=sender.selector,
+            within_m=sender.within_m,
+        )
+        window = int(bank.windows.max())
+        back = 1 + (round(max(LAGS_S) / dt_s) if rule.start in {"hindsight", "guarded"} else 0)
+        if self._bank.selector is not None:
+            window = max(window, self._bank.selector.window_at(dt_s))
+        ring = max(window + back, Sensing(motion=sender.motion).memory(dt_s))
+        members, parameters = len(bank.members), int(bank.offsets[-1])
+        return SendingStations(
+            models=self._bank.models(guard),
+            sensed=sensed(vehicles, ring),
+            fits=fits(vehicles, back, members=members, parameters=parameters),
+            rules=spoken.rules,
+            lanes=lanes(spoken.rules.vehicle.size, members=members, parameters=parameters),
+            policy=sender.policy.numbers,
+            timers=timers(phase),
+            senders=senders(vehicles),
+            numbers=FleetNumbers(
+                stack=sender.stack.numbers,
+                identification_bytes=sender.sizes.identification_bytes,
+                carries_all=sender.carries_all,
+                plain=np.array(sender.plain, dtype=np.bool_),
+                power_dbm=sender.power_dbm,
+                jitter_s=sender.jitter_s,
+            ),
+        )
+
+    def _widest(self) -> int:
+        """Most parameters that a message holds."""
+        offsets = self._bank.bank.offsets
+        return int(offsets[-1] if self.sender.carries_all else np.diff(offsets).max())
 
     def step(self, frame: FleetFrame) -> tuple[Receptions, FloatArray]:
         """Carry one step; returns what was received in it, and its row of `SERIES`.
@@ -148,138 +204,167 @@ class FleetLoop:
             Where the frame is not one step later.
         """
         dt_s, t_s = self.settings.dt_s, frame.t_s
-        if np.isfinite(self._last_s) and abs(t_s - self._last_s - dt_s) > _STEP_SLACK_S:
+        if np.isfinite(self._last_s) and abs(t_s - self._last_s - dt_s) > self.settings.step_slack_s:
             raise ValueError(
                 f"frames must be {dt_s} s apart, got one at {t_s} s after {self._last_s} s: resample them"
             )
-        self._last_s = t_s
         # The radio's clock counts steps, so that both ends of every interval are the same numbers.
         now_s, until_s = round(self.number * dt_s, 6), round((self.number + 1) * dt_s, 6)
+        self.stations = self.stations._replace(models=self._bank.models(self._guard))
         seen = frame
         if self._sensor is not None and self._sensor_state is not None:
             seen, self._sensor_state = self._sensor.sense(self._sensor_state, frame)
-        if self._filter is not None and self._filter_state is not None:
-            seen, self._filter_state = self._filter.estimate(self._filter_state, seen)
-        before = self.tally.sums.copy()
+        before = self._sums()
         busy_ratio = self.radio.channel_busy_ratio(self._radio_state)
-        models = LoopModels(self._ready.members, self._payload_bytes)
-        truth_m = self._sense_and_track(models, frame, seen, now_s)
-        self._decide(models, seen, now_s, busy_ratio)
+        truth_m = np.where(frame.active[:, None], frame.position_m, np.nan)
+        started = self._sense(frame, seen, now_s)
+        self._track(truth_m, now_s)
+        self._send(started, now_s, busy_ratio)
         received = self._carry(truth_m, until_s)
-        receiver_kernels.hear_messages(
-            owned(received.message_id, np.int64),
-            owned(received.receiver, np.int64),
-            owned(received.t_s),
-            self.senders.vehicle,
-            seen.position_m,
-            truth_m,
-            self.settings.reach_m,
-            _SUB_INTERVAL_S,
-            self.settings.distance_bin_m,
-            self.tables,
-            self.contents,
-            self.tracks,
-            self.tally,
-        )
+        self._hear(received, truth_m)
         self.number += 1
+        self._last_s = t_s
         return received, self._series_row(frame, busy_ratio, before, received)
 
-    def _sense_and_track(
-        self, models: LoopModels, frame: FleetFrame, seen: FleetFrame, now_s: float
-    ) -> FloatArray:
-        """Take samples in, let new vehicles begin anew, and set all tracks against the truth."""
-        s, settings = self.senders, self.settings
-        self._started = np.zeros(len(frame), dtype=np.bool_)
-        sampling_kernels.take_samples(
-            now_s,
-            self._place,
-            seen.position_m,
-            seen.speed_mps,
-            seen.heading_rad,
-            seen.acceleration_mps2,
-            seen.yaw_rate_radps,
-            frame.vehicle_id,
-            frame.active,
-            s,
-            DEFAULT_NOISE.order,
-            self._constants.noise,
-            self._started,
-        )
-        receiver_kernels.clear_hosts(self._started, self.tables, self.tracks)
-        truth_m = np.where(frame.active[:, None], frame.position_m, np.nan)
-        receiver_kernels.sample_tracks(
-            models,
-            now_s,
-            self.number,
-            self.expiry_s,
-            settings.distance_bin_m,
-            settings.middle_bins,
-            s.vehicle,
-            truth_m,
-            self.tables,
-            self.contents,
-            self.tracks,
-            self.tally,
-            np.empty(2),
-        )
-        receiver_kernels.count_pairs(truth_m, settings.distance_bin_m, self.tally.pairs)
-        return truth_m
+    def _each(self, work: Callable[[int], None]) -> None:
+        """Do the same work on every part of the fleet."""
+        if self._pool is None:
+            for part in range(PARTS):
+                work(part)
+        else:
+            list(self._pool.map(work, range(PARTS)))
 
-    @property
-    def _place(self) -> int:
-        """Where in the rings the newest sample goes."""
-        return self.number % (self.senders.times.size // 2)
+    def _sense(self, frame: FleetFrame, seen: FleetFrame, now_s: float) -> BoolArray:
+        """Take measurements in and let new vehicles begin anew; returns whose slot has one, (V,)."""
+        stations = self.stations
+        started = frame.active & (stations.senders.vehicle != frame.vehicle_id)
+        stations.senders.vehicle[:] = np.where(frame.active, frame.vehicle_id, -1)
+        forget_each(stations.sensed, started)
+        hearing_kernels.clear_hosts(started, self.tables, self.tracks)
+        columns = (seen.speed_mps, seen.heading_rad, seen.acceleration_mps2, seen.yaw_rate_radps)
+        measured = np.column_stack((seen.position_m, *columns))
 
-    def _decide(self, models: LoopModels, seen: FleetFrame, now_s: float, busy_ratio: FloatArray) -> None:
-        """Fill the outbox."""
-        c = self._constants
-        critical = seen.acceleration_mps2 < -c.critical_mps2
-        deciding_kernels.decide(
-            models,
-            self.sender.limits,
-            c.stack,
-            c.rule,
-            c.rule_constants,
-            c.control,
-            c.control_constants,
-            (*c.extra, self._spread_s if self.number == 0 else 0.0),
-            now_s,
-            self.settings.dt_s,
-            self._place,
-            self._started,
-            critical,
-            owned(busy_ratio),
-            self._rng.random((len(seen), 4)),
-            self.tables,
-            self.senders,
-            self.contents,
-            self.outbox,
-            self.tally,
-            np.empty(LOCAL_COLUMNS),
-            np.empty(3 + int(self.sender.parameter_counts.max())),
+        def work(part: int) -> None:
+            first, end = self._parts[part]
+            here: IntArray = first + np.flatnonzero(frame.active[first:end])
+            sense(
+                stations.sensed, here, np.full(here.size, now_s), measured[here],
+                np.zeros(here.size, dtype=np.bool_), self._sensing,
+            )  # fmt: skip
+
+        self._each(work)
+        return started
+
+    def _track(self, truth_m: FloatArray, now_s: float) -> None:
+        """Set all tracks against the truth."""
+        settings = self.settings
+        tracking = Tracking(
+            members=self.stations.models.members,
+            carries_all=self.sender.carries_all,
+            t_s=now_s,
+            step=self.number,
+            expiry_s=self.expiry_s,
+            distance_bin_m=settings.distance_bin_m,
+            middle=settings.middle_bins,
+            vehicle=self.stations.senders.vehicle,
+            truth_m=truth_m,
         )
+
+        def work(part: int) -> None:
+            tracking_kernels.sample_tracks(
+                tracking,
+                self.tables.hosts,
+                self.contents,
+                self.tracks,
+                self._tallies[part],
+                *self._parts[part],
+            )
+
+        self._each(work)
+        tracking_kernels.count_pairs(truth_m, settings.distance_bin_m, self._tallies[0].pairs)
+
+    def _send(self, started: BoolArray, now_s: float, busy_ratio: FloatArray) -> None:
+        """Fill the outboxes."""
+        stations = self.stations
+        inputs = StepInputs(
+            t_s=now_s,
+            dt_s=self.settings.dt_s,
+            spread_s=self._spread_s if self.number == 0 else 0.0,
+            started=started,
+            critical=stations.sensed.shown[:, _ACCELERATION] < -stations.policy.critical_mps2,
+            busy_ratio=owned(busy_ratio),
+            uniforms=self._rng.random((started.size, 4)),
+        )
+
+        def work(part: int) -> None:
+            sending_kernels.send_each(
+                stations, inputs, self.tables, self.contents, self._outboxes[part], self._tallies[part],
+                *self._parts[part],
+            )  # fmt: skip
+
+        self._each(work)
 
     def _carry(self, truth_m: FloatArray, until_s: float) -> Receptions:
-        """Give the outbox to the radio, in order of time."""
-        out = self.outbox
-        count = int(out.filled[0])
-        order = np.argsort(out.ready_s[:count], kind="stable")
+        """Give the outboxes to the radio, in order of time."""
+        every = Outbox(
+            *(
+                np.concatenate([getattr(box, name)[: int(box.filled[0])] for box in self._outboxes])
+                for name in Outbox._fields[:-1]
+            ),
+            filled=np.zeros(1, dtype=np.int64),
+        )
+        order = np.argsort(every.ready_s, kind="stable")
         batch = Transmissions(
-            out.sender[order],
-            np.minimum(out.ready_s[order], np.nextafter(until_s, 0.0)),
-            size_bytes=out.size_bytes[order],
-            power_dbm=out.power_dbm[order],
-            message_id=out.message_id[order],
+            every.sender[order],
+            np.minimum(every.ready_s[order], np.nextafter(until_s, 0.0)),
+            size_bytes=every.size_bytes[order],
+            power_dbm=every.power_dbm[order],
+            message_id=every.message_id[order],
         )
         received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s)
         return received
+
+    def _hear(self, received: Receptions, truth_m: FloatArray) -> None:
+        """Let hosts take in what they heard."""
+        vehicle = self.stations.senders.vehicle
+        receiver = owned(received.receiver, np.int64)
+        start, order = np.zeros(vehicle.size + 1, dtype=np.int64), np.empty(receiver.size, dtype=np.int64)
+        hearing_kernels.by_host(receiver, start, order)
+        heard = Heard(
+            message_id=owned(received.message_id, np.int64),
+            received_s=owned(received.t_s),
+            order=order,
+            start=start,
+            vehicle=vehicle,
+            seen_m=np.ascontiguousarray(self.stations.sensed.shown[:, :2]),
+            truth_m=truth_m,
+        )
+        limits = HearingLimits(
+            self.settings.reach_m, self.expiry_s, _SUB_INTERVAL_S, self.settings.distance_bin_m
+        )
+
+        def work(part: int) -> None:
+            hearing_kernels.hear_messages(
+                heard,
+                limits,
+                self.tables,
+                self.contents.rows,
+                self.tracks,
+                self._tallies[part],
+                *self._parts[part],
+            )
+
+        self._each(work)
+
+    def _sums(self) -> FloatArray:
+        return np.sum([part.sums for part in self._tallies], axis=0)
 
     def _series_row(
         self, frame: FleetFrame, busy_ratio: FloatArray, before: FloatArray, received: Receptions
     ) -> FloatArray:
         here = frame.active
-        gained = self.tally.sums - before
-        rows = self.senders.rows[here] if self._constants.rule == RULE_J2945 else None
+        gained = self._sums() - before
+        rows = self.stations.timers.rows[here] if self.stations.policy.rule == RULE_J2945 else None
         row = np.full(len(SERIES), np.nan)
         row[0], row[1], row[2] = here.sum(), gained[MESSAGES], received.size
         row[3] = busy_ratio[here].mean() if here.any() else np.nan
@@ -290,13 +375,29 @@ class FleetLoop:
             row[7] = rows[:, j2945_kernels.CHANNEL_QUALITY].mean()
         return row
 
+    @property
+    def tally(self) -> Tally:
+        """What was counted since the counts were forgotten."""
+        return pooled(self._tallies)
+
+    def take_recent(self) -> IntArray:
+        """Return the tracking errors near the middle distances since the last call, (BINS,)."""
+        recent: IntArray = np.sum([part.recent for part in self._tallies], axis=0)
+        for part in self._tallies:
+            part.recent[...] = 0
+        return recent
+
     def forget_counts(self) -> None:
         """Set all counts to zero: the warm-up is over."""
-        for counts in self.tally:
-            counts[...] = 0
+        for part in self._tallies:
+            for counts in part:
+                counts[...] = 0
 
 
-def _sub_intervals(sender: FleetSender) -> int:
+_ACCELERATION = MEASURED - 2
+
+
+def _sub_intervals(sender: Sender) -> int:
     """Sub-intervals that the sender's rule counts packet errors over."""
     rule = sender.policy
     return (rule.parameters if isinstance(rule, J2945) else J2945Parameters()).sub_intervals
@@ -308,5 +409,5 @@ def _capacity(first: FleetFrame, settings: NetworkSettings) -> int:
     Where slots are empty at first, as in traffic that comes and goes, as many more as if all were taken.
     """
     place = np.where(first.active[:, None], first.position_m, np.nan)
-    most = receiver_kernels.most_in_reach(place, settings.reach_m) * len(first) / max(first.active.sum(), 1)
+    most = tracking_kernels.most_in_reach(place, settings.reach_m) * len(first) / max(first.active.sum(), 1)
     return int(min(len(first) + _SPARE_SLOTS, int(1.5 * most) + _SPARE_SLOTS, 2**15 - 1))

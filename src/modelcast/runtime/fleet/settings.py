@@ -27,6 +27,8 @@ class NetworkSettings:
     middle_bins
         First and end bin of the headline distances, 50 m to 150 m by default; also those of the series of
         tracking errors.
+    step_slack_s
+        How far steps may be from `dt_s`, as those of recorded trips are [s].
 
     Raises
     ------
@@ -42,6 +44,7 @@ class NetworkSettings:
     distance_bin_m: float = 25.0
     distances: int = 12
     middle_bins: tuple[int, int] = (2, 6)
+    step_slack_s: float = 1e-6
 
     def __post_init__(self) -> None:
         for name in ("dt_s", "reach_m", "expiry_s", "distance_bin_m", "distances"):

@@ -9,6 +9,7 @@ import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.station.policy import error_driven_kernels as kernels
+from modelcast.station.policy.policy_numbers import PolicyNumbers
 
 __all__ = [
     "AbstractTransmitPolicy",
@@ -181,6 +182,16 @@ class Decisions:
 
 class AbstractTransmitPolicy(abc.ABC, Generic[State]):
     """Decides what each of B vehicles transmits, from its own past alone."""
+
+    @property
+    @abc.abstractmethod
+    def numbers(self) -> PolicyNumbers:
+        """The rule as the compiled station takes it."""
+
+    @property
+    @abc.abstractmethod
+    def longest_silence_s(self) -> float:
+        """Longest time between two messages that the rule allows [s]."""
 
     @abc.abstractmethod
     def init(self, vehicles: int, sub_models: int) -> State:

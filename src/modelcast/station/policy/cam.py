@@ -22,6 +22,7 @@ from modelcast.station.policy.base import (
     required,
 )
 from modelcast.station.policy.dcc import AdaptiveDcc, ReactiveDcc
+from modelcast.station.policy.policy_numbers import RULE_CAM, PolicyNumbers
 
 __all__ = ["CamState", "CamTriggering", "CooperativeAwareness"]
 
@@ -181,6 +182,25 @@ class CooperativeAwareness(AbstractTransmitPolicy[CamState]):
 
     triggering: CamTriggering = field(default_factory=CamTriggering)
     control: AdaptiveDcc | ReactiveDcc | None = field(default_factory=AdaptiveDcc)
+
+    @property
+    def numbers(self) -> PolicyNumbers:
+        """Triggering rules and congestion control."""
+        control = self.control
+        return PolicyNumbers(
+            RULE_CAM,
+            self.triggering.constants(),
+            dcc_kernels.NONE if control is None else control.code,
+            np.zeros(1) if control is None else control.constants(),
+            0.0 if control is None else control.first_share,
+            self.triggering.min_inter_transmit_time_s,
+            np.inf,
+        )
+
+    @property
+    def longest_silence_s(self) -> float:
+        """T_GenCamMax [s]."""
+        return self.triggering.max_inter_transmit_time_s
 
     def init(self, vehicles: int, sub_models: int) -> CamState:  # noqa: ARG002 - any bank will do
         """Nothing sent, nothing measured."""

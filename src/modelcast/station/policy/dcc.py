@@ -105,10 +105,15 @@ class AdaptiveDcc:
         """Constants as the compiled rules take them, (12,)."""
         return np.array(astuple(self)[:-1], dtype=np.float64)
 
+    @property
+    def first_share(self) -> float:
+        """Share of the channel before the first update."""
+        return self.max_share if self.start_share is None else self.start_share
+
     def rows(self, vehicles: int, start_s: FloatArray) -> FloatArray:
         """State before the first measure, (B, 5); the first is due at ``start_s`` (B,) [s]."""
         rows = np.zeros((vehicles, kernels.STATE_COLUMNS))
-        rows[:, kernels.SHARE] = self.max_share if self.start_share is None else self.start_share
+        rows[:, kernels.SHARE] = self.first_share
         rows[:, kernels.DUE_S] = start_s
         return rows
 
@@ -178,6 +183,11 @@ class ReactiveDcc:
         return np.array(
             [float(self.neighbouring_only), self.measuring_interval_s, *self.bounds_ratio, *self.intervals_s]
         )
+
+    @property
+    def first_share(self) -> float:
+        """Number of the first state, which stands where `AdaptiveDcc` keeps its share."""
+        return 0.0
 
     def rows(self, vehicles: int, start_s: FloatArray) -> FloatArray:
         """State before the first measure, (B, 5): the relaxed one; the first is due at ``start_s`` [s]."""

@@ -17,9 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray, owned
+from modelcast.station.policy import dcc_kernels
 from modelcast.station.policy import error_driven_kernels as kernels
 from modelcast.station.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
 from modelcast.station.policy.costs import CostTable
+from modelcast.station.policy.policy_numbers import RULE_ERROR_DRIVEN, PolicyNumbers
 from modelcast.station.policy.rules import IdentifyRule, StartRule
 
 __all__ = ["ErrorDriven", "ErrorDrivenState"]
@@ -137,6 +139,17 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
     def start_code(self) -> int:
         """The trailing argument of the compiled start rule."""
         return _STARTS[self.start]
+
+    @property
+    def numbers(self) -> PolicyNumbers:
+        """The rules of its lanes are `modelcast.station.sender.lane_rules`'."""
+        nothing = np.zeros(1)
+        return PolicyNumbers(RULE_ERROR_DRIVEN, nothing, dcc_kernels.NONE, nothing, 0.0, 0.0, np.inf)
+
+    @property
+    def longest_silence_s(self) -> float:
+        """Time to a keep-alive, infinite without [s]."""
+        return self.codes[1]
 
     def init(self, vehicles: int, sub_models: int) -> ErrorDrivenState:
         """Nothing in use, nothing failed."""

@@ -16,6 +16,7 @@ from enum import IntEnum
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray, owned
+from modelcast.station.policy import dcc_kernels
 from modelcast.station.policy import j2945_kernels as kernels
 from modelcast.station.policy.base import (
     AbstractTransmitPolicy,
@@ -25,6 +26,7 @@ from modelcast.station.policy.base import (
     required,
 )
 from modelcast.station.policy.j2945_parameters import J2945Parameters
+from modelcast.station.policy.policy_numbers import RULE_J2945, PolicyNumbers
 
 __all__ = ["J2945", "Cause", "J2945State", "max_inter_transmit_time", "transmit_probability"]
 
@@ -112,6 +114,24 @@ class J2945(AbstractTransmitPolicy[J2945State]):
     parameters: J2945Parameters = field(default_factory=J2945Parameters)
     start_s: float = 0.0
     phase_ratio: FloatArray | None = None
+
+    @property
+    def numbers(self) -> PolicyNumbers:
+        """The constants of `J2945Parameters`."""
+        return PolicyNumbers(
+            RULE_J2945,
+            self.parameters.constants(),
+            dcc_kernels.NONE,
+            np.zeros(1),
+            0.0,
+            0.0,
+            self.parameters.critical_deceleration_mps2,
+        )
+
+    @property
+    def longest_silence_s(self) -> float:
+        """The maximum inter-transmit time [s]."""
+        return self.parameters.max_inter_transmit_time_s
 
     def phases(self, vehicles: int) -> FloatArray:
         """Where in a timer's interval each of so many vehicles begins, (B,).

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray, owned
+from modelcast.station.policy import dcc_kernels, periodic_kernels
 from modelcast.station.policy import error_driven_kernels as kernels
-from modelcast.station.policy import periodic_kernels
 from modelcast.station.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
+from modelcast.station.policy.policy_numbers import RULE_PERIODIC, PolicyNumbers
 
 __all__ = ["Periodic"]
 
@@ -39,6 +40,19 @@ class Periodic(AbstractTransmitPolicy[FloatArray]):
     def __post_init__(self) -> None:
         if not (self.rate_hz > 0 and np.isfinite(self.rate_hz)):
             raise ValueError(f"rate_hz must be positive, got {self.rate_hz}")
+
+    @property
+    def numbers(self) -> PolicyNumbers:
+        """One interval."""
+        nothing = np.zeros(1)
+        return PolicyNumbers(
+            RULE_PERIODIC, nothing, dcc_kernels.NONE, nothing, 0.0, 1.0 / self.rate_hz, np.inf
+        )
+
+    @property
+    def longest_silence_s(self) -> float:
+        """One interval [s]."""
+        return 1.0 / self.rate_hz
 
     def init(self, vehicles: int, sub_models: int) -> FloatArray:  # noqa: ARG002 - any bank will do
         """Every vehicle is due at once."""

@@ -2,7 +2,10 @@
 
 from typing import Literal
 
-__all__ = ["IdentifyRule", "StartRule"]
+__all__ = ["CostUnit", "IdentifyRule", "StartRule"]
+
+CostUnit = Literal["messages", "bytes", "airtime"]
+"""What the rule ``cheapest`` counts."""
 
 StartRule = Literal["order", "keep", "survivor", "predicted", "hindsight", "guarded", "recent"]
 """Sub-model in use after an update, as `modelcast.station.policy.error_driven.ErrorDriven` describes them."""

@@ -20,7 +20,7 @@ from modelcast.station.sensing import motion_filter_kernels as motion
 from modelcast.station.sensing.noise_kernels import difference_variance, settled
 from modelcast.station.sensing.velocity_kernels import end_slope
 
-__all__ = ["NoiseNumbers", "SensingNumbers", "forget", "sense"]
+__all__ = ["NoiseNumbers", "SensingNumbers", "forget_each", "sense"]
 
 _SPEED, _HEADING, _ALONG, _TURN = range(2, MEASURED)
 _NO_SPEED_MPS = 1e-9
@@ -155,7 +155,9 @@ def sense(
         _take(s, v, t_s[k], fresh, c)
 
 
-@kernel(inlined=True)
-def forget(s: Sensed, v: int) -> None:
-    """Let a vehicle hold nothing: another has taken its place."""
-    s.taken[v] = 0
+@kernel
+def forget_each(s: Sensed, whose: BoolVector) -> None:
+    """Let some vehicles hold nothing, (V,): others have taken their places."""
+    for v in range(whose.size):
+        if whose[v]:
+            s.taken[v] = 0

@@ -63,7 +63,8 @@ def compare(
     Examples
     --------
     >>> from modelcast.study.compare.candidate import FixedCandidate
-    >>> from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+    >>> from modelcast.station.banks import BASELINE_BANK
+    from modelcast.study.settings import EvaluationSettings
     >>> from modelcast.world.drive import generate_drive
     >>> asked = CompareSettings(EvaluationSettings((0.5,), (0.0,), seeds=1, references=False), ("recorded",))
     >>> result = compare([generate_drive(1, 90.0).truth], [FixedCandidate("cv", BASELINE_BANK)], asked)

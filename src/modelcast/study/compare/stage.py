@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.compare.result import ReferenceRatio
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.reference import count_references, pooled_references
 from modelcast.study.result import POOLED, ReferenceRow
-from modelcast.study.settings import BASELINE_BANK
 from modelcast.study.tracking import LossRuns
 from modelcast.trips.trajectory import Trajectory
 

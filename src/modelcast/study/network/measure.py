@@ -3,7 +3,7 @@
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.runtime.fleet import layout_kernels as at
+from modelcast.runtime.fleet import arrays as at
 from modelcast.runtime.fleet.arrays import Tally
 from modelcast.runtime.fleet.bins_kernels import BINS, lower_edge
 from modelcast.runtime.fleet.engine import NetworkRun

@@ -8,11 +8,11 @@ import numpy as np
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.guard import unguarded
 from modelcast.station.policy.rules import IdentifyRule, StartRule
 from modelcast.study.case import TripCase
-from modelcast.study.settings import BASELINE_BANK
 
 __all__ = ["ChosenMembers", "Fold", "MemberSettings", "choose_members", "choose_names"]
 

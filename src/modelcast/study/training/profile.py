@@ -26,13 +26,14 @@ from modelcast.models.profile import MOST_MEMBERS, Profile
 from modelcast.models.regimes import REGIME_BANK, Regimes
 from modelcast.models.trusted import Trusted
 from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.guard import GUARD, unguarded
 from modelcast.station.policy.rules import IdentifyRule, StartRule
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.routes import routes
-from modelcast.study.settings import BASELINE_BANK, EvaluationSettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.study.training.calibration import pooled_calibrations
 from modelcast.study.training.costs import train_costs
 from modelcast.study.training.hyperparameters import TrainedPair

@@ -1,4 +1,4 @@
-"""What the vehicles of a fleet send, and by which rule: the senders that a network run compares.
+"""What a station sends, and by which rule: the senders that a network run compares, and any other.
 
 | name | rule | content, and what the sender measures its error against |
 |---|---|---|
@@ -16,18 +16,19 @@ the filter does from what the models do.
 """
 
 from dataclasses import KW_ONLY, dataclass, field, replace
-from typing import Literal
+from typing import Any
 
-import numpy as np
-
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import IntArray
 from modelcast.messages.airtime import Stack
-from modelcast.messages.quantisation import core_steps, quantised_bank
+from modelcast.messages.mbc_profile import carries_all, plain_members
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
-from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.learned import Selector
 from modelcast.models.profile import default_profile
+from modelcast.station.banks import BASELINE_BANK, rules_of
+from modelcast.station.policy.base import AbstractTransmitPolicy
 from modelcast.station.policy.cam import CooperativeAwareness
+from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.policy.j2945_parameters import (
@@ -36,9 +37,10 @@ from modelcast.station.policy.j2945_parameters import (
     j2945_relaxed_parameters,
 )
 from modelcast.station.policy.periodic import Periodic
+from modelcast.station.policy.rules import IdentifyRule, StartRule
 from modelcast.station.sensing.motion_filter import MotionFilter
 
-__all__ = ["SENDERS", "FleetSender", "engine_parameters", "named_sender"]
+__all__ = ["SENDERS", "TIMED_STARTS", "Sender", "engine_parameters", "named_sender"]
 
 SENDERS = (
     "bsm-10hz",
@@ -53,27 +55,29 @@ SENDERS = (
 )
 """Names that `named_sender` knows."""
 
-Rule = Periodic | ErrorDriven | J2945 | CooperativeAwareness
+TIMED_STARTS = ("order", "keep", "predicted", "hindsight", "recent")
+"""Start rules of senders whose timers, not the failures of sub-models, call for messages."""
 
 _JITTER_S = 0.005
+_WITHIN_M = 0.0112
+"""Of paths that are the same to a receiver: a code of latitude is worth 1.11 to 1.12 cm."""
 
 _PLAIN_SHARE = 0.4
 """Of the error that calls for a message: a plain one must not spend more of it than this (decision 021)."""
 
 
 @dataclass(frozen=True, slots=True)
-class FleetSender:
-    """A rule and a bank of sub-models, the same for all vehicles.
+class Sender:
+    """A rule and a bank of sub-models, the same for all stations of a run.
 
     Parameters
     ----------
     name
         As in tables.
     policy
-        When a vehicle sends.
+        When a station sends; an error-driven one also says with which sub-model, and when another is named.
     bank
-        What it sends; quantised here as its receivers hold it. Constant velocity, the plain basic safety
-        message, is added last where it is not.
+        What it sends.
     stack
         What goes round the payload on the air.
     sizes
@@ -81,101 +85,86 @@ class FleetSender:
     power_dbm
         Transmit power where the policy leaves it open [dBm].
     jitter_s
-        A message that leaves at once is handed to the radio up to this much later, so that two vehicles do
+        A message that leaves at once is handed to the radio up to this much later, so that two stations do
         not meet on the air again and again; vTxRand of SAE J2945/1 [s].
-    choice
-        Which sub-model a message carries. ``order``: the first of the bank that has a full window, but a
-        plain message where its path and that of coasting are the same within `plain_within_m`, half-way to
-        `plain_horizon_s` and there. ``recent``: the smallest message whose sub-model, fitted at one message
-        and judged at the next, erred no more of late than the best one's, but for `plain_within_m` (mean
-        squares).
+    start
+        Which sub-model a message carries that a timer called for, one of `TIMED_STARTS`; an error-driven
+        policy has its own rule. ``recent``: the smallest message whose sub-model, fitted at one message and
+        judged at the next, erred no more of late than the best one's, but for `within_m` (mean squares). A
+        guard there is none: what constant velocity alone would have sent is a matter of timers that other
+        messages set.
+    within_m
+        Resolution below which recent errors are equal [m].
+    threshold_m
+        Error at which ``hindsight`` takes a prediction to have failed [m].
     motion
-        How a vehicle estimates its motion from what its sensors show; None takes the newest sample as it is,
+        How a station estimates its motion from what its sensors show; None takes the newest sample as it is,
         as a basic safety message does.
-    plain_within_m, plain_horizon_s
-        The default of the first is the step of the position on the wire [m], [s].
+    selector
+        Predicts which sub-model lasts, for start ``predicted``.
 
     Raises
     ------
     ValueError
-        Where a value is out of its range, or an error-driven policy names sub-models: only the one in use is
-        sent here.
+        Where a value is out of its range, or timers cannot follow the start rule.
 
     Examples
     --------
     >>> sender = named_sender("j2945-mbc")
-    >>> [member.name for member in sender.bank.members], sender.payload_bytes.tolist()
+    >>> [member.name for member in sender.bank.members], sender.update_bytes.tolist()
     (['learned', 'ctra', 'gp-vehicle', 'cv'], [53, 47, 60, 40])
     """
 
     name: str
-    policy: Rule
+    policy: AbstractTransmitPolicy[Any]
     bank: Bank
     _: KW_ONLY
     stack: Stack = field(default_factory=Stack)
     sizes: SizeModel = field(default_factory=SizeModel)
     power_dbm: float = 20.0
     jitter_s: float = _JITTER_S
-    plain_within_m: float = field(default_factory=lambda: core_steps().position_m)
-    plain_horizon_s: float = 2.0
-    choice: Literal["order", "recent"] = "order"
+    start: StartRule = "order"
+    within_m: float = _WITHIN_M
+    threshold_m: float = 0.2
     motion: MotionFilter | None = None
+    selector: Selector | None = None
 
     def __post_init__(self) -> None:
-        policy = self.policy
-        if isinstance(policy, ErrorDriven) and (policy.identify, policy.start) != ("never", "order"):
-            raise ValueError(
-                "an error-driven sender sends the sub-model in use alone: identify must be 'never' and start "
-                f"'order', got {policy.identify!r} and {policy.start!r}"
-            )
         if not 0.0 <= self.jitter_s < 0.1:
             raise ValueError(f"jitter_s must lie in [0, 0.1), got {self.jitter_s}")
-        for name in ("plain_within_m", "plain_horizon_s"):
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
-        bank = quantised_bank(self.bank)
-        if bank.members[-1].name != ConstantVelocity().name:
-            plain = quantised_bank(Bank((ConstantVelocity(),)))
-            bank = Bank((*bank.members, *plain.members), bank.name)
-        object.__setattr__(self, "bank", bank)
+        if not self.within_m >= 0.0:
+            raise ValueError(f"within_m must not be negative, got {self.within_m}")
+        if self.start not in TIMED_STARTS:
+            raise ValueError(
+                f"start must be one of {', '.join(TIMED_STARTS)} under timers, got {self.start!r}"
+            )
 
     @property
-    def limits(self) -> tuple[float, float, float]:
-        """What chooses the sub-model, as the compiled loop takes it."""
-        return self.plain_within_m, self.plain_horizon_s, float(self.choice == "recent")
+    def lanes(self) -> ErrorDriven:
+        """Rules of the lanes: the policy's own where errors call for messages, else of what timers send."""
+        if isinstance(self.policy, ErrorDriven):
+            return self.policy if len(self.bank.members) > 1 else self.policy.alone
+        return ErrorDriven(self.threshold_m, self.start, "never")
 
     @property
-    def payload_bytes(self) -> IntArray:
-        """Bytes of a message by its sub-model, (M,)."""
-        return self.sizes.each_update_bytes(self.bank, "never")
+    def update_bytes(self) -> IntArray:
+        """Bytes of an update by its sub-model, (M,)."""
+        return self.sizes.each_update_bytes(self.bank.complete(), self.lanes.identify)
 
     @property
-    def parameter_counts(self) -> IntArray:
-        """How many parameters each sub-model has, (M,)."""
-        return np.array([len(member.parameter_names) for member in self.bank.members], dtype=np.int64)
+    def carries_all(self) -> bool:
+        """Whether an update holds the parameters of all sub-models."""
+        return carries_all(self.bank.complete(), self.lanes.identify)
 
-    def rule_constants(self) -> FloatArray:
-        """Constants of the rule as its compiled step takes them."""
-        policy = self.policy
-        if isinstance(policy, J2945):
-            return policy.parameters.constants()
-        if isinstance(policy, CooperativeAwareness):
-            return policy.triggering.constants()
-        if isinstance(policy, ErrorDriven):
-            return np.array(policy.codes[:2], dtype=np.float64)
-        return np.zeros(1)
+    @property
+    def plain(self) -> tuple[bool, ...]:
+        """Sub-models with which a message is a plain one."""
+        return plain_members(self.bank.complete(), self.lanes.identify)
 
     @property
     def longest_silence_s(self) -> float:
         """Longest time between two messages that the rule allows [s]."""
-        policy = self.policy
-        if isinstance(policy, J2945):
-            return policy.parameters.max_inter_transmit_time_s
-        if isinstance(policy, CooperativeAwareness):
-            return policy.triggering.max_inter_transmit_time_s
-        if isinstance(policy, ErrorDriven):
-            return policy.codes[1]
-        return 1.0 / policy.rate_hz
+        return self.policy.longest_silence_s
 
 
 def engine_parameters(parameters: J2945Parameters | None = None) -> J2945Parameters:
@@ -198,13 +187,17 @@ def named_sender(
     name: str,
     *,
     bank: Bank | None = None,
+    start: StartRule | None = None,
+    identify: IdentifyRule | None = None,
+    costs: CostTable | None = None,
+    selector: Selector | None = None,
     threshold_m: float = 0.2,
     keep_alive_s: float = 2.0,
     parameters: J2945Parameters | None = None,
     relaxed_error_m: float | None = None,
     motion: MotionFilter | None = None,
     stack: Stack | None = None,
-) -> FleetSender:
+) -> Sender:
     """The sender of that name.
 
     Parameters
@@ -213,6 +206,12 @@ def named_sender(
         One of `SENDERS`.
     bank
         Sub-models of those that send models; None for the shipped profile's.
+    start, identify
+        Rules of those that send models. Where None, an error-driven one takes those of the shipped profile
+        for its bank and the plain reading of the paper, ``order`` and ``on-failure``, for any other; timers
+        start with what erred least of late, ``recent``, and name no other sub-model later.
+    costs, selector
+        What ``cheapest`` and ``predicted`` need.
     threshold_m, keep_alive_s
         Of the error-driven ones [m], [s].
     parameters
@@ -228,36 +227,47 @@ def named_sender(
     Raises
     ------
     ValueError
-        Where there is no such name, or an error is not positive.
+        Where there is no such name, an error is not positive, or a rule does not go with the sender.
     """
-    timers = engine_parameters() if parameters is None else parameters
-    coasting = Bank((ConstantVelocity(),), "cv")
-    own = MotionFilter() if motion is None else motion
-    relaxed = {"j2945-mbc-relaxed": 2.0, "j2945-mbc-relaxed-5": 5.0}
     if name not in SENDERS:
         raise ValueError(f"sender must be one of {', '.join(SENDERS)}, got {name!r}")
     if relaxed_error_m is not None and not relaxed_error_m > 0.0:
         raise ValueError(f"relaxed_error_m must be positive, got {relaxed_error_m}")
-    within_m = core_steps().position_m
+    sends_models = "mbc" in name
+    own = MotionFilter() if motion is None else motion
+    chosen = BASELINE_BANK if not sends_models else default_profile().bank if bank is None else bank
+    within_m = _WITHIN_M
+    timers = engine_parameters() if parameters is None else parameters
+    relaxed = {"j2945-mbc-relaxed": 2.0, "j2945-mbc-relaxed-5": 5.0}
     if name in relaxed:
         error_m = max(RELAXED_ERROR_M, own.position_m) if relaxed_error_m is None else relaxed_error_m
         timers = j2945_relaxed_parameters(relaxed[name], timers, error_m=error_m)
         within_m = min(within_m, _PLAIN_SHARE * error_m)
-    policy: Rule = J2945(timers)
+    policy: AbstractTransmitPolicy[Any] = J2945(timers)
+    first: StartRule = "order"
     if name == "bsm-10hz":
         policy = Periodic(10.0)
-    elif name in {"baseline", "mbc"}:
-        policy = ErrorDriven(threshold_m, identify="never", max_inter_transmit_time_s=keep_alive_s)
     elif name == "cam":
         policy = CooperativeAwareness()
-    sends_models = "mbc" in name
-    filters = isinstance(policy, J2945) and name != "j2945"
-    return FleetSender(
+    elif name == "baseline":
+        policy = ErrorDriven(threshold_m, identify="never", max_inter_transmit_time_s=keep_alive_s)
+    elif name == "mbc":
+        rules = rules_of(chosen)
+        policy = ErrorDriven(threshold_m, start or rules[0], identify or rules[1], keep_alive_s, costs)
+    elif sends_models:
+        first = start or "recent"
+        if identify not in {None, "never"}:
+            raise ValueError(
+                f"{name} fits all anew whenever a timer calls: identify must be never, got {identify!r}"
+            )
+    return Sender(
         name,
         policy,
-        (default_profile().bank if bank is None else bank) if sends_models else coasting,
+        chosen,
         stack=Stack() if stack is None else stack,
-        plain_within_m=within_m,
-        choice="recent" if sends_models and isinstance(policy, J2945) else "order",
-        motion=own if filters else None,
+        start=first,
+        within_m=within_m,
+        threshold_m=threshold_m,
+        motion=own if isinstance(policy, J2945) and name != "j2945" else None,
+        selector=selector,
     )

@@ -1,0 +1,243 @@
+"""Compiled hosts of a fleet: every one takes in what it hears, by the rules of `track_kernels`."""
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import BoolVector, FloatCube, FloatMatrix, FloatVector, IntVector
+from modelcast.runtime.fleet.arrays import (
+    CONTENT_EAST_M,
+    CONTENT_FIT_S,
+    CONTENT_KIND,
+    CONTENT_MEMBER,
+    CONTENT_NAMED_S,
+    CONTENT_NORTH_M,
+    CONTENT_NUMBER,
+    CONTENT_UPDATE,
+    CONTENT_VEHICLE,
+    FAR,
+    MESSAGES_KEPT,
+    REFUSED,
+    SENDER_BITS,
+    STALE,
+    TAKEN,
+    TRACK_MESSAGE,
+    TRACK_RECEIVED_S,
+    TRACK_VEHICLE,
+    UNKNOWN,
+    Tally,
+)
+from modelcast.runtime.fleet.bins_kernels import bin_of
+from modelcast.station.policy.error_driven_kernels import IDENTIFICATION
+from modelcast.station.policy.neighbours_kernels import NeighbourTables, hear
+from modelcast.station.receiver.track_kernels import (
+    ACCEPTED,
+    HELD_CONTENT,
+    HELD_FIT_S,
+    HELD_MEMBER,
+    HELD_NAMED_S,
+    HELD_RECEIVED_S,
+    OLDER,
+    TRACK_COLUMNS,
+    UNKNOWN_UPDATE,
+    forget,
+    take_identification,
+    take_update,
+)
+
+__all__ = ["Heard", "HearingLimits", "by_host", "clear_hosts", "hear_messages"]
+
+_LINE = 64
+"""Bytes of a cache line."""
+
+_TOUCHED = TRACK_COLUMNS
+"""Where in the scratch row a number goes that means nothing."""
+
+
+class Heard(NamedTuple):
+    """Receptions of a step, (R,) each: message, receiver, time; and who and where vehicles are.
+
+    ``order`` (R,) puts them host by host, those of host h from ``start[h]`` to ``start[h + 1]``. ``seen_m``
+    is where hosts take themselves to be, ``truth_m`` where they are, (V, 2).
+    """
+
+    message_id: IntVector
+    received_s: FloatVector
+    order: IntVector
+    start: IntVector
+    vehicle: IntVector
+    seen_m: FloatMatrix
+    truth_m: FloatMatrix
+
+
+class HearingLimits(NamedTuple):
+    """What a host takes in.
+
+    Farthest place of a remote that a host tracks [m]; how long a track lives unheard, and the sub-interval of
+    the tables [s]; width of the bins of distance [m].
+    """
+
+    reach_m: float
+    expiry_s: float
+    sub_interval_s: float
+    distance_bin_m: float
+
+
+@kernel
+def clear_hosts(started: BoolVector, tables: NeighbourTables, tracks: FloatCube) -> None:
+    """Let new vehicles hold nothing: ``started`` (V,) says whose slot has one."""
+    hosts, slots, index, _ = tables
+    for host in range(started.size):
+        if started[host]:
+            for slot in range(hosts[host].used):
+                slots[host, slot].remote = -1
+                tracks[host, slot, TRACK_MESSAGE] = -1.0
+            hosts[host].used = 0
+            hosts[host].free = 0
+            for at in range(index.shape[1]):
+                index[host, at] = -1
+
+
+@kernel
+def by_host(receiver: IntVector, start: IntVector, order: IntVector) -> None:
+    """Receptions host by host, each host's in the order given: a host's table then stays in the cache.
+
+    Writes ``start`` (V + 1,) and ``order`` (R,).
+    """
+    start[:] = 0
+    hosts = start.size - 1
+    for host in receiver:
+        start[host + 1] += 1
+    for host in range(hosts):
+        start[host + 1] += start[host]
+    for k in range(receiver.size):
+        host = receiver[k]
+        order[start[host]] = k
+        start[host] += 1
+    for host in range(hosts, 0, -1):
+        start[host] = start[host - 1]
+    start[0] = 0
+
+
+@kernel(inlined=True)
+def _touch_host(host: int, tables: NeighbourTables, tracks: FloatCube) -> float:
+    """Read through the tables of a host in the order of memory; return a number that means nothing.
+
+    Its messages then find them in the cache: a processor fetches ahead of a walk, not of scattered look-ups.
+    """
+    total = 0.0
+    for at in range(0, tables.lookup.shape[1], _LINE // 2):
+        total += tables.lookup[host, at]
+    for slot in range(tables.hosts[host].used):
+        total += tables.slots[host, slot].heard_s + tracks[host, slot, TRACK_RECEIVED_S]
+    return total
+
+
+@kernel(inlined=True)
+def _take(
+    rows: FloatCube, message: int, track: FloatVector, at_s: float, expiry_s: float, held: FloatVector
+) -> int:
+    """Take a message into a track, whose update stands in its sender's ring; ``held`` is overwritten."""
+    mask = (1 << SENDER_BITS) - 1
+    sender, number = message & mask, message >> SENDER_BITS
+    ring = number % MESSAGES_KEPT
+    forget(held)
+    if track[TRACK_MESSAGE] >= 0.0:
+        before = int(track[TRACK_MESSAGE]) >> SENDER_BITS
+        kept = before % MESSAGES_KEPT
+        if number <= before:
+            return OLDER
+        held[HELD_CONTENT] = rows[sender, kept, CONTENT_UPDATE]
+        held[HELD_MEMBER], held[HELD_FIT_S] = (
+            rows[sender, kept, CONTENT_MEMBER],
+            rows[sender, kept, CONTENT_FIT_S],
+        )
+        held[HELD_NAMED_S], held[HELD_RECEIVED_S] = (
+            rows[sender, kept, CONTENT_NAMED_S],
+            track[TRACK_RECEIVED_S],
+        )
+    update, member = int(rows[sender, ring, CONTENT_UPDATE]), int(rows[sender, ring, CONTENT_MEMBER])
+    if rows[sender, ring, CONTENT_KIND] == IDENTIFICATION:
+        status = take_identification(
+            held, update, member, rows[sender, ring, CONTENT_NAMED_S], at_s, expiry_s
+        )
+    else:
+        status = take_update(held, update, member, rows[sender, ring, CONTENT_FIT_S], at_s, expiry_s)
+    if status == ACCEPTED:
+        track[TRACK_MESSAGE] = float(message)
+    elif held[HELD_CONTENT] < 0.0:
+        track[TRACK_MESSAGE] = -1.0
+    track[TRACK_RECEIVED_S] = held[HELD_RECEIVED_S]
+    return status
+
+
+@kernel
+def hear_messages(
+    heard: Heard,
+    limits: HearingLimits,
+    tables: NeighbourTables,
+    rows: FloatCube,
+    tracks: FloatCube,
+    tally: Tally,
+    first: int,
+    end: int,
+) -> None:
+    """Take in the receptions of hosts ``first`` to ``end``, each host's in the order of time.
+
+    A host passes over remotes that state a place farther than its reach, and messages no newer than what it
+    holds. Inter-packet gaps are counted by the true distance.
+    """
+    mask = (1 << SENDER_BITS) - 1
+    scratch = np.empty(TRACK_COLUMNS + 1)
+    counts = np.zeros(5, dtype=np.int64)
+    for host in range(first, end):
+        if heard.start[host] == heard.start[host + 1]:
+            continue
+        scratch[_TOUCHED] = _touch_host(host, tables, tracks)
+        for at in range(heard.start[host], heard.start[host + 1]):
+            k = heard.order[at]
+            message, at_s = int(heard.message_id[k]), float(heard.received_s[k])
+            sender, number = message & mask, message >> SENDER_BITS
+            ring = number % MESSAGES_KEPT
+            if heard.vehicle[host] < 0 or rows[sender, ring, CONTENT_NUMBER] != number:
+                counts[0] += 1
+                continue
+            stated_east_m, stated_north_m = (
+                rows[sender, ring, CONTENT_EAST_M],
+                rows[sender, ring, CONTENT_NORTH_M],
+            )
+            east, north = stated_east_m - heard.seen_m[host, 0], stated_north_m - heard.seen_m[host, 1]
+            if east * east + north * north > limits.reach_m * limits.reach_m:
+                counts[1] += 1
+                continue
+            remote = int(rows[sender, ring, CONTENT_VEHICLE])
+            slot = hear(
+                tables.hosts, tables.slots, tables.lookup, tables.free, host, remote, ring, at_s,
+                stated_east_m, stated_north_m, limits.sub_interval_s,
+            )  # fmt: skip
+            if slot < 0:
+                counts[2] += 1
+                continue
+            track = tracks[host, slot]
+            if track[TRACK_VEHICLE] != remote:
+                track[TRACK_MESSAGE], track[TRACK_VEHICLE], track[TRACK_RECEIVED_S] = -1.0, remote, -np.inf
+            before_s = track[TRACK_RECEIVED_S]
+            status = _take(rows, message, track, at_s, limits.expiry_s, scratch)
+            if status == OLDER:
+                counts[0] += 1
+                continue
+            if status == UNKNOWN_UPDATE:
+                counts[4] += 1
+                continue
+            counts[3] += 1
+            if before_s > -np.inf and heard.vehicle[sender] == remote:
+                away_east = heard.truth_m[sender, 0] - heard.truth_m[host, 0]
+                away_north = heard.truth_m[sender, 1] - heard.truth_m[host, 1]
+                distance = int(sqrt(away_east * away_east + away_north * away_north) / limits.distance_bin_m)
+                if distance < tally.gap.shape[0]:
+                    tally.gap[distance, bin_of(at_s - before_s)] += 1
+    for total, column in ((counts[0], STALE), (counts[1], FAR), (counts[2], REFUSED), (counts[3], TAKEN)):
+        tally.sums[column] += total
+    tally.sums[UNKNOWN] += counts[4]

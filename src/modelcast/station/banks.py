@@ -1,0 +1,286 @@
+"""Banks of sub-models by name, and the rules they are used with."""
+
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import cast
+
+import numpy as np
+
+from modelcast.core.exceptions import ConfigError
+from modelcast.messages.airtime import Stack
+from modelcast.messages.sizes import SizeModel
+from modelcast.models.bank import Bank
+from modelcast.models.base import AbstractSubModel
+from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.gp import GaussianProcess, VehicleProcess, linear_process
+from modelcast.models.kinematic import (
+    ConstantAcceleration,
+    ConstantTurnRateAcceleration,
+    ConstantTurnRateVelocity,
+)
+from modelcast.models.learned import Selector
+from modelcast.models.profile import Profile, default_profile
+from modelcast.models.regimes import REGIME_BANK
+from modelcast.models.trusted import Trusted
+from modelcast.station.policy.costs import CostTable
+from modelcast.station.policy.guard import unguarded
+from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+
+__all__ = [
+    "BASELINE_BANK",
+    "PAPER_BANK",
+    "PAPER_NOISE_FLOOR_M",
+    "NamedBank",
+    "bank_from_text",
+    "member_names",
+    "named_bank",
+    "rules_of",
+]
+
+PAPER_NOISE_FLOOR_M = 1e-5
+"""The paper's Gaussian process has no noise floor: a hundredth of a millimetre stands for none [m]."""
+
+PAPER_BANK = Bank(
+    (ConstantVelocity(), GaussianProcess(form="anchored", noise_floor_m=PAPER_NOISE_FLOOR_M)),
+    "paper",
+)
+"""The paper's bank: constant velocity, then the per-axis maximum-likelihood Gaussian process."""
+
+BASELINE_BANK = Bank((ConstantVelocity(),), "cv")
+"""Raw basic safety messages: the receiver coasts at constant velocity."""
+
+
+def rules_of(bank: Bank) -> tuple[StartRule, IdentifyRule]:
+    """The rules that a bank is used with where nobody says otherwise.
+
+    Parameters
+    ----------
+    bank
+        The shipped profile's bank is used as that profile says, any other as the paper reads.
+    """
+    profile = default_profile()
+    if bank == profile.bank:
+        return cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
+    return "order", "on-failure"
+
+
+INTERCEPT_NOISE_FLOOR_M = 1e-3
+"""Smallest noise of ``gp-intercept`` and ``gp-adaptive`` where the user names none [m]."""
+
+_DEFAULT_WINDOW = 10
+
+_KINEMATIC: dict[str, AbstractSubModel] = {
+    "cv": ConstantVelocity(),
+    "ca": ConstantAcceleration(),
+    "ctrv": ConstantTurnRateVelocity(),
+    "ctra": ConstantTurnRateAcceleration(),
+}
+
+_UNTRAINED = (*_KINEMATIC, "gp-anchored", "gp-intercept", "gp-adaptive", "gp-linear")
+"""Sub-models that need no profile."""
+
+
+@dataclass(frozen=True, slots=True)
+class NamedBank:
+    """The bank a user means, and the rules it is used with.
+
+    Parameters
+    ----------
+    bank
+        Its sub-models.
+    start, identify
+        The policy's rules where the user names none.
+    profile
+        The profile it comes from; None where it comes from none.
+    trained_on
+        Fingerprints of the trips that any of its sub-models was trained on.
+    """
+
+    bank: Bank
+    start: StartRule
+    identify: IdentifyRule
+    profile: Profile | None = None
+    trained_on: frozenset[str] = frozenset()
+
+    @property
+    def selector(self) -> Selector | None:
+        """What the start rule ``predicted`` asks, where the profile has it."""
+        return None if self.profile is None else self.profile.selector
+
+    def costs(self, unit: CostUnit) -> CostTable | None:
+        """What the rule ``cheapest`` weighs, where the profile has it.
+
+        Parameters
+        ----------
+        unit
+            What a message costs: ``messages`` counts one each, ``bytes`` their octets, ``airtime`` the
+            seconds of their frames with certificates.
+
+        Raises
+        ------
+        ConfigError
+            Where the profile's costs are damaged.
+        """
+        if self.profile is None or not self.profile.costs:
+            return None
+        try:
+            table = CostTable.from_plain(self.profile.costs)
+        except (KeyError, TypeError, ValueError) as error:
+            raise ConfigError(f"the profile's costs are damaged: {error}") from error
+        sizes = SizeModel()
+        octets = np.array([sizes.each_update_bytes(self.bank, "cheapest").max(), sizes.identification_bytes])
+        if unit == "messages":
+            return table.priced(1.0, 1.0)
+        if unit == "bytes":
+            return table.priced(float(octets[0]), float(octets[1]))
+        airtime_s = Stack().airtime_s(octets.astype(np.int64), np.ones(2, dtype=np.bool_))
+        return table.priced(float(airtime_s[0]), float(airtime_s[1]))
+
+
+def member_names(profile: Profile) -> tuple[str, ...]:
+    """Sub-models that a bank may be made of: those that need no training, then those the profile holds.
+
+    Parameters
+    ----------
+    profile
+        The profile in use.
+    """
+    trained = (member.name for member in profile.sub_models)
+    return (*_UNTRAINED, *(name for name in trained if name not in _UNTRAINED))
+
+
+def named_bank(
+    text: str,
+    *,
+    noise_floor_m: float | None = None,
+    window: int = _DEFAULT_WINDOW,
+    trusted_horizon_s: float | None = None,
+    profile: Profile | None = None,
+    label: str | None = None,
+) -> NamedBank:
+    """The bank a user means, and its rules.
+
+    Parameters
+    ----------
+    text
+        ``default`` (the bank of the profile in use), or anything that `bank_from_text` takes.
+    noise_floor_m, window, trusted_horizon_s
+        As for `bank_from_text`; a profile's bank has its own.
+    profile
+        The profile in use; the one that ships with modelcast where None.
+    label
+        What errors call the bank; ``text`` where None.
+
+    Raises
+    ------
+    ConfigError
+        Where a name is unknown, a value out of range, or an option is given that a profile's bank does not
+        take.
+    """
+    profile = default_profile() if profile is None else profile
+    rules = cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
+    if text != "default":
+        bank = bank_from_text(
+            text,
+            noise_floor_m=noise_floor_m,
+            window=window,
+            trusted_horizon_s=trusted_horizon_s,
+            profile=profile,
+        )
+        rules = (unguarded(rules[0]), rules[1]) if text == REGIME_BANK else rules_of(bank)
+        trained = any(member.name not in _UNTRAINED for member in bank.members)
+        return NamedBank(bank, *rules, trained_on=frozenset(profile.training_trips if trained else ()))
+    if noise_floor_m is not None or trusted_horizon_s is not None or window != _DEFAULT_WINDOW:
+        raise ConfigError(
+            f"--bank {label or text}: a profile's bank has its own windows, noise floor and trusted "
+            "horizons; leave out --window, --noise-floor and --trusted-horizon, or name the sub-models"
+        )
+    return NamedBank(profile.bank, *rules, profile, frozenset(profile.training_trips))
+
+
+def bank_from_text(
+    text: str,
+    *,
+    noise_floor_m: float | None = None,
+    window: int = _DEFAULT_WINDOW,
+    trusted_horizon_s: float | None = None,
+    profile: Profile | None = None,
+) -> Bank:
+    """The bank a user means.
+
+    Parameters
+    ----------
+    text
+        ``paper`` (constant velocity, then the anchored Gaussian process), or sub-models in order, joined by
+        ``+``: ``cv``, ``ca``, ``ctrv``, ``ctra``, ``gp-anchored``, ``gp-intercept``, ``gp-adaptive``,
+        ``gp-linear``, and what the profile in use holds: in the shipped one ``gp-trained``, ``gp-vehicle``,
+        ``gp-derivative``, ``learned`` and ``gp-regime-1`` to ``gp-regime-3``. ``regimes`` stands for the
+        sub-models of all regimes.
+    noise_floor_m
+        Smallest position noise the Gaussian processes fitted by likelihood may assume [m]; where None, none
+        to speak of for the paper's form and 1 mm for the others.
+    window
+        Samples they are fitted to.
+    trusted_horizon_s
+        Age beyond which sub-models are damped [s]; None for never. Constant velocity needs none, and the
+        learned sub-model has its own.
+    profile
+        The profile in use; the one that ships with modelcast where None.
+
+    Raises
+    ------
+    ConfigError
+        Where a name is unknown or a value out of range.
+
+    Examples
+    --------
+    >>> bank_from_text("gp-intercept+cv").name
+    'gp-intercept+cv'
+    """
+    profile = default_profile() if profile is None else profile
+    try:
+        names = [name for part in text.split("+") for name in _members_of(part.strip(), profile)]
+        members = tuple(_member(name, profile, noise_floor_m, window) for name in names)
+        if trusted_horizon_s is not None:
+            members = tuple(
+                member if _needs_no_horizon(member) else Trusted(member, trusted_horizon_s)
+                for member in members
+            )
+        return Bank(members, text if text in ("paper", REGIME_BANK) else "")
+    except ValueError as error:
+        raise ConfigError(f"--bank {text}: {error}") from error
+
+
+def _members_of(part: str, profile: Profile) -> tuple[str, ...]:
+    """The names that one stands for."""
+    if part == "paper":
+        return tuple(member.name for member in PAPER_BANK.members)
+    if part != REGIME_BANK:
+        return (part,)
+    if profile.regimes is None:
+        raise ValueError("the profile in use has no regimes; train one that has ('modelcast train')")
+    return tuple(member.name for member in profile.regimes.members)
+
+
+def _needs_no_horizon(member: AbstractSubModel) -> bool:
+    """Constant velocity, and a model that has a horizon of its own."""
+    return isinstance(member, ConstantVelocity) or isfinite(member.trusted_horizon_s)
+
+
+def _member(name: str, profile: Profile, noise_floor_m: float | None, window: int) -> AbstractSubModel:
+    if name in _KINEMATIC:
+        return _KINEMATIC[name]
+    if name == "gp-linear":
+        return linear_process(window)
+    if name == "gp-anchored":
+        floor_m = PAPER_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
+        return GaussianProcess(window, "anchored", noise_floor_m=floor_m)
+    if name in ("gp-intercept", "gp-adaptive"):
+        floor_m = INTERCEPT_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
+        noise = "estimated" if name == "gp-adaptive" else "floor"
+        return GaussianProcess(window, "intercept", noise_floor_m=floor_m, noise=noise)
+    found = profile.sub_model(name)
+    if found is None:
+        known = member_names(profile)
+        raise ValueError(f"no sub-model is named '{name}'; there are {', '.join(known[:-1])} and {known[-1]}")
+    return replace(found, samples=window) if isinstance(found, GaussianProcess | VehicleProcess) else found
