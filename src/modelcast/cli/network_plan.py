@@ -78,7 +78,7 @@ class NetworkPlan:
 
     def as_plain(self) -> dict[str, Any]:
         """All of it as plain values; files by their names."""
-        found = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
+        found: dict[str, Any] = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
         del found["threads"]  # the result is the same whatever their number
         for name in ("scenario", "bank", "profile"):
             found[name] = None if found[name] is None else Path(found[name]).name

@@ -9,183 +9,33 @@ from typing import NamedTuple
 
 import numpy as np
 
-from modelcast.core.kernel_types import (
-    BoolVector,
-    FloatCube,
-    FloatVector,
-    IntCube,
-    IntMatrix,
-    IntVector,
-)
-from modelcast.messages.airtime_kernels import StackNumbers
+from modelcast.core.kernel_types import IntMatrix, IntVector
 from modelcast.runtime.fleet.bins_kernels import BINS
 
 __all__ = [
-    "AIRTIME_S",
-    "BELIEF",
-    "BELIEF_COLUMNS",
-    "BELIEF_NUMBER",
-    "CAUSES",
-    "CERTIFICATES",
-    "CONTENT_BYTES",
-    "CONTENT_EAST_M",
-    "CONTENT_FIT_S",
-    "CONTENT_HEAD",
-    "CONTENT_KIND",
-    "CONTENT_MEMBER",
-    "CONTENT_NAMED_S",
-    "CONTENT_NORTH_M",
-    "CONTENT_NUMBER",
-    "CONTENT_SENT_S",
-    "CONTENT_UPDATE",
-    "CONTENT_VEHICLE",
     "FAR",
-    "FRAME_BYTES",
-    "IDENTIFICATIONS",
-    "MESSAGES",
-    "MESSAGES_KEPT",
-    "MODELS",
-    "PAYLOAD_BYTES",
-    "POWER_DBM",
     "REFUSED",
-    "SENDER_BITS",
     "STALE",
-    "SUMS",
     "TAKEN",
     "TRACK_COLUMNS",
     "TRACK_MESSAGE",
     "TRACK_RECEIVED_S",
     "TRACK_VEHICLE",
     "UNKNOWN",
-    "Contents",
-    "FleetNumbers",
-    "Outbox",
-    "Senders",
     "Tally",
-    "contents",
-    "outbox",
     "pooled",
-    "senders",
     "tally",
 ]
-
-MESSAGES_KEPT = 128
-"""Messages of a sender that its ring holds; the message count on the air (DE_MsgCount) runs modulo it too."""
-
-SENDER_BITS = 20
-"""Bits of a message's id on the radio that say whose it is; its number stands above them."""
-
-(
-    CONTENT_VEHICLE,
-    CONTENT_NUMBER,
-    CONTENT_KIND,
-    CONTENT_UPDATE,
-    CONTENT_FIT_S,
-    CONTENT_NAMED_S,
-    CONTENT_SENT_S,
-    CONTENT_EAST_M,
-    CONTENT_NORTH_M,
-    CONTENT_MEMBER,
-    CONTENT_BYTES,
-) = range(11)
-"""Columns of a message's content: who sent it and its number; its kind, and the number of the update that it
-is
-or names; instant of that update's fit, of the decision, and when it was handed to the radio; the position
-stated; the sub-model; payload bytes. Parameters follow: of an identification, those of the update it
-names."""
-
-CONTENT_HEAD = 11
-
-BELIEF_NUMBER, BELIEF = range(2)
-"""Columns of what a message makes its holders believe: its number; step, bins of tracking error and
-information
-age at that step, in one word (`tracking_kernels`)."""
-
-BELIEF_COLUMNS = 2
 
 TRACK_MESSAGE, TRACK_RECEIVED_S, TRACK_VEHICLE = range(3)
 """Columns of a track: id of the message held, when the last one arrived, whose they are."""
 
 TRACK_COLUMNS = 4  # a power of two: a track never straddles two cache lines
 
-CAUSES = 4
-"""Causes of a message as `j2945_kernels` numbers them; the others count under time (1)."""
-
-(
-    MESSAGES,
-    MODELS,
-    IDENTIFICATIONS,
-    CERTIFICATES,
-    PAYLOAD_BYTES,
-    FRAME_BYTES,
-    AIRTIME_S,
-    POWER_DBM,
-    TAKEN,
-    FAR,
-    REFUSED,
-    STALE,
-    UNKNOWN,
-) = range(13)
-"""Sums: messages handed to the radio, those with a model, identifications, those with a certificate; bytes,
-bytes
-of frames, airtime, power; receptions taken in, of remotes out of reach, without a free slot, older than what
-is held, naming an update that is not held."""
-
-SUMS = 13
-
-
-class Senders(NamedTuple):
-    """What V stations on the air hold of their messages.
-
-    ``vehicle`` (V,) who is in the slot, -1 for nobody; ``number`` (V,) of the next message; ``update`` (V,)
-    of the update that the remotes are believed to hold; ``sent_s`` and ``certified_s`` (V,) when the last
-    message, and the last with a certificate, went out.
-    """
-
-    vehicle: IntVector
-    number: IntVector
-    update: IntVector
-    sent_s: FloatVector
-    certified_s: FloatVector
-
-
-class FleetNumbers(NamedTuple):
-    """What all messages of a fleet have in common.
-
-    ``stack`` what goes round a payload; ``identification_bytes``; ``carries_all`` whether updates hold the
-    parameters of all members; ``plain`` (M,) with which the message is a plain one; ``power_dbm`` where the
-    policy leaves it open; ``jitter_s`` by which messages that leave at once are spread.
-    """
-
-    stack: StackNumbers
-    identification_bytes: int
-    carries_all: bool
-    plain: BoolVector
-    power_dbm: float
-    jitter_s: float
-
-
-class Contents(NamedTuple):
-    """Messages as decoded, ``rows`` (V, MESSAGES_KEPT, W), and what they make their holders believe.
-
-    ``beliefs`` (V, MESSAGES_KEPT, 2) is worked out once a step for each message, since it is the same for all
-    hosts that hold it.
-    """
-
-    rows: FloatCube
-    beliefs: IntCube
-
-
-class Outbox(NamedTuple):
-    """Messages of one step: sender, ready [s], bytes, power [dBm], id, when the next is due; count, (1,)."""
-
-    sender: IntVector
-    ready_s: FloatVector
-    size_bytes: IntVector
-    power_dbm: FloatVector
-    message_id: IntVector
-    next_s: FloatVector
-    filled: IntVector
+TAKEN, FAR, REFUSED, STALE, UNKNOWN = range(5)
+"""Sums of receptions: taken in, of remotes out of reach, without a free slot, older than what is held, naming
+an
+update that is not held."""
 
 
 class Tally(NamedTuple):
@@ -203,42 +53,7 @@ class Tally(NamedTuple):
     held: IntVector
     pairs: IntVector
     recent: IntVector
-    causes: IntVector
-    sums: FloatVector
-
-
-def senders(vehicles: int) -> Senders:
-    """Return V stations that have sent nothing."""
-    return Senders(
-        vehicle=np.full(vehicles, -1, dtype=np.int64),
-        number=np.zeros(vehicles, dtype=np.int64),
-        update=np.full(vehicles, -1, dtype=np.int64),
-        sent_s=np.full(vehicles, -np.inf),
-        certified_s=np.full(vehicles, -np.inf),
-    )
-
-
-def contents(vehicles: int, parameters: int) -> Contents:
-    """Return empty rings for messages of so many parameters at most."""
-    shape = (vehicles, MESSAGES_KEPT)
-    return Contents(
-        rows=np.full((*shape, CONTENT_HEAD + parameters), -1.0),
-        beliefs=np.full((*shape, BELIEF_COLUMNS), -1, dtype=np.int64),
-    )
-
-
-def outbox(vehicles: int) -> Outbox:
-    """Return an empty outbox for so many vehicles."""
-    most = 2 * vehicles
-    return Outbox(
-        sender=np.zeros(most, dtype=np.int64),
-        ready_s=np.zeros(most),
-        size_bytes=np.zeros(most, dtype=np.int64),
-        power_dbm=np.zeros(most),
-        message_id=np.zeros(most, dtype=np.int64),
-        next_s=np.full(most, np.inf),
-        filled=np.zeros(1, dtype=np.int64),
-    )
+    heard: IntVector
 
 
 def tally(distances: int) -> Tally:
@@ -250,8 +65,7 @@ def tally(distances: int) -> Tally:
         held=np.zeros(distances, dtype=np.int64),
         pairs=np.zeros(distances, dtype=np.int64),
         recent=np.zeros(BINS, dtype=np.int64),
-        causes=np.zeros(CAUSES, dtype=np.int64),
-        sums=np.zeros(SUMS),
+        heard=np.zeros(5, dtype=np.int64),
     )
 
 

@@ -12,6 +12,7 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.runtime.fleet.arrays import Tally
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.settings import NetworkSettings
+from modelcast.station.sender.message_arrays import SentTally
 from modelcast.station.sender.sender import Sender
 from modelcast.world.scenario.base import FleetFrame
 from modelcast.world.scenario.sensed import FleetSensor
@@ -25,8 +26,8 @@ class NetworkRun:
 
     Parameters
     ----------
-    tally
-        Counts of senders and hosts.
+    sent, tally
+        Counts of senders, and of hosts.
     outcomes
         Pairs of frame and vehicle in reach by the radio's bins of distance and cause, (bins, causes).
     expired
@@ -43,9 +44,10 @@ class NetworkRun:
         Payload bytes by sub-model, (M,).
     """
 
+    sent: SentTally
     tally: Tally
-    outcomes: IntArray
     _: KW_ONLY
+    outcomes: IntArray
     expired: int
     vehicle_s: float
     busy_ratio: float
@@ -100,7 +102,7 @@ def run_network(
     >>> road = Highway(500.0, 20.0, warm_up_s=0.0)
     >>> frames = run_scenario(road, np.random.default_rng(1), duration_s=2.0)
     >>> run = run_network(frames, named_sender("bsm-10hz"), Dsrc(), NetworkSettings(warm_up_s=1.0), seed=1)
-    >>> round(run.vehicle_s, 6), int(run.tally.causes.sum())
+    >>> round(run.vehicle_s, 6), int(run.sent.causes.sum())
     (10.0, 100)
     """
     chosen = NetworkSettings() if settings is None else settings
@@ -130,8 +132,9 @@ def run_network(
     rows = np.array(series)
     counted = rows[warm_up:]
     return NetworkRun(
+        loop.sent,
         loop.tally,
-        outcomes,
+        outcomes=outcomes,
         expired=expired,
         vehicle_s=float(counted[:, 0].sum() * chosen.dt_s),
         busy_ratio=float(np.nansum(counted[:, 3] * counted[:, 0]) / max(counted[:, 0].sum(), 1.0)),

@@ -8,19 +8,8 @@ import numpy as np
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import BoolVector, FloatCube, FloatMatrix, FloatVector, IntVector
 from modelcast.runtime.fleet.arrays import (
-    CONTENT_EAST_M,
-    CONTENT_FIT_S,
-    CONTENT_KIND,
-    CONTENT_MEMBER,
-    CONTENT_NAMED_S,
-    CONTENT_NORTH_M,
-    CONTENT_NUMBER,
-    CONTENT_UPDATE,
-    CONTENT_VEHICLE,
     FAR,
-    MESSAGES_KEPT,
     REFUSED,
-    SENDER_BITS,
     STALE,
     TAKEN,
     TRACK_MESSAGE,
@@ -45,6 +34,19 @@ from modelcast.station.receiver.track_kernels import (
     forget,
     take_identification,
     take_update,
+)
+from modelcast.station.sender.message_arrays import (
+    CONTENT_EAST_M,
+    CONTENT_FIT_S,
+    CONTENT_KIND,
+    CONTENT_MEMBER,
+    CONTENT_NAMED_S,
+    CONTENT_NORTH_M,
+    CONTENT_NUMBER,
+    CONTENT_UPDATE,
+    CONTENT_VEHICLE,
+    MESSAGES_KEPT,
+    SENDER_BITS,
 )
 
 __all__ = ["Heard", "HearingLimits", "by_host", "clear_hosts", "hear_messages"]
@@ -202,7 +204,7 @@ def hear_messages(
             sender, number = message & mask, message >> SENDER_BITS
             ring = number % MESSAGES_KEPT
             if heard.vehicle[host] < 0 or rows[sender, ring, CONTENT_NUMBER] != number:
-                counts[0] += 1
+                counts[STALE] += 1
                 continue
             stated_east_m, stated_north_m = (
                 rows[sender, ring, CONTENT_EAST_M],
@@ -210,7 +212,7 @@ def hear_messages(
             )
             east, north = stated_east_m - heard.seen_m[host, 0], stated_north_m - heard.seen_m[host, 1]
             if east * east + north * north > limits.reach_m * limits.reach_m:
-                counts[1] += 1
+                counts[FAR] += 1
                 continue
             remote = int(rows[sender, ring, CONTENT_VEHICLE])
             slot = hear(
@@ -218,7 +220,7 @@ def hear_messages(
                 stated_east_m, stated_north_m, limits.sub_interval_s,
             )  # fmt: skip
             if slot < 0:
-                counts[2] += 1
+                counts[REFUSED] += 1
                 continue
             track = tracks[host, slot]
             if track[TRACK_VEHICLE] != remote:
@@ -226,18 +228,17 @@ def hear_messages(
             before_s = track[TRACK_RECEIVED_S]
             status = _take(rows, message, track, at_s, limits.expiry_s, scratch)
             if status == OLDER:
-                counts[0] += 1
+                counts[STALE] += 1
                 continue
             if status == UNKNOWN_UPDATE:
-                counts[4] += 1
+                counts[UNKNOWN] += 1
                 continue
-            counts[3] += 1
+            counts[TAKEN] += 1
             if before_s > -np.inf and heard.vehicle[sender] == remote:
                 away_east = heard.truth_m[sender, 0] - heard.truth_m[host, 0]
                 away_north = heard.truth_m[sender, 1] - heard.truth_m[host, 1]
                 distance = int(sqrt(away_east * away_east + away_north * away_north) / limits.distance_bin_m)
                 if distance < tally.gap.shape[0]:
                     tally.gap[distance, bin_of(at_s - before_s)] += 1
-    for total, column in ((counts[0], STALE), (counts[1], FAR), (counts[2], REFUSED), (counts[3], TAKEN)):
-        tally.sums[column] += total
-    tally.sums[UNKNOWN] += counts[4]
+    for column in range(counts.size):
+        tally.heard[column] += counts[column]

@@ -18,36 +18,36 @@ import numpy as np
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.core.chance import child_generator
-from modelcast.runtime.fleet import hearing_kernels, sending_kernels, tracking_kernels
+from modelcast.runtime.fleet import hearing_kernels, tracking_kernels
 from modelcast.runtime.fleet.arrays import (
-    MESSAGES,
-    POWER_DBM,
-    SENDER_BITS,
     TRACK_COLUMNS,
-    FleetNumbers,
-    Outbox,
     Tally,
-    contents,
-    outbox,
     pooled,
-    senders,
     tally,
 )
 from modelcast.runtime.fleet.hearing_kernels import Heard, HearingLimits
-from modelcast.runtime.fleet.sending_kernels import SendingStations, StepInputs
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.fleet.tracking_kernels import Tracking
-from modelcast.station.arrays import MEASURED, fits, lanes, sensed
+from modelcast.station.arrays import MEASURED
 from modelcast.station.policy import j2945_kernels
-from modelcast.station.policy.hindsight_kernels import LAGS_S
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.policy.j2945_parameters import J2945Parameters
 from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.policy.policy_numbers import RULE_J2945
-from modelcast.station.sender.bank import SenderBank
-from modelcast.station.sender.lane_rules import speaking_lanes
+from modelcast.station.sender import sending_kernels
+from modelcast.station.sender.message_arrays import (
+    MESSAGES,
+    POWER_DBM,
+    SENDER_BITS,
+    Outbox,
+    SentTally,
+    contents,
+    outbox,
+    sent_tally,
+)
 from modelcast.station.sender.sender import Sender
-from modelcast.station.sender.timed_kernels import timers
+from modelcast.station.sender.sending_kernels import StepInputs
+from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
 from modelcast.station.sensing.sensing import NOWHERE, Sensing
 from modelcast.station.sensing.sensing_kernels import forget_each, sense
 from modelcast.world.scenario.base import FleetFrame
@@ -117,16 +117,10 @@ class FleetLoop:
         self.expiry_s = max(settings.expiry_s, 2.0 * sender.longest_silence_s)
         if not np.isfinite(self.expiry_s):
             self.expiry_s = np.inf
-        self._bank = SenderBank.of(
-            sender.bank,
-            settings.dt_s,
-            identify=sender.lanes.identify,
-            sizes=sender.sizes,
-            selector=sender.selector,
-        )
-        self._guard = self._bank.guard if sender.lanes.start == "guarded" else -1
-        self.stations = self._stations(vehicles, phase)
-        self.contents = contents(vehicles, self._widest())
+        self._bank = sender_bank(sender, settings.dt_s)
+        self._guard = guard_of(sender, self._bank)
+        self.stations = sending_stations(sender, self._bank, phase)
+        self.contents = contents(vehicles, widest(sender, self._bank))
         capacity = _capacity(first, settings)
         self.tables = neighbour_tables(
             vehicles, capacity, sub_intervals=_sub_intervals(sender), phase_s=phase * 1.0
@@ -135,6 +129,7 @@ class FleetLoop:
         self._parts = list(pairwise(np.linspace(0, vehicles, PARTS + 1).astype(np.int64).tolist()))
         self._outboxes = [outbox(end - begin) for begin, end in self._parts]
         self._tallies = [tally(settings.distances) for _ in self._parts]
+        self._sent = [sent_tally() for _ in self._parts]
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self.number = 0
         self._rng = rng
@@ -147,48 +142,6 @@ class FleetLoop:
         spread_s = settings.start_spread_s
         self._spread_s = min(sender.longest_silence_s, settings.expiry_s) if spread_s is None else spread_s
         self._last_s = -np.inf
-
-    def _stations(self, vehicles: int, phase: FloatArray) -> SendingStations:
-        """Return the senders' arrays, of stations that have measured and sent nothing."""
-        sender, bank, dt_s = self.sender, self._bank.bank, self.settings.dt_s
-        rule, guard = sender.lanes, self._guard
-        spoken = speaking_lanes(
-            [rule] * vehicles,
-            range(vehicles),
-            guard=guard,
-            dt_s=dt_s,
-            selector=sender.selector,
-            within_m=sender.within_m,
-        )
-        window = int(bank.windows.max())
-        back = 1 + (round(max(LAGS_S) / dt_s) if rule.start in {"hindsight", "guarded"} else 0)
-        if self._bank.selector is not None:
-            window = max(window, self._bank.selector.window_at(dt_s))
-        ring = max(window + back, Sensing(motion=sender.motion).memory(dt_s))
-        members, parameters = len(bank.members), int(bank.offsets[-1])
-        return SendingStations(
-            models=self._bank.models(guard),
-            sensed=sensed(vehicles, ring),
-            fits=fits(vehicles, back, members=members, parameters=parameters),
-            rules=spoken.rules,
-            lanes=lanes(spoken.rules.vehicle.size, members=members, parameters=parameters),
-            policy=sender.policy.numbers,
-            timers=timers(phase),
-            senders=senders(vehicles),
-            numbers=FleetNumbers(
-                stack=sender.stack.numbers,
-                identification_bytes=sender.sizes.identification_bytes,
-                carries_all=sender.carries_all,
-                plain=np.array(sender.plain, dtype=np.bool_),
-                power_dbm=sender.power_dbm,
-                jitter_s=sender.jitter_s,
-            ),
-        )
-
-    def _widest(self) -> int:
-        """Most parameters that a message holds."""
-        offsets = self._bank.bank.offsets
-        return int(offsets[-1] if self.sender.carries_all else np.diff(offsets).max())
 
     def step(self, frame: FleetFrame) -> tuple[Receptions, FloatArray]:
         """Carry one step; returns what was received in it, and its row of `SERIES`.
@@ -298,7 +251,7 @@ class FleetLoop:
 
         def work(part: int) -> None:
             sending_kernels.send_each(
-                stations, inputs, self.tables, self.contents, self._outboxes[part], self._tallies[part],
+                stations, inputs, self.tables, self.contents, self._outboxes[part], self._sent[part],
                 *self._parts[part],
             )  # fmt: skip
 
@@ -357,7 +310,7 @@ class FleetLoop:
         self._each(work)
 
     def _sums(self) -> FloatArray:
-        return np.sum([part.sums for part in self._tallies], axis=0)
+        return np.sum([part.sums for part in self._sent], axis=0)
 
     def _series_row(
         self, frame: FleetFrame, busy_ratio: FloatArray, before: FloatArray, received: Receptions
@@ -376,6 +329,11 @@ class FleetLoop:
         return row
 
     @property
+    def sent(self) -> SentTally:
+        """What was sent since the counts were forgotten."""
+        return SentTally(*(np.sum(columns, axis=0) for columns in zip(*self._sent, strict=True)))
+
+    @property
     def tally(self) -> Tally:
         """What was counted since the counts were forgotten."""
         return pooled(self._tallies)
@@ -389,7 +347,7 @@ class FleetLoop:
 
     def forget_counts(self) -> None:
         """Set all counts to zero: the warm-up is over."""
-        for part in self._tallies:
+        for part in (*self._tallies, *self._sent):
             for counts in part:
                 counts[...] = 0
 

@@ -10,6 +10,13 @@ from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatCube, FloatMatrix, FloatVector, IntCube, IntVector
 from modelcast.models.member_kernels import Members, predict_member
 from modelcast.runtime.fleet.arrays import (
+    TRACK_MESSAGE,
+    TRACK_RECEIVED_S,
+    Tally,
+)
+from modelcast.runtime.fleet.bins_kernels import bin_of
+from modelcast.station.policy.neighbours_kernels import HostVector
+from modelcast.station.sender.message_arrays import (
     BELIEF,
     BELIEF_NUMBER,
     CONTENT_EAST_M,
@@ -20,13 +27,8 @@ from modelcast.runtime.fleet.arrays import (
     CONTENT_VEHICLE,
     MESSAGES_KEPT,
     SENDER_BITS,
-    TRACK_MESSAGE,
-    TRACK_RECEIVED_S,
     Contents,
-    Tally,
 )
-from modelcast.runtime.fleet.bins_kernels import bin_of
-from modelcast.station.policy.neighbours_kernels import HostVector
 
 __all__ = ["Tracking", "count_pairs", "most_in_reach", "sample_tracks"]
 

@@ -3,11 +3,11 @@
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.runtime.fleet import arrays as at
 from modelcast.runtime.fleet.arrays import Tally
 from modelcast.runtime.fleet.bins_kernels import BINS, lower_edge
 from modelcast.runtime.fleet.engine import NetworkRun
 from modelcast.runtime.fleet.settings import NetworkSettings
+from modelcast.station.sender import message_arrays as at
 from modelcast.study.network.rows import (
     HEADLINE_M,
     CaseResult,
@@ -107,7 +107,7 @@ def _held(counts: Tally, span: slice) -> dict[str, float]:
 
 
 def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outcome_bin_m: float) -> RunRow:
-    counts, sums = run.tally, run.tally.sums
+    counts, sums = run.tally, run.sent.sums
     sent = float(sums[at.MESSAGES])
     middle = _span(*HEADLINE_M, settings.distance_bin_m)
     at_100 = counts.error[_span(75.0, 125.0, settings.distance_bin_m)].sum(axis=0)
@@ -115,7 +115,7 @@ def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outc
     fate = run.outcomes[_span(*HEADLINE_M, outcome_bin_m)].sum(axis=0).astype(np.float64)
     frames = float(fate.sum())
     steady = run.series[round(settings.warm_up_s / settings.dt_s) :]
-    causes = [_ratio(float(counts.causes[cause]), sent) for cause in range(at.CAUSES)]
+    causes = [_ratio(float(run.sent.causes[cause]), sent) for cause in range(at.CAUSES)]
     means = [float(column.mean()) for column in steady[:, [0, 5, 6, 7]].T]
     return RunRow(
         density_per_km=case.density_per_km,

@@ -1,4 +1,4 @@
-"""Compiled senders of a fleet: once a step every station asks its rule, and posts what it sends."""
+"""Compiled sending: once a step every station asks its rule, and posts what it sends."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,13 @@ import numpy as np
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector
 from modelcast.messages.airtime_kernels import airtime, carries_certificate, frame_bytes
-from modelcast.runtime.fleet.arrays import (
+from modelcast.station.arrays import Fits, LaneRules, Lanes, Sensed
+from modelcast.station.policy.error_driven_kernels import IDENTIFICATION, NOTHING, UPDATE
+from modelcast.station.policy.j2945_kernels import CAUSE_NOTHING, CAUSE_TIME, NEXT_S
+from modelcast.station.policy.neighbours_kernels import NeighbourTables
+from modelcast.station.policy.policy_numbers import RULE_CAM, RULE_ERROR_DRIVEN, RULE_J2945, PolicyNumbers
+from modelcast.station.sender.fitting_kernels import SenderModels
+from modelcast.station.sender.message_arrays import (
     AIRTIME_S,
     BELIEF,
     BELIEF_NUMBER,
@@ -36,14 +42,8 @@ from modelcast.runtime.fleet.arrays import (
     FleetNumbers,
     Outbox,
     Senders,
-    Tally,
+    SentTally,
 )
-from modelcast.station.arrays import Fits, LaneRules, Lanes, Sensed
-from modelcast.station.policy.error_driven_kernels import IDENTIFICATION, NOTHING, UPDATE
-from modelcast.station.policy.j2945_kernels import CAUSE_NOTHING, CAUSE_TIME, NEXT_S
-from modelcast.station.policy.neighbours_kernels import NeighbourTables
-from modelcast.station.policy.policy_numbers import RULE_CAM, RULE_ERROR_DRIVEN, RULE_J2945, PolicyNumbers
-from modelcast.station.sender.fitting_kernels import SenderModels
 from modelcast.station.sender.speaking_kernels import SCRATCH, compose, forget_lane, hold, speak
 from modelcast.station.sender.timed_kernels import LOCAL, Timers, ask_cam, ask_j2945, ask_periodic, start
 
@@ -51,7 +51,7 @@ __all__ = ["SendingStations", "StepInputs", "send_each"]
 
 
 class SendingStations(NamedTuple):
-    """All that V stations of a fleet hold to send; each has as many lanes, the last of which speaks."""
+    """All that V stations hold to send; each has as many lanes, the last of which speaks."""
 
     models: SenderModels
     sensed: Sensed
@@ -121,7 +121,7 @@ def _post(
     next_s: float,
     contents: Contents,
     out: Outbox,
-    tally: Tally,
+    tally: SentTally,
 ) -> None:
     """Put a message into the outbox and account for it.
 
@@ -168,7 +168,7 @@ def _post_timed(
     how: tuple[float, float, bool, int],
     contents: Contents,
     out: Outbox,
-    tally: Tally,
+    tally: SentTally,
     scratch: FloatVector,
 ) -> None:
     """Compose a message of the newest sample that a timer called for, and post it."""
@@ -200,7 +200,7 @@ def _send_j2945(
     tables: NeighbourTables,
     contents: Contents,
     out: Outbox,
-    tally: Tally,
+    tally: SentTally,
     scratch: FloatVector,
 ) -> None:
     """Post what waits, and what the rules of SAE J2945/1 call for; what falls due later waits."""
@@ -229,7 +229,7 @@ def _send_otherwise(
     x: StepInputs,
     contents: Contents,
     out: Outbox,
-    tally: Tally,
+    tally: SentTally,
     scratch: FloatVector,
 ) -> None:
     """Post what an error, the rules of CAM or a fixed rate call for, at once."""
@@ -264,7 +264,7 @@ def send_each(
     tables: NeighbourTables,
     contents: Contents,
     out: Outbox,
-    tally: Tally,
+    tally: SentTally,
     first: int,
     end: int,
 ) -> None:

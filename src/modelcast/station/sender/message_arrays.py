@@ -1,0 +1,209 @@
+"""What stations hold of their messages, as plain arrays that compiled steps own and write.
+
+Every message has a number that counts those of its station from 0; its content stands at that number modulo
+`MESSAGES_KEPT` in a ring, as decoded from its codes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from modelcast.core.kernel_types import (
+    BoolVector,
+    FloatCube,
+    FloatVector,
+    IntCube,
+    IntVector,
+)
+from modelcast.messages.airtime_kernels import StackNumbers
+
+__all__ = [
+    "AIRTIME_S",
+    "BELIEF",
+    "BELIEF_COLUMNS",
+    "BELIEF_NUMBER",
+    "CAUSES",
+    "CERTIFICATES",
+    "CONTENT_BYTES",
+    "CONTENT_EAST_M",
+    "CONTENT_FIT_S",
+    "CONTENT_HEAD",
+    "CONTENT_KIND",
+    "CONTENT_MEMBER",
+    "CONTENT_NAMED_S",
+    "CONTENT_NORTH_M",
+    "CONTENT_NUMBER",
+    "CONTENT_SENT_S",
+    "CONTENT_UPDATE",
+    "CONTENT_VEHICLE",
+    "FRAME_BYTES",
+    "IDENTIFICATIONS",
+    "MESSAGES",
+    "MESSAGES_KEPT",
+    "MODELS",
+    "PAYLOAD_BYTES",
+    "POWER_DBM",
+    "SENDER_BITS",
+    "SENT",
+    "Contents",
+    "FleetNumbers",
+    "Outbox",
+    "Senders",
+    "SentTally",
+    "contents",
+    "outbox",
+    "senders",
+    "sent_tally",
+]
+
+MESSAGES_KEPT = 128
+"""Messages of a sender that its ring holds; the message count on the air (DE_MsgCount) runs modulo it too."""
+
+SENDER_BITS = 20
+"""Bits of a message's id on the radio that say whose it is; its number stands above them."""
+
+(
+    CONTENT_VEHICLE,
+    CONTENT_NUMBER,
+    CONTENT_KIND,
+    CONTENT_UPDATE,
+    CONTENT_FIT_S,
+    CONTENT_NAMED_S,
+    CONTENT_SENT_S,
+    CONTENT_EAST_M,
+    CONTENT_NORTH_M,
+    CONTENT_MEMBER,
+    CONTENT_BYTES,
+) = range(11)
+"""Columns of a message's content: who sent it and its number; its kind, and the number of the update that it
+is
+or names; instant of that update's fit, of the decision, and when it was handed to the radio; the position
+stated; the sub-model; payload bytes. Parameters follow: of an identification, those of the update it
+names."""
+
+CONTENT_HEAD = 11
+
+BELIEF_NUMBER, BELIEF = range(2)
+"""Columns of what a message makes its holders believe: its number; step, bins of tracking error and
+information
+age at that step, in one word (`tracking_kernels`)."""
+
+BELIEF_COLUMNS = 2
+
+CAUSES = 4
+"""Causes of a message as `j2945_kernels` numbers them; the others count under time (1)."""
+
+(
+    MESSAGES,
+    MODELS,
+    IDENTIFICATIONS,
+    CERTIFICATES,
+    PAYLOAD_BYTES,
+    FRAME_BYTES,
+    AIRTIME_S,
+    POWER_DBM,
+) = range(8)
+"""Sums of what was sent: messages handed to the radio, those with a model, identifications, those with a
+certificate; bytes, bytes of frames, airtime, power."""
+
+SENT = 8
+
+
+class SentTally(NamedTuple):
+    """Counts of messages: ``causes`` (CAUSES,) by cause; ``sums`` (SENT,)."""
+
+    causes: IntVector
+    sums: FloatVector
+
+
+class Senders(NamedTuple):
+    """What V stations on the air hold of their messages.
+
+    ``vehicle`` (V,) who is in the slot, -1 for nobody; ``number`` (V,) of the next message; ``update`` (V,)
+    of the update that the remotes are believed to hold; ``sent_s`` and ``certified_s`` (V,) when the last
+    message, and the last with a certificate, went out.
+    """
+
+    vehicle: IntVector
+    number: IntVector
+    update: IntVector
+    sent_s: FloatVector
+    certified_s: FloatVector
+
+
+class FleetNumbers(NamedTuple):
+    """What all messages of a fleet have in common.
+
+    ``stack`` what goes round a payload; ``identification_bytes``; ``carries_all`` whether updates hold the
+    parameters of all members; ``plain`` (M,) with which the message is a plain one; ``power_dbm`` where the
+    policy leaves it open; ``jitter_s`` by which messages that leave at once are spread.
+    """
+
+    stack: StackNumbers
+    identification_bytes: int
+    carries_all: bool
+    plain: BoolVector
+    power_dbm: float
+    jitter_s: float
+
+
+class Contents(NamedTuple):
+    """Messages as decoded, ``rows`` (V, MESSAGES_KEPT, W), and what they make their holders believe.
+
+    ``beliefs`` (V, MESSAGES_KEPT, 2) is worked out once a step for each message, since it is the same for all
+    hosts that hold it.
+    """
+
+    rows: FloatCube
+    beliefs: IntCube
+
+
+class Outbox(NamedTuple):
+    """Messages of one step: sender, ready [s], bytes, power [dBm], id, when the next is due; count, (1,)."""
+
+    sender: IntVector
+    ready_s: FloatVector
+    size_bytes: IntVector
+    power_dbm: FloatVector
+    message_id: IntVector
+    next_s: FloatVector
+    filled: IntVector
+
+
+def senders(vehicles: int) -> Senders:
+    """Return V stations that have sent nothing."""
+    return Senders(
+        vehicle=np.full(vehicles, -1, dtype=np.int64),
+        number=np.zeros(vehicles, dtype=np.int64),
+        update=np.full(vehicles, -1, dtype=np.int64),
+        sent_s=np.full(vehicles, -np.inf),
+        certified_s=np.full(vehicles, -np.inf),
+    )
+
+
+def contents(vehicles: int, parameters: int) -> Contents:
+    """Return empty rings for messages of so many parameters at most."""
+    shape = (vehicles, MESSAGES_KEPT)
+    return Contents(
+        rows=np.full((*shape, CONTENT_HEAD + parameters), -1.0),
+        beliefs=np.full((*shape, BELIEF_COLUMNS), -1, dtype=np.int64),
+    )
+
+
+def outbox(vehicles: int) -> Outbox:
+    """Return an empty outbox for so many vehicles."""
+    most = 2 * vehicles
+    return Outbox(
+        sender=np.zeros(most, dtype=np.int64),
+        ready_s=np.zeros(most),
+        size_bytes=np.zeros(most, dtype=np.int64),
+        power_dbm=np.zeros(most),
+        message_id=np.zeros(most, dtype=np.int64),
+        next_s=np.full(most, np.inf),
+        filled=np.zeros(1, dtype=np.int64),
+    )
+
+
+def sent_tally() -> SentTally:
+    """Return counts of nothing."""
+    return SentTally(np.zeros(CAUSES, dtype=np.int64), np.zeros(SENT))
