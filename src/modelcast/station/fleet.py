@@ -1,0 +1,383 @@
+"""Stations for other programs: a notebook, a loop over a traffic simulator, another simulator's callback.
+
+`Fleet` holds many stations on one clock, `Station` one on its own. Both own their state; beneath them are the
+compiled steps that evaluation and network run, so what they send is what is evaluated and simulated.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.geodesy import Origin
+from modelcast.messages.mbc_wire import profile_number
+from modelcast.models.bank import Bank
+from modelcast.models.profile import Profile, default_profile
+from modelcast.station.arrays import MEASURED
+from modelcast.station.policy.neighbours import neighbour_tables
+from modelcast.station.receiver.ears import Ears
+from modelcast.station.sender.message_arrays import (
+    CONTENT_EAST_M,
+    CONTENT_FIT_S,
+    CONTENT_HEAD,
+    CONTENT_KIND,
+    CONTENT_MEMBER,
+    CONTENT_NAMED_S,
+    CONTENT_NORTH_M,
+    CONTENT_UPDATE,
+    MESSAGES_KEPT,
+    SENDER_BITS,
+    contents,
+    outbox,
+    sent_tally,
+)
+from modelcast.station.sender.octets import SentMessages, StationOctets
+from modelcast.station.sender.sender import Sender, named_sender
+from modelcast.station.sender.sending_kernels import StepInputs, send_each
+from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
+from modelcast.station.sensing.sensing import NOWHERE, Sensing
+from modelcast.station.sensing.sensing_kernels import forget_each, sense
+from modelcast.station.sensing.velocity import DEFAULT_FROM_POSITIONS, REPORTED
+
+__all__ = ["Fleet", "Sending", "profile_number_of"]
+
+_OPTIONAL = ("speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps")
+
+
+@dataclass(frozen=True, slots=True)
+class Sending:
+    """One message on its way to the radio.
+
+    Parameters
+    ----------
+    vehicle
+        Who sends it.
+    octets
+        The message in its frame, without security header and lower layers.
+    send_s
+        When it is to be handed to the radio [s].
+    frame_bytes
+        Bytes of the frame on the air, security header and lower layers counted.
+    power_dbm
+        Transmit power [dBm].
+    kind
+        `modelcast.station.policy.base.MessageKind`.
+    next_s
+        When the sender expects its next message, infinite where it does not know [s].
+    """
+
+    vehicle: int
+    octets: bytes
+    send_s: float
+    frame_bytes: int
+    power_dbm: float
+    kind: int
+    next_s: float
+
+
+def profile_number_of(bank: Bank) -> int:
+    """Number by which messages name a bank: that of the shipped profile for its bank, else of the bank alone.
+
+    Parameters
+    ----------
+    bank
+        Any bank whose sub-models a profile can hold.
+    """
+    shipped = default_profile()
+    return profile_number((shipped if bank == shipped.bank else Profile(bank)).named_bytes)
+
+
+class Fleet:
+    """Many stations that measure on one clock.
+
+    Parameters
+    ----------
+    sender
+        What every station sends, and when: a name of `modelcast.station.sender.sender.SENDERS`, or a `Sender`.
+    slots
+        Most vehicles at a time.
+    dt_s
+        Time between measurements [s].
+    origin
+        Of the plane positions are on.
+    seed
+        Of all random numbers. Same seed, same bytes.
+    minute_s
+        Time at which some minute of UTC began [s].
+    ears
+        How stations hear; None for hosts that hold the sender's own bank.
+    spread_s
+        New stations of the first step begin to send within this time [s].
+
+    Raises
+    ------
+    ValueError
+        Where a number is out of its range.
+
+    Examples
+    --------
+    A loop over a simulator's vehicles; every message goes to the radio, and what arrives comes back by `hear`:
+
+    >>> fleet = Fleet("mbc", slots=2)
+    >>> for step in range(30):
+    ...     east = np.array([15.0 * 0.1 * step, 12.0 * 0.1 * step])
+    ...     sent = fleet.sense(
+    ...         0.1 * step,
+    ...         np.array([3, 8]),
+    ...         np.stack([east, np.zeros(2)], axis=1),
+    ...         speed_mps=np.array([15.0, 12.0]),
+    ...         heading_rad=np.full(2, np.pi / 2),
+    ...     )
+    ...     for one in sent:
+    ...         for host in {3, 8} - {one.vehicle}:
+    ...             receipts = fleet.hear(host, [one.octets], received_s=[one.send_s])
+    >>> fleet.believe(3, 3.0).vehicle.tolist(), fleet.believe(3, 3.0).position_m.round(1).tolist()
+    ([8], [[36.0, 0.0]])
+    """
+
+    def __init__(
+        self,
+        sender: str | Sender = "mbc",
+        *,
+        slots: int,
+        dt_s: float = 0.1,
+        origin: Origin = NOWHERE,
+        seed: int = 0,
+        minute_s: float = 0.0,
+        ears: Ears | None = None,
+        spread_s: float = 0.0,
+    ) -> None:
+        if slots < 1:
+            raise ValueError(f"slots must be at least 1, got {slots}")
+        self.sender = named_sender(sender) if isinstance(sender, str) else sender
+        self.dt_s, self.origin = dt_s, origin
+        self._rng = np.random.default_rng(seed)
+        self._phase = self._rng.random(slots) if slots > 1 else np.zeros(slots)
+        self._bank = sender_bank(self.sender, dt_s)
+        self._guard = guard_of(self.sender, self._bank)
+        self._spread_s, self._minute_s = spread_s, minute_s
+        self._number = profile_number_of(self.sender.bank)
+        self._ears = Ears((self.sender.bank,), dt_s=dt_s) if ears is None else ears
+        self._heard = {slot: self._ears.init() for slot in range(slots)}
+        self._tables = neighbour_tables(slots, min(self._ears.capacity, 2**15 - 1), phase_s=self._phase)
+        self._outbox, self._tally = outbox(slots), sent_tally()
+        self._contents = contents(slots, widest(self.sender, self._bank))
+        self._given: tuple[bool, ...] | None = None
+        self._last_s = -np.inf
+
+    def sense(
+        self,
+        t_s: float,
+        vehicle: IntArray,
+        position_m: FloatArray,
+        *,
+        speed_mps: FloatArray | None = None,
+        heading_rad: FloatArray | None = None,
+        acceleration_mps2: FloatArray | None = None,
+        yaw_rate_radps: FloatArray | None = None,
+        channel_busy_ratio: FloatArray | None = None,
+        begins: BoolArray | None = None,
+    ) -> list[Sending]:
+        """Take in what all vehicles measure at one time, and return what they send until the next.
+
+        Parameters
+        ----------
+        t_s
+            Now, later than the last call [s].
+        vehicle
+            Who they are, each once, (N,) in 0 to 2^32 - 1: their temporary ids. Who is missing has left.
+        position_m
+            East and north, (N, 2) [m].
+        speed_mps, heading_rad, acceleration_mps2, yaw_rate_radps
+            (N,) each, heading and yaw rate clockwise; the same ones in every call. What is not measured is
+            estimated from past positions.
+        channel_busy_ratio
+            As each radio measured it, (N,); None for a free channel.
+        begins
+            Whose measurement does not connect with those before, (N,), as after a jump of the receiver; gaps are
+            seen by themselves.
+
+        Raises
+        ------
+        ValueError
+            Where time does not increase, a value is missing or no number, vehicles repeat or are too many.
+        """
+        columns = (speed_mps, heading_rad, acceleration_mps2, yaw_rate_radps)
+        measured = self._measured(t_s, vehicle, position_m, columns)
+        slot, started = self._slots(vehicle)
+        stations = self._stations._replace(models=self._bank.models(self._guard))
+        forget_each(stations.sensed, started)
+        for one in np.flatnonzero(started).tolist():
+            self._heard[one] = self._ears.init()
+        fresh = np.zeros(slot.size, dtype=np.bool_) if begins is None else np.ascontiguousarray(begins)
+        sense(stations.sensed, slot, np.full(slot.size, t_s), measured, fresh, self._sensing)
+        busy = np.zeros(started.size)
+        busy[slot] = 0.0 if channel_busy_ratio is None else channel_busy_ratio
+        inputs = StepInputs(
+            t_s=t_s,
+            dt_s=self.dt_s,
+            spread_s=self._spread_s if self._last_s == -np.inf else 0.0,
+            started=started,
+            critical=stations.sensed.shown[:, MEASURED - 2] < -stations.policy.critical_mps2,
+            busy_ratio=busy,
+            uniforms=self._rng.random((started.size, 4)),
+        )
+        send_each(stations, inputs, self._tables, self._contents, self._outbox, self._tally, 0, started.size)
+        self._last_s = t_s
+        return self._sent()
+
+    def hear(
+        self, vehicle: int, octets: Sequence[bytes], *, received_s: Sequence[float] | FloatArray
+    ) -> IntArray:
+        """Take in messages that one vehicle received; returns a `Receipt` each, (K,).
+
+        Parameters
+        ----------
+        vehicle
+            The host.
+        octets
+            Frames, in order of arrival; whatever came, nothing in them is trusted.
+        received_s
+            When each arrived, (K,) [s].
+
+        Raises
+        ------
+        ValueError
+            Where the vehicle is not in the fleet.
+        """
+        slot = self._slot_of(vehicle)
+        heard = self._ears.read(octets, received_s, origin=self.origin, minute_s=self._minute_s)
+        receipts, self._heard[slot] = self._ears.hear(self._heard[slot], heard, self._tables, slot)
+        return receipts
+
+    def believe(self, vehicle: int, t_s: float) -> "Beliefs":
+        """What one vehicle believes of all its remotes: its local dynamic map.
+
+        Parameters
+        ----------
+        vehicle
+            The host.
+        t_s
+            Any time from the newest message on [s].
+        """
+        return self._ears.map.believe(self._heard[self._slot_of(vehicle)], t_s)
+
+    def _slot_of(self, vehicle: int) -> int:
+        here = np.flatnonzero(self._stations.senders.vehicle == vehicle) if self._given is not None else []
+        if not len(here):
+            raise ValueError(f"vehicle {vehicle} is not in the fleet: it measured nothing in the last step")
+        return int(here[0])
+
+    def _measured(
+        self,
+        t_s: float,
+        vehicle: IntArray,
+        position_m: FloatArray,
+        columns: tuple[FloatArray | None, ...],
+    ) -> FloatArray:
+        """Return the measurements as compiled sensing takes them, (N, 6), or say what is wrong with them."""
+        if not t_s > self._last_s:
+            raise ValueError(f"t_s must increase, got {t_s} after {self._last_s}")
+        given = tuple(column is not None for column in columns)
+        if self._given is None:
+            self._start(given)
+        elif given != self._given:
+            wanted = ", ".join(name for name, there in zip(_OPTIONAL, self._given, strict=True) if there)
+            raise ValueError(f"the columns measured must stay the same: {wanted or 'positions alone'}")
+        measured = np.full((vehicle.size, MEASURED), np.nan)
+        if position_m.shape != (vehicle.size, 2):
+            raise ValueError(f"position_m must be ({vehicle.size}, 2), got {position_m.shape}")
+        measured[:, :2] = position_m
+        for at, (name, column) in enumerate(zip(_OPTIONAL, columns, strict=True), start=2):
+            if column is not None:
+                if column.shape != vehicle.shape:
+                    raise ValueError(f"{name} must be ({vehicle.size},), got {column.shape}")
+                measured[:, at] = column
+        known = [0, 1, *(at for at, there in enumerate(given, start=2) if there)]
+        bad = ~np.isfinite(measured[:, known])
+        if bad.any():
+            row, at = np.argwhere(bad)[0].tolist()
+            name = ("position_m", "position_m", *_OPTIONAL)[known[at]]
+            raise ValueError(f"{name} of vehicle {vehicle[row]} must be finite, got {measured[row, known[at]]}")
+        return measured
+
+    def _start(self, given: tuple[bool, ...]) -> None:
+        """Make the arrays, now that it is known what is measured."""
+        reported = given[0] and given[1]
+        sensing = Sensing(
+            velocity=REPORTED if reported else DEFAULT_FROM_POSITIONS,
+            has_acceleration=given[2],
+            has_yaw_rate=given[3],
+            motion=self.sender.motion,
+            origin=self.origin,
+        )
+        self._given = given
+        self._sensing = sensing.numbers(self.dt_s)
+        self._stations = sending_stations(self.sender, self._bank, self._phase, sensing=sensing)
+
+    def _slots(self, vehicle: IntArray) -> tuple[IntArray, BoolArray]:
+        """Slot of each vehicle, (N,), and which slots have a new one, (V,)."""
+        held = self._stations.senders.vehicle
+        if np.unique(vehicle).size != vehicle.size or (vehicle.size and vehicle.min() < 0):
+            raise ValueError(f"vehicles must be distinct and not negative, got {vehicle}")
+        if vehicle.size > held.size:
+            raise ValueError(f"the fleet has {held.size} slots, got {vehicle.size} vehicles: give it more")
+        held[~np.isin(held, vehicle)] = -1
+        started = np.zeros(held.size, dtype=np.bool_)
+        new = vehicle[~np.isin(vehicle, held)]
+        free = np.flatnonzero(held < 0)[: new.size]
+        held[free], started[free] = new, True
+        order = np.argsort(held, kind="stable")
+        return order[np.searchsorted(held, vehicle, sorter=order)].astype(np.int64), started
+
+    def _sent(self) -> list[Sending]:
+        """Messages of the outbox as octets, in order of time."""
+        box, found = self._outbox, list[Sending]()
+        for k in np.argsort(box.ready_s[: int(box.filled[0])], kind="stable").tolist():
+            slot, number = int(box.sender[k]), int(box.message_id[k]) >> SENDER_BITS
+            messages = self._message(slot, number)
+            writer = StationOctets.of(
+                self._bank.bank,
+                self._number,
+                self.sender.lanes.identify,
+                self.origin,
+                int(self._stations.senders.vehicle[slot]),
+                minute_s=self._minute_s,
+            )
+            found.append(
+                Sending(
+                    int(self._stations.senders.vehicle[slot]),
+                    writer.encode(messages)[0],
+                    float(box.ready_s[k]),
+                    int(box.size_bytes[k]),
+                    float(box.power_dbm[k]),
+                    int(messages.kind[0]),
+                    float(box.next_s[k]),
+                )
+            )
+        return found
+
+    def _message(self, slot: int, number: int) -> SentMessages:
+        """The content of a message, from its station's ring."""
+        row = self._contents.rows[slot, number % MESSAGES_KEPT]
+        offsets, member = self._bank.bank.offsets, int(row[CONTENT_MEMBER])
+        parameters = np.zeros(int(offsets[-1]))
+        if self.sender.carries_all:
+            parameters[:] = row[CONTENT_HEAD : CONTENT_HEAD + parameters.size]
+        else:
+            own = slice(int(offsets[member]), int(offsets[member + 1]))
+            parameters[own] = row[CONTENT_HEAD : CONTENT_HEAD + own.stop - own.start]
+        sensed = self._stations.sensed
+        newest = (int(sensed.taken[slot]) - 1) % sensed.stated_m.shape[1]
+        return SentMessages(
+            np.array([int(row[CONTENT_KIND])]),
+            np.array([number]),
+            t_s=row[CONTENT_NAMED_S : CONTENT_NAMED_S + 1].copy(),
+            sample=sensed.samples[slot, newest][None],
+            stated_m=row[[CONTENT_EAST_M, CONTENT_NORTH_M]][None],
+            in_use=np.array([member]),
+            parameters=parameters[None],
+            update=np.array([int(row[CONTENT_UPDATE])]),
+            fit_s=row[CONTENT_FIT_S : CONTENT_FIT_S + 1].copy(),
+        )
