@@ -4,8 +4,8 @@
 scenario of `paired_scenarios.py` runs in processes of its own, in the order base, head, head, base, so that a
 drift of the machine falls out; each process compiles first and reports its least processor time. The ratio is
 base over head, above 1 where head is faster, with the 95 % interval of Student's t over the logarithms of the
-rounds. The verdict is against ``--limit``: ``ok`` where the interval is above it, ``slower`` where below, else
-``unclear``. Exit code 1 where something is slower.
+rounds. The verdict is against ``--limit``: ``ok`` where the interval is above it, ``slower`` where below,
+else ``unclear``. Exit code 1 where something is slower.
 
 Where the closed loop tells its stages, they are printed for both.
 """

@@ -293,13 +293,18 @@ def demo_cold_s() -> float:
     return after.children_user + after.children_system - before.children_user - before.children_system
 
 
+def nothing() -> Mapping[str, float]:
+    """No stages."""
+    return {}
+
+
 def timed(name: str) -> dict[str, Any]:
     """Time one scenario: ``seconds`` and ``stages``, or why it is ``absent``."""
     try:
         if name == "demo-cold":
             return {"seconds": demo_cold_s(), "stages": {}}
         prepared = SCENARIOS[name]()
-        work, stages = prepared if isinstance(prepared, tuple) else (prepared, dict[str, float])
+        work, stages = prepared if isinstance(prepared, tuple) else (prepared, nothing)
         work()  # compiles
         least, told, spent = np.inf, dict[str, float](), 0.0
         for turn in range(REPEATS):

@@ -21,6 +21,7 @@ import concurrent.futures
 import contextlib
 import difflib
 import hashlib
+import importlib
 import json
 import os
 import random
@@ -49,7 +50,10 @@ TARGETS = (
     "src/modelcast/runtime/fleet/receiver_kernels.py",
 )
 TESTS = (
-    "tests/station/**/test_*.py",
+    "tests/station/test_*.py",
+    "tests/station/policy/test_*.py",
+    "tests/station/receiver/test_*.py",
+    "tests/station/sender/test_*.py",
     "tests/runtime/**/test_*.py",
     "tests/study/test_walk.py",
 )
@@ -271,7 +275,7 @@ def uncompiled(source: str) -> str:
     for node in sorted(calls, key=lambda one: -one.lineno):
         whole = ast.get_source_segment(source, node) or ""
         source = source.replace(whole, f"np.dtype((np.record, {whole}))")
-    return source.replace("np.int32", "np.int64").replace('"i4"', '"i8"')
+    return source.replace("dtype=np.int32", "dtype=np.int64").replace('"i4"', '"i8"')
 
 
 class Recorder:
@@ -485,11 +489,8 @@ def prepare(folder: Path) -> None:
     make_copy(_place["folder"])
     os.environ["PYTHONPATH"] = str(_place["folder"] / "src")
     sys.path[:] = [one for one in sys.path if Path(one or ".").resolve() != ROOT / "src"]
-    import hypothesis  # noqa: F401, PLC0415 - before the fork
-    import numba  # noqa: F401, PLC0415
-    import pytest  # noqa: F401, PLC0415
-    import scipy.optimize  # noqa: PLC0415
-    import scipy.stats  # noqa: F401, PLC0415
+    for name in ("hypothesis", "numba", "pytest", "scipy.optimize", "scipy.stats"):
+        importlib.import_module(name)
 
 
 def record_here(file: str, targets: list[str]) -> tuple[str, dict[str, Any]]:
@@ -513,13 +514,13 @@ def globbed(patterns: Iterable[str]) -> list[str]:
     return sorted(one for one in found if not one.endswith("__init__.py"))
 
 
-def all_tests(fleet: Fleet, targets: list[str]) -> dict[str, dict[str, Any]]:
+def all_tests(fleet: Fleet, targets: list[str], patterns: Iterable[str]) -> dict[str, dict[str, Any]]:
     """Learn what the tests run, or remember it; the usable ones."""
     sources = digest(*(path.read_text() for path in sorted((ROOT / "src").rglob("*.py"))))
     kept, now = read_json(KEPT / "tests.json"), dict[str, Any]()
     waiting: list[concurrent.futures.Future[tuple[str, dict[str, Any]]]] = []
     keys: dict[str, str] = {}
-    for file in globbed(TESTS):
+    for file in globbed(patterns):
         keys[file] = digest(sources, (ROOT / file).read_text(), *targets)
         if kept.get(file, {}).get("key") == keys[file]:
             now[file] = kept[file]
@@ -527,8 +528,8 @@ def all_tests(fleet: Fleet, targets: list[str]) -> dict[str, dict[str, Any]]:
             waiting.append(fleet.pool.submit(record_here, file, targets))
     for one in concurrent.futures.as_completed(waiting):
         file, tests = one.result()
-        now[file] = {"key": keys[file], "tests": tests}
-        (KEPT / "tests.json").write_text(json.dumps(now))
+        now[file] = {"key": keys[file] if tests else "", "tests": tests}
+        (KEPT / "tests.json").write_text(json.dumps(kept | now))
         passed = sum(test["passed"] for test in tests.values())
         print(f"  {file}: {passed} of {len(tests)} tests serve", flush=True)
     every = {name: one for file in now.values() for name, one in file["tests"].items()}
@@ -613,6 +614,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="of the order, and so of the sample")
     parser.add_argument("--most", type=int, default=None, help="how many mutants at most")
     parser.add_argument("--only", default="", help="mutants whose name begins so")
+    parser.add_argument("--tests", nargs="+", default=TESTS, metavar="GLOB", help="files of tests")
     parser.add_argument("--fresh", action="store_true", help="forget what earlier runs found")
     given = parser.parse_args()
     until = time.time() + 60.0 * given.minutes
@@ -636,7 +638,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         fleet = Fleet(given.workers, Path(folder))
         try:
-            tests = all_tests(fleet, targets)
+            tests = all_tests(fleet, targets, given.tests)
             print(f"{len(tests)} tests serve; {until - time.time():.0f} s are left", flush=True)
             found = work_through(fleet, order, sources, tests, until)
         finally:
