@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo test verify check bench fuzz validate setup setup-dev lock clean
+.PHONY: demo test verify check bench bench-paired mutate fuzz validate setup setup-dev lock clean
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -23,6 +23,17 @@ check: setup-dev
 
 bench: setup-dev
 	$(BIN)/python benchmarks/run_all.py
+
+# How much faster HEAD is than BASE, each a folder or a revision; PAIRED_ARGUMENTS are the script's (--only, --rounds, --limit).
+BASE ?= main
+HEAD ?= .
+bench-paired: setup-dev
+	$(BIN)/python benchmarks/paired.py $(BASE) $(HEAD) $(PAIRED_ARGUMENTS)
+
+# Whether the tests notice a changed rule: an hour on two cores at most, less where little changed since the last run.
+MUTATE_ARGUMENTS ?= --minutes 60
+mutate: setup-dev
+	$(BIN)/python tools/mutate.py $(MUTATE_ARGUMENTS)
 
 # A minute of profiles and run files, then ten million inputs; FUZZ_ARGUMENTS are libFuzzer's. What it finds is kept in out/fuzz.
 FUZZ_ARGUMENTS ?= -runs=10000000 -max_len=4096
