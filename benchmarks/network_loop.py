@@ -11,12 +11,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from modelcast.runtime.fleet.sender import named_sender
 
 from modelcast.channel.dsrc import Dsrc
 from modelcast.runtime.fleet import deciding_kernels, receiver_kernels
 from modelcast.runtime.fleet.engine import run_network
 from modelcast.runtime.fleet.loop import FleetLoop
-from modelcast.runtime.fleet.sender import named_sender
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.world.scenario.base import FleetFrame, run_scenario
 from modelcast.world.scenario.highway import Highway

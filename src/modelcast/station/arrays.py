@@ -34,14 +34,15 @@ class Sensed(NamedTuple):
     """What V vehicles measured, in rings of R samples.
 
     ``t_s`` (V, 2R) and ``samples`` (V, 2R, 7): every sample stands twice, R apart, so that each window lies
-    in one piece; ``stated_m`` (V, R, 2) the position that a message states; ``history`` (V, R) samples of its
-    gapless part up to each; ``taken`` (V,) samples so far; ``noise`` (V, 2) running mean of squares, and how
-    many; ``shown`` (V, 6) the newest measurement, filtered where there is a filter, whose ``states`` (V, 6)
-    and ``spreads`` (V, 6, 6) follow.
+    in one piece; ``stated_s`` (V, R) and ``stated_m`` (V, R, 2) the instant and the position that a message
+    states; ``history`` (V, R) samples of its gapless part up to each; ``taken`` (V,) samples so far;
+    ``noise`` (V, 2) running mean of squares, and how many; ``shown`` (V, 6) the newest measurement, filtered
+    where there is a filter, whose ``states`` (V, 6) and ``spreads`` (V, 6, 6) follow.
     """
 
     t_s: FloatMatrix
     samples: FloatCube
+    stated_s: FloatMatrix
     stated_m: FloatCube
     history: IntMatrix
     taken: IntVector
@@ -133,6 +134,7 @@ def sensed(vehicles: int, ring: int) -> Sensed:
     return Sensed(
         t_s=np.zeros((vehicles, 2 * ring)),
         samples=np.zeros((vehicles, 2 * ring, SAMPLE_COLUMNS)),
+        stated_s=np.zeros((vehicles, ring)),
         stated_m=np.zeros((vehicles, ring, 2)),
         history=np.zeros((vehicles, ring), dtype=np.int64),
         taken=np.zeros(vehicles, dtype=np.int64),

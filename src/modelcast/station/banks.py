@@ -8,6 +8,7 @@ import numpy as np
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.messages.airtime import Stack
+from modelcast.messages.mbc_wire import profile_number
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
@@ -34,6 +35,7 @@ __all__ = [
     "bank_from_text",
     "member_names",
     "named_bank",
+    "profile_number_of",
     "rules_of",
 ]
 
@@ -284,3 +286,15 @@ def _member(name: str, profile: Profile, noise_floor_m: float | None, window: in
         known = member_names(profile)
         raise ValueError(f"no sub-model is named '{name}'; there are {', '.join(known[:-1])} and {known[-1]}")
     return replace(found, samples=window) if isinstance(found, GaussianProcess | VehicleProcess) else found
+
+
+def profile_number_of(bank: Bank) -> int:
+    """Number by which messages name a bank: that of the shipped profile for its bank, else of the bank alone.
+
+    Parameters
+    ----------
+    bank
+        Any bank whose sub-models a profile can hold.
+    """
+    shipped = default_profile()
+    return profile_number((shipped if bank == shipped.bank else Profile(bank)).named_bytes)

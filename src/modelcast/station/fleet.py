@@ -11,28 +11,13 @@ import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.geodesy import Origin
-from modelcast.messages.mbc_wire import profile_number
-from modelcast.models.bank import Bank
-from modelcast.models.profile import Profile, default_profile
 from modelcast.station.arrays import MEASURED
+from modelcast.station.banks import profile_number_of
 from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.receiver.ears import Ears
-from modelcast.station.sender.message_arrays import (
-    CONTENT_EAST_M,
-    CONTENT_FIT_S,
-    CONTENT_HEAD,
-    CONTENT_KIND,
-    CONTENT_MEMBER,
-    CONTENT_NAMED_S,
-    CONTENT_NORTH_M,
-    CONTENT_UPDATE,
-    MESSAGES_KEPT,
-    SENDER_BITS,
-    contents,
-    outbox,
-    sent_tally,
-)
-from modelcast.station.sender.octets import SentMessages, StationOctets
+from modelcast.station.receiver.local_dynamic_map import Beliefs
+from modelcast.station.sender.message_arrays import MESSAGES_KEPT, SENDER_BITS, contents, outbox, sent_tally
+from modelcast.station.sender.octets import StationOctets, message_of
 from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.station.sender.sending_kernels import StepInputs, send_each
 from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
@@ -40,7 +25,7 @@ from modelcast.station.sensing.sensing import NOWHERE, Sensing
 from modelcast.station.sensing.sensing_kernels import forget_each, sense
 from modelcast.station.sensing.velocity import DEFAULT_FROM_POSITIONS, REPORTED
 
-__all__ = ["Fleet", "Sending", "profile_number_of"]
+__all__ = ["Fleet", "Sending"]
 
 _OPTIONAL = ("speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps")
 
@@ -76,25 +61,14 @@ class Sending:
     next_s: float
 
 
-def profile_number_of(bank: Bank) -> int:
-    """Number by which messages name a bank: that of the shipped profile for its bank, else of the bank alone.
-
-    Parameters
-    ----------
-    bank
-        Any bank whose sub-models a profile can hold.
-    """
-    shipped = default_profile()
-    return profile_number((shipped if bank == shipped.bank else Profile(bank)).named_bytes)
-
-
 class Fleet:
     """Many stations that measure on one clock.
 
     Parameters
     ----------
     sender
-        What every station sends, and when: a name of `modelcast.station.sender.sender.SENDERS`, or a `Sender`.
+        What every station sends, and when: a name of `modelcast.station.sender.sender.SENDERS`, or a
+        `Sender`.
     slots
         Most vehicles at a time.
     dt_s
@@ -117,7 +91,8 @@ class Fleet:
 
     Examples
     --------
-    A loop over a simulator's vehicles; every message goes to the radio, and what arrives comes back by `hear`:
+    A loop over a simulator's vehicles; every message goes to the radio, and what arrives comes back by
+    `hear`:
 
     >>> fleet = Fleet("mbc", slots=2)
     >>> for step in range(30):
@@ -163,6 +138,9 @@ class Fleet:
         self._tables = neighbour_tables(slots, min(self._ears.capacity, 2**15 - 1), phase_s=self._phase)
         self._outbox, self._tally = outbox(slots), sent_tally()
         self._contents = contents(slots, widest(self.sender, self._bank))
+        self._vehicle = np.full(slots, -1, dtype=np.int64)
+        self._measures = np.zeros(slots, dtype=np.bool_)
+        self._new = np.zeros(slots, dtype=np.bool_)
         self._given: tuple[bool, ...] | None = None
         self._last_s = -np.inf
 
@@ -195,8 +173,8 @@ class Fleet:
         channel_busy_ratio
             As each radio measured it, (N,); None for a free channel.
         begins
-            Whose measurement does not connect with those before, (N,), as after a jump of the receiver; gaps are
-            seen by themselves.
+            Whose measurement does not connect with those before, (N,), as after a jump of the receiver; gaps
+            are seen by themselves.
 
         Raises
         ------
@@ -207,9 +185,8 @@ class Fleet:
         measured = self._measured(t_s, vehicle, position_m, columns)
         slot, started = self._slots(vehicle)
         stations = self._stations._replace(models=self._bank.models(self._guard))
+        stations.senders.vehicle[:] = np.where(self._measures, self._vehicle, -1)
         forget_each(stations.sensed, started)
-        for one in np.flatnonzero(started).tolist():
-            self._heard[one] = self._ears.init()
         fresh = np.zeros(slot.size, dtype=np.bool_) if begins is None else np.ascontiguousarray(begins)
         sense(stations.sensed, slot, np.full(slot.size, t_s), measured, fresh, self._sensing)
         busy = np.zeros(started.size)
@@ -247,11 +224,18 @@ class Fleet:
             Where the vehicle is not in the fleet.
         """
         slot = self._slot_of(vehicle)
-        heard = self._ears.read(octets, received_s, origin=self.origin, minute_s=self._minute_s)
-        receipts, self._heard[slot] = self._ears.hear(self._heard[slot], heard, self._tables, slot)
+        receipts, self._heard[slot] = self._ears.hear(
+            self._heard[slot],
+            octets,
+            received_s,
+            origin=self.origin,
+            minute_s=self._minute_s,
+            tables=self._tables,
+            host=slot,
+        )
         return receipts
 
-    def believe(self, vehicle: int, t_s: float) -> "Beliefs":
+    def believe(self, vehicle: int, t_s: float) -> Beliefs:
         """What one vehicle believes of all its remotes: its local dynamic map.
 
         Parameters
@@ -263,10 +247,63 @@ class Fleet:
         """
         return self._ears.map.believe(self._heard[self._slot_of(vehicle)], t_s)
 
+    def admit(self, vehicle: int) -> None:
+        """Let a station hear that has measured nothing, as a roadside unit; who measures is admitted by that.
+
+        Parameters
+        ----------
+        vehicle
+            Its temporary id, 0 to 2^32 - 1.
+
+        Raises
+        ------
+        ValueError
+            Where it is there already, or the fleet is full.
+        """
+        free = np.flatnonzero(self._vehicle < 0)
+        if vehicle < 0 or (self._vehicle == vehicle).any():
+            raise ValueError(f"vehicle must be new and not negative, got {vehicle}")
+        if not free.size:
+            raise ValueError(f"the fleet has {self._vehicle.size} slots, and all are taken: give it more")
+        self._vehicle[free[0]], self._new[free[0]] = vehicle, True
+        self._heard[int(free[0])] = self._ears.init()
+
+    def rename(self, vehicle: int, temporary_id: int) -> None:
+        """Give one vehicle another temporary id and message count, as they change from time to time.
+
+        Its next message is an update, since nobody holds anything of the new id.
+
+        Parameters
+        ----------
+        vehicle
+            Its id now.
+        temporary_id
+            The new one, which no vehicle of the fleet has.
+
+        Raises
+        ------
+        ValueError
+            Where the vehicle is not in the fleet, or another has that id.
+        """
+        slot = self._slot_of(vehicle)
+        if temporary_id < 0 or (self._vehicle == temporary_id).any():
+            raise ValueError(f"temporary_id must be free and not negative, got {temporary_id}")
+        self._vehicle[slot] = temporary_id
+        if self._given is None:
+            return
+        stations = self._stations
+        each = stations.rules.vehicle.size // stations.senders.vehicle.size
+        own = slice(slot * each, (slot + 1) * each)
+        stations.lanes.update[own] = stations.lanes.in_use[own] = -1
+        stations.lanes.last_usable[own] = False
+        stations.senders.number[slot] += int(self._rng.integers(1, MESSAGES_KEPT))
+
     def _slot_of(self, vehicle: int) -> int:
-        here = np.flatnonzero(self._stations.senders.vehicle == vehicle) if self._given is not None else []
-        if not len(here):
-            raise ValueError(f"vehicle {vehicle} is not in the fleet: it measured nothing in the last step")
+        here = np.flatnonzero(self._vehicle == vehicle)
+        if not here.size:
+            raise ValueError(
+                f"vehicle {vehicle} is not in the fleet: it measured nothing, nor was it admitted"
+            )
         return int(here[0])
 
     def _measured(
@@ -299,7 +336,9 @@ class Fleet:
         if bad.any():
             row, at = np.argwhere(bad)[0].tolist()
             name = ("position_m", "position_m", *_OPTIONAL)[known[at]]
-            raise ValueError(f"{name} of vehicle {vehicle[row]} must be finite, got {measured[row, known[at]]}")
+            raise ValueError(
+                f"{name} of vehicle {vehicle[row]} must be finite, got {measured[row, known[at]]}"
+            )
         return measured
 
     def _start(self, given: tuple[bool, ...]) -> None:
@@ -311,32 +350,34 @@ class Fleet:
             has_yaw_rate=given[3],
             motion=self.sender.motion,
             origin=self.origin,
+            minute_s=self._minute_s,
         )
         self._given = given
         self._sensing = sensing.numbers(self.dt_s)
         self._stations = sending_stations(self.sender, self._bank, self._phase, sensing=sensing)
 
     def _slots(self, vehicle: IntArray) -> tuple[IntArray, BoolArray]:
-        """Slot of each vehicle, (N,), and which slots have a new one, (V,)."""
-        held = self._stations.senders.vehicle
+        """Slot of each vehicle that measures, (N,), and which slots measure for the first time, (V,)."""
         if np.unique(vehicle).size != vehicle.size or (vehicle.size and vehicle.min() < 0):
             raise ValueError(f"vehicles must be distinct and not negative, got {vehicle}")
-        if vehicle.size > held.size:
-            raise ValueError(f"the fleet has {held.size} slots, got {vehicle.size} vehicles: give it more")
-        held[~np.isin(held, vehicle)] = -1
-        started = np.zeros(held.size, dtype=np.bool_)
-        new = vehicle[~np.isin(vehicle, held)]
-        free = np.flatnonzero(held < 0)[: new.size]
-        held[free], started[free] = new, True
+        before, held = self._measures, self._vehicle
+        held[before & ~np.isin(held, vehicle)] = -1
+        for one in vehicle[~np.isin(vehicle, held)].tolist():
+            self.admit(one)
         order = np.argsort(held, kind="stable")
-        return order[np.searchsorted(held, vehicle, sorter=order)].astype(np.int64), started
+        slot = order[np.searchsorted(held, vehicle, sorter=order)].astype(np.int64)
+        self._measures = np.zeros(held.size, dtype=np.bool_)
+        self._measures[slot] = True
+        started = self._measures & ~(before & ~self._new)
+        self._new[:] = False
+        return slot, started
 
     def _sent(self) -> list[Sending]:
         """Messages of the outbox as octets, in order of time."""
         box, found = self._outbox, list[Sending]()
         for k in np.argsort(box.ready_s[: int(box.filled[0])], kind="stable").tolist():
             slot, number = int(box.sender[k]), int(box.message_id[k]) >> SENDER_BITS
-            messages = self._message(slot, number)
+            messages = message_of(self._stations, self._contents, slot, number)
             writer = StationOctets.of(
                 self._bank.bank,
                 self._number,
@@ -357,27 +398,3 @@ class Fleet:
                 )
             )
         return found
-
-    def _message(self, slot: int, number: int) -> SentMessages:
-        """The content of a message, from its station's ring."""
-        row = self._contents.rows[slot, number % MESSAGES_KEPT]
-        offsets, member = self._bank.bank.offsets, int(row[CONTENT_MEMBER])
-        parameters = np.zeros(int(offsets[-1]))
-        if self.sender.carries_all:
-            parameters[:] = row[CONTENT_HEAD : CONTENT_HEAD + parameters.size]
-        else:
-            own = slice(int(offsets[member]), int(offsets[member + 1]))
-            parameters[own] = row[CONTENT_HEAD : CONTENT_HEAD + own.stop - own.start]
-        sensed = self._stations.sensed
-        newest = (int(sensed.taken[slot]) - 1) % sensed.stated_m.shape[1]
-        return SentMessages(
-            np.array([int(row[CONTENT_KIND])]),
-            np.array([number]),
-            t_s=row[CONTENT_NAMED_S : CONTENT_NAMED_S + 1].copy(),
-            sample=sensed.samples[slot, newest][None],
-            stated_m=row[[CONTENT_EAST_M, CONTENT_NORTH_M]][None],
-            in_use=np.array([member]),
-            parameters=parameters[None],
-            update=np.array([int(row[CONTENT_UPDATE])]),
-            fit_s=row[CONTENT_FIT_S : CONTENT_FIT_S + 1].copy(),
-        )

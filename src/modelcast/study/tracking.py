@@ -245,14 +245,19 @@ class LossRuns:
         kind = np.stack([one.kind for one in sent])
         replay_kernels.replay(
             ready.own.ready.members,
-            case.truth.t_s,
-            ready.stated_m,
-            ready.parameters,
-            case.truth.position_m,
-            case.direction,
-            kind,
-            np.stack([one.in_use for one in sent]),
-            np.stack([one.update_index for one in sent]),
+            replay_kernels.SentTrip(
+                case.truth.t_s,
+                ready.stated_s,
+                ready.stated_m,
+                ready.parameters,
+                case.truth.position_m,
+                case.direction,
+            ),
+            replay_kernels.Schedules(
+                kind,
+                np.stack([one.in_use for one in sent]),
+                np.stack([one.update_index for one in sent]),
+            ),
             lost.reshape(runs, count),
             settings.delay_s,
             np.inf if settings.expiry_s is None else settings.expiry_s,

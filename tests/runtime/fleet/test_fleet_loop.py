@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from modelcast.runtime.fleet.sender import SENDERS, FleetSender, named_sender
 
 from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.radio import Receptions
@@ -18,7 +19,6 @@ from modelcast.models.profile import default_profile
 from modelcast.runtime.fleet import layout_kernels as at
 from modelcast.runtime.fleet.engine import run_network
 from modelcast.runtime.fleet.loop import FleetLoop
-from modelcast.runtime.fleet.sender import SENDERS, FleetSender, named_sender
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.base import MessageKind

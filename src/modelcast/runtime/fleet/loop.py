@@ -10,6 +10,7 @@ apart and is put together in the order of the parts, so that the number of threa
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -45,6 +46,7 @@ from modelcast.station.sender.message_arrays import (
     outbox,
     sent_tally,
 )
+from modelcast.station.sender.octets import SentMessages, message_of
 from modelcast.station.sender.sender import Sender
 from modelcast.station.sender.sending_kernels import StepInputs
 from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
@@ -93,6 +95,8 @@ class FleetLoop:
         What the vehicles see of themselves; None for the truth.
     threads
         How many work on the parts of the fleet.
+    sensing
+        How stations read their measurements; None for all columns measured, and the sender's filter.
     """
 
     def __init__(
@@ -105,6 +109,7 @@ class FleetLoop:
         seed: int,
         sensor: FleetSensor | None = None,
         threads: int = 1,
+        sensing: Sensing | None = None,
     ) -> None:
         vehicles = len(first)
         if vehicles >= 1 << SENDER_BITS:
@@ -119,7 +124,7 @@ class FleetLoop:
             self.expiry_s = np.inf
         self._bank = sender_bank(sender, settings.dt_s)
         self._guard = guard_of(sender, self._bank)
-        self.stations = sending_stations(sender, self._bank, phase)
+        self.stations = sending_stations(sender, self._bank, phase, sensing=sensing)
         self.contents = contents(vehicles, widest(sender, self._bank))
         capacity = _capacity(first, settings)
         self.tables = neighbour_tables(
@@ -138,7 +143,8 @@ class FleetLoop:
         self._sensor_state: FleetSensorState | None = None
         if sensor is not None:
             self._sensor_state = sensor.init(vehicles, child_generator(seed, "sensor"))
-        self._sensing = Sensing(motion=sender.motion, origin=NOWHERE).numbers(settings.dt_s)
+        own = Sensing(motion=sender.motion, origin=NOWHERE) if sensing is None else sensing
+        self._sensing = own.numbers(settings.dt_s)
         spread_s = settings.start_spread_s
         self._spread_s = min(sender.longest_silence_s, settings.expiry_s) if spread_s is None else spread_s
         self._last_s = -np.inf
@@ -170,10 +176,10 @@ class FleetLoop:
         before = self._sums()
         busy_ratio = self.radio.channel_busy_ratio(self._radio_state)
         truth_m = np.where(frame.active[:, None], frame.position_m, np.nan)
-        started = self._sense(frame, seen, now_s)
-        self._track(truth_m, now_s)
-        self._send(started, now_s, busy_ratio)
-        received = self._carry(truth_m, until_s)
+        started = self._sense(frame, seen)
+        self._track(truth_m, t_s)
+        self._send(started, t_s, busy_ratio)
+        received = self._carry(truth_m, now_s - t_s, until_s)
         self._hear(received, truth_m)
         self.number += 1
         self._last_s = t_s
@@ -187,7 +193,7 @@ class FleetLoop:
         else:
             list(self._pool.map(work, range(PARTS)))
 
-    def _sense(self, frame: FleetFrame, seen: FleetFrame, now_s: float) -> BoolArray:
+    def _sense(self, frame: FleetFrame, seen: FleetFrame) -> BoolArray:
         """Take measurements in and let new vehicles begin anew; returns whose slot has one, (V,)."""
         stations = self.stations
         started = frame.active & (stations.senders.vehicle != frame.vehicle_id)
@@ -196,13 +202,14 @@ class FleetLoop:
         hearing_kernels.clear_hosts(started, self.tables, self.tracks)
         columns = (seen.speed_mps, seen.heading_rad, seen.acceleration_mps2, seen.yaw_rate_radps)
         measured = np.column_stack((seen.position_m, *columns))
+        begins = np.zeros(len(frame), dtype=np.bool_) if frame.begins is None else frame.begins
 
         def work(part: int) -> None:
             first, end = self._parts[part]
             here: IntArray = first + np.flatnonzero(frame.active[first:end])
             sense(
-                stations.sensed, here, np.full(here.size, now_s), measured[here],
-                np.zeros(here.size, dtype=np.bool_), self._sensing,
+                stations.sensed, here, np.full(here.size, frame.t_s), measured[here],
+                begins[here], self._sensing,
             )  # fmt: skip
 
         self._each(work)
@@ -257,8 +264,8 @@ class FleetLoop:
 
         self._each(work)
 
-    def _carry(self, truth_m: FloatArray, until_s: float) -> Receptions:
-        """Give the outboxes to the radio, in order of time."""
+    def _carry(self, truth_m: FloatArray, shift_s: float, until_s: float) -> Receptions:
+        """Give the outboxes to the radio, in order of time; its clock is ahead by a shift."""
         every = Outbox(
             *(
                 np.concatenate([getattr(box, name)[: int(box.filled[0])] for box in self._outboxes])
@@ -269,13 +276,23 @@ class FleetLoop:
         order = np.argsort(every.ready_s, kind="stable")
         batch = Transmissions(
             every.sender[order],
-            np.minimum(every.ready_s[order], np.nextafter(until_s, 0.0)),
+            np.minimum(every.ready_s[order] + shift_s, np.nextafter(until_s, 0.0)),
             size_bytes=every.size_bytes[order],
             power_dbm=every.power_dbm[order],
             message_id=every.message_id[order],
         )
         received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s)
-        return received
+        return replace(received, t_s=received.t_s - shift_s) if shift_s != 0.0 else received
+
+    def posted(self) -> list[SentMessages]:
+        """Content of the messages of the last step, as their receivers decode it, in order of slots."""
+        return [
+            message_of(
+                self.stations, self.contents, int(box.sender[k]), int(box.message_id[k]) >> SENDER_BITS
+            )
+            for box in self._outboxes
+            for k in range(int(box.filled[0]))
+        ]
 
     def _hear(self, received: Receptions, truth_m: FloatArray) -> None:
         """Let hosts take in what they heard."""

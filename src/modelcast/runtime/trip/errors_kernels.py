@@ -29,7 +29,7 @@ def member_errors(
             if before < 0 or s.history[0, before] < models.members.windows[m]:
                 continue
             if not (m == models.fallback and served):
-                origin[0] = s.t_s[0, before]
+                origin[0] = s.stated_s[0, before]
                 origin[1], origin[2] = s.stated_m[0, before, 0], s.stated_m[0, before, 1]
                 own = fits.parameters[0, before, offsets[m] : offsets[m + 1]]
                 out[i, m] = distance_to(models, m, own, origin, s.t_s[0, i], s.samples[0, i], scratch)

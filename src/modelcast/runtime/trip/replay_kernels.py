@@ -1,4 +1,6 @@
-"""Compiled replay of what a host held at every sample of a trip, given what was sent and what was lost."""
+"""Compiled replay of what a host believed over a trip, given what was sent and what was lost."""
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,23 +15,60 @@ from modelcast.core.kernel_types import (
 )
 from modelcast.models.member_kernels import Members, predict_member
 from modelcast.station.policy.error_driven_kernels import IDENTIFICATION, NOTHING
+from modelcast.station.receiver.track_kernels import (
+    HELD_CONTENT,
+    HELD_FIT_S,
+    HELD_MEMBER,
+    TRACK_COLUMNS,
+    forget,
+    is_live,
+    take_identification,
+    take_update,
+)
 
-__all__ = ["replay"]
+__all__ = ["Schedules", "SentTrip", "replay"]
 
 _TIME_SLACK_S = 1e-9
+
+
+class SentTrip(NamedTuple):
+    """What was sent over a trip of T samples, and what was true.
+
+    ``t_s`` (T,); ``stated_s`` (T,) and ``stated_m`` (T, 2) as messages state them; ``parameters`` (T, P);
+    ``truth_m`` (T, 2) and unit vectors of the true course ``direction`` (T, 2).
+    """
+
+    t_s: FloatVector
+    stated_s: FloatVector
+    stated_m: FloatMatrix
+    parameters: FloatMatrix
+    truth_m: FloatMatrix
+    direction: FloatMatrix
+
+
+class Schedules(NamedTuple):
+    """S schedules of messages: ``kind``, ``in_use`` and ``update_index`` at each sample, (S, T)."""
+
+    kind: IntMatrix
+    in_use: IntMatrix
+    update_index: IntMatrix
+
+
+@kernel(inlined=True)
+def _off(members: Members, x: SentTrip, held: FloatVector, j: int, out: FloatVector) -> None:
+    """How far the host's belief is off at a sample, east and north into ``out`` (2,)."""
+    at, member = int(held[HELD_CONTENT]), int(held[HELD_MEMBER])
+    own = x.parameters[at, members.offsets[member] : members.offsets[member + 1]]
+    predict_member(members, member, own, x.t_s[j] - held[HELD_FIT_S], out)
+    out[0] = x.stated_m[at, 0] + out[0] - x.truth_m[j, 0]
+    out[1] = x.stated_m[at, 1] + out[1] - x.truth_m[j, 1]
 
 
 @kernel
 def replay(
     members: Members,
-    t_s: FloatVector,
-    stated_m: FloatMatrix,
-    parameters: FloatMatrix,
-    truth_m: FloatMatrix,
-    direction: FloatMatrix,
-    kind: IntMatrix,
-    in_use: IntMatrix,
-    update_index: IntMatrix,
+    x: SentTrip,
+    sent: Schedules,
     lost: BoolMatrix,
     delay_s: float,
     expiry_s: float,
@@ -37,65 +76,48 @@ def replay(
     gaps_s: FloatMatrix,
     gap_count: IntVector,
 ) -> None:
-    """Replay R runs over one trip of T samples.
+    """Replay R runs over one trip; run r follows schedule r modulo S.
 
-    ``kind``, ``in_use`` and ``update_index`` are S schedules, (S, T); run r follows schedule r modulo S.
-    ``lost`` (R, T) says which instants' messages never arrive; ``truth_m`` (T, 2) and the unit vectors
-    ``direction`` (T, 2) are joined only here. Writes ``errors`` (5, R, T): the tracking error after and
-    before the instant's message, its parts along and across the track, and the age of the model held, all
-    NaN where the host holds nothing (nothing came yet, or it expired). ``stated_m`` (T, 2) are the positions
-    that messages state. ``gaps_s`` (R, T) receives the gaps
-    between receptions of each run and ``gap_count`` (R,) their number.
+    ``lost`` (R, T) says which instants' messages never arrive. Writes ``errors`` (5, R, T): the tracking
+    error after and before the instant's message, its parts along and across the track, and the age of the
+    model held, all NaN where the host holds nothing. ``gaps_s`` (R, T) receives the gaps between receptions
+    of each run and ``gap_count`` (R,) their number.
     """
-    runs, count = lost.shape
-    displacement = np.empty(2)
-    for run in range(runs):
-        schedule = run % kind.shape[0]
-        held = -1
-        # The slice is taken once a message, not once a sample: it costs a reference count.
-        own = parameters[0, :0]
-        member = 0
-        received_s = -np.inf
-        arriving = 0
-        written = 0
-        for j in range(count):
-            first_arrival = arriving
-            while arriving <= j and t_s[arriving] + delay_s <= t_s[j] + _TIME_SLACK_S:
+    off, held = np.empty(2), np.empty(TRACK_COLUMNS)
+    for run in range(lost.shape[0]):
+        schedule = run % sent.kind.shape[0]
+        forget(held)
+        heard_s, arriving, written = -np.inf, 0, 0
+        for j in range(lost.shape[1]):
+            first_arrival, before, touched = arriving, np.nan, False
+            while arriving <= j and x.t_s[arriving] + delay_s <= x.t_s[j] + _TIME_SLACK_S:
                 arriving += 1
-            before = np.nan
-            touched = False
             for i in range(first_arrival, arriving):
-                if kind[schedule, i] == NOTHING or lost[run, i]:
+                if sent.kind[schedule, i] == NOTHING or lost[run, i]:
                     continue
-                if not touched and held >= 0 and t_s[j] - received_s <= expiry_s:
-                    predict_member(members, member, own, t_s[j] - t_s[held], displacement)
-                    east = stated_m[held, 0] + displacement[0] - truth_m[j, 0]
-                    north = stated_m[held, 1] + displacement[1] - truth_m[j, 1]
-                    before = np.sqrt(east * east + north * north)
+                if not touched and is_live(held, x.t_s[j], expiry_s):
+                    _off(members, x, held, j, off)
+                    before = np.sqrt(off[0] * off[0] + off[1] * off[1])
                 touched = True
-                arrival_s = t_s[i] + delay_s
-                if arrival_s - received_s > expiry_s:
-                    held = -1  # an expired remote is forgotten: only an update brings it back
-                if received_s > -np.inf:
-                    gaps_s[run, written] = arrival_s - received_s
+                arrival_s, member = x.t_s[i] + delay_s, sent.in_use[schedule, i]
+                if heard_s > -np.inf:
+                    gaps_s[run, written] = arrival_s - heard_s
                     written += 1
-                received_s = arrival_s
-                if kind[schedule, i] != IDENTIFICATION:
-                    held = i
-                elif held != update_index[schedule, i]:
-                    continue  # one that names an update the host never got tells it nothing
-                member = in_use[schedule, i]
-                own = parameters[held, members.offsets[member] : members.offsets[member + 1]]
-            if held < 0 or t_s[j] - received_s > expiry_s:
+                heard_s = arrival_s
+                if sent.kind[schedule, i] == IDENTIFICATION:
+                    _ = take_identification(
+                        held, sent.update_index[schedule, i], member, x.t_s[i], arrival_s, expiry_s
+                    )
+                else:
+                    _ = take_update(held, i, member, x.stated_s[i], arrival_s, expiry_s)
+            if not is_live(held, x.t_s[j], expiry_s):
                 errors[:, run, j] = np.nan
                 continue
-            predict_member(members, member, own, t_s[j] - t_s[held], displacement)
-            east = stated_m[held, 0] + displacement[0] - truth_m[j, 0]
-            north = stated_m[held, 1] + displacement[1] - truth_m[j, 1]
-            after = np.sqrt(east * east + north * north)
+            _off(members, x, held, j, off)
+            after = np.sqrt(off[0] * off[0] + off[1] * off[1])
             errors[0, run, j] = after
             errors[1, run, j] = before if touched else after
-            errors[2, run, j] = east * direction[j, 0] + north * direction[j, 1]
-            errors[3, run, j] = north * direction[j, 0] - east * direction[j, 1]
-            errors[4, run, j] = t_s[j] - t_s[held]
+            errors[2, run, j] = off[0] * x.direction[j, 0] + off[1] * x.direction[j, 1]
+            errors[3, run, j] = off[1] * x.direction[j, 0] - off[0] * x.direction[j, 1]
+            errors[4, run, j] = x.t_s[j] - held[HELD_FIT_S]
         gap_count[run] = written

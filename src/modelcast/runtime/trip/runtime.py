@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.messages.mbc_profile import carries_all
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.runtime.trip import errors_kernels
@@ -20,6 +21,7 @@ from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sender import fitting_kernels, speaking_kernels
 from modelcast.station.sender.bank import SenderBank
 from modelcast.station.sender.lane_rules import speaking_lanes
+from modelcast.station.sender.octets import SentMessages
 from modelcast.station.sensing.sensing import Sensing, sensed_trip
 from modelcast.station.sensing.velocity import VelocityEstimator
 from modelcast.trips.trajectory import Trajectory
@@ -131,6 +133,11 @@ class TripRuntime:
         return self.sensed.samples[0, : len(self.trip)]
 
     @property
+    def stated_s(self) -> FloatArray:
+        """Instants as messages state them, (T,) [s]."""
+        return self.sensed.stated_s[0]
+
+    @property
     def stated_m(self) -> FloatArray:
         """Positions as messages state them, (T, 2) [m]."""
         return self.sensed.stated_m[0]
@@ -183,6 +190,34 @@ class TripRuntime:
             TripMessages(policy, kind[lane], in_use=in_use[lane], update_index=update_index[lane])
             for policy, lane in zip(policies, spoken.speaks.tolist(), strict=True)
         ]
+
+    def sent(self, messages: TripMessages) -> SentMessages:
+        """Content of the messages of a policy, as its receivers decode it.
+
+        Parameters
+        ----------
+        messages
+            Of a policy over this trip.
+        """
+        at = np.flatnonzero(messages.transmits)
+        named = messages.update_index[at]
+        in_use, offsets = messages.in_use[at], self.bank.offsets
+        identify = messages.policy.identify if len(self.bank.members) > 1 else "never"
+        fitted = self.fits.number[0, named] == named[:, None]
+        if not carries_all(self.bank, identify):
+            fitted &= np.arange(len(self.bank.members)) == in_use[:, None]
+        held = np.repeat(fitted, np.diff(offsets), axis=1)
+        return SentMessages(
+            messages.kind[at],
+            np.arange(at.size),
+            t_s=self.trip.t_s[at],
+            sample=self.samples[at],
+            stated_m=self.stated_m[named],
+            in_use=in_use,
+            parameters=np.where(held, self.parameters[named], 0.0),
+            update=np.searchsorted(at, named),
+            fit_s=self.stated_s[named],
+        )
 
     def tracking_error_m(self, messages: TripMessages) -> FloatArray:
         """Error of every member fitted at the last update before each sample, (T, M) [m].

@@ -13,9 +13,22 @@ from modelcast.messages.station_codec import IdentificationRows, StationCodec, U
 from modelcast.models.bank import Bank
 from modelcast.models.point_kernels import ACCELERATION, VELOCITY_EAST, VELOCITY_NORTH, YAW_RATE
 from modelcast.station.policy.error_driven_kernels import IDENTIFICATION
+from modelcast.station.sender.message_arrays import (
+    CONTENT_EAST_M,
+    CONTENT_FIT_S,
+    CONTENT_HEAD,
+    CONTENT_KIND,
+    CONTENT_MEMBER,
+    CONTENT_NAMED_S,
+    CONTENT_NORTH_M,
+    CONTENT_UPDATE,
+    MESSAGES_KEPT,
+    Contents,
+)
+from modelcast.station.sender.sending_kernels import SendingStations
 from modelcast.station.sensing.rates import NO_RATES_BELOW_MPS
 
-__all__ = ["SentMessages", "StationOctets"]
+__all__ = ["SentMessages", "StationOctets", "message_of"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +69,38 @@ class SentMessages:
     fit_s: FloatArray
 
 
+def message_of(stations: SendingStations, contents: Contents, slot: int, number: int) -> SentMessages:
+    """Return a message of a station that was just sent, from its ring.
+
+    Parameters
+    ----------
+    stations, contents
+        Of all stations.
+    slot, number
+        Whose message, and which.
+    """
+    row = contents.rows[slot, number % MESSAGES_KEPT]
+    offsets, member = stations.models.members.offsets, int(row[CONTENT_MEMBER])
+    parameters = np.zeros(int(offsets[-1]))
+    own = slice(int(offsets[member]), int(offsets[member + 1]))
+    if stations.numbers.carries_all:
+        own = slice(0, parameters.size)
+    parameters[own] = row[CONTENT_HEAD : CONTENT_HEAD + own.stop - own.start]
+    sensed = stations.sensed
+    newest = (int(sensed.taken[slot]) - 1) % sensed.stated_m.shape[1]
+    return SentMessages(
+        np.array([int(row[CONTENT_KIND])]),
+        np.array([number]),
+        t_s=row[CONTENT_NAMED_S : CONTENT_NAMED_S + 1].copy(),
+        sample=sensed.samples[slot, newest][None].copy(),
+        stated_m=row[[CONTENT_EAST_M, CONTENT_NORTH_M]][None],
+        in_use=np.array([member]),
+        parameters=parameters[None],
+        update=np.array([int(row[CONTENT_UPDATE])]),
+        fit_s=row[CONTENT_FIT_S : CONTENT_FIT_S + 1].copy(),
+    )
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class StationOctets:
     """Writes the messages of one station.
@@ -79,7 +124,14 @@ class StationOctets:
 
     @classmethod
     def of(
-        cls, bank: Bank, number: int, identify: str, origin: Origin, temporary_id: int, *, minute_s: float = 0.0
+        cls,
+        bank: Bank,
+        number: int,
+        identify: str,
+        origin: Origin,
+        temporary_id: int,
+        *,
+        minute_s: float = 0.0,
     ) -> "StationOctets":
         """Return the writer of a bank's messages.
 

@@ -94,21 +94,27 @@ def _write(
     row[CONTENT_NAMED_S] = f.sensed.t_s[v, sample % ring]
     if kind == IDENTIFICATION:
         row[CONTENT_UPDATE], row[CONTENT_BYTES] = f.senders.update[v], f.numbers.identification_bytes
-        row[CONTENT_FIT_S] = f.lanes.origin[b, 0]
-        row[CONTENT_EAST_M], row[CONTENT_NORTH_M] = f.lanes.origin[b, 1], f.lanes.origin[b, 2]
-        for i in range(offsets[offsets.size - 1]):
-            row[CONTENT_HEAD + i] = f.lanes.held[b, i]
+        # A guarded lane that follows another holds what that one does.
+        holds = f.rules.free[b] if f.rules.free[b] >= 0 and f.lanes.follows[b] else b
+        row[CONTENT_FIT_S] = f.lanes.origin[holds, 0]
+        row[CONTENT_EAST_M], row[CONTENT_NORTH_M] = f.lanes.origin[holds, 1], f.lanes.origin[holds, 2]
+        for m in range(offsets.size - 1):
+            for i in range(offsets[m], offsets[m + 1]):
+                row[CONTENT_HEAD + i] = f.lanes.held[holds, i] if f.lanes.usable[holds, m] else 0.0
         return
     row[CONTENT_UPDATE], row[CONTENT_BYTES] = number, f.models.sizes[member]
-    row[CONTENT_FIT_S] = row[CONTENT_NAMED_S]
+    row[CONTENT_FIT_S] = f.sensed.stated_s[v, sample % ring]
     row[CONTENT_EAST_M] = f.sensed.stated_m[v, sample % ring, 0]
     row[CONTENT_NORTH_M] = f.sensed.stated_m[v, sample % ring, 1]
     place = sample % f.fits.parameters.shape[1]
-    first, last = offsets[member], offsets[member + 1]
-    if f.numbers.carries_all:
-        first, last = 0, offsets[offsets.size - 1]
-    for i in range(first, last):
-        row[CONTENT_HEAD + i - first] = f.fits.parameters[v, place, i]
+    if not f.numbers.carries_all:
+        for i in range(offsets[member], offsets[member + 1]):
+            row[CONTENT_HEAD + i - offsets[member]] = f.fits.parameters[v, place, i]
+        return
+    for m in range(offsets.size - 1):
+        fitted = f.fits.number[v, place, m] == sample
+        for i in range(offsets[m], offsets[m + 1]):
+            row[CONTENT_HEAD + i] = f.fits.parameters[v, place, i] if fitted else 0.0
 
 
 @kernel(inlined=True)

@@ -106,7 +106,7 @@ def hold(
     v, ring = rules.vehicle[b], s.stated_m.shape[1]
     place, offsets = number % fits.parameters.shape[1], models.members.offsets
     lanes.update[b], lanes.in_use[b] = number, member
-    lanes.origin[b, 0] = s.t_s[v, number % ring]
+    lanes.origin[b, 0] = s.stated_s[v, number % ring]
     lanes.origin[b, 1], lanes.origin[b, 2] = s.stated_m[v, number % ring, 0], s.stated_m[v, number % ring, 1]
     for m in range(models.members.windows.size):
         lanes.usable[b, m] = fits.number[v, place, m] == number and lanes.available[b, m]
@@ -123,7 +123,7 @@ def _remember(
     """Keep the members fitted for a message: the next one sets them against what happened."""
     v, ring = rules.vehicle[b], s.stated_m.shape[1]
     place, offsets = number % fits.parameters.shape[1], models.members.offsets
-    lanes.last_origin[b, 0] = s.t_s[v, number % ring]
+    lanes.last_origin[b, 0] = s.stated_s[v, number % ring]
     lanes.last_origin[b, 1], lanes.last_origin[b, 2] = (
         s.stated_m[v, number % ring, 0],
         s.stated_m[v, number % ring, 1],

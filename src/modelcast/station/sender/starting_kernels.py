@@ -69,7 +69,11 @@ def _hindsight(
         then = number - back
         place = then % ring
         age_s = t_s - float(s.t_s[v, place])
-        scratch[2], scratch[3], scratch[4] = s.t_s[v, place], s.stated_m[v, place, 0], s.stated_m[v, place, 1]
+        scratch[2], scratch[3], scratch[4] = (
+            s.stated_s[v, place],
+            s.stated_m[v, place, 0],
+            s.stated_m[v, place, 1],
+        )
         for m in range(members.windows.size):
             if lanes.available[b, m] and fit(models, s, fits, v, then, m):
                 own = fits.parameters[

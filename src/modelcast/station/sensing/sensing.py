@@ -48,6 +48,8 @@ class Sensing:
     origin
         Of the plane that positions are measured on, by which a message states them as latitude and longitude;
         None where receivers hold them as they were measured.
+    minute_s
+        Time at which some minute of UTC began: messages state instants from there, in milliseconds [s].
 
     Raises
     ------
@@ -62,6 +64,7 @@ class Sensing:
     noise: NoiseEstimator = DEFAULT_NOISE
     motion: MotionFilter | None = None
     origin: Origin | None = None
+    minute_s: float = 0.0
 
     def __post_init__(self) -> None:
         if self.motion is not None and not (
@@ -113,6 +116,7 @@ class Sensing:
             GAP_STEPS * dt_s,
             HEADING_HOLD_MPS,
             np.empty(0) if self.origin is None else frame_constants(self.origin),
+            self.minute_s,
             np.empty(0) if self.motion is None else self.motion.constants(),
             self.noise.numbers(dt_s),
         )

@@ -6,6 +6,7 @@ from typing import NamedTuple
 from modelcast.core.geodesy_kernels import stated
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector, IntVector
+from modelcast.messages.codes_kernels import instant_of, state_instant
 from modelcast.models.point_kernels import (
     ACCELERATION,
     EAST,
@@ -47,7 +48,8 @@ class SensingNumbers(NamedTuple):
     (``has_acceleration``, ``has_yaw_rate``); both are zero below ``standing_mps``. A step longer than
     ``gap_s`` begins a new part. ``filter`` (8,) are the constants of the motion filter, empty for none; it
     holds the heading below ``hold_mps``. ``frame`` is that of the plane (`geodesy_kernels`), by which
-    a message states the position; empty where receivers hold it as it was measured.
+    a message states the position; empty where receivers hold it as it was measured. At ``minute_s`` a minute
+    of UTC begins.
     """
 
     velocity_window: int
@@ -61,6 +63,7 @@ class SensingNumbers(NamedTuple):
     gap_s: float
     hold_mps: float
     frame: FloatVector
+    minute_s: float
     filter: FloatVector
     noise: NoiseNumbers
 
@@ -130,9 +133,11 @@ def _take(s: Sensed, v: int, t_s: float, fresh: bool, c: SensingNumbers) -> None
     s.samples[v, at, POSITION_NOISE] = sqrt(s.noise[v, 0] / n.share)
     for column in range(s.samples.shape[2]):
         s.samples[v, place, column] = s.samples[v, at, column]
-    east, north = s.samples[v, at, EAST], s.samples[v, at, NORTH]
+    east, north, instant_s = s.samples[v, at, EAST], s.samples[v, at, NORTH], t_s
     if c.frame.size > 0:
         east, north = stated(c.frame, east, north)
+        instant_s = instant_of(state_instant(t_s, c.minute_s), t_s, c.minute_s)
+    s.stated_s[v, place] = instant_s
     s.stated_m[v, place, 0], s.stated_m[v, place, 1] = east, north
     s.taken[v] = number + 1
 

@@ -49,6 +49,9 @@ class FleetFrame:
         Who is in the slot, `NOBODY` where nobody is, (V,).
     active
         Which slots hold a vehicle, (V,). Columns of other slots are zero.
+    begins
+        Whose measurement does not connect with the last, as after a jump of a receiver, (V,); None for
+        nobody's. Gaps in time are seen by themselves.
 
     Raises
     ------
@@ -66,6 +69,7 @@ class FleetFrame:
     length_m: FloatArray
     vehicle_id: IntArray
     active: BoolArray
+    begins: BoolArray | None = None
 
     def __post_init__(self) -> None:
         shape = self.active.shape

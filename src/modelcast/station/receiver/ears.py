@@ -1,0 +1,247 @@
+"""From octets to the local dynamic map: what a station makes of whatever arrives.
+
+Nothing in the octets is trusted. What is no message is counted as malformed; a model of a profile that is not
+held is left aside, and Part I alone is used.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.exceptions import CodecError
+from modelcast.core.geodesy import Origin, frame_constants
+from modelcast.core.geodesy_kernels import places_of
+from modelcast.messages.bsm_batch import values_of_codes
+from modelcast.messages.bsm_fields import CORE_INDEX
+from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identification
+from modelcast.messages.station_codec import Reading, StationCodec
+from modelcast.models.bank import Bank
+from modelcast.models.calibration import Calibration
+from modelcast.models.predicted_path import carried_form
+from modelcast.station.banks import BASELINE_BANK, profile_number_of
+from modelcast.station.policy.neighbours_kernels import NeighbourTables, hear_each
+from modelcast.station.receiver.heard import Heard, HeardKind
+from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap, MapState, Receipt
+from modelcast.station.receiver.plausibility import Plausibility
+
+__all__ = ["Ears"]
+
+_NOTHING = -1
+_SUB_INTERVAL_S = 1.0
+_SHORT_ID = 2**31 - 1
+_PLAIN = StationCodec.of(BASELINE_BANK, 0, "never")
+"""Of a host that holds no profile."""
+
+_MOTION = ("speed_mps", "heading_rad", "acceleration_forward_mps2", "yaw_rate_radps", "length_m", "width_m")
+
+
+@dataclass(frozen=True)
+class Ears:
+    """How a station hears: the profiles it holds, and the map it keeps.
+
+    Parameters
+    ----------
+    profiles
+        Banks whose models it understands.
+    expiry_s, plausibility, capacity, dt_s
+        As in `LocalDynamicMap`.
+    calibrations
+        Of the banks' covariances, one mapping each; empty for none.
+    """
+
+    profiles: tuple[Bank, ...]
+    expiry_s: float = 5.0
+    plausibility: Plausibility | None = field(default_factory=Plausibility)
+    _: KW_ONLY
+    capacity: int = 2000
+    dt_s: float = 0.1
+    calibrations: tuple[Mapping[str, Calibration], ...] = ()
+
+    @cached_property
+    def map(self) -> LocalDynamicMap:
+        """The map, for banks in the forms that messages carry."""
+        carried = tuple(
+            Bank(tuple(map(carried_form, bank.members)), bank.name).complete() for bank in self.profiles
+        )
+        return LocalDynamicMap(
+            carried,
+            self.expiry_s,
+            self.plausibility,
+            capacity=self.capacity,
+            dt_s=self.dt_s,
+            calibrations=self.calibrations,
+        )
+
+    @cached_property
+    def _codecs(self) -> tuple[StationCodec, ...]:
+        return tuple(
+            StationCodec.of(carried, profile_number_of(bank), "never")
+            for carried, bank in zip(self.map.profiles, self.profiles, strict=True)
+        )
+
+    def init(self) -> MapState:
+        """A map that holds nothing."""
+        return self.map.init()
+
+    def hear(
+        self,
+        state: MapState,
+        octets: Sequence[bytes],
+        received_s: Sequence[float] | FloatArray,
+        *,
+        origin: Origin,
+        minute_s: float = 0.0,
+        tables: NeighbourTables | None = None,
+        host: int = 0,
+    ) -> tuple[IntArray, MapState]:
+        """Take messages in: the `Receipt` of each, (K,), and the new state. The given one is used up.
+
+        Parameters
+        ----------
+        state
+            What is held.
+        octets
+            Frames, in order of arrival.
+        received_s
+            When each arrived, not falling, (K,) [s].
+        origin
+            Of the host's plane.
+        minute_s
+            Time at which some minute of UTC began [s].
+        tables, host
+            Neighbours that J2945/1 counts, and whose row is the host's; None for none.
+
+        Raises
+        ------
+        ValueError
+            Where times fall, or there is not one a frame.
+        """
+        arrived_s = np.asarray(received_s, dtype=np.float64)
+        if arrived_s.shape != (len(octets),):
+            raise ValueError(f"received_s must be ({len(octets)},), one a frame, got {arrived_s.shape}")
+        receipts = np.full(len(octets), Receipt.MALFORMED, dtype=np.int64)
+        named = np.array([_message_id(one) == IDENTIFICATION_MESSAGE for one in octets], dtype=np.bool_)
+        # An identification counts its age from the update before it, so what came before is taken in first.
+        bounds = [0, *(np.flatnonzero(named[1:] != named[:-1]) + 1).tolist(), len(octets)]
+        for first, end in zip(bounds[:-1], bounds[1:], strict=True):
+            rows: IntArray = np.arange(first, end)
+            if not rows.size:
+                continue
+            if named[first]:
+                rows, heard = self._identifications(state, octets, arrived_s, rows)
+            else:
+                rows, heard = self._updates(octets, arrived_s, rows, origin, minute_s)
+            state.receipts[Receipt.MALFORMED] += end - first - rows.size
+            receipts[rows], state = self.map.hear(state, heard)
+            if tables is not None:
+                _count(tables, host, heard, receipts[rows])
+        return receipts, state
+
+    def _updates(
+        self, octets: Sequence[bytes], arrived_s: FloatArray, rows: IntArray, origin: Origin, minute_s: float
+    ) -> tuple[IntArray, Heard]:
+        """Read basic safety messages with the first profile that knows each."""
+        lengths = np.array([len(octets[row]) for row in rows], dtype=np.int64)
+        frames = np.zeros((rows.size, max(int(lengths.max()), 1)), dtype=np.uint8)
+        for at, row in enumerate(rows.tolist()):
+            frames[at, : lengths[at]] = np.frombuffer(octets[row], dtype=np.uint8)
+        profile = np.full(rows.size, _NOTHING)
+        read = _PLAIN.decode(frames, lengths, received_s=arrived_s[rows], minute_s=minute_s)
+        parameters = np.full((rows.size, self._widest), np.nan)
+        in_use = np.zeros(rows.size, dtype=np.int64)
+        for place, codec in enumerate(self._codecs):
+            read = codec.decode(frames, lengths, received_s=arrived_s[rows], minute_s=minute_s)
+            known = (read.reading == Reading.MODEL) & (profile == _NOTHING)
+            profile[known] = place
+            parameters[known, : read.rows.parameters.shape[1]] = read.rows.parameters[known]
+            in_use[known] = read.rows.in_use[known]
+        fine = ~np.isin(read.reading, (Reading.FAULTY, Reading.INCOMPLETE))
+        position_m = np.empty((rows.size, 2))
+        places_of(frame_constants(origin), np.ascontiguousarray(read.rows.place), position_m)
+        values = values_of_codes(read.core)
+        motion = {name: values[fine, CORE_INDEX[name]] for name in _MOTION}
+        kind = np.where(profile == _NOTHING, HeardKind.PLAIN, HeardKind.UPDATE)
+        count = int(fine.sum())
+        return rows[fine], Heard(
+            kind[fine].astype(np.int64),
+            read.rows.vehicle[fine],
+            read.rows.message_count[fine],
+            t_s=read.rows.t_s[fine],
+            received_s=arrived_s[rows][fine],
+            position_m=position_m[fine],
+            speed_mps=motion["speed_mps"],
+            heading_rad=motion["heading_rad"],
+            acceleration_mps2=motion["acceleration_forward_mps2"],
+            yaw_rate_radps=motion["yaw_rate_radps"],
+            profile=profile[fine],
+            in_use=in_use[fine],
+            parameters=parameters[fine],
+            length_m=motion["length_m"],
+            width_m=motion["width_m"],
+            user=np.full(count, _NOTHING),
+        )
+
+    def _identifications(
+        self, state: MapState, octets: Sequence[bytes], arrived_s: FloatArray, rows: IntArray
+    ) -> tuple[IntArray, Heard]:
+        """Read identifications; the age that each states counts from the update that is held of its sender."""
+        fine: list[int] = []
+        codes: list[tuple[int, int, int, float]] = []
+        for row in rows.tolist():
+            try:
+                one = decode_identification(octets[row])
+            except CodecError:
+                continue
+            fine.append(row)
+            codes.append((one.temporary_id, one.sequence, one.sub_model, one.age_s))
+        table = np.array(codes, dtype=np.float64).reshape(-1, 4)
+        taken = np.array(fine, dtype=np.int64)
+        fit_s = self.map.fit_s(state, table[:, 0].astype(np.int64))
+        unknown, nothing = np.full(taken.size, np.nan), np.full(taken.size, _NOTHING)
+        return taken, Heard(
+            np.full(taken.size, int(HeardKind.IDENTIFICATION)),
+            table[:, 0].astype(np.int64),
+            table[:, 1].astype(np.int64),
+            t_s=np.where(np.isnan(fit_s), arrived_s[taken], fit_s + table[:, 3]),
+            received_s=arrived_s[taken],
+            position_m=np.full((taken.size, 2), np.nan),
+            speed_mps=unknown,
+            heading_rad=unknown,
+            acceleration_mps2=unknown,
+            yaw_rate_radps=unknown,
+            profile=nothing,
+            in_use=table[:, 2].astype(np.int64),
+            parameters=np.full((taken.size, self._widest), np.nan),
+            length_m=unknown,
+            width_m=unknown,
+            user=nothing,
+        )
+
+    @cached_property
+    def _widest(self) -> int:
+        """Most parameters of a bank."""
+        return max((int(bank.offsets[-1]) for bank in self.map.profiles), default=0)
+
+
+def _message_id(octets: bytes) -> int:
+    """Number of a frame's kind, -1 where there is none."""
+    return int.from_bytes(octets[:2], "big") if len(octets) >= 2 else _NOTHING
+
+
+def _count(tables: NeighbourTables, host: int, heard: Heard, receipts: IntArray) -> None:
+    """Enter the remotes whose messages were believed into the tables that vehicle density is counted from."""
+    believed = np.isin(receipts, (Receipt.ACCEPTED, Receipt.REPEATED))
+    told = np.flatnonzero(believed & (heard.kind != HeardKind.IDENTIFICATION))
+    hear_each(
+        *tables,
+        np.full(told.size, host),
+        heard.temporary_id[told] & _SHORT_ID,
+        heard.message_count[told],
+        heard.received_s[told],
+        np.ascontiguousarray(heard.position_m[told]),
+        _SUB_INTERVAL_S,
+        np.empty(told.size, dtype=np.int64),
+    )
