@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo test verify check bench bench-paired mutate fuzz validate setup setup-dev lock clean
+.PHONY: demo test verify check bench bench-paired mutate fuzz validate setup setup-dev lock clean same
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -49,6 +49,12 @@ validate: setup-dev
 	$(if $(MODELCAST_REFERENCE),$(BIN)/python validation/wilab.py)
 	$(BIN)/python validation/mode4_published.py
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3.py)
+
+# What is evaluated, simulated and driven is the same: every trip of the data folder, byte for byte; hours on two cores.
+# SAME_ARGUMENTS="--most 3" takes three trips of each source.
+SAME_ARGUMENTS ?=
+same: setup-dev
+	$(BIN)/python validation/same.py $(SAME_ARGUMENTS)
 
 setup: $(VENV)/.runtime
 setup-dev: $(VENV)/.dev

@@ -1,0 +1,226 @@
+"""Whether what is evaluated, simulated and driven is the same: three runtimes, one trip, byte for byte.
+
+The trip runtime, the fleet runtime on an ideal channel, and a lone `Station` fed sample by sample get the same
+samples, origin, time base and step. They must send the same octets at the same samples; and a host that hears them
+over a lossy channel must believe what the replay of the evaluation says, to the last bit.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modelcast.channel.tabulated import ReceptionTable, TabulatedRadio
+from modelcast.core.arrays import FloatArray
+from modelcast.core.chance import child_generator
+from modelcast.models.bank import Bank
+from modelcast.runtime.fleet.loop import FleetLoop
+from modelcast.runtime.fleet.settings import NetworkSettings
+from modelcast.runtime.trip import replay_kernels
+from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.banks import profile_number_of
+from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.receiver.ears import Ears
+from modelcast.station.sender.octets import SentMessages, StationOctets
+from modelcast.station.sender.sender import Sender
+from modelcast.station.sensing.sensing import NOWHERE, Sensing, measurements, part_begins
+from modelcast.station.station import Station
+from modelcast.study.case import TripCase
+from modelcast.trips.trajectory import Trajectory
+from modelcast.world.scenario.base import FleetFrame
+
+__all__ = ["Agreement", "agreement"]
+
+_ID = 1
+_LOSS_RATIO = 0.4
+_EVERYTHING = TabulatedRadio(ReceptionTable(np.array([0.0, 1e6]), np.ones((2, 20)), bin_m=500.0))
+
+Events = list[tuple[int, bytes]]
+"""Sample and octets of each message."""
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """What three runtimes made of one trip.
+
+    Parameters
+    ----------
+    messages
+        How many the trip runtime sent.
+    fleet, station
+        First difference of the fleet runtime and of the lone station from the trip runtime; empty for none.
+    host
+        First difference between the host's beliefs and the replay; empty for none.
+    """
+
+    messages: int
+    fleet: str
+    station: str
+    host: str
+
+    @property
+    def agrees(self) -> bool:
+        """Whether there is no difference."""
+        return not (self.fleet or self.station or self.host)
+
+
+def agreement(case: TripCase, bank: Bank, policy: ErrorDriven, *, seed: int = 0) -> Agreement:
+    """Drive one trip three times and compare.
+
+    Parameters
+    ----------
+    case
+        The trip, made ready.
+    bank
+        The sender's sub-models.
+    policy
+        Its rules.
+    seed
+        Of the losses that the host meets.
+
+    Raises
+    ------
+    ValueError
+        Where the rules do not go with the bank.
+    """
+    trip = case.seen
+    runtime = TripRuntime(trip, bank, case.estimator, quantised=True)
+    walked = runtime.run(policy)
+    writer = _writer(runtime.bank, bank, policy, trip)
+    octets = writer.encode(runtime.sent(walked))
+    expected = list(zip(np.flatnonzero(walked.transmits).tolist(), octets, strict=True))
+    sender = Sender("agreement", policy, bank)
+    return Agreement(
+        len(expected),
+        _difference(expected, _fleet_events(case, sender, writer)),
+        _difference(expected, _station_events(case, sender)),
+        _host_difference(case, bank, runtime, walked, expected, seed),
+    )
+
+
+def _writer(whole: Bank, bank: Bank, policy: ErrorDriven, trip: Trajectory) -> StationOctets:
+    identify = policy.identify if len(whole.members) > 1 else "never"
+    return StationOctets.of(whole, profile_number_of(bank), identify, trip.origin or NOWHERE, _ID)
+
+
+def _fleet_events(case: TripCase, sender: Sender, writer: StationOctets) -> Events:
+    """Messages of a fleet of one on an ideal channel."""
+    trip = case.seen
+    sensing = Sensing.of(trip, case.estimator, quantised=True)
+    settings = NetworkSettings(warm_up_s=0.0, dt_s=trip.dt_s, start_spread_s=0.0, step_slack_s=np.inf)
+    frames = _frames(trip)
+    loop = FleetLoop(frames[0], sender, _EVERYTHING, settings, seed=0, sensing=sensing)
+    events: Events = []
+    for number, frame in enumerate(frames):
+        loop.step(frame)
+        for one in loop.posted():
+            events += [(number, octets) for octets in writer.encode(one)]
+    return events
+
+
+def _frames(trip: Trajectory) -> list[FleetFrame]:
+    table, begins = measurements(trip), part_begins(trip)
+    one = np.ones(1)
+    return [
+        FleetFrame(
+            float(trip.t_s[i]),
+            table[i : i + 1, :2].copy(),
+            speed_mps=table[i, 2] * one,
+            heading_rad=table[i, 3] * one,
+            acceleration_mps2=table[i, 4] * one,
+            yaw_rate_radps=table[i, 5] * one,
+            length_m=4.0 * one,
+            vehicle_id=np.array([_ID]),
+            active=np.ones(1, dtype=np.bool_),
+            begins=begins[i : i + 1],
+        )
+        for i in range(len(trip))
+    ]
+
+
+def _station_events(case: TripCase, sender: Sender) -> Events:
+    """Messages of a lone station."""
+    trip = case.seen
+    station = Station(sender, temporary_id=_ID, dt_s=trip.dt_s, origin=trip.origin or NOWHERE)
+    table, begins = measurements(trip), part_begins(trip)
+    reported = case.estimator.window == 0
+
+    def given(i: int, column: int) -> float | None:
+        known = not np.isnan(table[i, column]) and (reported or column > 3)
+        return float(table[i, column]) if known else None
+
+    events: Events = []
+    for i in range(len(trip)):
+        sent = station.sense(
+            float(trip.t_s[i]),
+            (float(table[i, 0]), float(table[i, 1])),
+            speed_mps=given(i, 2),
+            heading_rad=given(i, 3),
+            acceleration_mps2=given(i, 4),
+            yaw_rate_radps=given(i, 5),
+            begins=bool(begins[i]),
+        )
+        events += [(i, one.octets) for one in sent]
+    return events
+
+
+def _difference(expected: Events, found: Events) -> str:
+    """The first message that differs, and the first byte in it."""
+    for number, (one, other) in enumerate(zip(expected, found, strict=False)):
+        if one[0] != other[0]:
+            return f"message {number}: sample {other[0]}, not {one[0]}"
+        if one[1] != other[1]:
+            pairs = zip(one[1], other[1], strict=False)
+            at = next((k for k, (a, b) in enumerate(pairs) if a != b), min(len(one[1]), len(other[1])))
+            return f"message {number}: byte {at} of {len(one[1])} (sample {one[0]})"
+    if len(expected) != len(found):
+        return f"{len(found)} messages, not {len(expected)}"
+    return ""
+
+
+def _host_difference(
+    case: TripCase, bank: Bank, runtime: TripRuntime, walked: TripMessages, expected: Events, seed: int
+) -> str:
+    """The first sample at which a host that hears the octets believes something else than the replay."""
+    trip, count = case.seen, len(case.seen)
+    lost = child_generator(seed, trip.trip_id, "agreement").random((1, count)) < _LOSS_RATIO
+    replayed = _replayed(trip, runtime, walked, lost)
+    ears = Ears((bank,), np.inf, None, dt_s=trip.dt_s, capacity=4)
+    state, frames = ears.init(), dict(expected)
+    for i in range(count):
+        t_s = float(trip.t_s[i])
+        if i in frames and not lost[0, i]:
+            _, state = ears.hear(state, [frames[i]], [t_s], origin=trip.origin or NOWHERE)
+        _, believed = ears.map.positions(state, t_s)
+        wanted = replayed[:, i]
+        if believed.size == 0 and np.isnan(wanted).all():
+            continue
+        if believed.shape != (1, 2) or not np.array_equal(believed[0], wanted):
+            return f"sample {i}: {believed.tolist()}, not {wanted.tolist()}"
+    return ""
+
+
+def _replayed(
+    trip: Trajectory, runtime: TripRuntime, walked: TripMessages, lost: np.ndarray[tuple[int, int], np.dtype[np.bool_]]
+) -> FloatArray:
+    """Where the replay puts the sender at each sample, (2, T) [m]."""
+    count = len(trip)
+    errors = np.empty((5, 1, count))
+    replay_kernels.replay(
+        runtime.own.ready.members,
+        replay_kernels.SentTrip(
+            trip.t_s,
+            runtime.stated_s,
+            runtime.stated_m,
+            runtime.parameters,
+            np.zeros((count, 2)),
+            np.tile([1.0, 0.0], (count, 1)),
+        ),
+        replay_kernels.Schedules(walked.kind[None], walked.in_use[None], walked.update_index[None]),
+        lost,
+        0.0,
+        np.inf,
+        errors,
+        np.empty((1, count)),
+        np.empty(1, dtype=np.int64),
+    )
+    return errors[2:4, 0]
