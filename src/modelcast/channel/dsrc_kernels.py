@@ -7,6 +7,7 @@ Times are absolute seconds. There is no propagation delay (1 us is 300 m; a slot
 
 import numpy as np
 
+from modelcast.channel.cells_kernels import build_cells
 from modelcast.channel.dsrc_link_kernels import (
     ACCESS_EVENT,
     END_EVENT,
@@ -44,7 +45,6 @@ from modelcast.channel.dsrc_station_kernels import (
     sense_medium,
 )
 from modelcast.channel.event_heap_kernels import heap_room, pop_event, push_event
-from modelcast.channel.grid_kernels import build_grid
 from modelcast.channel.pair_kernels import find_pairs, grow_pairs
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.random_kernels import next_word
@@ -102,8 +102,8 @@ def advance(
     and flags of the frames still on the air, and the store of pairs.
     """
     vehicles = station.shape[0]
-    grid = build_grid(position_m, constants.range_m)
-    present = grid.order.size
+    cells = build_cells(position_m, constants.range_m)
+    present = cells.order.size
     gain_ln = constants.gain_db * np.log(10.0) / 10.0
 
     near, work = np.empty((present, 2), dtype=np.int64), np.empty((WORK, present))
@@ -268,13 +268,13 @@ def advance(
         station[v, FIRST] = used
         sent_ln = gain_ln + station[v, DBM] * np.log(10.0) / 10.0
         reached = find_near(
-            v, t_s, sent_ln, station, position_m, grid, tables, constants, outcomes, near, work
+            v, t_s, sent_ln, station, position_m, cells, tables, constants, outcomes, near, work
         )
         if constants.shadowed:
-            while not find_pairs(v, grid.order, near, reached, pairs, pair_count):
+            while not find_pairs(v, cells.order, near, reached, pairs, pair_count):
                 pairs, pair_count = grow_pairs(pairs, position_m, constants.range_m)
         seed = message[v, SEED]
-        find_powers(v, sent_ln, seed, pairs, position_m, grid, tables, constants, near, work, reached)
+        find_powers(v, sent_ln, seed, pairs, position_m, cells, tables, constants, near, work, reached)
         used = open_links(
             v,
             t_s,
@@ -284,7 +284,7 @@ def advance(
             link_mw,
             link_flag,
             used,
-            grid,
+            cells,
             hazard,
             constants,
             outcomes,

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from modelcast.channel.cells_kernels import Cells, cell_span, row_span
 from modelcast.channel.dsrc_station_kernels import (
     ACCESS_S,
     AIR,
@@ -22,7 +23,6 @@ from modelcast.channel.dsrc_station_kernels import (
     sense_medium,
 )
 from modelcast.channel.event_heap_kernels import push_event
-from modelcast.channel.grid_kernels import Grid, cell_span
 from modelcast.channel.pair_kernels import pair_shadowing
 from modelcast.channel.propagation_kernels import (
     PropagationTables,
@@ -84,31 +84,29 @@ def find_near(
     sent_ln: float,
     station: FloatMatrix,
     position_m: FloatMatrix,
-    grid: Grid,
+    cells: Cells,
     tables: PropagationTables,
     constants: DsrcConstants,
     outcomes: IntMatrix,
     near: IntMatrix,
     work: FloatMatrix,
 ) -> int:
-    """Write who a frame of ``v`` can reach, as places in the grid's order, into ``near``; return how many.
+    """Write who a frame of ``v`` can reach, as places in the cells' order, into ``near``; return how many.
 
     Squares of their distances go into ``work``. Vehicles in range whose median power is below ``quiet_mw``
     are counted right away.
     """
     range_m = constants.range_m
     east, north = position_m[v, 0], position_m[v, 1]
-    column_from, column_to = cell_span(east, grid.corner_east_m, grid.cell_m, grid.columns, range_m)
-    row_from, row_to = cell_span(north, grid.corner_north_m, grid.cell_m, grid.rows, range_m)
+    left, right, row_from, row_to = cell_span(cells, east, north, range_m)
     reach_m = heard_within_m(sent_ln, tables, constants.quiet_mw, range_m)
     count = 0
     for row in range(row_from, row_to + 1):
-        low = grid.start[row * grid.columns + column_from]
-        high = grid.start[row * grid.columns + column_to + 1]
+        low, high = row_span(cells, row, left, right)
         for k in range(low, high):
-            away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
+            away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
             square = away_east * away_east + away_north * away_north
-            j = int(grid.order[k])
+            j = int(cells.order[k])
             if square > reach_m * reach_m:
                 group = int(np.sqrt(square) / constants.bin_m)
                 if square <= range_m * range_m and group < constants.bins:
@@ -127,7 +125,7 @@ def find_powers(
     seed: int,
     pairs: Float32Cube,
     position_m: FloatMatrix,
-    grid: Grid,
+    cells: Cells,
     tables: PropagationTables,
     constants: DsrcConstants,
     near: IntMatrix,
@@ -144,11 +142,11 @@ def find_powers(
         work[DISTANCE_M, n] = np.sqrt(work[DISTANCE_M, n])
     for n in range(count):
         k, distance_m = near[n, 0], work[DISTANCE_M, n]
-        j = int(grid.order[k])
+        j = int(cells.order[k])
         if open_ground:
             ln, los = looked_up(tables.los_ln, distance_m * tables.per_m), True
         else:
-            ln, los = median_ln(east, north, grid.place[k, 0], grid.place[k, 1], distance_m, tables)
+            ln, los = median_ln(east, north, cells.place[k, 0], cells.place[k, 1], distance_m, tables)
         word = word_of(seed, j)
         if constants.shadowed:
             sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
@@ -156,8 +154,8 @@ def find_powers(
                 v,
                 j,
                 near[n, 1],
-                grid.place[k, 0] - east,
-                grid.place[k, 1] - north,
+                cells.place[k, 0] - east,
+                cells.place[k, 1] - north,
                 word,
                 tables.normal,
                 tables.decorrelation_m,
@@ -181,7 +179,7 @@ def open_links(
     link_mw: FloatVector,
     link_flag: Int16Matrix,
     used: int,
-    grid: Grid,
+    cells: Cells,
     hazard: FloatVector,
     constants: DsrcConstants,
     outcomes: IntMatrix,
@@ -191,7 +189,7 @@ def open_links(
 ) -> int:
     """A frame of ``v`` begins at the ``count`` vehicles in ``near``; return how much of the pool is used."""
     for n in range(count):
-        j = int(grid.order[near[n, 0]])
+        j = int(cells.order[near[n, 0]])
         distance_m, power_mw = work[DISTANCE_M, n], work[POWER_MW, n]
         group = int(distance_m / constants.bin_m)
         if power_mw < constants.quiet_mw:

@@ -6,8 +6,8 @@ it is send; everybody else adds up the power in each sub-channel, decodes what i
 
 import numpy as np
 
+from modelcast.channel.cells_kernels import Cells, build_cells, find_in_range
 from modelcast.channel.error_kernels import hazard_at
-from modelcast.channel.grid_kernels import Grid, build_grid, find_in_range
 from modelcast.channel.pair_kernels import find_pairs, grow_pairs, pair_shadowing
 from modelcast.channel.propagation_kernels import PropagationTables, fading_factor, median_ln
 from modelcast.channel.random_kernels import LUCK, next_word, uniform, uniform_of, word_of
@@ -60,7 +60,7 @@ def _receive_powers(
     used_blocks: int,
     turn: int,
     position_m: FloatMatrix,
-    grid: Grid,
+    cells: Cells,
     tables: PropagationTables,
     pairs: Float32Cube,
     seed: int,
@@ -83,10 +83,10 @@ def _receive_powers(
     east, north = position_m[v, 0], position_m[v, 1]
     for n in range(count):
         k = near[n, 0]
-        away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
-        j = int(grid.order[k])
+        away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
+        j = int(cells.order[k])
         distance_m = np.sqrt(away_east * away_east + away_north * away_north)
-        ln, los = median_ln(east, north, grid.place[k, 0], grid.place[k, 1], distance_m, tables)
+        ln, los = median_ln(east, north, cells.place[k, 0], cells.place[k, 1], distance_m, tables)
         word = word_of(seed, j)
         if constants.shadowed:
             sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
@@ -194,8 +194,8 @@ def advance(
     """
     vehicles = grant.shape[0]
     channels = constants.sub_channels
-    grid = build_grid(position_m, constants.range_m)
-    present = grid.order.size
+    cells = build_cells(position_m, constants.range_m)
+    present = cells.order.size
     gain_ln = constants.gain_db * np.log(10.0) / 10.0
     who, when, received = np.empty((1024, 3), dtype=np.int64), np.empty((1024, 2)), 0
     outcomes = np.zeros((constants.bins, 5), dtype=np.int64)
@@ -281,9 +281,9 @@ def advance(
                 more_receiver[:used], more_mw[:used] = link_receiver[:used], link_mw[:used]
                 more_bin[:used] = link_bin[:used]
                 link_receiver, link_mw, link_bin = more_receiver, more_mw, more_bin
-            in_range = find_in_range(v, position_m, grid, constants.range_m, near)
+            in_range = find_in_range(v, position_m, cells, constants.range_m, near)
             if constants.shadowed:
-                while not find_pairs(v, grid.order, near, in_range, pairs, pair_count):
+                while not find_pairs(v, cells.order, near, in_range, pairs, pair_count):
                     pairs, pair_count = grow_pairs(pairs, position_m, constants.range_m)
             first_link[turn] = used
             used = _receive_powers(
@@ -293,7 +293,7 @@ def advance(
                 _used(grant[v, _BYTES], constants),
                 turn,
                 position_m,
-                grid,
+                cells,
                 tables,
                 pairs,
                 seeds[turn],
