@@ -7,7 +7,7 @@ import numpy as np
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, IntMatrix, IntVector
 
-__all__ = ["CELLS_A_RANGE", "Cells", "build_cells", "cell_span", "find_in_range", "row_span"]
+__all__ = ["CELLS_A_RANGE", "Cells", "build_cells", "cell_row", "cell_span", "find_in_range", "row_span"]
 
 CELLS_A_RANGE = 4
 """Cells a range: small cells waste less of what is looked at."""
@@ -72,9 +72,9 @@ def build_cells(position_m: FloatMatrix, range_m: float) -> Cells:
 
 @kernel(inlined=True)
 def _axis_span(at_m: float, corner_m: float, cell_m: float, cells: int, range_m: float) -> tuple[int, int]:
-    """Return the first and last cell of one axis that a circle of that radius touches."""
-    first = max(int((at_m - range_m - corner_m) / cell_m), 0)
-    last = min(int((at_m + range_m - corner_m) / cell_m), cells - 1)
+    """Return the first and last cell of one axis that a circle touches; one after the other for none."""
+    first = min(max(int((at_m - range_m - corner_m) / cell_m), 0), cells)
+    last = max(min(int((at_m + range_m - corner_m) / cell_m), cells - 1), -1)
     return first, last
 
 
@@ -93,8 +93,17 @@ def row_span(cells: Cells, row: int, left: int, right: int) -> tuple[int, int]:
 
 
 @kernel(inlined=True)
+def cell_row(cells: Cells, north_m: float) -> int:
+    """Return the row of cells that a place lies in."""
+    return int((north_m - cells.corner_north_m) / cells.cell_m)
+
+
+@kernel(inlined=True)
 def find_in_range(v: int, position_m: FloatMatrix, cells: Cells, range_m: float, near: IntMatrix) -> int:
-    """Write who is within range of ``v``, as places in the cells' order, into ``near``; return how many."""
+    """Write who is within range of ``v`` into ``near``; return how many.
+
+    That is their places in the cells' order, and the rows of cells that they are in.
+    """
     east, north = position_m[v, 0], position_m[v, 1]
     left, right, row_from, row_to = cell_span(cells, east, north, range_m)
     count = 0
@@ -104,6 +113,6 @@ def find_in_range(v: int, position_m: FloatMatrix, cells: Cells, range_m: float,
             away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
             square = away_east * away_east + away_north * away_north
             if square <= range_m * range_m and cells.order[k] != v:
-                near[count, 0] = k
+                near[count, 0], near[count, 1] = k, row
                 count += 1
     return count

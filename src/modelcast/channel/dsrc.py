@@ -14,7 +14,7 @@ from modelcast.channel.dsrc_parameters import DsrcParameters, power_ratio
 from modelcast.channel.dsrc_station_kernels import BUSY_RATIO, DsrcConstants, silent_station
 from modelcast.channel.error_models import AbstractErrorModel, NistErrorModel
 from modelcast.channel.frame_radio import AbstractFrameRadio, error_units, has_shadowing
-from modelcast.channel.pair_kernels import empty_pairs
+from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import Transmissions
@@ -32,7 +32,7 @@ class DsrcState:
     t_s
         Now [s].
     random
-        Word of the random generator, (1,).
+        Word of the random generator, and the seed of shadowing, (2,).
     station
         Receiver, medium access and frame of every vehicle, (V, COLUMNS).
     message
@@ -40,7 +40,7 @@ class DsrcState:
     air_receiver, air_mw, air_flag
         Links of the frames on the air, (L,), (L,), (L, 2).
     pairs, pair_count
-        Shadowing of pairs, as ``pair_kernels`` has it, (V, S, 4), (V,).
+        Shadowing of pairs, as `Pairs` has it, (V, S, 4), (V,).
     """
 
     t_s: float
@@ -156,7 +156,7 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
 
     def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> DsrcState:
         """State at time 0 of V vehicles."""
-        pairs, pair_count = empty_pairs(vehicles, 16)
+        pairs = empty_pairs(vehicles, 16)
         return DsrcState(
             0.0,
             random,
@@ -165,8 +165,8 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             air_receiver=np.empty(0, dtype=np.int32),
             air_mw=np.empty(0),
             air_flag=np.empty((0, 2), dtype=np.int16),
-            pairs=pairs,
-            pair_count=pair_count,
+            pairs=pairs.held,
+            pair_count=pairs.count,
         )
 
     def advance(
@@ -174,7 +174,7 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
     ) -> tuple[tuple[IntArray, FloatArray, IntArray, IntArray], DsrcState]:
         """Check what is asked for and carry one interval; the state is used up."""
         transmissions.check(state.t_s, until_t_s, position_m, state.vehicles, self.parameters.max_power_dbm)
-        who, when, outcomes, expired, receiver, mw, flag, pairs, count = advance(
+        who, when, outcomes, expired, receiver, mw, flag, pairs = advance(
             state.t_s,
             until_t_s,
             state.random,
@@ -183,8 +183,7 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             state.air_receiver,
             state.air_mw,
             state.air_flag,
-            state.pairs,
-            state.pair_count,
+            Pairs(state.pairs, state.pair_count),
             transmissions.sender,
             transmissions.ready_s,
             transmissions.size_bytes,
@@ -201,8 +200,8 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             air_receiver=receiver,
             air_mw=mw,
             air_flag=flag,
-            pairs=pairs,
-            pair_count=count,
+            pairs=pairs.held,
+            pair_count=pairs.count,
         )
         return (who, when, outcomes, expired), after
 

@@ -15,6 +15,7 @@ from modelcast.channel.dsrc_link_kernels import (
     close_links,
     find_near,
     find_powers,
+    heard_within_m,
     open_links,
 )
 from modelcast.channel.dsrc_station_kernels import (
@@ -45,12 +46,12 @@ from modelcast.channel.dsrc_station_kernels import (
     sense_medium,
 )
 from modelcast.channel.event_heap_kernels import heap_room, pop_event, push_event
-from modelcast.channel.pair_kernels import find_pairs, grow_pairs
+from modelcast.channel.pair_kernels import Pairs
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.random_kernels import next_word
+from modelcast.channel.shadowing_kernels import SILENT, shadow_rows
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
-    Float32Cube,
     FloatMatrix,
     FloatVector,
     Int16Matrix,
@@ -63,6 +64,37 @@ from modelcast.core.kernel_types import (
 __all__ = ["advance"]
 
 
+@kernel(inlined=True)
+def _sent_ln(power_dbm: float, constants: DsrcConstants) -> float:
+    """Return the logarithm of a transmit power [mW] and of the gains of both antennas."""
+    return (constants.gain_db + power_dbm) * np.log(10.0) / 10.0
+
+
+@kernel
+def _find_reach(
+    station: FloatMatrix,
+    message: IntMatrix,
+    sender: IntVector,
+    power_dbm: FloatVector,
+    position_m: FloatMatrix,
+    tables: PropagationTables,
+    constants: DsrcConstants,
+) -> FloatVector:
+    """Return the squared reach of what vehicles may send in this interval, as `shadow_rows` has it."""
+    reach_m2 = np.full(station.shape[0], SILENT)
+    if not constants.shadowed:
+        return reach_m2
+    for n in range(sender.size + station.shape[0]):
+        v = sender[n] if n < sender.size else n - sender.size
+        if n >= sender.size and message[v, MESSAGE] < 0:
+            continue
+        if np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]):
+            dbm = power_dbm[n] if n < sender.size else station[v, DBM]
+            reach_m = heard_within_m(_sent_ln(dbm, constants), tables, constants.quiet_mw, constants.range_m)
+            reach_m2[v] = max(reach_m2[v], reach_m * reach_m)
+    return reach_m2
+
+
 @kernel
 def advance(
     now_s: float,
@@ -73,8 +105,7 @@ def advance(
     air_receiver: Int32Vector,
     air_mw: FloatVector,
     air_flag: Int16Matrix,
-    pairs: Float32Cube,
-    pair_count: IntVector,
+    pairs: Pairs,
     sender: IntVector,
     ready_s: FloatVector,
     size_bytes: IntVector,
@@ -92,8 +123,7 @@ def advance(
     Int32Vector,
     FloatVector,
     Int16Matrix,
-    Float32Cube,
-    IntVector,
+    Pairs,
 ]:
     """Carry one interval; the arrays of the state are written into.
 
@@ -104,8 +134,9 @@ def advance(
     vehicles = station.shape[0]
     cells = build_cells(position_m, constants.range_m)
     present = cells.order.size
-    gain_ln = constants.gain_db * np.log(10.0) / 10.0
 
+    reach_m2 = _find_reach(station, message, sender, power_dbm, position_m, tables, constants)
+    rows, pairs = shadow_rows(reach_m2, position_m, cells, random[1], tables, constants.range_m, pairs)
     near, work = np.empty((present, 2), dtype=np.int64), np.empty((WORK, present))
     who = np.empty((1024, 3), dtype=np.int64)
     when = np.empty((1024, 2))
@@ -266,15 +297,12 @@ def advance(
             link_receiver, link_mw, link_flag = new_receiver, new_mw, new_flag
 
         station[v, FIRST] = used
-        sent_ln = gain_ln + station[v, DBM] * np.log(10.0) / 10.0
+        sent_ln = _sent_ln(station[v, DBM], constants)
         reached = find_near(
             v, t_s, sent_ln, station, position_m, cells, tables, constants, outcomes, near, work
         )
-        if constants.shadowed:
-            while not find_pairs(v, cells.order, near, reached, pairs, pair_count):
-                pairs, pair_count = grow_pairs(pairs, position_m, constants.range_m)
         seed = message[v, SEED]
-        find_powers(v, sent_ln, seed, pairs, position_m, cells, tables, constants, near, work, reached)
+        find_powers(v, sent_ln, seed, rows, position_m, cells, tables, constants, near, work, reached)
         used = open_links(
             v,
             t_s,
@@ -318,5 +346,4 @@ def advance(
         left_mw,
         left_flag,
         pairs,
-        pair_count,
     )

@@ -23,7 +23,6 @@ from modelcast.channel.dsrc_station_kernels import (
     sense_medium,
 )
 from modelcast.channel.event_heap_kernels import push_event
-from modelcast.channel.pair_kernels import pair_shadowing
 from modelcast.channel.propagation_kernels import (
     PropagationTables,
     fading_factor,
@@ -31,10 +30,10 @@ from modelcast.channel.propagation_kernels import (
     median_ln,
 )
 from modelcast.channel.random_kernels import word_of
+from modelcast.channel.shadowing_kernels import ShadowRows, shadow_of
 from modelcast.core.exponential_kernels import fast_exp
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
-    Float32Cube,
     FloatMatrix,
     FloatVector,
     Int16Matrix,
@@ -93,8 +92,8 @@ def find_near(
 ) -> int:
     """Write who a frame of ``v`` can reach, as places in the cells' order, into ``near``; return how many.
 
-    Squares of their distances go into ``work``. Vehicles in range whose median power is below ``quiet_mw``
-    are counted right away.
+    Beside goes the row of cells; squares of their distances go into ``work``. Vehicles in range whose median
+    power is below ``quiet_mw`` are counted right away.
     """
     range_m = constants.range_m
     east, north = position_m[v, 0], position_m[v, 1]
@@ -112,7 +111,7 @@ def find_near(
                 if square <= range_m * range_m and group < constants.bins:
                     outcomes[group, HALF_DUPLEX if station[j, SENDING_S] > t_s else WEAK] += 1
             elif j != v:
-                near[count, 0] = k
+                near[count, 0], near[count, 1] = k, row
                 work[DISTANCE_M, count] = square
                 count += 1
     return count
@@ -123,7 +122,7 @@ def find_powers(
     v: int,
     sent_ln: float,
     seed: int,
-    pairs: Float32Cube,
+    rows: ShadowRows,
     position_m: FloatMatrix,
     cells: Cells,
     tables: PropagationTables,
@@ -150,17 +149,7 @@ def find_powers(
         word = word_of(seed, j)
         if constants.shadowed:
             sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
-            ln += sigma * pair_shadowing(
-                v,
-                j,
-                near[n, 1],
-                cells.place[k, 0] - east,
-                cells.place[k, 1] - north,
-                word,
-                tables.normal,
-                tables.decorrelation_m,
-                pairs,
-            )
+            ln += sigma * shadow_of(v, near[n, 1], k, rows)
         work[POWER_MW, n] = sent_ln + min(ln, 0.0)
         work[FADING, n] = fading_factor(
             distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m

@@ -53,7 +53,7 @@ class AbstractFrameRadio(AbstractRadio[State]):
 
     @abc.abstractmethod
     def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> State:
-        """State at time 0 of V vehicles; ``random`` (1,) is the word of its generator."""
+        """State at time 0 of V vehicles; ``random`` (2,): word of its generator, seed of shadowing."""
 
     @abc.abstractmethod
     def advance(
@@ -69,7 +69,7 @@ class AbstractFrameRadio(AbstractRadio[State]):
         """State of a silent channel at time 0."""
         if vehicles < 1:
             raise ValueError(f"vehicles must be at least 1, got {vehicles}")
-        return self.silent(vehicles, rng.integers(0, 2**64, size=1, dtype=np.uint64))
+        return self.silent(vehicles, rng.integers(0, 2**64, size=2, dtype=np.uint64))
 
     def step(
         self, state: State, transmissions: Transmissions, position_m: FloatArray, until_t_s: float

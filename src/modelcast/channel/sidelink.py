@@ -12,7 +12,7 @@ import numpy as np
 from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
 from modelcast.channel.error_models import AbstractErrorModel, TabulatedErrorModel
 from modelcast.channel.frame_radio import AbstractFrameRadio, error_units, has_shadowing
-from modelcast.channel.pair_kernels import empty_pairs
+from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import Transmissions
@@ -40,7 +40,7 @@ class SidelinkState:
     t_s
         Now; a whole millisecond [s].
     random
-        Word of the random generator, (1,).
+        Word of the random generator, and the seed of shadowing, (2,).
     grant
         Resource and waiting message of every vehicle, (V, GRANT_COLUMNS).
     power_dbm
@@ -53,7 +53,7 @@ class SidelinkState:
     busy_ratio
         Of the last full window, (V,).
     pairs, pair_count
-        Shadowing of pairs, as ``pair_kernels`` has it, (V, S, 4), (V,).
+        Shadowing of pairs, as `Pairs` has it, (V, S, 4), (V,).
     """
 
     t_s: float
@@ -178,7 +178,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
         p = self.parameters
         grant = np.zeros((vehicles, GRANT_COLUMNS), dtype=np.int64)
         grant[:, BAND] = grant[:, MESSAGE] = -1
-        pairs, pair_count = empty_pairs(vehicles, 16)
+        pairs = empty_pairs(vehicles, 16)
         return SidelinkState(
             0.0,
             random,
@@ -187,8 +187,8 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             sensed=np.full((vehicles, MEMORY, p.sub_channels), self.constants.noise_mw, dtype=np.float32),
             reserved=np.zeros((vehicles, p.interval_ms, p.sub_channels), dtype=np.float32),
             busy_ratio=np.zeros(vehicles),
-            pairs=pairs,
-            pair_count=pair_count,
+            pairs=pairs.held,
+            pair_count=pairs.count,
         )
 
     def advance(
@@ -196,7 +196,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
     ) -> tuple[tuple[IntArray, FloatArray, IntArray, IntArray], SidelinkState]:
         """Check what is asked for and carry one interval; the state is used up."""
         self._check(state, transmissions, position_m, until_t_s)
-        who, when, outcomes, expired, pairs, pair_count = advance(
+        who, when, outcomes, expired, pairs = advance(
             round(state.t_s * 1e3),
             round(until_t_s * 1e3),
             state.random,
@@ -205,8 +205,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             state.sensed,
             state.reserved,
             state.busy_ratio,
-            state.pairs,
-            state.pair_count,
+            Pairs(state.pairs, state.pair_count),
             transmissions.sender,
             np.floor(transmissions.ready_s * 1e3 + 1e-6).astype(np.int64),
             transmissions.size_bytes,
@@ -218,7 +217,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             self.tables,
             self.constants,
         )
-        after = replace(state, t_s=until_t_s, pairs=pairs, pair_count=pair_count)
+        after = replace(state, t_s=until_t_s, pairs=pairs.held, pair_count=pairs.count)
         return (who, when, outcomes, expired), after
 
     def channel_busy_ratio(self, state: SidelinkState) -> FloatArray:

@@ -8,9 +8,10 @@ import numpy as np
 
 from modelcast.channel.cells_kernels import Cells, build_cells, find_in_range
 from modelcast.channel.error_kernels import hazard_at
-from modelcast.channel.pair_kernels import find_pairs, grow_pairs, pair_shadowing
+from modelcast.channel.pair_kernels import Pairs
 from modelcast.channel.propagation_kernels import PropagationTables, fading_factor, median_ln
 from modelcast.channel.random_kernels import LUCK, next_word, uniform, uniform_of, word_of
+from modelcast.channel.shadowing_kernels import SILENT, ShadowRows, shadow_of, shadow_rows
 from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants, select_resource
 from modelcast.core.exponential_kernels import fast_exp
 from modelcast.core.kernel import kernel
@@ -62,7 +63,7 @@ def _receive_powers(
     position_m: FloatMatrix,
     cells: Cells,
     tables: PropagationTables,
-    pairs: Float32Cube,
+    rows: ShadowRows,
     seed: int,
     leak: FloatCube,
     power: FloatMatrix,
@@ -90,9 +91,7 @@ def _receive_powers(
         word = word_of(seed, j)
         if constants.shadowed:
             sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
-            ln += sigma * pair_shadowing(
-                v, j, near[n, 1], away_east, away_north, word, tables.normal, tables.decorrelation_m, pairs
-            )
+            ln += sigma * shadow_of(v, near[n, 1], k, rows)
         power_mw = fast_exp(sent_ln + min(ln, 0.0)) * fading_factor(
             distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m
         )
@@ -174,8 +173,7 @@ def advance(
     sensed: Float32Cube,
     reserved: Float32Cube,
     busy_ratio: FloatVector,
-    pairs: Float32Cube,
-    pair_count: IntVector,
+    pairs: Pairs,
     sender: IntVector,
     ready_subframe: IntVector,
     size_bytes: IntVector,
@@ -186,7 +184,7 @@ def advance(
     leak: FloatCube,
     tables: PropagationTables,
     constants: SidelinkConstants,
-) -> tuple[IntMatrix, FloatMatrix, IntMatrix, IntVector, Float32Cube, IntVector]:
+) -> tuple[IntMatrix, FloatMatrix, IntMatrix, IntVector, Pairs]:
     """Carry the subframes ``now`` to ``until``, the end excluded; the arrays of the state are written into.
 
     Returns receptions (message, sender, receiver as (R, 3) integers; time, power as (R, 2)), outcomes (bins,
@@ -196,6 +194,13 @@ def advance(
     channels = constants.sub_channels
     cells = build_cells(position_m, constants.range_m)
     present = cells.order.size
+    reach_m2 = np.full(vehicles, SILENT)
+    if constants.shadowed:
+        for n in range(sender.size + vehicles):
+            v = sender[n] if n < sender.size else n - sender.size
+            if (n < sender.size or grant[v, MESSAGE] >= 0) and np.isfinite(position_m[v].sum()):
+                reach_m2[v] = constants.range_m * constants.range_m
+    rows, pairs = shadow_rows(reach_m2, position_m, cells, random[1], tables, constants.range_m, pairs)
     gain_ln = constants.gain_db * np.log(10.0) / 10.0
     who, when, received = np.empty((1024, 3), dtype=np.int64), np.empty((1024, 2)), 0
     outcomes = np.zeros((constants.bins, 5), dtype=np.int64)
@@ -282,9 +287,6 @@ def advance(
                 more_bin[:used] = link_bin[:used]
                 link_receiver, link_mw, link_bin = more_receiver, more_mw, more_bin
             in_range = find_in_range(v, position_m, cells, constants.range_m, near)
-            if constants.shadowed:
-                while not find_pairs(v, cells.order, near, in_range, pairs, pair_count):
-                    pairs, pair_count = grow_pairs(pairs, position_m, constants.range_m)
             first_link[turn] = used
             used = _receive_powers(
                 v,
@@ -295,7 +297,7 @@ def advance(
                 position_m,
                 cells,
                 tables,
-                pairs,
+                rows,
                 seeds[turn],
                 leak,
                 power,
@@ -386,4 +388,4 @@ def advance(
                             busy += sensed[v, at, s] > constants.load_mw
                 busy_ratio[v] = busy / max(heard, 1)
 
-    return who[:received].copy(), when[:received].copy(), outcomes, expired[:lapsed].copy(), pairs, pair_count
+    return who[:received].copy(), when[:received].copy(), outcomes, expired[:lapsed].copy(), pairs
