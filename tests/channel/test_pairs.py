@@ -110,7 +110,7 @@ def test_a_pair_that_is_as_before_draws_the_same_however_it_is_looked_up() -> No
     """After a move, in one sweep, and by one sender after the other."""
     place_m, moved_m = places(60), places(60) + np.linspace(-20.0, 20.0, 60)[:, None]
     _, pairs = swept(place_m, np.full(60, True), empty_pairs(60, 16))
-    copy = Pairs(pairs.held.copy(), pairs.count.copy())
+    copy = Pairs(pairs.held.copy(), pairs.owned.copy())
     whole, _ = swept(moved_m, np.full(60, True), pairs)
     for v in range(60):
         single, copy = swept(moved_m, np.arange(60) == v, copy)
@@ -136,12 +136,12 @@ def test_the_store_of_pairs_keeps_who_is_in_range_and_forgets_the_others() -> No
     vehicles = 100
     place_m = np.column_stack([2.0 * np.arange(vehicles), np.zeros(vehicles)])
     values, pairs = swept(place_m, np.full(vehicles, True), empty_pairs(vehicles, 16))
-    assert pairs.count.sum() == vehicles * (vehicles - 1) // 2
+    assert pairs.owned.sum() == vehicles * (vehicles - 1) // 2
     grown = grow_pairs(pairs, place_m, 60.0)
     in_range = [(one, other) for one in range(vehicles) for other in range(one + 1, min(one + 31, vehicles))]
-    assert grown.count.sum() == len(in_range)
+    assert grown.owned.sum() == len(in_range)
     assert (grown.held[:, :, OTHER] >= 0.0).sum() == len(in_range)
     for one, other in in_range:
         owner = pair_owner(one, other)
         assert grown.held[owner, pair_slot(owner, one + other - owner, grown), VALUE] == values[one, other]
-    assert grown.count.sum() == len(in_range)
+    assert grown.owned.sum() == len(in_range)

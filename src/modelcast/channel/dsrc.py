@@ -78,7 +78,9 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
     A receiver locks on to a frame that is strong enough and stands out of what is on the air at its
     beginning. It stays locked to the end, save for capture in the preamble, or its own countdown ending
     before it has sensed the frame. Interference is all other power in range, over the payload. Preamble and
-    SIGNAL fail only at their beginning. A vehicle's queue holds one message.
+    SIGNAL fail only at their beginning. A vehicle's queue holds one message. Of what a transmission may say,
+    ``priority``, ``next_s`` and ``grant`` are not heeded: all messages have the access category of the
+    parameters.
 
     Examples
     --------
@@ -166,7 +168,7 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             air_mw=np.empty(0),
             air_flag=np.empty((0, 2), dtype=np.int16),
             pairs=pairs.held,
-            pair_count=pairs.count,
+            pair_count=pairs.owned,
         )
 
     def advance(
@@ -201,7 +203,7 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             air_mw=mw,
             air_flag=flag,
             pairs=pairs.held,
-            pair_count=pairs.count,
+            pair_count=pairs.owned,
         )
         return (who, when, outcomes, expired), after
 

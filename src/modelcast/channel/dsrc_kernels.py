@@ -7,6 +7,7 @@ Times are absolute seconds. There is no propagation delay (1 us is 300 m; a slot
 
 import numpy as np
 
+from modelcast.channel.airtime_kernels import SERVICE_TAIL_BITS, frame_airtime
 from modelcast.channel.cells_kernels import build_cells
 from modelcast.channel.dsrc_link_kernels import (
     ACCESS_EVENT,
@@ -267,9 +268,13 @@ def advance(
         station[v, BACKOFF] = 0.0
         message[v, AIR], message[v, MESSAGE] = message[v, MESSAGE], -1
         message[v, SEED] = np.int64(next_word(random) >> np.uint64(1))
-        bits = 22 + 8 * int(station[v, BYTES])
-        symbols = (bits + constants.bits_per_symbol - 1) // constants.bits_per_symbol
-        end_s = t_s + constants.preamble_s + constants.symbol_s * symbols
+        end_s = t_s + frame_airtime(
+            int(station[v, BYTES]),
+            constants.preamble_s,
+            constants.symbol_s,
+            SERVICE_TAIL_BITS,
+            constants.bits_per_symbol,
+        )
         station[v, START_S], station[v, END_S], station[v, AIR_BYTES] = t_s, end_s, station[v, BYTES]
         station[v, SENDING_S] = end_s
         station[v, LOCK], station[v, LOCK_MW] = -1.0, 0.0

@@ -42,11 +42,11 @@ class Pairs(NamedTuple):
     """Pairs of V vehicles.
 
     ``held`` (V, S, 4) are single-precision numbers, S a power of two: a quarter of a cache line a pair;
-    ``count`` (V,) says how many pairs a vehicle owns.
+    ``owned`` (V,) says how many pairs a vehicle owns.
     """
 
     held: Float32Cube
-    count: IntVector
+    owned: IntVector
 
 
 @kernel
@@ -92,12 +92,12 @@ def pair_slot(owner: int, other: int, pairs: Pairs) -> int:
     held = pairs.held
     at = _seek(owner, other, held)
     if held[owner, at, OTHER] == _FREE:
-        if 4 * (pairs.count[owner] + 1) > _FULL_FOURTHS * held.shape[1]:
+        if 4 * (pairs.owned[owner] + 1) > _FULL_FOURTHS * held.shape[1]:
             return -1
         held[owner, at, OTHER] = np.float32(other)
         held[owner, at, VALUE] = np.float32(0.0)
         held[owner, at, EAST_M] = held[owner, at, NORTH_M] = _UNKNOWN_M
-        pairs.count[owner] += 1
+        pairs.owned[owner] += 1
     return at
 
 
@@ -151,5 +151,5 @@ def grow_pairs(pairs: Pairs, position_m: FloatMatrix, range_m: float) -> Pairs:
                 to = _seek(owner, int(held[owner, at, OTHER]), grown.held)
                 for column in range(4):
                     grown.held[owner, to, column] = held[owner, at, column]
-                grown.count[owner] += 1
+                grown.owned[owner] += 1
     return grown

@@ -92,7 +92,8 @@ def _lay_out(reach_m2: FloatVector, position_m: FloatMatrix, cells: Cells, range
 def _word(seed: np.uint64, owner: int, other: int, before: float, east_m: np.float32) -> np.uint64:
     """Return chance that depends on a pair, its last value and its new place alone."""
     value, place = np.float32(before).view(np.uint32), np.float32(east_m).view(np.uint32)
-    return word_of(seed ^ (np.uint64(value) << np.uint64(32)) ^ np.uint64(place), (owner << 32) + other)
+    key = seed ^ (np.uint64(value) << np.uint64(32)) ^ np.uint64(place)
+    return word_of(int(key), (owner << 32) + other)
 
 
 @kernel
@@ -108,7 +109,8 @@ def _look_up(
     pairs: Pairs,
 ) -> Pairs:
     """Renew the pairs of each sender one by one, wherever they are kept; return the store of pairs."""
-    for v in senders:
+    for n in range(senders.size):
+        v = int(senders[n])
         reach_m = np.sqrt(reach_m2[v])
         east, north = position_m[v, 0], position_m[v, 1]
         left, right, row_from, row_to = cell_span(cells, east, north, reach_m)
@@ -116,7 +118,7 @@ def _look_up(
             low, high = row_span(cells, row, left, right)
             start = rows.start[rows.first[v] + row]
             for k in range(low, high):
-                j = cells.order[k]
+                j = int(cells.order[k])
                 away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
                 if j == v or away_east * away_east + away_north * away_north > reach_m2[v]:
                     continue

@@ -89,9 +89,10 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
     Notes
     -----
     Time runs in subframes of 1 ms; steps must end on one. A message ready in subframe n is looked at in n
-    and sent in n + T1 to n + T2. All have one reservation interval. Of lost frames, ``concurrent`` means
-    that the strongest interferer was near enough to hear the sender's reservations (median power),
-    ``hidden`` that it was not.
+    and sent in n + T1 to n + T2. All have one reservation interval; ``priority``, ``next_s`` and ``grant`` of
+    a transmission are not heeded, `SidelinkParameters.one_shot` speaks for all messages. Of lost frames,
+    ``concurrent`` means that the strongest interferer was near enough to hear the sender's reservations
+    (median power), ``hidden`` that it was not.
 
     Examples
     --------
@@ -188,7 +189,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             reserved=np.zeros((vehicles, p.interval_ms, p.sub_channels), dtype=np.float32),
             busy_ratio=np.zeros(vehicles),
             pairs=pairs.held,
-            pair_count=pairs.count,
+            pair_count=pairs.owned,
         )
 
     def advance(
@@ -217,7 +218,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             self.tables,
             self.constants,
         )
-        after = replace(state, t_s=until_t_s, pairs=pairs.held, pair_count=pairs.count)
+        after = replace(state, t_s=until_t_s, pairs=pairs.held, pair_count=pairs.owned)
         return (who, when, outcomes, expired), after
 
     def channel_busy_ratio(self, state: SidelinkState) -> FloatArray:
