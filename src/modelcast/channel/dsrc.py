@@ -10,10 +10,12 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 import numpy as np
 
 from modelcast.channel.dsrc_kernels import advance
+from modelcast.channel.dsrc_link_kernels import Links
 from modelcast.channel.dsrc_parameters import DsrcParameters, power_ratio
 from modelcast.channel.dsrc_station_kernels import BUSY_RATIO, DsrcConstants, silent_station
 from modelcast.channel.error_models import AbstractErrorModel, NistErrorModel
-from modelcast.channel.frame_radio import AbstractFrameRadio, error_units, has_shadowing
+from modelcast.channel.frame_kernels import Heard
+from modelcast.channel.frame_radio import AbstractFrameRadio, asked, error_units, has_shadowing
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
@@ -173,24 +175,18 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
 
     def advance(
         self, state: DsrcState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
-    ) -> tuple[tuple[IntArray, FloatArray, IntArray, IntArray], DsrcState]:
+    ) -> tuple[Heard, DsrcState]:
         """Check what is asked for and carry one interval; the state is used up."""
         transmissions.check(state.t_s, until_t_s, position_m, state.vehicles, self.parameters.max_power_dbm)
-        who, when, outcomes, expired, receiver, mw, flag, pairs = advance(
+        heard, air, pairs = advance(
             state.t_s,
             until_t_s,
             state.random,
             state.station,
             state.message,
-            state.air_receiver,
-            state.air_mw,
-            state.air_flag,
+            Links(state.air_receiver, state.air_mw, state.air_flag),
             Pairs(state.pairs, state.pair_count),
-            transmissions.sender,
-            transmissions.ready_s,
-            transmissions.size_bytes,
-            transmissions.power_dbm,
-            transmissions.message_id,
+            asked(transmissions),
             position_m,
             self.hazard,
             self.tables,
@@ -199,13 +195,13 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
         after = replace(
             state,
             t_s=until_t_s,
-            air_receiver=receiver,
-            air_mw=mw,
-            air_flag=flag,
+            air_receiver=air.receiver,
+            air_mw=air.mw,
+            air_flag=air.flag,
             pairs=pairs.held,
             pair_count=pairs.owned,
         )
-        return (who, when, outcomes, expired), after
+        return heard, after
 
     def channel_busy_ratio(self, state: DsrcState) -> FloatArray:
         """Busy share of the last full 100 ms of every vehicle, 0..1, (V,)."""

@@ -11,13 +11,16 @@ from typing import Any, TypeVar
 import numpy as np
 
 from modelcast.channel.error_models import AbstractErrorModel
+from modelcast.channel.frame_kernels import Asked, Heard
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import FloatArray, owned
 
-__all__ = ["AbstractFrameRadio", "copied", "error_units", "has_shadowing"]
+__all__ = ["AbstractFrameRadio", "asked", "copied", "error_units", "has_shadowing"]
 
 State = TypeVar("State")
+
+_COLUMNS = {name: np.float64 if name.endswith(("_s", "_dbm")) else np.int64 for name in Asked._fields}
 
 
 def copied(state: Any) -> Any:
@@ -32,6 +35,11 @@ def copied(state: Any) -> Any:
     return replace(
         state, **{name: value.copy() for name, value in held.items() if isinstance(value, np.ndarray)}
     )
+
+
+def asked(transmissions: Transmissions) -> Asked:
+    """Columns of transmissions as compiled loops take them."""
+    return Asked(*(owned(getattr(transmissions, one), kind) for one, kind in _COLUMNS.items()))
 
 
 def error_units(error_model: AbstractErrorModel) -> tuple[float, float]:
@@ -58,12 +66,8 @@ class AbstractFrameRadio(AbstractRadio[State]):
     @abc.abstractmethod
     def advance(
         self, state: State, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
-    ) -> tuple[tuple[IntArray, FloatArray, IntArray, IntArray], State]:
-        """Check what is asked for and carry one interval; the state is used up.
-
-        Returns receptions (message, sender, receiver as (R, 3) integers; time [s] and power [mW] as (R, 2)),
-        outcomes and expired messages; and the state.
-        """
+    ) -> tuple[Heard, State]:
+        """Check what is asked for and carry one interval; the state is used up."""
 
     def init(self, vehicles: int, rng: np.random.Generator) -> State:
         """State of a silent channel at time 0."""
@@ -82,14 +86,14 @@ class AbstractFrameRadio(AbstractRadio[State]):
     ) -> tuple[Receptions, State]:
         """Carry one interval and use the given state up: faster than `step`."""
         place_m = np.ascontiguousarray(position_m, dtype=np.float64)
-        (who, when, outcomes, expired), after = self.advance(state, transmissions, place_m, until_t_s)
+        heard, after = self.advance(state, transmissions, place_m, until_t_s)
         receptions = Receptions(
-            who[:, 0],
-            who[:, 1],
-            receiver=who[:, 2],
-            t_s=when[:, 0],
-            rssi_dbm=10.0 * np.log10(when[:, 1]),
-            outcomes=outcomes,
-            expired=expired,
+            heard.who[:, 0],
+            heard.who[:, 1],
+            receiver=heard.who[:, 2],
+            t_s=heard.when[:, 0],
+            rssi_dbm=10.0 * np.log10(heard.when[:, 1]),
+            outcomes=heard.outcomes,
+            expired=heard.expired,
         )
         return receptions, after

@@ -11,7 +11,8 @@ import numpy as np
 
 from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
 from modelcast.channel.error_models import AbstractErrorModel, TabulatedErrorModel
-from modelcast.channel.frame_radio import AbstractFrameRadio, error_units, has_shadowing
+from modelcast.channel.frame_kernels import Heard
+from modelcast.channel.frame_radio import AbstractFrameRadio, asked, error_units, has_shadowing
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
@@ -194,10 +195,10 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
 
     def advance(
         self, state: SidelinkState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
-    ) -> tuple[tuple[IntArray, FloatArray, IntArray, IntArray], SidelinkState]:
+    ) -> tuple[Heard, SidelinkState]:
         """Check what is asked for and carry one interval; the state is used up."""
         self._check(state, transmissions, position_m, until_t_s)
-        who, when, outcomes, expired, pairs = advance(
+        heard, pairs = advance(
             round(state.t_s * 1e3),
             round(until_t_s * 1e3),
             state.random,
@@ -207,11 +208,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             state.reserved,
             state.busy_ratio,
             Pairs(state.pairs, state.pair_count),
-            transmissions.sender,
-            np.floor(transmissions.ready_s * 1e3 + 1e-6).astype(np.int64),
-            transmissions.size_bytes,
-            transmissions.power_dbm,
-            transmissions.message_id,
+            asked(transmissions),
             position_m,
             self.hazard,
             self.leak,
@@ -219,7 +216,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             self.constants,
         )
         after = replace(state, t_s=until_t_s, pairs=pairs.held, pair_count=pairs.owned)
-        return (who, when, outcomes, expired), after
+        return heard, after
 
     def channel_busy_ratio(self, state: SidelinkState) -> FloatArray:
         """Share of sub-channels above -94 dBm in the last full 100 subframes of every vehicle, 0..1, (V,)."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from modelcast.channel.cells_kernels import Cells, build_cells, find_in_range
 from modelcast.channel.error_kernels import hazard_at
+from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_heard
 from modelcast.channel.pair_kernels import Pairs
 from modelcast.channel.propagation_kernels import PropagationTables, fading_factor, median_ln
 from modelcast.channel.random_kernels import LUCK, next_word, uniform, uniform_of, word_of
@@ -174,23 +175,19 @@ def advance(
     reserved: Float32Cube,
     busy_ratio: FloatVector,
     pairs: Pairs,
-    sender: IntVector,
-    ready_subframe: IntVector,
-    size_bytes: IntVector,
-    message_dbm: FloatVector,
-    message_id: IntVector,
+    asked: Asked,
     position_m: FloatMatrix,
     hazard: FloatVector,
     leak: FloatCube,
     tables: PropagationTables,
     constants: SidelinkConstants,
-) -> tuple[IntMatrix, FloatMatrix, IntMatrix, IntVector, Pairs]:
+) -> tuple[Heard, Pairs]:
     """Carry the subframes ``now`` to ``until``, the end excluded; the arrays of the state are written into.
 
-    Returns receptions (message, sender, receiver as (R, 3) integers; time, power as (R, 2)), outcomes (bins,
-    5), expired messages, and the store of pairs.
+    Returns what was heard, and the store of pairs.
     """
-    vehicles = grant.shape[0]
+    vehicles, sender = grant.shape[0], asked.sender
+    ready_subframe = np.floor(asked.ready_s * 1e3 + 1e-6).astype(np.int64)
     channels = constants.sub_channels
     cells = build_cells(position_m, constants.range_m)
     present = cells.order.size
@@ -202,9 +199,8 @@ def advance(
                 reach_m2[v] = constants.range_m * constants.range_m
     rows, pairs = shadow_rows(reach_m2, position_m, cells, random[1], tables, constants.range_m, pairs)
     gain_ln = constants.gain_db * np.log(10.0) / 10.0
-    who, when, received = np.empty((1024, 3), dtype=np.int64), np.empty((1024, 2)), 0
-    outcomes = np.zeros((constants.bins, 5), dtype=np.int64)
-    expired, lapsed = np.empty(sender.size + vehicles, dtype=np.int64), 0
+    heard, received, lapsed = nothing_heard(constants.bins, sender.size + vehicles), 0, 0
+    outcomes, expired = heard.outcomes, heard.expired
     power = np.zeros((vehicles, channels))
     top_mw, top_turn = (
         np.zeros((vehicles, channels, 2)),
@@ -228,16 +224,20 @@ def advance(
             v, n = sender[arrival], arrival
             arrival += 1
             if not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1])):
-                expired[lapsed] = message_id[n]
+                expired[lapsed] = asked.message_id[n]
                 lapsed += 1
                 continue
             waited = grant[v, MESSAGE] >= 0
             if waited:
                 expired[lapsed] = grant[v, MESSAGE]
                 lapsed += 1
-            length = (_used(size_bytes[n], constants) + constants.blocks - 1) // constants.blocks
-            grant[v, MESSAGE], grant[v, _READY], grant[v, _BYTES] = message_id[n], subframe, size_bytes[n]
-            power_dbm[v] = message_dbm[n]
+            length = (_used(asked.size_bytes[n], constants) + constants.blocks - 1) // constants.blocks
+            grant[v, MESSAGE], grant[v, _READY], grant[v, _BYTES] = (
+                asked.message_id[n],
+                subframe,
+                asked.size_bytes[n],
+            )
+            power_dbm[v] = asked.power_dbm[n]
             ahead = grant[v, NEXT] - subframe
             if (
                 grant[v, BAND] < 0
@@ -323,13 +323,8 @@ def advance(
                 reserved[v, phase, s] = 0.0
 
         # What becomes of every frame at every receiver.
-        while received + used > who.shape[0]:
-            more_who, more_when = (
-                np.empty((2 * who.shape[0], 3), dtype=np.int64),
-                np.empty((2 * who.shape[0], 2)),
-            )
-            more_who[:received], more_when[:received] = who[:received], when[:received]
-            who, when = more_who, more_when
+        heard = heard_room(heard, received, used)
+        who, when = heard.who, heard.when
         for turn in range(count):
             v = turns[turn]
             band, size = grant[v, BAND], grant[v, _BYTES]
@@ -379,13 +374,14 @@ def advance(
 
         if (subframe + 1) % constants.window == 0:
             for v in range(vehicles):
-                heard, busy = 0, 0
+                listened, busy = 0, 0
                 for back in range(constants.window):
                     at = (subframe - back) % MEMORY
                     if np.isfinite(sensed[v, at, 0]):
                         for s in range(channels):
-                            heard += 1
+                            listened += 1
                             busy += sensed[v, at, s] > constants.load_mw
-                busy_ratio[v] = busy / max(heard, 1)
+                busy_ratio[v] = busy / max(listened, 1)
 
-    return who[:received].copy(), when[:received].copy(), outcomes, expired[:lapsed].copy(), pairs
+    who, when = heard.who[:received].copy(), heard.when[:received].copy()
+    return Heard(who, when, outcomes, expired[:lapsed].copy()), pairs
