@@ -17,7 +17,7 @@ from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import Transmissions
-from modelcast.channel.sidelink_kernels import BAND, GRANT_COLUMNS, MESSAGE, advance
+from modelcast.channel.sidelink_kernels import BAND, GRANT_COLUMNS, MESSAGE, Memory, advance
 from modelcast.channel.sidelink_parameters import (
     BITS_PER_BLOCK,
     BLOCK_ELEMENTS,
@@ -202,11 +202,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             round(state.t_s * 1e3),
             round(until_t_s * 1e3),
             state.random,
-            state.grant,
-            state.power_dbm,
-            state.sensed,
-            state.reserved,
-            state.busy_ratio,
+            Memory(state.grant, state.power_dbm, state.sensed, state.reserved, state.busy_ratio),
             Pairs(state.pairs, state.pair_count),
             asked(transmissions),
             position_m,
