@@ -14,13 +14,11 @@ from modelcast.channel.error_models import AbstractErrorModel
 from modelcast.channel.frame_kernels import Asked, Heard
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
-from modelcast.core.arrays import FloatArray, owned
+from modelcast.core.arrays import FloatArray
 
 __all__ = ["AbstractFrameRadio", "asked", "copied", "error_units", "has_shadowing"]
 
 State = TypeVar("State")
-
-_COLUMNS = {name: np.float64 if name.endswith(("_s", "_dbm")) else np.int64 for name in Asked._fields}
 
 
 def copied(state: Any) -> Any:
@@ -39,7 +37,7 @@ def copied(state: Any) -> Any:
 
 def asked(transmissions: Transmissions) -> Asked:
     """Columns of transmissions as compiled loops take them."""
-    return Asked(*(owned(getattr(transmissions, one), kind) for one, kind in _COLUMNS.items()))
+    return Asked(*(getattr(transmissions, one) for one in Asked._fields))
 
 
 def error_units(error_model: AbstractErrorModel) -> tuple[float, float]:

@@ -96,48 +96,46 @@ def _word(seed: np.uint64, owner: int, other: int, before: float, east_m: np.flo
     return word_of(int(key), (owner << 32) + other)
 
 
-@kernel
+@kernel(inlined=True)
 def _look_up(
-    senders: IntVector,
-    reach_m2: FloatVector,
+    v: int,
+    reach_m2: float,
     position_m: FloatMatrix,
     cells: Cells,
     seed: np.uint64,
     tables: PropagationTables,
-    range_m: float,
     rows: ShadowRows,
     pairs: Pairs,
-) -> Pairs:
-    """Renew the pairs of each sender one by one, wherever they are kept; return the store of pairs."""
-    for n in range(senders.size):
-        v = int(senders[n])
-        reach_m = np.sqrt(reach_m2[v])
-        east, north = position_m[v, 0], position_m[v, 1]
-        left, right, row_from, row_to = cell_span(cells, east, north, reach_m)
-        for row in range(row_from, row_to + 1):
-            low, high = row_span(cells, row, left, right)
-            start = rows.start[rows.first[v] + row]
-            for k in range(low, high):
-                j = int(cells.order[k])
-                away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
-                if j == v or away_east * away_east + away_north * away_north > reach_m2[v]:
-                    continue
-                owner = pair_owner(v, j)
-                other = v + j - owner
-                sign = 1.0 if owner == v else -1.0
-                slot = pair_slot(owner, other, pairs)
-                while slot < 0:
-                    pairs = grow_pairs(pairs, position_m, range_m)
-                    slot = pair_slot(owner, other, pairs)
-                held = pairs.held
-                before, to_east = held[owner, slot, VALUE], np.float32(sign * away_east)
-                moved_m = np.sqrt(move_pair(owner, slot, to_east, np.float32(sign * away_north), held))
-                kept = kept_share(moved_m, tables.decorrelation_m)
-                value = np.float32(
-                    mixed(before, kept, _word(seed, owner, other, before, to_east), tables.normal)
-                )
-                held[owner, slot, VALUE] = rows.value[start + k] = value
-    return pairs
+) -> bool:
+    """Renew the pairs of a sender one by one, wherever they are kept; return whether there was room."""
+    held = pairs.held
+    east, north = position_m[v, 0], position_m[v, 1]
+    left, right, row_from, row_to = cell_span(cells, east, north, np.sqrt(reach_m2))
+    for row in range(row_from, row_to + 1):
+        low, high = row_span(cells, row, left, right)
+        start = rows.start[rows.first[v] + row]
+        # First look at every pair once, without a branch: so all cache misses overlap.
+        for k in range(low, high):
+            owner = pair_owner(v, int(cells.order[k]))
+            home = home_slot(v + int(cells.order[k]) - owner, held)
+            rows.value[start + k] = held[owner, home, OTHER]
+        for k in range(low, high):
+            j = int(cells.order[k])
+            away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
+            if j == v or away_east * away_east + away_north * away_north > reach_m2:
+                continue
+            owner = pair_owner(v, j)
+            other, sign = v + j - owner, 1.0 if owner == v else -1.0
+            slot = pair_slot(owner, other, pairs)
+            if slot < 0:
+                return False
+            before, to_east = held[owner, slot, VALUE], np.float32(sign * away_east)
+            moved_m = np.sqrt(move_pair(owner, slot, to_east, np.float32(sign * away_north), held))
+            kept = kept_share(moved_m, tables.decorrelation_m)
+            word = _word(seed, owner, other, before, to_east)
+            value = np.float32(mixed(before, kept, word, tables.normal))
+            held[owner, slot, VALUE] = rows.value[start + k] = value
+    return True
 
 
 @kernel(inlined=True)
@@ -242,17 +240,16 @@ def shadow_rows(
     """
     longest_m = np.sqrt(max(reach_m2.max(), 0.0)) + 1.0  # so that no rounding keeps anybody out
     rows = _lay_out(reach_m2, position_m, cells, longest_m)
-    vehicles, present = reach_m2.size, cells.order.size
-    if rows.value.size == 0:
+    sending, present = np.flatnonzero(reach_m2 >= 0.0), cells.order.size
+    if _FEW * sending.size <= present:
+        for n in range(sending.size):
+            v = int(sending[n])
+            while not _look_up(v, reach_m2[v], position_m, cells, seed, tables, rows, pairs):
+                pairs = grow_pairs(pairs, position_m, range_m)
         return rows, pairs
-    where_m = np.full((vehicles, 2), np.nan)
-    for v in range(vehicles):
-        if reach_m2[v] >= 0.0:
-            where_m[v, 0], where_m[v, 1] = position_m[v, 0], position_m[v, 1]
+    where_m = np.full((reach_m2.size, 2), np.nan)
+    where_m[sending] = position_m[sending]
     senders = build_cells(where_m, longest_m)
-    if _FEW * senders.order.size < present:
-        pairs = _look_up(senders.order, reach_m2, position_m, cells, seed, tables, range_m, rows, pairs)
-        return rows, pairs
     found, way = np.empty((4, present + 1), dtype=np.int64), np.empty((4, present + 1))
     for k in range(present):
         owner = int(cells.order[k])
