@@ -1,8 +1,8 @@
 """Is what is evaluated, what is simulated and what drives the same? Every trip, bank and rule, byte for byte.
 
-Drives each trip by the trip runtime, by a fleet of one on an ideal channel and by a lone `Station`, and lets a host
-hear it over a lossy channel (`modelcast.study.agreement`). Prints a row a trip, a table of banks and rules, and
-every difference by its first byte; ends with 1 where there is one.
+Drives each trip by the trip runtime, by a fleet of one on an ideal channel and by a lone `Station`, and lets
+a host hear it over a lossy channel (`modelcast.study.agreement`). Prints a row a trip, a table of banks and
+rules, and every difference by its first byte; ends with 1 where there is one.
 """
 
 import argparse
@@ -32,7 +32,9 @@ Outcome = tuple[str, str, str, int, str]
 def folders(data: Path) -> list[Path]:
     """What holds trips below the data folder, one entry a source."""
     known = ("openacc_zalazone", "spmd/bsm_p1_dev.csv", "comma2k19", "smartloc", "nyc_cvpd")
-    return [data / name for name in known if (data / name).exists()] + sorted((data / "roads").glob("*.parquet"))
+    return [data / name for name in known if (data / name).exists()] + sorted(
+        (data / "roads").glob("*.parquet")
+    )
 
 
 def compared(trip: Trajectory) -> list[Outcome]:
@@ -85,7 +87,9 @@ def main() -> int:
         for number, outcomes in enumerate(pool.imap(compared, trips), start=1):
             sent = sum(one[3] for one in outcomes)
             off = [one for one in outcomes if one[4] and not one[4].startswith("refused")]
-            print(f"{number}/{len(trips)} {outcomes[0][0]}: {sent} messages, {len(off)} differences", flush=True)
+            print(
+                f"{number}/{len(trips)} {outcomes[0][0]}: {sent} messages, {len(off)} differences", flush=True
+            )
             for trip, bank, rule, count, text in outcomes:
                 if text.startswith("refused"):
                     refused[bank, rule] = text
@@ -97,7 +101,9 @@ def main() -> int:
                     messages += count
     print(f"\n{'bank':18s}" + "".join(f"{rule:>22s}" for rule in RULES))
     for bank in BANKS:
-        cells = ["refused" if (bank, rule) in refused else f"{agreed[bank, rule]}/{len(trips)}" for rule in RULES]
+        cells = [
+            "refused" if (bank, rule) in refused else f"{agreed[bank, rule]}/{len(trips)}" for rule in RULES
+        ]
         print(f"{bank:18s}" + "".join(f"{cell:>22s}" for cell in cells))
     for key, text in refused.items():
         print(f"{'/'.join(key)}: {text}")

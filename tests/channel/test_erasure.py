@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from modelcast.channel.base import AbstractChannel
 from modelcast.channel.erasure import GilbertElliott, Ideal, IndependentErasure
 from modelcast.core.arrays import BoolArray
 
@@ -69,31 +68,6 @@ def test_a_higher_ratio_loses_all_that_a_lower_one_loses(ratios: list[float], se
         IndependentErasure(ratio).losses(TEN_HZ_S[:500], np.random.default_rng(seed)) for ratio in ratios
     )
     assert not (low & ~high).any()
-
-
-@pytest.mark.parametrize("channel", [IndependentErasure(0.0), GilbertElliott(0.0)])
-def test_a_ratio_of_zero_loses_nothing(channel: AbstractChannel) -> None:
-    assert not channel.losses(TEN_HZ_S, np.random.default_rng(0)).any()
-
-
-@pytest.mark.parametrize("channel", [IndependentErasure(1.0), GilbertElliott(1.0)])
-def test_a_ratio_of_one_loses_all(channel: AbstractChannel) -> None:
-    assert channel.losses(TEN_HZ_S, np.random.default_rng(0)).all()
-
-
-@pytest.mark.parametrize("channel", [IndependentErasure(0.4), GilbertElliott(0.4)])
-def test_the_same_generator_gives_the_same_losses(channel: AbstractChannel) -> None:
-    first, second, other = (channel.losses(TEN_HZ_S, np.random.default_rng(k)) for k in (1, 1, 2))
-    assert np.array_equal(first, second)
-    assert not np.array_equal(first, other)
-    assert channel.packet_error_ratio == 0.4
-
-
-@pytest.mark.parametrize("ratio", [-0.1, 1.1, np.nan])
-@pytest.mark.parametrize("channel", [IndependentErasure, GilbertElliott])
-def test_a_ratio_outside_zero_to_one_is_refused(channel: type, ratio: float) -> None:
-    with pytest.raises(ValueError, match=r"0\.\.1"):
-        channel(ratio)
 
 
 @pytest.mark.parametrize("mean_burst_s", [0.0, -1.0, np.nan, np.inf])

@@ -1,51 +1,69 @@
-"""The store of pairs: shadowing that both ends share, kept while they are in range."""
+"""Shadowing of pairs: both ends share it, it is kept while they are in range, however it is worked out."""
 
 import numpy as np
 import pytest
 
+from modelcast.channel.cells_kernels import build_cells
 from modelcast.channel.pair_kernels import (
     OTHER,
     VALUE,
+    Pairs,
     empty_pairs,
-    find_pairs,
     grow_pairs,
+    kept_share,
+    mixed,
     pair_owner,
-    pair_shadowing,
     pair_slot,
 )
 from modelcast.channel.propagation import Propagation, Shadowing
-from modelcast.channel.random_kernels import next_word
+from modelcast.channel.shadowing_kernels import SILENT, shadow_of, shadow_rows
 
-NORMAL = Propagation().tables(100.0).normal
-
-
-def words(seed: int) -> np.ndarray:
-    return np.random.default_rng(seed).integers(0, 2**63, size=1).astype(np.uint64)
+RANGE_M = 300.0
+TABLES = Propagation().tables(RANGE_M)
+SEED = np.uint64(7)
 
 
-def drawn(pairs: np.ndarray, pair: tuple[int, int], slot: int, east_m: float, random: np.ndarray) -> float:
-    word = np.uint64(next_word(random))
-    return float(pair_shadowing(*pair, slot, east_m, 0.0, word, NORMAL, 25.0, pairs))
+def swept(place_m: np.ndarray, sends: np.ndarray, pairs: Pairs) -> tuple[np.ndarray, Pairs]:
+    """Return the shadowing from each sender (V,) to everybody within range, else NaN, (V, V)."""
+    cells = build_cells(place_m, RANGE_M)
+    reach_m2 = np.where(sends, RANGE_M**2, SILENT)
+    rows, pairs = shadow_rows(reach_m2, place_m, cells, SEED, TABLES, RANGE_M, pairs)
+    values = np.full((sends.size, sends.size), np.nan)
+    for k, j in enumerate(cells.order):
+        row = int((place_m[j, 1] - cells.corner_north_m) / cells.cell_m)
+        for v in np.flatnonzero(sends):
+            if j != v and np.sum((place_m[j] - place_m[v]) ** 2) <= RANGE_M**2:
+                values[v, j] = shadow_of(int(v), row, k, rows)
+    return values, pairs
+
+
+def places(vehicles: int, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).uniform(0.0, 700.0, (vehicles, 2))
+
+
+def senders(vehicles: int, number: int) -> np.ndarray:
+    """Return which vehicles send, (V,): ``number`` of them, at random."""
+    return np.isin(np.arange(vehicles), np.random.default_rng(1).permutation(vehicles)[:number])
 
 
 @pytest.mark.parametrize("moved_m", [5.0, 25.0, 60.0])
 def test_shadowing_decorrelates_with_the_relative_way(moved_m: float) -> None:
     """Correlation exp(-way/25 m) and deviation, within four standard errors; compiled and batch agree."""
-    number = 20_000
-    pairs, count = empty_pairs(number, 16)
-    random = words(9)
-    values = np.empty((2, number))
-    for turn, at_m in enumerate((0.0, moved_m)):
-        for one in range(number):
-            other = (one + 1) % number
-            slot = pair_slot(one, other, pairs, count)
-            sign = 1.0 if one < other else -1.0
-            values[turn, one] = drawn(pairs, (one, other), slot, sign * at_m, random)
-    before, after = values
+    vehicles = 200
+    place_m = np.column_stack([np.zeros(vehicles), np.linspace(0.0, 200.0, vehicles)])
+    side = np.arange(vehicles) % 2 == 0
+    sends = np.ones(vehicles, dtype=np.bool_)
+    first, pairs = swept(place_m, sends, empty_pairs(vehicles, 16))
+    place_m[side, 0] += moved_m
+    second, _ = swept(place_m, sends, pairs)
+    moving = np.triu(side[:, None] != side[None, :])
+    before, after = first[moving], second[moving]
+    number = before.size
     expected = np.exp(-moved_m / 25.0)
-    assert count.sum() == number
+    assert number == vehicles**2 // 4
     assert np.corrcoef(before, after)[0, 1] == pytest.approx(expected, abs=4 / np.sqrt(number))
     assert after.std() == pytest.approx(1.0, abs=4 / np.sqrt(2 * number))
+    assert after.mean() == pytest.approx(0.0, abs=4 / np.sqrt(number))
     rng = np.random.default_rng(6)
     start_db = 3.0 * rng.standard_normal(number)
     next_db = Shadowing().next_db(
@@ -55,13 +73,54 @@ def test_shadowing_decorrelates_with_the_relative_way(moved_m: float) -> None:
     assert next_db.std() == pytest.approx(3.0, rel=4 / np.sqrt(2 * number))
 
 
-def test_both_ends_of_a_pair_that_does_not_move_share_its_shadowing() -> None:
-    pairs, count = empty_pairs(2, 16)
-    random = words(3)
-    slot = pair_slot(0, 1, pairs, count)
-    assert pair_slot(1, 0, pairs, count) == slot
-    there = drawn(pairs, (0, 1), slot, 33.3, random)
-    assert drawn(pairs, (1, 0), slot, -33.3, random) == there
+def test_shadowing_follows_the_normal_law() -> None:
+    """Quantiles of what was drawn after ten moves, within four standard errors."""
+    place_m, pairs = places(200), empty_pairs(200, 16)
+    values = np.empty(0)
+    for k in range(10):
+        values, pairs = swept(place_m + k * np.linspace(-9.0, 9.0, 200)[:, None], np.full(200, True), pairs)
+    drawn = values[np.triu(np.isfinite(values))]
+    for quantile, value in ((0.05, -1.645), (0.25, -0.674), (0.5, 0.0), (0.75, 0.674), (0.95, 1.645)):
+        error = np.sqrt(quantile * (1.0 - quantile) / drawn.size)
+        assert (drawn < value).mean() == pytest.approx(quantile, abs=4 * error)
+
+
+@pytest.mark.parametrize("number", [60, 20, 1])
+def test_both_ends_of_a_pair_share_its_shadowing(number: int) -> None:
+    """Whether all send, some, or so few that they look up their pairs one by one."""
+    sends = senders(60, number)
+    values, _ = swept(places(60), sends, empty_pairs(60, 16))
+    both = values[sends][:, sends]
+    assert np.array_equal(both, both.T, equal_nan=True)
+    assert np.isfinite(values[sends]).sum() > 10 * number
+
+
+@pytest.mark.parametrize("number", [20, 1])
+def test_shadowing_does_not_depend_on_who_else_sends(number: int) -> None:
+    """Nor on how often it was asked for while nobody moved: first few send, then all."""
+    place_m, sends = places(60), senders(60, number)
+    few, pairs = swept(place_m, sends, empty_pairs(60, 16))
+    later, _ = swept(place_m, np.full(60, True), pairs)
+    at_once, _ = swept(place_m, np.full(60, True), empty_pairs(60, 16))
+    assert np.array_equal(few[sends], at_once[sends], equal_nan=True)
+    assert np.array_equal(later, at_once, equal_nan=True)
+
+
+def test_a_pair_that_is_as_before_draws_the_same_however_it_is_looked_up() -> None:
+    """After a move, in one sweep, and by one sender after the other."""
+    place_m, moved_m = places(60), places(60) + np.linspace(-20.0, 20.0, 60)[:, None]
+    _, pairs = swept(place_m, np.full(60, True), empty_pairs(60, 16))
+    copy = Pairs(pairs.held.copy(), pairs.owned.copy())
+    whole, _ = swept(moved_m, np.full(60, True), pairs)
+    for v in range(60):
+        single, copy = swept(moved_m, np.arange(60) == v, copy)
+        assert np.array_equal(single[v], whole[v], equal_nan=True)
+
+
+def test_a_share_is_kept_and_the_rest_drawn() -> None:
+    assert kept_share(0.0, 25.0) == 1.0
+    assert kept_share(np.inf, 25.0) == 0.0
+    assert mixed(0.7, 1.0, np.uint64(5), TABLES.normal) == 0.7
 
 
 def test_every_pair_has_one_owner_and_a_vehicle_owns_half_of_its_pairs() -> None:
@@ -73,24 +132,16 @@ def test_every_pair_has_one_owner_and_a_vehicle_owns_half_of_its_pairs() -> None
 
 
 def test_the_store_of_pairs_keeps_who_is_in_range_and_forgets_the_others() -> None:
-    """Growing until everybody has room, as the radios do."""
+    """A hundred in a row; it grew until everybody had room."""
     vehicles = 100
-    place_m = np.column_stack([10.0 * np.arange(vehicles), np.zeros(vehicles)])
-    pairs, count = empty_pairs(vehicles, 16)
-    order = np.arange(vehicles)
-    random = words(1)
-    kept = {}
-    for one in range(vehicles):
-        near = np.stack([np.delete(order, one), np.zeros(vehicles - 1, dtype=np.int64)], axis=1)
-        while not find_pairs(one, order, near, vehicles - 1, pairs, count):
-            pairs, count = grow_pairs(pairs, place_m, np.inf)
-        for other, slot in near:
-            kept[min(one, other), max(one, other)] = drawn(pairs, (one, other), slot, 1.0, random)
-    assert count.sum() == vehicles * (vehicles - 1) // 2
-    grown, live = grow_pairs(pairs, place_m, 300.0)
-    in_range = {pair: value for pair, value in kept.items() if pair[1] - pair[0] <= 30}
-    assert live.sum() == len(in_range)
-    assert (grown[:, :, OTHER] >= 0.0).sum() == len(in_range)
-    for (one, other), value in in_range.items():
-        assert grown[pair_owner(one, other), pair_slot(one, other, grown, live), VALUE] == value
-    assert live.sum() == len(in_range)
+    place_m = np.column_stack([2.0 * np.arange(vehicles), np.zeros(vehicles)])
+    values, pairs = swept(place_m, np.full(vehicles, True), empty_pairs(vehicles, 16))
+    assert pairs.owned.sum() == vehicles * (vehicles - 1) // 2
+    grown = grow_pairs(pairs, place_m, 60.0)
+    in_range = [(one, other) for one in range(vehicles) for other in range(one + 1, min(one + 31, vehicles))]
+    assert grown.owned.sum() == len(in_range)
+    assert (grown.held[:, :, OTHER] >= 0.0).sum() == len(in_range)
+    for one, other in in_range:
+        owner = pair_owner(one, other)
+        assert grown.held[owner, pair_slot(owner, one + other - owner, grown), VALUE] == values[one, other]
+    assert grown.owned.sum() == len(in_range)

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.dsrc_parameters import DsrcParameters
 from modelcast.channel.error_models import ThresholdErrorModel
+from modelcast.channel.frame_radio import AbstractFrameRadio
 from modelcast.channel.path_loss import LogDistance
 from modelcast.channel.propagation import Propagation
-from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
+from modelcast.channel.radio import ORDINARY, AbstractRadio, Grant, Receptions, Transmissions
 from modelcast.channel.sidelink import Sidelink
 from modelcast.channel.sidelink_parameters import SidelinkParameters
 from modelcast.channel.tabulated import TabulatedRadio, measured_table
@@ -443,8 +444,42 @@ def test_more_power_than_the_radio_has_is_refused(case: FrameCase) -> None:
         ({"message_id": np.array([-1, 1])}, "not be negative"),
         ({"power_dbm": np.array([np.nan, 1.0])}, "finite"),
         ({"sender": np.array([1])}, "one length"),
+        ({"priority": np.array([0, 8])}, r"priority must lie within 0\.\.7"),
+        ({"priority": np.array([1])}, "one length"),
+        ({"grant": np.array([-1, 0])}, "grant must lie"),
+        ({"next_s": np.array([0.01, 1.0])}, "after ready_s"),
+        ({"next_s": np.array([np.nan, 1.0])}, "after ready_s"),
     ],
 )
 def test_impossible_transmissions_are_refused(change: dict[str, np.ndarray], match: str) -> None:
     with pytest.raises(ValueError, match=match):
         replace(batch([0, 1], [0.01, 0.02]), **change)
+
+
+def test_what_a_sender_leaves_out_radios_see_in_full() -> None:
+    traffic = batch([0, 1], [0.01, 0.02])
+    assert traffic.priority.tolist() == [ORDINARY, ORDINARY]
+    assert traffic.next_s.tolist() == [np.inf, np.inf]
+    assert traffic.grant.tolist() == [Grant.ANY, Grant.ANY]
+    assert batch([], []).priority.size == 0
+
+
+@every_radio
+def test_what_a_radio_does_not_heed_changes_nothing(case: Case) -> None:
+    """Priority, next message and kind of grant: none of the radios heeds them yet."""
+    traffic, place_m = random_traffic(4, 40, 200)
+    said = replace(
+        traffic,
+        priority=np.arange(200) % 8,
+        next_s=traffic.ready_s + 0.1,
+        grant=np.full(200, int(Grant.ONE_SHOT)),
+    )
+    assert_same(run(case.radio, traffic, place_m), run(case.radio, said, place_m))
+
+
+def test_every_radio_of_the_package_has_a_case(
+    concrete_classes: Callable[[type[Any]], set[type[Any]]],
+) -> None:
+    """Who adds a radio adds it to `RADIOS` or `FRAME_RADIOS`; a radio of frames to the latter."""
+    assert concrete_classes(AbstractRadio) == {type(case.radio) for case in RADIOS.values()}
+    assert concrete_classes(AbstractFrameRadio) == {type(case.radio) for case in FRAME_RADIOS.values()}

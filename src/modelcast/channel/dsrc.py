@@ -10,11 +10,13 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 import numpy as np
 
 from modelcast.channel.dsrc_kernels import advance
+from modelcast.channel.dsrc_link_kernels import Links
 from modelcast.channel.dsrc_parameters import DsrcParameters, power_ratio
 from modelcast.channel.dsrc_station_kernels import BUSY_RATIO, DsrcConstants, silent_station
 from modelcast.channel.error_models import AbstractErrorModel, NistErrorModel
-from modelcast.channel.frame_radio import AbstractFrameRadio, error_units, has_shadowing
-from modelcast.channel.pair_kernels import empty_pairs
+from modelcast.channel.frame_kernels import Heard
+from modelcast.channel.frame_radio import AbstractFrameRadio, asked, error_units, has_shadowing
+from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import Transmissions
@@ -32,7 +34,7 @@ class DsrcState:
     t_s
         Now [s].
     random
-        Word of the random generator, (1,).
+        Word of the random generator, and the seed of shadowing, (2,).
     station
         Receiver, medium access and frame of every vehicle, (V, COLUMNS).
     message
@@ -40,7 +42,7 @@ class DsrcState:
     air_receiver, air_mw, air_flag
         Links of the frames on the air, (L,), (L,), (L, 2).
     pairs, pair_count
-        Shadowing of pairs, as ``pair_kernels`` has it, (V, S, 4), (V,).
+        Shadowing of pairs, as `Pairs` has it, (V, S, 4), (V,).
     """
 
     t_s: float
@@ -78,7 +80,9 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
     A receiver locks on to a frame that is strong enough and stands out of what is on the air at its
     beginning. It stays locked to the end, save for capture in the preamble, or its own countdown ending
     before it has sensed the frame. Interference is all other power in range, over the payload. Preamble and
-    SIGNAL fail only at their beginning. A vehicle's queue holds one message.
+    SIGNAL fail only at their beginning. A vehicle's queue holds one message. Of what a transmission may say,
+    ``priority``, ``next_s`` and ``grant`` are not heeded: all messages have the access category of the
+    parameters.
 
     Examples
     --------
@@ -156,7 +160,7 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
 
     def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> DsrcState:
         """State at time 0 of V vehicles."""
-        pairs, pair_count = empty_pairs(vehicles, 16)
+        pairs = empty_pairs(vehicles, 16)
         return DsrcState(
             0.0,
             random,
@@ -165,31 +169,24 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             air_receiver=np.empty(0, dtype=np.int32),
             air_mw=np.empty(0),
             air_flag=np.empty((0, 2), dtype=np.int16),
-            pairs=pairs,
-            pair_count=pair_count,
+            pairs=pairs.held,
+            pair_count=pairs.owned,
         )
 
     def advance(
         self, state: DsrcState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
-    ) -> tuple[tuple[IntArray, FloatArray, IntArray, IntArray], DsrcState]:
+    ) -> tuple[Heard, DsrcState]:
         """Check what is asked for and carry one interval; the state is used up."""
         transmissions.check(state.t_s, until_t_s, position_m, state.vehicles, self.parameters.max_power_dbm)
-        who, when, outcomes, expired, receiver, mw, flag, pairs, count = advance(
+        heard, air, pairs = advance(
             state.t_s,
             until_t_s,
             state.random,
             state.station,
             state.message,
-            state.air_receiver,
-            state.air_mw,
-            state.air_flag,
-            state.pairs,
-            state.pair_count,
-            transmissions.sender,
-            transmissions.ready_s,
-            transmissions.size_bytes,
-            transmissions.power_dbm,
-            transmissions.message_id,
+            Links(state.air_receiver, state.air_mw, state.air_flag),
+            Pairs(state.pairs, state.pair_count),
+            asked(transmissions),
             position_m,
             self.hazard,
             self.tables,
@@ -198,13 +195,13 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
         after = replace(
             state,
             t_s=until_t_s,
-            air_receiver=receiver,
-            air_mw=mw,
-            air_flag=flag,
-            pairs=pairs,
-            pair_count=count,
+            air_receiver=air.receiver,
+            air_mw=air.mw,
+            air_flag=air.flag,
+            pairs=pairs.held,
+            pair_count=pairs.owned,
         )
-        return (who, when, outcomes, expired), after
+        return heard, after
 
     def channel_busy_ratio(self, state: DsrcState) -> FloatArray:
         """Busy share of the last full 100 ms of every vehicle, 0..1, (V,)."""

@@ -7,14 +7,20 @@ Times are absolute seconds. There is no propagation delay (1 us is 300 m; a slot
 
 import numpy as np
 
+from modelcast.channel.airtime_kernels import SERVICE_TAIL_BITS, frame_airtime
+from modelcast.channel.cells_kernels import build_cells
 from modelcast.channel.dsrc_link_kernels import (
     ACCESS_EVENT,
     END_EVENT,
     WORK,
+    Links,
+    Near,
     close_links,
     find_near,
     find_powers,
+    heard_within_m,
     open_links,
+    pack_links,
 )
 from modelcast.channel.dsrc_station_kernels import (
     ACCESS_S,
@@ -43,24 +49,135 @@ from modelcast.channel.dsrc_station_kernels import (
     draw_backoff,
     sense_medium,
 )
-from modelcast.channel.event_heap_kernels import heap_room, pop_event, push_event
-from modelcast.channel.grid_kernels import build_grid
-from modelcast.channel.pair_kernels import find_pairs, grow_pairs
+from modelcast.channel.event_heap_kernels import Events, heap_room, pop_event, push_event
+from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_heard
+from modelcast.channel.pair_kernels import Pairs
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.random_kernels import next_word
+from modelcast.channel.shadowing_kernels import SILENT, shadow_rows
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
-    Float32Cube,
     FloatMatrix,
     FloatVector,
-    Int16Matrix,
-    Int32Vector,
     IntMatrix,
-    IntVector,
     UInt64Vector,
 )
 
 __all__ = ["advance"]
+
+READY_EVENT = 2
+"""Beside those of the heap: a message becomes ready."""
+
+
+@kernel(inlined=True)
+def _sent_ln(power_dbm: float, constants: DsrcConstants) -> float:
+    """Return the logarithm of a transmit power [mW] and of the gains of both antennas."""
+    return (constants.gain_db + power_dbm) * np.log(10.0) / 10.0
+
+
+@kernel
+def _find_reach(
+    station: FloatMatrix,
+    message: IntMatrix,
+    asked: Asked,
+    position_m: FloatMatrix,
+    tables: PropagationTables,
+    constants: DsrcConstants,
+) -> FloatVector:
+    """Return the squared reach of what vehicles may send in this interval, as `shadow_rows` has it."""
+    reach_m2, number = np.full(station.shape[0], SILENT), asked.sender.size
+    if not constants.shadowed:
+        return reach_m2
+    for n in range(number + station.shape[0]):
+        v = int(asked.sender[n]) if n < number else n - number
+        if n >= number and message[v, MESSAGE] < 0:
+            continue
+        if np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]):
+            dbm = asked.power_dbm[n] if n < number else station[v, DBM]
+            reach_m = heard_within_m(_sent_ln(dbm, constants), tables, constants.quiet_mw, constants.range_m)
+            reach_m2[v] = max(reach_m2[v], reach_m * reach_m)
+    return reach_m2
+
+
+@kernel(inlined=True)
+def _close_windows(
+    station: FloatMatrix, boundary_s: float, until_s: float, constants: DsrcConstants
+) -> float:
+    """Work out the busy ratio of all measuring windows that end by then; return when the next one ends."""
+    while boundary_s <= until_s:
+        for k in range(station.shape[0]):
+            if station[k, LOADED_S] >= 0.0:
+                station[k, LOAD] += boundary_s - station[k, LOADED_S]
+                station[k, LOADED_S] = boundary_s
+            station[k, BUSY_RATIO] = min(station[k, LOAD] / constants.window_s, 1.0)
+            station[k, LOAD] = 0.0
+        boundary_s += constants.window_s
+    return boundary_s
+
+
+@kernel(inlined=True)
+def _access_s(station: FloatMatrix, v: int, constants: DsrcConstants) -> float:
+    """Return when the countdown of a vehicle ends if the medium stays idle."""
+    return station[v, IDLE_S] + constants.aifs_s + station[v, BACKOFF] * constants.slot_s
+
+
+@kernel(inlined=True)
+def _contend(
+    station: FloatMatrix, v: int, t_s: float, random: UInt64Vector, constants: DsrcConstants
+) -> bool:
+    """Let a message that became ready count down; return whether it does, the medium being idle."""
+    unaware = station[v, BUSY] == 1.0 and t_s < station[v, BUSY_S] + constants.sensing_s
+    idle = station[v, BUSY] == 0.0 or unaware
+    counted_s = _access_s(station, v, constants)
+    if idle and constants.immediate and counted_s <= t_s:
+        station[v, BACKOFF] = 0.0
+        station[v, ACCESS_S] = t_s
+        return True
+    over = station[v, BACKOFF] <= 0.0 or (idle and counted_s <= t_s)
+    if over or not constants.immediate:
+        station[v, BACKOFF] = draw_backoff(random, constants.window)
+        if station[v, BUSY] == 0.0:
+            station[v, IDLE_S] = max(station[v, IDLE_S], t_s - constants.aifs_s)
+    if station[v, BUSY] == 1.0:
+        return False
+    station[v, ACCESS_S] = _access_s(station, v, constants)
+    return True
+
+
+@kernel(inlined=True)
+def _begin_frame(
+    station: FloatMatrix, message: IntMatrix, v: int, t_s: float, word: np.uint64, constants: DsrcConstants
+) -> None:
+    """Put the message that waits on the air."""
+    station[v, ACCESS_S] = np.inf
+    station[v, BACKOFF] = 0.0
+    message[v, AIR], message[v, MESSAGE] = message[v, MESSAGE], -1
+    message[v, SEED] = np.int64(word >> np.uint64(1))
+    end_s = t_s + frame_airtime(
+        int(station[v, BYTES]),
+        constants.preamble_s,
+        constants.symbol_s,
+        SERVICE_TAIL_BITS,
+        constants.bits_per_symbol,
+    )
+    station[v, START_S], station[v, END_S], station[v, AIR_BYTES] = t_s, end_s, station[v, BYTES]
+    station[v, SENDING_S] = end_s
+    station[v, LOCK], station[v, LOCK_MW] = -1.0, 0.0
+    sense_medium(station, v, t_s, constants)
+
+
+@kernel
+def _events_ahead(station: FloatMatrix, message: IntMatrix) -> tuple[Events, int]:
+    """Return the ends of frames on the air and of countdowns, and how many there are."""
+    vehicles = station.shape[0]
+    room = 4 * vehicles + 64
+    events, count = Events(np.empty(room), np.empty(room, dtype=np.int64)), 0
+    for v in range(vehicles):
+        if message[v, AIR] >= 0:
+            count = push_event(events, count, station[v, END_S], 2 * v + END_EVENT)
+        if np.isfinite(station[v, ACCESS_S]):
+            count = push_event(events, count, station[v, ACCESS_S], 2 * v + ACCESS_EVENT)
+    return events, count
 
 
 @kernel
@@ -70,112 +187,49 @@ def advance(
     random: UInt64Vector,
     station: FloatMatrix,
     message: IntMatrix,
-    air_receiver: Int32Vector,
-    air_mw: FloatVector,
-    air_flag: Int16Matrix,
-    pairs: Float32Cube,
-    pair_count: IntVector,
-    sender: IntVector,
-    ready_s: FloatVector,
-    size_bytes: IntVector,
-    power_dbm: FloatVector,
-    message_id: IntVector,
+    air: Links,
+    pairs: Pairs,
+    asked: Asked,
     position_m: FloatMatrix,
     hazard: FloatVector,
     tables: PropagationTables,
     constants: DsrcConstants,
-) -> tuple[
-    IntMatrix,
-    FloatMatrix,
-    IntMatrix,
-    IntVector,
-    Int32Vector,
-    FloatVector,
-    Int16Matrix,
-    Float32Cube,
-    IntVector,
-]:
+) -> tuple[Heard, Links, Pairs]:
     """Carry one interval; the arrays of the state are written into.
 
-    Returns receptions (message, sender and receiver as (R, 3) integers, time and power as (R, 2)), outcomes
-    (bins, 5), expired messages, and the arrays of the state that may have been replaced: receivers, powers
-    and flags of the frames still on the air, and the store of pairs.
+    Returns what was heard, the links of the frames still on the air, and the store of pairs.
     """
-    vehicles = station.shape[0]
-    grid = build_grid(position_m, constants.range_m)
-    present = grid.order.size
-    gain_ln = constants.gain_db * np.log(10.0) / 10.0
-
-    near, work = np.empty((present, 2), dtype=np.int64), np.empty((WORK, present))
-    who = np.empty((1024, 3), dtype=np.int64)
-    when = np.empty((1024, 2))
-    received = 0
-    outcomes = np.zeros((constants.bins, 5), dtype=np.int64)
-    expired = np.empty(sender.size + vehicles, dtype=np.int64)
-    lapsed = 0
-
+    vehicles, number = station.shape[0], asked.sender.size
+    cells = build_cells(position_m, constants.range_m)
+    present = cells.order.size
+    reach_m2 = _find_reach(station, message, asked, position_m, tables, constants)
+    rows, pairs = shadow_rows(reach_m2, position_m, cells, random[1], tables, constants.range_m, pairs)
+    near = Near(np.empty((present, 2), dtype=np.int64), np.empty((WORK, present)))
+    heard, received, lapsed = nothing_heard(constants.bins, number + vehicles), 0, 0
     # Links of the frames on the air: a pool that is filled in order and packed when it is full.
-    pool = max(air_receiver.size + 16 * vehicles, 4096)
-    link_receiver = np.empty(pool, dtype=np.int32)
-    link_mw = np.empty(pool)
-    link_flag = np.empty((pool, 2), dtype=np.int16)
-    used = air_receiver.size
-    link_receiver[:used], link_mw[:used], link_flag[:used] = air_receiver, air_mw, air_flag
-
-    times, what, count = np.empty(4 * vehicles + 64), np.empty(4 * vehicles + 64, dtype=np.int64), 0
-    for v in range(vehicles):
-        if message[v, AIR] >= 0:
-            count = push_event(times, what, count, station[v, END_S], 2 * v + END_EVENT)
-        if np.isfinite(station[v, ACCESS_S]):
-            count = push_event(times, what, count, station[v, ACCESS_S], 2 * v + ACCESS_EVENT)
+    links, used = pack_links(station, message, air, -1, max(16 * vehicles, 4096))
+    events, count = _events_ahead(station, message)
     arrival = 0
     boundary_s = (np.floor(now_s / constants.window_s + 1e-9) + 1.0) * constants.window_s
 
     while True:
-        next_s, kind, v = np.inf, -1, -1
+        t_s, kind, v = np.inf, -1, -1
         if count > 0:
-            next_s, kind, v = times[0], what[0] & 1, what[0] >> 1
-        if arrival < sender.size and ready_s[arrival] < next_s:
-            next_s, kind, v = ready_s[arrival], 2, sender[arrival]
-        ends = next_s >= until_s
-        while boundary_s <= (until_s + 1e-9 if ends else next_s):
-            for k in range(vehicles):
-                if station[k, LOADED_S] >= 0.0:
-                    station[k, LOAD] += boundary_s - station[k, LOADED_S]
-                    station[k, LOADED_S] = boundary_s
-                station[k, BUSY_RATIO] = min(station[k, LOAD] / constants.window_s, 1.0)
-                station[k, LOAD] = 0.0
-            boundary_s += constants.window_s
+            t_s, kind, v = events.times[0], int(events.what[0] & 1), int(events.what[0] >> 1)
+        if arrival < number and asked.ready_s[arrival] < t_s:
+            t_s, kind, v = asked.ready_s[arrival], READY_EVENT, int(asked.sender[arrival])
+        ends = t_s >= until_s
+        boundary_s = _close_windows(station, boundary_s, until_s + 1e-9 if ends else t_s, constants)
         if ends:
             break
-        t_s = next_s
 
         if kind == END_EVENT:
-            count = pop_event(times, what, count)
-            links = int(station[v, COUNT])
-            while received + links > who.shape[0]:
-                new_who = np.empty((2 * who.shape[0], 3), dtype=np.int64)
-                new_when = np.empty((2 * who.shape[0], 2))
-                new_who[:received], new_when[:received] = who[:received], when[:received]
-                who, when = new_who, new_when
-            times, what = heap_room(times, what, count + links)
+            count = pop_event(events, count)
+            receivers = int(station[v, COUNT])
+            heard = heard_room(heard, received, receivers)
+            events = heap_room(events, count + receivers)
             received, count = close_links(
-                v,
-                t_s,
-                station,
-                message,
-                link_receiver,
-                link_mw,
-                link_flag,
-                hazard,
-                constants,
-                who,
-                when,
-                received,
-                outcomes,
-                times,
-                what,
-                count,
+                v, t_s, station, message, links, hazard, constants, heard, received, events, count
             )
             message[v, AIR] = -1
             station[v, COUNT] = 0.0
@@ -183,140 +237,53 @@ def advance(
             station[v, BACKOFF] = draw_backoff(random, constants.window)
             if sense_medium(station, v, t_s, constants) < 0 and message[v, MESSAGE] >= 0:
                 station[v, ACCESS_S] = t_s + constants.aifs_s + station[v, BACKOFF] * constants.slot_s
-                times, what = heap_room(times, what, count)
-                count = push_event(times, what, count, station[v, ACCESS_S], 2 * v + ACCESS_EVENT)
+                events = heap_room(events, count)
+                count = push_event(events, count, station[v, ACCESS_S], 2 * v + ACCESS_EVENT)
             continue
 
-        if kind == 2:
+        if kind == READY_EVENT:
             n = arrival
             arrival += 1
-            if not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1])):
-                expired[lapsed] = message_id[n]
-                lapsed += 1
-                continue
-            if message[v, MESSAGE] >= 0:
-                expired[lapsed] = message[v, MESSAGE]
-                lapsed += 1
             waited = message[v, MESSAGE] >= 0
-            message[v, MESSAGE] = message_id[n]
-            station[v, READY_S], station[v, BYTES], station[v, DBM] = t_s, size_bytes[n], power_dbm[n]
-            if waited or station[v, SENDING_S] > t_s:
+            absent = not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]))
+            if absent or waited:
+                heard.expired[lapsed] = asked.message_id[n] if absent else message[v, MESSAGE]
+                lapsed += 1
+            if absent:
                 continue
-            unaware = station[v, BUSY] == 1.0 and t_s < station[v, BUSY_S] + constants.sensing_s
-            idle = station[v, BUSY] == 0.0 or unaware
-            counted_s = station[v, IDLE_S] + constants.aifs_s + station[v, BACKOFF] * constants.slot_s
-            if idle and constants.immediate and counted_s <= t_s:
-                station[v, BACKOFF] = 0.0
-                station[v, ACCESS_S] = t_s
-            else:
-                over = station[v, BACKOFF] <= 0.0 or (idle and counted_s <= t_s)
-                if over or not constants.immediate:
-                    station[v, BACKOFF] = draw_backoff(random, constants.window)
-                    if station[v, BUSY] == 0.0:
-                        station[v, IDLE_S] = max(station[v, IDLE_S], t_s - constants.aifs_s)
-                if station[v, BUSY] == 1.0:
-                    continue
-                station[v, ACCESS_S] = (
-                    station[v, IDLE_S] + constants.aifs_s + station[v, BACKOFF] * constants.slot_s
-                )
+            message[v, MESSAGE] = asked.message_id[n]
+            station[v, READY_S], station[v, BYTES] = t_s, asked.size_bytes[n]
+            station[v, DBM] = asked.power_dbm[n]
+            if waited or station[v, SENDING_S] > t_s or not _contend(station, v, t_s, random, constants):
+                continue
             if station[v, ACCESS_S] > t_s:
-                times, what = heap_room(times, what, count)
-                count = push_event(times, what, count, station[v, ACCESS_S], 2 * v + ACCESS_EVENT)
+                events = heap_room(events, count)
+                count = push_event(events, count, station[v, ACCESS_S], 2 * v + ACCESS_EVENT)
                 continue
         else:
-            count = pop_event(times, what, count)
+            count = pop_event(events, count)
             if station[v, ACCESS_S] != t_s or message[v, MESSAGE] < 0:
                 continue
             if station[v, BUSY] == 1.0 and t_s >= station[v, BUSY_S] + constants.sensing_s:
                 station[v, ACCESS_S] = np.inf  # the medium turned busy in time: counted down on its next idle
                 continue
 
-        # A frame begins.
-        station[v, ACCESS_S] = np.inf
-        station[v, BACKOFF] = 0.0
-        message[v, AIR], message[v, MESSAGE] = message[v, MESSAGE], -1
-        message[v, SEED] = np.int64(next_word(random) >> np.uint64(1))
-        bits = 22 + 8 * int(station[v, BYTES])
-        symbols = (bits + constants.bits_per_symbol - 1) // constants.bits_per_symbol
-        end_s = t_s + constants.preamble_s + constants.symbol_s * symbols
-        station[v, START_S], station[v, END_S], station[v, AIR_BYTES] = t_s, end_s, station[v, BYTES]
-        station[v, SENDING_S] = end_s
-        station[v, LOCK], station[v, LOCK_MW] = -1.0, 0.0
-        sense_medium(station, v, t_s, constants)
-        times, what = heap_room(times, what, count)
-        count = push_event(times, what, count, end_s, 2 * v + END_EVENT)
-
-        if used + present > link_receiver.size:
-            live = 0
-            for k in range(vehicles):
-                if message[k, AIR] >= 0 and k != v:
-                    live += int(station[k, COUNT])
-            pool = max(pool, 2 * (live + present))
-            new_receiver, new_mw = np.empty(pool, dtype=np.int32), np.empty(pool)
-            new_flag = np.empty((pool, 2), dtype=np.int16)
-            used = 0
-            for k in range(vehicles):
-                if message[k, AIR] >= 0 and k != v:
-                    first, links = int(station[k, FIRST]), int(station[k, COUNT])
-                    new_receiver[used : used + links] = link_receiver[first : first + links]
-                    new_mw[used : used + links] = link_mw[first : first + links]
-                    new_flag[used : used + links] = link_flag[first : first + links]
-                    station[k, FIRST] = used
-                    used += links
-            link_receiver, link_mw, link_flag = new_receiver, new_mw, new_flag
-
-        station[v, FIRST] = used
-        sent_ln = gain_ln + station[v, DBM] * np.log(10.0) / 10.0
+        _begin_frame(station, message, v, t_s, next_word(random), constants)
+        events = heap_room(events, count)
+        count = push_event(events, count, station[v, END_S], 2 * v + END_EVENT)
+        if used + present > links.receiver.size:
+            links, used = pack_links(station, message, links, v, links.receiver.size)
+        sent_ln, seed = _sent_ln(station[v, DBM], constants), message[v, SEED]
         reached = find_near(
-            v, t_s, sent_ln, station, position_m, grid, tables, constants, outcomes, near, work
+            v, t_s, sent_ln, station, position_m, cells, tables, constants, heard.outcomes, near
         )
-        if constants.shadowed:
-            while not find_pairs(v, grid.order, near, reached, pairs, pair_count):
-                pairs, pair_count = grow_pairs(pairs, position_m, constants.range_m)
-        seed = message[v, SEED]
-        find_powers(v, sent_ln, seed, pairs, position_m, grid, tables, constants, near, work, reached)
+        find_powers(v, sent_ln, seed, rows, position_m, cells, tables, constants, near, reached)
+        station[v, FIRST] = used
         used = open_links(
-            v,
-            t_s,
-            end_s,
-            station,
-            link_receiver,
-            link_mw,
-            link_flag,
-            used,
-            grid,
-            hazard,
-            constants,
-            outcomes,
-            near,
-            work,
-            reached,
+            v, t_s, station, links, used, cells, hazard, constants, heard.outcomes, near, reached
         )
         station[v, COUNT] = used - int(station[v, FIRST])
 
-    live = 0
-    for k in range(vehicles):
-        if message[k, AIR] >= 0:
-            live += int(station[k, COUNT])
-    left_receiver, left_mw = np.empty(live, dtype=np.int32), np.empty(live)
-    left_flag = np.empty((live, 2), dtype=np.int16)
-    at = 0
-    for k in range(vehicles):
-        if message[k, AIR] >= 0:
-            first, links = int(station[k, FIRST]), int(station[k, COUNT])
-            left_receiver[at : at + links] = link_receiver[first : first + links]
-            left_mw[at : at + links] = link_mw[first : first + links]
-            left_flag[at : at + links] = link_flag[first : first + links]
-            station[k, FIRST] = at
-            at += links
-    return (
-        who[:received].copy(),
-        when[:received].copy(),
-        outcomes,
-        expired[:lapsed].copy(),
-        left_receiver,
-        left_mw,
-        left_flag,
-        pairs,
-        pair_count,
-    )
+    left, _ = pack_links(station, message, links, -1, 0)
+    who, when = heard.who[:received].copy(), heard.when[:received].copy()
+    return Heard(who, when, heard.outcomes, heard.expired[:lapsed].copy()), left, pairs

@@ -1,12 +1,16 @@
 """Compiled links of IEEE 802.11p frames: what a frame's beginning and end do to everybody in range."""
 
+from typing import NamedTuple
+
 import numpy as np
 
+from modelcast.channel.cells_kernels import Cells, cell_span, row_span
 from modelcast.channel.dsrc_station_kernels import (
     ACCESS_S,
     AIR,
     BACKOFF,
     COUNT,
+    END_S,
     FIRST,
     HALF_DUPLEX,
     IDLE_S,
@@ -21,9 +25,8 @@ from modelcast.channel.dsrc_station_kernels import (
     finish_reception,
     sense_medium,
 )
-from modelcast.channel.event_heap_kernels import push_event
-from modelcast.channel.grid_kernels import Grid, cell_span
-from modelcast.channel.pair_kernels import pair_shadowing
+from modelcast.channel.event_heap_kernels import Events, push_event
+from modelcast.channel.frame_kernels import Heard
 from modelcast.channel.propagation_kernels import (
     PropagationTables,
     fading_factor,
@@ -31,27 +34,29 @@ from modelcast.channel.propagation_kernels import (
     median_ln,
 )
 from modelcast.channel.random_kernels import word_of
+from modelcast.channel.shadowing_kernels import ShadowRows, shadow_of
 from modelcast.core.exponential_kernels import fast_exp
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
-    Float32Cube,
     FloatMatrix,
     FloatVector,
     Int16Matrix,
     Int32Vector,
     IntMatrix,
-    IntVector,
 )
 
 __all__ = [
     "ACCESS_EVENT",
     "END_EVENT",
     "WORK",
+    "Links",
+    "Near",
     "close_links",
     "find_near",
     "find_powers",
     "heard_within_m",
     "open_links",
+    "pack_links",
 ]
 
 ACCESS_EVENT, END_EVENT = 0, 1
@@ -59,6 +64,44 @@ ACCESS_EVENT, END_EVENT = 0, 1
 
 DISTANCE_M, POWER_MW, FADING, WORK = 0, 1, 2, 3
 """Rows of ``work`` (WORK, N), what is found out about the neighbours of a frame, and their number."""
+
+
+class Links(NamedTuple):
+    """A frame at its receivers, frame after frame: who, power [mW], and flag and distance bin, (L, 2)."""
+
+    receiver: Int32Vector
+    mw: FloatVector
+    flag: Int16Matrix
+
+
+class Near(NamedTuple):
+    """Who a frame can reach: ``place`` (N, 2) in the cells' order and row of cells; ``work`` (WORK, N)."""
+
+    place: IntMatrix
+    work: FloatMatrix
+
+
+@kernel
+def pack_links(
+    station: FloatMatrix, message: IntMatrix, links: Links, sender: int, spare: int
+) -> tuple[Links, int]:
+    """Return the links of the frames on the air but that of ``sender``, with spare room, and their number."""
+    live = 0
+    for k in range(station.shape[0]):
+        if message[k, AIR] >= 0 and k != sender:
+            live += int(station[k, COUNT])
+    size = live + spare
+    packed = Links(np.empty(size, dtype=np.int32), np.empty(size), np.empty((size, 2), dtype=np.int16))
+    used = 0
+    for k in range(station.shape[0]):
+        if message[k, AIR] >= 0 and k != sender:
+            first, end = int(station[k, FIRST]), int(station[k, FIRST] + station[k, COUNT])
+            to = used + end - first
+            packed.receiver[used:to] = links.receiver[first:end]
+            packed.mw[used:to] = links.mw[first:end]
+            packed.flag[used:to] = links.flag[first:end]
+            station[k, FIRST], used = used, to
+    return packed, used
 
 
 @kernel(inlined=True)
@@ -84,38 +127,35 @@ def find_near(
     sent_ln: float,
     station: FloatMatrix,
     position_m: FloatMatrix,
-    grid: Grid,
+    cells: Cells,
     tables: PropagationTables,
     constants: DsrcConstants,
     outcomes: IntMatrix,
-    near: IntMatrix,
-    work: FloatMatrix,
+    near: Near,
 ) -> int:
-    """Write who a frame of ``v`` can reach, as places in the grid's order, into ``near``; return how many.
+    """Write who a frame of ``v`` can reach, as places in the cells' order, into ``near``; return how many.
 
-    Squares of their distances go into ``work``. Vehicles in range whose median power is below ``quiet_mw``
-    are counted right away.
+    Beside goes the row of cells, into its ``work`` the squares of their distances. Vehicles in range whose
+    median power is below ``quiet_mw`` are counted right away.
     """
     range_m = constants.range_m
     east, north = position_m[v, 0], position_m[v, 1]
-    column_from, column_to = cell_span(east, grid.corner_east_m, grid.cell_m, grid.columns, range_m)
-    row_from, row_to = cell_span(north, grid.corner_north_m, grid.cell_m, grid.rows, range_m)
+    left, right, row_from, row_to = cell_span(cells, east, north, range_m)
     reach_m = heard_within_m(sent_ln, tables, constants.quiet_mw, range_m)
     count = 0
     for row in range(row_from, row_to + 1):
-        low = grid.start[row * grid.columns + column_from]
-        high = grid.start[row * grid.columns + column_to + 1]
+        low, high = row_span(cells, row, left, right)
         for k in range(low, high):
-            away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
+            away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
             square = away_east * away_east + away_north * away_north
-            j = int(grid.order[k])
+            j = int(cells.order[k])
             if square > reach_m * reach_m:
                 group = int(np.sqrt(square) / constants.bin_m)
                 if square <= range_m * range_m and group < constants.bins:
                     outcomes[group, HALF_DUPLEX if station[j, SENDING_S] > t_s else WEAK] += 1
             elif j != v:
-                near[count, 0] = k
-                work[DISTANCE_M, count] = square
+                near.place[count, 0], near.place[count, 1] = k, row
+                near.work[DISTANCE_M, count] = square
                 count += 1
     return count
 
@@ -125,44 +165,33 @@ def find_powers(
     v: int,
     sent_ln: float,
     seed: int,
-    pairs: Float32Cube,
+    rows: ShadowRows,
     position_m: FloatMatrix,
-    grid: Grid,
+    cells: Cells,
     tables: PropagationTables,
     constants: DsrcConstants,
-    near: IntMatrix,
-    work: FloatMatrix,
+    near: Near,
     count: int,
 ) -> None:
     """Turn squares of distances in ``work`` into distances, and write the power at each neighbour there.
 
     Roots and exponentials have loops of their own that touch no other array: so they run several at a time.
     """
-    open_ground = tables.nlos_kind == 0
+    open_ground, work = tables.nlos_kind == 0, near.work
     east, north = position_m[v, 0], position_m[v, 1]
     for n in range(count):
         work[DISTANCE_M, n] = np.sqrt(work[DISTANCE_M, n])
     for n in range(count):
-        k, distance_m = near[n, 0], work[DISTANCE_M, n]
-        j = int(grid.order[k])
+        k, distance_m = near.place[n, 0], work[DISTANCE_M, n]
+        j = int(cells.order[k])
         if open_ground:
             ln, los = looked_up(tables.los_ln, distance_m * tables.per_m), True
         else:
-            ln, los = median_ln(east, north, grid.place[k, 0], grid.place[k, 1], distance_m, tables)
+            ln, los = median_ln(east, north, cells.place[k, 0], cells.place[k, 1], distance_m, tables)
         word = word_of(seed, j)
         if constants.shadowed:
             sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
-            ln += sigma * pair_shadowing(
-                v,
-                j,
-                near[n, 1],
-                grid.place[k, 0] - east,
-                grid.place[k, 1] - north,
-                word,
-                tables.normal,
-                tables.decorrelation_m,
-                pairs,
-            )
+            ln += sigma * shadow_of(v, near.place[n, 1], k, rows)
         work[POWER_MW, n] = sent_ln + min(ln, 0.0)
         work[FADING, n] = fading_factor(
             distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m
@@ -175,32 +204,28 @@ def find_powers(
 def open_links(
     v: int,
     t_s: float,
-    end_s: float,
     station: FloatMatrix,
-    link_receiver: Int32Vector,
-    link_mw: FloatVector,
-    link_flag: Int16Matrix,
+    links: Links,
     used: int,
-    grid: Grid,
+    cells: Cells,
     hazard: FloatVector,
     constants: DsrcConstants,
     outcomes: IntMatrix,
-    near: IntMatrix,
-    work: FloatMatrix,
+    near: Near,
     count: int,
 ) -> int:
     """A frame of ``v`` begins at the ``count`` vehicles in ``near``; return how much of the pool is used."""
     for n in range(count):
-        j = int(grid.order[near[n, 0]])
-        distance_m, power_mw = work[DISTANCE_M, n], work[POWER_MW, n]
+        j = int(cells.order[near.place[n, 0]])
+        distance_m, power_mw = near.work[DISTANCE_M, n], near.work[POWER_MW, n]
         group = int(distance_m / constants.bin_m)
         if power_mw < constants.quiet_mw:
             if group < constants.bins:
                 outcomes[group, HALF_DUPLEX if station[j, SENDING_S] > t_s else WEAK] += 1
             continue
-        flag = begin_reception(station, j, v, power_mw, t_s, end_s, hazard, constants)
-        link_receiver[used], link_mw[used] = j, power_mw
-        link_flag[used, 0], link_flag[used, 1] = flag, min(group, constants.bins)
+        flag = begin_reception(station, j, v, power_mw, t_s, station[v, END_S], hazard, constants)
+        links.receiver[used], links.mw[used] = j, power_mw
+        links.flag[used, 0], links.flag[used, 1] = flag, min(group, constants.bins)
         used += 1
         turned = sense_medium(station, j, t_s, constants)
         if turned > 0 and station[j, ACCESS_S] >= t_s + constants.sensing_s:
@@ -214,32 +239,28 @@ def close_links(
     t_s: float,
     station: FloatMatrix,
     message: IntMatrix,
-    link_receiver: Int32Vector,
-    link_mw: FloatVector,
-    link_flag: Int16Matrix,
+    links: Links,
     hazard: FloatVector,
     constants: DsrcConstants,
-    who: IntMatrix,
-    when: FloatMatrix,
+    heard: Heard,
     received: int,
-    outcomes: IntMatrix,
-    times: FloatVector,
-    what: IntVector,
+    events: Events,
     count: int,
 ) -> tuple[int, int]:
     """A frame of ``v`` ends at all its receivers; return the numbers of receptions and of events."""
-    first, links = int(station[v, FIRST]), int(station[v, COUNT])
+    first, end = int(station[v, FIRST]), int(station[v, FIRST] + station[v, COUNT])
     seed = message[v, SEED]
-    for k in range(first, first + links):
-        j = link_receiver[k]
+    for k in range(first, end):
+        j = links.receiver[k]
         held = station[j, LOCK] == v
-        outcome = finish_reception(station, j, v, link_mw[k], link_flag[k, 0], t_s, hazard, constants, seed)
+        outcome = finish_reception(station, j, v, links.mw[k], links.flag[k, 0], t_s, hazard, constants, seed)
         spoilt = held and outcome != RECEIVED
-        if link_flag[k, 1] < constants.bins:
-            outcomes[link_flag[k, 1], outcome] += 1
+        if links.flag[k, 1] < constants.bins:
+            heard.outcomes[links.flag[k, 1], outcome] += 1
         if outcome == RECEIVED:
+            who, when = heard.who, heard.when
             who[received, 0], who[received, 1], who[received, 2] = message[v, AIR], v, j
-            when[received, 0], when[received, 1] = t_s, link_mw[k]
+            when[received, 0], when[received, 1] = t_s, links.mw[k]
             received += 1
         if sense_medium(station, j, t_s, constants) >= 0:
             continue
@@ -249,5 +270,5 @@ def close_links(
             station[j, ACCESS_S] = (
                 station[j, IDLE_S] + constants.aifs_s + station[j, BACKOFF] * constants.slot_s
             )
-            count = push_event(times, what, count, station[j, ACCESS_S], 2 * j + ACCESS_EVENT)
+            count = push_event(events, count, station[j, ACCESS_S], 2 * j + ACCESS_EVENT)
     return received, count

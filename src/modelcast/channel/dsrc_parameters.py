@@ -4,7 +4,8 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.channel.airtime_kernels import SERVICE_TAIL_BITS, frame_airtimes
+from modelcast.core.arrays import FloatArray, IntArray, owned
 
 __all__ = [
     "ACCESS_CATEGORIES",
@@ -204,8 +205,9 @@ class DsrcParameters:
         >>> (1e6 * DsrcParameters().airtime_s(np.array([180, 250, 350]))).round(3).tolist()
         [288.0, 384.0, 512.0]
         """
-        bits = 22 + 8 * np.asarray(size_bytes, dtype=np.int64)
-        return self.preamble_s + self.symbol_s * np.ceil(bits / self.bit_rate.bits_per_symbol)
+        sizes: IntArray = owned(size_bytes, np.int64)
+        per_symbol = self.bit_rate.bits_per_symbol
+        return frame_airtimes(sizes, self.preamble_s, self.symbol_s, SERVICE_TAIL_BITS, per_symbol)
 
 
 def thermal_noise_dbm(bandwidth_hz: float) -> float:

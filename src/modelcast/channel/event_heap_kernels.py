@@ -1,16 +1,26 @@
 """Compiled event heap: two arrays, times and what happens then, the earliest first."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatVector, IntVector
 
-__all__ = ["heap_room", "pop_event", "push_event"]
+__all__ = ["Events", "heap_room", "pop_event", "push_event"]
+
+
+class Events(NamedTuple):
+    """A heap: ``times`` [s] and ``what`` happens then, both longer than what is in them."""
+
+    times: FloatVector
+    what: IntVector
 
 
 @kernel(inlined=True)
-def push_event(times: FloatVector, what: IntVector, count: int, t_s: float, event: int) -> int:
+def push_event(events: Events, count: int, t_s: float, event: int) -> int:
     """Put an event into the heap, whose arrays have room; return the new count."""
+    times, what = events.times, events.what
     at = count
     while at > 0:
         parent = (at - 1) >> 1
@@ -23,8 +33,9 @@ def push_event(times: FloatVector, what: IntVector, count: int, t_s: float, even
 
 
 @kernel(inlined=True)
-def pop_event(times: FloatVector, what: IntVector, count: int) -> int:
+def pop_event(events: Events, count: int) -> int:
     """Take the first event out of the heap; return the new count."""
+    times, what = events.times, events.what
     count -= 1
     t_s, event = times[count], what[count]
     at = 0
@@ -43,11 +54,11 @@ def pop_event(times: FloatVector, what: IntVector, count: int) -> int:
 
 
 @kernel
-def heap_room(times: FloatVector, what: IntVector, count: int) -> tuple[FloatVector, IntVector]:
+def heap_room(events: Events, count: int) -> Events:
     """Return a heap with room for ``count`` events and two more."""
-    if count + 2 <= times.size:
-        return times, what
-    held = times.size
-    new_times, new_what = np.empty(2 * count + 2), np.empty(2 * count + 2, dtype=np.int64)
-    new_times[:held], new_what[:held] = times, what
-    return new_times, new_what
+    held = events.times.size
+    if count + 2 <= held:
+        return events
+    roomier = Events(np.empty(2 * count + 2), np.empty(2 * count + 2, dtype=np.int64))
+    roomier.times[:held], roomier.what[:held] = events.times, events.what
+    return roomier

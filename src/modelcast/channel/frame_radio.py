@@ -11,11 +11,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from modelcast.channel.error_models import AbstractErrorModel
+from modelcast.channel.frame_kernels import Asked, Heard
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import FloatArray
 
-__all__ = ["AbstractFrameRadio", "copied", "error_units", "has_shadowing"]
+__all__ = ["AbstractFrameRadio", "asked", "copied", "error_units", "has_shadowing"]
 
 State = TypeVar("State")
 
@@ -32,6 +33,11 @@ def copied(state: Any) -> Any:
     return replace(
         state, **{name: value.copy() for name, value in held.items() if isinstance(value, np.ndarray)}
     )
+
+
+def asked(transmissions: Transmissions) -> Asked:
+    """Columns of transmissions as compiled loops take them."""
+    return Asked(*(getattr(transmissions, one) for one in Asked._fields))
 
 
 def error_units(error_model: AbstractErrorModel) -> tuple[float, float]:
@@ -53,23 +59,19 @@ class AbstractFrameRadio(AbstractRadio[State]):
 
     @abc.abstractmethod
     def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> State:
-        """State at time 0 of V vehicles; ``random`` (1,) is the word of its generator."""
+        """State at time 0 of V vehicles; ``random`` (2,): word of its generator, seed of shadowing."""
 
     @abc.abstractmethod
     def advance(
         self, state: State, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
-    ) -> tuple[tuple[IntArray, FloatArray, IntArray, IntArray], State]:
-        """Check what is asked for and carry one interval; the state is used up.
-
-        Returns receptions (message, sender, receiver as (R, 3) integers; time [s] and power [mW] as (R, 2)),
-        outcomes and expired messages; and the state.
-        """
+    ) -> tuple[Heard, State]:
+        """Check what is asked for and carry one interval; the state is used up."""
 
     def init(self, vehicles: int, rng: np.random.Generator) -> State:
         """State of a silent channel at time 0."""
         if vehicles < 1:
             raise ValueError(f"vehicles must be at least 1, got {vehicles}")
-        return self.silent(vehicles, rng.integers(0, 2**64, size=1, dtype=np.uint64))
+        return self.silent(vehicles, rng.integers(0, 2**64, size=2, dtype=np.uint64))
 
     def step(
         self, state: State, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
@@ -82,14 +84,14 @@ class AbstractFrameRadio(AbstractRadio[State]):
     ) -> tuple[Receptions, State]:
         """Carry one interval and use the given state up: faster than `step`."""
         place_m = np.ascontiguousarray(position_m, dtype=np.float64)
-        (who, when, outcomes, expired), after = self.advance(state, transmissions, place_m, until_t_s)
+        heard, after = self.advance(state, transmissions, place_m, until_t_s)
         receptions = Receptions(
-            who[:, 0],
-            who[:, 1],
-            receiver=who[:, 2],
-            t_s=when[:, 0],
-            rssi_dbm=10.0 * np.log10(when[:, 1]),
-            outcomes=outcomes,
-            expired=expired,
+            heard.who[:, 0],
+            heard.who[:, 1],
+            receiver=heard.who[:, 2],
+            t_s=heard.when[:, 0],
+            rssi_dbm=10.0 * np.log10(heard.when[:, 1]),
+            outcomes=heard.outcomes,
+            expired=heard.expired,
         )
         return receptions, after

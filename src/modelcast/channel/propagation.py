@@ -262,8 +262,8 @@ class Propagation:
             shadowing_los_ln=shadowing.los_db * _LN_PER_DB,
             shadowing_nlos_ln=shadowing.nlos_db * _LN_PER_DB,
             decorrelation_m=shadowing.decorrelation_m,
-            normal=_normal_cells(),
-            fading=np.ascontiguousarray(fading),
+            normal=_normal_cells().astype(np.float32),
+            fading=fading.astype(np.float32),
             fading_near_m=edges_m[0],
             fading_far_m=edges_m[1],
         )

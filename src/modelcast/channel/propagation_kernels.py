@@ -4,10 +4,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from modelcast.channel.pair_kernels import empty_pairs, grow_pairs, pair_shadowing, pair_slot
+from modelcast.channel.pair_kernels import (
+    VALUE,
+    empty_pairs,
+    grow_pairs,
+    kept_share,
+    mixed,
+    move_pair,
+    pair_owner,
+    pair_slot,
+)
 from modelcast.channel.random_kernels import CELL_BITS, next_word
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntVector, UInt64Vector
+from modelcast.core.kernel_types import (
+    Float32Matrix,
+    Float32Vector,
+    FloatMatrix,
+    FloatVector,
+    IntVector,
+    UInt64Vector,
+)
 
 __all__ = [
     "PropagationTables",
@@ -25,7 +41,8 @@ class PropagationTables(NamedTuple):
     """Propagation as arrays and numbers; made by `Propagation.tables`.
 
     ``los_ln`` and ``nlos_ln`` (K,) are natural logarithms of the power gain at multiples of ``1 / per_m``
-    metres; ``normal`` (CELLS,) and ``fading`` (3, CELLS) or (3, 1) are equally probable values.
+    metres; ``normal`` (CELLS,) and ``fading`` (3, CELLS) or (3, 1) are equally probable values, in single
+    precision, so that a row of them stays at hand.
     """
 
     los_ln: FloatVector
@@ -38,8 +55,8 @@ class PropagationTables(NamedTuple):
     shadowing_los_ln: float
     shadowing_nlos_ln: float
     decorrelation_m: float
-    normal: FloatVector
-    fading: FloatMatrix
+    normal: Float32Vector
+    fading: Float32Matrix
     fading_near_m: float
     fading_far_m: float
 
@@ -95,12 +112,12 @@ def median_ln(
 
 @kernel(inlined=True)
 def fading_factor(
-    distance_m: float, word: np.uint64, fading: FloatMatrix, near_m: float, far_m: float
+    distance_m: float, word: np.uint64, fading: Float32Matrix, near_m: float, far_m: float
 ) -> float:
     """Return the power factor of fast fading from the low bits of a random word."""
     row = 0 if distance_m < near_m else (1 if distance_m < far_m else 2)
     # One cell, or CELLS of them: both are powers of two.
-    return fading[row, np.int64(word & _CELL_MASK) & (fading.shape[1] - 1)]
+    return np.float64(fading[row, np.int64(word & _CELL_MASK) & (fading.shape[1] - 1)])
 
 
 @kernel
@@ -108,23 +125,26 @@ def draw_gains(
     position_m: FloatMatrix, one: IntVector, other: IntVector, tables: PropagationTables, random: UInt64Vector
 ) -> FloatVector:
     """Return power gains of many links in order, (N,), with shadowing that remembers its pair."""
-    pairs, pair_count = empty_pairs(position_m.shape[0], 16)
+    pairs = empty_pairs(position_m.shape[0], 16)
     gains = np.empty(one.size)
     for n in range(one.size):
-        i, j = min(one[n], other[n]), max(one[n], other[n])
+        i = pair_owner(one[n], other[n])
+        j = one[n] + other[n] - i
         east_m, north_m = position_m[j, 0] - position_m[i, 0], position_m[j, 1] - position_m[i, 1]
         distance_m = np.sqrt(east_m * east_m + north_m * north_m)
         ln, los = median_ln(
             position_m[i, 0], position_m[i, 1], position_m[j, 0], position_m[j, 1], distance_m, tables
         )
         word = next_word(random)
-        slot = pair_slot(i, j, pairs, pair_count)
+        slot = pair_slot(i, j, pairs)
         while slot < 0:
-            pairs, pair_count = grow_pairs(pairs, position_m, np.inf)
-            slot = pair_slot(i, j, pairs, pair_count)
-        shadow = pair_shadowing(
-            i, j, slot, east_m, north_m, word, tables.normal, tables.decorrelation_m, pairs
-        )
+            pairs = grow_pairs(pairs, position_m, np.inf)
+            slot = pair_slot(i, j, pairs)
+        held = pairs.held
+        moved_m = np.sqrt(move_pair(i, slot, np.float32(east_m), np.float32(north_m), held))
+        kept = kept_share(moved_m, tables.decorrelation_m)
+        shadow = mixed(held[i, slot, VALUE], kept, word, tables.normal)
+        held[i, slot, VALUE] = np.float32(shadow)
         sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
         gains[n] = np.exp(ln + sigma * shadow) * fading_factor(
             distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m

@@ -6,14 +6,15 @@ sends. State goes in and comes out; a lost message is an absent reception, count
 """
 
 import abc
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, field, fields
+from enum import IntEnum
 from typing import Generic, TypeVar
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 
-__all__ = ["OUTCOMES", "AbstractRadio", "Receptions", "Transmissions"]
+__all__ = ["ORDINARY", "OUTCOMES", "AbstractRadio", "Grant", "Receptions", "Transmissions"]
 
 OUTCOMES = ("received", "half-duplex", "below-sensitivity", "hidden", "concurrent")
 """What can become of a frame at a vehicle in reach: columns of `Receptions.outcomes`.
@@ -24,7 +25,29 @@ resource at the same time), so that neither sender could have known, ``hidden`` 
 other was on the air.
 """
 
+ORDINARY = 5
+"""Priority of a message of which nothing else is said: room above for what is urgent, two steps below."""
+
 State = TypeVar("State")
+
+
+class Grant(IntEnum):
+    """Which kind of resource a sender asks for, where a radio reserves resources at all."""
+
+    ANY = 0
+    """The sender does not say: the radio's own settings decide."""
+    PERIODIC = 1
+    """One that comes back, announced with the message: more will follow at even times."""
+    ONE_SHOT = 2
+    """One for this message alone."""
+
+
+def _left_out() -> IntArray:
+    return np.empty(0, dtype=np.int64)
+
+
+def _never_said() -> FloatArray:
+    return np.empty(0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +66,23 @@ class Transmissions:
         Transmit power at the antenna connector, (N,) [dBm].
     message_id
         The caller's number of the message, not negative; receptions carry it, (N,).
+    priority
+        0, the most urgent, to 7, as ProSe per-packet priorities count; left out: `ORDINARY`, (N,).
+    next_s
+        When the sender expects its next message to be ready, after this one; infinite where it does not know,
+        or left out, (N,) [s].
+    grant
+        A `Grant` for each message; left out: `Grant.ANY`, (N,).
 
     Raises
     ------
     ValueError
-        Where lengths differ, times fall, or a size or number is out of range.
+        Where lengths differ, times fall, or a size, number, priority or grant is out of range.
+
+    Notes
+    -----
+    Radios see ``priority``, ``next_s`` and ``grant`` as full columns, whether left out or not. Each says
+    which of them it heeds: today none does.
     """
 
     sender: IntArray
@@ -56,15 +91,15 @@ class Transmissions:
     size_bytes: IntArray
     power_dbm: FloatArray
     message_id: IntArray
+    priority: IntArray = field(default_factory=_left_out)
+    next_s: FloatArray = field(default_factory=_never_said)
+    grant: IntArray = field(default_factory=_left_out)
 
     def __post_init__(self) -> None:
-        sizes = {
-            self.sender.size,
-            self.ready_s.size,
-            self.size_bytes.size,
-            self.power_dbm.size,
-            self.message_id.size,
-        }
+        for name, default in (("priority", ORDINARY), ("next_s", np.inf), ("grant", int(Grant.ANY))):
+            if getattr(self, name).size == 0:
+                object.__setattr__(self, name, np.full(self.sender.size, default))
+        sizes = {getattr(self, one.name).size for one in fields(self)}
         if len(sizes) != 1:
             raise ValueError(f"all columns must have one length, got {sorted(sizes)}")
         if self.sender.size == 0:
@@ -77,6 +112,15 @@ class Transmissions:
             raise ValueError("sender and message_id must not be negative")
         if not np.all(np.isfinite(self.power_dbm)):
             raise ValueError("power_dbm must be finite")
+        self._check_wishes()
+
+    def _check_wishes(self) -> None:
+        for name, most in (("priority", 7), ("grant", max(Grant))):
+            low, high = int(getattr(self, name).min()), int(getattr(self, name).max())
+            if low < 0 or high > most:
+                raise ValueError(f"{name} must lie within 0..{int(most)}, got {low}..{high}")
+        if not np.all(self.next_s > self.ready_s):
+            raise ValueError("next_s must lie after ready_s; infinite where it is not known")
 
     @property
     def size(self) -> int:

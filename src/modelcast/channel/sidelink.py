@@ -11,12 +11,13 @@ import numpy as np
 
 from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
 from modelcast.channel.error_models import AbstractErrorModel, TabulatedErrorModel
-from modelcast.channel.frame_radio import AbstractFrameRadio, error_units, has_shadowing
-from modelcast.channel.pair_kernels import empty_pairs
+from modelcast.channel.frame_kernels import Heard
+from modelcast.channel.frame_radio import AbstractFrameRadio, asked, error_units, has_shadowing
+from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import Transmissions
-from modelcast.channel.sidelink_kernels import BAND, GRANT_COLUMNS, MESSAGE, advance
+from modelcast.channel.sidelink_kernels import BAND, GRANT_COLUMNS, MESSAGE, Memory, advance
 from modelcast.channel.sidelink_parameters import (
     BITS_PER_BLOCK,
     BLOCK_ELEMENTS,
@@ -40,7 +41,7 @@ class SidelinkState:
     t_s
         Now; a whole millisecond [s].
     random
-        Word of the random generator, (1,).
+        Word of the random generator, and the seed of shadowing, (2,).
     grant
         Resource and waiting message of every vehicle, (V, GRANT_COLUMNS).
     power_dbm
@@ -53,7 +54,7 @@ class SidelinkState:
     busy_ratio
         Of the last full window, (V,).
     pairs, pair_count
-        Shadowing of pairs, as ``pair_kernels`` has it, (V, S, 4), (V,).
+        Shadowing of pairs, as `Pairs` has it, (V, S, 4), (V,).
     """
 
     t_s: float
@@ -89,9 +90,10 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
     Notes
     -----
     Time runs in subframes of 1 ms; steps must end on one. A message ready in subframe n is looked at in n
-    and sent in n + T1 to n + T2. All have one reservation interval. Of lost frames, ``concurrent`` means
-    that the strongest interferer was near enough to hear the sender's reservations (median power),
-    ``hidden`` that it was not.
+    and sent in n + T1 to n + T2. All have one reservation interval; ``priority``, ``next_s`` and ``grant`` of
+    a transmission are not heeded, `SidelinkParameters.one_shot` speaks for all messages. Of lost frames,
+    ``concurrent`` means that the strongest interferer was near enough to hear the sender's reservations
+    (median power), ``hidden`` that it was not.
 
     Examples
     --------
@@ -178,7 +180,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
         p = self.parameters
         grant = np.zeros((vehicles, GRANT_COLUMNS), dtype=np.int64)
         grant[:, BAND] = grant[:, MESSAGE] = -1
-        pairs, pair_count = empty_pairs(vehicles, 16)
+        pairs = empty_pairs(vehicles, 16)
         return SidelinkState(
             0.0,
             random,
@@ -187,39 +189,30 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             sensed=np.full((vehicles, MEMORY, p.sub_channels), self.constants.noise_mw, dtype=np.float32),
             reserved=np.zeros((vehicles, p.interval_ms, p.sub_channels), dtype=np.float32),
             busy_ratio=np.zeros(vehicles),
-            pairs=pairs,
-            pair_count=pair_count,
+            pairs=pairs.held,
+            pair_count=pairs.owned,
         )
 
     def advance(
         self, state: SidelinkState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
-    ) -> tuple[tuple[IntArray, FloatArray, IntArray, IntArray], SidelinkState]:
+    ) -> tuple[Heard, SidelinkState]:
         """Check what is asked for and carry one interval; the state is used up."""
         self._check(state, transmissions, position_m, until_t_s)
-        who, when, outcomes, expired, pairs, pair_count = advance(
+        heard, pairs = advance(
             round(state.t_s * 1e3),
             round(until_t_s * 1e3),
             state.random,
-            state.grant,
-            state.power_dbm,
-            state.sensed,
-            state.reserved,
-            state.busy_ratio,
-            state.pairs,
-            state.pair_count,
-            transmissions.sender,
-            np.floor(transmissions.ready_s * 1e3 + 1e-6).astype(np.int64),
-            transmissions.size_bytes,
-            transmissions.power_dbm,
-            transmissions.message_id,
+            Memory(state.grant, state.power_dbm, state.sensed, state.reserved, state.busy_ratio),
+            Pairs(state.pairs, state.pair_count),
+            asked(transmissions),
             position_m,
             self.hazard,
             self.leak,
             self.tables,
             self.constants,
         )
-        after = replace(state, t_s=until_t_s, pairs=pairs, pair_count=pair_count)
-        return (who, when, outcomes, expired), after
+        after = replace(state, t_s=until_t_s, pairs=pairs.held, pair_count=pairs.owned)
+        return heard, after
 
     def channel_busy_ratio(self, state: SidelinkState) -> FloatArray:
         """Share of sub-channels above -94 dBm in the last full 100 subframes of every vehicle, 0..1, (V,)."""

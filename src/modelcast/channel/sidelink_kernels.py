@@ -4,13 +4,17 @@ In every subframe of 1 ms: messages become ready and choose a resource if they h
 it is send; everybody else adds up the power in each sub-channel, decodes what it can, and remembers both.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
+from modelcast.channel.cells_kernels import Cells, build_cells, find_in_range
 from modelcast.channel.error_kernels import hazard_at
-from modelcast.channel.grid_kernels import Grid, build_grid, find_in_range
-from modelcast.channel.pair_kernels import find_pairs, grow_pairs, pair_shadowing
+from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_heard
+from modelcast.channel.pair_kernels import Pairs
 from modelcast.channel.propagation_kernels import PropagationTables, fading_factor, median_ln
 from modelcast.channel.random_kernels import LUCK, next_word, uniform, uniform_of, word_of
+from modelcast.channel.shadowing_kernels import SILENT, ShadowRows, shadow_of, shadow_rows
 from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants, select_resource
 from modelcast.core.exponential_kernels import fast_exp
 from modelcast.core.kernel import kernel
@@ -31,6 +35,7 @@ __all__ = [
     "GRANT_COLUMNS",
     "MESSAGE",
     "NEXT",
+    "Memory",
     "advance",
 ]
 
@@ -38,6 +43,56 @@ __all__ = [
 BAND, NEXT, _COUNTER, _UNUSED, _LENGTH, MESSAGE, _READY, _BYTES = 0, 1, 2, 3, 4, 5, 6, 7
 GRANT_COLUMNS = 8
 _RECEIVED, _HALF_DUPLEX, _WEAK, _HIDDEN, _CONCURRENT = 0, 1, 2, 3, 4
+
+
+class Memory(NamedTuple):
+    """What vehicles keep between subframes: arrays of `SidelinkState`."""
+
+    grant: IntMatrix
+    power_dbm: FloatVector
+    sensed: Float32Cube
+    reserved: Float32Cube
+    busy_ratio: FloatVector
+
+
+class Air(NamedTuple):
+    """One subframe at V vehicles and in C sub-channels.
+
+    ``power`` (V, C) [mW]; the two strongest senders, ``top_mw`` and ``top_turn`` (V, C, 2); who ``sends``
+    and who ``reserves`` the resource again, (V,).
+    """
+
+    power: FloatMatrix
+    top_mw: FloatCube
+    top_turn: IntCube
+    sends: BoolVector
+    reserves: BoolVector
+
+
+class Turns(NamedTuple):
+    """Who sends in a subframe, in turn: ``vehicle``, ``place`` (V, 2), ``seed``, and their first links."""
+
+    vehicle: IntVector
+    place: FloatMatrix
+    seed: IntVector
+    first_link: IntVector
+
+
+class Links(NamedTuple):
+    """A frame at its receivers, frame after frame: who, power [mW], distance bin."""
+
+    receiver: IntVector
+    mw: FloatVector
+    bin: IntVector
+
+
+class Around(NamedTuple):
+    """Where everybody is in this interval; ``near`` is scratch."""
+
+    position_m: FloatMatrix
+    cells: Cells
+    rows: ShadowRows
+    near: IntMatrix
 
 
 @kernel(inlined=True)
@@ -54,52 +109,43 @@ def _draw_counter(random: UInt64Vector, constants: SidelinkConstants) -> int:
 
 @kernel(inlined=True)
 def _receive_powers(
-    v: int,
-    sent_ln: float,
-    band: int,
-    used_blocks: int,
     turn: int,
-    position_m: FloatMatrix,
-    grid: Grid,
-    tables: PropagationTables,
-    pairs: Float32Cube,
-    seed: int,
-    leak: FloatCube,
-    power: FloatMatrix,
-    top_mw: FloatCube,
-    top_turn: IntCube,
-    link_receiver: IntVector,
-    link_mw: FloatVector,
-    link_bin: IntVector,
+    turns: Turns,
+    memory: Memory,
+    air: Air,
+    links: Links,
     used: int,
-    constants: SidelinkConstants,
-    sends: BoolVector,
+    around: Around,
+    leak: FloatCube,
+    tables: PropagationTables,
     outcomes: IntMatrix,
-    near: IntMatrix,
-    count: int,
+    constants: SidelinkConstants,
 ) -> int:
-    """Add the power of one sender to the ``count`` vehicles in ``near``; return how many links there are."""
+    """Add the power of one sender to the vehicles in range; return how many links there are."""
+    v, seed = int(turns.vehicle[turn]), int(turns.seed[turn])
+    sent_ln = (constants.gain_db + memory.power_dbm[v]) * np.log(10.0) / 10.0
+    band, used_blocks = int(memory.grant[v, BAND]), _used(int(memory.grant[v, _BYTES]), constants)
+    position_m, cells, near = around.position_m, around.cells, around.near
+    power, top_mw, top_turn = air.power, air.top_mw, air.top_turn
     length = (used_blocks + constants.blocks - 1) // constants.blocks
     east, north = position_m[v, 0], position_m[v, 1]
-    for n in range(count):
+    for n in range(find_in_range(v, position_m, cells, constants.range_m, near)):
         k = near[n, 0]
-        away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
-        j = int(grid.order[k])
+        away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
+        j = int(cells.order[k])
         distance_m = np.sqrt(away_east * away_east + away_north * away_north)
-        ln, los = median_ln(east, north, grid.place[k, 0], grid.place[k, 1], distance_m, tables)
+        ln, los = median_ln(east, north, cells.place[k, 0], cells.place[k, 1], distance_m, tables)
         word = word_of(seed, j)
         if constants.shadowed:
             sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
-            ln += sigma * pair_shadowing(
-                v, j, near[n, 1], away_east, away_north, word, tables.normal, tables.decorrelation_m, pairs
-            )
+            ln += sigma * shadow_of(v, near[n, 1], k, around.rows)
         power_mw = fast_exp(sent_ln + min(ln, 0.0)) * fading_factor(
             distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m
         )
         group = min(int(distance_m / constants.bin_m), constants.bins)
         if power_mw < constants.quiet_mw:
             if group < constants.bins:
-                outcomes[group, _HALF_DUPLEX if sends[j] else _WEAK] += 1
+                outcomes[group, _HALF_DUPLEX if air.sends[j] else _WEAK] += 1
             continue
         density_mw = power_mw * constants.blocks / used_blocks
         for s in range(constants.sub_channels):
@@ -114,8 +160,7 @@ def _receive_powers(
                 top_mw[j, s, 0], top_turn[j, s, 0] = share_mw, turn
             elif share_mw > top_mw[j, s, 1]:
                 top_mw[j, s, 1], top_turn[j, s, 1] = share_mw, turn
-        link_receiver[used], link_mw[used] = j, power_mw
-        link_bin[used] = group
+        links.receiver[used], links.mw[used], links.bin[used] = j, power_mw, group
         used += 1
     return used
 
@@ -127,15 +172,13 @@ def _judge(
     band: int,
     turn: int,
     size_bytes: int,
-    place: FloatMatrix,
-    power: FloatMatrix,
-    top_mw: FloatCube,
-    top_turn: IntCube,
+    turns: Turns,
+    air: Air,
     hazard: FloatVector,
-    seed: int,
     constants: SidelinkConstants,
 ) -> tuple[int, float]:
     """Return what became of a frame at a listening receiver, and its SINR."""
+    place, power, top_mw, top_turn = turns.place, air.power, air.top_mw, air.top_turn
     used_blocks = _used(size_bytes, constants)
     length = (used_blocks + constants.blocks - 1) // constants.blocks
     noise_mw = constants.noise_mw * used_blocks / constants.blocks
@@ -154,7 +197,7 @@ def _judge(
     if power_mw < constants.sensitivity_mw:
         return _WEAK, ratio
     units = constants.units_fixed + constants.units_per_byte * size_bytes
-    luck = -np.log(1.0 - uniform_of(seed, j + LUCK))
+    luck = -np.log(1.0 - uniform_of(int(turns.seed[turn]), j + LUCK))
     if units * hazard_at(ratio, hazard) <= luck:
         return _RECEIVED, ratio
     if units * hazard_at(power_mw / noise_mw, hazard) > luck or worst < 0:
@@ -165,225 +208,248 @@ def _judge(
 
 
 @kernel
+def _find_reach(
+    grant: IntMatrix, sender: IntVector, position_m: FloatMatrix, constants: SidelinkConstants
+) -> FloatVector:
+    """Return the squared reach of what vehicles may send in this interval, as `shadow_rows` has it."""
+    reach_m2 = np.full(grant.shape[0], SILENT)
+    if constants.shadowed:
+        for n in range(sender.size + grant.shape[0]):
+            v = int(sender[n]) if n < sender.size else n - sender.size
+            here = np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1])
+            if here and (n < sender.size or grant[v, MESSAGE] >= 0):
+                reach_m2[v] = constants.range_m * constants.range_m
+    return reach_m2
+
+
+@kernel
+def _take_in(
+    n: int, subframe: int, memory: Memory, asked: Asked, random: UInt64Vector, constants: SidelinkConstants
+) -> None:
+    """Let a message wait for the vehicle's resource; choose one where it has none that fits."""
+    grant, v, size_bytes = memory.grant, asked.sender[n], asked.size_bytes[n]
+    length = (_used(size_bytes, constants) + constants.blocks - 1) // constants.blocks
+    grant[v, MESSAGE], grant[v, _READY], grant[v, _BYTES] = asked.message_id[n], subframe, size_bytes
+    memory.power_dbm[v] = asked.power_dbm[n]
+    ahead = grant[v, NEXT] - subframe
+    fits = grant[v, BAND] >= 0 and grant[v, _LENGTH] >= length
+    if fits and constants.first <= ahead <= constants.last:
+        return
+    when_next, band = select_resource(v, subframe, length, memory.sensed, memory.reserved, random, constants)
+    grant[v, BAND], grant[v, NEXT], grant[v, _LENGTH] = band, when_next, length
+    grant[v, _COUNTER] = 1 if constants.one_shot else _draw_counter(random, constants)
+    grant[v, _UNUSED] = 0
+
+
+@kernel(inlined=True)
+def _take_turns(
+    subframe: int,
+    grant: IntMatrix,
+    position_m: FloatMatrix,
+    turns: Turns,
+    air: Air,
+    random: UInt64Vector,
+    constants: SidelinkConstants,
+) -> int:
+    """Write who sends in this subframe; return how many."""
+    count = 0
+    for v in range(grant.shape[0]):
+        if grant[v, BAND] < 0 or grant[v, NEXT] != subframe:
+            continue
+        grant[v, NEXT] += constants.interval
+        if grant[v, MESSAGE] < 0 or not np.isfinite(position_m[v, 0]):
+            grant[v, _UNUSED] += 1
+            if grant[v, _UNUSED] >= constants.reselect_after:
+                grant[v, BAND] = -1
+            continue
+        grant[v, _UNUSED] = 0
+        turns.vehicle[count] = v
+        turns.place[count, 0], turns.place[count, 1] = position_m[v, 0], position_m[v, 1]
+        turns.seed[count] = np.int64(next_word(random) >> np.uint64(1))
+        count += 1
+        air.sends[v] = True
+        air.reserves[v] = True
+        if grant[v, _COUNTER] > 1:
+            grant[v, _COUNTER] -= 1
+        elif not constants.one_shot and uniform(random) < constants.keep_ratio:
+            grant[v, _COUNTER] = _draw_counter(random, constants)
+        else:
+            air.reserves[v] = False
+    return count
+
+
+@kernel(inlined=True)
+def _remember(subframe: int, memory: Memory, air: Air, constants: SidelinkConstants) -> None:
+    """Keep what everybody sensed; what was reserved in this phase has come."""
+    slot, phase = subframe % MEMORY, subframe % constants.interval
+    for v in range(memory.grant.shape[0]):
+        for s in range(constants.sub_channels):
+            sensed_mw = np.inf if air.sends[v] else air.power[v, s] + constants.noise_mw
+            memory.sensed[v, slot, s] = sensed_mw
+            memory.reserved[v, phase, s] = 0.0
+
+
+@kernel(inlined=True)
+def _finish_frame(
+    turn: int,
+    subframe: int,
+    turns: Turns,
+    memory: Memory,
+    air: Air,
+    links: Links,
+    heard: Heard,
+    received: int,
+    hazard: FloatVector,
+    constants: SidelinkConstants,
+) -> int:
+    """Say what becomes of a frame at every receiver; return the number of receptions."""
+    v, phase = turns.vehicle[turn], subframe % constants.interval
+    band, size = memory.grant[v, BAND], int(memory.grant[v, _BYTES])
+    used_blocks = _used(size, constants)
+    length = (used_blocks + constants.blocks - 1) // constants.blocks
+    for k in range(turns.first_link[turn], turns.first_link[turn + 1]):
+        j = int(links.receiver[k])
+        if air.sends[j]:
+            outcome = _HALF_DUPLEX
+        else:
+            outcome, ratio = _judge(j, links.mw[k], band, turn, size, turns, air, hazard, constants)
+            if air.reserves[v] and ratio >= constants.control_ratio:
+                rsrp_mw = links.mw[k] / (used_blocks * constants.elements)
+                for s in range(band, band + length):
+                    memory.reserved[j, phase, s] = max(memory.reserved[j, phase, s], rsrp_mw)
+        if links.bin[k] < constants.bins:
+            heard.outcomes[links.bin[k], outcome] += 1
+        if outcome == _RECEIVED:
+            who, when = heard.who, heard.when
+            who[received, 0], who[received, 1], who[received, 2] = memory.grant[v, MESSAGE], v, j
+            when[received, 0], when[received, 1] = (subframe + 1) * 1e-3, links.mw[k]
+            received += 1
+    return received
+
+
+@kernel(inlined=True)
+def _clear(
+    count: int, used: int, turns: Turns, links: Links, grant: IntMatrix, air: Air, channels: int
+) -> None:
+    """Make the air silent again; messages sent are gone, and resources that were not reserved."""
+    for k in range(used):
+        j = links.receiver[k]
+        for s in range(channels):
+            air.power[j, s] = 0.0
+            air.top_mw[j, s, 0], air.top_mw[j, s, 1] = 0.0, 0.0
+            air.top_turn[j, s, 0], air.top_turn[j, s, 1] = -1, -1
+    for turn in range(count):
+        v = turns.vehicle[turn]
+        air.sends[v] = False
+        grant[v, MESSAGE] = -1
+        if not air.reserves[v]:
+            grant[v, BAND] = -1
+
+
+@kernel(inlined=True)
+def _measure_busy(subframe: int, memory: Memory, constants: SidelinkConstants) -> None:
+    """Work out the busy ratios of the window that ends with this subframe."""
+    for v in range(memory.grant.shape[0]):
+        listened, busy = 0, 0
+        for back in range(constants.window):
+            at = (subframe - back) % MEMORY
+            if np.isfinite(memory.sensed[v, at, 0]):
+                for s in range(constants.sub_channels):
+                    listened += 1
+                    busy += memory.sensed[v, at, s] > constants.load_mw
+        memory.busy_ratio[v] = busy / max(listened, 1)
+
+
+@kernel
+def _links_room(links: Links, used: int, more: int) -> Links:
+    """Return the same with room for more links."""
+    if used + more <= links.receiver.size:
+        return links
+    size = 2 * (used + more)
+    roomier = Links(np.empty(size, dtype=np.int64), np.empty(size), np.empty(size, dtype=np.int64))
+    roomier.receiver[:used], roomier.mw[:used] = links.receiver[:used], links.mw[:used]
+    roomier.bin[:used] = links.bin[:used]
+    return roomier
+
+
+@kernel
+def _silent_air(vehicles: int, channels: int) -> tuple[Air, Turns]:
+    """Return a subframe without power, and room for everybody's turn."""
+    air = Air(
+        np.zeros((vehicles, channels)),
+        np.zeros((vehicles, channels, 2)),
+        np.full((vehicles, channels, 2), -1, dtype=np.int64),
+        np.zeros(vehicles, dtype=np.bool_),
+        np.zeros(vehicles, dtype=np.bool_),
+    )
+    turns = Turns(
+        np.empty(vehicles, dtype=np.int64),
+        np.empty((vehicles, 2)),
+        np.empty(vehicles, dtype=np.int64),
+        np.empty(vehicles + 1, dtype=np.int64),
+    )
+    return air, turns
+
+
+@kernel
 def advance(
     now: int,
     until: int,
     random: UInt64Vector,
-    grant: IntMatrix,
-    power_dbm: FloatVector,
-    sensed: Float32Cube,
-    reserved: Float32Cube,
-    busy_ratio: FloatVector,
-    pairs: Float32Cube,
-    pair_count: IntVector,
-    sender: IntVector,
-    ready_subframe: IntVector,
-    size_bytes: IntVector,
-    message_dbm: FloatVector,
-    message_id: IntVector,
+    memory: Memory,
+    pairs: Pairs,
+    asked: Asked,
     position_m: FloatMatrix,
     hazard: FloatVector,
     leak: FloatCube,
     tables: PropagationTables,
     constants: SidelinkConstants,
-) -> tuple[IntMatrix, FloatMatrix, IntMatrix, IntVector, Float32Cube, IntVector]:
+) -> tuple[Heard, Pairs]:
     """Carry the subframes ``now`` to ``until``, the end excluded; the arrays of the state are written into.
 
-    Returns receptions (message, sender, receiver as (R, 3) integers; time, power as (R, 2)), outcomes (bins,
-    5), expired messages, and the store of pairs.
+    Returns what was heard, and the store of pairs.
     """
-    vehicles = grant.shape[0]
-    channels = constants.sub_channels
-    grid = build_grid(position_m, constants.range_m)
-    present = grid.order.size
-    gain_ln = constants.gain_db * np.log(10.0) / 10.0
-    who, when, received = np.empty((1024, 3), dtype=np.int64), np.empty((1024, 2)), 0
-    outcomes = np.zeros((constants.bins, 5), dtype=np.int64)
-    expired, lapsed = np.empty(sender.size + vehicles, dtype=np.int64), 0
-    power = np.zeros((vehicles, channels))
-    top_mw, top_turn = (
-        np.zeros((vehicles, channels, 2)),
-        np.full((vehicles, channels, 2), -1, dtype=np.int64),
-    )
-    sends = np.zeros(vehicles, dtype=np.bool_)
+    grant, sender = memory.grant, asked.sender
+    vehicles, channels = grant.shape[0], constants.sub_channels
+    ready_subframe = np.floor(asked.ready_s * 1e3 + 1e-6).astype(np.int64)
+    cells = build_cells(position_m, constants.range_m)
+    present = cells.order.size
+    reach_m2 = _find_reach(grant, sender, position_m, constants)
+    rows, pairs = shadow_rows(reach_m2, position_m, cells, random[1], tables, constants.range_m, pairs)
+    around = Around(position_m, cells, rows, np.empty((present, 2), dtype=np.int64))
+    heard, received, lapsed = nothing_heard(constants.bins, sender.size + vehicles), 0, 0
+    air, turns = _silent_air(vehicles, channels)
+    links = Links(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64))
     arrival = 0
-    links_room = 4 * max(present, 1)
-    link_receiver, link_mw = np.empty(links_room, dtype=np.int64), np.empty(links_room)
-    link_bin = np.empty(links_room, dtype=np.int64)
-    turns = np.empty(vehicles, dtype=np.int64)
-    place = np.empty((vehicles, 2))
-    seeds = np.empty(vehicles, dtype=np.int64)
-    first_link = np.empty(vehicles + 1, dtype=np.int64)
-    reserves = np.zeros(vehicles, dtype=np.bool_)
-    near = np.empty((present, 2), dtype=np.int64)
 
     for subframe in range(now, until):
         # Messages that became ready before this subframe choose their resource.
         while arrival < sender.size and ready_subframe[arrival] <= subframe:
             v, n = sender[arrival], arrival
             arrival += 1
-            if not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1])):
-                expired[lapsed] = message_id[n]
+            absent = not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]))
+            if absent or grant[v, MESSAGE] >= 0:
+                heard.expired[lapsed] = asked.message_id[n] if absent else grant[v, MESSAGE]
                 lapsed += 1
-                continue
-            waited = grant[v, MESSAGE] >= 0
-            if waited:
-                expired[lapsed] = grant[v, MESSAGE]
-                lapsed += 1
-            length = (_used(size_bytes[n], constants) + constants.blocks - 1) // constants.blocks
-            grant[v, MESSAGE], grant[v, _READY], grant[v, _BYTES] = message_id[n], subframe, size_bytes[n]
-            power_dbm[v] = message_dbm[n]
-            ahead = grant[v, NEXT] - subframe
-            if (
-                grant[v, BAND] < 0
-                or grant[v, _LENGTH] < length
-                or ahead < constants.first
-                or ahead > constants.last
-            ):
-                when_next, band = select_resource(v, subframe, length, sensed, reserved, random, constants)
-                grant[v, BAND], grant[v, NEXT], grant[v, _LENGTH] = band, when_next, length
-                grant[v, _COUNTER] = 1 if constants.one_shot else _draw_counter(random, constants)
-                grant[v, _UNUSED] = 0
-
-        # Who sends.
-        count = 0
-        for v in range(vehicles):
-            if grant[v, BAND] < 0 or grant[v, NEXT] != subframe:
-                continue
-            grant[v, NEXT] += constants.interval
-            if grant[v, MESSAGE] < 0 or not np.isfinite(position_m[v, 0]):
-                grant[v, _UNUSED] += 1
-                if grant[v, _UNUSED] >= constants.reselect_after:
-                    grant[v, BAND] = -1
-                continue
-            grant[v, _UNUSED] = 0
-            turns[count] = v
-            place[count, 0], place[count, 1] = position_m[v, 0], position_m[v, 1]
-            seeds[count] = np.int64(next_word(random) >> np.uint64(1))
-            count += 1
-            sends[v] = True
-            reserves[v] = True
-            if grant[v, _COUNTER] > 1:
-                grant[v, _COUNTER] -= 1
-            elif not constants.one_shot and uniform(random) < constants.keep_ratio:
-                grant[v, _COUNTER] = _draw_counter(random, constants)
-            else:
-                reserves[v] = False
-
-        # Power in every sub-channel of every receiver.
-        used = 0
+            if not absent:
+                _take_in(n, subframe, memory, asked, random, constants)
+        count, used = _take_turns(subframe, grant, position_m, turns, air, random, constants), 0
         for turn in range(count):
-            v = turns[turn]
-            if used + present > link_receiver.size:
-                links_room = 2 * (used + present)
-                more_receiver, more_mw = np.empty(links_room, dtype=np.int64), np.empty(links_room)
-                more_bin = np.empty(links_room, dtype=np.int64)
-                more_receiver[:used], more_mw[:used] = link_receiver[:used], link_mw[:used]
-                more_bin[:used] = link_bin[:used]
-                link_receiver, link_mw, link_bin = more_receiver, more_mw, more_bin
-            in_range = find_in_range(v, position_m, grid, constants.range_m, near)
-            if constants.shadowed:
-                while not find_pairs(v, grid.order, near, in_range, pairs, pair_count):
-                    pairs, pair_count = grow_pairs(pairs, position_m, constants.range_m)
-            first_link[turn] = used
+            links = _links_room(links, used, present)
+            turns.first_link[turn] = used
             used = _receive_powers(
-                v,
-                gain_ln + power_dbm[v] * np.log(10.0) / 10.0,
-                grant[v, BAND],
-                _used(grant[v, _BYTES], constants),
-                turn,
-                position_m,
-                grid,
-                tables,
-                pairs,
-                seeds[turn],
-                leak,
-                power,
-                top_mw,
-                top_turn,
-                link_receiver,
-                link_mw,
-                link_bin,
-                used,
-                constants,
-                sends,
-                outcomes,
-                near,
-                in_range,
+                turn, turns, memory, air, links, used, around, leak, tables, heard.outcomes, constants
             )
-        first_link[count] = used
-
-        # What everybody remembers of this subframe.
-        slot, phase = subframe % MEMORY, subframe % constants.interval
-        for v in range(vehicles):
-            for s in range(channels):
-                sensed[v, slot, s] = np.inf if sends[v] else power[v, s] + constants.noise_mw
-                reserved[v, phase, s] = 0.0
-
-        # What becomes of every frame at every receiver.
-        while received + used > who.shape[0]:
-            more_who, more_when = (
-                np.empty((2 * who.shape[0], 3), dtype=np.int64),
-                np.empty((2 * who.shape[0], 2)),
+        turns.first_link[count] = used
+        _remember(subframe, memory, air, constants)
+        heard = heard_room(heard, received, used)
+        for turn in range(count):
+            received = _finish_frame(
+                turn, subframe, turns, memory, air, links, heard, received, hazard, constants
             )
-            more_who[:received], more_when[:received] = who[:received], when[:received]
-            who, when = more_who, more_when
-        for turn in range(count):
-            v = turns[turn]
-            band, size = grant[v, BAND], grant[v, _BYTES]
-            used_blocks = _used(size, constants)
-            length = (used_blocks + constants.blocks - 1) // constants.blocks
-            for k in range(first_link[turn], first_link[turn + 1]):
-                j = link_receiver[k]
-                if sends[j]:
-                    outcome = _HALF_DUPLEX
-                else:
-                    outcome, ratio = _judge(
-                        j,
-                        link_mw[k],
-                        band,
-                        turn,
-                        size,
-                        place,
-                        power,
-                        top_mw,
-                        top_turn,
-                        hazard,
-                        seeds[turn],
-                        constants,
-                    )
-                    if reserves[v] and ratio >= constants.control_ratio:
-                        rsrp_mw = link_mw[k] / (used_blocks * constants.elements)
-                        for s in range(band, band + length):
-                            reserved[j, phase, s] = max(reserved[j, phase, s], rsrp_mw)
-                if link_bin[k] < constants.bins:
-                    outcomes[link_bin[k], outcome] += 1
-                if outcome == _RECEIVED:
-                    who[received, 0], who[received, 1], who[received, 2] = grant[v, MESSAGE], v, j
-                    when[received, 0], when[received, 1] = (subframe + 1) * 1e-3, link_mw[k]
-                    received += 1
-        for k in range(used):
-            j = link_receiver[k]
-            for s in range(channels):
-                power[j, s] = 0.0
-                top_mw[j, s, 0], top_mw[j, s, 1] = 0.0, 0.0
-                top_turn[j, s, 0], top_turn[j, s, 1] = -1, -1
-        for turn in range(count):
-            v = turns[turn]
-            sends[v] = False
-            grant[v, MESSAGE] = -1
-            if not reserves[v]:
-                grant[v, BAND] = -1
-
+        _clear(count, used, turns, links, grant, air, channels)
         if (subframe + 1) % constants.window == 0:
-            for v in range(vehicles):
-                heard, busy = 0, 0
-                for back in range(constants.window):
-                    at = (subframe - back) % MEMORY
-                    if np.isfinite(sensed[v, at, 0]):
-                        for s in range(channels):
-                            heard += 1
-                            busy += sensed[v, at, s] > constants.load_mw
-                busy_ratio[v] = busy / max(heard, 1)
+            _measure_busy(subframe, memory, constants)
 
-    return who[:received].copy(), when[:received].copy(), outcomes, expired[:lapsed].copy(), pairs, pair_count
+    who, when = heard.who[:received].copy(), heard.when[:received].copy()
+    return Heard(who, when, heard.outcomes, heard.expired[:lapsed].copy()), pairs

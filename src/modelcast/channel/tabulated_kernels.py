@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from modelcast.channel.grid_kernels import build_grid, cell_span
+from modelcast.channel.cells_kernels import build_cells, cell_span, row_span
 from modelcast.channel.random_kernels import uniform
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntMatrix, IntVector, UInt64Vector
@@ -32,7 +32,7 @@ def advance(
     bins = ratios.shape[1]
     range_m = bins * bin_m
     reach_m = max(range_m, load_range_m)
-    grid = build_grid(position_m, reach_m)
+    cells = build_cells(position_m, reach_m)
     load = np.zeros(position_m.shape[0])
     outcomes = np.zeros((bins, 5), dtype=np.int64)
     expired, lapsed = np.empty(sender.size, dtype=np.int64), 0
@@ -48,19 +48,17 @@ def advance(
                 continue
             if turn == 0:
                 load[v] += airtime_s[n] / interval_s
-            if received + grid.order.size > who.shape[0]:
-                rows = 2 * (received + grid.order.size)
+            if received + cells.order.size > who.shape[0]:
+                rows = 2 * (received + cells.order.size)
                 more_who, more_when = np.empty((rows, 3), dtype=np.int64), np.empty(rows)
                 more_who[:received], more_when[:received] = who[:received], when[:received]
                 who, when = more_who, more_when
-            column_from, column_to = cell_span(east, grid.corner_east_m, grid.cell_m, grid.columns, reach_m)
-            row_from, row_to = cell_span(north, grid.corner_north_m, grid.cell_m, grid.rows, reach_m)
+            left, right, row_from, row_to = cell_span(cells, east, north, reach_m)
             for row in range(row_from, row_to + 1):
-                low = grid.start[row * grid.columns + column_from]
-                high = grid.start[row * grid.columns + column_to + 1]
+                low, high = row_span(cells, row, left, right)
                 for k in range(low, high):
-                    j = grid.order[k]
-                    away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
+                    j = cells.order[k]
+                    away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
                     distance_m = np.sqrt(away_east * away_east + away_north * away_north)
                     if j == v:
                         continue

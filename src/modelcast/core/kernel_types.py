@@ -16,6 +16,7 @@ __all__ = [
     "BoolMatrix",
     "BoolVector",
     "Float32Cube",
+    "Float32Matrix",
     "Float32Vector",
     "FloatBlock",
     "FloatCube",
@@ -70,6 +71,7 @@ IntMatrix = Annotated[npt.NDArray[np.int64], Layout("int64", 2)]
 IntCube = Annotated[npt.NDArray[np.int64], Layout("int64", 3)]
 BoolVector = Annotated[npt.NDArray[np.bool_], Layout("bool", 1)]
 Float32Vector = Annotated[npt.NDArray[np.float32], Layout("float32", 1)]
+Float32Matrix = Annotated[npt.NDArray[np.float32], Layout("float32", 2)]
 Float32Cube = Annotated[npt.NDArray[np.float32], Layout("float32", 3)]
 Int16Matrix = Annotated[npt.NDArray[np.int16], Layout("int16", 2)]
 Int32Vector = Annotated[npt.NDArray[np.int32], Layout("int32", 1)]

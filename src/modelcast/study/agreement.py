@@ -1,8 +1,8 @@
 """Whether what is evaluated, simulated and driven is the same: three runtimes, one trip, byte for byte.
 
-The trip runtime, the fleet runtime on an ideal channel, and a lone `Station` fed sample by sample get the same
-samples, origin, time base and step. They must send the same octets at the same samples; and a host that hears them
-over a lossy channel must believe what the replay of the evaluation says, to the last bit.
+The trip runtime, the fleet runtime on an ideal channel, and a lone `Station` fed sample by sample get the
+same samples, origin, time base and step. They must send the same octets at the same samples; and a host that
+hears them over a lossy channel must believe what the replay of the evaluation says, to the last bit.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.banks import profile_number_of
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.receiver.ears import Ears
-from modelcast.station.sender.octets import SentMessages, StationOctets
+from modelcast.station.sender.octets import StationOctets
 from modelcast.station.sender.sender import Sender
 from modelcast.station.sensing.sensing import NOWHERE, Sensing, measurements, part_begins
 from modelcast.station.station import Station
@@ -200,7 +200,10 @@ def _host_difference(
 
 
 def _replayed(
-    trip: Trajectory, runtime: TripRuntime, walked: TripMessages, lost: np.ndarray[tuple[int, int], np.dtype[np.bool_]]
+    trip: Trajectory,
+    runtime: TripRuntime,
+    walked: TripMessages,
+    lost: np.ndarray[tuple[int, int], np.dtype[np.bool_]],
 ) -> FloatArray:
     """Where the replay puts the sender at each sample, (2, T) [m]."""
     count = len(trip)

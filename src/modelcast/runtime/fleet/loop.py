@@ -280,6 +280,7 @@ class FleetLoop:
             size_bytes=every.size_bytes[order],
             power_dbm=every.power_dbm[order],
             message_id=every.message_id[order],
+            next_s=every.next_s[order] + shift_s,
         )
         received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s)
         return replace(received, t_s=received.t_s - shift_s) if shift_s != 0.0 else received

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from modelcast.channel.grid_kernels import build_grid, cell_span
+from modelcast.channel.cells_kernels import build_cells, cell_span, row_span
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatCube, FloatMatrix, FloatVector, IntCube, IntVector
 from modelcast.models.member_kernels import Members, predict_member
@@ -169,36 +169,36 @@ def sample_tracks(
 def count_pairs(position_m: FloatMatrix, distance_bin_m: float, pairs: IntVector) -> None:
     """Count all pairs of host and remote by distance, ``pairs`` (distances,); NaN is nobody."""
     most_m = distance_bin_m * pairs.size
-    grid = build_grid(position_m, most_m)
+    cells = build_cells(position_m, most_m)
     for v in range(position_m.shape[0]):
         east, north = position_m[v, 0], position_m[v, 1]
         if np.isnan(east):
             continue
-        first, last = cell_span(east, grid.corner_east_m, grid.cell_m, grid.columns, most_m)
-        low, high = cell_span(north, grid.corner_north_m, grid.cell_m, grid.rows, most_m)
-        for row in range(low, high + 1):
-            for k in range(grid.start[row * grid.columns + first], grid.start[row * grid.columns + last + 1]):
-                a, b = grid.place[k, 0] - east, grid.place[k, 1] - north
+        first, last, row_from, row_to = cell_span(cells, east, north, most_m)
+        for row in range(row_from, row_to + 1):
+            low, high = row_span(cells, row, first, last)
+            for k in range(low, high):
+                a, b = cells.place[k, 0] - east, cells.place[k, 1] - north
                 square = a * a + b * b
-                if square < most_m * most_m and grid.order[k] != v:
+                if square < most_m * most_m and cells.order[k] != v:
                     pairs[int(sqrt(square) / distance_bin_m)] += 1
 
 
 @kernel
 def most_in_reach(position_m: FloatMatrix, reach_m: float) -> int:
     """Most vehicles within reach of one, itself among them."""
-    grid = build_grid(position_m, reach_m)
+    cells = build_cells(position_m, reach_m)
     most = 0
     for v in range(position_m.shape[0]):
         east, north = position_m[v, 0], position_m[v, 1]
         if np.isnan(east):
             continue
-        first, last = cell_span(east, grid.corner_east_m, grid.cell_m, grid.columns, reach_m)
-        low, high = cell_span(north, grid.corner_north_m, grid.cell_m, grid.rows, reach_m)
+        first, last, row_from, row_to = cell_span(cells, east, north, reach_m)
         near = 0
-        for row in range(low, high + 1):
-            for k in range(grid.start[row * grid.columns + first], grid.start[row * grid.columns + last + 1]):
-                a, b = grid.place[k, 0] - east, grid.place[k, 1] - north
+        for row in range(row_from, row_to + 1):
+            low, high = row_span(cells, row, first, last)
+            for k in range(low, high):
+                a, b = cells.place[k, 0] - east, cells.place[k, 1] - north
                 if a * a + b * b <= reach_m * reach_m:
                     near += 1
         most = max(most, near)

@@ -1,4 +1,4 @@
-"""Compiled spatial grid: who is near a place, at a cost that grows with the neighbours only."""
+"""Cells of a neighbour search: who is near a place, at a cost that grows with the neighbours only."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,7 @@ import numpy as np
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, IntMatrix, IntVector
 
-__all__ = ["CELLS_A_RANGE", "Grid", "build_grid", "cell_span", "find_in_range"]
+__all__ = ["CELLS_A_RANGE", "Cells", "build_cells", "cell_row", "cell_span", "find_in_range", "row_span"]
 
 CELLS_A_RANGE = 4
 """Cells a range: small cells waste less of what is looked at."""
@@ -15,7 +15,7 @@ CELLS_A_RANGE = 4
 _MOST_CELLS_AXIS = 512
 
 
-class Grid(NamedTuple):
+class Cells(NamedTuple):
     """Vehicles sorted by cell.
 
     ``order`` (N,) lists the vehicles present, ``start`` (cells + 1,) where each cell begins in it, row after
@@ -33,8 +33,8 @@ class Grid(NamedTuple):
 
 
 @kernel
-def build_grid(position_m: FloatMatrix, range_m: float) -> Grid:
-    """Return the `Grid` of all vehicles whose position (V, 2) is not NaN."""
+def build_cells(position_m: FloatMatrix, range_m: float) -> Cells:
+    """Return the `Cells` of all vehicles whose position (V, 2) is not NaN."""
     vehicles = position_m.shape[0]
     low_e, low_n, high_e, high_n = np.inf, np.inf, -np.inf, -np.inf
     present = 0
@@ -67,31 +67,52 @@ def build_grid(position_m: FloatMatrix, range_m: float) -> Grid:
             filled[cell[v]] += 1
             order[at] = v
             place[at, 0], place[at, 1] = position_m[v, 0], position_m[v, 1]
-    return Grid(order, start, place, low_e, low_n, cell_m, columns, rows)
+    return Cells(order, start, place, low_e, low_n, cell_m, columns, rows)
 
 
 @kernel(inlined=True)
-def cell_span(at_m: float, corner_m: float, cell_m: float, cells: int, range_m: float) -> tuple[int, int]:
-    """Return the first and last cell of one axis that a circle of that radius touches."""
-    first = max(int((at_m - range_m - corner_m) / cell_m), 0)
-    last = min(int((at_m + range_m - corner_m) / cell_m), cells - 1)
+def _axis_span(at_m: float, corner_m: float, cell_m: float, cells: int, range_m: float) -> tuple[int, int]:
+    """Return the first and last cell of one axis that a circle touches; one after the other for none."""
+    first = min(max(int((at_m - range_m - corner_m) / cell_m), 0), cells)
+    last = max(min(int((at_m + range_m - corner_m) / cell_m), cells - 1), -1)
     return first, last
 
 
 @kernel(inlined=True)
-def find_in_range(v: int, position_m: FloatMatrix, grid: Grid, range_m: float, near: IntMatrix) -> int:
-    """Write who is within range of ``v``, as places in the grid's order, into ``near``; return how many."""
+def cell_span(cells: Cells, east_m: float, north_m: float, range_m: float) -> tuple[int, int, int, int]:
+    """Return first and last column and first and last row that a circle touches."""
+    left, right = _axis_span(east_m, cells.corner_east_m, cells.cell_m, cells.columns, range_m)
+    low, high = _axis_span(north_m, cells.corner_north_m, cells.cell_m, cells.rows, range_m)
+    return left, right, low, high
+
+
+@kernel(inlined=True)
+def row_span(cells: Cells, row: int, left: int, right: int) -> tuple[int, int]:
+    """Return where in the order the cells of a row begin and end, the end excluded."""
+    return cells.start[row * cells.columns + left], cells.start[row * cells.columns + right + 1]
+
+
+@kernel(inlined=True)
+def cell_row(cells: Cells, north_m: float) -> int:
+    """Return the row of cells that a place lies in."""
+    return int((north_m - cells.corner_north_m) / cells.cell_m)
+
+
+@kernel(inlined=True)
+def find_in_range(v: int, position_m: FloatMatrix, cells: Cells, range_m: float, near: IntMatrix) -> int:
+    """Write who is within range of ``v`` into ``near``; return how many.
+
+    That is their places in the cells' order, and the rows of cells that they are in.
+    """
     east, north = position_m[v, 0], position_m[v, 1]
-    column_from, column_to = cell_span(east, grid.corner_east_m, grid.cell_m, grid.columns, range_m)
-    row_from, row_to = cell_span(north, grid.corner_north_m, grid.cell_m, grid.rows, range_m)
+    left, right, row_from, row_to = cell_span(cells, east, north, range_m)
     count = 0
     for row in range(row_from, row_to + 1):
-        low = grid.start[row * grid.columns + column_from]
-        high = grid.start[row * grid.columns + column_to + 1]
+        low, high = row_span(cells, row, left, right)
         for k in range(low, high):
-            away_east, away_north = grid.place[k, 0] - east, grid.place[k, 1] - north
+            away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
             square = away_east * away_east + away_north * away_north
-            if square <= range_m * range_m and grid.order[k] != v:
-                near[count, 0] = k
+            if square <= range_m * range_m and cells.order[k] != v:
+                near[count, 0], near[count, 1] = k, row
                 count += 1
     return count

@@ -1,0 +1,269 @@
+"""Compiled shadowing of a step: that of every pair with a vehicle that may send, in one sweep.
+
+Positions are held for a step, so the shadowing of a pair is worked out once. The sweep goes through the
+owners of pairs in the order of the cells: an owner's table is then at hand for all its pairs, and what is
+written for its neighbours lies beside what the owner before it wrote. A frame reads its sender's row.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from modelcast.channel.cells_kernels import Cells, build_cells, cell_row, cell_span, row_span
+from modelcast.channel.pair_kernels import (
+    OTHER,
+    VALUE,
+    Pairs,
+    grow_pairs,
+    home_slot,
+    kept_share,
+    mixed,
+    move_pair,
+    pair_owner,
+    pair_slot,
+)
+from modelcast.channel.propagation_kernels import PropagationTables
+from modelcast.channel.random_kernels import word_of
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import (
+    Float32Cube,
+    Float32Vector,
+    FloatMatrix,
+    FloatVector,
+    IntMatrix,
+    IntVector,
+)
+
+__all__ = ["SILENT", "ShadowRows", "shadow_of", "shadow_rows"]
+
+SILENT = -1.0
+"""Squared reach of a vehicle that will not send."""
+
+_FEW = 16
+"""Where fewer than one in so many sends, they look up their pairs one by one: there is little to share."""
+
+_OTHER, _PLACE, _SLOT, _WORD = 0, 1, 2, 3
+_EAST_M, _NORTH_M, _KEPT, _VALUE = 0, 1, 2, 3
+
+
+class ShadowRows(NamedTuple):
+    """Normalised shadowing between senders and their neighbours.
+
+    That of vehicle ``v`` and of who stands at ``k`` in the order of the cells, in row ``r`` of cells, is
+    ``value[start[first[v] + r] + k]``. ``first`` (V,), ``start`` a number for every sender and row of cells
+    that it touches, ``value`` a number for every vehicle in those cells.
+    """
+
+    first: IntVector
+    start: IntVector
+    value: Float32Vector
+
+
+@kernel(inlined=True)
+def shadow_of(sender: int, row: int, k: int, rows: ShadowRows) -> float:
+    """Return the shadowing between a sender and who stands at ``k``, in that row of cells."""
+    return np.float64(rows.value[rows.start[rows.first[sender] + row] + k])
+
+
+@kernel
+def _lay_out(reach_m2: FloatVector, position_m: FloatMatrix, cells: Cells, range_m: float) -> ShadowRows:
+    """Return rows for all senders, whose values are yet to be written."""
+    vehicles = reach_m2.size
+    first = np.zeros(vehicles, dtype=np.int64)
+    rows = 0
+    for v in range(vehicles):
+        if reach_m2[v] >= 0.0:
+            _, _, row_from, row_to = cell_span(cells, position_m[v, 0], position_m[v, 1], range_m)
+            first[v] = rows - row_from
+            rows += row_to - row_from + 1
+    start = np.empty(rows, dtype=np.int64)
+    length = 0
+    for v in range(vehicles):
+        if reach_m2[v] >= 0.0:
+            left, right, row_from, row_to = cell_span(cells, position_m[v, 0], position_m[v, 1], range_m)
+            for row in range(row_from, row_to + 1):
+                low, high = row_span(cells, row, left, right)
+                start[first[v] + row] = length - low
+                length += high - low
+    return ShadowRows(first, start, np.empty(length, dtype=np.float32))
+
+
+@kernel(inlined=True)
+def _word(seed: np.uint64, owner: int, other: int, before: float, east_m: np.float32) -> np.uint64:
+    """Return chance that depends on a pair, its last value and its new place alone."""
+    value, place = np.float32(before).view(np.uint32), np.float32(east_m).view(np.uint32)
+    key = seed ^ (np.uint64(value) << np.uint64(32)) ^ np.uint64(place)
+    return word_of(int(key), (owner << 32) + other)
+
+
+@kernel(inlined=True)
+def _look_up(
+    v: int,
+    reach_m2: float,
+    position_m: FloatMatrix,
+    cells: Cells,
+    seed: np.uint64,
+    tables: PropagationTables,
+    rows: ShadowRows,
+    pairs: Pairs,
+) -> bool:
+    """Renew the pairs of a sender one by one, wherever they are kept; return whether there was room."""
+    held = pairs.held
+    east, north = position_m[v, 0], position_m[v, 1]
+    left, right, row_from, row_to = cell_span(cells, east, north, np.sqrt(reach_m2))
+    for row in range(row_from, row_to + 1):
+        low, high = row_span(cells, row, left, right)
+        start = rows.start[rows.first[v] + row]
+        # First look at every pair once, without a branch: so all cache misses overlap.
+        for k in range(low, high):
+            owner = pair_owner(v, int(cells.order[k]))
+            home = home_slot(v + int(cells.order[k]) - owner, held)
+            rows.value[start + k] = held[owner, home, OTHER]
+        for k in range(low, high):
+            j = int(cells.order[k])
+            away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
+            if j == v or away_east * away_east + away_north * away_north > reach_m2:
+                continue
+            owner = pair_owner(v, j)
+            other, sign = v + j - owner, 1.0 if owner == v else -1.0
+            slot = pair_slot(owner, other, pairs)
+            if slot < 0:
+                return False
+            before, to_east = held[owner, slot, VALUE], np.float32(sign * away_east)
+            moved_m = np.sqrt(move_pair(owner, slot, to_east, np.float32(sign * away_north), held))
+            kept = kept_share(moved_m, tables.decorrelation_m)
+            word = _word(seed, owner, other, before, to_east)
+            value = np.float32(mixed(before, kept, word, tables.normal))
+            held[owner, slot, VALUE] = rows.value[start + k] = value
+    return True
+
+
+@kernel(inlined=True)
+def _find_owned(
+    owner: int,
+    reach_m2: FloatVector,
+    position_m: FloatMatrix,
+    cells: Cells,
+    range_m: float,
+    rows: ShadowRows,
+    found: IntMatrix,
+    way: FloatMatrix,
+) -> int:
+    """Write who is in reach and belongs to ``owner``, and where from it, into ``found`` and ``way``.
+
+    ``cells`` hold the candidates: everybody where the owner sends. Returns how many there are.
+    """
+    east, north, reach = position_m[owner, 0], position_m[owner, 1], reach_m2[owner]
+    left, right, row_from, row_to = cell_span(cells, east, north, range_m)
+    count = 0
+    for row in range(row_from, row_to + 1):
+        low, high = row_span(cells, row, left, right)
+        start = rows.start[rows.first[owner] + row] if reach >= 0.0 else 0
+        before = count
+        for k in range(low, high):
+            other = int(cells.order[k])
+            away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
+            square = away_east * away_east + away_north * away_north
+            found[_PLACE, count] = k
+            # As `pair_owner` has it, without a branch.
+            owned = (other > owner) ^ (((owner + other) & 1) == 1)
+            count += int((other != owner) & owned & (square <= max(reach, reach_m2[other])))
+        for n in range(before, count):
+            k = found[_PLACE, n]
+            found[_OTHER, n], found[_PLACE, n] = cells.order[k], start + k
+            way[_EAST_M, n], way[_NORTH_M, n] = cells.place[k, 0] - east, cells.place[k, 1] - north
+    return count
+
+
+@kernel(inlined=True)
+def _find_slots(owner: int, count: int, found: IntMatrix, pairs: Pairs) -> bool:
+    """Write the slots of an owner's pairs with those found; return whether there was room for all."""
+    # First look at every pair once, without a branch: so all cache misses overlap.
+    for n in range(count):
+        found[_SLOT, n] = np.int64(pairs.held[owner, home_slot(found[_OTHER, n], pairs.held), OTHER])
+    for n in range(count):
+        found[_SLOT, n] = pair_slot(owner, found[_OTHER, n], pairs)
+        if found[_SLOT, n] < 0:
+            return False
+    return True
+
+
+@kernel(inlined=True)
+def _renew(
+    owner: int,
+    count: int,
+    seed: np.uint64,
+    found: IntMatrix,
+    way: FloatMatrix,
+    held: Float32Cube,
+    tables: PropagationTables,
+) -> None:
+    """Write what the shadowing of an owner's pairs is now, into ``way`` and into their slots."""
+    for n in range(count):
+        slot, east = found[_SLOT, n], np.float32(way[_EAST_M, n])
+        before = held[owner, slot, VALUE]
+        way[_VALUE, n] = before
+        way[_KEPT, n] = move_pair(owner, slot, east, np.float32(way[_NORTH_M, n]), held)
+        found[_WORD, n] = np.int64(_word(seed, owner, found[_OTHER, n], before, east))
+    # A loop that touches no other array: so it runs several at a time.
+    for n in range(count):
+        way[_KEPT, n] = kept_share(np.sqrt(way[_KEPT, n]), tables.decorrelation_m)
+    for n in range(count):
+        word = np.uint64(found[_WORD, n])
+        value = np.float32(mixed(way[_VALUE, n], way[_KEPT, n], word, tables.normal))
+        way[_VALUE, n] = held[owner, found[_SLOT, n], VALUE] = value
+
+
+@kernel
+def shadow_rows(
+    reach_m2: FloatVector,
+    position_m: FloatMatrix,
+    cells: Cells,
+    seed: np.uint64,
+    tables: PropagationTables,
+    range_m: float,
+    pairs: Pairs,
+) -> tuple[ShadowRows, Pairs]:
+    """Renew the shadowing of all pairs with a sender; return it as rows, and the store of pairs.
+
+    Parameters
+    ----------
+    reach_m2
+        Square of the distance up to which each vehicle may be heard in this step, `SILENT` where it does not
+        send, (V,) [m²].
+    position_m, cells
+        Where everybody is, (V, 2) [m], and the cells of it.
+    seed
+        What chance depends on, beside the pair, its last value and its place.
+    range_m
+        No reach is longer; the range that the cells are made for [m].
+    """
+    longest_m = np.sqrt(max(reach_m2.max(), 0.0)) + 1.0  # so that no rounding keeps anybody out
+    rows = _lay_out(reach_m2, position_m, cells, longest_m)
+    sending, present = np.flatnonzero(reach_m2 >= 0.0), cells.order.size
+    if _FEW * sending.size <= present:
+        for n in range(sending.size):
+            v = int(sending[n])
+            while not _look_up(v, reach_m2[v], position_m, cells, seed, tables, rows, pairs):
+                pairs = grow_pairs(pairs, position_m, range_m)
+        return rows, pairs
+    where_m = np.full((reach_m2.size, 2), np.nan)
+    where_m[sending] = position_m[sending]
+    senders = build_cells(where_m, longest_m)
+    found, way = np.empty((4, present + 1), dtype=np.int64), np.empty((4, present + 1))
+    for k in range(present):
+        owner = int(cells.order[k])
+        sends = reach_m2[owner] >= 0.0
+        among = cells if sends else senders
+        count = _find_owned(owner, reach_m2, position_m, among, longest_m, rows, found, way)
+        while not _find_slots(owner, count, found, pairs):
+            pairs = grow_pairs(pairs, position_m, range_m)
+        _renew(owner, count, seed, found, way, pairs.held, tables)
+        row = cell_row(cells, position_m[owner, 1])
+        for n in range(count):
+            other, value = found[_OTHER, n], np.float32(way[_VALUE, n])
+            if sends:
+                rows.value[found[_PLACE, n]] = value
+            if reach_m2[other] >= 0.0:
+                rows.value[rows.start[rows.first[other] + row] + k] = value
+    return rows, pairs
