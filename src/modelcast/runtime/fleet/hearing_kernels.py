@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import BoolVector, FloatCube, FloatMatrix, FloatVector, IntVector
+from modelcast.core.kernel_types import BoolVector, FloatCube, FloatMatrix, FloatVector, IntMatrix, IntVector
 from modelcast.runtime.fleet.arrays import (
     FAR,
     REFUSED,
@@ -175,25 +175,21 @@ def _take(
     return status
 
 
-@kernel
-def hear_messages(
+@kernel(inlined=True)
+def _hear_each(
     heard: Heard,
     limits: HearingLimits,
     tables: NeighbourTables,
     rows: FloatCube,
     tracks: FloatCube,
-    tally: Tally,
+    gap: IntMatrix,
     first: int,
     end: int,
+    scratch: FloatVector,
+    counts: IntVector,
 ) -> None:
-    """Take in the receptions of hosts ``first`` to ``end``, each host's in the order of time.
-
-    A host passes over remotes that state a place farther than its reach, and messages no newer than what it
-    holds. Inter-packet gaps are counted by the true distance.
-    """
+    """Take in the receptions of some hosts; ``scratch`` is overwritten, ``counts`` (5,) by what became of them."""
     mask = (1 << SENDER_BITS) - 1
-    scratch = np.empty(TRACK_COLUMNS + 1)
-    counts = np.zeros(5, dtype=np.int64)
     for host in range(first, end):
         if heard.start[host] == heard.start[host + 1]:
             continue
@@ -238,7 +234,28 @@ def hear_messages(
                 away_east = heard.truth_m[sender, 0] - heard.truth_m[host, 0]
                 away_north = heard.truth_m[sender, 1] - heard.truth_m[host, 1]
                 distance = int(sqrt(away_east * away_east + away_north * away_north) / limits.distance_bin_m)
-                if distance < tally.gap.shape[0]:
-                    tally.gap[distance, bin_of(at_s - before_s)] += 1
+                if distance < gap.shape[0]:
+                    gap[distance, bin_of(at_s - before_s)] += 1
+
+
+@kernel
+def hear_messages(
+    heard: Heard,
+    limits: HearingLimits,
+    tables: NeighbourTables,
+    rows: FloatCube,
+    tracks: FloatCube,
+    tally: Tally,
+    first: int,
+    end: int,
+) -> None:
+    """Take in the receptions of hosts ``first`` to ``end``, each host's in the order of time.
+
+    A host passes over remotes that state a place farther than its reach, and messages no newer than what it
+    holds. Inter-packet gaps are counted by the true distance.
+    """
+    counts = np.zeros(5, dtype=np.int64)
+    scratch = np.empty(TRACK_COLUMNS + 1)
+    _hear_each(heard, limits, tables, rows, tracks, tally.gap, first, end, scratch, counts)
     for column in range(counts.size):
         tally.heard[column] += counts[column]

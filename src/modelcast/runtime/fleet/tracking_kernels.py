@@ -139,17 +139,21 @@ def _touch_contents(
         out[k] = rows[sender, ring, CONTENT_FIT_S] + rows[sender, ring, CONTENT_HEAD]
 
 
-@kernel
-def sample_tracks(
-    x: Tracking, hosts: HostVector, contents: Contents, tracks: FloatCube, tally: Tally, first: int, end: int
+@kernel(inlined=True)
+def _sample_each(
+    x: Tracking,
+    hosts: HostVector,
+    contents: Contents,
+    tracks: FloatCube,
+    tally: Tally,
+    first: int,
+    end: int,
+    waiting: IntVector,
+    touched: FloatVector,
+    scratch: FloatVector,
 ) -> None:
-    """Count the tracking error and information age of every live track of some hosts, by true distance.
-
-    What a message predicts is worked out once, whoever holds it. Remotes that have left are passed over.
-    """
+    """Count the tracks of some hosts; the last three are overwritten."""
     mask = (1 << SENDER_BITS) - 1
-    scratch = np.empty(2)
-    waiting, touched = np.empty(tracks.shape[1], dtype=np.int64), np.empty(tracks.shape[1])
     for host in range(first, end):
         if x.vehicle[host] < 0:
             continue
@@ -163,6 +167,18 @@ def sample_tracks(
             )
             distance = min(int(way_m / x.distance_bin_m), tally.held.size - 1)
             _count(_work_out(x, message, contents, scratch), distance, x.middle, tally)
+
+
+@kernel
+def sample_tracks(
+    x: Tracking, hosts: HostVector, contents: Contents, tracks: FloatCube, tally: Tally, first: int, end: int
+) -> None:
+    """Count the tracking error and information age of every live track of some hosts, by true distance.
+
+    What a message predicts is worked out once, whoever holds it. Remotes that have left are passed over.
+    """
+    waiting, touched = np.empty(tracks.shape[1], dtype=np.int64), np.empty(tracks.shape[1])
+    _sample_each(x, hosts, contents, tracks, tally, first, end, waiting, touched, np.empty(2))
 
 
 @kernel

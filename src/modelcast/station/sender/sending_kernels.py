@@ -263,8 +263,8 @@ def _send_otherwise(
         _post_timed(f, v, b, how, contents, out, tally, scratch)
 
 
-@kernel
-def send_each(
+@kernel(inlined=True)
+def _send_all(
     f: SendingStations,
     x: StepInputs,
     tables: NeighbourTables,
@@ -273,9 +273,9 @@ def send_each(
     tally: SentTally,
     first: int,
     end: int,
+    scratch: FloatVector,
 ) -> None:
-    """Let the stations of some slots decide what they send in [t, t + dt), each at a time of its own."""
-    scratch = np.empty(max(SCRATCH, 2 + LOCAL))
+    """Let the stations of some slots decide; ``scratch`` is overwritten."""
     each = f.rules.vehicle.size // f.senders.vehicle.size
     out.filled[0] = 0
     for v in range(first, end):
@@ -293,3 +293,18 @@ def send_each(
             _send_j2945(f, v, (v + 1) * each - 1, x, tables, contents, out, tally, scratch)
         else:
             _send_otherwise(f, v, x, contents, out, tally, scratch)
+
+
+@kernel
+def send_each(
+    f: SendingStations,
+    x: StepInputs,
+    tables: NeighbourTables,
+    contents: Contents,
+    out: Outbox,
+    tally: SentTally,
+    first: int,
+    end: int,
+) -> None:
+    """Let the stations of some slots decide what they send in [t, t + dt), each at a time of its own."""
+    _send_all(f, x, tables, contents, out, tally, first, end, np.empty(max(SCRATCH, 2 + LOCAL)))
