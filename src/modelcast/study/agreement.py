@@ -93,7 +93,9 @@ def agreement(case: TripCase, bank: Bank, policy: ErrorDriven, *, seed: int = 0)
         len(expected),
         _difference(expected, _fleet_events(case, sender, writer)),
         _difference(expected, _station_events(case, sender)),
-        _host_difference(case, bank, runtime, walked, expected, seed),
+        _host_difference(
+            case, Ears((bank,), np.inf, None, dt_s=trip.dt_s, capacity=4), (runtime, walked), expected, seed
+        ),
     )
 
 
@@ -178,13 +180,12 @@ def _difference(expected: Events, found: Events) -> str:
 
 
 def _host_difference(
-    case: TripCase, bank: Bank, runtime: TripRuntime, walked: TripMessages, expected: Events, seed: int
+    case: TripCase, ears: Ears, sent: tuple[TripRuntime, TripMessages], expected: Events, seed: int
 ) -> str:
     """The first sample at which a host that hears the octets believes something else than the replay."""
     trip, count = case.seen, len(case.seen)
     lost = child_generator(seed, trip.trip_id, "agreement").random((1, count)) < _LOSS_RATIO
-    replayed = _replayed(trip, runtime, walked, lost)
-    ears = Ears((bank,), np.inf, None, dt_s=trip.dt_s, capacity=4)
+    replayed = _replayed(trip, *sent, lost)
     state, frames = ears.init(), dict(expected)
     for i in range(count):
         t_s = float(trip.t_s[i])

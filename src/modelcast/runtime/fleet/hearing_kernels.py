@@ -188,7 +188,7 @@ def _hear_each(
     scratch: FloatVector,
     counts: IntVector,
 ) -> None:
-    """Take in the receptions of some hosts; ``scratch`` is overwritten, ``counts`` (5,) by what became of them."""
+    """Take in the receptions of some hosts; what became of them is added to ``counts`` (5,)."""
     mask = (1 << SENDER_BITS) - 1
     for host in range(first, end):
         if heard.start[host] == heard.start[host + 1]:

@@ -31,6 +31,7 @@ __all__ = [
     "forget",
     "hear",
     "hear_each",
+    "place",
     "survey",
     "survey_each",
 ]
@@ -95,7 +96,7 @@ _BOUNDARY_SLACK = 1e-6
 
 
 @kernel(inlined=True)
-def _place(remote: int, length: int) -> int:
+def place(remote: int, length: int) -> int:
     """Where in an index of that length, a power of two, the search for a remote starts."""
     return ((remote * 0x9E3779B1) >> 11) & (length - 1)
 
@@ -110,7 +111,7 @@ def _sub_interval(t_s: float, phase_s: float, sub_interval_s: float) -> int:
 def find(slots: SlotMatrix, index: Int16Matrix, host: int, remote: int) -> int:
     """Slot of a remote at a host, -1 where it is not known."""
     length = index.shape[1]
-    at = _place(remote, length)
+    at = place(remote, length)
     while True:
         slot = index[host, at]
         if slot == _EMPTY or slots[host, slot].remote == remote:
@@ -122,7 +123,7 @@ def find(slots: SlotMatrix, index: Int16Matrix, host: int, remote: int) -> int:
 def _insert(index: Int16Matrix, host: int, remote: int, slot: int) -> None:
     """Enter a slot into the index of a host."""
     length = index.shape[1]
-    at = _place(remote, length)
+    at = place(remote, length)
     while index[host, at] != _EMPTY:
         at = (at + 1) & (length - 1)
     index[host, at] = slot

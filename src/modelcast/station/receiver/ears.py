@@ -7,6 +7,7 @@ held is left aside, and Part I alone is used.
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -126,14 +127,13 @@ class Ears:
         named = np.array([_message_id(one) == IDENTIFICATION_MESSAGE for one in octets], dtype=np.bool_)
         # An identification counts its age from the update before it, so what came before is taken in first.
         bounds = [0, *(np.flatnonzero(named[1:] != named[:-1]) + 1).tolist(), len(octets)]
-        for first, end in zip(bounds[:-1], bounds[1:], strict=True):
-            rows: IntArray = np.arange(first, end)
-            if not rows.size:
+        for first, end in pairwise(bounds):
+            if first == end:
                 continue
             if named[first]:
-                rows, heard = self._identifications(state, octets, arrived_s, rows)
+                rows, heard = self._identifications(state, octets, arrived_s, range(first, end))
             else:
-                rows, heard = self._updates(octets, arrived_s, rows, origin, minute_s)
+                rows, heard = self._updates(octets, arrived_s, range(first, end), origin, minute_s)
             state.receipts[Receipt.MALFORMED] += end - first - rows.size
             receipts[rows], state = self.map.hear(state, heard)
             if tables is not None:
@@ -141,13 +141,14 @@ class Ears:
         return receipts, state
 
     def _updates(
-        self, octets: Sequence[bytes], arrived_s: FloatArray, rows: IntArray, origin: Origin, minute_s: float
+        self, octets: Sequence[bytes], arrived_s: FloatArray, which: range, origin: Origin, minute_s: float
     ) -> tuple[IntArray, Heard]:
         """Read basic safety messages with the first profile that knows each."""
-        lengths = np.array([len(octets[row]) for row in rows], dtype=np.int64)
+        own, rows = [octets[row] for row in which], np.arange(which.start, which.stop)
+        lengths = np.array([len(one) for one in own], dtype=np.int64)
         frames = np.zeros((rows.size, max(int(lengths.max()), 1)), dtype=np.uint8)
-        for at, row in enumerate(rows.tolist()):
-            frames[at, : lengths[at]] = np.frombuffer(octets[row], dtype=np.uint8)
+        for at, one in enumerate(own):
+            frames[at, : len(one)] = np.frombuffer(one, dtype=np.uint8)
         profile = np.full(rows.size, _NOTHING)
         read = _PLAIN.decode(frames, lengths, received_s=arrived_s[rows], minute_s=minute_s)
         parameters = np.full((rows.size, self._widest), np.nan)
@@ -185,12 +186,12 @@ class Ears:
         )
 
     def _identifications(
-        self, state: MapState, octets: Sequence[bytes], arrived_s: FloatArray, rows: IntArray
+        self, state: MapState, octets: Sequence[bytes], arrived_s: FloatArray, which: range
     ) -> tuple[IntArray, Heard]:
-        """Read identifications; the age that each states counts from the update that is held of its sender."""
+        """Read identifications; the age that each states counts from the update held of its sender."""
         fine: list[int] = []
         codes: list[tuple[int, int, int, float]] = []
-        for row in rows.tolist():
+        for row in which:
             try:
                 one = decode_identification(octets[row])
             except CodecError:

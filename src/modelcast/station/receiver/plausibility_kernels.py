@@ -9,8 +9,17 @@ from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntVector
 
 __all__ = [
     "COLUMNS",
+    "IN_FUTURE",
+    "JUMP",
+    "MISMATCH",
+    "OVERTAKEN",
+    "PLAUSIBLE",
+    "REPEATED",
+    "STALE",
+    "STUCK",
     "Limits",
     "judge",
+    "judge_one",
 ]
 
 COLUMNS = 15
@@ -34,7 +43,8 @@ COLUMNS = 15
     _FAILED_SPEED,  # the speed stated all through the last window, where that failed [m/s]
 ) = range(COLUMNS)
 
-_PLAUSIBLE, _IN_FUTURE, _STALE, _REPEATED, _OVERTAKEN, _JUMP, _MISMATCH, _STUCK = range(8)
+PLAUSIBLE, IN_FUTURE, STALE, REPEATED, OVERTAKEN, JUMP, MISMATCH, STUCK = range(8)
+"""What is found, as `modelcast.station.receiver.plausibility.Finding`."""
 
 
 class Limits(NamedTuple):
@@ -74,7 +84,7 @@ def _enter(row: FloatVector, t_s: float, position_m: FloatVector, velocity_mps: 
 
 
 @kernel
-def _judge_one(
+def judge_one(
     row: FloatVector,
     t_s: float,
     position_m: FloatVector,
@@ -82,26 +92,27 @@ def _judge_one(
     received_s: float,
     limits: Limits,
 ) -> int:
+    """Judge one report by the row of its remote, which is written; NaN in its first column is nothing."""
     (
         ahead_s, age_s, speed_max_mps, acceleration_mps2, position_tolerance_m, speed_tolerance_mps,
         window_s, stuck_after_s, stuck_window_s, speed_step_mps,
     ) = limits  # fmt: skip
     if t_s > received_s + ahead_s:
-        return _IN_FUTURE
+        return IN_FUTURE
     if t_s < received_s - age_s:
-        return _STALE
+        return STALE
     # Not a number, where nothing is known, is neither.
     elapsed_s = t_s - row[_T]
     if elapsed_s == 0.0:
-        return _REPEATED
+        return REPEATED
     if elapsed_s < 0.0:
-        return _OVERTAKEN
+        return OVERTAKEN
     moved_m = np.hypot(position_m[0] - row[_EAST], position_m[1] - row[_NORTH])
     if moved_m > speed_max_mps * elapsed_s + position_tolerance_m:
-        return _JUMP
+        return JUMP
     speed_mps = np.hypot(velocity_mps[0], velocity_mps[1])
     if speed_mps > speed_max_mps:
-        return _MISMATCH
+        return MISMATCH
     if np.isnan(row[_T]):
         _enter(row, t_s, position_m, velocity_mps)
         _begin(row, t_s, position_m)
@@ -109,7 +120,7 @@ def _judge_one(
         row[_SAME_SINCE] = t_s
         row[_SPEED] = speed_mps
         row[_FAILED_SPEED] = np.nan
-        return _PLAUSIBLE
+        return PLAUSIBLE
     mean_east = 0.5 * (velocity_mps[0] + row[_VELOCITY_EAST])
     mean_north = 0.5 * (velocity_mps[1] + row[_VELOCITY_NORTH])
     _enter(row, t_s, position_m, velocity_mps)
@@ -120,7 +131,7 @@ def _judge_one(
     if np.isnan(mean_east + mean_north):
         _begin(row, t_s, position_m)
         row[_FAILED] = 0.0
-        return _PLAUSIBLE
+        return PLAUSIBLE
     row[_STATED_EAST] += mean_east * elapsed_s
     row[_STATED_NORTH] += mean_north * elapsed_s
     row[_ALLOWED] += 0.25 * acceleration_mps2 * elapsed_s**2
@@ -129,9 +140,9 @@ def _judge_one(
     stated_m = np.hypot(row[_STATED_EAST], row[_STATED_NORTH])
     allowed_m = position_tolerance_m + speed_tolerance_mps * lasted_s + row[_ALLOWED]
     fails = abs(gone_m - stated_m) > allowed_m
-    finding = _PLAUSIBLE
+    finding = PLAUSIBLE
     if fails or row[_FAILED] == 1.0:
-        finding = _STUCK if t_s - row[_SAME_SINCE] >= stuck_after_s else _MISMATCH
+        finding = STUCK if t_s - row[_SAME_SINCE] >= stuck_after_s else MISMATCH
     # While the speed stays the same the window goes on: a small error shows over a longer way. After a
     # failure only the speed that failed does that: one good window clears a speed that recovered.
     same = row[_SAME_SINCE] <= row[_START]
@@ -172,4 +183,4 @@ def judge(
         Findings, (B,).
     """
     for b in range(t_s.size):
-        out[b] = _judge_one(rows[of[b]], t_s[b], position_m[b], velocity_mps[b], received_s[b], limits)
+        out[b] = judge_one(rows[of[b]], t_s[b], position_m[b], velocity_mps[b], received_s[b], limits)
