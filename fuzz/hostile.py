@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from modelcast.cli.banks import bank_in_use
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.evaluation_run import run_evaluation
 from modelcast.cli.run_record import EvaluationRun, load_run, write_run
@@ -31,7 +32,6 @@ from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.profile import Profile, default_profile
 from modelcast.models.regimes import Regimes
 from modelcast.models.trusted import Trusted
-from modelcast.station.banks import named_bank
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.station.sensing.velocity import DEFAULT_FROM_POSITIONS
@@ -146,7 +146,7 @@ def _run_tables(profile: Profile) -> None:
 
 def _run_bank(path: Path) -> None:
     """Evaluate a short drive with the profile's bank and rules, as the command line does."""
-    named = named_bank(str(path))
+    named = bank_in_use(str(path), profile=default_profile())
     settings = EvaluationSettings(
         (0.3,),
         (0.3,),

@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 
 from modelcast.cli.app import run
+from modelcast.cli.banks import bank_in_use
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.profile import read_profile
 from modelcast.io.write_trips import write_csv
-from modelcast.station.banks import named_bank
+from modelcast.models.profile import default_profile
 from modelcast.world.drive import generate_drive
 
 QUICK = ("--steps", "12", "--hidden", "8", "8", "--coefficients", "2")
@@ -105,12 +106,12 @@ def test_trained_rules_are_refused_where_nothing_was_trained(
 def test_a_file_that_is_no_profile_is_named(tmp_path: Path) -> None:
     path = tmp_path / "wrong.json"
     with pytest.raises(ConfigError, match=r"wrong\.json cannot be read"):
-        named_bank(str(path))
+        bank_in_use(str(path), profile=default_profile())
     path.write_text("{}")
     with pytest.raises(ConfigError, match=r"wrong\.json is no profile"):
-        named_bank(str(path))
+        bank_in_use(str(path), profile=default_profile())
 
 
 def test_a_profiles_bank_takes_no_window_of_the_users() -> None:
     with pytest.raises(ConfigError, match="leave out --window"):
-        named_bank("default", window=12)
+        bank_in_use("default", profile=default_profile(), window=12)

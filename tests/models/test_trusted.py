@@ -139,14 +139,15 @@ def test_sender_batch_and_replay_agree_in_every_bit(drive: Trajectory) -> None:
     errors = np.empty((5, 1, count))
     replay_kernels.replay(
         bank.own.ready.members,
-        drive.t_s,
-        bank.stated_m,
-        bank.parameters,
-        drive.position_m,
-        np.tile([1.0, 0.0], (count, 1)),
-        walk.kind[None],
-        walk.in_use[None],
-        walk.update_index[None],
+        replay_kernels.SentTrip(
+            drive.t_s,
+            bank.stated_s,
+            bank.stated_m,
+            bank.parameters,
+            drive.position_m,
+            np.tile([1.0, 0.0], (count, 1)),
+        ),
+        replay_kernels.Schedules(walk.kind[None], walk.in_use[None], walk.update_index[None]),
         np.zeros((1, count), dtype=np.bool_),
         0.0,
         np.inf,

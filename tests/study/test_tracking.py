@@ -194,14 +194,19 @@ def held_after(kinds: list[str], used: list[int], lost: list[int]) -> list[tuple
     errors = np.empty((5, 1, 4))
     replay_kernels.replay(
         bank.own.ready.members,
-        trip.t_s[10:].copy(),
-        bank.stated_m[10:].copy(),
-        bank.parameters[10:].copy(),
-        np.zeros((4, 2)),
-        np.tile([1.0, 0.0], (4, 1)),
-        kind,
-        np.array([used]),
-        np.maximum.accumulate(np.where(np.isin(kind, (1, 3)), np.arange(4), 0), axis=1),
+        replay_kernels.SentTrip(
+            trip.t_s[10:].copy(),
+            bank.stated_s[10:].copy(),
+            bank.stated_m[10:].copy(),
+            bank.parameters[10:].copy(),
+            np.zeros((4, 2)),
+            np.tile([1.0, 0.0], (4, 1)),
+        ),
+        replay_kernels.Schedules(
+            kind,
+            np.array([used]),
+            np.maximum.accumulate(np.where(np.isin(kind, (1, 3)), np.arange(4), 0), axis=1),
+        ),
         missing,
         0.0,
         np.inf,

@@ -7,7 +7,6 @@ been. Everything downstream may rely on what it checked.
 
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, field, fields, replace
-from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -296,7 +295,7 @@ def _taken(trip: Trajectory, kept: BoolArray, off_earth: BoolArray) -> Trajector
         **{**columns, "t_s": t_s, "segments": np.array([0, t_s.size])},
         dt_s=_median_step_s(t_s),
         start_unix_s=None if trip.start_unix_s is None else trip.start_unix_s + first_s,
-        reading=replace(trip.reading, skipped=MappingProxyType(skipped)),
+        reading=replace(trip.reading, skipped=skipped),
     )
 
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from modelcast.runtime.fleet.sender import SENDERS, FleetSender, named_sender
 
 from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.radio import Receptions
@@ -16,15 +15,19 @@ from modelcast.messages.mbc import ModelUpdate
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.profile import default_profile
-from modelcast.runtime.fleet import layout_kernels as at
+from modelcast.runtime.fleet import arrays as tracks
 from modelcast.runtime.fleet.engine import run_network
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.banks import PAPER_BANK
 from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.j2945 import J2945
-from modelcast.station.receiver.host import Host, HostState
+from modelcast.station.receiver.heard import heard_messages
+from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap
+from modelcast.station.sender import message_arrays as at
+from modelcast.station.sender.sender import SENDERS, Sender, named_sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.station.sensing.velocity import REPORTED
@@ -38,6 +41,9 @@ from modelcast.world.sensors import SensorModel
 SETTINGS = NetworkSettings(warm_up_s=0.0, start_spread_s=0.0)
 IDEAL_RADIO = TabulatedRadio(ReceptionTable(np.array([0.0, 1e6]), np.ones((2, 20)), bin_m=500.0))
 """Everything arrives, within 10 km."""
+
+HALF_RADIO = TabulatedRadio(ReceptionTable(np.array([0.0, 1e6]), np.full((2, 20), 0.5), bin_m=500.0))
+"""Half of it."""
 
 MASK = (1 << at.SENDER_BITS) - 1
 ROUNDING = 1e-9
@@ -79,15 +85,8 @@ def steps(
     """Every frame with senders, times and sizes of the messages sent in it, and what was received."""
     for frame in frames:
         received, _ = loop.step(frame)
-        count = int(loop.outbox.filled[0])
-        out = loop.outbox
-        yield (
-            frame,
-            out.message_id[:count].copy(),
-            out.ready_s[:count].copy(),
-            out.size_bytes[:count].copy(),
-            received,
-        )
+        out = loop.handed_over()
+        yield frame, out.message_id, out.ready_s, out.size_bytes, received
 
 
 def stayed(frames: list[FleetFrame]) -> IntArray:
@@ -111,35 +110,77 @@ def trip_of(frames: list[FleetFrame], slot: int) -> Trajectory:
     )
 
 
-def error_driven(bank: Bank) -> FleetSender:
-    policy = ErrorDriven(0.2, identify="never", max_inter_transmit_time_s=2.0)
-    return FleetSender("tested", policy, bank, plain_within_m=0.0)
+CV = Bank((ConstantVelocity(),))
 
 
-@pytest.mark.parametrize("bank", [Bank((ConstantVelocity(),)), default_profile().bank], ids=["cv", "model"])
-def test_error_driven_senders_send_what_the_walk_over_their_trip_sends(
-    seen: list[FleetFrame], bank: Bank
+@pytest.mark.parametrize(
+    ("bank", "policy"),
+    [
+        (CV, ErrorDriven(0.2, identify="never", max_inter_transmit_time_s=2.0)),
+        (default_profile().bank, ErrorDriven(0.2, "guarded", "never", 2.0)),
+        (default_profile().bank, ErrorDriven(0.2, "hindsight", "best", 2.0)),
+        (PAPER_BANK, ErrorDriven(0.1, max_inter_transmit_time_s=2.0)),
+        (PAPER_BANK, ErrorDriven(0.1, "survivor", "final")),
+    ],
+    ids=lambda one: one.name if isinstance(one, Bank) else f"{one.start}/{one.identify}",
+)
+def test_error_driven_senders_send_what_the_same_policy_sends_over_their_trip(
+    seen: list[FleetFrame], bank: Bank, policy: ErrorDriven
 ) -> None:
-    sender = error_driven(bank)
+    sender = Sender("tested", policy, bank)
     loop = FleetLoop(seen[0], sender, IDEAL_RADIO, SETTINGS, seed=1)
-    sent = np.zeros((len(seen), len(seen[0])), dtype=bool)
+    sent = np.zeros((len(seen), len(seen[0])), dtype=np.int64)
     for k, (_, ids, *_) in enumerate(steps(loop, seen)):
-        sent[k, ids & MASK] = True
+        for number in ids.tolist():
+            content = loop.contents.rows[number & MASK, (number >> at.SENDER_BITS) % at.MESSAGES_KEPT]
+            sent[k, number & MASK] = int(content[at.CONTENT_KIND])
     slots = stayed(seen)
     assert slots.size >= 3
     for slot in slots:
-        walk = TripRuntime(trip_of(seen, slot), bank, REPORTED, quantised=True).run(sender.policy)
-        assert np.array_equal(sent[:, slot], walk.kind != MessageKind.NOTHING)
+        walk = TripRuntime(trip_of(seen, slot), bank, REPORTED, quantised=True).run(policy)
+        assert np.array_equal(sent[:, slot], walk.kind)
+    named = policy.identify != "never"
+    assert (sent == MessageKind.IDENTIFICATION).any() == named
+    assert (loop.sent.sums[at.IDENTIFICATIONS] > 0) == named
+
+
+def test_identifications_reach_the_hosts(ring: list[FleetFrame]) -> None:
+    """Those of an update that was lost are counted, and change nothing."""
+    sender = named_sender("mbc", bank=PAPER_BANK, threshold_m=0.05)
+    run = run_network(ring, sender, IDEAL_RADIO, replace(SETTINGS, warm_up_s=0.5), seed=3)
+    assert run.sent.sums[at.IDENTIFICATIONS] > 0
+    assert run.tally.heard[tracks.UNKNOWN] == 0
+    lossy = run_network(ring, sender, HALF_RADIO, replace(SETTINGS, warm_up_s=0.5), seed=3)
+    assert lossy.tally.heard[tracks.UNKNOWN] > 0
+
+
+@pytest.mark.parametrize("name", ["mbc", "j2945-mbc", "cam"])
+def test_the_number_of_threads_changes_nothing(frames: list[FleetFrame], name: str) -> None:
+    counted: list[FloatArray] = []
+    for threads in (1, 2, 3):
+        run = run_network(
+            frames[:30],
+            named_sender(name),
+            Dsrc(),
+            SETTINGS,
+            seed=4,
+            sensor=FleetSensor(SensorModel()),
+            threads=threads,
+        )
+        counted.append(np.concatenate([part.ravel() for part in (*run.tally, *run.sent, run.series)]))
+    assert np.array_equal(counted[0], counted[1], equal_nan=True)
+    assert np.array_equal(counted[0], counted[2], equal_nan=True)
 
 
 def test_windows_are_those_of_a_recorded_trip(seen: list[FleetFrame]) -> None:
     loop = FleetLoop(seen[0], named_sender("mbc"), IDEAL_RADIO, SETTINGS, seed=1)
     for _ in steps(loop, seen):
         pass
-    length = loop.senders.times.size // 2
+    sensed = loop.stations.sensed
+    length = sensed.stated_m.shape[1]
     newest = (len(seen) - 1) % length
     slot = int(stayed(seen)[0])
-    window = loop.senders.samples[slot, newest + 1 : newest + 1 + length]
+    window = sensed.samples[slot, newest + 1 : newest + 1 + length]
     expected = sample_matrix(trip_of(seen, slot), REPORTED)[-length:]
     np.testing.assert_allclose(window, expected, rtol=1e-12, atol=1e-12)
 
@@ -159,31 +200,30 @@ def test_one_seed_gives_one_result_and_nothing_is_heard_that_was_not_sent(
             assert set(received.message_id.tolist()) <= sent
             assert not (received.receiver == received.message_id & MASK).any()
             heard += received.size
-        sums = loop.tally.sums
-        assert sums[at.TAKEN] + sums[at.FAR] + sums[at.REFUSED] + sums[at.STALE] == heard > 0
-        assert sums[at.MESSAGES] == len(sent)
-        counted.append(np.concatenate([part.ravel() for part in loop.tally]))
+        assert loop.tally.heard.sum() == heard > 0
+        assert loop.sent.sums[at.MESSAGES] == len(sent)
+        counted.append(np.concatenate([part.ravel() for part in (*loop.tally, *loop.sent)]))
     assert np.array_equal(*counted)
 
 
-def test_hosts_hold_what_the_host_of_the_agents_holds(frames: list[FleetFrame]) -> None:
-    """Fed with the same messages, `Host` puts every remote where the loop's tracks put it."""
+def test_hosts_hold_what_a_local_dynamic_map_holds(frames: list[FleetFrame]) -> None:
+    """Fed with the same messages, it puts every remote where the loop's tracks put it."""
     sender = named_sender("j2945-mbc")
     loop = FleetLoop(frames[0], sender, Dsrc(), replace(SETTINGS, reach_m=1e4), seed=2)
-    host = Host(sender.bank, expiry_s=loop.expiry_s)
+    around = LocalDynamicMap((sender.bank,), expiry_s=loop.expiry_s)
     slots = stayed(frames)
-    states = dict.fromkeys(slots.tolist(), HostState())
+    states = {slot: around.init() for slot in slots.tolist()}
     offsets = sender.bank.offsets
     for _, _, _, _, received in steps(loop, frames):
         for message, receiver, t_s in zip(received.message_id, received.receiver, received.t_s, strict=True):
             content = loop.contents.rows[message & MASK, (message >> at.SENDER_BITS) % at.MESSAGES_KEPT]
             member = int(content[at.CONTENT_MEMBER])
-            parameters = np.zeros(int(offsets[-1]))
+            parameters = np.full(int(offsets[-1]), np.nan)
             count = offsets[member + 1] - offsets[member]
             parameters[offsets[member] : offsets[member + 1]] = content[at.CONTENT_HEAD :][:count]
             update = ModelUpdate(
                 int(content[at.CONTENT_VEHICLE]),
-                int(message >> at.SENDER_BITS),
+                int(message >> at.SENDER_BITS) % at.MESSAGES_KEPT,
                 float(content[at.CONTENT_FIT_S]),
                 position_m=content[[at.CONTENT_EAST_M, at.CONTENT_NORTH_M]].copy(),
                 in_use=member,
@@ -191,20 +231,21 @@ def test_hosts_hold_what_the_host_of_the_agents_holds(frames: list[FleetFrame]) 
                 dt_s=0.1,
             )
             if int(receiver) in states:
-                _, states[int(receiver)] = host.receive(states[int(receiver)], update, received_s=float(t_s))
+                own = int(receiver)
+                _, states[own] = around.hear(states[own], heard_messages([update], [float(t_s)]))
     now_s = round(0.1 * len(frames), 6)
     compared = 0
     for slot, state in states.items():
-        found = host.predict(state, now_s)
+        vehicles, places = around.positions(state, now_s)
         own = loop.tracks[slot]
-        for vehicle, place in zip(found.vehicle, found.position_m, strict=True):
-            row = own[(own[:, at.TRACK_VEHICLE] == vehicle) & (own[:, at.TRACK_MESSAGE] >= 0)]
-            message = int(row[0, at.TRACK_MESSAGE])
+        for vehicle, place in zip(vehicles, places, strict=True):
+            row = own[(own[:, tracks.TRACK_VEHICLE] == vehicle) & (own[:, tracks.TRACK_MESSAGE] >= 0)]
+            message = int(row[0, tracks.TRACK_MESSAGE])
             content = loop.contents.rows[message & MASK, (message >> at.SENDER_BITS) % at.MESSAGES_KEPT]
             member = int(content[at.CONTENT_MEMBER])
             count = offsets[member + 1] - offsets[member]
             moved = sender.bank.members[member].predict_at(
-                content[at.CONTENT_HEAD :][None, :count],
+                content[at.CONTENT_HEAD :][None, :count].copy(),
                 np.array([now_s - content[at.CONTENT_FIT_S]]),
                 dt_s=0.1,
             )[0]
@@ -232,7 +273,7 @@ def test_frames_have_the_bytes_of_the_stack(frames: list[FleetFrame]) -> None:
     stack = Stack()
     certificate = stack.carries_certificate(np.array(times))
     assert sizes == stack.frame_bytes(np.array(payload), certificate).tolist()
-    assert set(payload) <= set(sender.payload_bytes.tolist())
+    assert set(payload) <= set(sender.update_bytes.tolist())
 
 
 def test_a_vehicle_that_takes_a_slot_over_holds_nothing_and_is_held_by_nobody(
@@ -242,7 +283,7 @@ def test_a_vehicle_that_takes_a_slot_over_holds_nothing_and_is_held_by_nobody(
     for frame in ring[:10]:
         loop.step(frame)
     others = len(ring[0]) - 1
-    assert (loop.tracks[0, :, at.TRACK_MESSAGE] >= 0).sum() == others
+    assert (loop.tracks[0, :, tracks.TRACK_MESSAGE] >= 0).sum() == others
     changed = ring[10].vehicle_id.copy()
     changed[0] = changed.max() + 1000
     held = int(loop.tally.held.sum())
@@ -268,9 +309,48 @@ def test_the_run_must_outlast_the_warm_up(frames: list[FleetFrame]) -> None:
         run_network(frames[:5], named_sender("bsm-10hz"), IDEAL_RADIO, NetworkSettings(warm_up_s=9.0), seed=1)
 
 
-def test_an_error_driven_sender_with_identifications_is_refused() -> None:
-    with pytest.raises(ValueError, match="identify must be 'never'"):
-        FleetSender("other", ErrorDriven(0.2), Bank((ConstantVelocity(),)))
+def test_timers_know_no_guard_and_no_survivor() -> None:
+    with pytest.raises(ValueError, match="under timers"):
+        named_sender("j2945-mbc", start="survivor")
+    with pytest.raises(ValueError, match="identify must be never"):
+        named_sender("j2945-mbc", identify="best")
+    assert named_sender("j2945-mbc", start="guarded").start == "hindsight"
+
+
+def test_what_erred_least_of_late_is_sent(seen: list[FleetFrame]) -> None:
+    """`recent`, told anew in plain steps: of members fitted at the last message, the smallest that is as good."""
+    sender = named_sender("j2945-mbc", motion=None)
+    sender = replace(sender, motion=None, policy=ErrorDriven(0.2, "recent", "never", 2.0))
+    bank = sender.bank
+    loop = FleetLoop(seen[0], sender, IDEAL_RADIO, SETTINGS, seed=1)
+    slot = int(stayed(seen)[0])
+    runtime = TripRuntime(trip_of(seen, slot), bank, REPORTED, quantised=True)
+    scores: dict[int, float] = {}
+    last = -1
+    chosen: list[tuple[int, int]] = []
+    for k, (_, ids, *_) in enumerate(steps(loop, seen)):
+        for number in ids[(ids & MASK) == slot].tolist():
+            content = loop.contents.rows[slot, (number >> at.SENDER_BITS) % at.MESSAGES_KEPT]
+            usable = [m for m, one in enumerate(bank.members) if one.window <= k + 1]
+            if last >= 0:
+                for m in [m for m, one in enumerate(bank.members) if one.window <= last + 1]:
+                    own = runtime.parameters[last : last + 1, bank.offsets[m] : bank.offsets[m + 1]].copy()
+                    age_s = np.array([runtime.trip.t_s[k] - runtime.stated_s[last]])
+                    off = runtime.stated_m[last] + bank.members[m].predict_at(own, age_s, dt_s=0.1)[0]
+                    square = float(((off - runtime.samples[k, :2]) ** 2).sum())
+                    scores[m] = square if m not in scores else scores[m] + 0.2 * (square - scores[m])
+            known = [m for m in usable if m in scores]
+            wanted = usable[0]
+            if known:
+                best = min(scores[m] for m in known)
+                good = [m for m in known if scores[m] <= best + sender.within_m**2]
+                wanted = min(good, key=lambda m: (sender.update_bytes[m], m))
+            chosen.append((int(content[at.CONTENT_MEMBER]), wanted))
+            runtime.fit_at([k])
+            last = k
+    assert len(chosen) > 5
+    assert all(sent == wanted for sent, wanted in chosen)
+    assert len({wanted for _, wanted in chosen}) > 1
 
 
 def test_an_unknown_sender_is_refused() -> None:
@@ -289,7 +369,7 @@ def test_small_errors_at_relaxed_timers_take_fewer_messages_and_track_no_worse()
             thin, named_sender(name), Dsrc(), settings, seed=5, sensor=FleetSensor(SensorModel())
         )
         p90_m[name] = binned_quantiles(run.tally.error[2:6].sum(axis=0), (0.9,))[0]
-        sent[name] = int(run.tally.causes.sum())
+        sent[name] = int(run.sent.causes.sum())
     assert sent["j2945-mbc-relaxed"] <= 0.6 * sent["j2945"]
     assert p90_m["j2945-mbc-relaxed"] <= p90_m["j2945"]
 

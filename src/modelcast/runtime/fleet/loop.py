@@ -264,15 +264,17 @@ class FleetLoop:
 
         self._each(work)
 
+    def handed_over(self) -> Outbox:
+        """Messages of the last step as the radio gets them, in order of slots."""
+        columns = [
+            np.concatenate([getattr(box, name)[: int(box.filled[0])] for box in self._outboxes])
+            for name in Outbox._fields[:-1]
+        ]
+        return Outbox(*columns, filled=np.array([columns[0].size]))
+
     def _carry(self, truth_m: FloatArray, shift_s: float, until_s: float) -> Receptions:
         """Give the outboxes to the radio, in order of time; its clock is ahead by a shift."""
-        every = Outbox(
-            *(
-                np.concatenate([getattr(box, name)[: int(box.filled[0])] for box in self._outboxes])
-                for name in Outbox._fields[:-1]
-            ),
-            filled=np.zeros(1, dtype=np.int64),
-        )
+        every = self.handed_over()
         order = np.argsort(every.ready_s, kind="stable")
         batch = Transmissions(
             every.sender[order],

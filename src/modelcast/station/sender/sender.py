@@ -30,6 +30,7 @@ from modelcast.station.policy.base import AbstractTransmitPolicy
 from modelcast.station.policy.cam import CooperativeAwareness
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.policy.guard import unguarded
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.policy.j2945_parameters import (
     RELAXED_ERROR_M,
@@ -255,7 +256,7 @@ def named_sender(
         rules = rules_of(chosen)
         policy = ErrorDriven(threshold_m, start or rules[0], identify or rules[1], keep_alive_s, costs)
     elif sends_models:
-        first = start or "recent"
+        first = unguarded(start or "recent")
         if identify not in {None, "never"}:
             raise ValueError(
                 f"{name} fits all anew whenever a timer calls: identify must be never, got {identify!r}"
