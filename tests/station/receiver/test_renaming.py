@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -154,11 +155,8 @@ def test_the_model_in_use_says_where_the_track_went() -> None:
     """On a bend of 20 m at 10 m/s, 2 s on: 10 m beside where it would coast to."""
     turning = np.array([[10.0, 0.0, 0.0, -0.5, 10.0, 0.0]])
     base = heard([Said(1, 10.0, 0.0, speed_mps=10.0)])
-    fields = {name: getattr(base, name) for name in base.__slots__ if name != "_"}
-    update = Heard(
-        **fields
-        | {"kind": np.zeros(1, dtype=np.int64), "profile": np.zeros(1, dtype=np.int64), "parameters": turning}
-    )
+    none = np.zeros(1, dtype=np.int64)
+    update = replace(base, kind=none, profile=none, parameters=turning)
     _, state = AROUND.hear(AROUND.init(), update)
     east, north = 20.0 * math.sin(1.0), 20.0 * (1.0 - math.cos(1.0))
     state_after = AROUND.hear(state, heard([Said(2, 12.0, east, north, 10.0, math.pi / 2 - 1.0)]))[1]
