@@ -90,8 +90,8 @@ def messages(bank: Bank, vehicle: IntArray, t_s: float, *, repeated_s: float = 0
     A vehicle that is named again speaks ``repeated_s`` later each time.
     """
     count = vehicle.size
-    speed = 20.0 + (vehicle % 7).astype(np.float64)
-    turn = (np.arange(count) // max(np.unique(vehicle).size, 1)).astype(np.float64)
+    speed = 20.0 + np.asarray(vehicle % 7, dtype=np.float64)
+    turn = np.floor_divide(np.arange(count, dtype=np.float64), max(np.unique(vehicle).size, 1))
     at_s = t_s + repeated_s * turn
     column, lane = (vehicle % 400).astype(np.float64), (vehicle // 400).astype(np.float64)
     position_m = np.stack([37.0 * column + speed * at_s, 37.0 * lane], axis=1)

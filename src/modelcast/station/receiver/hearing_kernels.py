@@ -320,4 +320,4 @@ def hear_each(
     for k in range(out.size):
         receipts[out[k]] += 1
     if newcomers > 0:
-        events[RENAMED] += end_renamed(slots, known, rules.expiry_s, numbers, fresh)
+        events[RENAMED] += end_renamed(slots, known, rules.expiry_s, codes, numbers, fresh)

@@ -11,9 +11,10 @@ import numpy as np
 
 from modelcast.channel.cells_kernels import build_cells, cell_span, row_span
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntVector
-from modelcast.station.receiver.heard_kernels import EAST, NORTH, RECEIVED, STATED
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntMatrix, IntVector
+from modelcast.station.receiver.heard_kernels import EAST, NORTH, RECEIVED, STATED, VEHICLE
 from modelcast.station.receiver.slot_kernels import (
+    FACT_VEHICLE,
     TOLD_EAST,
     TOLD_NORTH,
     TOLD_VELOCITY_EAST,
@@ -84,7 +85,12 @@ def _distance_m(
 
 @kernel
 def end_renamed(
-    slots: Slots, known: KnownProfiles, expiry_s: float, numbers: FloatMatrix, fresh: IntVector
+    slots: Slots,
+    known: KnownProfiles,
+    expiry_s: float,
+    codes: IntMatrix,
+    numbers: FloatMatrix,
+    fresh: IntVector,
 ) -> int:
     """End the tracks that go on under a new id; return how many.
 
@@ -94,7 +100,7 @@ def end_renamed(
     place_m = np.full((count, 2), np.nan)
     first_s, last_s = np.inf, -np.inf
     for k in range(count):
-        if fresh[k] >= 0 and slots.held[fresh[k], HELD_FIT_S] == numbers[k, STATED]:
+        if fresh[k] >= 0 and slots.facts[fresh[k], FACT_VEHICLE] == codes[k, VEHICLE]:
             place_m[k, 0], place_m[k, 1] = numbers[k, EAST], numbers[k, NORTH]
             first_s, last_s = min(first_s, numbers[k, STATED]), max(last_s, numbers[k, STATED])
     cells = build_cells(place_m, 4.0 * PLACE_M)
