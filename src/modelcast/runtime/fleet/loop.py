@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from modelcast.channel.cells_kernels import build_cells
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.core.chance import child_generator
@@ -229,6 +230,7 @@ class FleetLoop:
             vehicle=self.stations.senders.vehicle,
             truth_m=truth_m,
         )
+        cells = build_cells(truth_m, settings.distance_bin_m * self._tallies[0].pairs.size)
 
         def work(part: int) -> None:
             tracking_kernels.sample_tracks(
@@ -239,9 +241,11 @@ class FleetLoop:
                 self._tallies[part],
                 *self._parts[part],
             )
+            tracking_kernels.count_pairs(
+                cells, part, PARTS, settings.distance_bin_m, self._tallies[part].pairs
+            )
 
         self._each(work)
-        tracking_kernels.count_pairs(truth_m, settings.distance_bin_m, self._tallies[0].pairs)
 
     def _send(self, started: BoolArray, now_s: float, busy_ratio: FloatArray) -> None:
         """Fill the outboxes."""

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from modelcast.channel.cells_kernels import build_cells, cell_span, row_span
+from modelcast.channel.cells_kernels import Cells, build_cells, cell_row, cell_span, row_span
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatCube, FloatMatrix, FloatVector, IntCube, IntVector
 from modelcast.models.member_kernels import Members, predict_member
@@ -181,23 +181,30 @@ def sample_tracks(
     _sample_each(x, hosts, contents, tracks, tally, first, end, waiting, touched, np.empty(2))
 
 
-@kernel
-def count_pairs(position_m: FloatMatrix, distance_bin_m: float, pairs: IntVector) -> None:
-    """Count all pairs of host and remote by distance, ``pairs`` (distances,); NaN is nobody."""
+@kernel(inlined=True)
+def _count_ahead(cells: Cells, k: int, distance_bin_m: float, pairs: IntVector) -> None:
+    """Count the pairs of one vehicle with those behind it in the cells' order, in both directions."""
     most_m = distance_bin_m * pairs.size
-    cells = build_cells(position_m, most_m)
-    for v in range(position_m.shape[0]):
-        east, north = position_m[v, 0], position_m[v, 1]
-        if np.isnan(east):
-            continue
-        first, last, row_from, row_to = cell_span(cells, east, north, most_m)
-        for row in range(row_from, row_to + 1):
-            low, high = row_span(cells, row, first, last)
-            for k in range(low, high):
-                a, b = cells.place[k, 0] - east, cells.place[k, 1] - north
-                square = a * a + b * b
-                if square < most_m * most_m and cells.order[k] != v:
-                    pairs[int(sqrt(square) / distance_bin_m)] += 1
+    east, north = cells.place[k, 0], cells.place[k, 1]
+    left, right, _, row_to = cell_span(cells, east, north, most_m)
+    for row in range(cell_row(cells, north), row_to + 1):
+        low, high = row_span(cells, row, left, right)
+        for other in range(max(low, k + 1), high):
+            a, b = cells.place[other, 0] - east, cells.place[other, 1] - north
+            square = a * a + b * b
+            if square < most_m * most_m:
+                pairs[int(sqrt(square) / distance_bin_m)] += 2
+
+
+@kernel
+def count_pairs(cells: Cells, part: int, parts: int, distance_bin_m: float, pairs: IntVector) -> None:
+    """Count one part of all pairs of host and remote by distance, ``pairs`` (distances,).
+
+    The cells are built for the distance that all bins reach.
+    """
+    present = cells.order.size
+    for k in range(present * part // parts, present * (part + 1) // parts):
+        _count_ahead(cells, k, distance_bin_m, pairs)
 
 
 @kernel
