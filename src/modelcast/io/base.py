@@ -8,7 +8,6 @@ reported to `on_skipped`, so that nothing disappears unseen.
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import ClassVar, TypeAlias
 
 from modelcast.core.exceptions import ConfigError
@@ -34,7 +33,7 @@ class Tally:
     >>> tally.skip("no fix", 2)
     >>> tally.repair("out of order", 0)
     >>> tally.reading(rows=5, samples=3)
-    Reading(rows=5, skipped=mappingproxy({'no fix': 2}), repaired=mappingproxy({}))
+    Reading(rows=5, skipped={'no fix': 2}, repaired={})
     """
 
     def __init__(self) -> None:
@@ -73,8 +72,8 @@ class Tally:
         """
         found = Reading(
             rows=rows,
-            skipped=MappingProxyType(dict(self._skipped)),
-            repaired=MappingProxyType(dict(self._repaired)),
+            skipped=dict(self._skipped),
+            repaired=dict(self._repaired),
         )
         if found.samples != samples:
             raise ValueError(

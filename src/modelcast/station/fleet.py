@@ -334,7 +334,7 @@ class Fleet:
         known = [0, 1, *(at for at, there in enumerate(given, start=2) if there)]
         bad = ~np.isfinite(measured[:, known])
         if bad.any():
-            row, at = np.argwhere(bad)[0].tolist()
+            row, at = (int(one) for one in np.argwhere(bad)[0])
             name = ("position_m", "position_m", *_OPTIONAL)[known[at]]
             raise ValueError(
                 f"{name} of vehicle {vehicle[row]} must be finite, got {measured[row, known[at]]}"

@@ -318,9 +318,9 @@ def test_timers_know_no_guard_and_no_survivor() -> None:
 
 
 def test_what_erred_least_of_late_is_sent(seen: list[FleetFrame]) -> None:
-    """`recent`, told anew in plain steps: of members fitted at the last message, the smallest that is as good."""
-    sender = named_sender("j2945-mbc", motion=None)
-    sender = replace(sender, motion=None, policy=ErrorDriven(0.2, "recent", "never", 2.0))
+    """`recent`, told anew: of members fitted at the last message, the smallest that is as good."""
+    sender = replace(named_sender("j2945-mbc"), motion=None)
+    sender = replace(sender, policy=ErrorDriven(0.05, "recent", "never", 2.0))
     bank = sender.bank
     loop = FleetLoop(seen[0], sender, IDEAL_RADIO, SETTINGS, seed=1)
     slot = int(stayed(seen)[0])

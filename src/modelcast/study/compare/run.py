@@ -64,7 +64,7 @@ def compare(
     --------
     >>> from modelcast.study.compare.candidate import FixedCandidate
     >>> from modelcast.station.banks import BASELINE_BANK
-    from modelcast.study.settings import EvaluationSettings
+    >>> from modelcast.study.settings import EvaluationSettings
     >>> from modelcast.world.drive import generate_drive
     >>> asked = CompareSettings(EvaluationSettings((0.5,), (0.0,), seeds=1, references=False), ("recorded",))
     >>> result = compare([generate_drive(1, 90.0).truth], [FixedCandidate("cv", BASELINE_BANK)], asked)
