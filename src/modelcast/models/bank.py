@@ -97,7 +97,7 @@ class Bank(AbstractMotionModel):
         """The bank itself, or with constant velocity added last where no member does with one sample.
 
         A sender must have something to say at a start and after a gap. Constant velocity added here serves
-        only there: `modelcast.runtime.trip.walk` uses it where no other member has a full window. In a bank
+        only there: a sender uses it where no other member has a full window. In a bank
         of quantised members it is quantised too.
         """
         if self.window == 1:
