@@ -28,7 +28,7 @@ from modelcast.study.case import TripCase
 from modelcast.trips.trajectory import Trajectory
 from modelcast.world.scenario.base import FleetFrame
 
-__all__ = ["Agreement", "agreement"]
+__all__ = ["Agreement", "agreement", "first_difference"]
 
 _ID = 1
 _LOSS_RATIO = 0.4
@@ -91,8 +91,8 @@ def agreement(case: TripCase, bank: Bank, policy: ErrorDriven, *, seed: int = 0)
     sender = Sender("agreement", policy, bank)
     return Agreement(
         len(expected),
-        _difference(expected, _fleet_events(case, sender, writer)),
-        _difference(expected, _station_events(case, sender)),
+        first_difference(expected, _fleet_events(case, sender, writer)),
+        first_difference(expected, _station_events(case, sender)),
         _host_difference(
             case, Ears((bank,), np.inf, None, dt_s=trip.dt_s, capacity=4), (runtime, walked), expected, seed
         ),
@@ -165,8 +165,19 @@ def _station_events(case: TripCase, sender: Sender) -> Events:
     return events
 
 
-def _difference(expected: Events, found: Events) -> str:
-    """The first message that differs, and the first byte in it."""
+def first_difference(expected: Events, found: Events) -> str:
+    """The first message that differs, and the first byte in it; empty where all are equal.
+
+    Parameters
+    ----------
+    expected, found
+        Sample and octets of each message.
+
+    Examples
+    --------
+    >>> first_difference([(0, b"ab"), (7, b"cd")], [(0, b"ab"), (7, b"cx")])
+    'message 1: byte 1 of 2 (sample 7)'
+    """
     for number, (one, other) in enumerate(zip(expected, found, strict=False)):
         if one[0] != other[0]:
             return f"message {number}: sample {other[0]}, not {one[0]}"
