@@ -5,7 +5,7 @@ compiled steps that evaluation and network run, so what they send is what is eva
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -135,7 +135,14 @@ class Fleet:
         self._bank = sender_bank(self.sender, dt_s)
         self._guard = guard_of(self.sender, self._bank)
         self._spread_s, self._minute_s = spread_s, minute_s
-        self._number = profile_number_of(self.sender.bank)
+        self._writer = StationOctets.of(
+            self._bank.bank,
+            profile_number_of(self.sender.bank),
+            self.sender.lanes.identify,
+            origin,
+            0,
+            minute_s=minute_s,
+        )
         own = self.sender.bank
         self._ears = Ears((own,), dt_s=dt_s, calibrations=(calibrations_of(own),)) if ears is None else ears
         self._heard = {slot: self._ears.init() for slot in range(slots)}
@@ -383,18 +390,11 @@ class Fleet:
         for k in np.argsort(box.ready_s[: int(box.filled[0])], kind="stable").tolist():
             slot, number = int(box.sender[k]), int(box.message_id[k]) >> SENDER_BITS
             messages = message_of(self._stations, self._contents, slot, number)
-            writer = StationOctets.of(
-                self._bank.bank,
-                self._number,
-                self.sender.lanes.identify,
-                self.origin,
-                int(self._stations.senders.vehicle[slot]),
-                minute_s=self._minute_s,
-            )
+            vehicle = int(self._stations.senders.vehicle[slot])
             found.append(
                 Sending(
-                    int(self._stations.senders.vehicle[slot]),
-                    writer.encode(messages)[0],
+                    vehicle,
+                    replace(self._writer, temporary_id=vehicle).encode(messages)[0],
                     float(box.ready_s[k]),
                     int(box.size_bytes[k]),
                     float(box.power_dbm[k]),
