@@ -5,7 +5,7 @@ compiled steps that evaluation and network run, so what they send is what is eva
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.receiver.ears import Ears
 from modelcast.station.receiver.local_dynamic_map import Beliefs
 from modelcast.station.sender.message_arrays import MESSAGES_KEPT, SENDER_BITS, contents, outbox, sent_tally
-from modelcast.station.sender.octets import StationOctets, message_of
+from modelcast.station.sender.octets import StationOctets, messages_of
 from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.station.sender.sending_kernels import StepInputs, send_each
 from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
@@ -140,7 +140,6 @@ class Fleet:
             profile_number_of(self.sender.bank),
             self.sender.lanes.identify,
             origin,
-            0,
             minute_s=minute_s,
         )
         own = self.sender.bank
@@ -386,20 +385,17 @@ class Fleet:
 
     def _sent(self) -> list[Sending]:
         """Messages of the outbox as octets, in order of time."""
-        box, found = self._outbox, list[Sending]()
-        for k in np.argsort(box.ready_s[: int(box.filled[0])], kind="stable").tolist():
-            slot, number = int(box.sender[k]), int(box.message_id[k]) >> SENDER_BITS
-            messages = message_of(self._stations, self._contents, slot, number)
-            vehicle = int(self._stations.senders.vehicle[slot])
-            found.append(
-                Sending(
-                    vehicle,
-                    replace(self._writer, temporary_id=vehicle).encode(messages)[0],
-                    float(box.ready_s[k]),
-                    int(box.size_bytes[k]),
-                    float(box.power_dbm[k]),
-                    int(messages.kind[0]),
-                    float(box.next_s[k]),
-                )
+        box = self._outbox
+        order = np.argsort(box.ready_s[: int(box.filled[0])], kind="stable")
+        messages = messages_of(
+            self._stations, self._contents, box.sender[order], box.message_id[order] >> SENDER_BITS
+        )
+        columns = (messages.vehicle, box.ready_s[order], box.size_bytes[order], box.power_dbm[order])
+        return [
+            Sending(vehicle, octets, send_s, frame_bytes, power_dbm, kind, next_s)
+            for octets, vehicle, send_s, frame_bytes, power_dbm, kind, next_s in zip(
+                self._writer.encode(messages),
+                *(column.tolist() for column in (*columns, messages.kind, box.next_s[order])),
+                strict=True,
             )
-        return found
+        ]

@@ -86,7 +86,7 @@ def agreement(case: TripCase, bank: Bank, policy: ErrorDriven, *, seed: int = 0)
     runtime = TripRuntime(trip, bank, case.estimator, quantised=True)
     walked = runtime.run(policy)
     writer = _writer(runtime.bank, bank, policy, trip)
-    octets = writer.encode(runtime.sent(walked))
+    octets = writer.encode(runtime.sent(walked, temporary_id=_ID))
     expected = list(zip(np.flatnonzero(walked.transmits).tolist(), octets, strict=True))
     sender = Sender("agreement", policy, bank)
     return Agreement(
@@ -101,7 +101,7 @@ def agreement(case: TripCase, bank: Bank, policy: ErrorDriven, *, seed: int = 0)
 
 def _writer(whole: Bank, bank: Bank, policy: ErrorDriven, trip: Trajectory) -> StationOctets:
     identify = policy.identify if len(whole.members) > 1 else "never"
-    return StationOctets.of(whole, profile_number_of(bank), identify, trip.origin or NOWHERE, _ID)
+    return StationOctets.of(whole, profile_number_of(bank), identify, trip.origin or NOWHERE)
 
 
 def _fleet_events(case: TripCase, sender: Sender, writer: StationOctets) -> Events:
@@ -114,8 +114,7 @@ def _fleet_events(case: TripCase, sender: Sender, writer: StationOctets) -> Even
     events: Events = []
     for number, frame in enumerate(frames):
         loop.step(frame)
-        for one in loop.posted():
-            events += [(number, octets) for octets in writer.encode(one)]
+        events += [(number, octets) for octets in writer.encode(loop.posted())]
     return events
 
 
