@@ -47,7 +47,8 @@ from modelcast.models.profile import Profile, default_profile
 from modelcast.models.trusted import Trusted
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import bank_from_text, member_names
-from modelcast.station.receiver.host import Host, HostState, Receipt
+from modelcast.station.receiver.heard import heard_messages
+from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap, Receipt
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.world.drive import generate_drive
 
@@ -179,9 +180,10 @@ def test_an_unknown_profile_is_said_and_constant_velocity_is_left() -> None:
     assert bank.members[update.in_use].name == "cv"
     assert update.t_s == pytest.approx(60.0 - 17.0 + 12.3)
     np.testing.assert_allclose(update.parameters[-2:], [10.0, 0.0], atol=1e-9)
-    receipt, state = Host(bank).receive(HostState(), update, received_s=update.t_s + 0.1)
-    assert receipt is Receipt.ACCEPTED
-    where = Host(bank).predict(state, update.t_s + 2.0).position_m[0]
+    around = LocalDynamicMap((bank,))
+    receipts, state = around.hear(around.init(), heard_messages([update], [update.t_s + 0.1]))
+    assert receipts.tolist() == [Receipt.ACCEPTED]
+    where = around.positions(state, update.t_s + 2.0)[1][0]
     np.testing.assert_allclose(where - update.position_m, [20.0, 0.0], atol=1e-9)
     with pytest.raises(ValueError, match="constant velocity"):
         update_from_wire(found, Bank((ConstantTurnRateAcceleration(),)), FRAME, received_s=0.0)
@@ -373,14 +375,13 @@ def test_an_identification_reaches_the_host() -> None:
     wire = WireProfile.of(bank, 5)
     octets = UpdateCodec(wire).encode(update_to_wire(sent, bank, wire, FRAME, carries_all=True))
     held = update_from_wire(read_update(octets, {5: wire}), bank, FRAME, received_s=5.1)
-    host = Host(bank)
-    _, state = host.receive(HostState(), held, received_s=5.1)
+    around = LocalDynamicMap((bank,))
     named = identification_to_wire(SubModelIdentification(7, 130, 6.26, in_use=1), sent)
     read = identification_from_wire(decode_identification(encode_identification(named)), held)
     assert read.t_s == pytest.approx(6.26)
-    receipt, state = host.receive(state, read, received_s=6.3)
-    assert receipt is Receipt.ACCEPTED
-    assert host.predict(state, 7.0).in_use.tolist() == [1]
+    receipts, state = around.hear(around.init(), heard_messages([held, read], [5.1, 6.3]))
+    assert receipts.tolist() == [Receipt.ACCEPTED, Receipt.ACCEPTED]
+    assert around.believe(state, 7.0).in_use.tolist() == [1]
     with pytest.raises(ValueError, match="older"):
         identification_to_wire(SubModelIdentification(7, 130, 4.0, in_use=1), sent)
 
