@@ -36,7 +36,6 @@ from modelcast.messages.mbc_wire import (
     encode_identification,
     profile_number,
 )
-from modelcast.messages.quantisation import carried_bank
 from modelcast.messages.update_document import HeldProfile, model_document, octets_of_model, read_model
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -260,9 +259,9 @@ def test_no_sub_model_takes_more_than_24_octets_with_id_and_length(name: str) ->
 def test_a_host_is_told_that_no_message_carries_weights() -> None:
     bank = Bank((GaussianProcess(), ConstantVelocity()))
     found = read_update(encode_bsm(some_core()), {})
-    with pytest.raises(ValueError, match="carried_bank"):
+    with pytest.raises(ValueError, match="carried form"):
         update_from_wire(found, bank, FRAME, received_s=0.0)
-    assert update_from_wire(found, carried_bank(bank), FRAME, received_s=0.0).in_use == 1
+    assert update_from_wire(found, bank.carried(), FRAME, received_s=0.0).in_use == 1
 
 
 def test_a_profile_with_a_bare_process_is_read_and_written_as_its_path() -> None:
@@ -295,7 +294,7 @@ def test_the_host_predicts_from_octets_what_the_sender_predicts(carries_all: boo
         Trusted(TRAINED, 2.0),
     )
     given = Bank((*default_profile().bank.members[:2], ConstantVelocity(), *processes), "all")
-    plain = carried_bank(given)
+    plain = given.carried()
     sender = TripRuntime(drive.input, given, velocity_estimator_for(drive.input), quantised=True)
     wire = WireProfile.of(given, 5)
     at = np.arange(30, 590, 23)

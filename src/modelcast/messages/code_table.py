@@ -17,8 +17,7 @@ from modelcast.messages.fields import Outside
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.payload import CORE_PARAMETERS
-from modelcast.models.predicted_path import carried_form, carried_layout
-from modelcast.models.quantised import Quantised
+from modelcast.models.predicted_path import carried_layout
 
 __all__ = ["CodeTable", "code_table"]
 
@@ -106,15 +105,14 @@ def code_table(bank: Bank) -> CodeTable:
     Parameters
     ----------
     bank
-        Its sub-models; of one without a layout the predicted path is carried. Remainders of quantised
-        ones are no parameters here.
+        Its sub-models; of one without a layout the predicted path is carried.
 
     Raises
     ------
     ValueError
         Where no message carries a parameter, or a sub-model has a velocity that is not east, then north.
     """
-    members = [carried_form(one.model if isinstance(one, Quantised) else one) for one in bank.members]
+    members = bank.carried().members
     rows = [row for member in members for row in _rows(member)]
     names = tuple(f"{member.name}.{name}" for member in members for name in member.parameter_names)
     offsets = np.cumsum([0] + [len(member.parameter_names) for member in members], dtype=np.int64)
