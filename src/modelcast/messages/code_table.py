@@ -16,10 +16,10 @@ from modelcast.messages.bsm_fields import CORE_FIELDS, CORE_INDEX
 from modelcast.messages.fields import Outside
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
-from modelcast.models.payload import CORE_PARAMETERS
+from modelcast.models.payload import CORE_PARAMETERS, PayloadField
 from modelcast.models.predicted_path import carried_layout
 
-__all__ = ["CodeTable", "code_table"]
+__all__ = ["CodeTable", "code_table", "coefficient_meaning"]
 
 _FIELDS: Final = dict(
     zip(
@@ -99,6 +99,17 @@ class CodeTable:
         return held
 
 
+def coefficient_meaning(field: PayloadField) -> tuple[float, ...]:
+    """What the codes of a coefficient stand for, as `bsm_kernels` takes it.
+
+    Parameters
+    ----------
+    field
+        Of a payload layout.
+    """
+    return (field.low, field.high, np.nan, field.step, 1.0, 1.0, float(Outside.CLAMP))
+
+
 def code_table(bank: Bank) -> CodeTable:
     """Table of a bank.
 
@@ -147,9 +158,7 @@ def _rows(member: AbstractSubModel) -> list[tuple[float, ...]]:
             place = CORE_INDEX[_FIELDS[name]]
             rows.append((*CORE_MEANING[place].tolist(), place, CORE_FIELDS[place].width_bits))
         elif name in fields:
-            one = fields[name]
-            meaning = (one.low, one.high, np.nan, one.step, 1.0, 1.0, float(Outside.CLAMP))
-            rows.append((*meaning, kernels.IN_EXTENSION, one.bits))
+            rows.append((*coefficient_meaning(fields[name]), kernels.IN_EXTENSION, fields[name].bits))
         else:
             raise ValueError(
                 f"{member.name}: no message carries {name}: it is neither in Part I nor in the layout"
