@@ -2,6 +2,8 @@
 
 State (6,): position, velocity, acceleration, each east and north. A measurement (6,) is what `FleetFrame` and
 a sample row hold of a vehicle: east, north, speed, heading, acceleration along the course, yaw rate.
+Constants ``c`` (8,): standard deviations of position, speed, heading, acceleration and yaw rate; density of
+the jerk along the course and across it; standard deviations beyond which a position has jumped.
 """
 
 from math import atan2, cos, hypot, sin, sqrt
@@ -11,13 +13,9 @@ import numpy as np
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector
 
-__all__ = ["CONSTANTS", "STATES", "advance", "correct", "follow", "shown", "start"]
+__all__ = ["STATES", "advance", "correct", "follow", "shown", "start"]
 
 STATES = 6
-
-CONSTANTS = 8
-"""Standard deviations of position, speed, heading, acceleration and yaw rate; density of the jerk along the
-course and across it; standard deviations beyond which a position has jumped."""
 
 _LEAST_ACROSS_MPS = 0.01
 """Of the velocity across the measured course: a car slips a little."""
