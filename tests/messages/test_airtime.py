@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modelcast.messages import airtime_kernels as kernels
+from modelcast.messages import stack_kernels as kernels
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc_codec import UpdateCodec
 from modelcast.messages.mbc_profile import WireProfile

@@ -12,11 +12,10 @@ from modelcast.core.exceptions import CodecError
 from modelcast.messages.bsm import BasicSafetyMessage, BsmCore, decode_bsm, encode_bsm, encode_message
 from modelcast.messages.bsm_fields import CORE_INDEX
 from modelcast.messages.mbc_codec import UpdateCodec
-from modelcast.messages.mbc_update import read_update
+from modelcast.messages.mbc_update import UpdateReading, read_update
 from modelcast.messages.sizes import SizeModel
 from modelcast.messages.station_codec import (
     IdentificationRows,
-    Reading,
     StationCodec,
     UpdateRows,
     further_values,
@@ -99,7 +98,7 @@ def test_the_receiver_holds_what_the_sender_holds_bit_for_bit(
         for m in carried:
             own = slice(codec.table.offsets[m], codec.table.offsets[m + 1])
             assert heard.rows.parameters[row, own].tobytes() == held[row, own].tobytes()
-        assert heard.reading[row] == (Reading.PLAIN if codec.plain[in_use] else Reading.MODEL)
+        assert heard.reading[row] == (UpdateReading.PLAIN if codec.plain[in_use] else UpdateReading.MODEL)
     assert heard.rows.in_use.tolist() == rows.in_use.tolist()
     assert heard.rows.vehicle.tolist() == rows.vehicle.tolist()
     assert heard.rows.message_count.tolist() == (rows.message_count % 128).tolist()
@@ -145,19 +144,19 @@ def test_odd_messages_are_read_as_one_at_a_time() -> None:
     other = StationCodec.of(BANKS["default"], 9, "never")
     foreign, _ = other.encode(some_rows(other, motion, 3), further=motion_of(motion))
     nowhere = BsmCore((*plain.core.codes[:3], 900_000_001, *plain.core.codes[4:]))
-    messages: list[tuple[bytes, Reading]] = [
-        (octets, Reading.MODEL),
-        (encode_bsm(plain.core, part_ii=((0, bytes(130)),), regional=((128, model),)), Reading.MODEL),
-        (encode_bsm(plain.core, regional=((1, b"x"), (128, model))), Reading.MODEL),
-        (encode_bsm(plain.core, regional=((1, b"x"),)), Reading.PLAIN),
-        (encode_bsm(plain.core, part_ii=((2, b"more"),)), Reading.PLAIN),
-        (encode_message(BasicSafetyMessage(plain.core, frame_additions=(b"later",))), Reading.PLAIN),
-        (foreign[0, : lengths[0]].tobytes(), Reading.UNKNOWN_PROFILE),
-        (encode_bsm(nowhere, regional=((128, model),)), Reading.INCOMPLETE),
-        (encode_bsm(plain.core, regional=((128, model[:-1]),)), Reading.FAULTY),
-        (octets[:-1], Reading.FAULTY),
-        (b"", Reading.FAULTY),
-        (octets + b"\0", Reading.FAULTY),
+    messages: list[tuple[bytes, UpdateReading]] = [
+        (octets, UpdateReading.MODEL),
+        (encode_bsm(plain.core, part_ii=((0, bytes(130)),), regional=((128, model),)), UpdateReading.MODEL),
+        (encode_bsm(plain.core, regional=((1, b"x"), (128, model))), UpdateReading.MODEL),
+        (encode_bsm(plain.core, regional=((1, b"x"),)), UpdateReading.PLAIN),
+        (encode_bsm(plain.core, part_ii=((2, b"more"),)), UpdateReading.PLAIN),
+        (encode_message(BasicSafetyMessage(plain.core, frame_additions=(b"later",))), UpdateReading.PLAIN),
+        (foreign[0, : lengths[0]].tobytes(), UpdateReading.UNKNOWN_PROFILE),
+        (encode_bsm(nowhere, regional=((128, model),)), UpdateReading.INCOMPLETE),
+        (encode_bsm(plain.core, regional=((128, model[:-1]),)), UpdateReading.FAULTY),
+        (octets[:-1], UpdateReading.FAULTY),
+        (b"", UpdateReading.FAULTY),
+        (octets + b"\0", UpdateReading.FAULTY),
     ]
     batch = np.zeros((len(messages), 260), np.uint8)
     for row, (data, _) in enumerate(messages):
@@ -186,14 +185,14 @@ def test_damaged_octets_are_read_in_a_batch_as_alone(seed: int, case: tuple[str,
     try:
         read = read_update(data, {codec.profile.number: codec.profile})
     except CodecError as fault:
-        assert heard.reading[0] == Reading.FAULTY
+        assert heard.reading[0] == UpdateReading.FAULTY
         assert str(heard.faults[0][1]) == str(fault)  # noqa: PT017 - most octets are refused
         return
     assert heard.core[0].tolist() == list(read.message.core.codes)
-    assert (heard.reading[0] == Reading.MODEL) <= (read.update is not None)
+    assert (heard.reading[0] == UpdateReading.MODEL) <= (read.update is not None)
     if read.update is not None:
         assert heard.rows.in_use[0] == read.update.sub_model
-    if heard.reading[0] == Reading.MODEL:
+    if heard.reading[0] == UpdateReading.MODEL:
         assert read.update is not None
         whole = replace(codec, carries_all=read.update.carries_all, plain=(False,) * len(codec.plain))
         codes, _ = codec.table.quantise(heard.rows.parameters)

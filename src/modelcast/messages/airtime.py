@@ -9,8 +9,9 @@ from typing import get_args
 
 import numpy as np
 
+from modelcast.channel.airtime_kernels import frame_airtimes
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
-from modelcast.messages import airtime_kernels as kernels
+from modelcast.messages import stack_kernels as kernels
 from modelcast.messages.rules import CertificateRule
 
 __all__ = ["Stack"]
@@ -143,9 +144,14 @@ class Stack:
         payload_bytes, certificate
             As in `frame_bytes`.
         """
-        out = np.zeros(payload_bytes.size)
-        kernels.airtimes(self.frame_bytes(payload_bytes, certificate), self.numbers, out)
-        return out
+        n = self.numbers
+        return frame_airtimes(
+            self.frame_bytes(payload_bytes, certificate),
+            n.preamble_s,
+            n.symbol_s,
+            n.service_tail_bits,
+            n.bits_per_symbol,
+        )
 
     def sent_airtime_s(self, t_s: FloatArray, payload_bytes: IntArray) -> FloatArray:
         """How long each message of one sender lasts, by the certificate rule, (N,) [s].

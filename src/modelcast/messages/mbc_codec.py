@@ -16,7 +16,13 @@ from modelcast.messages.code_table import coefficient_meaning
 from modelcast.messages.codec import AbstractCodec
 from modelcast.messages.frame import read_header
 from modelcast.messages.mbc_profile import WireProfile
-from modelcast.messages.mbc_update import UpdateMessage, extension_of, read_update, update_octets
+from modelcast.messages.mbc_update import (
+    UpdateMessage,
+    UpdateReading,
+    extension_of,
+    read_update,
+    update_octets,
+)
 from modelcast.messages.mbc_wire import (
     AGE,
     SEQUENCE,
@@ -67,7 +73,8 @@ class UpdateCodec(AbstractCodec[UpdateMessage]):
         message = found.message
         after_core = 8 * read_header(data).start + PREAMBLE_BITS + CORE_BITS
         if found.update is None:
-            raise CodecError(f"{found.reading.value} where one of this profile is expected", after_core)
+            what = "no model" if found.reading is UpdateReading.PLAIN else "a model of another profile"
+            raise CodecError(f"{what} where one of this profile is expected", after_core)
         if message.part_ii or len(message.regional) > 1 or message.additions or message.frame_additions:
             raise CodecError("more than Part I and a model", after_core)
         return found.update

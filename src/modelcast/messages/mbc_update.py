@@ -6,7 +6,7 @@ none it can use, and then the state of Part I is left, from which anybody coasts
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
-from enum import Enum
+from enum import IntEnum
 from operator import index
 from typing import Final
 
@@ -67,12 +67,19 @@ class UpdateMessage:
     codes: tuple[tuple[int, ...], ...]
 
 
-class UpdateReading(Enum):
-    """What a receiver found in a basic safety message beside Part I."""
+class UpdateReading(IntEnum):
+    """What a receiver found in octets; of one message that was read, one of the first three."""
 
-    MODEL = "a model"
-    PLAIN = "no model"
-    UNKNOWN_PROFILE = "a model of a profile that is not known here"
+    MODEL = 0
+    """A model of a profile that is held."""
+    PLAIN = 1
+    """Part I without a model."""
+    UNKNOWN_PROFILE = 2
+    """Part I, and a model of another profile."""
+    INCOMPLETE = 3
+    """Part I lacks position, instant, speed or heading: there is nothing to predict from."""
+    FAULTY = 4
+    """No basic safety message, or a model that is none of its profile."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,6 @@ again has the same bits as what the sender holds (`codes_kernels.quantise_parame
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
-from enum import IntEnum
 from typing import Final
 
 import numpy as np
@@ -36,7 +35,6 @@ from modelcast.models.bank import Bank
 __all__ = [
     "HeardUpdates",
     "IdentificationRows",
-    "Reading",
     "StationCodec",
     "UpdateRows",
     "coefficient_codes",
@@ -51,21 +49,6 @@ _YAW_RATE: Final = CORE_INDEX["yaw_rate_radps"]
 _SPEED: Final = codes_kernels.SPEED_PLACE
 _HEADING: Final = codes_kernels.HEADING_PLACE
 _NEEDED: Final = [_MARK, *_PLACE, _SPEED, _HEADING]
-
-
-class Reading(IntEnum):
-    """What a station found in octets."""
-
-    MODEL = 0
-    """A model of the profile that is held."""
-    PLAIN = 1
-    """Part I without a model."""
-    UNKNOWN_PROFILE = 2
-    """Part I, and a model of another profile."""
-    INCOMPLETE = 3
-    """Part I lacks position, instant, speed or heading: there is nothing to predict from."""
-    FAULTY = 4
-    """No basic safety message, or a model that is none of its profile."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -109,7 +92,7 @@ class HeardUpdates:
     core
         Part I as codes, (B, 25).
     reading
-        A `Reading` each, (B,). Rows of those that are incomplete or faulty mean nothing.
+        An `UpdateReading` each, (B,). Rows of those that are incomplete or faulty mean nothing.
     faults
         Row and fault of those that are faulty.
     """
@@ -347,18 +330,16 @@ class StationCodec:
                     frames[row, : lengths[row]].tobytes(), {self.profile.number: self.profile}
                 )
             except CodecError as fault:
-                reading[row] = Reading.FAULTY
+                reading[row] = UpdateReading.FAULTY
                 faults.append((row, fault))
                 continue
             core[row] = received.message.core.codes
-            reading[row] = (
-                Reading.PLAIN if received.reading is UpdateReading.PLAIN else Reading.UNKNOWN_PROFILE
-            )
+            reading[row] = received.reading
             if received.update is not None:
-                reading[row], in_use[row] = Reading.MODEL, received.update.sub_model
+                in_use[row] = received.update.sub_model
                 codes[row] = coefficient_codes(self.table, self.profile, received.update)
         known = (core >= CORE_MEANING[:, FIRST]) & (core <= CORE_MEANING[:, LAST])
-        reading[(reading != Reading.FAULTY) & ~known[:, _NEEDED].all(axis=1)] = Reading.INCOMPLETE
+        reading[(reading != UpdateReading.FAULTY) & ~known[:, _NEEDED].all(axis=1)] = UpdateReading.INCOMPLETE
         in_use[in_use < 0] = self.plain.index(True) if True in self.plain else -1
         marks = zip(core[:, _MARK].tolist(), received_s.tolist(), strict=True)
         rows = UpdateRows(

@@ -17,8 +17,9 @@ from modelcast.core.geodesy import Origin, frame_constants
 from modelcast.core.geodesy_kernels import places_of
 from modelcast.messages.bsm_batch import values_of_codes
 from modelcast.messages.bsm_fields import CORE_INDEX
+from modelcast.messages.mbc_update import UpdateReading
 from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identification
-from modelcast.messages.station_codec import Reading, StationCodec
+from modelcast.messages.station_codec import StationCodec
 from modelcast.models.bank import Bank
 from modelcast.models.calibration import Calibration
 from modelcast.station.banks import BASELINE_BANK, profile_number_of
@@ -152,11 +153,11 @@ class Ears:
         in_use = np.zeros(rows.size, dtype=np.int64)
         for place, codec in enumerate(self._codecs):
             read = codec.decode(frames, lengths, received_s=arrived_s[rows], minute_s=minute_s)
-            known = (read.reading == Reading.MODEL) & (profile == _NOTHING)
+            known = (read.reading == UpdateReading.MODEL) & (profile == _NOTHING)
             profile[known] = place
             parameters[known, : read.rows.parameters.shape[1]] = read.rows.parameters[known]
             in_use[known] = read.rows.in_use[known]
-        fine = ~np.isin(read.reading, (Reading.FAULTY, Reading.INCOMPLETE))
+        fine = ~np.isin(read.reading, (UpdateReading.FAULTY, UpdateReading.INCOMPLETE))
         position_m = np.empty((rows.size, 2))
         places_of(frame_constants(origin), np.ascontiguousarray(read.rows.place), position_m)
         values = values_of_codes(read.core)

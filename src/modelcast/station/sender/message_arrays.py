@@ -15,7 +15,7 @@ from modelcast.core.kernel_types import (
     IntCube,
     IntVector,
 )
-from modelcast.messages.airtime_kernels import StackNumbers
+from modelcast.messages.stack_kernels import StackNumbers
 
 __all__ = [
     "AIRTIME_S",

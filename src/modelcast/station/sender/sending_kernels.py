@@ -6,7 +6,7 @@ import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector
-from modelcast.messages.airtime_kernels import airtime, carries_certificate, frame_bytes
+from modelcast.messages.stack_kernels import airtime, carries_certificate, frame_bytes
 from modelcast.station.arrays import Fits, LaneRules, Lanes, Sensed
 from modelcast.station.policy.error_driven_kernels import IDENTIFICATION, NOTHING, UPDATE
 from modelcast.station.policy.j2945_kernels import CAUSE_NOTHING, CAUSE_TIME, NEXT_S

@@ -1,10 +1,10 @@
 """Compiled cost of a message on the air: which carries the certificate, its bytes, its duration."""
 
-from math import ceil
 from typing import NamedTuple
 
 import numpy as np
 
+from modelcast.channel.airtime_kernels import frame_airtime
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import BoolVector, FloatVector, IntVector
 
@@ -12,7 +12,6 @@ __all__ = [
     "RULES",
     "StackNumbers",
     "airtime",
-    "airtimes",
     "carries_certificate",
     "frame_bytes",
     "frames_bytes",
@@ -71,8 +70,9 @@ def frame_bytes(payload_bytes: int, certificate: bool, stack: StackNumbers) -> i
 @kernel(inlined=True)
 def airtime(size_bytes: int, stack: StackNumbers) -> float:
     """Return how long a frame of that size is on the air [s]."""
-    bits = stack.service_tail_bits + 8 * size_bytes
-    return stack.preamble_s + stack.symbol_s * ceil(bits / stack.bits_per_symbol)
+    return frame_airtime(
+        size_bytes, stack.preamble_s, stack.symbol_s, stack.service_tail_bits, stack.bits_per_symbol
+    )
 
 
 @kernel
@@ -93,10 +93,3 @@ def frames_bytes(
     """Bytes of many frames, (N,)."""
     for i in range(payload_bytes.size):
         out[i] = frame_bytes(payload_bytes[i], certificate[i], stack)
-
-
-@kernel
-def airtimes(size_bytes: IntVector, stack: StackNumbers, out: FloatVector) -> None:
-    """Durations of many frames, (N,) [s]."""
-    for i in range(size_bytes.size):
-        out[i] = airtime(size_bytes[i], stack)
