@@ -11,7 +11,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.drive import generate_drive
-from modelcast.world.sensors import AUTOMOTIVE_GNSS, IDEAL, SensorModel, sense, with_motion
+from modelcast.world.sensors import IDEAL, SensorModel, sense, with_motion
 
 
 def straight(duration_s: float = 2000.0, speed_mps: float = 10.0) -> Trajectory:
@@ -69,8 +69,8 @@ def test_an_input_never_depends_on_later_truth() -> None:
     drive = generate_drive(2, duration_s=90.0).truth
     moved = drive.position_m.copy()
     moved[500:] += 100.0
-    a = sense(drive, AUTOMOTIVE_GNSS, np.random.default_rng(4))
-    b = sense(replace(drive, position_m=moved), AUTOMOTIVE_GNSS, np.random.default_rng(4))
+    a = sense(drive, SensorModel(slow_position_noise_m=0.5, latency_s=0.1), np.random.default_rng(4))
+    b = sense(replace(drive, position_m=moved), SensorModel(slow_position_noise_m=0.5, latency_s=0.1), np.random.default_rng(4))
     assert np.array_equal(a.position_m[:500], b.position_m[:500])
 
 
