@@ -70,7 +70,11 @@ def test_an_input_never_depends_on_later_truth() -> None:
     moved = drive.position_m.copy()
     moved[500:] += 100.0
     a = sense(drive, SensorModel(slow_position_noise_m=0.5, latency_s=0.1), np.random.default_rng(4))
-    b = sense(replace(drive, position_m=moved), SensorModel(slow_position_noise_m=0.5, latency_s=0.1), np.random.default_rng(4))
+    b = sense(
+        replace(drive, position_m=moved),
+        SensorModel(slow_position_noise_m=0.5, latency_s=0.1),
+        np.random.default_rng(4),
+    )
     assert np.array_equal(a.position_m[:500], b.position_m[:500])
 
 
@@ -111,9 +115,10 @@ def test_a_size_that_is_none_is_refused_by_name(name: str, value: float) -> None
         SensorModel(**{name: value})
 
 
-def test_a_correlation_time_of_zero_is_refused() -> None:
-    with pytest.raises(ValueError, match="slow_correlation_s"):
-        SensorModel(slow_correlation_s=0.0)
+@pytest.mark.parametrize("name", ["slow_correlation_s", "multipath_correlation_s"])
+def test_a_correlation_time_of_zero_is_refused(name: str) -> None:
+    with pytest.raises(ValueError, match=f"{name} must be positive"):
+        SensorModel(**{name: 0.0})
 
 
 def test_a_car_that_has_not_moved_yet_shows_no_later_heading() -> None:

@@ -49,27 +49,31 @@ Columns = Annotated[
 @Parameter(name="*")
 @dataclass(frozen=True)
 class SensorOptions:
-    """What the sender measures in the sensor protocol.
+    """What the sender measures in the sensor protocol, and a vehicle of a fleet of itself.
 
     Parameters
     ----------
+    sensor
+        Sensor by name: default, ideal, gnss, gnss-rtk, ins, phone. The options below, where given, replace
+        what it has.
     position_noise
-        White position noise of the sensor protocol [m].
+        White position noise [m].
     slow_noise
-        Slowly varying position noise of the sensor protocol [m].
+        Slowly varying position noise [m].
     speed_noise
-        Speed noise of the sensor protocol [m/s].
+        Speed noise [m/s].
     heading_noise
-        Heading noise of the sensor protocol [deg].
+        Heading noise [deg].
     latency
-        Age of what the sender sees, in the sensor protocol [s].
+        Age of what the sender sees [s].
     """
 
-    position_noise: float = 0.01
-    slow_noise: float = 0.0
-    speed_noise: float = 0.05
-    heading_noise: float = 0.2
-    latency: float = 0.0
+    sensor: str = "default"
+    position_noise: float | None = None
+    slow_noise: float | None = None
+    speed_noise: float | None = None
+    heading_noise: float | None = None
+    latency: float | None = None
 
     def model(self) -> "SensorModel":
         """The sensor model they mean.
@@ -77,19 +81,22 @@ class SensorOptions:
         Raises
         ------
         ValueError
-            Where a value is out of its range.
+            Where no sensor has that name, or a value is out of its range.
         """
-        import numpy as np
+        from dataclasses import replace
+        from math import radians
 
-        from modelcast.world.sensors import SensorModel
+        from modelcast.world.named_sensors import named_sensor
 
-        return SensorModel(
-            position_noise_m=self.position_noise,
-            slow_position_noise_m=self.slow_noise,
-            speed_noise_mps=self.speed_noise,
-            heading_noise_rad=float(np.deg2rad(self.heading_noise)),
-            latency_s=self.latency,
-        )
+        given = {
+            "position_noise_m": self.position_noise,
+            "slow_position_noise_m": self.slow_noise,
+            "speed_noise_mps": self.speed_noise,
+            "heading_noise_rad": None if self.heading_noise is None else radians(self.heading_noise),
+            "latency_s": self.latency,
+        }
+        found = {name: value for name, value in given.items() if value is not None}
+        return replace(named_sensor(self.sensor), **found)
 
 
 def parse_columns(text: str | None) -> dict[str, str] | None:
