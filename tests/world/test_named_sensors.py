@@ -56,7 +56,7 @@ def test_a_single_option_replaces_one_field_of_the_sensor(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "half_m"), [("gnss-rtk", 0.02), ("ins", 0.01), ("phone", 4.9)], ids=["gnss-rtk", "ins", "phone"]
+    ("name", "half_m"), [("gnss-rtk", 0.02), ("ins", 0.01 * np.sqrt(2.0 * np.log(2.0))), ("phone", 4.9)]
 )
 def test_half_of_the_positions_are_within_what_the_source_states(name: str, half_m: float) -> None:
     """Within 3 %: sizes are rounded."""

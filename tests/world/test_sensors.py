@@ -99,6 +99,33 @@ def test_one_seed_gives_one_input_and_sizes_scale_the_same_draws() -> None:
     np.testing.assert_allclose(b - truth.position_m, 2.0 * (a - truth.position_m), atol=1e-9)
 
 
+def test_a_trip_draws_each_kind_of_error_for_all_its_samples_in_the_order_of_old() -> None:
+    """Numbers of later kinds come last, so that inputs and event lists of earlier versions stay."""
+    drive = generate_drive(4, duration_s=90.0).truth
+    truth = replace(drive, speed_mps=present(drive.speed_mps) + 1.0)
+    model = SensorModel(slow_position_noise_m=0.5)
+    seen = sense(truth, model, np.random.default_rng(8))
+    numbers = np.random.default_rng(8).standard_normal((8, len(truth)))
+    slow = numbers[2:4].T.copy()
+    for i, step_s in enumerate(np.diff(truth.t_s), start=1):
+        kept = np.exp(-step_s / 300.0)
+        slow[i] = kept * slow[i - 1] + np.sqrt(1.0 - kept**2) * slow[i]
+    np.testing.assert_allclose(
+        seen.position_m, truth.position_m + 0.01 * numbers[:2].T + 0.5 * slow, atol=1e-10
+    )
+    default = sense(truth, SensorModel(), np.random.default_rng(8))
+    assert np.array_equal(default.position_m, truth.position_m + 0.01 * numbers[:2].T)
+    assert np.array_equal(
+        present(default.speed_mps), np.maximum(present(truth.speed_mps) + 0.05 * numbers[4], 0.0)
+    )
+    course = present(truth.heading_rad) + model.heading_noise_rad * numbers[5]
+    assert np.array_equal(present(default.heading_rad), wrap_angle_rad(course))
+    acceleration = present(truth.acceleration_mps2) + 0.05 * numbers[6]
+    assert np.array_equal(present(default.acceleration_mps2), acceleration)
+    turning = present(truth.yaw_rate_radps) + model.yaw_rate_noise_radps * numbers[7]
+    assert np.array_equal(present(default.yaw_rate_radps), turning)
+
+
 def test_motion_is_taken_from_positions_only_where_it_is_missing() -> None:
     trip = straight(20.0)
     known = replace(trip, speed_mps=np.full(len(trip), 9.0))

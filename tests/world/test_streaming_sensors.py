@@ -12,10 +12,25 @@ from modelcast.core.arrays import BoolArray, FloatArray
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.scenario.base import FleetFrame
 from modelcast.world.scenario.sensed import sensed
-from modelcast.world.sensor_kernels import NEW, PART, Samples
+from modelcast.world.sensor_kernels import DRAWS, NEW, PART, Samples
 from modelcast.world.sensors import IDEAL, SensorModel, Sensors, sense, with_motion
 
 MANY = 40_000
+
+
+class Told(np.random.Generator):
+    """Gives the numbers of a table (kind, instant, vehicle), instant after instant."""
+
+    def __init__(self, table: FloatArray) -> None:
+        super().__init__(np.random.PCG64(0))
+        self._left = table
+
+    def standard_normal(self, size: tuple[int, int, int]) -> FloatArray:  # type: ignore[override]
+        """Give the next instants, (kinds, instants, vehicles)."""
+        now, self._left = self._left[:, : size[1]], self._left[:, size[1] :]
+        return np.ascontiguousarray(now)
+
+
 ROUGH = SensorModel(
     position_noise_m=0.3,
     slow_position_noise_m=0.5,
@@ -135,10 +150,12 @@ def test_errors_of_vehicles_axes_and_columns_are_independent() -> None:
 @settings(derandomize=True, deadline=None, max_examples=30)
 @given(seed=st.integers(0, 1000), gap_s=st.sampled_from([0.1, 0.6, 30.0]), latency_s=st.floats(0.0, 0.6))
 def test_a_trip_and_a_fleet_of_one_see_the_same_bits(seed: int, gap_s: float, latency_s: float) -> None:
+    """From the same numbers, which a trip draws by kind for all of its samples."""
     trip = drive(seed, gap_s)
     model = replace(ROUGH, latency_s=latency_s)
     seen = sense(trip, model, np.random.default_rng(seed))
-    fleet = [frame for _, frame in sensed(frames_of(trip), model, np.random.default_rng(seed))]
+    numbers = np.random.default_rng(seed).standard_normal((DRAWS, len(trip), 1))
+    fleet = [frame for _, frame in sensed(frames_of(trip), model, Told(numbers))]
     rows = np.array(
         [
             np.concatenate(
@@ -163,7 +180,7 @@ def test_instants_given_together_or_in_blocks_show_the_same_bits(
     truth.active[rng.random((60, 3)) < 0.1] = False
     sensors = Sensors(replace(ROUGH, latency_s=latency_s))
     whole, _ = sensors.sense(sensors.init(3, np.random.default_rng(seed)), truth)
-    state = sensors.init(3, np.random.default_rng(seed))
+    state = sensors.init(3, Told(np.random.default_rng(seed).standard_normal((DRAWS, 60, 3))))
     bounds = [0, *sorted(cuts), 60]
     for a, b in pairwise(bounds):
         block = Samples(truth.t_s[a:b], truth.motion[a:b], truth.begins[a:b], truth.active[a:b])

@@ -85,7 +85,7 @@ SENSORS: Mapping[str, NamedSensor] = MappingProxyType(
         "ins": NamedSensor(
             SensorModel(
                 position_noise_m=0.003,
-                slow_position_noise_m=0.008,
+                slow_position_noise_m=0.0095,
                 slow_correlation_s=100.0,
                 speed_noise_mps=0.014,
                 heading_noise_rad=0.1 * _DEGREE,
@@ -94,7 +94,7 @@ SENSORS: Mapping[str, NamedSensor] = MappingProxyType(
                 latency_s=0.0035,
             ),
             "an inertial system with RTK, as used for reference",
-            source="OxTS RT3000 manual: 1 cm (taken as the circle of half of the errors), 3.5 ms, 0.05 km/h, "
+            source="OxTS RT3000 manual: 1 cm (one sigma, taken as that of an axis), 3.5 ms, 0.05 km/h, "
             "0.1°, 0.01 m/s², 0.01°/s; white part: the Applanix system of Boreas, 3 mm",
             certainty="position and latency stated; the other sizes quoted from memory; white part measured "
             "after the drive, not during it; correlation time as for gnss-rtk",

@@ -21,8 +21,8 @@ __all__ = ["DRAWS", "NEW", "PART", "Errors", "Samples", "Sizes", "sense"]
 PART, NEW = 1, 2
 """What begins at a sample: a part that does not connect with the last, or another vehicle."""
 
-# Random numbers of a sample, by row: two of each for east and north.
-_WHITE, _SLOW, _MULTIPATH, _SPEED, _HEADING, _ACCELERATION, _YAW_RATE = 0, 2, 4, 6, 7, 8, 9
+# Random numbers by row: two of each position error, for east and north.
+_WHITE, _SLOW, _SPEED, _HEADING, _ACCELERATION, _YAW_RATE, _MULTIPATH = 0, 2, 4, 5, 6, 7, 8
 DRAWS = 10
 
 
@@ -72,7 +72,7 @@ def sense(
     first: IntVector,
     out: FloatCube,
 ) -> None:
-    """Write what is seen at the last instants, `out` (T, V, C), from `noise` (T, DRAWS, V).
+    """Write what is seen at the last instants, `out` (T, V, C), from `noise` (DRAWS, T, V).
 
     Earlier samples are there for the latency. `before_s` is the time of the last instant seen; `errors` move
     on; `first` is room for V numbers, zero at first.
@@ -140,16 +140,17 @@ def _err(
         slow_kept = multipath_kept = 0.0
     for axis in range(2):
         slow = slow_kept * errors.wandering[v, axis]
-        slow += sqrt(1.0 - slow_kept * slow_kept) * noise[row, _SLOW + axis, v]
+        slow += sqrt(1.0 - slow_kept * slow_kept) * noise[_SLOW + axis, row, v]
         multipath = multipath_kept * errors.wandering[v, 2 + axis]
-        multipath += sqrt(1.0 - multipath_kept * multipath_kept) * noise[row, _MULTIPATH + axis, v]
+        multipath += sqrt(1.0 - multipath_kept * multipath_kept) * noise[_MULTIPATH + axis, row, v]
         errors.wandering[v, axis] = slow
         errors.wandering[v, 2 + axis] = multipath
-        error_m = sizes.position_m * noise[row, _WHITE + axis, v]
-        out[row, v, axis] += error_m + sizes.slow_m * slow + sizes.multipath_m * multipath
+        out[row, v, axis] += sizes.position_m * noise[_WHITE + axis, row, v]
+        out[row, v, axis] += sizes.slow_m * slow
+        out[row, v, axis] += sizes.multipath_m * multipath
     if begins or out[row, v, 2] >= sizes.hold_mps:
-        errors.heading_rad[v] = _wrapped(out[row, v, 3] + sizes.heading_rad * noise[row, _HEADING, v])
-    out[row, v, 2] = max(out[row, v, 2] + sizes.speed_mps * noise[row, _SPEED, v], 0.0)
+        errors.heading_rad[v] = _wrapped(out[row, v, 3] + sizes.heading_rad * noise[_HEADING, row, v])
+    out[row, v, 2] = max(out[row, v, 2] + sizes.speed_mps * noise[_SPEED, row, v], 0.0)
     out[row, v, 3] = errors.heading_rad[v]
-    out[row, v, 4] += sizes.acceleration_mps2 * noise[row, _ACCELERATION, v]
-    out[row, v, 5] += sizes.yaw_rate_radps * noise[row, _YAW_RATE, v]
+    out[row, v, 4] += sizes.acceleration_mps2 * noise[_ACCELERATION, row, v]
+    out[row, v, 5] += sizes.yaw_rate_radps * noise[_YAW_RATE, row, v]

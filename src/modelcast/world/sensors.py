@@ -122,8 +122,9 @@ class Sensors:
     Notes
     -----
     A sample takes as many random numbers whatever the model and whatever happens, so two models seen through
-    generators of one seed differ by their sizes only. Any number of instants may be given at once: the same
-    instants one by one show the same.
+    generators of one seed differ by their sizes only. Any number of instants may be given at once. Their
+    random numbers are drawn by kind, each for all of them: the same instants one by one show the same from
+    the same numbers, but a generator of the same seed gives other numbers to other instants.
     """
 
     model: SensorModel
@@ -162,7 +163,7 @@ class Sensors:
         """
         model = self.model
         seen = np.empty_like(truth.motion)
-        noise = state.rng.standard_normal((truth.t_s.size, kernels.DRAWS, truth.active.shape[1]))
+        noise = state.rng.standard_normal((kernels.DRAWS, *truth.active.shape))
         rows = truth if state.recent is None else _joined(state.recent, truth)
         errors = kernels.Errors(state.errors.wandering.copy(), state.errors.heading_rad.copy())
         sizes = kernels.Sizes(
