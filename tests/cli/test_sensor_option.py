@@ -43,6 +43,40 @@ def test_a_sensor_that_has_no_name_is_told_with_those_that_have(
     assert "default, ideal, gnss, gnss-rtk, ins, phone" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("command", ["evaluate", "compare"])
+def test_a_sensor_and_the_recorded_protocol_contradict_each_other(
+    command: str, drive: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [command, drive, "--sensor", "gnss", "--protocol", "recorded", "--out", str(tmp_path / "out")]
+    assert run(words) == USAGE
+    assert "--protocol recorded the sender sees the log itself" in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_sensor_by_name_makes_sensor_of_auto_and_leaves_the_other_protocols() -> None:
+    named, sizes = SensorOptions(sensor="default"), SensorOptions(latency=0.1)
+    assert named.protocols(("auto", "recorded")) == ("sensor", "recorded")
+    assert sizes.protocols(("auto", "recorded")) == ("auto", "recorded")
+
+
+def test_a_real_trip_is_truth_and_the_sender_sees_it_through_the_sensor(
+    data_folder: Path, tmp_path: Path
+) -> None:
+    """A clean log, which auto alone would give to the sender as it is; errors of the speed cost messages."""
+    log = str(data_folder / "openacc_zalazone" / "short_setting__dynamic_part12.csv")
+    small = ("--threshold", "0.2", "--per", "0", "--seeds", "1", "--bank", "cv", "--no-references")
+    sent: dict[str, int] = {}
+    for name in ("ideal", "phone", None):
+        out = tmp_path / str(name)
+        named = () if name is None else ("--sensor", name)
+        assert run(["evaluate", log, *small, *named, "--quiet", "--out", str(out)]) == 0
+        summary = json.loads((out / "summary.json").read_text())
+        trip = summary["trips"][0]
+        assert trip["protocol"] == ("recorded" if name is None else "sensor")
+        assert trip["conditioned"] is False
+        sent[str(name)] = next(row["updates"] for row in summary["rates"] if row["policy"] == "mbc")
+    assert sent["phone"] > 1.2 * sent["ideal"]
+
+
 def test_an_evaluation_uses_the_sensor_and_can_be_repeated(drive: str, tmp_path: Path) -> None:
     small = ("--threshold", "0.3", "--per", "0", "--seeds", "1", "--bank", "cv", "--protocol", "sensor")
     out = tmp_path / "out"

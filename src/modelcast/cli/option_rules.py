@@ -53,7 +53,7 @@ _RULES: dict[str, AbstractRule] = {
     "latency": Maybe(Number(0.0, _HOUR_S)),
 }
 
-OPTIONS = Keys(_RULES, {"sensor": Text(choices=tuple(SENSORS))})
+OPTIONS = Keys(_RULES, {"sensor": Maybe(Text(choices=tuple(SENSORS)))})
 """Of all options by name, as `modelcast.cli.evaluate_options.EvaluateOptions.as_plain` writes them.
 
 Runs from before sensors had names do not say which; theirs is the default.

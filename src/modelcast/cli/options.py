@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from modelcast.study.compare.settings import Protocol
     from modelcast.world.sensors import SensorModel
 
 __all__ = [
@@ -54,8 +57,10 @@ class SensorOptions:
     Parameters
     ----------
     sensor
-        Sensor by name: default, ideal, gnss, gnss-rtk, ins, phone. The options below, where given, replace
-        what it has.
+        Sensor by name: default, ideal, gnss, gnss-rtk, ins, phone. Where not given: default.
+        The options below, where given, replace what it has. For recorded trips a name asks for the sensor
+        protocol: the log, smoothed where it needs it, is the truth, and the sender gets the sensor's view of
+        it.
     position_noise
         White position noise [m].
     slow_noise
@@ -68,7 +73,7 @@ class SensorOptions:
         Age of what the sender sees [s].
     """
 
-    sensor: str = "default"
+    sensor: str | None = None
     position_noise: float | None = None
     slow_noise: float | None = None
     speed_noise: float | None = None
@@ -96,7 +101,32 @@ class SensorOptions:
             "latency_s": self.latency,
         }
         found = {name: value for name, value in given.items() if value is not None}
-        return replace(named_sensor(self.sensor), **found)
+        return replace(named_sensor(self.sensor or "default"), **found)
+
+    def protocols(self, asked: "Sequence[Protocol]") -> "tuple[Protocol, ...]":
+        """What is meant by protocols where a sensor may be named: auto is sensor then.
+
+        Parameters
+        ----------
+        asked
+            As the user names them.
+
+        Raises
+        ------
+        ConfigError
+            Where a sensor is named, and every protocol shows the sender the log instead.
+        """
+        from modelcast.core.exceptions import ConfigError
+
+        if self.sensor is None:
+            return tuple(asked)
+        found: dict[Protocol, None] = dict.fromkeys("sensor" if one == "auto" else one for one in asked)
+        if "sensor" not in found:
+            raise ConfigError(
+                f"--sensor {self.sensor}: with --protocol recorded the sender sees the log itself, through "
+                "no sensor: leave one of the two out, or take --protocol sensor"
+            )
+        return tuple(found)
 
 
 def parse_columns(text: str | None) -> dict[str, str] | None:
