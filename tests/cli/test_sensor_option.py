@@ -1,6 +1,7 @@
 """Claims about ``--sensor``, which evaluate, compare and network share."""
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,8 @@ import pytest
 from modelcast.cli.app import USAGE, run
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import SensorOptions
+from modelcast.cli.run_record import EvaluationRun, load_run, write_run
+from modelcast.core.exceptions import ConfigError
 from modelcast.io.write_trips import write_csv
 from modelcast.world.drive import generate_drive
 from modelcast.world.named_sensors import named_sensor
@@ -88,6 +91,15 @@ def test_an_evaluation_uses_the_sensor_and_can_be_repeated(drive: str, tmp_path:
     assert EvaluateOptions.from_plain(asked).sensor == SensorOptions(sensor="gnss", latency=0.0)
 
 
+def test_a_run_file_with_a_sensor_that_has_no_name_is_refused_by_field(drive: str, tmp_path: Path) -> None:
+    asked = EvaluationRun(
+        (Path(drive),), None, None, "*", EvaluateOptions(sensor=SensorOptions(sensor="gps"))
+    )
+    write_run(tmp_path, "evaluate", asked.arguments(), asked.inputs)
+    with pytest.raises(ConfigError, match=r"\$\.arguments\.options\.sensor must be null or one of 'default'"):
+        load_run(tmp_path / "run.json")
+
+
 def test_options_from_before_sensors_had_names_mean_the_default_sensor() -> None:
     plain = {name: value for name, value in EvaluateOptions().as_plain().items() if name != "sensor"}
     found = EvaluateOptions.from_plain({**plain, "position_noise": 0.02})
@@ -101,7 +113,7 @@ def test_a_fleet_uses_the_sensor(tmp_path: Path) -> None:
         out = tmp_path / name
         words = ["network", *TRAFFIC, "--policy", "mbc", "--radio", "abstract", "--jobs", "1"]
         assert run([*words, "--sensor", name, "--out", str(out)]) == 0
-        summary = json.loads((out / "summary.json").read_text())
-        assert summary["options"]["sensor"]["sensor"] == name
+        sensor = json.loads((out / "summary.json").read_text())["options"]["sensor"]
+        assert (sensor["sensor"], sensor["model"]) == (name, asdict(named_sensor(name)))
         tracked.append((out / "table.md").read_text())
     assert tracked[0] != tracked[1]

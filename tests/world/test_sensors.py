@@ -126,6 +126,16 @@ def test_a_trip_draws_each_kind_of_error_for_all_its_samples_in_the_order_of_old
     assert np.array_equal(present(default.yaw_rate_radps), turning)
 
 
+def test_sizes_may_be_whole_numbers() -> None:
+    truth = straight(5.0)
+    whole, real = (
+        SensorModel(position_noise_m=1, latency_s=1),
+        SensorModel(position_noise_m=1.0, latency_s=1.0),
+    )
+    a, b = (sense(truth, model, np.random.default_rng(9)).position_m for model in (whole, real))
+    assert a.tobytes() == b.tobytes()
+
+
 def test_motion_is_taken_from_positions_only_where_it_is_missing() -> None:
     trip = straight(20.0)
     known = replace(trip, speed_mps=np.full(len(trip), 9.0))

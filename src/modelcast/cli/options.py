@@ -85,12 +85,13 @@ class SensorOptions:
 
         Raises
         ------
-        ValueError
+        ConfigError
             Where no sensor has that name, or a value is out of its range.
         """
         from dataclasses import replace
         from math import radians
 
+        from modelcast.core.exceptions import ConfigError
         from modelcast.world.named_sensors import named_sensor
 
         given = {
@@ -101,7 +102,10 @@ class SensorOptions:
             "latency_s": self.latency,
         }
         found = {name: value for name, value in given.items() if value is not None}
-        return replace(named_sensor(self.sensor or "default"), **found)
+        try:
+            return replace(named_sensor(self.sensor or "default"), **found)
+        except ValueError as error:
+            raise ConfigError(str(error)) from error
 
     def protocols(self, asked: "Sequence[Protocol]") -> "tuple[Protocol, ...]":
         """What is meant by protocols where a sensor may be named: auto is sensor then.

@@ -27,7 +27,7 @@ DRAWS = 10
 
 
 class Sizes(NamedTuple):
-    """Fields of `SensorModel`, and the speed below which a heading is held."""
+    """Fields of `SensorModel` in their order, and the speed below which a heading is held."""
 
     position_m: float
     slow_m: float

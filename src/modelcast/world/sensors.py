@@ -6,7 +6,7 @@ any number of vehicles, as time goes on; `sense` does so for a trip at once. Mod
 `modelcast.world.named_sensors`.
 """
 
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, astuple, dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.station.sensing.motion_filter import HEADING_HOLD_MPS, MotionFilter
 from modelcast.trips.trajectory import Trajectory
 from modelcast.world import sensor_kernels as kernels
-from modelcast.world.sensor_kernels import NEW, PART, Samples
+from modelcast.world.sensor_kernels import PART, Samples
 
 __all__ = ["IDEAL", "SensorModel", "SensorState", "Sensors", "filter_for", "sense", "with_motion"]
 
@@ -161,30 +161,18 @@ class Sensors:
             from part to part, as time does, and are drawn anew for a new vehicle. Slots without a vehicle
             are zero.
         """
-        model = self.model
+        latency_s = self.model.latency_s
         seen = np.empty_like(truth.motion)
         noise = state.rng.standard_normal((kernels.DRAWS, *truth.active.shape))
         rows = truth if state.recent is None else _joined(state.recent, truth)
         errors = kernels.Errors(state.errors.wandering.copy(), state.errors.heading_rad.copy())
-        sizes = kernels.Sizes(
-            model.position_noise_m,
-            model.slow_position_noise_m,
-            model.slow_correlation_s,
-            model.multipath_noise_m,
-            model.multipath_correlation_s,
-            model.speed_noise_mps,
-            model.heading_noise_rad,
-            model.acceleration_noise_mps2,
-            model.yaw_rate_noise_radps,
-            model.latency_s,
-            HEADING_HOLD_MPS,
-        )
+        sizes = kernels.Sizes(*map(float, (*astuple(self.model), HEADING_HOLD_MPS)))
         first = np.zeros(truth.active.shape[1], dtype=np.int64)
         kernels.sense(sizes, rows, state.t_s, noise, errors, first, seen)
         last_s = float(rows.t_s[-1])
         recent = None
-        if model.latency_s > 0.0:
-            oldest = max(int(np.searchsorted(rows.t_s, last_s - model.latency_s, side="right")) - 1, 0)
+        if latency_s > 0.0:
+            oldest = max(int(np.searchsorted(rows.t_s, last_s - latency_s, side="right")) - 1, 0)
             recent = Samples(
                 rows.t_s[oldest:], rows.motion[oldest:], rows.begins[oldest:], rows.active[oldest:]
             )
@@ -238,7 +226,6 @@ def sense(truth: Trajectory, model: SensorModel, rng: np.random.Generator) -> Tr
         motion[:, 0, 2 + names.index(name)] = column
     begins = np.zeros((len(trip), 1), dtype=np.uint8)
     begins[trip.segments[:-1]] = PART
-    begins[0] = NEW
     sensors = Sensors(model)
     samples = Samples(np.ascontiguousarray(trip.t_s), motion, begins, np.ones((len(trip), 1), dtype=np.bool_))
     seen, _ = sensors.sense(sensors.init(1, rng), samples)
