@@ -102,7 +102,7 @@ def network(
         Longest silence of baseline and mbc [s].
     relaxed_error
         Tracking error that calls for a message of the relaxed policies in thin traffic [m]; where not given,
-        1 cm, or --position-noise where that is more.
+        1 cm, or the sensor's white position noise where that is more.
     sensor
         What vehicles see of themselves.
     out

@@ -77,8 +77,9 @@ class NetworkPlan:
     trips: tuple[str, ...] = ()
 
     def as_plain(self) -> dict[str, Any]:
-        """All of it as plain values; files by their names."""
+        """All of it as plain values; files by their names, the sensor with its figures."""
         found: dict[str, Any] = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
+        found["sensor"]["model"] = asdict(self.sensor.model())
         del found["threads"]  # the result is the same whatever their number
         for name in ("scenario", "bank", "profile"):
             found[name] = None if found[name] is None else Path(found[name]).name
