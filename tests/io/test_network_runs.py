@@ -1,7 +1,7 @@
 """Claims about finished runs of a network evaluation on disk."""
 
 import json
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +12,14 @@ from modelcast.io.network_runs import RunKey, read_case, run_path, write_case
 from modelcast.io.run_store import run_store
 from modelcast.study.network.rows import CaseResult, NetworkCase, RunRow
 
-CASE = NetworkCase(25.0, "dsrc", "j2945", 0)
+CASE = NetworkCase(25.0, "dsrc", "j2945", "none", 0)
 KEY = RunKey("1.0", {"0 traffic.xml": "ab"})
 OPTIONS = {"seed": 0}
 
 
 def result() -> CaseResult:
-    own: dict[str, Any] = {"density_per_km": 25.0, "radio": "dsrc", "policy": "j2945", "run": 0}
     values: dict[str, Any] = {field.name: 0.5 for field in fields(RunRow)}
-    row = RunRow(**{**values, **own})
+    row = RunRow(**{**values, **asdict(CASE)})
     return CaseResult(row, [], outcomes=[], seconds=[])
 
 

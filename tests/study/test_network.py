@@ -36,6 +36,7 @@ def row(density_per_km: float, value: float) -> PooledRow:
         density_per_km=density_per_km,
         radio="dsrc",
         policy="j2945",
+        bank="none",
         seeds=1,
         figure="pte_p90_100_m",
         value=value,
