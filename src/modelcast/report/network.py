@@ -16,7 +16,7 @@ from modelcast.report.literal import literal, markdown
 from modelcast.report.page import CSS, escape, number, page, table
 from modelcast.report.style import style
 from modelcast.study.network.pool import LIMITS_M
-from modelcast.study.network.rows import NetworkResult, PooledRow
+from modelcast.study.network.rows import NO_BANK, NetworkResult, PooledRow
 
 __all__ = ["network_console", "network_markdown", "traffic_lines", "write_network_report"]
 
@@ -199,7 +199,8 @@ def network_console(result: NetworkResult) -> RenderableType:
         if place != before:
             shown.add_section()
             shown.add_row(literal(place, style="bold"))
-        shown.add_row(*map(literal, (", ".join(sender), *cells[keys:])))
+        name = ", ".join(part for part in sender if part != NO_BANK)
+        shown.add_row(*map(literal, (name, *cells[keys:])))
         before = place
     capacity = _narrow("Vehicles a kilometre at which PTE p90 at 100 m meets a limit")
     for head in _capacity_heads(result):

@@ -1,7 +1,8 @@
 """Figures of a network evaluation: load, delivery, tracking, capacity, settling.
 
-A colour and a marker tell policies apart, the line banks: solid with filled markers for the first and for
-what belongs to none, broken with hollow markers for the others.
+A colour and a marker tell policies apart, the line banks: solid with small filled markers for the first,
+broken, darker and with larger hollow markers for the others, wide for what belongs to none. So each can be
+seen where several lie on each other.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -10,13 +11,21 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from modelcast.report.figures.panels import drawable, empty_figure
 from modelcast.report.style import INK, PAGE_IN, new_figure
 from modelcast.study.network.pool import LIMITS_M
-from modelcast.study.network.rows import NO_BANK, DistanceRow, NetworkResult, PooledRow, SecondRow
+from modelcast.study.network.rows import (
+    NO_BANK,
+    CapacityRow,
+    DistanceRow,
+    NetworkResult,
+    PooledRow,
+    SecondRow,
+)
 
 __all__ = [
     "NETWORK_FIGURES",
@@ -41,6 +50,9 @@ _COLOURS = {
 }
 _MARKERS = dict(zip(_COLOURS, "XDosdv^P<", strict=True))
 _LINES = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (5, 1.2, 1, 1.2)), (0, (5, 1.2, 1, 1.2, 1, 1.2)))
+_DARKER = 0.6
+"""Share of its policy's colour that another bank keeps."""
+
 _ROW_IN = 2.0
 _MOST_DENSITIES = 4
 _SPREAD = 0.02
@@ -72,26 +84,29 @@ class _Curve:
     policy: str
     bank: str
     label: str
-    line: Any
-    hollow: bool
+    place: int
 
     @property
     def colour(self) -> str:
-        return _COLOURS[self.policy]
+        """Of lines, markers and intervals."""
+        red, green, blue = to_rgb(_COLOURS[self.policy])
+        share = _DARKER if self.place else 1.0
+        return to_hex((share * red, share * green, share * blue))
 
     @property
     def plain(self) -> Mapping[str, Any]:
         """Look of the line alone."""
-        return {"color": self.colour, "linestyle": self.line, "linewidth": 1.1, "label": self.label}
+        line, width = _LINES[self.place % len(_LINES)], 2.0 if self.bank == NO_BANK else 1.1
+        return {"color": self.colour, "linestyle": line, "linewidth": width, "label": self.label}
 
     @property
     def marked(self) -> Mapping[str, Any]:
         """Look of a line with markers."""
-        face = "white" if self.hollow else self.colour
-        marker = {"marker": _MARKERS[self.policy], "markerfacecolor": face, "markersize": 3.2}
+        face, size = ("none", 4.6) if self.place else (self.colour, 3.0)
+        marker = {"marker": _MARKERS[self.policy], "markerfacecolor": face, "markersize": size}
         return {**self.plain, **marker, "markeredgewidth": 0.8}
 
-    def drew(self, row: DistanceRow | PooledRow | SecondRow) -> bool:
+    def drew(self, row: DistanceRow | PooledRow | SecondRow | CapacityRow) -> bool:
         """Whether a row is of this policy and bank."""
         return (row.policy, row.bank) == (self.policy, self.bank)
 
@@ -105,8 +120,7 @@ def _curves(result: NetworkResult) -> list[_Curve]:
             policy,
             bank,
             f"{policy}, {drawable(bank, 30)}" if several and bank != NO_BANK else policy,
-            _LINES[place % len(_LINES)],
-            hollow=place > 0,
+            place,
         )
         for policy in _COLOURS
         for place, bank in ((0, NO_BANK), *enumerate(result.banks))
@@ -132,7 +146,7 @@ def _against_density(result: NetworkResult, panels: Sequence[Panel], *, log: boo
             _draw_densities(axes, own, factor, _curves(result))
             axes.set_ylabel(label)
             if log:
-                _log_scale(axes)
+                _log_scale(axes, [factor * row.value for row in own])
             else:
                 axes.set_ylim(bottom=0.0)
         line[0].set_title(radio, loc="left")
@@ -160,12 +174,18 @@ def _draw_densities(axes: Axes, rows: Sequence[PooledRow], factor: float, curves
     axes.xaxis.set_minor_locator(NullLocator())
 
 
-def _log_scale(axes: Axes) -> None:
-    """A logarithmic axis with plain numbers: the project's style reads no formulas."""
+def _log_scale(axes: Axes, values: Sequence[float] = ()) -> None:
+    """A logarithmic axis with plain numbers: the project's style reads no formulas.
+
+    It ends at half of the least value: what an interval has below runs out of it.
+    """
     axes.set_yscale("log")
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_minor_locator(NullLocator())
+    positive = [value for value in values if value > 0.0]
+    if positive:
+        axes.set_ylim(bottom=0.5 * min(positive))
 
 
 def _legend(figure: Figure, axes: Axes) -> None:
@@ -218,10 +238,10 @@ def plot_capacity(result: NetworkResult) -> Figure:
     radios = sorted({row.radio for row in rows})
     if not rows:
         return empty_figure("no density was varied")
-    figure = new_figure(PAGE_IN, 2.9)
+    figure, curves = new_figure(PAGE_IN, 2.9), _curves(result)
     grid = figure.subplots(1, len(radios), squeeze=False, sharey=True)
     for axes, radio in zip(grid[0], radios, strict=True):
-        _draw_densities(axes, [row for row in rows if row.radio == radio], 1.0, _curves(result))
+        _draw_densities(axes, [row for row in rows if row.radio == radio], 1.0, curves)
         for limit_m in LIMITS_M:
             axes.axhline(limit_m, color=INK, linewidth=0.8, linestyle="--")
         for capacity in result.capacities:
@@ -232,9 +252,9 @@ def plot_capacity(result: NetworkResult) -> Figure:
                     marker="o",
                     markersize=6.0,
                     markerfacecolor="none",
-                    color=_COLOURS[capacity.policy],
+                    color=next(curve.colour for curve in curves if curve.drew(capacity)),
                 )
-        _log_scale(axes)
+        _log_scale(axes, [row.value for row in rows])
         axes.set_title(radio, loc="left")
         axes.set_xlabel("vehicles a kilometre")
     grid[0][0].set_ylabel("tracking error p90, 75-125 m [m]")
@@ -329,6 +349,8 @@ def plot_settling(result: NetworkResult) -> Figure:
                     [row.t_s for row in own], [factor * getattr(row, name) for row in own], **curve.plain
                 )
             axes.set_title(label, loc="left")
+        for axes in line[:-1]:
+            axes.set_ylim(bottom=0.0)
         line[0].set_ylabel(radio)
         _log_scale(line[-1])
     for axes in grid[-1]:
