@@ -11,6 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from modelcast.cli.app import USAGE, run
+from modelcast.cli.network_cases import Varied, network_cases, told
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import sender_rows
 from modelcast.cli.options import SensorOptions
@@ -95,8 +96,8 @@ def test_banks_meet_the_same_traffic_and_messages_of_their_own(summary: dict[str
 def test_a_bank_is_added_to_what_is_done(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
     assert run(words(folder, ["paper", "cv"], "j2945 mbc")) == 0
-    told = capsys.readouterr().out
-    assert told.startswith(
+    text = capsys.readouterr().out
+    assert text.startswith(
         "12 runs (8 done before): 1 density, 2 radios, 2 seeds, 3 senders (j2945; mbc with paper, cv)\n"
     )
     after = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
@@ -165,7 +166,7 @@ def test_what_was_trained_goes_with_the_rule_that_asks_for_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("banks", "policies", "rule", "told"),
+    ("banks", "policies", "rule", "problem"),
     [
         ("cow", "mbc", "", "no sub-model is named 'cow'"),
         ("nowhere.json", "mbc", "", "nowhere.json"),
@@ -179,11 +180,23 @@ def test_what_was_trained_goes_with_the_rule_that_asks_for_it() -> None:
     ],
 )
 def test_what_does_not_go_together_is_told_before_anything_runs(
-    banks: str, policies: str, rule: str, told: str, tmp_path: Path
+    banks: str, policies: str, rule: str, problem: str, tmp_path: Path
 ) -> None:
     errors = io.StringIO()
     with redirect_stderr(errors):
         assert run(words(tmp_path / "out", banks.split(), policies, rule)) == USAGE
     (line,) = errors.getvalue().splitlines()
-    assert told in line
+    assert problem in line
     assert not list(tmp_path.iterdir())
+
+
+def test_the_study_of_the_page_comes_to_the_runs_it_says() -> None:
+    policies = ("j2945", "j2945-mbc", "mbc", "mbc")
+    cases = network_cases(plan("paper", "default"), Varied((100.0, 400.0), ("dsrc", "sidelink"), policies, 3))
+    assert len(set(cases)) == len(cases) == 60
+    text = told(cases, 0)
+    assert text.startswith(
+        "60 runs: 2 densities, 2 radios, 3 seeds, 5 senders (j2945; j2945-mbc with paper, "
+    )
+    page = " ".join((Path(__file__).parents[2] / "docs" / "network.md").read_text(encoding="utf-8").split())
+    assert "here 60 runs, of 2 densities, 2 radios, 3 seeds and 5 senders" in page
