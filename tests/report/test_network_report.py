@@ -9,6 +9,7 @@ import pytest
 from matplotlib.axes import Axes
 from rich.console import Console
 
+from modelcast.report.figures.files import drawn
 from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.network import network_console, network_markdown
 from modelcast.report.style import style
@@ -33,7 +34,7 @@ def row(kind: Any, case: NetworkCase, **own: float) -> Any:
     return kind(**{**numbers, **asdict(case), **own})
 
 
-def result(*banks: str) -> NetworkResult:
+def result(*banks: str, **own: float) -> NetworkResult:
     """Two radios, two densities, two seeds; mbc and j2945-mbc with each bank."""
     found: list[CaseResult] = []
     for density, radio, policy, run in product((25.0, 100.0), ("dsrc", "sidelink"), POLICIES, (0, 1)):
@@ -41,10 +42,13 @@ def result(*banks: str) -> NetworkResult:
             case = NetworkCase(density, radio, policy, bank, run)
             found.append(
                 CaseResult(
-                    row(RunRow, case, identification_rate_hz=0.25 if bank == "paper" else 0.0),
-                    [row(DistanceRow, case, low_m=low_m, high_m=low_m + 25.0) for low_m in (0.0, 25.0)],
+                    row(RunRow, case, identification_rate_hz=0.25 if bank == "paper" else 0.0, **own),
+                    [
+                        row(DistanceRow, case, low_m=low_m, high_m=low_m + 25.0, **own)
+                        for low_m in (0.0, 25.0)
+                    ],
                     outcomes=[],
-                    seconds=[row(SecondRow, case, t_s=t_s) for t_s in (1.0, 2.0)],
+                    seconds=[row(SecondRow, case, t_s=t_s, **own) for t_s in (1.0, 2.0)],
                 )
             )
     senders = [
@@ -123,6 +127,13 @@ def test_with_one_bank_curves_bear_the_policy_alone(name: str) -> None:
     with style():
         figure = NETWORK_FIGURES[name][1](result("default"))
     assert set(looks(figure.axes[0])) == set(POLICIES)
+
+
+@pytest.mark.parametrize("name", NETWORK_FIGURES)
+def test_figures_are_drawn_where_nothing_was_tracked(name: str) -> None:
+    with style():
+        drawing = drawn(name, NETWORK_FIGURES[name][1](result("paper", pte_p90_m=np.nan)))
+    assert drawing.name == name
 
 
 def test_a_log_axis_ends_near_its_values_however_wide_an_interval_is() -> None:

@@ -143,12 +143,14 @@ def _against_density(result: NetworkResult, panels: Sequence[Panel], *, log: boo
     for line, radio in zip(grid, radios, strict=True):
         for axes, (name, label, factor) in zip(line, panels, strict=True):
             own = [row for row in rows if row.radio == radio and row.figure == name]
+            if log:
+                _log_scale(axes)
             _draw_densities(axes, own, factor, _curves(result))
             axes.set_ylabel(label)
             if log:
-                _log_scale(axes, [factor * row.value for row in own])
+                _end_below(axes, own, factor)
             else:
-                axes.set_ylim(bottom=0.0)
+                _from_zero(axes)
         line[0].set_title(radio, loc="left")
     for axes in grid[-1]:
         axes.set_xlabel("vehicles a kilometre")
@@ -174,18 +176,27 @@ def _draw_densities(axes: Axes, rows: Sequence[PooledRow], factor: float, curves
     axes.xaxis.set_minor_locator(NullLocator())
 
 
-def _log_scale(axes: Axes, values: Sequence[float] = ()) -> None:
+def _log_scale(axes: Axes) -> None:
     """A logarithmic axis with plain numbers: the project's style reads no formulas.
 
-    It ends at half of the least value: what an interval has below runs out of it.
+    It comes before the curves, whose limits are else settled as those of a linear axis.
     """
     axes.set_yscale("log")
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_minor_locator(NullLocator())
-    positive = [value for value in values if value > 0.0]
+
+
+def _end_below(axes: Axes, rows: Sequence[PooledRow], factor: float = 1.0) -> None:
+    """End a logarithmic axis at half of the least value: what an interval has below runs out of it."""
+    positive = [row.value for row in rows if row.value > 0.0]
     if positive:
-        axes.set_ylim(bottom=0.5 * min(positive))
+        axes.set_ylim(bottom=0.5 * factor * min(positive))
+
+
+def _from_zero(axes: Axes) -> None:
+    """Begin an axis at zero, and leave room for markers at its end."""
+    axes.set_ylim(0.0, 1.04 * axes.get_ylim()[1])
 
 
 def _legend(figure: Figure, axes: Axes) -> None:
@@ -241,6 +252,7 @@ def plot_capacity(result: NetworkResult) -> Figure:
     figure, curves = new_figure(PAGE_IN, 2.9), _curves(result)
     grid = figure.subplots(1, len(radios), squeeze=False, sharey=True)
     for axes, radio in zip(grid[0], radios, strict=True):
+        _log_scale(axes)
         _draw_densities(axes, [row for row in rows if row.radio == radio], 1.0, curves)
         for limit_m in LIMITS_M:
             axes.axhline(limit_m, color=INK, linewidth=0.8, linestyle="--")
@@ -254,7 +266,7 @@ def plot_capacity(result: NetworkResult) -> Figure:
                     markerfacecolor="none",
                     color=next(curve.colour for curve in curves if curve.drew(capacity)),
                 )
-        _log_scale(axes, [row.value for row in rows])
+        _end_below(axes, rows)
         axes.set_title(radio, loc="left")
         axes.set_xlabel("vehicles a kilometre")
     grid[0][0].set_ylabel("tracking error p90, 75-125 m [m]")
@@ -342,6 +354,7 @@ def plot_settling(result: NetworkResult) -> Figure:
             for row in result.seconds
             if (row.radio, row.run) == (radio, 0) and _same(row.density_per_km, highest)
         ]
+        _log_scale(line[-1])
         for axes, (name, label, factor) in zip(line, _SETTLING, strict=True):
             for curve in _curves(result):
                 own = [row for row in here if curve.drew(row)]
@@ -349,10 +362,9 @@ def plot_settling(result: NetworkResult) -> Figure:
                     [row.t_s for row in own], [factor * getattr(row, name) for row in own], **curve.plain
                 )
             axes.set_title(label, loc="left")
-        for axes in line[:-1]:
-            axes.set_ylim(bottom=0.0)
         line[0].set_ylabel(radio)
-        _log_scale(line[-1])
+        for axes in line[:-1]:
+            _from_zero(axes)
     for axes in grid[-1]:
         axes.set_xlabel("time [s]")
     _legend(figure, grid[0][0])
