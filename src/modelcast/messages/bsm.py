@@ -22,6 +22,7 @@ from modelcast.messages.bsm_fields import (
     MAX_PART_II,
     MAX_REGIONAL,
     PART_II_ID,
+    PREAMBLE_BITS,
     REGION_ID,
 )
 from modelcast.messages.frame import check_additions, check_octets, encode_frame, read_header, read_tail
@@ -40,10 +41,9 @@ _SHIFTS: Final = tuple(
 _PUT: Final = tuple(zip(_LOWS, _SHIFTS, strict=True))
 _TAKE: Final = tuple(zip(_SHIFTS, _MASKS, _LOWS, strict=True))
 _PLAIN: Final = {int}
-_PREAMBLE_BITS: Final = 3
 """Extension bit, Part II present, regional extensions present."""
-_CORE_OCTETS: Final = (_PREAMBLE_BITS + CORE_BITS + 7) // 8
-_SPARE_BITS: Final = 8 * _CORE_OCTETS - _PREAMBLE_BITS - CORE_BITS
+_CORE_OCTETS: Final = (PREAMBLE_BITS + CORE_BITS + 7) // 8
+_SPARE_BITS: Final = 8 * _CORE_OCTETS - PREAMBLE_BITS - CORE_BITS
 _CORE_HEADER: Final = (BASIC_SAFETY_MESSAGE << 8 | _CORE_OCTETS) << 8 * _CORE_OCTETS
 """Message id and length of a frame that holds Part I alone, in front of it."""
 
@@ -214,7 +214,7 @@ def encode_bsm(
     )
     writer = BitWriter()
     preamble = bool(message.additions) << 2 | bool(message.part_ii) << 1 | bool(message.regional)
-    writer.bits(preamble, _PREAMBLE_BITS)
+    writer.bits(preamble, PREAMBLE_BITS)
     writer.bits(whole, CORE_BITS)
     for contents, count_bits, identifier in (
         (message.part_ii, (MAX_PART_II - 1).bit_length(), PART_II_ID),
@@ -287,7 +287,7 @@ def decode_bsm(data: bytes) -> BasicSafetyMessage:
     additions: tuple[bytes | None, ...] = ()
     if preamble or padded != whole << _SPARE_BITS or stop - start != _CORE_OCTETS:
         reader = BitReader(data, start, stop)
-        reader.position += _PREAMBLE_BITS + CORE_BITS
+        reader.position += PREAMBLE_BITS + CORE_BITS
         if preamble & 2:
             part_ii = _contents(reader, MAX_PART_II, PART_II_ID.width_bits)
         if preamble & 1:
@@ -315,7 +315,7 @@ def _core_fault(data: bytes, start: int, stop: int) -> CodecError:
     """Error that tells the first fault of a Part I that is known to have one."""
     reader = BitReader(data, start, stop)
     try:
-        reader.bits(_PREAMBLE_BITS)
+        reader.bits(PREAMBLE_BITS)
         for field in CORE_FIELDS:
             begin = reader.position
             code = reader.bits(field.width_bits) + field.low

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.messages import bsm_kernels
-from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_BITS, CORE_FIELDS
+from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_BITS, CORE_FIELDS, PREAMBLE_BITS
 from modelcast.messages.fields import Field
 
 __all__ = [
@@ -30,8 +30,7 @@ __all__ = [
 
 OctetArray = npt.NDArray[np.uint8]
 
-_PREAMBLE_BITS: Final = 3
-_CORE_OCTETS: Final = (_PREAMBLE_BITS + CORE_BITS + 7) // 8
+_CORE_OCTETS: Final = (PREAMBLE_BITS + CORE_BITS + 7) // 8
 _HEADER: Final = np.array([BASIC_SAFETY_MESSAGE >> 8, BASIC_SAFETY_MESSAGE & 0xFF, _CORE_OCTETS], np.uint8)
 CORE_FRAME_OCTETS: Final = _HEADER.size + _CORE_OCTETS
 """Octets of a frame that holds Part I alone: 40."""
@@ -144,7 +143,7 @@ def encode_cores(codes: IntArray) -> tuple[OctetArray, IntArray]:
     _check_columns(codes)
     frames = np.empty((codes.shape[0], CORE_FRAME_OCTETS), np.uint8)
     whole = np.ascontiguousarray(codes, np.int64)
-    row = bsm_kernels.pack(whole, CORE_LAYOUT, _HEADER, _PREAMBLE_BITS, frames)
+    row = bsm_kernels.pack(whole, CORE_LAYOUT, _HEADER, frames)
     if row >= 0:
         field, code = next(
             (field, int(code))

@@ -23,6 +23,7 @@ __all__ = [
     "MESSAGE_ID",
     "PART_II_ID",
     "PART_II_NAMES",
+    "PREAMBLE_BITS",
     "REGION_ID",
     "STANDARD_GRAVITY_MPS2",
 ]
@@ -153,6 +154,9 @@ CORE_INDEX: dict[str, int] = {field.name: index for index, field in enumerate(CO
 
 CORE_BITS = sum(field.width_bits for field in CORE_FIELDS)
 """Bits of Part I: 290."""
+
+PREAMBLE_BITS = 3
+"""Before Part I: whether extension additions, Part II and regional extensions follow."""
 
 MESSAGE_ID = Field("message_id", "messageId", low=0, high=32767, outside=Outside.REFUSE, meaning="of a frame")
 BASIC_SAFETY_MESSAGE = 20

@@ -15,6 +15,7 @@ from modelcast.core.kernel_types import (
     UInt8Matrix,
     UInt8Vector,
 )
+from modelcast.messages.bsm_fields import PREAMBLE_BITS
 
 __all__ = [
     "FIRST",
@@ -31,9 +32,11 @@ __all__ = [
     "codes_of",
     "pack",
     "quantise",
+    "read_core",
     "unpack",
     "value_of",
     "values_of",
+    "write_core",
 ]
 
 LOW, SPAN, WIDTH = 0, 1, 2
@@ -47,29 +50,56 @@ _OVERLONG = 0xC0
 _LONG = 0x80
 
 
+@kernel(inlined=True)
+def write_core(codes: IntVector, layout: IntMatrix, preamble: int, out: UInt8Vector, at: int) -> int:
+    """Write preamble and Part I from octet ``at`` on; the bit behind, -1 where a code is out of its range."""
+    held = np.uint64(preamble)
+    bits = PREAMBLE_BITS
+    for f in range(layout.shape[0]):
+        raw = codes[f] - layout[f, LOW]
+        if raw < 0 or raw > layout[f, SPAN]:
+            return -1
+        held = (held << np.uint64(layout[f, WIDTH])) | np.uint64(raw)
+        bits += layout[f, WIDTH]
+        while bits >= 8:
+            bits -= 8
+            out[at] = (held >> np.uint64(bits)) & np.uint64(0xFF)
+            at += 1
+    if bits > 0:
+        out[at] = (held << np.uint64(8 - bits)) & np.uint64(0xFF)
+    return 8 * at + bits
+
+
+@kernel(inlined=True)
+def read_core(octets: UInt8Vector, at: int, end: int, layout: IntMatrix, codes: IntVector) -> int:
+    """Read Part I from bit ``at``, before bit ``end``: the bit behind it, or ``~bit`` of its first fault."""
+    for f in range(layout.shape[0]):
+        width = layout[f, WIDTH]
+        if at + width > end:
+            return ~at
+        raw = np.int64(0)
+        byte = at >> 3
+        last = (at + width - 1) >> 3
+        raw = np.int64(octets[byte]) & (0xFF >> (at & 7))
+        while byte < last:
+            byte += 1
+            raw = raw << 8 | octets[byte]
+        raw >>= 7 - ((at + width - 1) & 7)
+        if raw > layout[f, SPAN]:
+            return ~at
+        codes[f] = raw + layout[f, LOW]
+        at += width
+    return at
+
+
 @kernel
-def pack(
-    codes: IntMatrix, layout: IntMatrix, header: UInt8Vector, preamble_bits: int, out: UInt8Matrix
-) -> int:
+def pack(codes: IntMatrix, layout: IntMatrix, header: UInt8Vector, out: UInt8Matrix) -> int:
     """Write frames, ``out`` (B, L); return the first row with a code out of its range, or -1."""
     for row in range(codes.shape[0]):
-        at = header.size
-        for i in range(at):
+        for i in range(header.size):
             out[row, i] = header[i]
-        held = np.uint64(0)
-        bits = preamble_bits
-        for f in range(layout.shape[0]):
-            raw = codes[row, f] - layout[f, LOW]
-            if raw < 0 or raw > layout[f, SPAN]:
-                return row
-            held = (held << np.uint64(layout[f, WIDTH])) | np.uint64(raw)
-            bits += layout[f, WIDTH]
-            while bits >= 8:
-                bits -= 8
-                out[row, at] = (held >> np.uint64(bits)) & np.uint64(0xFF)
-                at += 1
-        if bits > 0:
-            out[row, at] = (held << np.uint64(8 - bits)) & np.uint64(0xFF)
+        if write_core(codes[row], layout, 0, out[row], header.size) < 0:
+            return row
     return -1
 
 
@@ -103,23 +133,9 @@ def _unpack_row(
     at = 8 * start
     end = at + 8 * size
     preamble = octets[start] >> 5
-    at += 3
-    for f in range(layout.shape[0]):
-        width = layout[f, WIDTH]
-        if at + width > end:
-            return at, False
-        raw = np.int64(0)
-        byte = at >> 3
-        last = (at + width - 1) >> 3
-        raw = np.int64(octets[byte]) & (0xFF >> (at & 7))
-        while byte < last:
-            byte += 1
-            raw = raw << 8 | octets[byte]
-        raw >>= 7 - ((at + width - 1) & 7)
-        if raw > layout[f, SPAN]:
-            return at, False
-        codes[f] = raw + layout[f, LOW]
-        at += width
+    at = read_core(octets, at + PREAMBLE_BITS, int(end), layout, codes)
+    if at < 0:
+        return ~at, False
     if preamble != 0:
         return _INTACT, True
     spare = -at & 7

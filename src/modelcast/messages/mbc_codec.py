@@ -11,7 +11,7 @@ from modelcast.core.exceptions import CodecError
 from modelcast.messages import bsm_kernels
 from modelcast.messages.bsm import BsmCore, encode_bsm
 from modelcast.messages.bsm_batch import CORE_MEANING, codes_of_values, field_meaning
-from modelcast.messages.bsm_fields import CORE_BITS, CORE_FIELDS, LOCAL_REGION
+from modelcast.messages.bsm_fields import CORE_BITS, CORE_FIELDS, LOCAL_REGION, PREAMBLE_BITS
 from modelcast.messages.code_table import coefficient_meaning
 from modelcast.messages.codec import AbstractCodec
 from modelcast.messages.frame import read_header
@@ -31,7 +31,6 @@ from modelcast.messages.mbc_wire import (
 __all__ = ["IDENTIFICATION_OCTETS", "IdentificationCodec", "UpdateCodec"]
 
 _CORE = len(CORE_FIELDS)
-_PREAMBLE_BITS: Final = 3
 IDENTIFICATION_OCTETS: Final = len(encode_identification(IdentificationMessage(0, 0, sub_model=0, age=0)))
 """Octets of every identification in its frame."""
 _IDENTIFICATION: Final = (TEMPORARY_ID, SEQUENCE, SUB_MODEL, AGE)
@@ -66,7 +65,7 @@ class UpdateCodec(AbstractCodec[UpdateMessage]):
         """Update in octets."""
         found = read_update(data, {self.profile.number: self.profile})
         message = found.message
-        after_core = 8 * read_header(data).start + _PREAMBLE_BITS + CORE_BITS
+        after_core = 8 * read_header(data).start + PREAMBLE_BITS + CORE_BITS
         if found.update is None:
             raise CodecError(f"{found.reading.value} where one of this profile is expected", after_core)
         if message.part_ii or len(message.regional) > 1 or message.additions or message.frame_additions:

@@ -19,6 +19,7 @@ from modelcast.messages.bsm_fields import (
     MAX_PART_II,
     MAX_REGIONAL,
     PART_II_ID,
+    PREAMBLE_BITS,
     REGION_ID,
 )
 from modelcast.messages.frame import read_header
@@ -42,7 +43,6 @@ __all__ = [
 ]
 
 _HEADER_BITS: Final = PROFILE.width_bits + SUB_MODEL.width_bits + 1 + MAX_COEFFICIENT_OCTETS.bit_length()
-_PREAMBLE_BITS: Final = 3
 _LONG_LENGTH: Final = 128
 
 
@@ -131,7 +131,7 @@ def update_octets(coefficient_bits: int) -> int:
     (47, 56)
     """
     count_bits = (MAX_REGIONAL - 1).bit_length()
-    bits = _PREAMBLE_BITS + CORE_BITS + count_bits + 8 * extension_octets(coefficient_bits)
+    bits = PREAMBLE_BITS + CORE_BITS + count_bits + 8 * extension_octets(coefficient_bits)
     value = (bits + 7) // 8
     return value + (3 if value < _LONG_LENGTH else 4)
 
@@ -191,7 +191,7 @@ def _update_of(core: BsmCore, extension: ModelExtension, profile: WireProfile) -
 
 def _value_bit(data: bytes, message: BasicSafetyMessage, place: int) -> int:
     """Bit of a frame at which the value of one of its regional extensions begins."""
-    at = 8 * read_header(data).start + _PREAMBLE_BITS + CORE_BITS
+    at = 8 * read_header(data).start + PREAMBLE_BITS + CORE_BITS
     if message.part_ii:
         at += (MAX_PART_II - 1).bit_length()
         at += sum(PART_II_ID.width_bits + _open_bits(octets) for _, octets in message.part_ii)

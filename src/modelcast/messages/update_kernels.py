@@ -15,8 +15,8 @@ from modelcast.core.kernel_types import (
     UInt8Matrix,
     UInt8Vector,
 )
-from modelcast.messages.bsm_kernels import FIRST, SPAN, WIDTH
-from modelcast.messages.bsm_kernels import LOW as LOW_CODE
+from modelcast.messages.bsm_fields import PREAMBLE_BITS
+from modelcast.messages.bsm_kernels import FIRST, WIDTH, read_core, write_core
 from modelcast.messages.codes_kernels import BITS
 
 __all__ = ["ELSE", "MODEL", "PLAIN", "UpdateWire", "pack_updates", "unpack_updates"]
@@ -24,7 +24,7 @@ __all__ = ["ELSE", "MODEL", "PLAIN", "UpdateWire", "pack_updates", "unpack_updat
 MODEL, PLAIN, ELSE = range(3)
 """What was read: a model of this profile, Part I alone, or something else that was not looked into."""
 
-_ID_BITS, _PREAMBLE_BITS, _COUNT_BITS, _REGION_BITS = 16, 3, 2, 8
+_ID_BITS, _COUNT_BITS, _REGION_BITS = 16, 2, 8
 _PROFILE_BITS, _SUB_MODEL_BITS, _ALL_BITS, _LENGTH_BITS = 24, 3, 1, 7
 _HEADER_BITS = 35
 _LONG, _OVERLONG = 128, 0xC0
@@ -119,16 +119,14 @@ def _pack_update(w: UpdateWire, in_use: int, core: IntVector, codes: IntVector, 
     plain = w.plain[in_use]
     first, end, count = _carried(w, in_use, w.carries_all)
     inner = (_HEADER_BITS + 8 * count + 7) >> 3
-    bits = _PREAMBLE_BITS
+    bits = PREAMBLE_BITS
     for f in range(w.layout.shape[0]):
         bits += w.layout[f, WIDTH]
     if not plain:
         bits += _COUNT_BITS + _REGION_BITS + (8 if inner < _LONG else 16) + 8 * inner
     value = (bits + 7) >> 3
     start = _put_length(out, _put(out, 0, w.message_id, _ID_BITS), value)
-    at = _put(out, start, 0 if plain else 1, _PREAMBLE_BITS)
-    for f in range(w.layout.shape[0]):
-        at = _put(out, at, int(core[f]) - w.layout[f, LOW_CODE], w.layout[f, WIDTH])
+    at = write_core(core, w.layout, 0 if plain else 1, out, start >> 3)
     if not plain:
         at = _put(out, at, 0, _COUNT_BITS)
         at = _put(out, at, w.region, _REGION_BITS)
@@ -163,19 +161,12 @@ def _unpack_update(
     value, at = _take_length(octets, _ID_BITS, stop)
     if value < 0 or at + 8 * value != stop:
         return ELSE, -1
-    needed = at + _PREAMBLE_BITS
-    for f in range(w.layout.shape[0]):
-        needed += w.layout[f, WIDTH]
-    if needed > stop:
+    if at + PREAMBLE_BITS > stop:
         return ELSE, -1
-    preamble = _take(octets, at, _PREAMBLE_BITS)
-    at += _PREAMBLE_BITS
-    for f in range(w.layout.shape[0]):
-        raw = _take(octets, at, w.layout[f, WIDTH])
-        if raw > w.layout[f, SPAN]:
-            return ELSE, -1
-        core[f] = raw + w.layout[f, LOW_CODE]
-        at += w.layout[f, WIDTH]
+    preamble = _take(octets, at, PREAMBLE_BITS)
+    at = read_core(octets, at + PREAMBLE_BITS, stop, w.layout, core)
+    if at < 0:
+        return ELSE, -1
     found, in_use = PLAIN, -1
     if preamble != 0:
         if preamble != 1 or at + _COUNT_BITS + _REGION_BITS > stop:
