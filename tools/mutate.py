@@ -158,14 +158,18 @@ class Finder(ast.NodeVisitor):
         else:
             self.mutate(node)
             for child in ast.iter_child_nodes(node):
+                if isinstance(child, ast.Constant) and isinstance(node, ast.UnaryOp) and child.value == 1:
+                    continue
                 if isinstance(node, ast.stmt):
                     self.statement = node
                 self.visit(child)
 
     def is_left_alone(self, node: ast.AST) -> bool:
-        """Whether nothing in a node is a rule: messages, imports, names, types and tables of a module."""
+        """Whether nothing in a node is a rule: messages, imports, names, types, tables, sizes of scratch."""
         match node:
             case ast.Raise() | ast.Import() | ast.ImportFrom() | ast.Assert() | ast.JoinedStr():
+                return True
+            case ast.Call(func=called) if ast.unparse(called) == "np.empty":
                 return True
             case ast.ClassDef(bases=bases):
                 return any("NamedTuple" in ast.unparse(base) for base in bases)
@@ -214,6 +218,8 @@ class Finder(ast.NodeVisitor):
                 self.add(node, "and-or", f"({ast.unparse(ast.BoolOp(swapped, values))})")
             case ast.UnaryOp(op=ast.Not(), operand=operand):
                 self.add(node, "not", f"({ast.unparse(operand)})")
+            case ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=1)):
+                self.add(node, "constant", "0")  # "none" becomes the first of all
             case _:
                 pass
 
@@ -252,7 +258,7 @@ def numbered_families(tree: ast.Module) -> dict[str, str]:
     families: list[list[str]] = []
     for node in tree.body:
         if isinstance(node, ast.ImportFrom):
-            families.append([one.asname or one.name for one in node.names if one.name.isupper()])
+            families.append(values_apart(node))
         elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Tuple):
             families.append([ast.unparse(one) for one in node.targets[0].elts])
     return {
@@ -261,6 +267,16 @@ def numbered_families(tree: ast.Module) -> dict[str, str]:
         if len(family) > 1
         for k, one in enumerate(family)
     }
+
+
+def values_apart(node: ast.ImportFrom) -> list[str]:
+    """Return the constants that an import names, each of another value than the one before it."""
+    module, found, last = importlib.import_module(node.module or ""), list[str](), object()
+    for one in node.names:
+        if one.name.isupper() and getattr(module, one.name) != last:
+            found.append(one.asname or one.name)
+            last = getattr(module, one.name)
+    return found
 
 
 def mutated(source: str, mutant: Mutant) -> str:
