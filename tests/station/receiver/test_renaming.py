@@ -245,7 +245,7 @@ def agreed_m(old: ModelUpdate, new: ModelUpdate) -> float:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_all_new_ids_of_a_call_and_all_tracks_choose_each_other_as_by_hand(seed: int) -> None:
-    """Cars that turn and accelerate by up to 10 m/s² in all, silent up to three seconds; some new ids nearby."""
+    """Cars that turn and accelerate by up to 10 m/s² in all, silent up to three seconds."""
     rng = np.random.default_rng(seed)
     count = 14
     olds = [
