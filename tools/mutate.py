@@ -176,7 +176,8 @@ class Finder(ast.NodeVisitor):
             case ast.AnnAssign(value=ast.Call(func=called)):
                 return ast.unparse(called) == "np.dtype"
             case ast.Assign(value=value):
-                return not self.function and not self.is_number(value)
+                sizes = ast.unparse(node.targets[0]).endswith(("COLUMNS", "STATUSES", "EVENTS"))
+                return not self.function and (sizes or not self.is_number(value))
             case _:
                 return False
 
