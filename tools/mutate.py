@@ -778,6 +778,7 @@ def main() -> int:
     parser.add_argument("--fresh", action="store_true", help="forget what earlier runs found")
     given = parser.parse_args()
     until = time.time() + 60.0 * given.minutes
+    sys.path.insert(0, str(ROOT / "src"))
     if given.fresh:
         shutil.rmtree(KEPT, ignore_errors=True)
     KEPT.mkdir(parents=True, exist_ok=True)
