@@ -12,7 +12,6 @@ import numpy as np
 
 from modelcast.channel.frame_radio import copied
 from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.messages.quantisation import carried_bank
 from modelcast.models.bank import Bank
 from modelcast.models.base import Windows
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -30,7 +29,7 @@ DT_S = 0.1
 
 def main() -> int:
     """Measure and print."""
-    default = carried_bank(default_profile().bank)
+    default = default_profile().bank.carried()
     hybrid = Bank((GaussianProcess(form="intercept"), ConstantVelocity()), "gp-intercept+cv")
     banks = {"cv": Bank((ConstantVelocity(),)), "gp-intercept+cv": hybrid, "default": default}
     for name, bank in banks.items():

@@ -11,13 +11,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from modelcast.runtime.fleet.sender import named_sender
 
 from modelcast.channel.dsrc import Dsrc
-from modelcast.runtime.fleet import deciding_kernels, receiver_kernels
 from modelcast.runtime.fleet.engine import run_network
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.settings import NetworkSettings
+from modelcast.station.sender.sender import named_sender
 from modelcast.world.scenario.base import FleetFrame, run_scenario
 from modelcast.world.scenario.highway import Highway
 from modelcast.world.scenario.sensed import FleetSensor
@@ -25,13 +24,8 @@ from modelcast.world.sensors import SensorModel
 
 DENSITY_PER_KM = 200.0
 SECONDS = 10.0
-PARTS = (
-    ("sample the tracks", receiver_kernels, "sample_tracks"),
-    ("count the pairs", receiver_kernels, "count_pairs"),
-    ("decide and compose", deciding_kernels, "decide"),
-    ("carry", FleetLoop, "_carry"),
-    ("hear", receiver_kernels, "hear_messages"),
-)
+PARTS = (("sense", "_sense"), ("track", "_track"), ("send", "_send"), ("carry", "_carry"), ("hear", "_hear"))
+"""What is timed, and the method of the loop that does it."""
 
 
 def timed(spent: dict[str, float], name: str, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -79,9 +73,9 @@ def main() -> None:
             flush=True,
         )
     frames = frames_of(1000, SECONDS)
-    spent = {name: 0.0 for name, _, _ in PARTS}
-    for name, owner, attribute in PARTS:
-        setattr(owner, attribute, timed(spent, name, getattr(owner, attribute)))
+    spent = {name: 0.0 for name, _ in PARTS}
+    for name, method in PARTS:
+        setattr(FleetLoop, method, timed(spent, name, getattr(FleetLoop, method)))
     for policy in ("j2945-mbc", "j2945"):
         for name in spent:
             spent[name] = 0.0

@@ -74,7 +74,11 @@ def rates() -> Prepared:
     """Message rates of hybrid and baseline at four thresholds, default bank, nine recorded cars."""
     import modelcast  # noqa: PLC0415 - of the checkout under test
 
-    make_case, bank_of, count_rates = found("make_case"), found("TripBank"), found("count_rates")
+    make_case, bank_of, count_rates = (
+        found("make_case"),
+        found("TripRuntime", "TripBank"),
+        found("count_rates"),
+    )
     plain = found("BASELINE_BANK")
     settings = modelcast.EvaluationSettings()
     cases = [make_case(trip, settings) for trip in modelcast.read_trips(trip_file())]

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from modelcast.io.trips import read_trips
-from modelcast.messages.mbc import ModelUpdate
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.station.receiver.host import Host, HostState
+from modelcast.station.receiver.heard import Heard, HeardKind
+from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap
 from modelcast.station.receiver.plausibility import Finding, Plausibility, PlausibilityState
 from modelcast.station.receiver.statements import Statements, statements_of
 from modelcast.station.sensing.sensing import sample_matrix
@@ -70,7 +70,7 @@ def thinned(given: Statements, every: int) -> Statements:
 
 
 def timings() -> None:
-    """Print the cost of a check in batch, and of a message at the host with and without."""
+    """Print the cost of a check in batch, and of a message at the map with and without."""
     vehicle = np.tile(np.arange(VEHICLES), STEPS)
     t_s = np.repeat(np.arange(STEPS) * 0.1, VEHICLES)
     whole = Statements(
@@ -83,13 +83,13 @@ def timings() -> None:
     checks = Plausibility()
     checks.check(PlausibilityState(), whole)
     print(f"{VEHICLES} vehicles, {STEPS} steps, one batch a step: {batch_us(checks, whole):.2f} µs a message")
-    for name, host in (
-        ("without", Host(Bank((ConstantVelocity(),)))),
-        ("with", Host(Bank((ConstantVelocity(),)), plausibility=checks)),
+    bank = Bank((ConstantVelocity(),))
+    for name, around in (
+        ("without", LocalDynamicMap((bank,))),
+        ("with", LocalDynamicMap((bank,), plausibility=checks)),
     ):
-        print(
-            f"Host.receive {name} plausibility, {VEHICLES} remotes: {host_us(host, whole):.1f} µs a message"
-        )
+        took_us = map_us(around, whole)
+        print(f"LocalDynamicMap.hear {name} plausibility, {VEHICLES} remotes: {took_us:.2f} µs a message")
 
 
 def batch_us(checks: Plausibility, whole: Statements) -> float:
@@ -111,27 +111,39 @@ def batch_us(checks: Plausibility, whole: Statements) -> float:
     return least_us(run, whole.t_s.size)
 
 
-def host_us(host: Host, whole: Statements) -> float:
-    """Return the shortest time a message of all rounds [µs]."""
-    messages = [
-        ModelUpdate(
-            int(whole.vehicle[i]),
-            i // VEHICLES,
-            float(whole.t_s[i]),
-            position_m=whole.position_m[i],
-            in_use=0,
-            parameters=whole.velocity_mps[i],
-            dt_s=0.1,
+def map_us(around: LocalDynamicMap, whole: Statements) -> float:
+    """Return the shortest time a message of all rounds, one batch a step [µs]."""
+    unknown, none = np.full(VEHICLES, np.nan), np.full(VEHICLES, -1)
+    batches = [
+        Heard(
+            np.full(VEHICLES, int(HeardKind.UPDATE)),
+            whole.vehicle[part],
+            np.full(VEHICLES, step),
+            t_s=whole.t_s[part],
+            received_s=whole.received_s[part],
+            position_m=whole.position_m[part],
+            speed_mps=unknown,
+            heading_rad=unknown,
+            acceleration_mps2=unknown,
+            yaw_rate_radps=unknown,
+            profile=np.zeros(VEHICLES, dtype=np.int64),
+            in_use=np.zeros(VEHICLES, dtype=np.int64),
+            parameters=whole.velocity_mps[part],
+            length_m=unknown,
+            width_m=unknown,
+            user=none,
         )
-        for i in range(3 * VEHICLES)
+        for step in range(STEPS)
+        for part in [slice(step * VEHICLES, (step + 1) * VEHICLES)]
     ]
 
     def run() -> None:
-        state = HostState()
-        for message in messages:
-            _, state = host.receive(state, message, received_s=message.t_s)
+        state = around.init()
+        for batch in batches:
+            _, state = around.hear(state, batch)
 
-    return least_us(run, len(messages))
+    run()
+    return least_us(run, whole.t_s.size)
 
 
 def least_us(run: Callable[[], None], messages: int) -> float:

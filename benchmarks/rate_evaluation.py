@@ -17,28 +17,28 @@ ROUNDS = 9
 LEAST_RATIO = 10_000
 
 
-def walk_all(cases: list[TripCase], settings: EvaluationSettings) -> int:
-    """Walk every trip with both policies at every threshold; nothing is kept from an earlier call."""
+def count_all(cases: list[TripCase], settings: EvaluationSettings) -> int:
+    """Send along every trip by both policies at every threshold; nothing is kept from an earlier call."""
     messages = 0
     for case in cases:
         mbc = TripRuntime(case.seen, settings.bank, case.estimator)
         baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator)
-        for count, _walk in count_rates(case, mbc, baseline, settings):
+        for count, _sent in count_rates(case, mbc, baseline, settings):
             messages += count.updates + count.identifications
     return messages
 
 
 def main() -> None:
-    """Time the walks of one file's trips."""
+    """Time the rates of one file's trips."""
     settings = EvaluationSettings()
     trips = read_trips(Path(os.environ["MODELCAST_DATA"]) / FILE)
     cases = [make_case(trip, settings) for trip in trips]
     duration_s = sum(case.truth.duration_s for case in cases)
-    messages = walk_all(cases, settings)  # compiles
+    messages = count_all(cases, settings)  # compiles
     times: list[float] = []
     for _ in range(ROUNDS):
         start = time.perf_counter()
-        walk_all(cases, settings)
+        count_all(cases, settings)
         times.append(time.perf_counter() - start)
     median = statistics.median(times)
     print(f"rate evaluation: {len(cases)} trips, {duration_s:.0f} s, {messages} messages")

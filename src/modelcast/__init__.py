@@ -30,9 +30,12 @@ if TYPE_CHECKING:
     from modelcast.report.tables import rates_frame as rates_frame
     from modelcast.report.tables import references_frame as references_frame
     from modelcast.report.tables import tracking_frame as tracking_frame
+    from modelcast.runtime.transport.virtual import VirtualMedium as VirtualMedium
+    from modelcast.station.fleet import Fleet as Fleet
     from modelcast.station.policy.error_driven import ErrorDriven as ErrorDriven
     from modelcast.station.policy.periodic import Periodic as Periodic
-    from modelcast.station.receiver.host import Host as Host
+    from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap as LocalDynamicMap
+    from modelcast.station.station import Station as Station
     from modelcast.study.case import SensedTrip as SensedTrip
     from modelcast.study.compare.candidate import FixedCandidate as FixedCandidate
     from modelcast.study.compare.candidate import TrainedCandidate as TrainedCandidate
@@ -56,15 +59,18 @@ _HOMES = {
     "EvaluationResult": "study.result",
     "EvaluationSettings": "study.settings",
     "FixedCandidate": "study.compare.candidate",
+    "Fleet": "station.fleet",
     "GaussianProcess": "models.gp",
-    "Host": "station.receiver.host",
+    "LocalDynamicMap": "station.receiver.local_dynamic_map",
     "ModelcastError": "core.exceptions",
     "Periodic": "station.policy.periodic",
     "Profile": "models.profile",
     "SensedTrip": "study.case",
     "SensorModel": "world.sensors",
+    "Station": "station.station",
     "TrainedCandidate": "study.compare.candidate",
     "Trajectory": "trips.trajectory",
+    "VirtualMedium": "runtime.transport.virtual",
     "build_trajectory": "trips.trajectory",
     "compare": "study.compare.run",
     "decode_bsm": "messages.bsm",

@@ -336,8 +336,8 @@ def test_an_exception_in_a_point_function_is_not_swallowed(tmp_path: Path) -> No
 
 
 def test_the_closure_holds_what_a_kernel_calls_and_where_its_constants_come_from() -> None:
-    importlib.import_module("modelcast.models.quantised_kernels")
-    names = {text.partition("\n")[0] for text in sources_of("modelcast.models.quantised_kernels") or ()}
+    importlib.import_module("modelcast.models.predicted_path_kernels")
+    names = {text.partition("\n")[0] for text in sources_of("modelcast.models.predicted_path_kernels") or ()}
     assert {
         "modelcast.models.address_kernels",
         "modelcast.models.point_kernels",

@@ -1,7 +1,7 @@
 """Write the golden octets of model updates and identifications anew.
 
 Every sub-model is fitted to one window, a car that turns and brakes with some millimetres of deterministic
-noise, and its parameters are rounded to the codes of the wire. The octets are then written by asn1tools over
+noise, and its parameters become codes of the wire. The octets are then written by asn1tools over
 our ASN.1 modules, the coefficients as a text of binary digits: no packing code of modelcast is used.
 """
 
@@ -18,7 +18,6 @@ from modelcast.messages.mbc import ModelUpdate
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import UpdateMessage
 from modelcast.messages.mbc_values import LocalFrame, update_to_wire
-from modelcast.messages.quantisation import quantised_bank
 from modelcast.models.bank import Bank
 from modelcast.models.base import Windows
 from modelcast.models.profile import default_profile
@@ -70,7 +69,7 @@ def sent(name: str, *, carries_all: bool) -> tuple[UpdateMessage, WireProfile, B
         Whether the coefficients of all sub-models go out.
     """
     plain = bank_from_text(name)
-    bank, given = quantised_bank(plain), window()
+    bank, given = plain.carried(), window()
     update = ModelUpdate(
         0x01020304,
         7,

@@ -12,7 +12,6 @@ from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc_codec import UpdateCodec
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import update_octets
-from modelcast.messages.quantisation import quantised_bank
 from modelcast.messages.rules import CertificateRule
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
@@ -113,6 +112,6 @@ def test_a_process_is_counted_as_its_predicted_path_however_it_is_given() -> Non
     pair = Bank((ConstantVelocity(), gp))
     (size, again) = SizeModel().each_update_bytes(pair, "on-failure")
     assert size == again == update_octets(PredictedPath(gp).payload_layout.bits)
-    assert SizeModel().each_update_bytes(quantised_bank(pair), "on-failure").tolist() == [size, size]
+    assert SizeModel().each_update_bytes(pair.carried(), "on-failure").tolist() == [size, size]
     with pytest.raises(ValueError, match="more_bytes"):
         SizeModel(more_bytes=-1)

@@ -36,7 +36,6 @@ from modelcast.messages.mbc_wire import (
     encode_identification,
     profile_number,
 )
-from modelcast.messages.quantisation import carried_bank
 from modelcast.messages.update_document import HeldProfile, model_document, octets_of_model, read_model
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -47,7 +46,8 @@ from modelcast.models.profile import Profile, default_profile
 from modelcast.models.trusted import Trusted
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import bank_from_text, member_names
-from modelcast.station.receiver.host import Host, HostState, Receipt
+from modelcast.station.receiver.heard import heard_messages
+from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap, Receipt
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.world.drive import generate_drive
 
@@ -179,9 +179,10 @@ def test_an_unknown_profile_is_said_and_constant_velocity_is_left() -> None:
     assert bank.members[update.in_use].name == "cv"
     assert update.t_s == pytest.approx(60.0 - 17.0 + 12.3)
     np.testing.assert_allclose(update.parameters[-2:], [10.0, 0.0], atol=1e-9)
-    receipt, state = Host(bank).receive(HostState(), update, received_s=update.t_s + 0.1)
-    assert receipt is Receipt.ACCEPTED
-    where = Host(bank).predict(state, update.t_s + 2.0).position_m[0]
+    around = LocalDynamicMap((bank,))
+    receipts, state = around.hear(around.init(), heard_messages([update], [update.t_s + 0.1]))
+    assert receipts.tolist() == [Receipt.ACCEPTED]
+    where = around.positions(state, update.t_s + 2.0)[1][0]
     np.testing.assert_allclose(where - update.position_m, [20.0, 0.0], atol=1e-9)
     with pytest.raises(ValueError, match="constant velocity"):
         update_from_wire(found, Bank((ConstantTurnRateAcceleration(),)), FRAME, received_s=0.0)
@@ -258,9 +259,9 @@ def test_no_sub_model_takes_more_than_24_octets_with_id_and_length(name: str) ->
 def test_a_host_is_told_that_no_message_carries_weights() -> None:
     bank = Bank((GaussianProcess(), ConstantVelocity()))
     found = read_update(encode_bsm(some_core()), {})
-    with pytest.raises(ValueError, match="carried_bank"):
+    with pytest.raises(ValueError, match="carried form"):
         update_from_wire(found, bank, FRAME, received_s=0.0)
-    assert update_from_wire(found, carried_bank(bank), FRAME, received_s=0.0).in_use == 1
+    assert update_from_wire(found, bank.carried(), FRAME, received_s=0.0).in_use == 1
 
 
 def test_a_profile_with_a_bare_process_is_read_and_written_as_its_path() -> None:
@@ -293,7 +294,7 @@ def test_the_host_predicts_from_octets_what_the_sender_predicts(carries_all: boo
         Trusted(TRAINED, 2.0),
     )
     given = Bank((*default_profile().bank.members[:2], ConstantVelocity(), *processes), "all")
-    plain = carried_bank(given)
+    plain = given.carried()
     sender = TripRuntime(drive.input, given, velocity_estimator_for(drive.input), quantised=True)
     wire = WireProfile.of(given, 5)
     at = np.arange(30, 590, 23)
@@ -373,14 +374,13 @@ def test_an_identification_reaches_the_host() -> None:
     wire = WireProfile.of(bank, 5)
     octets = UpdateCodec(wire).encode(update_to_wire(sent, bank, wire, FRAME, carries_all=True))
     held = update_from_wire(read_update(octets, {5: wire}), bank, FRAME, received_s=5.1)
-    host = Host(bank)
-    _, state = host.receive(HostState(), held, received_s=5.1)
+    around = LocalDynamicMap((bank,))
     named = identification_to_wire(SubModelIdentification(7, 130, 6.26, in_use=1), sent)
     read = identification_from_wire(decode_identification(encode_identification(named)), held)
     assert read.t_s == pytest.approx(6.26)
-    receipt, state = host.receive(state, read, received_s=6.3)
-    assert receipt is Receipt.ACCEPTED
-    assert host.predict(state, 7.0).in_use.tolist() == [1]
+    receipts, state = around.hear(around.init(), heard_messages([held, read], [5.1, 6.3]))
+    assert receipts.tolist() == [Receipt.ACCEPTED, Receipt.ACCEPTED]
+    assert around.believe(state, 7.0).in_use.tolist() == [1]
     with pytest.raises(ValueError, match="older"):
         identification_to_wire(SubModelIdentification(7, 130, 4.0, in_use=1), sent)
 

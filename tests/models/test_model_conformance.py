@@ -22,7 +22,6 @@ from modelcast.models.kinematic import (
 )
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.profile import default_profile
-from modelcast.models.quantised import CoreSteps, Quantised
 from modelcast.models.trusted import Trusted
 
 TRAINED = default_profile().sub_model("gp-trained")
@@ -43,18 +42,6 @@ def _regimes() -> Bank:
 
 
 FIXED = Hyperparameters(2.0, 1e-4, linear_ratio_per_s2=1.0, variance_m2=25.0)
-
-STEPS = CoreSteps(
-    0.02,
-    0.01,
-    heading_rad=np.deg2rad(0.0125),
-    yaw_rate_radps=np.deg2rad(0.01),
-    last_speed=8190,
-    last_acceleration=2000,
-    last_yaw_rate=32767,
-    position_m=0.0,
-)
-"""Positions are left as they are: a grid moves with the frame."""
 
 MODELS: dict[str, AbstractMotionModel] = {
     "cv": ConstantVelocity(),
@@ -84,17 +71,15 @@ MODELS: dict[str, AbstractMotionModel] = {
     "regimes": _regimes(),
     "learned": _learned(),
     "learned+ctra": Bank((_learned(), ConstantTurnRateAcceleration())),
+    "gp-vehicle-damped": Trusted(vehicle_process(), 2.0),
     "ctra-damped": Trusted(ConstantTurnRateAcceleration(), 0.5),
     "gp-intercept-damped": Trusted(GaussianProcess(form="intercept"), 1.0),
-    "ctra-quantised": Quantised(ConstantTurnRateAcceleration(), STEPS),
-    "gp-vehicle-quantised": Quantised(Trusted(vehicle_process(), 2.0), STEPS),
     "gp-anchored-path": PredictedPath(GaussianProcess(form="anchored")),
     "gp-adaptive-path": PredictedPath(GaussianProcess(form="intercept", noise="estimated")),
     "gp-trained-path": PredictedPath(TRAINED),
+    "gp-trained-path-damped": Trusted(PredictedPath(TRAINED), 2.0),
+    "gp-intercept-path": PredictedPath(GaussianProcess(form="intercept")),
     "gp-intercept-path-damped": Trusted(PredictedPath(GaussianProcess(form="intercept")), 1.0),
-    "gp-anchored-quantised": Quantised(PredictedPath(GaussianProcess(form="anchored")), STEPS),
-    "gp-intercept-quantised": Quantised(PredictedPath(GaussianProcess(form="intercept")), STEPS),
-    "gp-trained-quantised": Quantised(Trusted(PredictedPath(TRAINED), 2.0), STEPS),
     "cv+gp-anchored": Bank((ConstantVelocity(), GaussianProcess(form="anchored"))),
     "gp-intercept+cv": Bank((GaussianProcess(form="intercept"), ConstantVelocity())),
     "ctra+ca+cv": Bank((ConstantTurnRateAcceleration(), ConstantAcceleration(), ConstantVelocity())),

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from modelcast.core.arrays import FloatArray
-from modelcast.messages.quantisation import core_steps
+from modelcast.messages.code_table import code_table
+from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess, vehicle_process
@@ -14,7 +15,6 @@ from modelcast.models.kinematic import ConstantAcceleration
 from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.predicted_path import DEFAULT_CARRIED, PredictedPath, carried_form, carried_layout
 from modelcast.models.profile import default_profile
-from modelcast.models.quantised import Quantised
 from modelcast.models.trusted import Trusted
 
 TRAINED = default_profile().sub_model("gp-trained")
@@ -73,8 +73,8 @@ def test_four_powers_follow_a_process(model: AbstractSubModel) -> None:
 def test_rounding_moves_a_path_by_half_a_step_of_each_power_at_most(model: AbstractSubModel) -> None:
     at_s = np.linspace(0.0, 3.0, 13)
     sent = PredictedPath(model)
-    steps = core_steps(position=False)
-    off = np.abs(path(Quantised(sent, steps), at_s) - path(sent, at_s)).max(axis=(0, 2))
+    _, held = code_table(Bank((sent,))).quantise(sent.fit(windows()))
+    off = np.abs(sent.predict(held, at_s, dt_s=DT_S) - path(sent, at_s)).max(axis=(0, 2))
     powers = np.vander(at_s / sent.span_s, len(DEFAULT_CARRIED), increasing=True)
     bound_m = powers @ np.array([step / 2.0 for step, _ in DEFAULT_CARRIED]) + HEADING_M * at_s
     assert (off <= bound_m + ROUNDING_M).all()

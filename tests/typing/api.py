@@ -17,13 +17,16 @@ from modelcast import (
     EvaluationResult,
     EvaluationSettings,
     FixedCandidate,
+    Fleet,
     GaussianProcess,
-    Host,
+    LocalDynamicMap,
     Periodic,
     Profile,
     SensedTrip,
+    Station,
     TrainedCandidate,
     Trajectory,
+    VirtualMedium,
     build_trajectory,
     compare,
     decode_bsm,
@@ -88,12 +91,12 @@ def make_trips() -> list[Trajectory | SensedTrip]:
     return [trip, SensedTrip(drive.truth, drive.input)]
 
 
-def policies() -> tuple[ErrorDriven, Periodic, Host]:
+def policies() -> tuple[ErrorDriven, Periodic, LocalDynamicMap]:
     """Name policies and a host by what they hold."""
     error_driven = ErrorDriven(0.3, "keep", "best", max_inter_transmit_time_s=2.0)
     state = error_driven.init(4, 2)
     assert_type(state, ErrorDrivenState)
-    return error_driven, Periodic(2.0), Host(Bank((ConstantVelocity(),)), expiry_s=3.0)
+    return error_driven, Periodic(2.0), LocalDynamicMap((Bank((ConstantVelocity(),)),), expiry_s=3.0)
 
 
 def pass_on(octets: bytes, model: bytes) -> bytes:

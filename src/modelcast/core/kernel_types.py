@@ -23,7 +23,6 @@ __all__ = [
     "FloatMatrix",
     "FloatVector",
     "Int16Matrix",
-    "Int32Cube",
     "Int32Vector",
     "IntCube",
     "IntMatrix",
@@ -75,7 +74,7 @@ Float32Matrix = Annotated[npt.NDArray[np.float32], Layout("float32", 2)]
 Float32Cube = Annotated[npt.NDArray[np.float32], Layout("float32", 3)]
 Int16Matrix = Annotated[npt.NDArray[np.int16], Layout("int16", 2)]
 Int32Vector = Annotated[npt.NDArray[np.int32], Layout("int32", 1)]
-Int32Cube = Annotated[npt.NDArray[np.int32], Layout("int32", 3)]
+
 UInt8Vector = Annotated[npt.NDArray[np.uint8], Layout("uint8", 1)]
 UInt8Matrix = Annotated[npt.NDArray[np.uint8], Layout("uint8", 2)]
 UInt64Vector = Annotated[npt.NDArray[np.uint64], Layout("uint64", 1)]

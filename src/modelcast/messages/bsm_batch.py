@@ -24,6 +24,7 @@ __all__ = [
     "codes_of_values",
     "decode_cores",
     "encode_cores",
+    "field_meaning",
     "values_of_codes",
 ]
 
@@ -39,13 +40,19 @@ CORE_LAYOUT: Final = np.array([(f.low, f.high - f.low, f.width_bits) for f in CO
 """How Part I lies on the wire, as `bsm_kernels` takes it, (25, 3)."""
 
 
-def _meaning(field: Field) -> tuple[float, ...]:
-    """Row of a field in the kernels' order."""
+def field_meaning(field: Field) -> tuple[float, ...]:
+    """What the codes of a field stand for, as `bsm_kernels` takes it.
+
+    Parameters
+    ----------
+    field
+        Of a message.
+    """
     unavailable = np.nan if field.unavailable is None else float(field.unavailable)
     return (*field.known_codes, unavailable, *field.step, field.si_per_unit, float(field.outside))
 
 
-CORE_MEANING: Final = np.array([_meaning(field) for field in CORE_FIELDS], np.float64)
+CORE_MEANING: Final = np.array([field_meaning(field) for field in CORE_FIELDS], np.float64)
 """What the codes of Part I stand for, as `bsm_kernels` takes it, (25, 7)."""
 
 

@@ -30,6 +30,7 @@ __all__ = [
     "code_of",
     "codes_of",
     "pack",
+    "quantise",
     "unpack",
     "value_of",
     "values_of",
@@ -197,3 +198,16 @@ def values_of(codes: IntMatrix, meaning: FloatMatrix, values: FloatMatrix) -> No
     for row in range(codes.shape[0]):
         for f in range(codes.shape[1]):
             values[row, f] = value_of(float(codes[row, f]), meaning, f)
+
+
+@kernel
+def quantise(values: FloatMatrix, meaning: FloatMatrix) -> tuple[int, int]:
+    """Put what the codes of values stand for in their places, (B, F); row and field of the first refused."""
+    for row in range(values.shape[0]):
+        for f in range(values.shape[1]):
+            code, held = code_of(values[row, f], meaning, f)
+            if not held:
+                return row, f
+            # A whole number in between, as on the wire: no zero with a sign.
+            values[row, f] = value_of(float(np.int64(code)), meaning, f)
+    return -1, -1

@@ -16,11 +16,10 @@ from modelcast.messages.bsm_fields import CORE_FIELDS, CORE_INDEX
 from modelcast.messages.fields import Outside
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
-from modelcast.models.payload import CORE_PARAMETERS
-from modelcast.models.predicted_path import carried_form, carried_layout
-from modelcast.models.quantised import Quantised
+from modelcast.models.payload import CORE_PARAMETERS, PayloadField
+from modelcast.models.predicted_path import carried_layout
 
-__all__ = ["CodeTable", "code_table"]
+__all__ = ["CodeTable", "code_table", "coefficient_meaning"]
 
 _FIELDS: Final = dict(
     zip(
@@ -100,21 +99,31 @@ class CodeTable:
         return held
 
 
+def coefficient_meaning(field: PayloadField) -> tuple[float, ...]:
+    """What the codes of a coefficient stand for, as `bsm_kernels` takes it.
+
+    Parameters
+    ----------
+    field
+        Of a payload layout.
+    """
+    return (field.low, field.high, np.nan, field.step, 1.0, 1.0, float(Outside.CLAMP))
+
+
 def code_table(bank: Bank) -> CodeTable:
     """Table of a bank.
 
     Parameters
     ----------
     bank
-        Its sub-models; of one without a layout the predicted path is carried. Remainders of quantised
-        ones are no parameters here.
+        Its sub-models; of one without a layout the predicted path is carried.
 
     Raises
     ------
     ValueError
         Where no message carries a parameter, or a sub-model has a velocity that is not east, then north.
     """
-    members = [carried_form(one.model if isinstance(one, Quantised) else one) for one in bank.members]
+    members = bank.carried().members
     rows = [row for member in members for row in _rows(member)]
     names = tuple(f"{member.name}.{name}" for member in members for name in member.parameter_names)
     offsets = np.cumsum([0] + [len(member.parameter_names) for member in members], dtype=np.int64)
@@ -149,9 +158,7 @@ def _rows(member: AbstractSubModel) -> list[tuple[float, ...]]:
             place = CORE_INDEX[_FIELDS[name]]
             rows.append((*CORE_MEANING[place].tolist(), place, CORE_FIELDS[place].width_bits))
         elif name in fields:
-            one = fields[name]
-            meaning = (one.low, one.high, np.nan, one.step, 1.0, 1.0, float(Outside.CLAMP))
-            rows.append((*meaning, kernels.IN_EXTENSION, one.bits))
+            rows.append((*coefficient_meaning(fields[name]), kernels.IN_EXTENSION, fields[name].bits))
         else:
             raise ValueError(
                 f"{member.name}: no message carries {name}: it is neither in Part I nor in the layout"

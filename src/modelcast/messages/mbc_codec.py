@@ -2,17 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import CodecError
-from modelcast.messages import mbc_kernels
+from modelcast.messages import bsm_kernels
 from modelcast.messages.bsm import BsmCore, encode_bsm
-from modelcast.messages.bsm_batch import CORE_MEANING, codes_of_values
+from modelcast.messages.bsm_batch import CORE_MEANING, codes_of_values, field_meaning
 from modelcast.messages.bsm_fields import CORE_BITS, CORE_FIELDS, LOCAL_REGION
+from modelcast.messages.code_table import coefficient_meaning
 from modelcast.messages.codec import AbstractCodec
 from modelcast.messages.frame import read_header
 from modelcast.messages.mbc_profile import WireProfile
@@ -35,6 +35,7 @@ _PREAMBLE_BITS: Final = 3
 IDENTIFICATION_OCTETS: Final = len(encode_identification(IdentificationMessage(0, 0, sub_model=0, age=0)))
 """Octets of every identification in its frame."""
 _IDENTIFICATION: Final = (TEMPORARY_ID, SEQUENCE, SUB_MODEL, AGE)
+_IDENTIFICATION_MEANING: Final = np.array([field_meaning(field) for field in _IDENTIFICATION])
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,29 +88,28 @@ class UpdateCodec(AbstractCodec[UpdateMessage]):
         """
         values = np.asarray(row, dtype=np.float64)[None]
         core = BsmCore(tuple(codes_of_values(values[:, :_CORE])[0].tolist()))
-        sub_model = self._in_use(values)[0]
-        members = self.profile.carried(int(sub_model), carries_all=self.carries_all)
+        (sub_model,) = self._in_use(values).tolist()
+        ends = np.cumsum([_CORE + 1] + [len(layout.fields) for layout in self.profile.layouts]).tolist()
         codes = tuple(
-            tuple(self.profile.layouts[member].codes_of(values[:, columns])[0].tolist())
-            for member, columns in enumerate(self._columns())
-            if member in members
+            tuple(self.profile.layouts[m].codes_of(values[:, ends[m] : ends[m + 1]])[0].tolist())
+            for m in self.profile.carried(sub_model, carries_all=self.carries_all)
         )
-        return UpdateMessage(core, int(sub_model), carries_all=self.carries_all, codes=codes)
+        return UpdateMessage(core, sub_model, carries_all=self.carries_all, codes=codes)
 
     def quantise(self, parameters: FloatArray) -> FloatArray:
         """Values that a receiver holds, (B, 26 + C)."""
-        self._in_use(parameters)
-        given = np.ascontiguousarray(parameters, np.float64)
-        layouts = self.profile.layouts
+        in_use, layouts = self._in_use(parameters), self.profile.layouts
         members = np.repeat(np.arange(len(layouts)), [len(layout.fields) for layout in layouts])
-        table = np.concatenate([layout.table for layout in layouts])
-        fields = np.column_stack([table, members]).astype(np.float64)
-        held = np.empty(given.shape)
-        row, at = mbc_kernels.quantise(given, CORE_MEANING, fields, self.carries_all, held)
+        absent = (in_use[:, None] != members) & (not self.carries_all)
+        held = np.array(parameters, np.float64, order="C")
+        np.copyto(held[:, _CORE + 1 :], 0.0, where=absent)
+        own = [coefficient_meaning(field) for layout in layouts for field in layout.fields]
+        row, at = bsm_kernels.quantise(held, np.array([*CORE_MEANING, field_meaning(SUB_MODEL), *own]))
         if row >= 0:
-            if at >= _CORE:
+            if at > _CORE:
                 raise ValueError(f"row {row}: every coefficient carried must be a number: none means unknown")
-            codes_of_values(given[:, :_CORE])  # raises, and says what is wrong
+            codes_of_values(parameters[:, :_CORE])  # raises, and says what is wrong
+        np.copyto(held[:, _CORE + 1 :], np.nan, where=absent)
         return held
 
     def sizes(self, parameters: FloatArray) -> IntArray:
@@ -119,13 +119,8 @@ class UpdateCodec(AbstractCodec[UpdateMessage]):
         each = [update_octets(sum(bits) if self.carries_all else own) for own in bits]
         return np.array(each, dtype=np.int64)[in_use]
 
-    def _columns(self) -> list[slice]:
-        """Columns of each sub-model's coefficients."""
-        ends = _CORE + 1 + np.cumsum([0] + [len(layout.fields) for layout in self.profile.layouts])
-        return [slice(first, end) for first, end in pairwise(ends.tolist())]
-
     def _in_use(self, parameters: FloatArray) -> IntArray:
-        wanted = self._columns()[-1].stop
+        wanted = _CORE + 1 + sum(len(layout.fields) for layout in self.profile.layouts)
         if parameters.ndim != 2 or parameters.shape[1] != wanted:
             raise ValueError(f"parameters must be (B, {wanted}), got {parameters.shape}")
         given = parameters[:, _CORE]
@@ -179,14 +174,10 @@ class IdentificationCodec(AbstractCodec[IdentificationMessage]):
     def quantise(self, parameters: FloatArray) -> FloatArray:
         """Values that a receiver holds, (B, 4)."""
         self._check(parameters)
-        held = np.array(parameters, dtype=np.float64)
-        for column, field in enumerate(_IDENTIFICATION):
-            given = held[:, column]
-            whole = field is AGE or (np.rint(given) == given) & (field.low <= given) & (given <= field.high)
-            unfit = given[np.isnan(given) | ~np.asarray(whole)]
-            if unfit.size:
-                field.code_of(unfit[0])  # says what is wrong with it
-        held[:, 3] = np.rint(np.clip(held[:, 3], 0.0, AGE.high / AGE.step[1]) * AGE.step[1]) / AGE.step[1]
+        held = np.array(parameters, np.float64, order="C")
+        row, at = bsm_kernels.quantise(held, _IDENTIFICATION_MEANING)
+        if row >= 0:
+            _IDENTIFICATION[at].code_of(float(parameters[row, at]))  # raises, and says what is wrong
         return held
 
     def sizes(self, parameters: FloatArray) -> IntArray:

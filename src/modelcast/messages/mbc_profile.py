@@ -8,7 +8,6 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.payload import PayloadLayout
 from modelcast.models.predicted_path import carried_layout
 from modelcast.models.profile import Profile
-from modelcast.models.quantised import Quantised
 
 __all__ = ["WireProfile", "carries_all", "plain_members"]
 
@@ -34,9 +33,8 @@ def plain_members(bank: Bank, identify: str) -> tuple[bool, ...]:
     bank, identify
         As in `carries_all`; where all are sent, none is.
     """
-    own = [one.model if isinstance(one, Quantised) else one for one in bank.members]
     alone = not carries_all(bank, identify)
-    return tuple(alone and isinstance(one, ConstantVelocity) for one in own)
+    return tuple(alone and isinstance(one, ConstantVelocity) for one in bank.members)
 
 
 @dataclass(frozen=True, slots=True)

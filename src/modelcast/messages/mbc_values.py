@@ -73,7 +73,7 @@ def update_to_wire(
     update
         What the sender's bank fitted.
     bank
-        The sender's, as `quantised_bank` has it.
+        The sender's, in the forms that messages carry (`Bank.carried`).
     profile
         The bank's.
     frame
@@ -90,14 +90,9 @@ def update_to_wire(
         Where bank and profile do not fit, no member has a velocity, the position is too far from the origin,
         or a value cannot be written.
     """
-    table = code_table(bank)
-    counts: list[int] = np.diff(table.offsets).tolist()
-    if len(counts) != len(profile.layouts):
-        raise ValueError(f"bank has {len(counts)} sub-models, profile {len(profile.layouts)}")
-    own = [
-        update.parameters[first : first + count]  # without remainders
-        for first, count in zip(bank.offsets.tolist(), counts, strict=False)
-    ]
+    count = len(bank.members)
+    if count != len(profile.layouts):
+        raise ValueError(f"bank has {count} sub-models, profile {len(profile.layouts)}")
     latitude_code, longitude_code = state_place(frame_constants(frame.origin), *update.position_m.tolist())
     if latitude_code == NO_LATITUDE_CODE:
         raise ValueError(f"position {update.position_m.tolist()} m: {_NO_PLACE}")
@@ -107,9 +102,9 @@ def update_to_wire(
         np.array([update.t_s]),
         place=np.array([[latitude_code, longitude_code]]),
         in_use=np.array([update.in_use]),
-        parameters=np.concatenate(own)[None],
+        parameters=update.parameters[None],
     )
-    codec = StationCodec(profile, table, carries_all, (False,) * len(counts))
+    codec = StationCodec(profile, code_table(bank), carries_all, (False,) * count)
     codes = codec.codes(rows, minute_s=frame.minute_s, further=further_values(core or {}))
     return codec.message(codes[0], update.in_use)
 
@@ -124,7 +119,8 @@ def update_from_wire(
     received
         As `read_update` gave it.
     bank
-        The host's, as `carried_bank` has it. Of a model that is not in the message, parameters are zero.
+        The host's, in the forms that messages carry (`Bank.carried`). Of a model that is not in the message,
+        parameters are zero.
     frame
         The host's.
     received_s
@@ -141,7 +137,7 @@ def update_from_wire(
     """
     for member in bank.members:
         if member.payload_layout is None:
-            raise ValueError(f"no message carries {member.name} itself: take the carried_bank")
+            raise ValueError(f"no message carries {member.name} itself: take the bank's carried form")
     core = received.message.core
     names = ("second_of_minute_s", "latitude_deg", "longitude_deg", "speed_mps", "heading_rad")
     found = {name: core.value(name) for name in names}

@@ -25,7 +25,6 @@ from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import ReceivedUpdate, UpdateMessage, extension_of, read_update
 from modelcast.messages.mbc_values import LocalFrame, update_from_wire
 from modelcast.messages.mbc_wire import PROFILE_OCTETS, ModelExtension, encode_extension
-from modelcast.messages.quantisation import carried_bank
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.profile import Profile
@@ -66,7 +65,7 @@ class HeldProfile:
             Where messages cannot carry its bank: more than eight sub-models, or too many coefficients.
         """
         try:
-            return cls(WireProfile.of_profile(profile), carried_bank(profile.bank))
+            return cls(WireProfile.of_profile(profile), profile.bank.carried())
         except ValueError as error:
             raise ConfigError(f"this profile cannot be used for messages: {error}") from error
 

@@ -1,6 +1,6 @@
 """A bank of sub-models is one more model: it fits them all and predicts with the one in use."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.models.base import AbstractMotionModel, AbstractSubModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.quantised import Quantised
+from modelcast.models.predicted_path import carried_form
 
 __all__ = ["Bank"]
 
@@ -97,16 +97,24 @@ class Bank(AbstractMotionModel):
         """The bank itself, or with constant velocity added last where no member does with one sample.
 
         A sender must have something to say at a start and after a gap. Constant velocity added here serves
-        only there: `modelcast.runtime.trip.walk` uses it where no other member has a full window. In a bank
-        of quantised members it is quantised too.
+        only there: a sender uses it where no other member has a full window.
         """
         if self.window == 1:
             return self
-        added: AbstractSubModel = ConstantVelocity()
-        first = self.members[0]
-        if isinstance(first, Quantised):
-            added = replace(first, model=added)
-        return Bank((*self.members, added), self.name)
+        return Bank((*self.members, ConstantVelocity()), self.name)
+
+    def carried(self) -> "Bank":
+        """The bank in the forms that messages carry, not rounded: what a receiver predicts with.
+
+        Members that have a layout stay as they are; of the others the predicted path is sent.
+
+        Examples
+        --------
+        >>> from modelcast.models.gp import GaussianProcess
+        >>> Bank((GaussianProcess(),)).carried().parameter_names[3]
+        'gp-anchored.east_0_m'
+        """
+        return Bank(tuple(map(carried_form, self.members)), self.label)
 
     def fit(self, windows: Windows) -> FloatArray:
         """Parameters of all members, (B, 1 + sum P)."""

@@ -7,7 +7,7 @@ from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntVector
 from modelcast.models.address_kernels import fit_at
 from modelcast.models.trusted_kernels import predict_trusted
 
-__all__ = ["Members", "fit_member", "parameter_count", "predict_member"]
+__all__ = ["Members", "fit_member", "predict_member"]
 
 
 class Members(NamedTuple):
@@ -46,9 +46,3 @@ def predict_member(members: Members, m: int, parameters: FloatVector, age_s: flo
         members.trust[m, 1],
         out,
     )
-
-
-@kernel(inlined=True)
-def parameter_count(members: Members, m: int) -> int:
-    """How many parameters member ``m`` has."""
-    return members.offsets[m + 1] - members.offsets[m]

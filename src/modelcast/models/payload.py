@@ -2,7 +2,7 @@
 
 Speed, heading, acceleration along the course and yaw rate stand in Part I of every basic safety message. What
 a sub-model needs beyond them it names here, parameter by parameter. The codec (`modelcast.messages`) writes
-the codes, and `modelcast.models.quantised` predicts with what they stand for.
+the codes, and stations predict with what they stand for.
 """
 
 from dataclasses import KW_ONLY, dataclass

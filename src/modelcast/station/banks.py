@@ -1,5 +1,6 @@
 """Banks of sub-models by name, and the rules they are used with."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import cast
@@ -12,6 +13,7 @@ from modelcast.messages.mbc_wire import profile_number
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
+from modelcast.models.calibration import Calibration
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess, VehicleProcess, linear_process
 from modelcast.models.kinematic import (
@@ -33,6 +35,7 @@ __all__ = [
     "PAPER_NOISE_FLOOR_M",
     "NamedBank",
     "bank_from_text",
+    "calibrations_of",
     "member_names",
     "named_bank",
     "profile_number_of",
@@ -64,6 +67,18 @@ def rules_of(bank: Bank) -> tuple[StartRule, IdentifyRule]:
     if bank == profile.bank:
         return cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
     return "order", "on-failure"
+
+
+def calibrations_of(bank: Bank) -> Mapping[str, Calibration]:
+    """What makes the covariances of a bank honest, by sub-model; empty where nobody measured it.
+
+    Parameters
+    ----------
+    bank
+        The shipped profile's bank has that profile's, any other none.
+    """
+    profile = default_profile()
+    return profile.calibrations if bank == profile.bank else {}
 
 
 INTERCEPT_NOISE_FLOOR_M = 1e-3

@@ -12,12 +12,12 @@ import numpy as np
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.geodesy import Origin
 from modelcast.station.arrays import MEASURED
-from modelcast.station.banks import profile_number_of
+from modelcast.station.banks import calibrations_of, profile_number_of
 from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.receiver.ears import Ears
 from modelcast.station.receiver.local_dynamic_map import Beliefs
 from modelcast.station.sender.message_arrays import MESSAGES_KEPT, SENDER_BITS, contents, outbox, sent_tally
-from modelcast.station.sender.octets import StationOctets, message_of
+from modelcast.station.sender.octets import StationOctets, messages_of
 from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.station.sender.sending_kernels import StepInputs, send_each
 from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
@@ -26,6 +26,9 @@ from modelcast.station.sensing.sensing_kernels import forget_each, sense
 from modelcast.station.sensing.velocity import DEFAULT_FROM_POSITIONS, REPORTED
 
 __all__ = ["Fleet", "Sending"]
+
+_IDS = 2**32
+"""Temporary ids there are: four octets."""
 
 _OPTIONAL = ("speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps")
 
@@ -132,8 +135,15 @@ class Fleet:
         self._bank = sender_bank(self.sender, dt_s)
         self._guard = guard_of(self.sender, self._bank)
         self._spread_s, self._minute_s = spread_s, minute_s
-        self._number = profile_number_of(self.sender.bank)
-        self._ears = Ears((self.sender.bank,), dt_s=dt_s) if ears is None else ears
+        self._writer = StationOctets.of(
+            self._bank.bank,
+            profile_number_of(self.sender.bank),
+            self.sender.lanes.identify,
+            origin,
+            minute_s=minute_s,
+        )
+        own = self.sender.bank
+        self._ears = Ears((own,), dt_s=dt_s, calibrations=(calibrations_of(own),)) if ears is None else ears
         self._heard = {slot: self._ears.init() for slot in range(slots)}
         self._tables = neighbour_tables(slots, min(self._ears.capacity, 2**15 - 1), phase_s=self._phase)
         self._outbox, self._tally = outbox(slots), sent_tally()
@@ -261,8 +271,8 @@ class Fleet:
             Where it is there already, or the fleet is full.
         """
         free = np.flatnonzero(self._vehicle < 0)
-        if vehicle < 0 or (self._vehicle == vehicle).any():
-            raise ValueError(f"vehicle must be new and not negative, got {vehicle}")
+        if not 0 <= vehicle < _IDS or (self._vehicle == vehicle).any():
+            raise ValueError(f"vehicle must be new and from 0 to 2^32 - 1, got {vehicle}")
         if not free.size:
             raise ValueError(f"the fleet has {self._vehicle.size} slots, and all are taken: give it more")
         self._vehicle[free[0]], self._new[free[0]] = vehicle, True
@@ -286,8 +296,8 @@ class Fleet:
             Where the vehicle is not in the fleet, or another has that id.
         """
         slot = self._slot_of(vehicle)
-        if temporary_id < 0 or (self._vehicle == temporary_id).any():
-            raise ValueError(f"temporary_id must be free and not negative, got {temporary_id}")
+        if not 0 <= temporary_id < _IDS or (self._vehicle == temporary_id).any():
+            raise ValueError(f"temporary_id must be free and from 0 to 2^32 - 1, got {temporary_id}")
         self._vehicle[slot] = temporary_id
         if self._given is None:
             return
@@ -358,8 +368,9 @@ class Fleet:
 
     def _slots(self, vehicle: IntArray) -> tuple[IntArray, BoolArray]:
         """Slot of each vehicle that measures, (N,), and which slots measure for the first time, (V,)."""
-        if np.unique(vehicle).size != vehicle.size or (vehicle.size and vehicle.min() < 0):
-            raise ValueError(f"vehicles must be distinct and not negative, got {vehicle}")
+        inside = (vehicle >= 0) & (vehicle < _IDS)
+        if np.unique(vehicle).size != vehicle.size or not inside.all():
+            raise ValueError(f"vehicles must be distinct and from 0 to 2^32 - 1, got {vehicle}")
         before, held = self._measures, self._vehicle
         held[before & ~np.isin(held, vehicle)] = -1
         for one in vehicle[~np.isin(vehicle, held)].tolist():
@@ -374,27 +385,17 @@ class Fleet:
 
     def _sent(self) -> list[Sending]:
         """Messages of the outbox as octets, in order of time."""
-        box, found = self._outbox, list[Sending]()
-        for k in np.argsort(box.ready_s[: int(box.filled[0])], kind="stable").tolist():
-            slot, number = int(box.sender[k]), int(box.message_id[k]) >> SENDER_BITS
-            messages = message_of(self._stations, self._contents, slot, number)
-            writer = StationOctets.of(
-                self._bank.bank,
-                self._number,
-                self.sender.lanes.identify,
-                self.origin,
-                int(self._stations.senders.vehicle[slot]),
-                minute_s=self._minute_s,
+        box = self._outbox
+        order = np.argsort(box.ready_s[: int(box.filled[0])], kind="stable")
+        messages = messages_of(
+            self._stations, self._contents, box.sender[order], box.message_id[order] >> SENDER_BITS
+        )
+        columns = (messages.vehicle, box.ready_s[order], box.size_bytes[order], box.power_dbm[order])
+        return [
+            Sending(vehicle, octets, send_s, frame_bytes, power_dbm, kind, next_s)
+            for octets, vehicle, send_s, frame_bytes, power_dbm, kind, next_s in zip(
+                self._writer.encode(messages),
+                *(column.tolist() for column in (*columns, messages.kind, box.next_s[order])),
+                strict=True,
             )
-            found.append(
-                Sending(
-                    int(self._stations.senders.vehicle[slot]),
-                    writer.encode(messages)[0],
-                    float(box.ready_s[k]),
-                    int(box.size_bytes[k]),
-                    float(box.power_dbm[k]),
-                    int(messages.kind[0]),
-                    float(box.next_s[k]),
-                )
-            )
-        return found
+        ]

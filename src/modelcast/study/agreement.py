@@ -28,7 +28,7 @@ from modelcast.study.case import TripCase
 from modelcast.trips.trajectory import Trajectory
 from modelcast.world.scenario.base import FleetFrame
 
-__all__ = ["Agreement", "agreement"]
+__all__ = ["Agreement", "agreement", "first_difference"]
 
 _ID = 1
 _LOSS_RATIO = 0.4
@@ -86,13 +86,13 @@ def agreement(case: TripCase, bank: Bank, policy: ErrorDriven, *, seed: int = 0)
     runtime = TripRuntime(trip, bank, case.estimator, quantised=True)
     walked = runtime.run(policy)
     writer = _writer(runtime.bank, bank, policy, trip)
-    octets = writer.encode(runtime.sent(walked))
+    octets = writer.encode(runtime.sent(walked, temporary_id=_ID))
     expected = list(zip(np.flatnonzero(walked.transmits).tolist(), octets, strict=True))
     sender = Sender("agreement", policy, bank)
     return Agreement(
         len(expected),
-        _difference(expected, _fleet_events(case, sender, writer)),
-        _difference(expected, _station_events(case, sender)),
+        first_difference(expected, _fleet_events(case, sender, writer)),
+        first_difference(expected, _station_events(case, sender)),
         _host_difference(
             case, Ears((bank,), np.inf, None, dt_s=trip.dt_s, capacity=4), (runtime, walked), expected, seed
         ),
@@ -101,7 +101,7 @@ def agreement(case: TripCase, bank: Bank, policy: ErrorDriven, *, seed: int = 0)
 
 def _writer(whole: Bank, bank: Bank, policy: ErrorDriven, trip: Trajectory) -> StationOctets:
     identify = policy.identify if len(whole.members) > 1 else "never"
-    return StationOctets.of(whole, profile_number_of(bank), identify, trip.origin or NOWHERE, _ID)
+    return StationOctets.of(whole, profile_number_of(bank), identify, trip.origin or NOWHERE)
 
 
 def _fleet_events(case: TripCase, sender: Sender, writer: StationOctets) -> Events:
@@ -114,8 +114,7 @@ def _fleet_events(case: TripCase, sender: Sender, writer: StationOctets) -> Even
     events: Events = []
     for number, frame in enumerate(frames):
         loop.step(frame)
-        for one in loop.posted():
-            events += [(number, octets) for octets in writer.encode(one)]
+        events += [(number, octets) for octets in writer.encode(loop.posted())]
     return events
 
 
@@ -165,8 +164,19 @@ def _station_events(case: TripCase, sender: Sender) -> Events:
     return events
 
 
-def _difference(expected: Events, found: Events) -> str:
-    """The first message that differs, and the first byte in it."""
+def first_difference(expected: Events, found: Events) -> str:
+    """The first message that differs, and the first byte in it; empty where all are equal.
+
+    Parameters
+    ----------
+    expected, found
+        Sample and octets of each message.
+
+    Examples
+    --------
+    >>> first_difference([(0, b"ab"), (7, b"cd")], [(0, b"ab"), (7, b"cx")])
+    'message 1: byte 1 of 2 (sample 7)'
+    """
     for number, (one, other) in enumerate(zip(expected, found, strict=False)):
         if one[0] != other[0]:
             return f"message {number}: sample {other[0]}, not {one[0]}"

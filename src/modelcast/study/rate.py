@@ -8,7 +8,7 @@ import numpy as np
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.study.case import TripCase
 from modelcast.study.result import POOLED, RateRow
-from modelcast.study.sent import sent_messages
+from modelcast.study.sent import sent_load
 from modelcast.study.settings import EvaluationSettings
 
 __all__ = ["RateCount", "count_rates", "pooled_rates", "rate_row"]
@@ -64,7 +64,7 @@ def count_rates(
         settings.thresholds_m, mbc.run_each(policies), baseline.run_each(policies), strict=True
     ):
         for name, ready, walk in zip(("mbc", "baseline"), (mbc, baseline), walks, strict=True):
-            sent = sent_messages(walk, ready.bank, case.truth.t_s, settings)
+            sent = sent_load(walk, ready.bank, case.truth.t_s, settings)
             count = RateCount(
                 name,
                 ready.bank.name,

@@ -11,7 +11,7 @@ from modelcast.station.policy.base import MessageKind
 from modelcast.study.case import TripCase
 from modelcast.study.rate import RateCount
 from modelcast.study.result import Coded, Columns, SampleBlock
-from modelcast.study.sent import sent_messages
+from modelcast.study.sent import sent_load
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.tracking import TrackingRun
 
@@ -74,7 +74,7 @@ class EventRecorder:
         """
         given = BASELINE_BANK if count.policy == "baseline" else self._settings.bank
         bank = given.complete()
-        sent = sent_messages(walk, bank, case.truth.t_s, self._settings)
+        sent = sent_load(walk, bank, case.truth.t_s, self._settings)
         at = sent.at
         members = tuple(member.name for member in bank.members)
         for name, value in (

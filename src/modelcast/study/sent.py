@@ -1,4 +1,4 @@
-"""What a walk put on the air: when, how many bytes, and for how long."""
+"""What a policy put on the air over a trip: when, how many bytes, and for how long."""
 
 from dataclasses import dataclass
 
@@ -10,12 +10,12 @@ from modelcast.runtime.trip.runtime import TripMessages
 from modelcast.station.policy.base import MessageKind
 from modelcast.study.settings import EvaluationSettings
 
-__all__ = ["SentMessages", "sent_messages"]
+__all__ = ["SentLoad", "sent_load"]
 
 
 @dataclass(frozen=True, slots=True)
-class SentMessages:
-    """The N messages of one walk.
+class SentLoad:
+    """The N messages of one policy over a trip.
 
     Parameters
     ----------
@@ -32,10 +32,8 @@ class SentMessages:
     airtime_s: FloatArray
 
 
-def sent_messages(
-    walk: TripMessages, bank: Bank, t_s: FloatArray, settings: EvaluationSettings
-) -> SentMessages:
-    """Messages of a walk by the sizes and the stack of the settings.
+def sent_load(walk: TripMessages, bank: Bank, t_s: FloatArray, settings: EvaluationSettings) -> SentLoad:
+    """Messages of a policy by the sizes and the stack of the settings.
 
     Parameters
     ----------
@@ -52,4 +50,4 @@ def sent_messages(
     updates = settings.sizes.each_update_bytes(bank, walk.policy.identify)
     named = walk.kind[at] == MessageKind.IDENTIFICATION
     size_bytes = np.where(named, settings.sizes.identification_bytes, updates[walk.in_use[at]])
-    return SentMessages(at, size_bytes, settings.stack.sent_airtime_s(t_s[at], size_bytes))
+    return SentLoad(at, size_bytes, settings.stack.sent_airtime_s(t_s[at], size_bytes))

@@ -1,7 +1,8 @@
 """Claims about plausibility: what a vehicle can do is plausible, what none can do is found and counted."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,19 +11,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from modelcast.channel.frame_radio import copied
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.io.trips import read_trips
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.kinematic import ConstantTurnRateVelocity
-from modelcast.station.receiver.host import Host, HostState, Receipt
+from modelcast.station.receiver.heard import Heard, HeardKind, heard_messages
+from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap, MapState, Receipt
 from modelcast.station.receiver.plausibility import Finding, Plausibility, PlausibilityState
 from modelcast.station.receiver.plausibility_limits import PlausibilityLimits
 from modelcast.station.receiver.statements import Statements, statements_of
 
 LIMITS = PlausibilityLimits()
 CHECKS = Plausibility()
+_COLUMNS = ("vehicle", "t_s", "position_m", "velocity_mps", "received_s")
 
 
 def reports(
@@ -51,8 +55,7 @@ def found(given: Statements, checks: Plausibility = CHECKS) -> list[Finding]:
 
 
 def changed(given: Statements, **columns: Any) -> Statements:
-    names = ("vehicle", "t_s", "position_m", "velocity_mps", "received_s")
-    return Statements(**{name: columns.get(name, getattr(given, name)) for name in names})
+    return Statements(**{name: columns.get(name, getattr(given, name)) for name in _COLUMNS})
 
 
 steps = st.lists(
@@ -225,10 +228,9 @@ def test_a_velocity_not_stated_is_not_judged() -> None:
 
 
 def interleaved(*given: Statements) -> Statements:
-    names = ("vehicle", "t_s", "position_m", "velocity_mps", "received_s")
     order = np.argsort(np.concatenate([one.received_s for one in given]), kind="stable")
     return Statements(
-        **{name: np.concatenate([getattr(one, name) for one in given])[order] for name in names}
+        **{name: np.concatenate([getattr(one, name) for one in given])[order] for name in _COLUMNS}
     )
 
 
@@ -246,9 +248,8 @@ def test_remotes_are_judged_alike_alone_and_among_others_and_in_any_portions(siz
     state, portions = PlausibilityState(), []
     for begin in range(0, 60, size):
         part = slice(begin, begin + size)
-        names = ("vehicle", "t_s", "position_m", "velocity_mps", "received_s")
         findings, state = CHECKS.check(
-            state, Statements(**{name: getattr(together, name)[part] for name in names})
+            state, Statements(**{name: getattr(together, name)[part] for name in _COLUMNS})
         )
         portions.append(findings)
     whole = np.concatenate(portions)
@@ -300,94 +301,169 @@ def test_impossible_reports_are_refused(columns: dict[str, Any]) -> None:
         changed(straight(1), **columns)
 
 
-# The host --------------------------------------------------------------------------------------------------
+# The map ---------------------------------------------------------------------------------------------------
 
-HOST = Host(Bank((ConstantVelocity(),)), plausibility=CHECKS)
+BANK = Bank((ConstantVelocity(),))
+AROUND = LocalDynamicMap((BANK,), plausibility=CHECKS)
+UNJUDGED = LocalDynamicMap((BANK,))
+RECEIPTS = {
+    Finding.PLAUSIBLE: Receipt.ACCEPTED,
+    Finding.IN_FUTURE: Receipt.IN_FUTURE,
+    Finding.STALE: Receipt.STALE,
+    Finding.REPEATED: Receipt.REPEATED,
+    Finding.OVERTAKEN: Receipt.OLDER,
+    Finding.POSITION_JUMP: Receipt.POSITION_JUMP,
+    Finding.SPEED_MISMATCH: Receipt.SPEED_MISMATCH,
+    Finding.STUCK_SPEED: Receipt.STUCK_SPEED,
+}
 
 
-def update(given: Statements, at: int, sequence: int) -> ModelUpdate:
-    """A baseline message: position, and the velocity as constant velocity."""
-    return ModelUpdate(
-        int(given.vehicle[at]),
-        sequence,
-        float(given.t_s[at]),
-        position_m=given.position_m[at],
-        in_use=0,
-        parameters=given.velocity_mps[at],
-        dt_s=0.1,
+def updates(given: Statements) -> Heard:
+    """Messages with a model: position, and the velocity as that of constant velocity."""
+    sent = [
+        ModelUpdate(
+            int(given.vehicle[at]),
+            at,
+            float(given.t_s[at]),
+            position_m=given.position_m[at],
+            in_use=0,
+            parameters=given.velocity_mps[at],
+            dt_s=0.1,
+        )
+        for at in range(given.t_s.size)
+    ]
+    return heard_messages(sent, given.received_s)
+
+
+def plain(given: Statements) -> Heard:
+    """Messages by Part I alone: position, speed and heading."""
+    velocity_mps = given.velocity_mps
+    return replace(
+        updates(given),
+        kind=np.full(given.t_s.size, int(HeardKind.PLAIN)),
+        speed_mps=np.hypot(*velocity_mps.T),
+        heading_rad=np.arctan2(velocity_mps[:, 0], velocity_mps[:, 1]),
     )
 
 
-def receipts(given: Statements, host: Host = HOST) -> tuple[list[Receipt], HostState]:
-    state, out = HostState(), []
-    for at in range(given.t_s.size):
-        receipt, state = host.receive(state, update(given, at, at), received_s=float(given.received_s[at]))
-        out.append(receipt)
-    return out, state
+def receipts(given: Statements, around: LocalDynamicMap = AROUND) -> tuple[list[Receipt], MapState]:
+    out, state = around.hear(around.init(), updates(given))
+    return [Receipt(one) for one in out], state
 
 
-def test_the_receipt_tells_why_and_the_state_counts() -> None:
-    given = straight(60, 22.0)
-    given.velocity_mps[20:, 0] = 5.68
+def named(t_s: float, received_s: float, state: MapState) -> Receipt:
+    """What becomes of an identification of the last of twenty updates."""
+    message = heard_messages([SubModelIdentification(7, 19, t_s, in_use=0)], [received_s])
+    return Receipt(AROUND.hear(copied(state), message)[0][0])
+
+
+def broken() -> Statements:
+    """What a remote says that has every fault there is; they all arrive in order."""
+    given = straight(70, 22.0)
+    given.velocity_mps[30:, 0] = 5.68
     given.position_m[10] += 30.0
-    told, state = receipts(given)
-    assert told[10] is Receipt.POSITION_JUMP
-    assert told[9] is told[11] is Receipt.ACCEPTED
-    assert told[30] is Receipt.SPEED_MISMATCH
-    assert told[-1] is Receipt.STUCK_SPEED
-    assert state.plausibility is not None
-    counts = state.plausibility.by_reason
-    assert sum(counts.values()) == 60
-    assert counts[Finding.STUCK_SPEED] == told.count(Receipt.STUCK_SPEED)
+    t_s, received_s = given.t_s.copy(), given.received_s.copy()
+    t_s[15] = t_s[14]
+    t_s[17] = t_s[14] - 0.05
+    t_s[19] += LIMITS.max_ahead_s + 0.01
+    t_s[21] -= LIMITS.max_age_s + 0.01
+    return changed(given, t_s=t_s, received_s=received_s)
 
 
-def test_a_refused_message_changes_no_belief() -> None:
-    given = straight(20)
-    _, state = receipts(given)
-    jumped = update(changed(given, position_m=given.position_m + 500.0, t_s=given.t_s + 2.0), 0, 99)
-    receipt, after = HOST.receive(state, jumped, received_s=2.0)
-    assert receipt is Receipt.POSITION_JUMP
-    assert after.remotes == state.remotes
+@pytest.mark.parametrize("heard", [updates, plain])
+def test_every_finding_is_a_receipt_of_the_map_and_is_counted(heard: Callable[[Statements], Heard]) -> None:
+    given = broken()
+    out, state = AROUND.hear(AROUND.init(), heard(given))
+    told = [Receipt(one) for one in out]
+    findings = found(given)
+    assert told == [RECEIPTS[one] for one in findings]
+    assert set(findings) == set(Finding)
+    assert state.by_receipt == {one: told.count(one) for one in set(told)}
+    assert sum(state.by_receipt.values()) == 70
 
 
-def test_receipts_of_times() -> None:
-    given = straight(20)
-    _, state = receipts(given)
-    assert HOST.receive(state, update(given, 19, 19), received_s=2.0)[0] is Receipt.REPEATED
-    assert HOST.receive(state, update(given, 10, 10), received_s=2.0)[0] is Receipt.OLDER
-    assert HOST.receive(state, update(given, 10, 10), received_s=20.0)[0] is Receipt.STALE
-    ahead = SubModelIdentification(7, 19, 2.2, in_use=0)
-    assert HOST.receive(state, ahead, received_s=2.05)[0] is Receipt.IN_FUTURE
-    assert HOST.receive(state, ahead, received_s=2.2)[0] is Receipt.ACCEPTED
-    assert HOST.receive(state, ahead, received_s=9.0)[0] is Receipt.STALE
+@given(st.integers(1, 60), st.integers(0, 2**32 - 1))
+def test_the_map_judges_every_remote_like_plausibility_alone_in_any_portions(size: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    alone = [
+        changed(
+            reports(
+                t := rng.permutation(np.sort(rng.uniform(0, 3, 20))),
+                rng.normal(0, 3, (20, 2)) + 2.0 * t[:, None],
+                rng.choice([[2.0, 2.0], [2.0, 9.0]], 20),
+            ),
+            vehicle=np.full(20, 5 * at),
+            received_s=np.sort(rng.uniform(0, 5, 20)),
+        )
+        for at in range(3)
+    ]
+    together = interleaved(*alone)
+    messages, state, told = updates(together), AROUND.init(), list[int]()
+    for begin in range(0, 60, size):
+        part = slice(begin, begin + size)
+        columns = {one.name: getattr(messages, one.name)[part] for one in fields(messages)}
+        out, state = AROUND.hear(state, Heard(**columns))
+        told += out.tolist()
+    assert told == [RECEIPTS[one] for one in found(together)]
+
+
+@pytest.mark.parametrize("finding", [one for one in Finding if one is not Finding.PLAUSIBLE])
+def test_an_implausible_message_moves_no_track_and_keeps_none_alive(finding: Finding) -> None:
+    given = broken()
+    at = found(given).index(finding)
+    parts = [
+        changed(given, **{name: getattr(given, name)[part] for name in _COLUMNS})
+        for part in (slice(0, at), slice(at, at + 1))
+    ]
+    _, before = AROUND.hear(AROUND.init(), updates(parts[0]))
+    out, after = AROUND.hear(copied(before), updates(parts[1]))
+    assert Receipt(out[0]) is RECEIPTS[finding]
+    for name in ("held", "told", "facts", "parameters", "ends"):
+        np.testing.assert_array_equal(getattr(after, name), getattr(before, name))
+    silent_s = float(given.received_s[at - 1]) + AROUND.expiry_s + 0.05
+    assert AROUND.positions(after, silent_s)[0].size == 0
+
+
+def test_a_remote_that_begins_implausibly_is_not_held() -> None:
+    told, state = receipts(straight(5, 0.0, stated_mps=71.0))
+    assert set(told) == {Receipt.SPEED_MISMATCH}
+    assert AROUND.positions(state, 0.5)[0].size == 0
+
+
+def test_identifications_are_asked_for_their_times_alone() -> None:
+    _, state = receipts(straight(20))
+    assert named(2.2, 2.05, state) is Receipt.IN_FUTURE
+    assert named(2.2, 2.2, state) is Receipt.ACCEPTED
+    assert named(2.2, 4.3, state) is Receipt.STALE
+    _, unjudged = receipts(straight(20), UNJUDGED)
+    message = heard_messages([SubModelIdentification(7, 19, 2.2, in_use=0)], [2.05])
+    assert Receipt(UNJUDGED.hear(unjudged, message)[0][0]) is Receipt.ACCEPTED
+
+
+def test_a_remote_forgotten_by_plausibility_begins_anew() -> None:
+    """A jump of 6 km a second after a minute of silence: nothing is left to compare it with."""
+    checks = Plausibility(memory_s=60.0)
+    around = LocalDynamicMap((BANK,), plausibility=checks)
+    for silent_s, receipt in ((59.9, Receipt.POSITION_JUMP), (60.1, Receipt.ACCEPTED)):
+        told, _ = receipts(reports([0.0, silent_s], [[0.0, 0.0], [6000.0, 0.0]], [0.0, 0.0]), around)
+        assert told == [Receipt.ACCEPTED, receipt]
 
 
 def test_without_constant_velocity_the_sub_model_in_use_states_the_speed() -> None:
     """Its parameters of zero predict a vehicle at rest; the positions say otherwise."""
     bank = Bank((ConstantTurnRateVelocity(),))
-    host = Host(bank, plausibility=CHECKS)
-    count = len(bank.parameter_names) - 1
-    state, told = HostState(), []
-    for at in range(30):
-        standing = ModelUpdate(
-            7,
-            at,
-            at / 10,
-            position_m=np.array([2.2 * at, 0.0]),
-            in_use=0,
-            parameters=np.zeros(count),
-            dt_s=0.1,
-        )
-        receipt, state = host.receive(state, standing, received_s=at / 10)
-        told.append(receipt)
-    assert told[0] is Receipt.ACCEPTED
-    assert told[-1] is Receipt.STUCK_SPEED
+    around = LocalDynamicMap((bank,), plausibility=CHECKS)
+    given = straight(30, 22.0)
+    messages = replace(updates(given), parameters=np.zeros((30, len(bank.parameter_names) - 1)))
+    told, _ = around.hear(around.init(), messages)
+    assert told[0] == Receipt.ACCEPTED
+    assert told[-1] == Receipt.STUCK_SPEED
 
 
 def test_without_the_option_nothing_is_judged() -> None:
-    told, state = receipts(straight(60, 22.0, stated_mps=5.68), Host(HOST.bank))
+    told, state = receipts(straight(60, 22.0, stated_mps=5.68), UNJUDGED)
     assert set(told) == {Receipt.ACCEPTED}
-    assert state.plausibility is None
+    assert np.isnan(state.judged[:, 0]).all()
 
 
 # Real messages ---------------------------------------------------------------------------------------------
@@ -435,12 +511,14 @@ def test_new_york_s_stuck_speed_is_found_and_the_other_vehicle_is_not(
 
 
 @pytest.mark.real
-def test_the_host_refuses_new_york_s_stuck_speed(new_york: dict[str, Statements]) -> None:
-    told, state = receipts(new_york["all"])
+def test_the_map_refuses_new_york_s_stuck_speed(new_york: dict[str, Statements]) -> None:
+    """Taken in as recorded, each when all before it had arrived."""
+    given = new_york["all"]
+    told, state = receipts(changed(given, received_s=np.maximum.accumulate(given.received_s)))
     assert told.count(Receipt.ACCEPTED) == 161
     assert told.count(Receipt.STUCK_SPEED) == 141
-    end_s = float(new_york["all"].t_s.max())
-    assert HOST.predict(state, end_s).vehicle.tolist() == [0xC7D30386]
+    end_s = float(given.t_s.max())
+    assert AROUND.positions(state, end_s)[0].tolist() == [0xC7D30386]
 
 
 @pytest.mark.real

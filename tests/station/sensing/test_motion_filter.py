@@ -7,8 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.station import arrays
 from modelcast.station.sensing.motion_filter import MotionFilter
+from modelcast.station.sensing.sensing import Sensing
+from modelcast.station.sensing.sensing_kernels import forget_each, sense
+from modelcast.world.scenario.base import run_scenario
+from modelcast.world.scenario.highway import Highway
+from modelcast.world.scenario.sensed import sensed
 from modelcast.world.sensors import IDEAL, SensorModel, filter_for
 
 ROUNDING = 1e-8
@@ -44,14 +50,15 @@ def noisy(truth: FloatArray, vehicles: int, seed: int, model: SensorModel) -> Fl
 
 
 def filtered(seen: FloatArray, motion: MotionFilter) -> FloatArray:
-    """Estimates of all steps, (T, V, 6)."""
+    """Estimates of all steps by stations that sense every measurement, (T, V, 6)."""
     vehicles = seen.shape[1]
-    states, spreads = np.zeros((vehicles, 6)), np.zeros((vehicles, 6, 6))
+    every, none = np.arange(vehicles), np.zeros(vehicles, dtype=np.bool_)
+    stations, numbers = arrays.sensed(vehicles, len(seen)), Sensing(motion=motion).numbers(DT_S)
     shown: list[FloatArray] = []
     for number, one in enumerate(seen):
-        fresh = np.full(vehicles, number == 0)
-        out, states, spreads = motion.step(DT_S, one, fresh, states=states, spreads=spreads)
-        shown.append(out)
+        t_s = np.full(vehicles, number * DT_S)
+        sense(stations, every, t_s, np.ascontiguousarray(one), none, numbers)
+        shown.append(stations.shown.copy())
     return np.array(shown)
 
 
@@ -117,14 +124,9 @@ def test_a_vehicle_is_filtered_alike_alone_and_in_a_fleet(vehicle: int, seed: in
     assert np.array_equal(alone[:, 0], filtered(seen, MotionFilter())[:, vehicle])
 
 
-def test_the_first_sample_is_taken_as_it_is_and_arguments_are_left_alone() -> None:
-    seen = curve(2)[1:]
-    states, spreads = np.ones((1, 6)), np.ones((1, 6, 6))
-    first = np.array([True])
-    shown, _, _ = MotionFilter().step(DT_S, seen, first, states=states, spreads=spreads)
-    assert shown == pytest.approx(seen, abs=ROUNDING)
-    assert (states == 1.0).all()
-    assert (spreads == 1.0).all()
+def test_the_first_sample_is_taken_as_it_is() -> None:
+    seen = curve(2)[1:, None]
+    assert filtered(seen, MotionFilter()) == pytest.approx(seen, abs=ROUNDING)
 
 
 def test_a_jump_of_the_receiver_is_followed_at_once_and_leaves_the_speed_alone() -> None:
@@ -157,10 +159,23 @@ def test_impossible_errors_are_refused_by_name(name: str) -> None:
             replace(MotionFilter(), **{name: value})
 
 
-def test_wrong_shapes_and_times_are_refused() -> None:
-    state, spread = np.zeros((1, 6)), np.zeros((1, 6, 6))
-    late = np.array([False])
-    with pytest.raises(ValueError, match="seen and states"):
-        MotionFilter().step(DT_S, np.zeros((2, 6)), late, states=state, spreads=spread)
-    with pytest.raises(ValueError, match="dt_s"):
-        MotionFilter().step(0.0, np.zeros((1, 6)), late, states=state, spreads=spread)
+def test_vehicles_of_a_road_are_nearer_to_the_truth_and_new_ones_begin_anew() -> None:
+    """On a short road, which vehicles leave and enter."""
+    road = Highway(200.0, 60.0, warm_up_s=10.0)
+    frames = run_scenario(road, np.random.default_rng(1), duration_s=12.0)
+    stations = arrays.sensed(road.slots, 16)
+    numbers = Sensing(motion=MotionFilter()).numbers(DT_S)
+    every, none = np.arange(road.slots), np.zeros(road.slots, dtype=np.bool_)
+    missed, off, ids = list[FloatArray](), list[FloatArray](), list[IntArray]()
+    for truth, seen in sensed(frames, SensorModel(), np.random.default_rng(2)):
+        forget_each(stations, truth.vehicle_id != (ids[-1] if ids else -1))
+        columns = (seen.speed_mps, seen.heading_rad, seen.acceleration_mps2, seen.yaw_rate_radps)
+        measured = np.column_stack((seen.position_m, *columns))
+        sense(stations, every, np.full(road.slots, truth.t_s), measured, none, numbers)
+        missed.append(np.hypot(*(seen.position_m - truth.position_m).T))
+        off.append(np.hypot(*(stations.shown[:, :2] - truth.position_m).T))
+        ids.append(truth.vehicle_id)
+    new = np.array(ids)[1:] != np.array(ids)[:-1]
+    assert new.any()
+    assert np.array_equal(np.array(off)[1:][new], np.array(missed)[1:][new])
+    assert np.sqrt(np.mean(np.square(off[10:]))) < 0.75 * np.sqrt(np.mean(np.square(missed[10:])))

@@ -1,5 +1,6 @@
 """The closed loop: traffic moves, senders decide, messages contend, receivers track.
 
-`engine.run_network` is the loop; `sender.FleetSender` says what is sent when; `arrays` holds what the fleet
-knows. It runs over any iterable of `modelcast.world.scenario.base.FleetFrame` and any radio.
+`engine.run_network` is a run, `loop.FleetLoop` one step of it; `arrays` holds what the hosts track and count.
+What is sent when is the stations' affair (`modelcast.station.sender`). A run takes any iterable of
+`modelcast.world.scenario.base.FleetFrame` and any radio.
 """

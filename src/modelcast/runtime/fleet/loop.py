@@ -47,7 +47,7 @@ from modelcast.station.sender.message_arrays import (
     outbox,
     sent_tally,
 )
-from modelcast.station.sender.octets import SentMessages, message_of
+from modelcast.station.sender.octets import SentMessages, messages_of
 from modelcast.station.sender.sender import Sender
 from modelcast.station.sender.sending_kernels import StepInputs
 from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
@@ -291,15 +291,12 @@ class FleetLoop:
         received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s)
         return replace(received, t_s=received.t_s - shift_s) if shift_s != 0.0 else received
 
-    def posted(self) -> list[SentMessages]:
+    def posted(self) -> SentMessages:
         """Content of the messages of the last step, as their receivers decode it, in order of slots."""
-        return [
-            message_of(
-                self.stations, self.contents, int(box.sender[k]), int(box.message_id[k]) >> SENDER_BITS
-            )
-            for box in self._outboxes
-            for k in range(int(box.filled[0]))
-        ]
+        each = [(box, int(box.filled[0])) for box in self._outboxes]
+        slot = np.concatenate([box.sender[:count] for box, count in each])
+        number = np.concatenate([box.message_id[:count] for box, count in each]) >> SENDER_BITS
+        return messages_of(self.stations, self.contents, slot, number)
 
     def _hear(self, received: Receptions, truth_m: FloatArray) -> None:
         """Let hosts take in what they heard."""

@@ -191,13 +191,15 @@ class TripRuntime:
             for policy, lane in zip(policies, spoken.speaks.tolist(), strict=True)
         ]
 
-    def sent(self, messages: TripMessages) -> SentMessages:
+    def sent(self, messages: TripMessages, *, temporary_id: int = 0) -> SentMessages:
         """Content of the messages of a policy, as its receivers decode it.
 
         Parameters
         ----------
         messages
             Of a policy over this trip.
+        temporary_id
+            Of the sender.
         """
         at = np.flatnonzero(messages.transmits)
         named = messages.update_index[at]
@@ -210,6 +212,7 @@ class TripRuntime:
         return SentMessages(
             messages.kind[at],
             np.arange(at.size),
+            vehicle=np.full(at.size, temporary_id),
             t_s=self.trip.t_s[at],
             sample=self.samples[at],
             stated_m=self.stated_m[named],

@@ -6,7 +6,7 @@ follows the channel busy ratio, but for messages of the last two kinds.
 
 The rule takes the tracking error as an input and does not ask who made it: coasting from the last basic
 safety message that the remotes are believed to hold (`j2945`), or the model update they are believed to hold
-(`j2945-mbc`), as `modelcast.station.policy.belief` keeps either. Every vehicle believes its messages lost
+(`j2945-mbc`), as `tracking_error_kernels` measures either. Every vehicle believes its messages lost
 with the probability that its own packet error ratios suggest.
 """
 

@@ -21,7 +21,6 @@ from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identific
 from modelcast.messages.station_codec import Reading, StationCodec
 from modelcast.models.bank import Bank
 from modelcast.models.calibration import Calibration
-from modelcast.models.predicted_path import carried_form
 from modelcast.station.banks import BASELINE_BANK, profile_number_of
 from modelcast.station.policy.neighbours_kernels import NeighbourTables, hear_each
 from modelcast.station.receiver.heard import Heard, HeardKind
@@ -64,9 +63,7 @@ class Ears:
     @cached_property
     def map(self) -> LocalDynamicMap:
         """The map, for banks in the forms that messages carry."""
-        carried = tuple(
-            Bank(tuple(map(carried_form, bank.members)), bank.name).complete() for bank in self.profiles
-        )
+        carried = tuple(bank.carried().complete() for bank in self.profiles)
         return LocalDynamicMap(
             carried,
             self.expiry_s,

@@ -170,7 +170,7 @@ class LocalDynamicMap:
     Parameters
     ----------
     profiles
-        Bank of each profile held, in the form that messages carry (`modelcast.messages.quantisation`).
+        Bank of each profile held, in the forms that messages carry (`Bank.carried`).
         Messages of any other are taken by Part I alone, which coasts at constant velocity.
     expiry_s
         Silence after which a remote is dropped [s]; infinite for never.

@@ -172,33 +172,8 @@ class Plausibility:
         entered = ~np.isnan(rows[:, 0])
         if not entered.all():
             vehicle, rows = vehicle[entered], rows[entered]
-        return findings, self._counted(vehicle, rows, state.counts, findings)
-
-    def check_times(
-        self, state: PlausibilityState, t_s: FloatArray, received_s: FloatArray
-    ) -> tuple[IntArray, PlausibilityState]:
-        """Findings of messages that state a time and no position: in the future, stale or plausible.
-
-        Parameters
-        ----------
-        state
-            What was said before; only its counts change.
-        t_s, received_s
-            When each is dated, and when it arrived, (B,) [s].
-        """
-        findings = np.where(
-            t_s > received_s + self.limits.max_ahead_s,
-            Finding.IN_FUTURE,
-            np.where(t_s < received_s - self.limits.max_age_s, Finding.STALE, Finding.PLAUSIBLE),
-        ).astype(np.int64)
-        return findings, self._counted(state.vehicle, state.rows, state.counts, findings)
-
-    @staticmethod
-    def _counted(
-        vehicle: IntArray, rows: FloatArray, counts: IntArray, findings: IntArray
-    ) -> PlausibilityState:
         more = np.bincount(findings, minlength=len(Finding))
-        return PlausibilityState(vehicle, rows, counts + more)
+        return findings, PlausibilityState(vehicle, rows, state.counts + more)
 
 
 def _with_new(known: IntArray, held: FloatArray, reported: IntArray) -> tuple[IntArray, FloatArray]:

@@ -11,7 +11,6 @@ from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.models.members import ReadyBank
-from modelcast.models.predicted_path import carried_form
 from modelcast.station.policy.guard import GUARD
 from modelcast.station.sender.fitting_kernels import SenderModels
 
@@ -85,7 +84,7 @@ class SenderBank:
         ValueError
             Where the selector was trained for another bank.
         """
-        carried = Bank(tuple(map(carried_form, bank.members)), bank.name) if quantised else bank
+        carried = bank.carried() if quantised else bank
         whole = carried.complete()
         if selector is not None:
             selector.check_members(tuple(member.name for member in whole.members))

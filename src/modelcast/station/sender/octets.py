@@ -1,7 +1,6 @@
 """What a station puts on the air as octets: of messages that any runtime made, the same bytes."""
 
 from dataclasses import KW_ONLY, dataclass
-from math import hypot
 
 import numpy as np
 
@@ -22,25 +21,28 @@ from modelcast.station.sender.message_arrays import (
     CONTENT_NAMED_S,
     CONTENT_NORTH_M,
     CONTENT_UPDATE,
+    CONTENT_VEHICLE,
     MESSAGES_KEPT,
     Contents,
 )
 from modelcast.station.sender.sending_kernels import SendingStations
 from modelcast.station.sensing.rates import NO_RATES_BELOW_MPS
 
-__all__ = ["SentMessages", "StationOctets", "message_of"]
+__all__ = ["SentMessages", "StationOctets", "messages_of"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SentMessages:
-    """N messages of one station, in order.
+    """N messages of any stations.
 
     Parameters
     ----------
     kind
         `modelcast.station.policy.base.MessageKind` of each, (N,).
     number
-        Its number among the station's messages, (N,).
+        Its number among its station's messages, (N,).
+    vehicle
+        Temporary id of its station, (N,).
     t_s
         Instant of the sample it was decided at, (N,) [s].
     sample
@@ -60,6 +62,7 @@ class SentMessages:
     kind: IntArray
     number: IntArray
     _: KW_ONLY
+    vehicle: IntArray
     t_s: FloatArray
     sample: FloatArray
     stated_m: FloatArray
@@ -69,84 +72,80 @@ class SentMessages:
     fit_s: FloatArray
 
 
-def message_of(stations: SendingStations, contents: Contents, slot: int, number: int) -> SentMessages:
-    """Return a message of a station that was just sent, from its ring.
+def messages_of(
+    stations: SendingStations, contents: Contents, slot: IntArray, number: IntArray
+) -> SentMessages:
+    """Return messages that stations have just sent, from their rings.
 
     Parameters
     ----------
     stations, contents
         Of all stations.
     slot, number
-        Whose message, and which.
+        Whose messages, and which, (N,) each.
     """
-    row = contents.rows[slot, number % MESSAGES_KEPT]
-    offsets, member = stations.models.members.offsets, int(row[CONTENT_MEMBER])
-    parameters = np.zeros(int(offsets[-1]))
-    own = slice(int(offsets[member]), int(offsets[member + 1]))
+    rows = contents.rows[slot, number % MESSAGES_KEPT]
+    offsets, member = stations.models.members.offsets, rows[:, CONTENT_MEMBER].astype(np.int64)
+    count = int(offsets[-1])
+    parameters = np.zeros((slot.size, count))
     if stations.numbers.carries_all:
-        own = slice(0, parameters.size)
-    parameters[own] = row[CONTENT_HEAD : CONTENT_HEAD + own.stop - own.start]
+        parameters[:] = rows[:, CONTENT_HEAD : CONTENT_HEAD + count]
+    else:
+        for m in np.unique(member):
+            own, width = member == m, int(offsets[m + 1] - offsets[m])
+            parameters[own, offsets[m] : offsets[m + 1]] = rows[own, CONTENT_HEAD : CONTENT_HEAD + width]
     sensed = stations.sensed
-    newest = (int(sensed.taken[slot]) - 1) % sensed.stated_m.shape[1]
+    newest = (sensed.taken[slot] - 1) % sensed.stated_m.shape[1]
     return SentMessages(
-        np.array([int(row[CONTENT_KIND])]),
-        np.array([number]),
-        t_s=row[CONTENT_NAMED_S : CONTENT_NAMED_S + 1].copy(),
-        sample=sensed.samples[slot, newest][None].copy(),
-        stated_m=row[[CONTENT_EAST_M, CONTENT_NORTH_M]][None],
-        in_use=np.array([member]),
-        parameters=parameters[None],
-        update=np.array([int(row[CONTENT_UPDATE])]),
-        fit_s=row[CONTENT_FIT_S : CONTENT_FIT_S + 1].copy(),
+        rows[:, CONTENT_KIND].astype(np.int64),
+        number,
+        vehicle=rows[:, CONTENT_VEHICLE].astype(np.int64),
+        t_s=rows[:, CONTENT_NAMED_S],
+        sample=sensed.samples[slot, newest],
+        stated_m=rows[:, [CONTENT_EAST_M, CONTENT_NORTH_M]],
+        in_use=member,
+        parameters=parameters,
+        update=rows[:, CONTENT_UPDATE].astype(np.int64),
+        fit_s=rows[:, CONTENT_FIT_S],
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StationOctets:
-    """Writes the messages of one station.
+    """Writes the messages of stations that share a bank and rules.
 
     Parameters
     ----------
     codec
-        Of its bank and rules.
+        Of their bank and rules.
     origin
-        Of the plane it measures positions on.
-    temporary_id
-        Of the station.
+        Of the plane they measure positions on.
     minute_s
         Time at which some minute of UTC began [s].
     """
 
     codec: StationCodec
     origin: Origin
-    temporary_id: int
     minute_s: float = 0.0
 
     @classmethod
     def of(
-        cls,
-        bank: Bank,
-        number: int,
-        identify: str,
-        origin: Origin,
-        temporary_id: int,
-        *,
-        minute_s: float = 0.0,
+        cls, bank: Bank, number: int, identify: str, origin: Origin, *, minute_s: float = 0.0
     ) -> "StationOctets":
         """Return the writer of a bank's messages.
 
         Parameters
         ----------
         bank
-            The station's, completed.
+            The stations', completed.
         number
             Number of its profile.
         identify
             The policy's rule.
-        origin, temporary_id, minute_s
+        origin, minute_s
             As in `StationOctets`.
         """
-        return cls(StationCodec.of(bank, number, identify), origin, temporary_id, minute_s)
+        return cls(StationCodec.of(bank, number, identify), origin, minute_s)
 
     def encode(self, messages: SentMessages) -> list[bytes]:
         """Octets of messages, one frame each.
@@ -174,7 +173,7 @@ class StationOctets:
         state_places(frame_constants(self.origin), np.ascontiguousarray(messages.stated_m[rows]), place)
         frames, lengths = self.codec.encode(
             UpdateRows(
-                np.full(rows.size, self.temporary_id),
+                messages.vehicle[rows],
                 messages.number[rows],
                 messages.t_s[rows],
                 place=place,
@@ -182,13 +181,13 @@ class StationOctets:
                 parameters=messages.parameters[rows],
             ),
             minute_s=self.minute_s,
-            further=np.stack([_motion(sample) for sample in messages.sample[rows]]),
+            further=_motion(messages.sample[rows]),
         )
         return [frame[:length].tobytes() for frame, length in zip(frames, lengths.tolist(), strict=True)]
 
     def _named(self, messages: SentMessages, rows: IntArray) -> list[bytes]:
         frames = IdentificationRows(
-            np.full(rows.size, self.temporary_id),
+            messages.vehicle[rows],
             messages.update[rows],
             in_use=messages.in_use[rows],
             age_s=messages.t_s[rows] - messages.fit_s[rows],
@@ -196,13 +195,14 @@ class StationOctets:
         return [frame.tobytes() for frame in frames]
 
 
-def _motion(sample: FloatArray) -> FloatArray:
-    """Part I's motion of a sample, in SI units, (25,): what no sub-model has stands there all the same."""
-    values = np.full(len(CORE_FIELDS), np.nan)
-    east, north = float(sample[VELOCITY_EAST]), float(sample[VELOCITY_NORTH])
-    speed = hypot(east, north)
-    values[CORE_INDEX["speed_mps"]] = speed
-    values[CORE_INDEX["heading_rad"]] = np.arctan2(east, north) if speed >= NO_RATES_BELOW_MPS else 0.0
-    values[CORE_INDEX["acceleration_forward_mps2"]] = sample[ACCELERATION]
-    values[CORE_INDEX["yaw_rate_radps"]] = sample[YAW_RATE]
+def _motion(samples: FloatArray) -> FloatArray:
+    """Part I's motion of samples, in SI units, (N, 25): what no sub-model has stands there all the same."""
+    values = np.full((samples.shape[0], len(CORE_FIELDS)), np.nan)
+    east, north = samples[:, VELOCITY_EAST], samples[:, VELOCITY_NORTH]
+    speed = np.hypot(east, north)
+    values[:, CORE_INDEX["speed_mps"]] = speed
+    moves = speed >= NO_RATES_BELOW_MPS
+    values[:, CORE_INDEX["heading_rad"]] = np.where(moves, np.arctan2(east, north), 0.0)
+    values[:, CORE_INDEX["acceleration_forward_mps2"]] = samples[:, ACCELERATION]
+    values[:, CORE_INDEX["yaw_rate_radps"]] = samples[:, YAW_RATE]
     return values

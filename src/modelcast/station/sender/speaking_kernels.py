@@ -7,7 +7,7 @@ on its own from then on (`modelcast.station.policy.guard`).
 import numpy as np
 
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import FloatVector, IntMatrix, IntVector
+from modelcast.core.kernel_types import FloatVector, IntMatrix
 from modelcast.station.arrays import Fits, LaneRules, Lanes, Sensed
 from modelcast.station.policy.error_driven_kernels import (
     IDENTIFY_NEVER,
@@ -22,7 +22,7 @@ from modelcast.station.policy.guard_kernels import falls_back
 from modelcast.station.sender.fitting_kernels import SenderModels, distance_to, fit
 from modelcast.station.sender.starting_kernels import available, chosen
 
-__all__ = ["SCRATCH", "compose", "forget_lane", "hold", "speak", "speak_now", "speak_through"]
+__all__ = ["SCRATCH", "compose", "forget_lane", "hold", "speak", "speak_through"]
 
 SCRATCH = 5
 """Numbers that these steps overwrite."""
@@ -258,13 +258,3 @@ def speak_through(
         for b in range(kind.shape[0]):
             kind[b, number] = speak(models, s, fits, rules, lanes, b, number, scratch)
             in_use[b, number], update_index[b, number] = lanes.in_use[b], lanes.update[b]
-
-
-@kernel
-def speak_now(
-    models: SenderModels, s: Sensed, fits: Fits, rules: LaneRules, lanes: Lanes, lane: IntVector
-) -> None:
-    """Let some lanes decide at the newest sample of their vehicles."""
-    scratch = np.empty(SCRATCH)
-    for b in lane:
-        lanes.kind[b] = speak(models, s, fits, rules, lanes, b, int(s.taken[rules.vehicle[b]]) - 1, scratch)

@@ -10,9 +10,9 @@ from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector
 from modelcast.models.point_kernels import EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH
 from modelcast.station.arrays import LaneRules, Lanes, Sensed
 from modelcast.station.policy import cam_kernels, dcc_kernels, j2945_kernels, periodic_kernels
-from modelcast.station.policy.belief_kernels import LOCAL_COLUMNS, tracking_error_of_model
 from modelcast.station.policy.neighbours_kernels import NeighbourTables, count, survey
 from modelcast.station.policy.policy_numbers import RULE_CAM, RULE_J2945, PolicyNumbers
+from modelcast.station.policy.tracking_error_kernels import LOCAL_COLUMNS, tracking_error_of_model
 from modelcast.station.sender.fitting_kernels import SenderModels
 
 __all__ = ["LOCAL", "Timers", "ask_cam", "ask_j2945", "ask_periodic", "start", "timers"]

@@ -12,8 +12,7 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from modelcast.core.arrays import BoolArray, FloatArray
-from modelcast.station.sensing import motion_filter_kernels as kernels
+from modelcast.core.arrays import FloatArray
 
 __all__ = ["HEADING_HOLD_MPS", "MotionFilter"]
 
@@ -24,6 +23,8 @@ HEADING_HOLD_MPS = 0.5
 @dataclass(frozen=True, slots=True)
 class MotionFilter:
     """Errors that a vehicle takes its sensors to have, and how unsteadily it takes itself to drive.
+
+    `motion_filter_kernels.follow` filters by them.
 
     Parameters
     ----------
@@ -43,15 +44,8 @@ class MotionFilter:
 
     Examples
     --------
-    >>> motion = MotionFilter()
-    >>> states, spreads = np.zeros((1, 6)), np.zeros((1, 6, 6))
-    >>> noise = np.random.default_rng(1).normal(0.0, 0.01, 50)
-    >>> for k in range(50):
-    ...     seen = np.array([[noise[k], 1.0 * k, 10.0, 0.0, 0.0, 0.0]])
-    ...     first = np.array([k == 0])
-    ...     shown, states, spreads = motion.step(0.1, seen, first, states=states, spreads=spreads)
-    >>> (shown[0].round(2) + 0.0).tolist()
-    [0.0, 49.0, 10.0, 0.0, 0.0, 0.0]
+    >>> MotionFilter(0.02).constants()[:2].tolist()
+    [0.02, 0.05]
     """
 
     position_m: float = 0.01
@@ -72,47 +66,3 @@ class MotionFilter:
     def constants(self) -> FloatArray:
         """Return the constants as the compiled filter takes them, (8,)."""
         return np.array([getattr(self, name) for name in self.__slots__])
-
-    def step(
-        self,
-        dt_s: float,
-        seen: FloatArray,
-        fresh: BoolArray,
-        *,
-        states: FloatArray,
-        spreads: FloatArray,
-        active: BoolArray | None = None,
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Take in what V vehicles see: (their estimates (V, 6), states (V, 6), covariances (V, 6, 6)).
-
-        Parameters
-        ----------
-        dt_s
-            Time since the last step [s].
-        seen
-            East, north [m], speed [m/s], heading [rad], acceleration along the course [m/s²] and yaw rate,
-            clockwise [rad/s], (V, 6).
-        fresh
-            Which vehicles begin anew, (V,).
-        states, spreads
-            As the last step gave them; those of vehicles that begin anew do not count.
-        active
-            Which slots hold a vehicle, (V,); None for all. Others are shown as they were seen.
-
-        Raises
-        ------
-        ValueError
-            Where a shape or the time is wrong.
-        """
-        vehicles = fresh.size
-        if seen.shape != (vehicles, 6) or states.shape != seen.shape or spreads.shape != (vehicles, 6, 6):
-            raise ValueError(
-                f"seen and states must be ({vehicles}, 6) and spreads ({vehicles}, 6, 6), got {seen.shape}, "
-                f"{states.shape} and {spreads.shape}"
-            )
-        if not (dt_s > 0.0 or bool(fresh.all())):
-            raise ValueError(f"dt_s must be positive, got {dt_s}")
-        here = np.ones(vehicles, dtype=np.bool_) if active is None else active
-        after, wide, out = states.copy(), spreads.copy(), np.empty((vehicles, 6))
-        kernels.filter_fleet(dt_s, seen, here, fresh, HEADING_HOLD_MPS, self.constants(), after, wide, out)
-        return out, after, wide

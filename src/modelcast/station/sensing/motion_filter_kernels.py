@@ -2,6 +2,8 @@
 
 State (6,): position, velocity, acceleration, each east and north. A measurement (6,) is what `FleetFrame` and
 a sample row hold of a vehicle: east, north, speed, heading, acceleration along the course, yaw rate.
+Constants ``c`` (8,): standard deviations of position, speed, heading, acceleration and yaw rate; density of
+the jerk along the course and across it; standard deviations beyond which a position has jumped.
 """
 
 from math import atan2, cos, hypot, sin, sqrt
@@ -9,15 +11,11 @@ from math import atan2, cos, hypot, sin, sqrt
 import numpy as np
 
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import BoolVector, FloatCube, FloatMatrix, FloatVector
+from modelcast.core.kernel_types import FloatMatrix, FloatVector
 
-__all__ = ["CONSTANTS", "STATES", "advance", "correct", "filter_fleet", "follow", "shown", "start"]
+__all__ = ["STATES", "advance", "correct", "follow", "shown", "start"]
 
 STATES = 6
-
-CONSTANTS = 8
-"""Standard deviations of position, speed, heading, acceleration and yaw rate; density of the jerk along the
-course and across it; standard deviations beyond which a position has jumped."""
 
 _LEAST_ACROSS_MPS = 0.01
 """Of the velocity across the measured course: a car slips a little."""
@@ -153,23 +151,3 @@ def follow(
         advance(elapsed_s, seen[3], c, state, spread)
         correct(seen, c, state, spread)
     shown(seen, slowest_mps, state, out)
-
-
-@kernel
-def filter_fleet(
-    dt_s: float,
-    seen: FloatMatrix,
-    active: BoolVector,
-    fresh: BoolVector,
-    slowest_mps: float,
-    c: FloatVector,
-    states: FloatMatrix,
-    spreads: FloatCube,
-    out: FloatMatrix,
-) -> None:
-    """Filter V vehicles: ``seen``, ``states``, ``out`` (V, 6), ``spreads`` (V, 6, 6); ``fresh`` are new."""
-    for v in range(active.size):
-        if not active[v]:
-            out[v] = seen[v]
-            continue
-        follow(dt_s, seen[v], fresh[v], slowest_mps, c, states[v], spreads[v], out[v])

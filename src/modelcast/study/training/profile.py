@@ -30,7 +30,6 @@ from modelcast.station.banks import BASELINE_BANK
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.guard import GUARD, unguarded
-from modelcast.station.policy.rules import IdentifyRule, StartRule
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.routes import routes
 from modelcast.study.settings import EvaluationSettings
@@ -50,7 +49,6 @@ __all__ = [
     "MOST_NAMES",
     "ProfileSettings",
     "named_training_trips",
-    "profile_learner",
     "train_profile",
 ]
 
@@ -261,25 +259,6 @@ def named_training_trips(profile: Profile, trips: Sequence[Trajectory]) -> Profi
             )
         found.append(fingerprint(trip))
     return replace(profile, training_trips=tuple(found))
-
-
-def profile_learner(
-    settings: ProfileSettings | None = None,
-) -> Callable[[Sequence[Trajectory], EvaluationSettings], EvaluationSettings]:
-    """Return what `modelcast.study.compare.candidate.TrainedCandidate` calls for every route left out.
-
-    Parameters
-    ----------
-    settings
-        How each profile is trained.
-    """
-
-    def learn(trips: Sequence[Trajectory], shared: EvaluationSettings) -> EvaluationSettings:
-        profile = train_profile(trips, settings)
-        rules = cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
-        return replace(shared, bank=profile.bank, start=rules[0], identify=rules[1])
-
-    return learn
 
 
 def _train(

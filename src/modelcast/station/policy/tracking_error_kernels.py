@@ -1,9 +1,13 @@
-"""Compiled tracking error of a sender against what its remotes are believed to hold."""
+"""Compiled tracking error of a sender against what its remotes are believed to hold.
+
+The estimator is a point function of any sub-model: constant velocity with the velocity as parameters is the
+coasting of basic safety messages, any other is model-based communication.
+"""
 
 import numpy as np
 
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import FloatMatrix, FloatVector
+from modelcast.core.kernel_types import FloatVector
 from modelcast.models.member_kernels import Members, predict_member
 from modelcast.station.policy.j2945_kernels import (
     LOCAL_AS_IS_AGE_S,
@@ -22,7 +26,6 @@ __all__ = [
     "coast",
     "tracking_error",
     "tracking_error_of_model",
-    "tracking_errors",
 ]
 
 LOCAL_S, LOCAL_EAST_M, LOCAL_NORTH_M, LOCAL_VELOCITY_EAST_MPS, LOCAL_VELOCITY_NORTH_MPS = range(5)
@@ -72,30 +75,6 @@ def tracking_error(
     if remote_age_s >= c[REMOTE_AS_IS_AGE_S] - _TIME_SLACK_S:
         return np.hypot(predicted_east_m - east_m, predicted_north_m - north_m)
     return np.hypot(believed_east_m - east_m, believed_north_m - north_m)
-
-
-@kernel
-def tracking_errors(
-    t_s: FloatVector,
-    local: FloatMatrix,
-    believed_s: FloatVector,
-    believed_m: FloatMatrix,
-    predicted_m: FloatMatrix,
-    c: FloatVector,
-    out: FloatVector,
-) -> None:
-    """Tracking error of every vehicle into ``out`` (B,): ``local`` (B, 5), positions (B, 2)."""
-    for i in range(t_s.size):
-        out[i] = tracking_error(
-            t_s[i],
-            local[i],
-            believed_s[i],
-            believed_m[i, 0],
-            believed_m[i, 1],
-            predicted_m[i, 0],
-            predicted_m[i, 1],
-            c,
-        )
 
 
 @kernel

@@ -1,0 +1,1 @@
+"""How frames leave a station and reach another, whatever is below."""
