@@ -10,12 +10,12 @@ import pytest
 from modelcast.core.arrays import FloatArray
 from modelcast.station.policy import cam_kernels, error_driven_kernels, hindsight_kernels, neighbours_kernels
 from modelcast.station.policy import j2945_kernels as rules
-from modelcast.station.policy.belief_kernels import tracking_error
 from modelcast.station.policy.cam import CamTriggering
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.j2945_parameters import J2945Parameters
 from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.policy.timer_kernels import next_due
+from modelcast.station.policy.tracking_error_kernels import tracking_error
 
 TIMES = 1e-6
 """Sums of steps in another order [s]."""

@@ -198,12 +198,3 @@ def test_only_who_entered_is_remembered() -> None:
     _, state = checks.check(state, said([0.0], [0.0], [64.5], vehicle=3))
     assert state.vehicle.tolist() == [5]
     assert state.rows.shape[0] == 1
-
-
-def test_times_alone_are_judged_by_the_same_limits() -> None:
-    checks = Plausibility(LIMITS)
-    findings, _ = checks.check_times(
-        PlausibilityState(), np.array([0.125, 0.25, 0.0, -0.125]), np.array([0.0, 0.0, 2.0, 2.0])
-    )
-    wanted = [Finding.PLAUSIBLE, Finding.IN_FUTURE, Finding.PLAUSIBLE, Finding.STALE]
-    assert findings.tolist() == wanted
