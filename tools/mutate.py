@@ -272,12 +272,30 @@ def numbered_families(tree: ast.Module) -> dict[str, str]:
 
 def values_apart(node: ast.ImportFrom) -> list[str]:
     """Return the constants that an import names, each of another value than the one before it."""
-    module, found, last = importlib.import_module(node.module or ""), list[str](), object()
+    path = ROOT / "src" / f"{(node.module or '').replace('.', '/')}.py"
+    values = numbered(ast.parse(path.read_text())) if path.exists() else {}
+    found, last = list[str](), None
     for one in node.names:
-        if one.name.isupper() and getattr(module, one.name) != last:
+        value = values.get(one.name)
+        if one.name.isupper() and (value is None or value != last):
             found.append(one.asname or one.name)
-            last = getattr(module, one.name)
+            last = value
     return found
+
+
+def numbered(tree: ast.Module) -> dict[str, int]:
+    """Return the values of a module's constants that are numbered by ``range``."""
+    values: dict[str, int] = {}
+    for node in tree.body:
+        match node:
+            case ast.Assign(
+                targets=[ast.Tuple(elts=names)], value=ast.Call(func=ast.Name("range"), args=args)
+            ):
+                first = args[0].value if len(args) > 1 and isinstance(args[0], ast.Constant) else 0
+                values |= {ast.unparse(one): int(str(first)) + at for at, one in enumerate(names)}
+            case _:
+                pass
+    return values
 
 
 def mutated(source: str, mutant: Mutant) -> str:
@@ -778,7 +796,6 @@ def main() -> int:
     parser.add_argument("--fresh", action="store_true", help="forget what earlier runs found")
     given = parser.parse_args()
     until = time.time() + 60.0 * given.minutes
-    sys.path.insert(0, str(ROOT / "src"))
     if given.fresh:
         shutil.rmtree(KEPT, ignore_errors=True)
     KEPT.mkdir(parents=True, exist_ok=True)
