@@ -13,7 +13,7 @@ from modelcast.channel.dsrc_kernels import advance
 from modelcast.channel.dsrc_link_kernels import Links
 from modelcast.channel.dsrc_parameters import DsrcParameters, power_ratio
 from modelcast.channel.dsrc_station_kernels import BUSY_RATIO, DsrcConstants, silent_station
-from modelcast.channel.error_models import AbstractErrorModel, NistErrorModel
+from modelcast.channel.error_models import AbstractErrorModel, NistErrorModel, safe_ratio
 from modelcast.channel.frame_kernels import Heard
 from modelcast.channel.frame_radio import AbstractFrameRadio, asked, error_units, has_shadowing
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
@@ -156,6 +156,7 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             units_fixed=units_fixed,
             units_per_byte=units_per_byte,
             shadowed=has_shadowing(self.propagation),
+            safe_ratio=safe_ratio(error_model.hazards()),
         )
 
     def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> DsrcState:

@@ -12,6 +12,7 @@ from modelcast.channel.cells_kernels import build_cells
 from modelcast.channel.dsrc_link_kernels import (
     ACCESS_EVENT,
     END_EVENT,
+    KINDS,
     WORK,
     Links,
     Near,
@@ -34,7 +35,6 @@ from modelcast.channel.dsrc_station_kernels import (
     COUNT,
     DBM,
     END_S,
-    FIRST,
     IDLE_S,
     LOAD,
     LOADED_S,
@@ -204,7 +204,11 @@ def advance(
     present = cells.order.size
     reach_m2 = _find_reach(station, message, asked, position_m, tables, constants)
     rows, pairs = shadow_rows(reach_m2, position_m, cells, random[1], tables, constants.range_m, pairs)
-    near = Near(np.empty((present, 2), dtype=np.int64), np.empty((WORK, present)))
+    near = Near(
+        np.empty((present, 2), dtype=np.int64),
+        np.empty((WORK, present)),
+        np.empty((KINDS, present + 1), dtype=np.int64),
+    )
     heard, received, lapsed = nothing_heard(constants.bins, number + vehicles), 0, 0
     # Links of the frames on the air: a pool that is filled in order and packed when it is full.
     links, used = pack_links(station, message, air, -1, max(16 * vehicles, 4096))
@@ -278,11 +282,9 @@ def advance(
             v, t_s, sent_ln, station, position_m, cells, tables, constants, heard.outcomes, near
         )
         find_powers(v, sent_ln, seed, rows, position_m, cells, tables, constants, near, reached)
-        station[v, FIRST] = used
         used = open_links(
             v, t_s, station, links, used, cells, hazard, constants, heard.outcomes, near, reached
         )
-        station[v, COUNT] = used - int(station[v, FIRST])
 
     left, _ = pack_links(station, message, links, -1, 0)
     who, when = heard.who[:received].copy(), heard.when[:received].copy()

@@ -15,13 +15,18 @@ from modelcast.channel.dsrc_station_kernels import (
     HALF_DUPLEX,
     IDLE_S,
     LOCK,
+    LOCKABLE,
     MESSAGE,
     RECEIVED,
+    RECENT_MW,
+    RECENT_S,
     SEED,
     SENDING_S,
+    START_S,
     WEAK,
     DsrcConstants,
     begin_reception,
+    disturb,
     finish_reception,
     sense_medium,
 )
@@ -48,6 +53,7 @@ from modelcast.core.kernel_types import (
 __all__ = [
     "ACCESS_EVENT",
     "END_EVENT",
+    "KINDS",
     "WORK",
     "Links",
     "Near",
@@ -62,8 +68,12 @@ __all__ = [
 ACCESS_EVENT, END_EVENT = 0, 1
 """Low bit of an event: a countdown ends, a frame ends; the other bits are the vehicle."""
 
-DISTANCE_M, POWER_MW, FADING, WORK = 0, 1, 2, 3
-"""Rows of ``work`` (WORK, N), what is found out about the neighbours of a frame, and their number."""
+DISTANCE_M, POWER_MW, FADING, GROUP, WORK = 0, 1, 2, 3, 4
+"""Rows of ``work`` (WORK, N), what is found out about the neighbours of a frame, and their number; the last
+is the bin of distance, a whole number, at most that of the constants."""
+
+STRONG, DISTURBED, QUIET, KINDS = 0, 1, 2, 3
+"""Rows of ``kind`` (KINDS, N), and their number."""
 
 
 class Links(NamedTuple):
@@ -75,10 +85,14 @@ class Links(NamedTuple):
 
 
 class Near(NamedTuple):
-    """Who a frame can reach: ``place`` (N, 2) in the cells' order and row of cells; ``work`` (WORK, N)."""
+    """Who a frame can reach: ``place`` (N, 2) in the cells' order and row of cells; ``work`` (WORK, N).
+
+    ``kind`` (KINDS, N) lists who can lock on to it, who is disturbed at most, and who does not notice.
+    """
 
     place: IntMatrix
     work: FloatMatrix
+    kind: IntMatrix
 
 
 @kernel
@@ -198,6 +212,61 @@ def find_powers(
         )
     for n in range(count):
         work[POWER_MW, n] = fast_exp(work[POWER_MW, n]) * work[FADING, n]
+    for n in range(count):
+        work[GROUP, n] = min(np.floor(work[DISTANCE_M, n] / constants.bin_m), float(constants.bins))
+
+
+@kernel(inlined=True)
+def _sort_near(
+    v: int,
+    t_s: float,
+    station: FloatMatrix,
+    cells: Cells,
+    constants: DsrcConstants,
+    outcomes: IntMatrix,
+    near: Near,
+    count: int,
+) -> tuple[int, int]:
+    """Write which neighbours can lock on to a frame, and which it only disturbs, into ``near.kind``.
+
+    The two kinds then have loops of their own: a branch for each neighbour would be guessed wrongly too
+    often. Returns how many there are of both; all others are counted right away.
+    """
+    weak_mw = max(constants.sensitivity_mw, constants.preamble_ratio * constants.noise_mw)
+    strong, weak, quiet = 0, 0, 0
+    for n in range(count):
+        power_mw = near.work[POWER_MW, n]
+        locks, disturbs = power_mw >= weak_mw, power_mw >= constants.quiet_mw
+        near.kind[STRONG, strong] = near.kind[DISTURBED, weak] = near.kind[QUIET, quiet] = n
+        strong += int(locks & disturbs)
+        weak += int(disturbs & (not locks))
+        quiet += int(not disturbs)
+    for k in range(quiet):
+        n = near.kind[QUIET, k]
+        group = int(near.work[GROUP, n])
+        if group < constants.bins:
+            sending = station[cells.order[near.place[n, 0]], SENDING_S] > t_s
+            outcomes[group, HALF_DUPLEX if sending else WEAK] += 1
+    return strong, weak
+
+
+@kernel(inlined=True)
+def _open_link(
+    v: int,
+    t_s: float,
+    j: int,
+    power_mw: float,
+    strong: bool,
+    station: FloatMatrix,
+    hazard: FloatVector,
+    constants: DsrcConstants,
+) -> int:
+    """Begin a frame of ``v`` at one receiver; return the flag of the pair."""
+    flag = begin_reception(station, j, v, power_mw, strong, t_s, station[v, END_S], hazard, constants)
+    turned = sense_medium(station, j, t_s, constants)
+    if turned > 0 and station[j, ACCESS_S] >= t_s + constants.sensing_s:
+        station[j, ACCESS_S] = np.inf
+    return flag
 
 
 @kernel(inlined=True)
@@ -215,22 +284,61 @@ def open_links(
     count: int,
 ) -> int:
     """A frame of ``v`` begins at the ``count`` vehicles in ``near``; return how much of the pool is used."""
-    for n in range(count):
-        j = int(cells.order[near.place[n, 0]])
-        distance_m, power_mw = near.work[DISTANCE_M, n], near.work[POWER_MW, n]
-        group = int(distance_m / constants.bin_m)
-        if power_mw < constants.quiet_mw:
-            if group < constants.bins:
-                outcomes[group, HALF_DUPLEX if station[j, SENDING_S] > t_s else WEAK] += 1
-            continue
-        flag = begin_reception(station, j, v, power_mw, t_s, station[v, END_S], hazard, constants)
-        links.receiver[used], links.mw[used] = j, power_mw
-        links.flag[used, 0], links.flag[used, 1] = flag, min(group, constants.bins)
-        used += 1
-        turned = sense_medium(station, j, t_s, constants)
-        if turned > 0 and station[j, ACCESS_S] >= t_s + constants.sensing_s:
-            station[j, ACCESS_S] = np.inf
-    return used
+    strong, weak = _sort_near(v, t_s, station, cells, constants, outcomes, near, count)
+    for k in range(strong + weak):
+        n = near.kind[STRONG, k] if k < strong else near.kind[DISTURBED, k - strong]
+        links.receiver[used + k], links.mw[used + k] = cells.order[near.place[n, 0]], near.work[POWER_MW, n]
+        links.flag[used + k, 0], links.flag[used + k, 1] = WEAK, near.work[GROUP, n]
+    for at in range(used, used + strong):
+        j, power_mw = int(links.receiver[at]), links.mw[at]
+        links.flag[at, 0] = _open_link(v, t_s, j, power_mw, True, station, hazard, constants)
+    for at in range(used + strong, used + strong + weak):
+        j, power_mw = int(links.receiver[at]), links.mw[at]
+        if disturb(station, j, power_mw, 1.0):
+            station[j, RECENT_S], station[j, RECENT_MW] = t_s, power_mw
+        else:
+            _open_link(v, t_s, j, power_mw, False, station, hazard, constants)
+    station[v, FIRST], station[v, LOCKABLE], station[v, COUNT] = used, strong, strong + weak
+    return used + strong + weak
+
+
+@kernel(inlined=True)
+def _close_link(
+    v: int,
+    t_s: float,
+    k: int,
+    strong: bool,
+    station: FloatMatrix,
+    message: IntMatrix,
+    links: Links,
+    hazard: FloatVector,
+    constants: DsrcConstants,
+    heard: Heard,
+    received: int,
+    events: Events,
+    count: int,
+) -> tuple[int, int]:
+    """End a frame of ``v`` at one receiver; return the numbers of receptions and of events."""
+    j, held = links.receiver[k], strong and station[links.receiver[k], LOCK] == v
+    outcome = finish_reception(
+        station, j, v, links.mw[k], strong, links.flag[k, 0], t_s, hazard, constants, message[v, SEED]
+    )
+    if links.flag[k, 1] < constants.bins:
+        heard.outcomes[links.flag[k, 1], outcome] += 1
+    if outcome == RECEIVED:
+        who, when = heard.who, heard.when
+        who[received, 0], who[received, 1], who[received, 2] = message[v, AIR], v, j
+        when[received, 0], when[received, 1] = t_s, links.mw[k]
+        received += 1
+    if sense_medium(station, j, t_s, constants) < 0:
+        if held and outcome != RECEIVED:
+            station[j, IDLE_S] = t_s + constants.extended_s
+        if message[j, MESSAGE] >= 0:
+            station[j, ACCESS_S] = (
+                station[j, IDLE_S] + constants.aifs_s + station[j, BACKOFF] * constants.slot_s
+            )
+            count = push_event(events, count, station[j, ACCESS_S], 2 * j + ACCESS_EVENT)
+    return received, count
 
 
 @kernel(inlined=True)
@@ -248,27 +356,20 @@ def close_links(
     count: int,
 ) -> tuple[int, int]:
     """A frame of ``v`` ends at all its receivers; return the numbers of receptions and of events."""
-    first, end = int(station[v, FIRST]), int(station[v, FIRST] + station[v, COUNT])
-    seed = message[v, SEED]
-    for k in range(first, end):
-        j = links.receiver[k]
-        held = station[j, LOCK] == v
-        outcome = finish_reception(station, j, v, links.mw[k], links.flag[k, 0], t_s, hazard, constants, seed)
-        spoilt = held and outcome != RECEIVED
-        if links.flag[k, 1] < constants.bins:
-            heard.outcomes[links.flag[k, 1], outcome] += 1
-        if outcome == RECEIVED:
-            who, when = heard.who, heard.when
-            who[received, 0], who[received, 1], who[received, 2] = message[v, AIR], v, j
-            when[received, 0], when[received, 1] = t_s, links.mw[k]
-            received += 1
-        if sense_medium(station, j, t_s, constants) >= 0:
+    first = int(station[v, FIRST])
+    weak, end = first + int(station[v, LOCKABLE]), first + int(station[v, COUNT])
+    for k in range(first, weak):
+        received, count = _close_link(
+            v, t_s, k, True, station, message, links, hazard, constants, heard, received, events, count
+        )
+    for k in range(weak, end):
+        j, group = int(links.receiver[k]), int(links.flag[k, 1])
+        if disturb(station, j, -links.mw[k], -1.0):
+            if group < constants.bins:
+                sending = station[j, SENDING_S] > station[v, START_S]
+                heard.outcomes[group, HALF_DUPLEX if sending else WEAK] += 1
             continue
-        if spoilt:
-            station[j, IDLE_S] = t_s + constants.extended_s
-        if message[j, MESSAGE] >= 0:
-            station[j, ACCESS_S] = (
-                station[j, IDLE_S] + constants.aifs_s + station[j, BACKOFF] * constants.slot_s
-            )
-            count = push_event(events, count, station[j, ACCESS_S], 2 * j + ACCESS_EVENT)
+        received, count = _close_link(
+            v, t_s, k, False, station, message, links, hazard, constants, heard, received, events, count
+        )
     return received, count
