@@ -12,11 +12,9 @@ from modelcast.channel.cells_kernels import build_cells
 from modelcast.channel.dsrc_link_kernels import (
     ACCESS_EVENT,
     END_EVENT,
-    KINDS,
-    WORK,
     Links,
-    Near,
     close_links,
+    empty_near,
     find_near,
     find_powers,
     heard_within_m,
@@ -204,11 +202,7 @@ def advance(
     present = cells.order.size
     reach_m2 = _find_reach(station, message, asked, position_m, tables, constants)
     rows, pairs = shadow_rows(reach_m2, position_m, cells, random[1], tables, constants.range_m, pairs)
-    near = Near(
-        np.empty((present, 2), dtype=np.int64),
-        np.empty((WORK, present)),
-        np.empty((KINDS, present + 1), dtype=np.int64),
-    )
+    near = empty_near(present)
     heard, received, lapsed = nothing_heard(constants.bins, number + vehicles), 0, 0
     # Links of the frames on the air: a pool that is filled in order and packed when it is full.
     links, used = pack_links(station, message, air, -1, max(16 * vehicles, 4096))
@@ -278,13 +272,9 @@ def advance(
         if used + present > links.receiver.size:
             links, used = pack_links(station, message, links, v, links.receiver.size)
         sent_ln, seed = _sent_ln(station[v, DBM], constants), message[v, SEED]
-        reached = find_near(
-            v, t_s, sent_ln, station, position_m, cells, tables, constants, heard.outcomes, near
-        )
-        find_powers(v, sent_ln, seed, rows, position_m, cells, tables, constants, near, reached)
-        used = open_links(
-            v, t_s, station, links, used, cells, hazard, constants, heard.outcomes, near, reached
-        )
+        reached = find_near(v, sent_ln, rows, position_m, cells, tables, constants, near)
+        find_powers(v, sent_ln, seed, tables, constants, near, reached)
+        used = open_links(v, t_s, station, links, used, hazard, constants, heard.outcomes, near, reached)
 
     left, _ = pack_links(station, message, links, -1, 0)
     who, when = heard.who[:received].copy(), heard.when[:received].copy()
