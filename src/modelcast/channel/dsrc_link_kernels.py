@@ -236,7 +236,6 @@ def find_powers(
 
 @kernel(inlined=True)
 def _sort_near(
-    v: int,
     t_s: float,
     station: FloatMatrix,
     constants: DsrcConstants,
@@ -300,7 +299,7 @@ def open_links(
     count: int,
 ) -> int:
     """A frame of ``v`` begins at the ``count`` vehicles in ``near``; return how much of the pool is used."""
-    strong, weak = _sort_near(v, t_s, station, constants, outcomes, near, count)
+    strong, weak = _sort_near(t_s, station, constants, outcomes, near, count)
     for k in range(strong + weak):
         n = near.kind[STRONG, k] if k < strong else near.kind[DISTURBED, k - strong]
         links.receiver[used + k], links.mw[used + k] = near.who[n], near.work[POWER_MW, n]
@@ -313,7 +312,7 @@ def open_links(
         if disturb(station, j, power_mw, 1.0):
             station[j, RECENT_S], station[j, RECENT_MW] = t_s, power_mw
         else:
-            _open_link(v, t_s, j, power_mw, False, station, hazard, constants)
+            links.flag[at, 0] = _open_link(v, t_s, j, power_mw, False, station, hazard, constants)
     station[v, FIRST], station[v, LOCKABLE], station[v, COUNT] = used, strong, strong + weak
     return used + strong + weak
 
