@@ -20,9 +20,13 @@ import ast
 import concurrent.futures
 import contextlib
 import difflib
+import functools
 import hashlib
 import importlib
+import inspect
+import itertools
 import json
+import multiprocessing
 import os
 import random
 import resource
@@ -40,26 +44,22 @@ from types import CodeType, FrameType
 from typing import Any
 
 TARGETS = (
-    "src/modelcast/station/policy/*_kernels.py",
+    "src/modelcast/station/policy/*.py",
     "src/modelcast/station/receiver/*.py",
     "src/modelcast/station/sender/*.py",
-    "src/modelcast/station/*.py",
-    "src/modelcast/runtime/fleet/deciding_kernels.py",
-    "src/modelcast/runtime/fleet/composing_kernels.py",
-    "src/modelcast/runtime/fleet/emitting_kernels.py",
-    "src/modelcast/runtime/fleet/receiver_kernels.py",
 )
 TESTS = (
-    "tests/station/test_*.py",
-    "tests/station/policy/test_*.py",
-    "tests/station/receiver/test_*.py",
-    "tests/station/sender/test_*.py",
+    "tests/station/**/test_*.py",
     "tests/runtime/**/test_*.py",
+    "tests/messages/test_station_codec.py",
+    "tests/study/test_evaluate.py",
+    "tests/study/test_guard.py",
+    "tests/study/test_reference.py",
     "tests/study/test_walk.py",
 )
 LEAST_SCORE = 0.9
-LONGEST_TEST_S = 10.0
-SECONDS_A_MUTANT = 20.0
+LONGEST_TEST_S = 5.0
+SECONDS_A_MUTANT = 6.0
 """Quickest tests are chosen until they take so long together."""
 
 ROOT = Path(__file__).parents[1]
@@ -98,6 +98,7 @@ class Mutant:
     end: int
     text: str
     name: str
+    inside_function: bool
 
 
 class Finder(ast.NodeVisitor):
@@ -110,6 +111,7 @@ class Finder(ast.NodeVisitor):
             self.starts.append(self.starts[-1] + len(line))
         self.found: list[Mutant] = []
         self.function: list[str] = []
+        self.inside_function = False
         self.statement: ast.stmt | None = None
         self.counts: Counter[str] = Counter()
         self.families = numbered_families(ast.parse(source))
@@ -130,7 +132,9 @@ class Finder(ast.NodeVisitor):
         body = getattr(statement, "body", None)
         last = body[0].lineno - 1 if body else statement.end_lineno or statement.lineno
         lines = (statement.lineno, max(statement.lineno, last))
-        self.found.append(Mutant(self.path, function, operator, lines, start, end, text, name))
+        self.found.append(
+            Mutant(self.path, function, operator, lines, start, end, text, name, self.inside_function)
+        )
 
     def visit(self, node: ast.AST) -> None:
         """Visit a node, with its statement in mind; decorators, annotations and messages are left alone."""
@@ -140,30 +144,40 @@ class Finder(ast.NodeVisitor):
             self.statement = node
         if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
             self.function.append(node.name)
+            outside, self.inside_function = (
+                self.inside_function,
+                self.inside_function or isinstance(node, ast.FunctionDef),
+            )
             for child in node.body:
                 self.visit(child)
             self.function.pop()
+            self.inside_function = outside
         elif isinstance(node, ast.AnnAssign):
             if node.value is not None:
                 self.visit(node.value)
         else:
             self.mutate(node)
             for child in ast.iter_child_nodes(node):
+                if isinstance(child, ast.Constant) and isinstance(node, ast.UnaryOp) and child.value == 1:
+                    continue
                 if isinstance(node, ast.stmt):
                     self.statement = node
                 self.visit(child)
 
     def is_left_alone(self, node: ast.AST) -> bool:
-        """Whether nothing in a node is a rule: messages, imports, names, types and tables of a module."""
+        """Whether nothing in a node is a rule: messages, imports, names, types, tables, sizes of scratch."""
         match node:
             case ast.Raise() | ast.Import() | ast.ImportFrom() | ast.Assert() | ast.JoinedStr():
+                return True
+            case ast.Call(func=called) if ast.unparse(called) == "np.empty":
                 return True
             case ast.ClassDef(bases=bases):
                 return any("NamedTuple" in ast.unparse(base) for base in bases)
             case ast.AnnAssign(value=ast.Call(func=called)):
                 return ast.unparse(called) == "np.dtype"
             case ast.Assign(value=value):
-                return not self.function and not self.is_number(value)
+                sizes = ast.unparse(node.targets[0]).endswith(("COLUMNS", "STATUSES", "EVENTS"))
+                return not self.function and (sizes or not self.is_number(value))
             case _:
                 return False
 
@@ -205,6 +219,8 @@ class Finder(ast.NodeVisitor):
                 self.add(node, "and-or", f"({ast.unparse(ast.BoolOp(swapped, values))})")
             case ast.UnaryOp(op=ast.Not(), operand=operand):
                 self.add(node, "not", f"({ast.unparse(operand)})")
+            case ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=1)):
+                self.add(node, "constant", "0")  # "none" becomes the first of all
             case _:
                 pass
 
@@ -243,7 +259,7 @@ def numbered_families(tree: ast.Module) -> dict[str, str]:
     families: list[list[str]] = []
     for node in tree.body:
         if isinstance(node, ast.ImportFrom):
-            families.append([one.asname or one.name for one in node.names if one.name.isupper()])
+            families.append(values_apart(node))
         elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Tuple):
             families.append([ast.unparse(one) for one in node.targets[0].elts])
     return {
@@ -252,6 +268,34 @@ def numbered_families(tree: ast.Module) -> dict[str, str]:
         if len(family) > 1
         for k, one in enumerate(family)
     }
+
+
+def values_apart(node: ast.ImportFrom) -> list[str]:
+    """Return the constants that an import names, each of another value than the one before it."""
+    path = ROOT / "src" / f"{(node.module or '').replace('.', '/')}.py"
+    values = numbered(ast.parse(path.read_text())) if path.exists() else {}
+    found, last = list[str](), None
+    for one in node.names:
+        value = values.get(one.name)
+        if one.name.isupper() and (value is None or value != last):
+            found.append(one.asname or one.name)
+            last = value
+    return found
+
+
+def numbered(tree: ast.Module) -> dict[str, int]:
+    """Return the values of a module's constants that are numbered by ``range``."""
+    values: dict[str, int] = {}
+    for node in tree.body:
+        match node:
+            case ast.Assign(
+                targets=[ast.Tuple(elts=names)], value=ast.Call(func=ast.Name("range"), args=args)
+            ):
+                first = args[0].value if len(args) > 1 and isinstance(args[0], ast.Constant) else 0
+                values |= {ast.unparse(one): int(str(first)) + at for at, one in enumerate(names)}
+            case _:
+                pass
+    return values
 
 
 def mutated(source: str, mutant: Mutant) -> str:
@@ -330,6 +374,88 @@ class Chooser:
             (one for one in items if one.nodeid in self.order), key=lambda one: self.order[one.nodeid]
         )
 
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        """Note which test failed."""
+        note_failed(report)
+
+
+def note_failed(report: Any) -> None:
+    """Write a failed test's file into the folder, which is the working folder."""
+    if report.failed:
+        Path("failed").write_text(report.nodeid.partition("::")[0])
+
+
+class Server:
+    """A pytest plugin: all tests are collected once; then every job forks, changes a function, runs some."""
+
+    def __init__(self, folder: Path, pipe: Any) -> None:
+        self.folder, self.pipe = folder, pipe
+
+    def pytest_runtestloop(self, session: Any) -> bool:
+        """Do jobs until the pipe is closed."""
+        items = {one.nodeid: one for one in session.items}
+        with contextlib.suppress(EOFError):
+            while True:
+                source, mutant, tests = self.pipe.recv()
+                chosen = [items[name] for _, name in tests]
+
+                def work(source: str = source, mutant: Mutant = mutant, chosen: Any = chosen) -> int:
+                    put_in(self.folder, source, mutant)
+                    for one, after in itertools.zip_longest(chosen, chosen[1:]):
+                        session.config.hook.pytest_runtest_protocol(item=one, nextitem=after)
+                        if session.testsfailed:
+                            return 1
+                    return 0
+
+                self.pipe.send(in_child(self.folder, work, limit_s=time_limit_s(tests)))
+        return True
+
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        """Note which test failed."""
+        note_failed(report)
+
+
+def module_of(mutant: Mutant) -> Any:
+    """Return the imported module that a mutant changes."""
+    name = mutant.path.removeprefix("src/").removesuffix(".py").replace("/", ".")
+    return importlib.import_module(name)
+
+
+def put_in(folder: Path, source: str, mutant: Mutant) -> None:
+    """Give the function that a mutant changes its changed code, whoever holds that function."""
+    function = function_of(mutant)
+    text = uncompiled(mutated(source, mutant))
+    wanted = function.__code__.co_qualname
+    (code,) = (
+        one
+        for one in codes_in(compile(text, str(folder / mutant.path), "exec", dont_inherit=True))
+        if one.co_qualname == wanted
+    )
+    function.__code__ = code
+
+
+def codes_in(code: CodeType) -> Iterator[CodeType]:
+    """Yield a code and all in it."""
+    yield code
+    for one in code.co_consts:
+        if isinstance(one, CodeType):
+            yield from codes_in(one)
+
+
+def function_of(mutant: Mutant) -> Any:
+    """Return the function of a module or class that a mutant changes."""
+    value: Any = module_of(mutant)
+    for part in mutant.function.split("."):
+        value = inspect.unwrap(vars(value)[part])
+        if isinstance(value, property):
+            value = value.fget
+        elif isinstance(value, functools.cached_property):
+            value = value.func
+        value = getattr(value, "__func__", value)
+        if inspect.isfunction(value):
+            return value
+    raise LookupError(mutant.name)
+
 
 class TooLongError(BaseException):
     """A test was stopped."""
@@ -367,7 +493,7 @@ def in_child(folder: Path, work: Any, *, limit_s: float) -> str:
                 os.killpg(child, signal.SIGKILL)
             _, status = os.waitpid(child, 0)
             break
-        time.sleep(0.02)
+        time.sleep(0.002)
     if os.WIFSIGNALED(status):
         return "timeout"
     return "passed" if os.WEXITSTATUS(status) == 0 else "failed"
@@ -401,11 +527,35 @@ def record(folder: Path, file: str, targets: list[str]) -> dict[str, Any]:
     return json.loads(where.read_text()) if where.exists() else {}
 
 
-def judge(folder: Path, source: str, mutant: Mutant, tests: list[tuple[float, str]]) -> str:
-    """Run a mutant's tests: ``killed``, ``survived`` or ``timeout``."""
+def time_limit_s(tests: list[tuple[float, str]]) -> float:
+    """Return the processor time that some tests may take in a mutant."""
+    return 5.0 + 2.0 * sum(seconds for seconds, _ in tests)
+
+
+def judge(folder: Path, source: str, mutant: Mutant, tests: list[tuple[float, str]]) -> tuple[str, list[str]]:
+    """Run a mutant's tests: ``killed``, ``survived`` or ``timeout``, and the files of tests that say so."""
+    failed = folder / "failed"
+    failed.unlink(missing_ok=True)
+    if mutant.inside_function:
+        pipe = server(folder)
+        pipe.send((source, mutant, tests))
+        took = pipe.recv()
+    else:
+        took = judge_imported(folder, source, mutant, tests)
+    files = [failed.read_text()] if took == "failed" and failed.exists() else files_of(tests)
+    return {"passed": "survived", "failed": "killed"}.get(took, took), files
+
+
+def files_of(tests: list[tuple[float, str]]) -> list[str]:
+    """Return the files of some tests."""
+    return list(dict.fromkeys(name.partition("::")[0] for _, name in tests))
+
+
+def judge_imported(folder: Path, source: str, mutant: Mutant, tests: list[tuple[float, str]]) -> str:
+    """Run the tests of a changed constant or class, which others may hold: all is imported anew."""
     path = folder / mutant.path
     order = [name for _, name in tests]
-    files = list(dict.fromkeys(name.partition("::")[0] for name in order))
+    files = files_of(tests)
 
     def work() -> int:
         sys.dont_write_bytecode = True
@@ -413,10 +563,29 @@ def judge(folder: Path, source: str, mutant: Mutant, tests: list[tuple[float, st
 
     path.write_text(uncompiled(mutated(source, mutant)))
     try:
-        took = in_child(folder, work, limit_s=15.0 + 4.0 * sum(seconds for seconds, _ in tests))
+        return in_child(folder, work, limit_s=time_limit_s(tests))
     finally:
         path.write_text(uncompiled(source))
-    return {"passed": "survived", "failed": "killed"}.get(took, took)
+
+
+def server(folder: Path) -> Any:
+    """Return the pipe to this worker's process that has collected all tests; it is made at first use."""
+    if "pipe" not in _held:
+        ours, theirs = multiprocessing.Pipe()
+        if os.fork() == 0:
+            ours.close()
+            try:
+                os.chdir(folder)
+                sys.path[:0] = [str(folder / "src")]
+                quiet = os.open(folder / "server.log", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+                os.dup2(quiet, 1)
+                os.dup2(quiet, 2)
+                run_tests(_held["tests"], Server(folder, theirs), "-m", "not slow", "-p", "no:xdist")
+            finally:
+                os._exit(0)
+        theirs.close()
+        _held["pipe"] = ours
+    return _held["pipe"]
 
 
 def chosen_tests(mutant: Mutant, tests: dict[str, dict[str, Any]]) -> list[tuple[float, str]]:
@@ -472,22 +641,26 @@ def make_copy(folder: Path) -> None:
 class Fleet:
     """So many processes, each with a copy of the project, that fork for every piece of work."""
 
-    def __init__(self, workers: int, folder: Path) -> None:
-        self.pool = concurrent.futures.ProcessPoolExecutor(workers, initializer=prepare, initargs=(folder,))
+    def __init__(self, workers: int, folder: Path, tests: list[str]) -> None:
+        self.pool = concurrent.futures.ProcessPoolExecutor(
+            workers, initializer=prepare, initargs=(folder, tests)
+        )
         self.workers = workers
 
 
-_place: dict[str, Path] = {}
+_held: dict[str, Any] = {}
+"""Of this worker: its copy's folder, the files of tests, the pipe to its `Server`."""
 
 
-def prepare(folder: Path) -> None:
+def prepare(folder: Path, tests: list[str]) -> None:
     """Make a worker's copy and import what mutants have in common."""
     os.environ |= {"NUMBA_DISABLE_JIT": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     os.environ["PYTHONHASHSEED"] = "0"
-    _place["folder"] = folder / str(os.getpid())
-    _place["folder"].mkdir()
-    make_copy(_place["folder"])
-    os.environ["PYTHONPATH"] = str(_place["folder"] / "src")
+    _held["folder"] = folder / str(os.getpid())
+    _held["tests"] = tests
+    _held["folder"].mkdir()
+    make_copy(_held["folder"])
+    os.environ["PYTHONPATH"] = str(_held["folder"] / "src")
     sys.path[:] = [one for one in sys.path if Path(one or ".").resolve() != ROOT / "src"]
     for name in ("hypothesis", "numba", "pytest", "scipy.optimize", "scipy.stats"):
         importlib.import_module(name)
@@ -495,12 +668,14 @@ def prepare(folder: Path) -> None:
 
 def record_here(file: str, targets: list[str]) -> tuple[str, dict[str, Any]]:
     """`record` in this worker's copy."""
-    return file, record(_place["folder"], file, targets)
+    return file, record(_held["folder"], file, targets)
 
 
-def judge_here(source: str, mutant: Mutant, tests: list[tuple[float, str]], until: float) -> str:
+def judge_here(
+    source: str, mutant: Mutant, tests: list[tuple[float, str]], until: float
+) -> tuple[str, list[str]]:
     """`judge` in this worker's copy, nothing where the time is up."""
-    return judge(_place["folder"], source, mutant, tests) if time.time() < until else ""
+    return judge(_held["folder"], source, mutant, tests) if time.time() < until else ("", [])
 
 
 def read_json(path: Path) -> dict[str, Any]:
@@ -571,29 +746,32 @@ def work_through(
 ) -> dict[str, str]:
     """Judge mutants in order until the time is up; verdicts by name."""
     kept, found = read_json(KEPT / "verdicts.json"), dict[str, str]()
-    texts = {name.partition("::")[0]: "" for name in tests}
-    texts = {file: (ROOT / file).read_text() for file in texts}
-    keys: dict[concurrent.futures.Future[str], tuple[str, str]] = {}
+    stamps = {name.partition("::")[0]: "" for name in tests}
+    stamps = {file: digest((ROOT / file).read_text()) for file in stamps}
+    keys: dict[concurrent.futures.Future[tuple[str, list[str]]], tuple[str, str]] = {}
     for mutant in order:
         chosen = chosen_tests(mutant, tests)
         if not chosen:
             found[mutant.name] = "not run"
             continue
-        files = sorted({name.partition("::")[0] for _, name in chosen})
-        key = digest(
-            function_text(sources[mutant.path], mutant), mutant.name, *(texts[file] for file in files)
-        )
-        if key in kept:
-            found[mutant.name] = kept[key]
+        key = digest(function_text(sources[mutant.path], mutant), mutant.name)
+        before = kept.get(key, {"verdict": "", "tests": {}})
+        same = all(stamps.get(file) == stamp for file, stamp in before["tests"].items())
+        whole = before["verdict"] == "killed" or set(before["tests"]) == set(files_of(chosen))
+        if before["verdict"] and same and whole:
+            found[mutant.name] = before["verdict"]
         else:
             job = fleet.pool.submit(judge_here, sources[mutant.path], mutant, chosen, until)
             keys[job] = mutant.name, key
-    for job in concurrent.futures.as_completed(keys):
+    for done, job in enumerate(concurrent.futures.as_completed(keys), 1):
         name, key = keys[job]
-        verdict = job.result()
+        verdict, files = job.result()
         if verdict:
-            found[name] = kept[key] = verdict
+            found[name] = verdict
+            kept[key] = {"verdict": verdict, "tests": {file: stamps[file] for file in files}}
+        if done % 25 == 0 or done == len(keys):
             (KEPT / "verdicts.json").write_text(json.dumps(kept))
+            print(f"  {done} of {len(keys)} judged now, {until - time.time():.0f} s are left", flush=True)
     judged = [k for k, mutant in enumerate(order) if found.get(mutant.name, "not run") != "not run"]
     reached = order[: max(judged, default=-1) + 1] if len(found) < len(order) else order
     return {one.name: found[one.name] for one in reached if one.name in found}
@@ -613,7 +791,7 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0, help="of the order, and so of the sample")
     parser.add_argument("--most", type=int, default=None, help="how many mutants at most")
-    parser.add_argument("--only", default="", help="mutants whose name begins so")
+    parser.add_argument("--only", nargs="+", default=("",), help="mutants whose name begins so")
     parser.add_argument("--tests", nargs="+", default=TESTS, metavar="GLOB", help="files of tests")
     parser.add_argument("--fresh", action="store_true", help="forget what earlier runs found")
     given = parser.parse_args()
@@ -626,7 +804,7 @@ def main() -> int:
     mutants: dict[str, Mutant] = {}
     for path, source, some in found_mutants(targets):
         sources[path] = source
-        mutants |= {one.name: one for one in some if one.name.startswith(given.only)}
+        mutants |= {one.name: one for one in some if one.name.startswith(tuple(given.only))}
     order = sorted(mutants.values(), key=lambda one: one.name)
     random.Random(given.seed).shuffle(order)  # noqa: S311 - a sample
     order = order[: given.most]
@@ -636,7 +814,7 @@ def main() -> int:
     )
     accepted = tomllib.loads(ACCEPTED.read_text()) if ACCEPTED.exists() else {}
     with tempfile.TemporaryDirectory() as folder:
-        fleet = Fleet(given.workers, Path(folder))
+        fleet = Fleet(given.workers, Path(folder), globbed(given.tests))
         try:
             tests = all_tests(fleet, targets, given.tests)
             print(f"{len(tests)} tests serve; {until - time.time():.0f} s are left", flush=True)
@@ -644,7 +822,7 @@ def main() -> int:
         finally:
             fleet.pool.shutdown(cancel_futures=True)
     for name in sorted(set(accepted) - set(mutants)):
-        if not given.only:
+        if given.only == ("",):
             print(f"accepted, but there is no such mutant: {name}")
     score = show(found, mutants, sources, set(accepted))
     print(f"{len(found)} of {len(mutants)} judged; at least {LEAST_SCORE:.0%} must be noticed")

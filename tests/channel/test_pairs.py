@@ -1,9 +1,10 @@
 """Shadowing of pairs: both ends share it, it is kept while they are in range, however it is worked out."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
-from modelcast.channel.cells_kernels import build_cells
 from modelcast.channel.pair_kernels import (
     OTHER,
     VALUE,
@@ -16,18 +17,22 @@ from modelcast.channel.pair_kernels import (
     pair_slot,
 )
 from modelcast.channel.propagation import Propagation, Shadowing
-from modelcast.channel.shadowing_kernels import SILENT, shadow_of, shadow_rows
+from modelcast.channel.shadow_sweep import renew_pairs
+from modelcast.channel.shadowing_kernels import SILENT, lay_out, shadow_of
+from modelcast.core.parts import WHOLE, Parts
 
 RANGE_M = 300.0
 TABLES = Propagation().tables(RANGE_M)
 SEED = np.uint64(7)
 
 
-def swept(place_m: np.ndarray, sends: np.ndarray, pairs: Pairs) -> tuple[np.ndarray, Pairs]:
+def swept(
+    place_m: np.ndarray, sends: np.ndarray, pairs: Pairs, parts: Parts = WHOLE
+) -> tuple[np.ndarray, Pairs]:
     """Return the shadowing from each sender (V,) to everybody within range, else NaN, (V, V)."""
-    cells = build_cells(place_m, RANGE_M)
-    reach_m2 = np.where(sends, RANGE_M**2, SILENT)
-    rows, pairs = shadow_rows(reach_m2, place_m, cells, SEED, TABLES, RANGE_M, pairs)
+    sweep = lay_out(np.where(sends, RANGE_M**2, SILENT), place_m, RANGE_M)
+    pairs = renew_pairs(sweep, pairs, SEED, TABLES, parts)
+    cells, rows = sweep.cells, sweep.rows
     values = np.full((sends.size, sends.size), np.nan)
     for k, j in enumerate(cells.order):
         row = int((place_m[j, 1] - cells.corner_north_m) / cells.cell_m)
@@ -115,6 +120,22 @@ def test_a_pair_that_is_as_before_draws_the_same_however_it_is_looked_up() -> No
     for v in range(60):
         single, copy = swept(moved_m, np.arange(60) == v, copy)
         assert np.array_equal(single[v], whole[v], equal_nan=True)
+
+
+@pytest.mark.parametrize("number", [60, 20, 1])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_shadowing_does_not_depend_on_its_parts(number: int, threads: int) -> None:
+    """Nor do later steps: the store grows at the same time, though some parts have room and others none."""
+    sends = senders(60, number)
+    with ThreadPoolExecutor(threads) as pool:
+        whole, shared = empty_pairs(60, 16), empty_pairs(60, 16)
+        for k in range(4):
+            place_m = places(60) + k * np.linspace(-200.0, 200.0, 60)[:, None]
+            wanted, whole = swept(place_m, sends, whole)
+            values, shared = swept(place_m, sends, shared, Parts(7, pool))
+            assert np.array_equal(values, wanted, equal_nan=True)
+            assert whole.held.shape == shared.held.shape
+            assert np.array_equal(whole.owned, shared.owned)
 
 
 def test_a_share_is_kept_and_the_rest_drawn() -> None:

@@ -19,6 +19,7 @@ from modelcast.channel.radio import ORDINARY, AbstractRadio, Grant, Receptions, 
 from modelcast.channel.sidelink import Sidelink
 from modelcast.channel.sidelink_parameters import SidelinkParameters
 from modelcast.channel.tabulated import TabulatedRadio, measured_table
+from modelcast.core.parts import Parts
 
 CLEAR = Propagation(LogDistance(2.0), None, None)
 """Free space, no luck: 300 m lose 97.4 dB."""
@@ -355,11 +356,12 @@ def test_the_given_state_and_generator_are_left_alone(case: Case) -> None:
 
 @every_radio
 def test_carrying_gives_what_stepping_gives(case: Case) -> None:
+    """In whatever parts."""
     traffic, place_m = random_traffic(6, 40, 200, last_s=0.05)
     state, spent = (case.radio.init(40, np.random.default_rng(0)) for _ in range(2))
     for end_s, messages in ((0.05, traffic), (0.1, batch([], [])), (0.3, batch([], []))):
         heard, state = case.radio.step(state, messages, place_m, end_s)
-        carried, spent = case.radio.carry(spent, messages, place_m, end_s)
+        carried, spent = case.radio.carry(spent, messages, place_m, end_s, Parts(3))
         assert_same(heard, carried)
         assert_same(state, spent)
 

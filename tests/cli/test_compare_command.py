@@ -52,7 +52,7 @@ def test_a_comparison_leaves_table_figure_rows_and_arguments(done: Path) -> None
     asked = json.loads((done / "run.json").read_text())
     assert asked["command"] == "compare"
     assert asked["arguments"]["options"]["rules"] == ["order/on-failure", "keep/final"]
-    assert asked["arguments"]["options"]["position_noise"] == 0.01
+    assert asked["arguments"]["options"]["sensor"] is None
     assert len(asked["inputs"]) == 2
 
 

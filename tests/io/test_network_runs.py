@@ -1,7 +1,7 @@
 """Claims about finished runs of a network evaluation on disk."""
 
 import json
-from dataclasses import fields
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +12,14 @@ from modelcast.io.network_runs import RunKey, read_case, run_path, write_case
 from modelcast.io.run_store import run_store
 from modelcast.study.network.rows import CaseResult, NetworkCase, RunRow
 
-CASE = NetworkCase(25.0, "dsrc", "j2945", 0)
+CASE = NetworkCase(25.0, "dsrc", "j2945", "none", 0)
 KEY = RunKey("1.0", {"0 traffic.xml": "ab"})
 OPTIONS = {"seed": 0}
 
 
-def result() -> CaseResult:
-    own: dict[str, Any] = {"density_per_km": 25.0, "radio": "dsrc", "policy": "j2945", "run": 0}
+def result(case: NetworkCase = CASE) -> CaseResult:
     values: dict[str, Any] = {field.name: 0.5 for field in fields(RunRow)}
-    row = RunRow(**{**values, **own})
+    row = RunRow(**{**values, **asdict(case)})
     return CaseResult(row, [], outcomes=[], seconds=[])
 
 
@@ -44,6 +43,7 @@ def test_a_run_of_another_version_or_input_is_not_taken_up(key: RunKey, tmp_path
         ("vehicles", True),
         ("busy_ratio", 2.0),
         ("policy", "cam"),
+        ("bank", "paper"),
         ("run", 1.5),
         ("unknown", 1),
     ],
@@ -82,3 +82,17 @@ def test_two_calls_at_a_time_are_one_too_many(tmp_path: Path) -> None:
         run_store(tmp_path / "out", OPTIONS, KEY),
     ):
         pass
+
+
+def test_a_run_depends_on_the_file_of_its_own_bank_alone(tmp_path: Path) -> None:
+    """One without a model is taken up whatever banks are asked for."""
+    mine = replace(CASE, policy="mbc", bank="mine.json")
+    asked, changed = (replace(KEY, banks={"mine.json": found}) for found in ("ab", "ac"))
+    for case in (CASE, mine):
+        write_case(result(case), case, OPTIONS, asked, tmp_path)
+    for key in (KEY, changed):
+        assert read_case(CASE, OPTIONS, key, tmp_path) == result()
+        assert read_case(mine, OPTIONS, key, tmp_path) is None
+    assert read_case(mine, OPTIONS, replace(asked, banks={**asked.banks, "b.json": "0"}), tmp_path) == result(
+        mine
+    )

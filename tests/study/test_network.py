@@ -1,5 +1,7 @@
 """Claims about the figures of a network evaluation."""
 
+from dataclasses import asdict, fields
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,8 +9,8 @@ from hypothesis import strategies as st
 
 from modelcast.runtime.fleet.bins_kernels import BINS, bin_of, lower_edge
 from modelcast.study.network.measure import binned_quantiles
-from modelcast.study.network.pool import capacities
-from modelcast.study.network.rows import PooledRow
+from modelcast.study.network.pool import capacities, pool
+from modelcast.study.network.rows import CASE_KEYS, NetworkCase, PooledRow, RunRow
 
 BIN_RATIO = 1.0 / 32.0
 """Bins are a 32nd of an octave's lower edge wide at most."""
@@ -31,11 +33,12 @@ def test_a_number_lies_in_its_bin(value: float) -> None:
     assert at == BINS - 1 or np.float32(value) < lower_edge(at + 1)
 
 
-def row(density_per_km: float, value: float) -> PooledRow:
+def row(density_per_km: float, value: float, bank: str = "none") -> PooledRow:
     return PooledRow(
         density_per_km=density_per_km,
         radio="dsrc",
         policy="j2945",
+        bank=bank,
         seeds=1,
         figure="pte_p90_100_m",
         value=value,
@@ -55,3 +58,31 @@ def test_an_error_that_is_too_large_everywhere_says_so() -> None:
     half, _ = capacities([row(25.0, 0.7), row(100.0, 0.9)])
     assert half.density_per_km is None
     assert half.above_at_lowest
+
+
+def test_every_bank_has_a_capacity_of_its_own() -> None:
+    rows = [row(density, value, "paper") for density, value in ((25.0, 0.2), (100.0, 0.8))]
+    rows += [row(density, value, "cv") for density, value in ((25.0, 0.1), (100.0, 0.2))]
+    found = {(one.bank, one.limit_m): one.density_per_km for one in capacities(rows)}
+    assert found["paper", 0.5] == pytest.approx(50.0)
+    assert found["cv", 0.5] is None
+    assert len(found) == 4
+
+
+def test_seeds_are_pooled_bank_by_bank() -> None:
+    names = [field.name for field in fields(RunRow) if field.name not in CASE_KEYS]
+    rows: list[RunRow] = []
+    for bank, first in (("cv", 1.0), ("paper", 5.0)):
+        for run in (0, 1, 2):
+            key = asdict(NetworkCase(25.0, "dsrc", "mbc", bank, run))
+            rows.append(RunRow(**key, **dict.fromkeys(names, first + run)))
+    found = {one.bank: one for one in pool(rows) if one.figure == "pte_p90_m"}
+    assert {bank: (one.seeds, one.value) for bank, one in found.items()} == {
+        "cv": (3, 2.0),
+        "paper": (3, 6.0),
+    }
+    low, high = found["cv"].low, found["cv"].high
+    assert low is not None
+    assert high is not None
+    # Student's t at 97.5 % with 2 degrees of freedom, over the root of 3.
+    assert (low, high) == pytest.approx((2.0 - 4.302653 / 3**0.5, 2.0 + 4.302653 / 3**0.5))

@@ -11,7 +11,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.drive import generate_drive
-from modelcast.world.sensors import AUTOMOTIVE_GNSS, IDEAL, SensorModel, sense, with_motion
+from modelcast.world.sensors import IDEAL, SensorModel, sense, with_motion
 
 
 def straight(duration_s: float = 2000.0, speed_mps: float = 10.0) -> Trajectory:
@@ -69,8 +69,12 @@ def test_an_input_never_depends_on_later_truth() -> None:
     drive = generate_drive(2, duration_s=90.0).truth
     moved = drive.position_m.copy()
     moved[500:] += 100.0
-    a = sense(drive, AUTOMOTIVE_GNSS, np.random.default_rng(4))
-    b = sense(replace(drive, position_m=moved), AUTOMOTIVE_GNSS, np.random.default_rng(4))
+    a = sense(drive, SensorModel(slow_position_noise_m=0.5, latency_s=0.1), np.random.default_rng(4))
+    b = sense(
+        replace(drive, position_m=moved),
+        SensorModel(slow_position_noise_m=0.5, latency_s=0.1),
+        np.random.default_rng(4),
+    )
     assert np.array_equal(a.position_m[:500], b.position_m[:500])
 
 
@@ -95,6 +99,43 @@ def test_one_seed_gives_one_input_and_sizes_scale_the_same_draws() -> None:
     np.testing.assert_allclose(b - truth.position_m, 2.0 * (a - truth.position_m), atol=1e-9)
 
 
+def test_a_trip_draws_each_kind_of_error_for_all_its_samples_in_the_order_of_old() -> None:
+    """Numbers of later kinds come last, so that inputs and event lists of earlier versions stay."""
+    drive = generate_drive(4, duration_s=90.0).truth
+    truth = replace(drive, speed_mps=present(drive.speed_mps) + 1.0)
+    model = SensorModel(slow_position_noise_m=0.5)
+    seen = sense(truth, model, np.random.default_rng(8))
+    numbers = np.random.default_rng(8).standard_normal((8, len(truth)))
+    slow = numbers[2:4].T.copy()
+    for i, step_s in enumerate(np.diff(truth.t_s), start=1):
+        kept = np.exp(-step_s / 300.0)
+        slow[i] = kept * slow[i - 1] + np.sqrt(1.0 - kept**2) * slow[i]
+    np.testing.assert_allclose(
+        seen.position_m, truth.position_m + 0.01 * numbers[:2].T + 0.5 * slow, atol=1e-10
+    )
+    default = sense(truth, SensorModel(), np.random.default_rng(8))
+    assert np.array_equal(default.position_m, truth.position_m + 0.01 * numbers[:2].T)
+    assert np.array_equal(
+        present(default.speed_mps), np.maximum(present(truth.speed_mps) + 0.05 * numbers[4], 0.0)
+    )
+    course = present(truth.heading_rad) + model.heading_noise_rad * numbers[5]
+    assert np.array_equal(present(default.heading_rad), wrap_angle_rad(course))
+    acceleration = present(truth.acceleration_mps2) + 0.05 * numbers[6]
+    assert np.array_equal(present(default.acceleration_mps2), acceleration)
+    turning = present(truth.yaw_rate_radps) + model.yaw_rate_noise_radps * numbers[7]
+    assert np.array_equal(present(default.yaw_rate_radps), turning)
+
+
+def test_sizes_may_be_whole_numbers() -> None:
+    truth = straight(5.0)
+    whole, real = (
+        SensorModel(position_noise_m=1, latency_s=1),
+        SensorModel(position_noise_m=1.0, latency_s=1.0),
+    )
+    a, b = (sense(truth, model, np.random.default_rng(9)).position_m for model in (whole, real))
+    assert a.tobytes() == b.tobytes()
+
+
 def test_motion_is_taken_from_positions_only_where_it_is_missing() -> None:
     trip = straight(20.0)
     known = replace(trip, speed_mps=np.full(len(trip), 9.0))
@@ -111,9 +152,10 @@ def test_a_size_that_is_none_is_refused_by_name(name: str, value: float) -> None
         SensorModel(**{name: value})
 
 
-def test_a_correlation_time_of_zero_is_refused() -> None:
-    with pytest.raises(ValueError, match="slow_correlation_s"):
-        SensorModel(slow_correlation_s=0.0)
+@pytest.mark.parametrize("name", ["slow_correlation_s", "multipath_correlation_s"])
+def test_a_correlation_time_of_zero_is_refused(name: str) -> None:
+    with pytest.raises(ValueError, match=f"{name} must be positive"):
+        SensorModel(**{name: 0.0})
 
 
 def test_a_car_that_has_not_moved_yet_shows_no_later_heading() -> None:

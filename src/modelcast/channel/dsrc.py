@@ -9,18 +9,21 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 
 import numpy as np
 
-from modelcast.channel.dsrc_kernels import advance
+from modelcast.channel.dsrc_kernels import advance, find_reach
 from modelcast.channel.dsrc_link_kernels import Links
 from modelcast.channel.dsrc_parameters import DsrcParameters, power_ratio
 from modelcast.channel.dsrc_station_kernels import BUSY_RATIO, DsrcConstants, silent_station
-from modelcast.channel.error_models import AbstractErrorModel, NistErrorModel
+from modelcast.channel.error_models import AbstractErrorModel, NistErrorModel, safe_ratio
 from modelcast.channel.frame_kernels import Heard
 from modelcast.channel.frame_radio import AbstractFrameRadio, asked, error_units, has_shadowing
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import Transmissions
+from modelcast.channel.shadow_sweep import renew_pairs
+from modelcast.channel.shadowing_kernels import lay_out
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
+from modelcast.core.parts import Parts
 
 __all__ = ["Dsrc", "DsrcState"]
 
@@ -156,6 +159,7 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             units_fixed=units_fixed,
             units_per_byte=units_per_byte,
             shadowed=has_shadowing(self.propagation),
+            safe_ratio=safe_ratio(error_model.hazards()),
         )
 
     def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> DsrcState:
@@ -174,20 +178,28 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
         )
 
     def advance(
-        self, state: DsrcState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+        self,
+        state: DsrcState,
+        transmissions: Transmissions,
+        position_m: FloatArray,
+        until_t_s: float,
+        parts: Parts,
     ) -> tuple[Heard, DsrcState]:
         """Check what is asked for and carry one interval; the state is used up."""
         transmissions.check(state.t_s, until_t_s, position_m, state.vehicles, self.parameters.max_power_dbm)
-        heard, air, pairs = advance(
+        sent = asked(transmissions)
+        reach_m2 = find_reach(state.station, state.message, sent, position_m, self.tables, self.constants)
+        sweep = lay_out(reach_m2, position_m, self.constants.range_m)
+        pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
+        heard, air = advance(
             state.t_s,
             until_t_s,
             state.random,
             state.station,
             state.message,
             Links(state.air_receiver, state.air_mw, state.air_flag),
-            Pairs(state.pairs, state.pair_count),
-            asked(transmissions),
-            position_m,
+            sent,
+            sweep,
             self.hazard,
             self.tables,
             self.constants,

@@ -8,14 +8,12 @@ Times are absolute seconds. There is no propagation delay (1 us is 300 m; a slot
 import numpy as np
 
 from modelcast.channel.airtime_kernels import SERVICE_TAIL_BITS, frame_airtime
-from modelcast.channel.cells_kernels import build_cells
 from modelcast.channel.dsrc_link_kernels import (
     ACCESS_EVENT,
     END_EVENT,
-    WORK,
     Links,
-    Near,
     close_links,
+    empty_near,
     find_near,
     find_powers,
     heard_within_m,
@@ -34,7 +32,6 @@ from modelcast.channel.dsrc_station_kernels import (
     COUNT,
     DBM,
     END_S,
-    FIRST,
     IDLE_S,
     LOAD,
     LOADED_S,
@@ -51,10 +48,9 @@ from modelcast.channel.dsrc_station_kernels import (
 )
 from modelcast.channel.event_heap_kernels import Events, heap_room, pop_event, push_event
 from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_heard
-from modelcast.channel.pair_kernels import Pairs
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.random_kernels import next_word
-from modelcast.channel.shadowing_kernels import SILENT, shadow_rows
+from modelcast.channel.shadowing_kernels import SILENT, Sweep
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
     FloatMatrix,
@@ -63,7 +59,7 @@ from modelcast.core.kernel_types import (
     UInt64Vector,
 )
 
-__all__ = ["advance"]
+__all__ = ["advance", "find_reach"]
 
 READY_EVENT = 2
 """Beside those of the heap: a message becomes ready."""
@@ -76,7 +72,7 @@ def _sent_ln(power_dbm: float, constants: DsrcConstants) -> float:
 
 
 @kernel
-def _find_reach(
+def find_reach(
     station: FloatMatrix,
     message: IntMatrix,
     asked: Asked,
@@ -84,7 +80,7 @@ def _find_reach(
     tables: PropagationTables,
     constants: DsrcConstants,
 ) -> FloatVector:
-    """Return the squared reach of what vehicles may send in this interval, as `shadow_rows` has it."""
+    """Return the squared reach of what vehicles may send in this interval, as `lay_out` has it."""
     reach_m2, number = np.full(station.shape[0], SILENT), asked.sender.size
     if not constants.shadowed:
         return reach_m2
@@ -188,23 +184,20 @@ def advance(
     station: FloatMatrix,
     message: IntMatrix,
     air: Links,
-    pairs: Pairs,
     asked: Asked,
-    position_m: FloatMatrix,
+    sweep: Sweep,
     hazard: FloatVector,
     tables: PropagationTables,
     constants: DsrcConstants,
-) -> tuple[Heard, Links, Pairs]:
+) -> tuple[Heard, Links]:
     """Carry one interval; the arrays of the state are written into.
 
-    Returns what was heard, the links of the frames still on the air, and the store of pairs.
+    Returns what was heard, and the links of the frames still on the air.
     """
     vehicles, number = station.shape[0], asked.sender.size
-    cells = build_cells(position_m, constants.range_m)
+    cells, rows, position_m = sweep.cells, sweep.rows, sweep.position_m
     present = cells.order.size
-    reach_m2 = _find_reach(station, message, asked, position_m, tables, constants)
-    rows, pairs = shadow_rows(reach_m2, position_m, cells, random[1], tables, constants.range_m, pairs)
-    near = Near(np.empty((present, 2), dtype=np.int64), np.empty((WORK, present)))
+    near = empty_near(present)
     heard, received, lapsed = nothing_heard(constants.bins, number + vehicles), 0, 0
     # Links of the frames on the air: a pool that is filled in order and packed when it is full.
     links, used = pack_links(station, message, air, -1, max(16 * vehicles, 4096))
@@ -274,16 +267,10 @@ def advance(
         if used + present > links.receiver.size:
             links, used = pack_links(station, message, links, v, links.receiver.size)
         sent_ln, seed = _sent_ln(station[v, DBM], constants), message[v, SEED]
-        reached = find_near(
-            v, t_s, sent_ln, station, position_m, cells, tables, constants, heard.outcomes, near
-        )
-        find_powers(v, sent_ln, seed, rows, position_m, cells, tables, constants, near, reached)
-        station[v, FIRST] = used
-        used = open_links(
-            v, t_s, station, links, used, cells, hazard, constants, heard.outcomes, near, reached
-        )
-        station[v, COUNT] = used - int(station[v, FIRST])
+        reached = find_near(v, sent_ln, rows, position_m, cells, tables, constants, near)
+        find_powers(v, sent_ln, seed, tables, constants, near, reached)
+        used = open_links(v, t_s, station, links, used, hazard, constants, heard.outcomes, near, reached)
 
     left, _ = pack_links(station, message, links, -1, 0)
     who, when = heard.who[:received].copy(), heard.when[:received].copy()
-    return Heard(who, when, heard.outcomes, heard.expired[:lapsed].copy()), left, pairs
+    return Heard(who, when, heard.outcomes, heard.expired[:lapsed].copy()), left

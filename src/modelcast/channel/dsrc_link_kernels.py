@@ -15,13 +15,18 @@ from modelcast.channel.dsrc_station_kernels import (
     HALF_DUPLEX,
     IDLE_S,
     LOCK,
+    LOCKABLE,
     MESSAGE,
     RECEIVED,
+    RECENT_MW,
+    RECENT_S,
     SEED,
     SENDING_S,
+    START_S,
     WEAK,
     DsrcConstants,
     begin_reception,
+    disturb,
     finish_reception,
     sense_medium,
 )
@@ -34,7 +39,7 @@ from modelcast.channel.propagation_kernels import (
     median_ln,
 )
 from modelcast.channel.random_kernels import word_of
-from modelcast.channel.shadowing_kernels import ShadowRows, shadow_of
+from modelcast.channel.shadowing_kernels import ShadowRows
 from modelcast.core.exponential_kernels import fast_exp
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
@@ -43,15 +48,16 @@ from modelcast.core.kernel_types import (
     Int16Matrix,
     Int32Vector,
     IntMatrix,
+    IntVector,
 )
 
 __all__ = [
     "ACCESS_EVENT",
     "END_EVENT",
-    "WORK",
     "Links",
     "Near",
     "close_links",
+    "empty_near",
     "find_near",
     "find_powers",
     "heard_within_m",
@@ -62,8 +68,12 @@ __all__ = [
 ACCESS_EVENT, END_EVENT = 0, 1
 """Low bit of an event: a countdown ends, a frame ends; the other bits are the vehicle."""
 
-DISTANCE_M, POWER_MW, FADING, WORK = 0, 1, 2, 3
-"""Rows of ``work`` (WORK, N), what is found out about the neighbours of a frame, and their number."""
+SQUARE_M2, DISTANCE_M, SHADOW, POWER_MW, FADING, GROUP, WORK = 0, 1, 2, 3, 4, 5, 6
+"""Rows of ``work`` (WORK, N), what is found out about the vehicles near a frame, and their number; the last
+is the bin of distance, a whole number, that of the constants for what is not counted."""
+
+STRONG, DISTURBED, QUIET, KINDS = 0, 1, 2, 3
+"""Rows of ``kind`` (KINDS, N), and their number."""
 
 
 class Links(NamedTuple):
@@ -75,10 +85,27 @@ class Links(NamedTuple):
 
 
 class Near(NamedTuple):
-    """Who a frame can reach: ``place`` (N, 2) in the cells' order and row of cells; ``work`` (WORK, N)."""
+    """Who is near a frame: all in the cells that its range touches.
 
-    place: IntMatrix
+    ``who`` (N,) they are, and a random ``word`` (N,) for each; ``work`` (WORK, N). ``kind`` (KINDS, N + 1)
+    lists who can lock on to it, who is disturbed at most, and who does not notice.
+    """
+
+    who: IntVector
+    word: IntVector
     work: FloatMatrix
+    kind: IntMatrix
+
+
+@kernel
+def empty_near(most: int) -> Near:
+    """Return room for so many vehicles near a frame."""
+    return Near(
+        np.empty(most, dtype=np.int64),
+        np.empty(most, dtype=np.int64),
+        np.empty((WORK, most)),
+        np.empty((KINDS, most + 1), dtype=np.int64),
+    )
 
 
 @kernel
@@ -123,40 +150,53 @@ def heard_within_m(sent_ln: float, tables: PropagationTables, quiet_mw: float, r
 @kernel(inlined=True)
 def find_near(
     v: int,
-    t_s: float,
     sent_ln: float,
-    station: FloatMatrix,
+    rows: ShadowRows,
     position_m: FloatMatrix,
     cells: Cells,
     tables: PropagationTables,
     constants: DsrcConstants,
-    outcomes: IntMatrix,
     near: Near,
 ) -> int:
-    """Write who a frame of ``v`` can reach, as places in the cells' order, into ``near``; return how many.
+    """Write who is near a frame of ``v``, and their median powers in logarithms; return how many they are.
 
-    Beside goes the row of cells, into its ``work`` the squares of their distances. Vehicles in range whose
-    median power is below ``quiet_mw`` are counted right away.
+    Loops that touch few arrays run several at a time, so there are many of them, and everybody in the cells
+    is worked out.
     """
-    range_m = constants.range_m
     east, north = position_m[v, 0], position_m[v, 1]
-    left, right, row_from, row_to = cell_span(cells, east, north, range_m)
-    reach_m = heard_within_m(sent_ln, tables, constants.quiet_mw, range_m)
-    count = 0
+    left, right, row_from, row_to = cell_span(cells, east, north, constants.range_m)
+    open_ground, work, count = tables.nlos_kind == 0, near.work, 0
     for row in range(row_from, row_to + 1):
         low, high = row_span(cells, row, left, right)
-        for k in range(low, high):
+        # Without a sign, so that nothing asks whether it counts from the end.
+        begin, end, to = np.uint64(low), np.uint64(high), np.uint64(count - low)
+        for k in range(begin, end):
             away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
-            square = away_east * away_east + away_north * away_north
-            j = int(cells.order[k])
-            if square > reach_m * reach_m:
-                group = int(np.sqrt(square) / constants.bin_m)
-                if square <= range_m * range_m and group < constants.bins:
-                    outcomes[group, HALF_DUPLEX if station[j, SENDING_S] > t_s else WEAK] += 1
-            elif j != v:
-                near.place[count, 0], near.place[count, 1] = k, row
-                near.work[DISTANCE_M, count] = square
-                count += 1
+            work[SQUARE_M2, to + k] = away_east * away_east + away_north * away_north
+        for k in range(begin, end):
+            near.who[to + k] = cells.order[k]
+        if constants.shadowed:
+            start = np.uint64(rows.start[rows.first[v] + row])
+            for k in range(begin, end):
+                work[SHADOW, to + k] = rows.value[start + k]
+        count += high - low
+    for n in range(count):
+        work[DISTANCE_M, n] = np.sqrt(work[SQUARE_M2, n])
+    if open_ground:
+        for n in range(count):
+            work[POWER_MW, n] = looked_up(tables.los_ln, work[DISTANCE_M, n] * tables.per_m)
+        if constants.shadowed:
+            for n in range(count):
+                work[POWER_MW, n] += tables.shadowing_los_ln * work[SHADOW, n]
+    else:
+        for n in range(count):
+            j, distance_m = near.who[n], work[DISTANCE_M, n]
+            ln, los = median_ln(east, north, position_m[j, 0], position_m[j, 1], distance_m, tables)
+            if constants.shadowed:
+                ln += (tables.shadowing_los_ln if los else tables.shadowing_nlos_ln) * work[SHADOW, n]
+            work[POWER_MW, n] = ln
+    for n in range(count):
+        work[POWER_MW, n] = sent_ln + min(work[POWER_MW, n], 0.0)
     return count
 
 
@@ -165,39 +205,84 @@ def find_powers(
     v: int,
     sent_ln: float,
     seed: int,
-    rows: ShadowRows,
-    position_m: FloatMatrix,
-    cells: Cells,
     tables: PropagationTables,
     constants: DsrcConstants,
     near: Near,
     count: int,
 ) -> None:
-    """Turn squares of distances in ``work`` into distances, and write the power at each neighbour there.
-
-    Roots and exponentials have loops of their own that touch no other array: so they run several at a time.
-    """
-    open_ground, work = tables.nlos_kind == 0, near.work
-    east, north = position_m[v, 0], position_m[v, 1]
+    """Turn logarithms of median powers into powers with fading; 0 for ``v``, and beyond its reach."""
+    work, range_m = near.work, constants.range_m
+    reach_m = heard_within_m(sent_ln, tables, constants.quiet_mw, range_m)
     for n in range(count):
-        work[DISTANCE_M, n] = np.sqrt(work[DISTANCE_M, n])
+        near.word[n] = np.int64(word_of(seed, near.who[n]))
     for n in range(count):
-        k, distance_m = near.place[n, 0], work[DISTANCE_M, n]
-        j = int(cells.order[k])
-        if open_ground:
-            ln, los = looked_up(tables.los_ln, distance_m * tables.per_m), True
-        else:
-            ln, los = median_ln(east, north, cells.place[k, 0], cells.place[k, 1], distance_m, tables)
-        word = word_of(seed, j)
-        if constants.shadowed:
-            sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
-            ln += sigma * shadow_of(v, near.place[n, 1], k, rows)
-        work[POWER_MW, n] = sent_ln + min(ln, 0.0)
         work[FADING, n] = fading_factor(
-            distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m
+            work[DISTANCE_M, n],
+            np.uint64(near.word[n]),
+            tables.fading,
+            tables.fading_near_m,
+            tables.fading_far_m,
         )
     for n in range(count):
-        work[POWER_MW, n] = fast_exp(work[POWER_MW, n]) * work[FADING, n]
+        power_mw = fast_exp(work[POWER_MW, n]) * work[FADING, n]
+        work[POWER_MW, n] = power_mw if work[SQUARE_M2, n] <= reach_m * reach_m else 0.0
+    for n in range(count):
+        group = min(np.floor(work[DISTANCE_M, n] / constants.bin_m), float(constants.bins))
+        work[GROUP, n] = group if work[SQUARE_M2, n] <= range_m * range_m else float(constants.bins)
+    for n in range(count):
+        if near.who[n] == v:
+            work[POWER_MW, n], work[GROUP, n] = 0.0, float(constants.bins)
+
+
+@kernel(inlined=True)
+def _sort_near(
+    t_s: float,
+    station: FloatMatrix,
+    constants: DsrcConstants,
+    outcomes: IntMatrix,
+    near: Near,
+    count: int,
+) -> tuple[int, int]:
+    """Write which vehicles near can lock on to a frame, and which it only disturbs, into ``near.kind``.
+
+    The two kinds then have loops of their own: a branch for each neighbour would be guessed wrongly too
+    often. Returns how many there are of both; all others are counted right away.
+    """
+    weak_mw = max(constants.sensitivity_mw, constants.preamble_ratio * constants.noise_mw)
+    strong, weak, quiet = 0, 0, 0
+    for n in range(count):
+        power_mw = near.work[POWER_MW, n]
+        locks, disturbs = power_mw >= weak_mw, power_mw >= constants.quiet_mw
+        near.kind[STRONG, strong] = near.kind[DISTURBED, weak] = near.kind[QUIET, quiet] = n
+        strong += int(locks & disturbs)
+        weak += int(disturbs & (not locks))
+        quiet += int(not disturbs)
+    for k in range(quiet):
+        n = near.kind[QUIET, k]
+        group = int(near.work[GROUP, n])
+        if group < constants.bins:
+            sending = station[near.who[n], SENDING_S] > t_s
+            outcomes[group, HALF_DUPLEX if sending else WEAK] += 1
+    return strong, weak
+
+
+@kernel(inlined=True)
+def _open_link(
+    v: int,
+    t_s: float,
+    j: int,
+    power_mw: float,
+    strong: bool,
+    station: FloatMatrix,
+    hazard: FloatVector,
+    constants: DsrcConstants,
+) -> int:
+    """Begin a frame of ``v`` at one receiver; return the flag of the pair."""
+    flag = begin_reception(station, j, v, power_mw, strong, t_s, station[v, END_S], hazard, constants)
+    turned = sense_medium(station, j, t_s, constants)
+    if turned > 0 and station[j, ACCESS_S] >= t_s + constants.sensing_s:
+        station[j, ACCESS_S] = np.inf
+    return flag
 
 
 @kernel(inlined=True)
@@ -207,7 +292,6 @@ def open_links(
     station: FloatMatrix,
     links: Links,
     used: int,
-    cells: Cells,
     hazard: FloatVector,
     constants: DsrcConstants,
     outcomes: IntMatrix,
@@ -215,22 +299,61 @@ def open_links(
     count: int,
 ) -> int:
     """A frame of ``v`` begins at the ``count`` vehicles in ``near``; return how much of the pool is used."""
-    for n in range(count):
-        j = int(cells.order[near.place[n, 0]])
-        distance_m, power_mw = near.work[DISTANCE_M, n], near.work[POWER_MW, n]
-        group = int(distance_m / constants.bin_m)
-        if power_mw < constants.quiet_mw:
-            if group < constants.bins:
-                outcomes[group, HALF_DUPLEX if station[j, SENDING_S] > t_s else WEAK] += 1
-            continue
-        flag = begin_reception(station, j, v, power_mw, t_s, station[v, END_S], hazard, constants)
-        links.receiver[used], links.mw[used] = j, power_mw
-        links.flag[used, 0], links.flag[used, 1] = flag, min(group, constants.bins)
-        used += 1
-        turned = sense_medium(station, j, t_s, constants)
-        if turned > 0 and station[j, ACCESS_S] >= t_s + constants.sensing_s:
-            station[j, ACCESS_S] = np.inf
-    return used
+    strong, weak = _sort_near(t_s, station, constants, outcomes, near, count)
+    for k in range(strong + weak):
+        n = near.kind[STRONG, k] if k < strong else near.kind[DISTURBED, k - strong]
+        links.receiver[used + k], links.mw[used + k] = near.who[n], near.work[POWER_MW, n]
+        links.flag[used + k, 0], links.flag[used + k, 1] = WEAK, near.work[GROUP, n]
+    for at in range(used, used + strong):
+        j, power_mw = int(links.receiver[at]), links.mw[at]
+        links.flag[at, 0] = _open_link(v, t_s, j, power_mw, True, station, hazard, constants)
+    for at in range(used + strong, used + strong + weak):
+        j, power_mw = int(links.receiver[at]), links.mw[at]
+        if disturb(station, j, power_mw, 1.0):
+            station[j, RECENT_S], station[j, RECENT_MW] = t_s, power_mw
+        else:
+            links.flag[at, 0] = _open_link(v, t_s, j, power_mw, False, station, hazard, constants)
+    station[v, FIRST], station[v, LOCKABLE], station[v, COUNT] = used, strong, strong + weak
+    return used + strong + weak
+
+
+@kernel(inlined=True)
+def _close_link(
+    v: int,
+    t_s: float,
+    k: int,
+    strong: bool,
+    station: FloatMatrix,
+    message: IntMatrix,
+    links: Links,
+    hazard: FloatVector,
+    constants: DsrcConstants,
+    heard: Heard,
+    received: int,
+    events: Events,
+    count: int,
+) -> tuple[int, int]:
+    """End a frame of ``v`` at one receiver; return the numbers of receptions and of events."""
+    j, held = links.receiver[k], strong and station[links.receiver[k], LOCK] == v
+    outcome = finish_reception(
+        station, j, v, links.mw[k], strong, links.flag[k, 0], t_s, hazard, constants, message[v, SEED]
+    )
+    if links.flag[k, 1] < constants.bins:
+        heard.outcomes[links.flag[k, 1], outcome] += 1
+    if outcome == RECEIVED:
+        who, when = heard.who, heard.when
+        who[received, 0], who[received, 1], who[received, 2] = message[v, AIR], v, j
+        when[received, 0], when[received, 1] = t_s, links.mw[k]
+        received += 1
+    if sense_medium(station, j, t_s, constants) < 0:
+        if held and outcome != RECEIVED:
+            station[j, IDLE_S] = t_s + constants.extended_s
+        if message[j, MESSAGE] >= 0:
+            station[j, ACCESS_S] = (
+                station[j, IDLE_S] + constants.aifs_s + station[j, BACKOFF] * constants.slot_s
+            )
+            count = push_event(events, count, station[j, ACCESS_S], 2 * j + ACCESS_EVENT)
+    return received, count
 
 
 @kernel(inlined=True)
@@ -248,27 +371,20 @@ def close_links(
     count: int,
 ) -> tuple[int, int]:
     """A frame of ``v`` ends at all its receivers; return the numbers of receptions and of events."""
-    first, end = int(station[v, FIRST]), int(station[v, FIRST] + station[v, COUNT])
-    seed = message[v, SEED]
-    for k in range(first, end):
-        j = links.receiver[k]
-        held = station[j, LOCK] == v
-        outcome = finish_reception(station, j, v, links.mw[k], links.flag[k, 0], t_s, hazard, constants, seed)
-        spoilt = held and outcome != RECEIVED
-        if links.flag[k, 1] < constants.bins:
-            heard.outcomes[links.flag[k, 1], outcome] += 1
-        if outcome == RECEIVED:
-            who, when = heard.who, heard.when
-            who[received, 0], who[received, 1], who[received, 2] = message[v, AIR], v, j
-            when[received, 0], when[received, 1] = t_s, links.mw[k]
-            received += 1
-        if sense_medium(station, j, t_s, constants) >= 0:
+    first = int(station[v, FIRST])
+    weak, end = first + int(station[v, LOCKABLE]), first + int(station[v, COUNT])
+    for k in range(first, weak):
+        received, count = _close_link(
+            v, t_s, k, True, station, message, links, hazard, constants, heard, received, events, count
+        )
+    for k in range(weak, end):
+        j, group = int(links.receiver[k]), int(links.flag[k, 1])
+        if disturb(station, j, -links.mw[k], -1.0):
+            if group < constants.bins:
+                sending = station[j, SENDING_S] > station[v, START_S]
+                heard.outcomes[group, HALF_DUPLEX if sending else WEAK] += 1
             continue
-        if spoilt:
-            station[j, IDLE_S] = t_s + constants.extended_s
-        if message[j, MESSAGE] >= 0:
-            station[j, ACCESS_S] = (
-                station[j, IDLE_S] + constants.aifs_s + station[j, BACKOFF] * constants.slot_s
-            )
-            count = push_event(events, count, station[j, ACCESS_S], 2 * j + ACCESS_EVENT)
+        received, count = _close_link(
+            v, t_s, k, False, station, message, links, hazard, constants, heard, received, events, count
+        )
     return received, count

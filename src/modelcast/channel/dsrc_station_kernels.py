@@ -22,6 +22,8 @@ __all__ = [
     "BUSY_RATIO",
     "BUSY_S",
     "BYTES",
+    "CALM_FROM_MW",
+    "CALM_TO_MW",
     "CAPTURED_S",
     "CHANGED_S",
     "COLUMNS",
@@ -39,6 +41,7 @@ __all__ = [
     "LOAD",
     "LOADED_S",
     "LOCK",
+    "LOCKABLE",
     "LOCKED",
     "LOCK_MW",
     "LOCK_S",
@@ -56,20 +59,20 @@ __all__ = [
     "WEAK",
     "DsrcConstants",
     "begin_reception",
+    "disturb",
     "draw_backoff",
     "finish_reception",
     "sense_medium",
     "silent_station",
 ]
 
-# Columns of ``station`` (V, COLUMNS).
-SIGNAL, SIGNALS, LOCK, LOCK_MW, LOCK_S, CHANGED_S, EXPOSURE = 0, 1, 2, 3, 4, 5, 6
-HIDDEN, CONCURRENT, CAPTURED_S, RECENT_S, RECENT_MW = 7, 8, 9, 10, 11
-BUSY, BUSY_S, IDLE_S, SENDING_S, BACKOFF, ACCESS_S = 12, 13, 14, 15, 16, 17
-LOADED_S, LOAD, BUSY_RATIO = 18, 19, 20
-READY_S, BYTES, DBM = 21, 22, 23
-START_S, END_S, AIR_BYTES, FIRST, COUNT = 24, 25, 26, 27, 28
-COLUMNS = 29
+# Columns of ``station`` (V, COLUMNS); first those that a frame too weak to lock on to changes, side by side.
+SIGNAL, SIGNALS, RECENT_S, RECENT_MW, CALM_FROM_MW, CALM_TO_MW, SENDING_S, LOCK = 0, 1, 2, 3, 4, 5, 6, 7
+LOCK_MW, LOCK_S, CHANGED_S, EXPOSURE, HIDDEN, CONCURRENT, CAPTURED_S = 8, 9, 10, 11, 12, 13, 14
+BUSY, BUSY_S, IDLE_S, BACKOFF, ACCESS_S, LOADED_S, LOAD, BUSY_RATIO = 15, 16, 17, 18, 19, 20, 21, 22
+READY_S, BYTES, DBM = 23, 24, 25
+START_S, END_S, AIR_BYTES, FIRST, LOCKABLE, COUNT = 26, 27, 28, 29, 30, 31
+COLUMNS = 32
 
 MESSAGE, AIR, SEED = 0, 1, 2
 """Columns of ``message`` (V, 3): the message that waits, the one on the air (-1 for none), and its chance."""
@@ -109,6 +112,7 @@ class DsrcConstants(NamedTuple):
     units_fixed: float
     units_per_byte: float
     shadowed: bool
+    safe_ratio: float
 
 
 @kernel
@@ -121,6 +125,7 @@ def silent_station(vehicles: int) -> FloatMatrix:
             station[v, column] = NEVER
         station[v, ACCESS_S] = np.inf
         station[v, LOADED_S] = -1.0
+        station[v, CALM_FROM_MW], station[v, CALM_TO_MW] = np.inf, -np.inf
     return station
 
 
@@ -138,12 +143,44 @@ def settle(station: FloatMatrix, j: int, t_s: float, hazard: FloatVector, consta
     if station[j, SIGNALS] < 1.5:
         other_mw = 0.0
     if constants.by_stretch:
+        if station[j, LOCK_MW] >= constants.safe_ratio * (constants.noise_mw + other_mw):
+            return
         share = (t_s - since) / (airtime_s - constants.preamble_s)
         ratio = station[j, LOCK_MW] / (constants.noise_mw + other_mw)
         units = constants.units_fixed + constants.units_per_byte * station[holder, AIR_BYTES]
         station[j, EXPOSURE] += units * share * hazard_at(ratio, hazard)
     else:
         station[j, EXPOSURE] += other_mw * (t_s - since)
+
+
+@kernel(inlined=True)
+def _find_calm(station: FloatMatrix, j: int, sending: bool, constants: DsrcConstants) -> None:
+    """Write between which sums of power nothing changes for a station that no frame locks."""
+    low_mw, high_mw = (
+        min(constants.load_mw, constants.energy_mw),
+        max(constants.load_mw, constants.energy_mw),
+    )
+    signal_mw = station[j, SIGNAL]
+    from_mw = high_mw if signal_mw >= high_mw else (low_mw if signal_mw >= low_mw else -np.inf)
+    to_mw = low_mw if signal_mw < low_mw else (high_mw if signal_mw < high_mw else np.inf)
+    locked = station[j, LOCK] >= 0.0
+    station[j, CALM_FROM_MW] = np.inf if locked else (-np.inf if sending else from_mw)
+    station[j, CALM_TO_MW] = np.inf if sending else to_mw
+
+
+@kernel(inlined=True)
+def disturb(station: FloatMatrix, j: int, change_mw: float, frames: float) -> bool:
+    """Change the power of weak frames at a station; return False where that has consequences.
+
+    Then nothing is written: it is up to `begin_reception`, `finish_reception` and `sense_medium`. ``frames``
+    is 1 at the beginning of a frame, -1 at its end.
+    """
+    signals = station[j, SIGNALS] + frames
+    signal_mw = max(station[j, SIGNAL] + change_mw, 0.0) if signals > 0.5 else 0.0
+    if signal_mw < station[j, CALM_FROM_MW] or signal_mw >= station[j, CALM_TO_MW]:
+        return False
+    station[j, SIGNAL], station[j, SIGNALS] = signal_mw, signals
+    return True
 
 
 @kernel(inlined=True)
@@ -156,6 +193,7 @@ def sense_medium(station: FloatMatrix, j: int, t_s: float, constants: DsrcConsta
         or station[j, SIGNAL] >= constants.energy_mw
     )
     loaded = sending or station[j, SIGNAL] >= constants.load_mw
+    _find_calm(station, j, sending, constants)
     if loaded:
         if station[j, LOADED_S] < 0.0:
             station[j, LOADED_S] = t_s
@@ -193,25 +231,27 @@ def begin_reception(
     j: int,
     sender: int,
     power_mw: float,
+    strong: bool,
     t_s: float,
     end_s: float,
     hazard: FloatVector,
     constants: DsrcConstants,
 ) -> int:
-    """A frame begins at one receiver: add its power, lock or not; return the flag of this pair."""
+    """A frame begins at one receiver: add its power, lock or not; return the flag of this pair.
+
+    ``strong`` says whether its power is enough to lock on to it at all.
+    """
     slot_s = constants.slot_s
-    before_mw = station[j, SIGNAL] if station[j, SIGNALS] > 0.5 else 0.0
+    before_mw = station[j, SIGNAL]
     locked = station[j, LOCK] >= 0.0
     airtime_s = end_s - t_s
     concurrent_before = is_concurrent(station[j, RECENT_S], t_s, slot_s)
     if locked:
         settle(station, j, t_s, hazard, constants)
-    flag = LOCKED
-    if station[j, SENDING_S] > t_s:
+    flag = LOCKED if strong else WEAK
+    if strong and station[j, SENDING_S] > t_s:
         flag = HALF_DUPLEX
-    elif power_mw < constants.sensitivity_mw or power_mw < constants.preamble_ratio * constants.noise_mw:
-        flag = WEAK
-    else:
+    elif strong:
         heard = power_mw >= constants.preamble_ratio * (constants.noise_mw + before_mw)
         if locked:
             heard = t_s - station[
@@ -248,6 +288,7 @@ def finish_reception(
     j: int,
     sender: int,
     power_mw: float,
+    strong: bool,
     flag: int,
     t_s: float,
     hazard: FloatVector,
@@ -257,7 +298,7 @@ def finish_reception(
     """A frame ends at one receiver: take its power away; return what became of it."""
     start_s = station[sender, START_S]
     outcome = flag
-    mine = station[j, LOCK] == sender
+    mine = strong and station[j, LOCK] == sender
     if station[j, LOCK] >= 0.0:
         settle(station, j, t_s, hazard, constants)
     if station[j, SENDING_S] > start_s:
@@ -277,7 +318,7 @@ def finish_reception(
             outcome = WEAK
         else:
             outcome = IS_CONCURRENT if station[j, CONCURRENT] > station[j, HIDDEN] else IS_HIDDEN
-    elif flag == LOCKED:  # a stronger frame took the receiver away
+    elif strong and flag == LOCKED:  # a stronger frame took the receiver away
         outcome = (
             IS_CONCURRENT if is_concurrent(station[j, CAPTURED_S], start_s, constants.slot_s) else IS_HIDDEN
         )

@@ -27,6 +27,7 @@ __all__ = [
     "NistErrorModel",
     "TabulatedErrorModel",
     "ThresholdErrorModel",
+    "safe_ratio",
 ]
 
 HAZARD_MIN_DB = -30.0
@@ -36,6 +37,9 @@ HAZARD_SIZE = 1601
 
 MOST_HAZARD = 60.0
 """A hazard that no frame survives."""
+
+NO_HAZARD = 1e-22
+"""A hazard that all units of a frame together survive, however chance falls: it has 53 bits."""
 
 _SINR_DB = HAZARD_MIN_DB + np.arange(HAZARD_SIZE) / HAZARD_PER_DB
 
@@ -74,6 +78,18 @@ class AbstractErrorModel(abc.ABC):
         """
         hazard = np.interp(sinr_db, _SINR_DB, self.hazards())
         return -np.expm1(-hazard * self.units(np.array([float(size_bytes)])))
+
+
+def safe_ratio(hazards: FloatArray) -> float:
+    """Power ratio from which on a table has no hazard above `NO_HAZARD`; infinite where there is none.
+
+    Parameters
+    ----------
+    hazards
+        As `AbstractErrorModel.hazards` gives them, (HAZARD_SIZE,).
+    """
+    at = int(np.max(np.flatnonzero(hazards > NO_HAZARD), initial=-1)) + 1
+    return 10.0 ** (0.1 * float(_SINR_DB[at])) if at < HAZARD_SIZE else float("inf")
 
 
 @dataclass(frozen=True, slots=True)

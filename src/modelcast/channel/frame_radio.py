@@ -15,6 +15,7 @@ from modelcast.channel.frame_kernels import Asked, Heard
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
 from modelcast.core.arrays import FloatArray
+from modelcast.core.parts import WHOLE, Parts
 
 __all__ = ["AbstractFrameRadio", "asked", "copied", "error_units", "has_shadowing"]
 
@@ -63,9 +64,14 @@ class AbstractFrameRadio(AbstractRadio[State]):
 
     @abc.abstractmethod
     def advance(
-        self, state: State, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+        self,
+        state: State,
+        transmissions: Transmissions,
+        position_m: FloatArray,
+        until_t_s: float,
+        parts: Parts,
     ) -> tuple[Heard, State]:
-        """Check what is asked for and carry one interval; the state is used up."""
+        """Check what is asked for and carry one interval, in parts; the state is used up."""
 
     def init(self, vehicles: int, rng: np.random.Generator) -> State:
         """State of a silent channel at time 0."""
@@ -80,11 +86,16 @@ class AbstractFrameRadio(AbstractRadio[State]):
         return self.carry(copied(state), transmissions, position_m, until_t_s)
 
     def carry(
-        self, state: State, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+        self,
+        state: State,
+        transmissions: Transmissions,
+        position_m: FloatArray,
+        until_t_s: float,
+        parts: Parts = WHOLE,
     ) -> tuple[Receptions, State]:
         """Carry one interval and use the given state up: faster than `step`."""
         place_m = np.ascontiguousarray(position_m, dtype=np.float64)
-        heard, after = self.advance(state, transmissions, place_m, until_t_s)
+        heard, after = self.advance(state, transmissions, place_m, until_t_s, parts)
         receptions = Receptions(
             heard.who[:, 0],
             heard.who[:, 1],

@@ -13,6 +13,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.parts import WHOLE, Parts
 
 __all__ = ["ORDINARY", "OUTCOMES", "AbstractRadio", "Grant", "Receptions", "Transmissions"]
 
@@ -233,7 +234,12 @@ class AbstractRadio(abc.ABC, Generic[State]):
         """
 
     def carry(
-        self, state: State, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+        self,
+        state: State,
+        transmissions: Transmissions,
+        position_m: FloatArray,
+        until_t_s: float,
+        parts: Parts = WHOLE,
     ) -> tuple[Receptions, State]:
         """Carry one interval like `step`, and use the given state up where that is faster.
 
@@ -243,7 +249,10 @@ class AbstractRadio(abc.ABC, Generic[State]):
             Do not use it again.
         transmissions, position_m, until_t_s
             As for `step`.
+        parts
+            What may be worked on by several threads; what comes out does not depend on it.
         """
+        del parts
         return self.step(state, transmissions, position_m, until_t_s)
 
     @abc.abstractmethod

@@ -14,7 +14,6 @@ from modelcast.channel.pair_kernels import (
     OTHER,
     VALUE,
     Pairs,
-    grow_pairs,
     home_slot,
     kept_share,
     mixed,
@@ -34,7 +33,7 @@ from modelcast.core.kernel_types import (
     IntVector,
 )
 
-__all__ = ["SILENT", "ShadowRows", "shadow_of", "shadow_rows"]
+__all__ = ["SILENT", "ShadowRows", "Sweep", "lay_out", "shadow_of", "sweep_part"]
 
 SILENT = -1.0
 """Squared reach of a vehicle that will not send."""
@@ -51,12 +50,29 @@ class ShadowRows(NamedTuple):
 
     That of vehicle ``v`` and of who stands at ``k`` in the order of the cells, in row ``r`` of cells, is
     ``value[start[first[v] + r] + k]``. ``first`` (V,), ``start`` a number for every sender and row of cells
-    that it touches, ``value`` a number for every vehicle in those cells.
+    that its range touches, ``value`` a number for every vehicle in those cells: a shadowing for those within
+    its reach only.
     """
 
     first: IntVector
     start: IntVector
     value: Float32Vector
+
+
+class Sweep(NamedTuple):
+    """What a step's sweep starts from, and where it writes.
+
+    ``reach_m2`` (V,), ``position_m`` (V, 2) and ``range_m`` as `lay_out` is given them; ``cells`` of all,
+    ``senders`` of those who send, ``rows`` of their values, ``longest_m`` above all reaches.
+    """
+
+    reach_m2: FloatVector
+    position_m: FloatMatrix
+    cells: Cells
+    senders: Cells
+    rows: ShadowRows
+    range_m: float
+    longest_m: float
 
 
 @kernel(inlined=True)
@@ -66,7 +82,7 @@ def shadow_of(sender: int, row: int, k: int, rows: ShadowRows) -> float:
 
 
 @kernel
-def _lay_out(reach_m2: FloatVector, position_m: FloatMatrix, cells: Cells, range_m: float) -> ShadowRows:
+def _row_starts(reach_m2: FloatVector, position_m: FloatMatrix, cells: Cells, range_m: float) -> ShadowRows:
     """Return rows for all senders, whose values are yet to be written."""
     vehicles = reach_m2.size
     first = np.zeros(vehicles, dtype=np.int64)
@@ -215,55 +231,75 @@ def _renew(
 
 
 @kernel
-def shadow_rows(
-    reach_m2: FloatVector,
-    position_m: FloatMatrix,
-    cells: Cells,
-    seed: np.uint64,
-    tables: PropagationTables,
-    range_m: float,
-    pairs: Pairs,
-) -> tuple[ShadowRows, Pairs]:
-    """Renew the shadowing of all pairs with a sender; return it as rows, and the store of pairs.
+def lay_out(reach_m2: FloatVector, position_m: FloatMatrix, range_m: float) -> Sweep:
+    """Return the sweep of a step, whose values are yet to be written.
 
     Parameters
     ----------
     reach_m2
         Square of the distance up to which each vehicle may be heard in this step, `SILENT` where it does not
         send, (V,) [m²].
-    position_m, cells
-        Where everybody is, (V, 2) [m], and the cells of it.
-    seed
-        What chance depends on, beside the pair, its last value and its place.
+    position_m
+        Where everybody is, NaN for nobody, (V, 2) [m].
     range_m
-        No reach is longer; the range that the cells are made for [m].
+        No reach is longer; the cells are made for it [m].
     """
+    cells = build_cells(position_m, range_m)
     longest_m = np.sqrt(max(reach_m2.max(), 0.0)) + 1.0  # so that no rounding keeps anybody out
-    rows = _lay_out(reach_m2, position_m, cells, longest_m)
-    sending, present = np.flatnonzero(reach_m2 >= 0.0), cells.order.size
-    if _FEW * sending.size <= present:
-        for n in range(sending.size):
-            v = int(sending[n])
-            while not _look_up(v, reach_m2[v], position_m, cells, seed, tables, rows, pairs):
-                pairs = grow_pairs(pairs, position_m, range_m)
-        return rows, pairs
     where_m = np.full((reach_m2.size, 2), np.nan)
+    sending = np.flatnonzero(reach_m2 >= 0.0)
     where_m[sending] = position_m[sending]
-    senders = build_cells(where_m, longest_m)
+    return Sweep(
+        reach_m2,
+        position_m,
+        cells,
+        build_cells(where_m, longest_m),
+        _row_starts(reach_m2, position_m, cells, range_m),
+        range_m,
+        longest_m,
+    )
+
+
+@kernel
+def _sweep_few(sweep: Sweep, pairs: Pairs, seed: np.uint64, tables: PropagationTables) -> bool:
+    """Renew the pairs of few senders; return whether there was too little room."""
+    for v in range(sweep.reach_m2.size):
+        reach_m2 = sweep.reach_m2[v]
+        if reach_m2 >= 0.0 and not _look_up(
+            v, reach_m2, sweep.position_m, sweep.cells, seed, tables, sweep.rows, pairs
+        ):
+            return True
+    return False
+
+
+@kernel
+def sweep_part(
+    sweep: Sweep, pairs: Pairs, seed: np.uint64, tables: PropagationTables, part: int, parts: int
+) -> bool:
+    """Renew the pairs of a part of the owners; return whether an owner had too little room for its pairs.
+
+    The others are renewed then, that one is left out. Parts write to different places.
+    """
+    cells, rows, reach_m2 = sweep.cells, sweep.rows, sweep.reach_m2
+    present = cells.order.size
+    if _FEW * sweep.senders.order.size <= present:
+        return part == 0 and _sweep_few(sweep, pairs, seed, tables)
     found, way = np.empty((4, present + 1), dtype=np.int64), np.empty((4, present + 1))
-    for k in range(present):
+    short = False
+    for k in range(part * present // parts, (part + 1) * present // parts):
         owner = int(cells.order[k])
         sends = reach_m2[owner] >= 0.0
-        among = cells if sends else senders
-        count = _find_owned(owner, reach_m2, position_m, among, longest_m, rows, found, way)
-        while not _find_slots(owner, count, found, pairs):
-            pairs = grow_pairs(pairs, position_m, range_m)
+        among = cells if sends else sweep.senders
+        count = _find_owned(owner, reach_m2, sweep.position_m, among, sweep.longest_m, rows, found, way)
+        if not _find_slots(owner, count, found, pairs):
+            short = True
+            continue
         _renew(owner, count, seed, found, way, pairs.held, tables)
-        row = cell_row(cells, position_m[owner, 1])
+        row = cell_row(cells, sweep.position_m[owner, 1])
         for n in range(count):
             other, value = found[_OTHER, n], np.float32(way[_VALUE, n])
             if sends:
                 rows.value[found[_PLACE, n]] = value
             if reach_m2[other] >= 0.0:
                 rows.value[rows.start[rows.first[other] + row] + k] = value
-    return rows, pairs
+    return short

@@ -17,7 +17,9 @@ from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import Transmissions
-from modelcast.channel.sidelink_kernels import BAND, GRANT_COLUMNS, MESSAGE, Memory, advance
+from modelcast.channel.shadow_sweep import renew_pairs
+from modelcast.channel.shadowing_kernels import lay_out
+from modelcast.channel.sidelink_kernels import BAND, GRANT_COLUMNS, MESSAGE, Memory, advance, find_reach
 from modelcast.channel.sidelink_parameters import (
     BITS_PER_BLOCK,
     BLOCK_ELEMENTS,
@@ -28,6 +30,7 @@ from modelcast.channel.sidelink_parameters import (
 )
 from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
+from modelcast.core.parts import Parts
 
 __all__ = ["Sidelink", "SidelinkState"]
 
@@ -194,25 +197,32 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
         )
 
     def advance(
-        self, state: SidelinkState, transmissions: Transmissions, position_m: FloatArray, until_t_s: float
+        self,
+        state: SidelinkState,
+        transmissions: Transmissions,
+        position_m: FloatArray,
+        until_t_s: float,
+        parts: Parts,
     ) -> tuple[Heard, SidelinkState]:
         """Check what is asked for and carry one interval; the state is used up."""
         self._check(state, transmissions, position_m, until_t_s)
-        heard, pairs = advance(
+        sent = asked(transmissions)
+        reach_m2 = find_reach(state.grant, sent.sender, position_m, self.constants)
+        sweep = lay_out(reach_m2, position_m, self.constants.range_m)
+        pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
+        heard = advance(
             round(state.t_s * 1e3),
             round(until_t_s * 1e3),
             state.random,
             Memory(state.grant, state.power_dbm, state.sensed, state.reserved, state.busy_ratio),
-            Pairs(state.pairs, state.pair_count),
-            asked(transmissions),
-            position_m,
+            sent,
+            sweep,
             self.hazard,
             self.leak,
             self.tables,
             self.constants,
         )
-        after = replace(state, t_s=until_t_s, pairs=pairs.held, pair_count=pairs.owned)
-        return heard, after
+        return heard, replace(state, t_s=until_t_s, pairs=pairs.held, pair_count=pairs.owned)
 
     def channel_busy_ratio(self, state: SidelinkState) -> FloatArray:
         """Share of sub-channels above -94 dBm in the last full 100 subframes of every vehicle, 0..1, (V,)."""

@@ -8,13 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from modelcast.channel.cells_kernels import Cells, build_cells, find_in_range
+from modelcast.channel.cells_kernels import Cells, find_in_range
 from modelcast.channel.error_kernels import hazard_at
 from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_heard
-from modelcast.channel.pair_kernels import Pairs
 from modelcast.channel.propagation_kernels import PropagationTables, fading_factor, median_ln
 from modelcast.channel.random_kernels import LUCK, next_word, uniform, uniform_of, word_of
-from modelcast.channel.shadowing_kernels import SILENT, ShadowRows, shadow_of, shadow_rows
+from modelcast.channel.shadowing_kernels import SILENT, ShadowRows, Sweep, shadow_of
 from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants, select_resource
 from modelcast.core.exponential_kernels import fast_exp
 from modelcast.core.kernel import kernel
@@ -37,6 +36,7 @@ __all__ = [
     "NEXT",
     "Memory",
     "advance",
+    "find_reach",
 ]
 
 # Columns of ``grant`` (V, GRANT_COLUMNS): integers.
@@ -208,10 +208,10 @@ def _judge(
 
 
 @kernel
-def _find_reach(
+def find_reach(
     grant: IntMatrix, sender: IntVector, position_m: FloatMatrix, constants: SidelinkConstants
 ) -> FloatVector:
-    """Return the squared reach of what vehicles may send in this interval, as `shadow_rows` has it."""
+    """Return the squared reach of what vehicles may send in this interval, as `lay_out` has it."""
     reach_m2 = np.full(grant.shape[0], SILENT)
     if constants.shadowed:
         for n in range(sender.size + grant.shape[0]):
@@ -397,26 +397,19 @@ def advance(
     until: int,
     random: UInt64Vector,
     memory: Memory,
-    pairs: Pairs,
     asked: Asked,
-    position_m: FloatMatrix,
+    sweep: Sweep,
     hazard: FloatVector,
     leak: FloatCube,
     tables: PropagationTables,
     constants: SidelinkConstants,
-) -> tuple[Heard, Pairs]:
-    """Carry the subframes ``now`` to ``until``, the end excluded; the arrays of the state are written into.
-
-    Returns what was heard, and the store of pairs.
-    """
+) -> Heard:
+    """Carry the subframes ``now`` to ``until``, the end excluded; the state's arrays are written into."""
     grant, sender = memory.grant, asked.sender
     vehicles, channels = grant.shape[0], constants.sub_channels
     ready_subframe = np.floor(asked.ready_s * 1e3 + 1e-6).astype(np.int64)
-    cells = build_cells(position_m, constants.range_m)
-    present = cells.order.size
-    reach_m2 = _find_reach(grant, sender, position_m, constants)
-    rows, pairs = shadow_rows(reach_m2, position_m, cells, random[1], tables, constants.range_m, pairs)
-    around = Around(position_m, cells, rows, np.empty((present, 2), dtype=np.int64))
+    position_m, present = sweep.position_m, sweep.cells.order.size
+    around = Around(position_m, sweep.cells, sweep.rows, np.empty((present, 2), dtype=np.int64))
     heard, received, lapsed = nothing_heard(constants.bins, sender.size + vehicles), 0, 0
     air, turns = _silent_air(vehicles, channels)
     links = Links(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64))
@@ -452,4 +445,4 @@ def advance(
             _measure_busy(subframe, memory, constants)
 
     who, when = heard.who[:received].copy(), heard.when[:received].copy()
-    return Heard(who, when, heard.outcomes, heard.expired[:lapsed].copy()), pairs
+    return Heard(who, when, heard.outcomes, heard.expired[:lapsed].copy())

@@ -144,7 +144,7 @@ class CompareOptions:
         try:
             return CompareSettings(
                 shared.settings(),
-                tuple(self.protocol),
+                self.sensor.protocols(self.protocol),
                 against=self.against,
                 route_by=self.route_by,
                 resamples=self.resamples,

@@ -69,7 +69,7 @@ class EvaluateOptions:
         Silence after which the host drops a remote [s]; 0 for never.
     protocol
         'recorded': the log is both input and truth. 'sensor': the truth is smoothed and the input simulated
-        from it. 'auto': sensor where the log lies on a coarse grid or holds values.
+        from it. 'auto': sensor where the log lies on a coarse grid or holds values, or --sensor names one.
     sensor
         What the sender measures in the sensor protocol.
     samples
@@ -185,7 +185,7 @@ class EvaluateOptions:
                 mean_burst_s=self.burst or None,
                 delay_s=self.delay,
                 expiry_s=self.expiry or None,
-                protocol=self.protocol,
+                protocol=self.sensor.protocols((self.protocol,))[0],
                 sensor=self.sensor.model(),
                 keep_samples=self.samples,
                 references=self.references,

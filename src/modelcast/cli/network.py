@@ -1,18 +1,19 @@
 """``modelcast network``: policies and radios in traffic, as a closed loop."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from modelcast.cli.options import Numbers, Paths, SensorOptions, Words
+from modelcast.messages.rules import CertificateRule
 from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
 
 if TYPE_CHECKING:
     from modelcast.cli.network_plan import NetworkPlan
     from modelcast.io.fcd_survey import FcdSurvey
     from modelcast.io.run_store import RunStore
-    from modelcast.study.network.rows import CaseResult, NetworkCase
+    from modelcast.study.network.rows import CaseResult, NetworkCase, SenderRow
 
 __all__ = ["network"]
 
@@ -31,8 +32,8 @@ def network(
     length: float = 2000.0,
     lanes: int = 0,
     blocks: int = 5,
-    certificates: str = "gap",
-    bank: str = "default",
+    certificates: CertificateRule = "gap",
+    bank: Words = ("default",),
     profile: str | None = None,
     start: StartRule | None = None,
     identify: IdentifyRule | None = None,
@@ -86,14 +87,16 @@ def network(
     certificates
         Which messages carry the certificate: gap, timer, always, digest, unsigned.
     bank
-        Sub-models of mbc and the j2945-mbc ones, as for evaluate.
+        Sub-models of mbc and the j2945-mbc ones, several banks after one another, each as for evaluate. The
+        other policies send no model and are run once, not once a bank.
     profile
         File of the profile in use, as for evaluate.
     start
         Sub-model that their messages start with, as for evaluate; where not given, mbc takes the bank's rule
         and the others what erred least of late (recent). Timers know no guard and no survivor.
     identify
-        When mbc names another sub-model, as for evaluate; the others never do.
+        When mbc names another sub-model, as for evaluate; the bank's rule where not given. The others never
+        do.
     cost
         What the rule cheapest counts: messages, bytes or airtime.
     threshold
@@ -102,7 +105,7 @@ def network(
         Longest silence of baseline and mbc [s].
     relaxed_error
         Tracking error that calls for a message of the relaxed policies in thin traffic [m]; where not given,
-        1 cm, or --position-noise where that is more.
+        1 cm, or the sensor's white position noise where that is more.
     sensor
         What vehicles see of themselves.
     out
@@ -116,7 +119,9 @@ def network(
     quiet
         Print nothing but errors.
     """
+    from modelcast.cli.network_cases import Varied, network_cases
     from modelcast.cli.network_plan import NetworkPlan
+    from modelcast.cli.network_senders import sender_rows
 
     plan = NetworkPlan(
         scenario,
@@ -128,7 +133,7 @@ def network(
         blocks=blocks,
         seed=seed,
         certificates=certificates,
-        bank=bank,
+        banks=tuple(bank),
         profile=profile,
         start=start,
         identify=identify,
@@ -139,17 +144,26 @@ def network(
         relaxed_error_m=relaxed_error,
         sensor=sensor,
     )
-    cases = _cases(plan, density, radio, policy, seeds)
-    return _publish(plan, cases, out, jobs=jobs or os.cpu_count() or 1, json=json, quiet=quiet)
+    cases = network_cases(plan, Varied(density, radio, policy, seeds))
+    senders = sender_rows(plan, dict.fromkeys(policy))
+    return _publish(plan, cases, senders, out, jobs=jobs or os.cpu_count() or 1, json=json, quiet=quiet)
 
 
 def _publish(
-    plan: "NetworkPlan", cases: "list[NetworkCase]", out: Path, *, jobs: int, json: bool, quiet: bool
+    plan: "NetworkPlan",
+    cases: "list[NetworkCase]",
+    senders: "list[SenderRow]",
+    out: Path,
+    *,
+    jobs: int,
+    json: bool,
+    quiet: bool,
 ) -> int:
     """Run the cases, write the output folder, show the result."""
     import json as json_format
     import sys
 
+    from modelcast.cli.network_cases import told
     from modelcast.cli.progress import counted
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
@@ -169,11 +183,14 @@ def _publish(
         known, notes = _training_trips(plan)
         for line in () if quiet or json else notes:
             say(line)
+        results = {case: done for case in cases if (done := store.find(case)) is not None}
+        if not quiet and not json:
+            say(told(cases, len(results)))
         with counted("runs", quiet=quiet or json) as progress:
-            results = _run_all(plan, cases, store, found, jobs=jobs, progress=progress)
+            results = _run_all(plan, cases, results, store, found, jobs=jobs, progress=progress)
         if plan.key() != key:
             raise ConfigError("an input changed while it was read: run the command again")
-        result = gather(results.values())
+        result = gather(results.values(), senders)
         store.publish(results, folder)
         write_network(result, options, folder, key=key, traffic=traffic, training_trips=known)
         write_network_report(result, options, folder, traffic=traffic, notes=notes)
@@ -197,16 +214,17 @@ def _survey(plan: "NetworkPlan") -> "FcdSurvey | None":
 
 
 def _training_trips(plan: "NetworkPlan") -> tuple[tuple[str, ...], list[str]]:
-    """Recorded trips of the traffic that the shipped profile was trained on, and what is told of them."""
+    """Recorded trips of the traffic that a bank was trained on, and what is told of them."""
     if not plan.trips:
         return (), []
+    from modelcast.cli.network_senders import named_banks
     from modelcast.io.trips import read_trips
-    from modelcast.models.profile import default_profile
     from modelcast.report.training_trips import training_note
     from modelcast.trips.fingerprint import known_trips
 
     trips = tuple(read_trips(plan.trips))
-    known = known_trips(trips, default_profile().training_trips)
+    trained_on = {trip for named in named_banks(plan).values() for trip in named.trained_on}
+    known = known_trips(trips, trained_on)
     return known, training_note(known, len(trips))
 
 
@@ -219,49 +237,23 @@ def _show_traffic(found: "FcdSurvey") -> None:
         say(line)
 
 
-def _cases(
-    plan: "NetworkPlan", density: Numbers, radio: Words, policy: Words, seeds: int
-) -> "list[NetworkCase]":
-    """All runs asked for, once each."""
-    from itertools import product
-    from math import nan
-
-    from modelcast.cli.network_plan import RADIOS
-    from modelcast.core.exceptions import ConfigError
-    from modelcast.station.sender.sender import SENDERS
-    from modelcast.study.network.rows import NetworkCase
-
-    for name, given, known in (("radio", radio, RADIOS), ("policy", policy, SENDERS)):
-        unknown = [word for word in given if word not in known]
-        if unknown or not given:
-            raise ConfigError(f"--{name} must be of {', '.join(known)}, got {', '.join(unknown) or 'none'}")
-    plan.check_traffic()
-    if seeds < 1 or not all(value > 0 for value in density):
-        raise ConfigError(f"--seeds and --density must be positive, got {seeds} and {density}")
-    if not 0 <= plan.warm_up_s < plan.duration_s:
-        raise ConfigError(f"--warm-up must be below --duration, got {plan.warm_up_s} and {plan.duration_s}")
-    densities = (nan,) if plan.has_own_density else tuple(dict.fromkeys(density))
-    chosen = product(densities, dict.fromkeys(radio), dict.fromkeys(policy), range(seeds))
-    return [NetworkCase(*one) for one in chosen]
-
-
 def _run_all(
     plan: "NetworkPlan",
     cases: "list[NetworkCase]",
+    known: "Mapping[NetworkCase, CaseResult]",
     store: "RunStore",
     found: "FcdSurvey | None",
     *,
     jobs: int,
     progress: Callable[[int, int], None],
 ) -> "dict[NetworkCase, CaseResult]":
-    """Rows of all runs: those on disk, and the others run now, each written as soon as it is done."""
+    """Rows of all runs: those known, and the others run now, each written as soon as it is done."""
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor, as_completed
 
     from modelcast.cli.network_case import run_case
 
-    known = {case: store.find(case) for case in cases}
-    results = {case: result for case, result in known.items() if result is not None}
+    results = dict(known)
     missing = [case for case in cases if case not in results]
 
     def take(case: "NetworkCase", result: "CaseResult") -> None:

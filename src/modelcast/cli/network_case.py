@@ -2,14 +2,13 @@
 
 from typing import Any
 
-from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
+from modelcast.cli.network_senders import named_banks, sender_of
 from modelcast.cli.network_traffic import BLOCK_M, traffic
 from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.fcd_survey import FcdSurvey
 from modelcast.runtime.fleet.engine import run_network
-from modelcast.station.sender.sender import named_sender
 from modelcast.study.network.measure import measure
 from modelcast.study.network.rows import CaseResult, NetworkCase
 from modelcast.world.scenario.motion import checked
@@ -62,25 +61,10 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
         Where an option is out of its range, the traffic does not fit, or vehicles do not move as their
         columns say.
     """
-    from modelcast.messages.airtime import Stack
-
-    certificates: Any = plan.certificates
     try:
         model = plan.sensor.model()
-        named = bank_in_use(plan.bank, profile=profile_in_use(plan.profile))
-        sender = named_sender(
-            case.policy,
-            bank=named.bank,
-            start=plan.start,
-            identify=plan.identify,
-            costs=named.costs(plan.cost) if plan.identify == "cheapest" else None,
-            selector=named.selector if plan.start == "predicted" else None,
-            threshold_m=plan.threshold_m,
-            keep_alive_s=plan.keep_alive_s,
-            relaxed_error_m=plan.relaxed_error_m,
-            motion=filter_for(model),
-            stack=Stack(certificates),
-        )
+        named = named_banks(plan).get(case.bank)
+        sender = sender_of(plan, case.policy, case.bank, named, filter_for(model))
         radio, bin_m = _radio(plan, case.radio)
         seed = int(child_generator(plan.seed, case.run, "loop").integers(2**31))
         with traffic(plan, case, found) as frames:

@@ -10,6 +10,7 @@ from typing import Any
 from modelcast.cli.options import SensorOptions
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.network_runs import RunKey
+from modelcast.messages.rules import CertificateRule
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
 
@@ -41,7 +42,7 @@ class NetworkPlan:
         Of all random numbers.
     certificates
         Rule of the certificates.
-    bank, profile, start, identify, cost
+    banks, profile, start, identify, cost
         Of senders of models, as users name them.
     threads
         Threads of each run.
@@ -63,8 +64,8 @@ class NetworkPlan:
     lanes: int
     blocks: int
     seed: int
-    certificates: str
-    bank: str
+    certificates: CertificateRule
+    banks: tuple[str, ...]
     profile: str | None
     start: StartRule | None
     identify: IdentifyRule | None
@@ -77,15 +78,37 @@ class NetworkPlan:
     trips: tuple[str, ...] = ()
 
     def as_plain(self) -> dict[str, Any]:
-        """All of it as plain values; files by their names."""
+        """What every run depends on, as plain values; files by their names, the sensor with its figures.
+
+        Each run has one of the banks.
+        """
         found: dict[str, Any] = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
-        del found["threads"]  # the result is the same whatever their number
-        for name in ("scenario", "bank", "profile"):
+        found["sensor"]["model"] = asdict(self.sensor.model())
+        del found["banks"], found["threads"]  # the result is the same whatever the number of threads
+        for name in ("scenario", "profile"):
             found[name] = None if found[name] is None else Path(found[name]).name
         return found
 
+    @property
+    def bank_texts(self) -> dict[str, str]:
+        """The banks as users name them, by their names in rows: of a file its last part.
+
+        Raises
+        ------
+        ConfigError
+            Where there is none, or two files have one name.
+        """
+        found: dict[str, str] = {}
+        for text in self.banks:
+            name = Path(text).name if text.endswith(".json") else text
+            if found.setdefault(name, text) != text:
+                raise ConfigError(f"--bank: {found[name]} and {text} have the same name: rename one")
+        if not found:
+            raise ConfigError("--bank: name at least one, as default")
+        return found
+
     def key(self) -> RunKey:
-        """Version and hashes of all that a run reads: its traffic, the shipped profile, SUMO.
+        """Version and hashes of all that a run reads: its traffic, its bank, the shipped profile, SUMO.
 
         Raises
         ------
@@ -94,9 +117,9 @@ class NetworkPlan:
         """
         from modelcast.cli.run_inputs import recorded_inputs
         from modelcast.core.version import package_version
+        from modelcast.io.regular import sha256_of
 
         files = [self.scenario] if self.from_file else []
-        files += [self.bank] if self.bank.endswith(".json") else []
         files += [] if self.profile is None else [self.profile]
         paths = [Path(path) for path in (*self.trips, *files)]
         hashes = recorded_inputs(paths).items()
@@ -107,7 +130,9 @@ class NetworkPlan:
         inputs["profile"] = hashlib.sha256(profile.read_bytes()).hexdigest()
         if self.scenario in SUMO:
             inputs["eclipse-sumo"] = metadata.version("eclipse-sumo")
-        return RunKey(package_version(), inputs)
+        banks = self.bank_texts.items()
+        files_of_banks = {name: sha256_of(Path(text)) for name, text in banks if text.endswith(".json")}
+        return RunKey(package_version(), inputs, files_of_banks)
 
     @property
     def from_file(self) -> bool:

@@ -8,6 +8,7 @@ from typing import Any, get_args
 from modelcast.core.rules import AbstractRule, Each, Flag, Keys, Maybe, Number, Text, Whole
 from modelcast.messages.rules import CertificateRule
 from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+from modelcast.world.named_sensors import SENSORS
 
 __all__ = ["LONGEST_PATH", "OPTIONS"]
 
@@ -45,12 +46,15 @@ _RULES: dict[str, AbstractRule] = {
     "map": Maybe(Text(1000)),
     "quantised": Flag(),
     "certificates": _word(CertificateRule),
-    "position_noise": _NOISE,
-    "slow_noise": _NOISE,
-    "speed_noise": _NOISE,
-    "heading_noise": Number(0.0, 360.0),
-    "latency": Number(0.0, _HOUR_S),
+    "position_noise": Maybe(_NOISE),
+    "slow_noise": Maybe(_NOISE),
+    "speed_noise": Maybe(_NOISE),
+    "heading_noise": Maybe(Number(0.0, 360.0)),
+    "latency": Maybe(Number(0.0, _HOUR_S)),
 }
 
-OPTIONS = Keys(_RULES)
-"""Of all options by name, as `modelcast.cli.evaluate_options.EvaluateOptions.as_plain` writes them."""
+OPTIONS = Keys(_RULES, {"sensor": Maybe(Text(choices=tuple(SENSORS)))})
+"""Of all options by name, as `modelcast.cli.evaluate_options.EvaluateOptions.as_plain` writes them.
+
+Runs from before sensors had names do not say which; theirs is the default.
+"""

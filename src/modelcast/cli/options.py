@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from modelcast.study.compare.settings import Protocol
     from modelcast.world.sensors import SensorModel
 
 __all__ = [
@@ -49,47 +52,85 @@ Columns = Annotated[
 @Parameter(name="*")
 @dataclass(frozen=True)
 class SensorOptions:
-    """What the sender measures in the sensor protocol.
+    """What the sender measures in the sensor protocol, and a vehicle of a fleet of itself.
 
     Parameters
     ----------
+    sensor
+        Sensor by name: default, ideal, gnss, gnss-rtk, ins, phone. Where not given: default.
+        The options below, where given, replace what it has. For recorded trips a name asks for the sensor
+        protocol: the log, smoothed where it needs it, is the truth, and the sender gets the sensor's view of
+        it.
     position_noise
-        White position noise of the sensor protocol [m].
+        White position noise [m].
     slow_noise
-        Slowly varying position noise of the sensor protocol [m].
+        Slowly varying position noise [m].
     speed_noise
-        Speed noise of the sensor protocol [m/s].
+        Speed noise [m/s].
     heading_noise
-        Heading noise of the sensor protocol [deg].
+        Heading noise [deg].
     latency
-        Age of what the sender sees, in the sensor protocol [s].
+        Age of what the sender sees [s].
     """
 
-    position_noise: float = 0.01
-    slow_noise: float = 0.0
-    speed_noise: float = 0.05
-    heading_noise: float = 0.2
-    latency: float = 0.0
+    sensor: str | None = None
+    position_noise: float | None = None
+    slow_noise: float | None = None
+    speed_noise: float | None = None
+    heading_noise: float | None = None
+    latency: float | None = None
 
     def model(self) -> "SensorModel":
         """The sensor model they mean.
 
         Raises
         ------
-        ValueError
-            Where a value is out of its range.
+        ConfigError
+            Where no sensor has that name, or a value is out of its range.
         """
-        import numpy as np
+        from dataclasses import replace
+        from math import radians
 
-        from modelcast.world.sensors import SensorModel
+        from modelcast.core.exceptions import ConfigError
+        from modelcast.world.named_sensors import named_sensor
 
-        return SensorModel(
-            position_noise_m=self.position_noise,
-            slow_position_noise_m=self.slow_noise,
-            speed_noise_mps=self.speed_noise,
-            heading_noise_rad=float(np.deg2rad(self.heading_noise)),
-            latency_s=self.latency,
-        )
+        given = {
+            "position_noise_m": self.position_noise,
+            "slow_position_noise_m": self.slow_noise,
+            "speed_noise_mps": self.speed_noise,
+            "heading_noise_rad": None if self.heading_noise is None else radians(self.heading_noise),
+            "latency_s": self.latency,
+        }
+        found = {name: value for name, value in given.items() if value is not None}
+        try:
+            return replace(named_sensor(self.sensor or "default"), **found)
+        except ValueError as error:
+            raise ConfigError(str(error)) from error
+
+    def protocols(self, asked: "Sequence[Protocol]") -> "tuple[Protocol, ...]":
+        """What is meant by protocols where a sensor may be named: auto is sensor then.
+
+        Parameters
+        ----------
+        asked
+            As the user names them.
+
+        Raises
+        ------
+        ConfigError
+            Where a sensor is named, and every protocol shows the sender the log instead.
+        """
+        from modelcast.core.exceptions import ConfigError
+
+        if self.sensor is None:
+            return tuple(asked)
+        found: dict[Protocol, None] = dict.fromkeys("sensor" if one == "auto" else one for one in asked)
+        if "sensor" not in found:
+            raise ConfigError(
+                f"--sensor {self.sensor}: with --protocol recorded the sender sees the log itself, through "
+                "no sensor: leave one of the two out, or take --protocol sensor"
+            )
+        return tuple(found)
 
 
 def parse_columns(text: str | None) -> dict[str, str] | None:

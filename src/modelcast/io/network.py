@@ -3,9 +3,9 @@
 ``runs/<case>-<key>.json``
     Rows of one run (`modelcast.io.network_runs`).
 ``summary.json`` (`network_document`)
-    ``schema`` (2), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
-    of floating-car data holds, else null), ``options``, ``runs`` (`RunRow`), ``pooled`` (`PooledRow`),
-    ``capacities`` (`CapacityRow`). A number that does not exist is null.
+    ``schema`` (3), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
+    of floating-car data holds, else null), ``options``, ``senders`` (`SenderRow`), ``runs`` (`RunRow`),
+    ``pooled`` (`PooledRow`), ``capacities`` (`CapacityRow`). A number that does not exist is null.
 ``runs.parquet``, ``distances.parquet``, ``outcomes.parquet``, ``seconds.parquet``
     One row a run; a run and bin of 25 m; a run and bin of the radio; a run and second.
 
@@ -32,10 +32,10 @@ from modelcast.study.network.rows import (
 
 __all__ = ["NETWORK_SCHEMA", "network_document", "write_network"]
 
-NETWORK_SCHEMA = 2
-"""Version of the layout of ``summary.json``; since 2 it holds inputs and traffic."""
+NETWORK_SCHEMA = 3
+"""Version of the layout of ``summary.json``; since 2 it holds inputs and traffic, since 3 banks."""
 
-_TEXT = {"radio", "policy"}
+_TEXT = {"radio", "policy", "bank"}
 
 
 def network_document(
@@ -64,10 +64,11 @@ def network_document(
     return {
         "schema": NETWORK_SCHEMA,
         "modelcast": key.version,
-        "inputs": plain_value(dict(key.inputs)),
+        "inputs": plain_value(key.all_inputs),
         "traffic": None if traffic is None else plain_value(dict(traffic)),
         "training_trips": list(training_trips),
         "options": plain_value(dict(options)),
+        "senders": [row_document(row) for row in result.senders],
         "runs": [row_document(row) for row in result.runs],
         "pooled": [row_document(row) for row in result.pooled],
         "capacities": [row_document(row) for row in result.capacities],

@@ -11,13 +11,14 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.documents import document_text, plain_value, row_document
 from modelcast.study.network.rows import (
+    CASE_KEYS,
     CaseResult,
     DistanceRow,
     NetworkCase,
@@ -28,14 +29,13 @@ from modelcast.study.network.rows import (
 
 __all__ = ["RUN_SCHEMA", "RunKey", "case_name", "read_case", "run_path", "write_case"]
 
-RUN_SCHEMA = 2
-"""Version of the layout of a run's file; since 2 it holds version and inputs."""
+RUN_SCHEMA = 3
+"""Version of the layout of a run's file; since 2 it holds version and inputs, since 3 the bank."""
 
 _LARGEST_BYTES = 64 * 2**20
 _MOST_ROWS = 1_000_000
 _LARGEST = 1e15
 _ANY_SIGN = frozenset({"power_dbm"})
-_KEYS = ("density_per_km", "radio", "policy", "run")
 Row = TypeVar("Row", RunRow, DistanceRow, OutcomeRow, SecondRow)
 
 
@@ -49,15 +49,34 @@ class RunKey:
         Of modelcast.
     inputs
         A hash or version of all that the run reads, by name.
+    banks
+        A hash of the file of each bank that is one, by the bank's name: runs of other banks do not read it.
     """
 
     version: str
     inputs: Mapping[str, str]
+    banks: Mapping[str, str] = field(default_factory=dict[str, str])
+
+    @property
+    def all_inputs(self) -> dict[str, str]:
+        """The inputs and the files of the banks, by name."""
+        return {**self.inputs, **{f"bank {name}": found for name, found in self.banks.items()}}
+
+    def of(self, bank: str) -> "RunKey":
+        """The key of the runs of one bank.
+
+        Parameters
+        ----------
+        bank
+            Its name.
+        """
+        own = {name: found for name, found in self.banks.items() if name == bank}
+        return replace(self, banks=own)
 
     @property
     def short(self) -> str:
         """The key as file names hold it."""
-        text = json.dumps([self.version, sorted(self.inputs.items())])
+        text = json.dumps([self.version, sorted(self.all_inputs.items())])
         return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
@@ -71,11 +90,11 @@ def case_name(case: NetworkCase) -> str:
 
     Examples
     --------
-    >>> case_name(NetworkCase(100.0, "dsrc", "j2945", 3))
-    'dsrc_j2945_100_3'
+    >>> case_name(NetworkCase(100.0, "dsrc", "mbc", "paper", 3))
+    'dsrc_mbc_paper_100_3'
     """
     density = f"{case.density_per_km:g}" if math.isfinite(case.density_per_km) else "own"
-    return f"{case.radio}_{case.policy}_{density}_{case.run}"
+    return f"{case.radio}_{case.policy}_{case.bank}_{density}_{case.run}"
 
 
 def run_path(case: NetworkCase, key: RunKey, folder: Path) -> Path:
@@ -86,7 +105,7 @@ def run_path(case: NetworkCase, key: RunKey, folder: Path) -> Path:
     case, key, folder
         As for `write_case`.
     """
-    return folder / f"{case_name(case)}-{key.short}.json"
+    return folder / f"{case_name(case)}-{key.of(case.bank).short}.json"
 
 
 def write_case(
@@ -110,7 +129,7 @@ def write_case(
     document = {
         "schema": RUN_SCHEMA,
         "modelcast": key.version,
-        "inputs": dict(key.inputs),
+        "inputs": key.of(case.bank).all_inputs,
         "options": dict(options),
         "run": [row_document(result.run)],
         "distances": [row_document(row) for row in result.distances],
@@ -153,7 +172,7 @@ def read_case(case: NetworkCase, options: Mapping[str, Any], key: RunKey, folder
         raise ConfigError(
             f"{path} was run with other options ({', '.join(changed)}): name another output folder"
         )
-    if document["modelcast"] != key.version or document["inputs"] != dict(key.inputs):
+    if document["modelcast"] != key.version or document["inputs"] != key.of(case.bank).all_inputs:
         raise _refused(path, "inputs", "those of its name")
     runs = list(_rows(path, "run", RunRow, document["run"], case))
     if len(runs) != 1:
@@ -200,8 +219,8 @@ def _rows(path: Path, name: str, kind: type[Row], rows: object, case: NetworkCas
             raise _refused(path, place, f"a mapping of the fields of {kind.__name__}")
         given = cast("dict[str, Any]", row)
         values = {at: _value(path, f"{place}.{at}", given[at], types[at]) for at in types}
-        own = plain_value({key: getattr(case, key) for key in _KEYS})
-        for key in _KEYS:
+        own = plain_value({key: getattr(case, key) for key in CASE_KEYS})
+        for key in CASE_KEYS:
             if given[key] != own[key]:
                 raise _refused(path, f"{place}.{key}", repr(own[key]))
         yield kind(**values)

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
 from rich.table import Table
 
@@ -14,12 +15,15 @@ from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.literal import literal, markdown
 from modelcast.report.page import CSS, escape, number, page, table
 from modelcast.report.style import style
-from modelcast.study.network.rows import NetworkResult, PooledRow
+from modelcast.study.network.pool import LIMITS_M
+from modelcast.study.network.rows import NO_BANK, NetworkResult, PooledRow
 
 __all__ = ["network_console", "network_markdown", "traffic_lines", "write_network_report"]
 
 _COLUMNS = (
     ("message_rate_hz", "messages [1/s]", 1.0),
+    ("update_rate_hz", "updates [1/s]", 1.0),
+    ("identification_rate_hz", "identifications [1/s]", 1.0),
     ("model_ratio", "with model [%]", 100.0),
     ("frame_bytes", "bytes a frame", 1.0),
     ("bytes_per_s", "bytes/s", 1.0),
@@ -35,29 +39,47 @@ _COLUMNS = (
     ("pte_p95_m", "PTE p95 [m]", 1.0),
     ("pte_p99_m", "PTE p99 [m]", 1.0),
 )
-_TERMINAL = ("message_rate_hz", "bytes_per_s", "busy_ratio", "collision_ratio", "pte_p90_m", "pte_p99_m")
-_KEYS = ("density", "radio", "policy", "seeds")
+_TERMINAL = {
+    "update_rate_hz": "updates [1/s]",
+    "identification_rate_hz": "identif. [1/s]",
+    "bytes_per_s": "bytes/s",
+    "busy_ratio": "CBR [%]",
+    "pte_p90_m": "PTE p90 [m]",
+    "pte_p99_m": "PTE p99 [m]",
+}
+_SENDERS = ("policy", "bank", "sub-models", "start", "identify")
+_CAPACITY = "Vehicles a kilometre at which the p90 of the tracking error at 100 m meets a limit"
 _SCOPE = (
     "Mean over seeds with its 95 % interval. Received, collided, tracked, gaps, ages and tracking errors "
-    "(PTE) are those of vehicles 50 m to 150 m apart; messages and bytes are a vehicle's."
+    "(PTE) are those of vehicles 50 m to 150 m apart; messages, updates, identifications and bytes are a "
+    "vehicle's."
 )
 
 
-def _rows(result: NetworkResult, names: Sequence[str], *, intervals: bool) -> list[list[str]]:
-    groups: dict[tuple[str, str, str, str], dict[str, PooledRow]] = {}
+def _sender(result: NetworkResult) -> tuple[str, ...]:
+    """What tells senders apart: the policy, and the bank where there are several."""
+    return ("policy", "bank") if len(result.banks) > 1 else ("policy",)
+
+
+def _heads(result: NetworkResult) -> tuple[str, ...]:
+    return ("density", "radio", *_sender(result), "seeds")
+
+
+def _rows(result: NetworkResult, names: Sequence[str]) -> list[list[str]]:
+    groups: dict[tuple[str, ...], dict[str, PooledRow]] = {}
     for row in result.pooled:
         density = f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
-        groups.setdefault((density, row.radio, row.policy, str(row.seeds)), {})[row.figure] = row
+        sender = (getattr(row, name) for name in _sender(result))
+        groups.setdefault((density, row.radio, *sender, str(row.seeds)), {})[row.figure] = row
     factors = {name: factor for name, _, factor in _COLUMNS}
     return [
-        [*key, *(_cell(figures[name], factors[name], intervals=intervals) for name in names)]
-        for key, figures in groups.items()
+        [*key, *(_cell(figures[name], factors[name]) for name in names)] for key, figures in groups.items()
     ]
 
 
-def _cell(row: PooledRow, factor: float, *, intervals: bool) -> str:
+def _cell(row: PooledRow, factor: float) -> str:
     middle = number(factor * row.value)
-    if not intervals or row.low is None or row.high is None:
+    if row.low is None or row.high is None:
         return middle
     return f"{middle} ± {number(factor * 0.5 * (row.high - row.low), 2)}"
 
@@ -102,7 +124,7 @@ def network_markdown(
         What must be known before the figures.
     """
     names = [name for name, _, _ in _COLUMNS]
-    heads = [*_KEYS, *(title for _, title, _ in _COLUMNS)]
+    heads = [*_heads(result), *(title for _, title, _ in _COLUMNS)]
     lines = [
         _SCOPE,
         "",
@@ -110,52 +132,81 @@ def network_markdown(
         _joined(heads),
         "|" + "---|" * len(heads),
     ]
-    lines += [_joined(cells) for cells in _rows(result, names, intervals=True)]
+    lines += [_joined(cells) for cells in _rows(result, names)]
     if result.capacities:
-        heads = ["radio", "policy", "limit [m]", "vehicles a km"]
-        lines += ["", "Density at which the p90 of the tracking error at 100 m meets a limit:", ""]
+        heads = _capacity_heads(result)
+        lines += ["", f"{_CAPACITY}:", ""]
         lines += [_joined(heads), "|" + "---|" * len(heads)]
         lines += [_joined(cells) for cells in _capacity_cells(result)]
+    if result.senders:
+        lines += ["", "What was sent of each bank, and by which rules:", ""]
+        lines += [_joined(_SENDERS), "|" + "---|" * len(_SENDERS)]
+        lines += [_joined(cells) for cells in _sender_cells(result)]
     if traffic is not None:
         lines += ["", "Traffic:", "", *(f"- {line.strip()}" for line in _traffic_lines(traffic))]
     return "\n".join(lines) + "\n"
 
 
 def _joined(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cells) + " |"
+    return "| " + " | ".join(map(markdown, cells)) + " |"
+
+
+def _sender_cells(result: NetworkResult) -> list[list[str]]:
+    return [[row.policy, row.bank, row.sub_models, row.start, row.identify] for row in result.senders]
+
+
+def _capacity_heads(result: NetworkResult) -> list[str]:
+    return ["radio", *_sender(result), *(f"{limit_m:g} m" for limit_m in LIMITS_M)]
 
 
 def _capacity_cells(result: NetworkResult) -> list[list[str]]:
-    cells: list[list[str]] = []
+    """One row a radio and sender, a cell a limit."""
+    groups: dict[tuple[str, ...], list[str]] = {}
     for row in result.capacities:
         found = f"not up to {row.highest_per_km:g}"
         if row.density_per_km is not None:
             found = f"{row.density_per_km:.0f}"
         elif row.above_at_lowest:
             found = "above it at the lowest"
-        cells.append([row.radio, row.policy, f"{row.limit_m:g}", found])
-    return cells
+        sender = (str(getattr(row, name)) for name in _sender(result))
+        groups.setdefault((row.radio, *sender), []).append(found)
+    return [[*key, *found] for key, found in groups.items()]
+
+
+def _narrow(title: str) -> Table:
+    """A table with little air: names of policy and bank must fit beside the numbers."""
+    return Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 0), header_style="")
 
 
 def network_console(result: NetworkResult) -> RenderableType:
-    """Return the short table for the terminal.
+    """Return the short table for the terminal: a line a sender, under its radio and density.
 
     Parameters
     ----------
     result
         All runs.
     """
-    titles = {name: title for name, title, _ in _COLUMNS}
-    shown = Table(title="Vehicles 50 m to 150 m apart, mean over seeds", title_justify="left")
-    for head in (*_KEYS, *(titles[name] for name in _TERMINAL)):
-        shown.add_column(head, justify="left" if head in {"radio", "policy"} else "right")
-    for cells in _rows(result, _TERMINAL, intervals=True):
-        shown.add_row(*(literal(cell) for cell in cells))
-    capacity = Table(title="Density at which PTE p90 at 100 m meets a limit", title_justify="left")
-    for head in ("radio", "policy", "limit [m]", "vehicles a km"):
-        capacity.add_column(head)
+    seeds = result.pooled[0].seeds if result.pooled else 0
+    mean = "one seed" if seeds == 1 else f"mean over {seeds} seeds ± half of its 95 % interval"
+    shown = _narrow(f"Vehicles 50 m to 150 m apart, {mean}")
+    shown.add_column(", ".join(_sender(result)), no_wrap=True, overflow="fold")
+    for head in _TERMINAL.values():
+        shown.add_column(head, justify="right", overflow="fold", min_width=8)
+    keys, before = len(_heads(result)), ""
+    for cells in _rows(result, tuple(_TERMINAL)):
+        density, radio, *sender = cells[: keys - 1]
+        place = radio if density == "-" else f"{radio}, {density}/km"
+        if place != before:
+            shown.add_section()
+            shown.add_row(literal(place, style="bold"))
+        name = ", ".join(part for part in sender if part != NO_BANK)
+        shown.add_row(*map(literal, (name, *cells[keys:])))
+        before = place
+    capacity = _narrow("Vehicles a kilometre at which PTE p90 at 100 m meets a limit")
+    for head in _capacity_heads(result):
+        capacity.add_column(head, no_wrap=True)
     for cells in _capacity_cells(result):
-        capacity.add_row(*(literal(cell) for cell in cells))
+        capacity.add_row(*map(literal, cells))
     return Group(shown, capacity) if result.capacities else Group(shown)
 
 
@@ -186,23 +237,26 @@ def write_network_report(
     with style():
         drawings = [drawn(name, plot(result)) for name, (_, plot) in NETWORK_FIGURES.items()]
     names = [name for name, _, _ in _COLUMNS]
-    heads = [*_KEYS, *(title for _, title, _ in _COLUMNS)]
+    heads = [*_heads(result), *(title for _, title, _ in _COLUMNS)]
     body = [
         "<h1>Fleets on a shared channel</h1>",
         f'<p class="scope">{escape(_SCOPE)}</p>',
         *(f'<p class="note">{escape(line)}.</p>' for line in notes),
-        table(heads, _rows(result, names, intervals=True), text_columns=3),
+        table(heads, _rows(result, names), text_columns=len(_heads(result)) - 1),
     ]
     if result.capacities:
         body += [
             "<h2>Capacity</h2>",
-            table(["radio", "policy", "limit [m]", "vehicles a km"], _capacity_cells(result), text_columns=2),
+            f'<p class="scope">{escape(_CAPACITY)}.</p>',
+            table(_capacity_heads(result), _capacity_cells(result), text_columns=1 + len(_sender(result))),
         ]
     for drawing, (caption, _) in zip(drawings, NETWORK_FIGURES.values(), strict=True):
         body.append(
             f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
             f"<figcaption>{escape(caption)}</figcaption></figure>"
         )
+    if result.senders:
+        body += ["<h2>Banks</h2>", table(_SENDERS, _sender_cells(result), text_columns=len(_SENDERS))]
     if traffic is not None:
         lines = "".join(f"<li>{escape(line.strip())}</li>" for line in _traffic_lines(traffic))
         body.append(f"<h2>Traffic</h2><ul>{lines}</ul>")

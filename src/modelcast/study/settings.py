@@ -16,8 +16,8 @@ from modelcast.models.profile import default_profile
 from modelcast.station.banks import rules_of
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
-from modelcast.station.policy.guard import GUARD
 from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.station.sender.lane_rules import check_rules
 from modelcast.world.sensors import SensorModel
 
 __all__ = ["EvaluationSettings"]
@@ -126,25 +126,10 @@ class EvaluationSettings:
             raise ValueError(f"expiry_s must be positive or None, got {self.expiry_s}")
         _require_known("protocol", self.protocol, ("auto", "recorded", "sensor"))
         _require_known("keep_samples", self.keep_samples, ("first", "all", "none"))
-        self._check_rules()
         for threshold_m in self.thresholds_m:
-            self.policy(threshold_m, keep_alive=True)
+            check_rules(self.policy(threshold_m, keep_alive=True), self.bank, self.selector)
         for ratio in self.packet_error_ratios:
             self.channel(ratio)
-
-    def _check_rules(self) -> None:
-        """Refuse rules without what they need, or with what was trained for another bank."""
-        names = tuple(member.name for member in self.bank.complete().members)
-        start, identify = self.rules
-        if start == "predicted":
-            if self.selector is None:
-                raise ValueError("start 'predicted' needs a selector trained for the bank: take another rule")
-            self.selector.check_members(names)
-        own = tuple(member.name for member in self.bank.members)
-        if start == "guarded" and len(own) > 1 and GUARD not in own:
-            raise ValueError(f"start 'guarded' needs {GUARD} in the bank, got {', '.join(own)}: add it")
-        if identify == "cheapest" and self.costs is not None:
-            self.costs.check_members(len(names))
 
     def policy(self, threshold_m: float, *, keep_alive: bool) -> ErrorDriven:
         """The error-driven policy at a threshold, with or without the keep-alive of the loss runs."""

@@ -1,10 +1,12 @@
 """What a sender sees of the truth: a GNSS receiver and a vehicle bus, as a few stated errors.
 
 Truth may have looked ahead (`modelcast.trips.conditioning`, or differences of positions on both sides of an
-instant); a sender may not. `sense` puts between the two the errors of a `SensorModel` and nothing else.
+instant); a sender may not. `Sensors` puts between the two the errors of a `SensorModel` and nothing else, for
+any number of vehicles, as time goes on; `sense` does so for a trip at once. Models with a name are in
+`modelcast.world.named_sensors`.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, astuple, dataclass, replace
 
 import numpy as np
 
@@ -12,8 +14,10 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.station.sensing.motion_filter import HEADING_HOLD_MPS, MotionFilter
 from modelcast.trips.trajectory import Trajectory
+from modelcast.world import sensor_kernels as kernels
+from modelcast.world.sensor_kernels import PART, Samples
 
-__all__ = ["AUTOMOTIVE_GNSS", "IDEAL", "SensorModel", "filter_for", "sense", "with_motion"]
+__all__ = ["IDEAL", "SensorModel", "SensorState", "Sensors", "filter_for", "sense", "with_motion"]
 
 _FINEST = {"position_m": 1e-3, "speed_mps": 1e-3, "heading_rad": 1e-4, "acceleration_mps2": 1e-2}
 
@@ -31,10 +35,12 @@ class SensorModel:
     position_noise_m
         White noise an axis, standard deviation [m].
     slow_position_noise_m
-        Slowly varying position error an axis (orbit, troposphere, multipath): stationary first-order
+        Slowly varying position error an axis (orbit, clocks, troposphere): stationary first-order
         Gauss-Markov process, standard deviation [m].
     slow_correlation_s
         Its correlation time [s].
+    multipath_noise_m, multipath_correlation_s
+        A second such process, of errors that come and go with the surroundings [m], [s].
     speed_noise_mps
         White noise of the speed, standard deviation [m/s].
     heading_noise_rad
@@ -47,12 +53,14 @@ class SensorModel:
     Raises
     ------
     ValueError
-        Where a value is negative or not finite, or the correlation time is not positive.
+        Where a value is negative or not finite, or a correlation time is not positive.
     """
 
     position_noise_m: float = 0.01
     slow_position_noise_m: float = 0.0
     slow_correlation_s: float = 300.0
+    multipath_noise_m: float = 0.0
+    multipath_correlation_s: float = 60.0
     speed_noise_mps: float = 0.05
     heading_noise_rad: float = 0.2 * np.pi / 180.0
     acceleration_noise_mps2: float = 0.05
@@ -64,8 +72,9 @@ class SensorModel:
             value = float(getattr(self, name))
             if not np.isfinite(value) or value < 0.0:
                 raise ValueError(f"{name} must be finite and at least 0, got {value}")
-        if self.slow_correlation_s == 0.0:
-            raise ValueError("slow_correlation_s must be positive; set slow_position_noise_m = 0 instead")
+        for process, size in (("slow", "slow_position"), ("multipath", "multipath")):
+            if getattr(self, f"{process}_correlation_s") == 0.0:
+                raise ValueError(f"{process}_correlation_s must be positive; set {size}_noise_m = 0 instead")
 
 
 IDEAL = SensorModel(
@@ -77,13 +86,106 @@ IDEAL = SensorModel(
 )
 """No errors: the input is the truth."""
 
-AUTOMOTIVE_GNSS = SensorModel(
-    slow_position_noise_m=0.5, heading_noise_rad=0.5 * np.pi / 180.0, speed_noise_mps=0.1, latency_s=0.1
-)
-"""A stand-alone automotive receiver: half a metre that wanders by 1.3 cm a step at 10 Hz, 0.1 s late.
 
-Well inside the 1.5 m that SAE J2945/1 asks of a position, and with the smoothness of a carrier-smoothed one.
-"""
+@dataclass(frozen=True, slots=True)
+class SensorState:
+    """Sensors between two instants.
+
+    Parameters
+    ----------
+    errors
+        Errors that last.
+    recent
+        Samples that the latency still needs, oldest first.
+    t_s
+        Time of the last sample [s].
+    rng
+        Source of all noise.
+    """
+
+    errors: kernels.Errors
+    recent: Samples | None
+    _: KW_ONLY
+    t_s: float
+    rng: np.random.Generator
+
+
+@dataclass(frozen=True, slots=True)
+class Sensors:
+    """Receivers and vehicle buses of V vehicles, all of one model.
+
+    Parameters
+    ----------
+    model
+        The errors.
+
+    Notes
+    -----
+    A sample takes as many random numbers whatever the model and whatever happens, so two models seen through
+    generators of one seed differ by their sizes only. Any number of instants may be given at once. Their
+    random numbers are drawn by kind, each for all of them: the same instants one by one show the same from
+    the same numbers, but a generator of the same seed gives other numbers to other instants.
+    """
+
+    model: SensorModel
+
+    def init(self, vehicles: int, rng: np.random.Generator) -> SensorState:
+        """State before the first instant.
+
+        Parameters
+        ----------
+        vehicles
+            Number of vehicles V.
+        rng
+            Source of all noise; the state keeps it.
+        """
+        errors = kernels.Errors(np.zeros((vehicles, 4)), np.zeros(vehicles))
+        return SensorState(errors, None, t_s=-np.inf, rng=rng)
+
+    def sense(self, state: SensorState, truth: Samples) -> tuple[FloatArray, SensorState]:
+        """Return what is seen, (T, V, C), and the next state.
+
+        Parameters
+        ----------
+        state
+            As `init` or `sense` gave it.
+        truth
+            Samples later than the last.
+
+        Returns
+        -------
+        FloatArray
+            Delayed by linear interpolation; a vehicle, and a part of its samples, shows its first sample
+            until the latency is over. Speed is never negative. Below `HEADING_HOLD_MPS` the heading keeps its
+            last value, noise included; a new part takes a heading of its own. The errors that wander go on
+            from part to part, as time does, and are drawn anew for a new vehicle. Slots without a vehicle
+            are zero.
+        """
+        latency_s = self.model.latency_s
+        seen = np.empty_like(truth.motion)
+        noise = state.rng.standard_normal((kernels.DRAWS, *truth.active.shape))
+        rows = truth if state.recent is None else _joined(state.recent, truth)
+        errors = kernels.Errors(state.errors.wandering.copy(), state.errors.heading_rad.copy())
+        sizes = kernels.Sizes(*map(float, (*astuple(self.model), HEADING_HOLD_MPS)))
+        first = np.zeros(truth.active.shape[1], dtype=np.int64)
+        kernels.sense(sizes, rows, state.t_s, noise, errors, first, seen)
+        last_s = float(rows.t_s[-1])
+        recent = None
+        if latency_s > 0.0:
+            oldest = max(int(np.searchsorted(rows.t_s, last_s - latency_s, side="right")) - 1, 0)
+            recent = Samples(
+                rows.t_s[oldest:], rows.motion[oldest:], rows.begins[oldest:], rows.active[oldest:]
+            )
+        return seen, replace(state, errors=errors, recent=recent, t_s=last_s)
+
+
+def _joined(before: Samples, after: Samples) -> Samples:
+    return Samples(
+        np.concatenate((before.t_s, after.t_s)),
+        np.concatenate((before.motion, after.motion)),
+        np.concatenate((before.begins, after.begins)),
+        np.concatenate((before.active, after.active)),
+    )
 
 
 def sense(truth: Trajectory, model: SensorModel, rng: np.random.Generator) -> Trajectory:
@@ -96,15 +198,13 @@ def sense(truth: Trajectory, model: SensorModel, rng: np.random.Generator) -> Tr
     model
         The errors.
     rng
-        Source of all noise. The same number of draws is made whatever the model, so that two models seen
-        through generators of one seed differ by their sizes only.
+        Source of all noise.
 
     Returns
     -------
     Trajectory
-        Delayed by linear interpolation inside each part; the first ``latency_s`` of a part show its first
-        sample. Speed is never negative; heading keeps its last value, noise included, below
-        `HEADING_HOLD_MPS`. `up_m` is delayed and free of noise.
+        What `Sensors` show of a fleet of one, whose parts are those of the trip. `up_m` is delayed and free
+        of noise.
 
     Examples
     --------
@@ -117,24 +217,20 @@ def sense(truth: Trajectory, model: SensorModel, rng: np.random.Generator) -> Tr
     >>> round(float(lag_m[5:].mean()), 2), round(float(lag_m[5:].std()), 2)
     (2.0, 0.01)
     """
-    seen = _delayed(with_motion(truth), model.latency_s)
-    noise = rng.standard_normal((8, len(truth)))
-    position = seen.position_m + model.position_noise_m * noise[0:2].T
-    if model.slow_position_noise_m > 0.0:
-        position = position + model.slow_position_noise_m * _gauss_markov(
-            seen.t_s, model.slow_correlation_s, noise[2:4].T
-        )
-    speed, heading = _required(seen.speed_mps), _required(seen.heading_rad)
-    return replace(
-        seen,
-        position_m=position,
-        speed_mps=np.maximum(speed + model.speed_noise_mps * noise[4], 0.0),
-        heading_rad=_held_heading(
-            speed, wrap_angle_rad(heading + model.heading_noise_rad * noise[5]), ahead=False
-        ),
-        acceleration_mps2=_noisy(seen.acceleration_mps2, model.acceleration_noise_mps2 * noise[6]),
-        yaw_rate_radps=_noisy(seen.yaw_rate_radps, model.yaw_rate_noise_radps * noise[7]),
-    )
+    trip = with_motion(truth)
+    names = ["speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps", "up_m"]
+    found = {name: column for name, column in trip.columns().items() if name in names}
+    motion = np.zeros((len(trip), 1, 2 + len(names)))
+    motion[:, 0, :2] = trip.position_m
+    for name, column in found.items():
+        motion[:, 0, 2 + names.index(name)] = column
+    begins = np.zeros((len(trip), 1), dtype=np.uint8)
+    begins[trip.segments[:-1]] = PART
+    sensors = Sensors(model)
+    samples = Samples(np.ascontiguousarray(trip.t_s), motion, begins, np.ones((len(trip), 1), dtype=np.bool_))
+    seen, _ = sensors.sense(sensors.init(1, rng), samples)
+    columns = {name: seen[:, 0, 2 + names.index(name)].copy() for name in found}
+    return replace(trip, position_m=seen[:, 0, :2].copy(), **columns)
 
 
 def with_motion(trip: Trajectory) -> Trajectory:
@@ -154,67 +250,16 @@ def with_motion(trip: Trajectory) -> Trajectory:
         if b - a > 1:
             velocity[a:b] = np.gradient(trip.position_m[a:b], trip.t_s[a:b], axis=0)
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
-    course = _held_heading(speed, np.arctan2(velocity[:, 0], velocity[:, 1]), ahead=True)
+    # A slow sample has the course of the last fast one before it, or else of the first in motion.
+    fast = np.flatnonzero(speed >= HEADING_HOLD_MPS)
+    first = int(fast[0]) if fast.size else 0
+    latest = np.maximum.accumulate(np.where(speed >= HEADING_HOLD_MPS, np.arange(speed.size), first))
+    course = np.arctan2(velocity[:, 0], velocity[:, 1])[latest]
     return replace(
         trip,
         speed_mps=speed if trip.speed_mps is None else trip.speed_mps,
         heading_rad=wrap_angle_rad(course) if trip.heading_rad is None else trip.heading_rad,
     )
-
-
-def _required(column: FloatArray | None) -> FloatArray:
-    if column is None:
-        raise ValueError("the trip has no speed or no heading: call with_motion first")
-    return column
-
-
-def _noisy(column: FloatArray | None, noise: FloatArray) -> FloatArray | None:
-    return None if column is None else column + noise
-
-
-def _held_heading(speed_mps: FloatArray, heading_rad: FloatArray, *, ahead: bool) -> FloatArray:
-    """Headings with each slow sample replaced by the last fast one before it.
-
-    Before a car first moves it keeps its first heading or, where looking ahead is allowed, shows the first in
-    motion.
-    """
-    fast = np.flatnonzero(speed_mps >= HEADING_HOLD_MPS)
-    first = int(fast[0]) if ahead and fast.size else 0
-    latest = np.maximum.accumulate(np.where(speed_mps >= HEADING_HOLD_MPS, np.arange(speed_mps.size), first))
-    return heading_rad[latest]
-
-
-def _delayed(trip: Trajectory, latency_s: float) -> Trajectory:
-    """Return each column as it was ``latency_s`` earlier, within its part."""
-    if latency_s == 0.0:
-        return trip
-    at_s = np.maximum(trip.t_s - latency_s, trip.t_s[trip.segment_start])
-
-    def at(column: FloatArray) -> FloatArray:
-        return np.interp(at_s, trip.t_s, column)
-
-    def maybe(column: FloatArray | None) -> FloatArray | None:
-        return None if column is None else at(column)
-
-    return replace(
-        trip,
-        position_m=np.stack([at(trip.position_m[:, 0]), at(trip.position_m[:, 1])], axis=1),
-        speed_mps=maybe(trip.speed_mps),
-        heading_rad=wrap_angle_rad(at(np.unwrap(_required(trip.heading_rad)))),
-        acceleration_mps2=maybe(trip.acceleration_mps2),
-        yaw_rate_radps=maybe(trip.yaw_rate_radps),
-        up_m=maybe(trip.up_m),
-    )
-
-
-def _gauss_markov(t_s: FloatArray, correlation_s: float, noise: FloatArray) -> FloatArray:
-    """Unit-variance first-order Gauss-Markov process at the given times, from white noise, (T, 2)."""
-    kept = np.exp(-np.diff(t_s) / correlation_s)
-    fresh = np.sqrt(1.0 - kept**2)
-    out = noise.copy()
-    for i in range(1, t_s.size):
-        out[i] = kept[i - 1] * out[i - 1] + fresh[i - 1] * noise[i]
-    return out
 
 
 def filter_for(sensor: SensorModel) -> MotionFilter:

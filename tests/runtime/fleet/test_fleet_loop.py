@@ -20,7 +20,7 @@ from modelcast.runtime.fleet.engine import run_network
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.trip.runtime import TripRuntime
-from modelcast.station.banks import PAPER_BANK
+from modelcast.station.banks import PAPER_BANK, named_bank
 from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.j2945 import J2945
@@ -315,6 +315,19 @@ def test_timers_know_no_guard_and_no_survivor() -> None:
     with pytest.raises(ValueError, match="identify must be never"):
         named_sender("j2945-mbc", identify="best")
     assert named_sender("j2945-mbc", start="guarded").start == "hindsight"
+
+
+def test_rules_without_what_they_need_are_refused_before_a_run() -> None:
+    without_cv = Bank(named_sender("mbc").bank.members[:2])
+    costs, selector = named_bank("default").costs("bytes"), default_profile().selector
+    with pytest.raises(ValueError, match="start 'guarded' needs cv in the bank, got learned, ctra: add it"):
+        named_sender("mbc", bank=without_cv, start="guarded")
+    with pytest.raises(ValueError, match="start 'predicted' needs a selector"):
+        named_sender("j2945-mbc", start="predicted")
+    with pytest.raises(ValueError, match="trained for"):
+        named_sender("mbc", bank=PAPER_BANK, start="predicted", selector=selector)
+    with pytest.raises(ValueError, match="costs were counted for 4 sub-models, the bank has 2"):
+        named_sender("mbc", bank=PAPER_BANK, identify="cheapest", costs=costs)
 
 
 def test_what_erred_least_of_late_is_sent(seen: list[FleetFrame]) -> None:

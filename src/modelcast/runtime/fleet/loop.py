@@ -8,7 +8,6 @@ Vehicles are worked on in `PARTS` parts, which several threads may share. What a
 apart and is put together in the order of the parts, so that the number of threads changes nothing.
 """
 
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import pairwise
@@ -20,6 +19,7 @@ from modelcast.channel.cells_kernels import build_cells
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.core.chance import child_generator
+from modelcast.core.parts import WHOLE, Parts
 from modelcast.runtime.fleet import hearing_kernels, tracking_kernels
 from modelcast.runtime.fleet.arrays import (
     TRACK_COLUMNS,
@@ -132,11 +132,12 @@ class FleetLoop:
             vehicles, capacity, sub_intervals=_sub_intervals(sender), phase_s=phase * 1.0
         )
         self.tracks = np.full((vehicles, capacity, TRACK_COLUMNS), -1.0)
+        pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self._work = Parts(PARTS, pool)
         self._parts = list(pairwise(np.linspace(0, vehicles, PARTS + 1).astype(np.int64).tolist()))
         self._outboxes = [outbox(end - begin) for begin, end in self._parts]
         self._tallies = [tally(settings.distances) for _ in self._parts]
         self._sent = [sent_tally() for _ in self._parts]
-        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self.number = 0
         self._rng = rng
         self._radio_state: Any = radio.init(vehicles, child_generator(seed, "radio"))
@@ -186,14 +187,6 @@ class FleetLoop:
         self._last_s = t_s
         return received, self._series_row(frame, busy_ratio, before, received)
 
-    def _each(self, work: Callable[[int], None]) -> None:
-        """Do the same work on every part of the fleet."""
-        if self._pool is None:
-            for part in range(PARTS):
-                work(part)
-        else:
-            list(self._pool.map(work, range(PARTS)))
-
     def _sense(self, frame: FleetFrame, seen: FleetFrame) -> BoolArray:
         """Take measurements in and let new vehicles begin anew; returns whose slot has one, (V,)."""
         stations = self.stations
@@ -213,7 +206,7 @@ class FleetLoop:
                 begins[here], self._sensing,
             )  # fmt: skip
 
-        self._each(work)
+        self._work.each(work)
         return started
 
     def _track(self, truth_m: FloatArray, now_s: float) -> None:
@@ -245,7 +238,7 @@ class FleetLoop:
                 cells, part, PARTS, settings.distance_bin_m, self._tallies[part].pairs
             )
 
-        self._each(work)
+        self._work.each(work)
 
     def _send(self, started: BoolArray, now_s: float, busy_ratio: FloatArray) -> None:
         """Fill the outboxes."""
@@ -266,7 +259,7 @@ class FleetLoop:
                 *self._parts[part],
             )  # fmt: skip
 
-        self._each(work)
+        self._work.each(work)
 
     def handed_over(self) -> Outbox:
         """Messages of the last step as the radio gets them, in order of slots."""
@@ -288,7 +281,8 @@ class FleetLoop:
             message_id=every.message_id[order],
             next_s=every.next_s[order] + shift_s,
         )
-        received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s)
+        parts = WHOLE if self._work.pool is None else self._work
+        received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s, parts)
         return replace(received, t_s=received.t_s - shift_s) if shift_s != 0.0 else received
 
     def posted(self) -> SentMessages:
@@ -328,7 +322,7 @@ class FleetLoop:
                 *self._parts[part],
             )
 
-        self._each(work)
+        self._work.each(work)
 
     def _sums(self) -> FloatArray:
         return np.sum([part.sums for part in self._sent], axis=0)

@@ -59,9 +59,7 @@ def step(
 ) -> bool:
     """Whether one vehicle generates a message now; ``shortest_s`` is its T_GenCam_Dcc; writes ``row``."""
     longest_s = constants[MAX_INTER_TRANSMIT_TIME_S]
-    if row[LAST_S] == -np.inf:
-        row[INTERVAL_S], row[COUNTED] = longest_s, 0.0
-    else:
+    if row[LAST_S] > -np.inf:
         elapsed_s = t_s - row[LAST_S]
         if elapsed_s < shortest_s - _TIME_SLACK_S:
             return False

@@ -85,7 +85,6 @@ def react(row: FloatVector, channel_busy_ratio: float, c: FloatVector) -> None:
         held = int(row[SHARE])
         state = min(max(state, held - 1), held + 1)
     row[SHARE] = state
-    row[BUSY_RATIO] = channel_busy_ratio
 
 
 @kernel

@@ -13,7 +13,6 @@ from modelcast.station.receiver.heard_kernels import Messages
 from modelcast.station.receiver.plausibility_kernels import Limits, judge_one
 from modelcast.station.receiver.renaming_kernels import end_renamed
 from modelcast.station.receiver.slot_kernels import (
-    FACT_COUNT,
     FACT_PROFILE,
     FACT_USER,
     OLDEST,
@@ -208,7 +207,6 @@ def _keep(
     told[TOLD_EAST : TOLD_EAST + 2] = number[heard.EAST : heard.NORTH + 1]
     told[TOLD_VELOCITY_EAST], told[TOLD_VELOCITY_NORTH] = velocity[0], velocity[1]
     told[TOLD_SPEED : TOLD_WIDTH + 1] = number[heard.SPEED : heard.WIDTH + 1]
-    slots.facts[slot, FACT_COUNT] = code[heard.COUNT]
     slots.facts[slot, FACT_PROFILE] = profile
     slots.facts[slot, FACT_USER] = code[heard.USER]
     slots.parameters[slot, : row.size] = row

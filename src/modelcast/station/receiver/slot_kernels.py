@@ -17,7 +17,6 @@ from modelcast.station.receiver.track_kernels import HELD_FIT_S, HELD_MEMBER, fo
 
 __all__ = [
     "FACT_COLUMNS",
-    "FACT_COUNT",
     "FACT_PROFILE",
     "FACT_USER",
     "FACT_VEHICLE",
@@ -62,13 +61,12 @@ TOLD_COLUMNS = 10
 
 (
     FACT_VEHICLE,  # temporary id
-    FACT_COUNT,  # message count of the update held
     FACT_PROFILE,  # the profile that predicts, -1 for Part I
     FACT_USER,  # kind of road user
     _OLDER,  # the slot renewed just before this one, -1 for none
     _NEWER,  # that renewed just after
-) = range(6)
-FACT_COLUMNS = 6
+) = range(5)
+FACT_COLUMNS = 5
 
 USED, OLDEST, NEWEST = range(3)
 """Of ``ends``: slots ever used; the two ends of the list, -1 for an empty one."""

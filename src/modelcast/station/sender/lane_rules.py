@@ -6,12 +6,42 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.station.arrays import LaneRules
 from modelcast.station.policy.error_driven import ErrorDriven
-from modelcast.station.policy.guard import unguarded
+from modelcast.station.policy.guard import GUARD, unguarded
 
-__all__ = ["SpeakingLanes", "speaking_lanes"]
+__all__ = ["SpeakingLanes", "check_rules", "speaking_lanes"]
+
+
+def check_rules(policy: ErrorDriven, bank: Bank, selector: Selector | None) -> None:
+    """Refuse rules without what they need, or with what was trained for another bank.
+
+    Parameters
+    ----------
+    policy
+        The rules.
+    bank
+        Sub-models they choose among.
+    selector
+        What the start rule ``predicted`` asks.
+
+    Raises
+    ------
+    ValueError
+        Where the bank lacks the guard's sub-model, or the selector or the costs do not fit it.
+    """
+    own = tuple(member.name for member in bank.members)
+    names = tuple(member.name for member in bank.complete().members)
+    if policy.start == "predicted":
+        if selector is None:
+            raise ValueError("start 'predicted' needs a selector trained for the bank: take another rule")
+        selector.check_members(names)
+    if policy.start == "guarded" and len(own) > 1 and GUARD not in own:
+        raise ValueError(f"start 'guarded' needs {GUARD} in the bank, got {', '.join(own)}: add it")
+    if policy.identify == "cheapest" and policy.costs is not None:
+        policy.costs.check_members(len(names))
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,9 +39,10 @@ from modelcast.station.policy.j2945_parameters import (
 )
 from modelcast.station.policy.periodic import Periodic
 from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.station.sender.lane_rules import check_rules
 from modelcast.station.sensing.motion_filter import MotionFilter
 
-__all__ = ["SENDERS", "TIMED_STARTS", "Sender", "engine_parameters", "named_sender"]
+__all__ = ["MODEL_SENDERS", "SENDERS", "TIMED_STARTS", "Sender", "engine_parameters", "named_sender"]
 
 SENDERS = (
     "bsm-10hz",
@@ -55,6 +56,9 @@ SENDERS = (
     "cam",
 )
 """Names that `named_sender` knows."""
+
+MODEL_SENDERS = tuple(name for name in SENDERS if "mbc" in name)
+"""Those that send models; the others send basic safety messages, and no bank makes a difference to them."""
 
 TIMED_STARTS = ("order", "keep", "predicted", "hindsight", "recent")
 """Start rules of senders whose timers, not the failures of sub-models, call for messages."""
@@ -107,7 +111,8 @@ class Sender:
     Raises
     ------
     ValueError
-        Where a value is out of its range, or timers cannot follow the start rule.
+        Where a value is out of its range, timers cannot follow the start rule, or a rule lacks what it needs
+        (`check_rules`).
 
     Examples
     --------
@@ -139,6 +144,7 @@ class Sender:
             raise ValueError(
                 f"start must be one of {', '.join(TIMED_STARTS)} under timers, got {self.start!r}"
             )
+        check_rules(self.lanes, self.bank, self.selector)
 
     @property
     def lanes(self) -> ErrorDriven:
@@ -234,7 +240,7 @@ def named_sender(
         raise ValueError(f"sender must be one of {', '.join(SENDERS)}, got {name!r}")
     if relaxed_error_m is not None and not relaxed_error_m > 0.0:
         raise ValueError(f"relaxed_error_m must be positive, got {relaxed_error_m}")
-    sends_models = "mbc" in name
+    sends_models = name in MODEL_SENDERS
     own = MotionFilter() if motion is None else motion
     chosen = BASELINE_BANK if not sends_models else default_profile().bank if bank is None else bank
     within_m = _WITHIN_M

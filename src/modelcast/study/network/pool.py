@@ -7,24 +7,33 @@ from itertools import pairwise
 import numpy as np
 
 from modelcast.study.metrics import confidence_limits
-from modelcast.study.network.rows import CapacityRow, CaseResult, NetworkResult, PooledRow, RunRow
+from modelcast.study.network.rows import (
+    CASE_KEYS,
+    CapacityRow,
+    CaseResult,
+    NetworkResult,
+    PooledRow,
+    RunRow,
+    SenderRow,
+)
 
 __all__ = ["LIMITS_M", "capacities", "gather", "pool"]
 
 LIMITS_M = (0.5, 1.0)
 """Tracking errors whose density is asked for [m]."""
 
-_KEYS = ("density_per_km", "radio", "policy", "run")
-FIGURES = tuple(field.name for field in fields(RunRow) if field.name not in _KEYS)
+FIGURES = tuple(field.name for field in fields(RunRow) if field.name not in CASE_KEYS)
 
 
-def gather(results: Iterable[CaseResult]) -> NetworkResult:
+def gather(results: Iterable[CaseResult], senders: Sequence[SenderRow] = ()) -> NetworkResult:
     """Put the runs in order and pool them.
 
     Parameters
     ----------
     results
         Of single runs, in any order.
+    senders
+        What each policy sent of each bank.
     """
     ordered = sorted(results, key=lambda one: _key(one.run))
     runs = [one.run for one in ordered]
@@ -36,25 +45,27 @@ def gather(results: Iterable[CaseResult]) -> NetworkResult:
         seconds=[row for one in ordered for row in one.seconds],
         pooled=pooled,
         capacities=capacities(pooled),
+        senders=senders,
     )
 
 
-def _key(row: RunRow) -> tuple[float, str, str, int]:
+def _key(row: RunRow) -> tuple[float, str, str, str, int]:
     density = row.density_per_km
-    return (density if np.isfinite(density) else 0.0, row.radio, row.policy, row.run)
+    return (density if np.isfinite(density) else 0.0, row.radio, row.policy, row.bank, row.run)
 
 
 def pool(runs: Sequence[RunRow]) -> list[PooledRow]:
-    """Mean and interval over seeds of every figure, for each density, radio and policy.
+    """Mean and interval over seeds of every figure, for each density, radio, policy and bank.
 
     Parameters
     ----------
     runs
         In order.
     """
-    groups: dict[tuple[str, str, str], list[RunRow]] = {}
+    groups: dict[tuple[str, str, str, str], list[RunRow]] = {}
     for row in runs:
-        groups.setdefault((repr(row.density_per_km), row.radio, row.policy), []).append(row)
+        key = repr(row.density_per_km), row.radio, row.policy, row.bank
+        groups.setdefault(key, []).append(row)
     rows: list[PooledRow] = []
     for own in groups.values():
         for figure in FIGURES:
@@ -66,6 +77,7 @@ def pool(runs: Sequence[RunRow]) -> list[PooledRow]:
                     density_per_km=own[0].density_per_km,
                     radio=own[0].radio,
                     policy=own[0].policy,
+                    bank=own[0].bank,
                     seeds=len(own),
                     figure=figure,
                     value=float(there.mean()) if there.size else np.nan,
@@ -94,6 +106,7 @@ def capacities(pooled: Sequence[PooledRow]) -> list[CapacityRow]:
     ...         density_per_km=density,
     ...         radio="dsrc",
     ...         policy="j2945",
+    ...         bank="none",
     ...         seeds=1,
     ...         figure="pte_p90_100_m",
     ...         value=value,
@@ -105,17 +118,18 @@ def capacities(pooled: Sequence[PooledRow]) -> list[CapacityRow]:
     >>> [row.density_per_km and round(row.density_per_km, 6) for row in capacities(rows)]
     [50.0, None]
     """
-    groups: dict[tuple[str, str], list[PooledRow]] = {}
+    groups: dict[tuple[str, str, str], list[PooledRow]] = {}
     for row in pooled:
         if row.figure == "pte_p90_100_m" and np.isfinite(row.density_per_km):
-            groups.setdefault((row.radio, row.policy), []).append(row)
+            groups.setdefault((row.radio, row.policy, row.bank), []).append(row)
     rows: list[CapacityRow] = []
-    for (radio, policy), own in groups.items():
+    for (radio, policy, bank), own in groups.items():
         ordered = sorted(own, key=lambda row: row.density_per_km)
         rows += [
             CapacityRow(
                 radio=radio,
                 policy=policy,
+                bank=bank,
                 limit_m=limit_m,
                 density_per_km=_crossing(ordered, limit_m),
                 highest_per_km=ordered[-1].density_per_km,

@@ -1,10 +1,12 @@
 """Rows of a network evaluation; definitions are in ``docs/nomenclature.md``."""
 
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass, field, fields
 
 __all__ = [
+    "CASE_KEYS",
     "HEADLINE_M",
+    "NO_BANK",
     "CapacityRow",
     "CaseResult",
     "DistanceRow",
@@ -14,10 +16,14 @@ __all__ = [
     "PooledRow",
     "RunRow",
     "SecondRow",
+    "SenderRow",
 ]
 
 HEADLINE_M = (50.0, 150.0)
 """Distances of the headline figures [m]."""
+
+NO_BANK = "none"
+"""Bank of a policy that sends no model: a basic safety message belongs to no bank, and runs once."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -30,6 +36,8 @@ class NetworkCase:
         As asked for; NaN where the scenario has its own [1/km].
     radio, policy
         Names.
+    bank
+        Name of the sub-models sent; `NO_BANK` where the policy sends none.
     run
         Number of the seed, from 0.
     """
@@ -37,7 +45,12 @@ class NetworkCase:
     density_per_km: float
     radio: str
     policy: str
+    bank: str
     run: int
+
+
+CASE_KEYS = tuple(key.name for key in fields(NetworkCase))
+"""Names of what is varied, which every row of a run holds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,12 +59,15 @@ class RunRow:
 
     Parameters
     ----------
-    density_per_km, radio, policy, run
+    density_per_km, radio, policy, bank, run
         As in `NetworkCase`.
     vehicles
         Mean number.
     message_rate_hz
         Messages handed to the radio a vehicle and second [Hz].
+    update_rate_hz, identification_rate_hz
+        Of these, those that state a position and motion anew, and those that name another sub-model of an
+        update sent before [Hz].
     time_ratio, dynamics_ratio, critical_ratio
         Shares of the messages by cause; rules without causes count under time.
     model_ratio, certificate_ratio
@@ -90,9 +106,12 @@ class RunRow:
     density_per_km: float
     radio: str
     policy: str
+    bank: str
     run: int
     vehicles: float
     message_rate_hz: float
+    update_rate_hz: float
+    identification_rate_hz: float
     time_ratio: float
     dynamics_ratio: float
     critical_ratio: float
@@ -134,7 +153,7 @@ class DistanceRow:
 
     Parameters
     ----------
-    density_per_km, radio, policy, run
+    density_per_km, radio, policy, bank, run
         As in `NetworkCase`.
     low_m, high_m
         Bounds of the distance [m].
@@ -147,6 +166,7 @@ class DistanceRow:
     density_per_km: float
     radio: str
     policy: str
+    bank: str
     run: int
     low_m: float
     high_m: float
@@ -168,7 +188,7 @@ class OutcomeRow:
 
     Parameters
     ----------
-    density_per_km, radio, policy, run
+    density_per_km, radio, policy, bank, run
         As in `NetworkCase`.
     low_m, high_m
         Bounds of the distance [m].
@@ -181,6 +201,7 @@ class OutcomeRow:
     density_per_km: float
     radio: str
     policy: str
+    bank: str
     run: int
     low_m: float
     high_m: float
@@ -198,7 +219,7 @@ class SecondRow:
 
     Parameters
     ----------
-    density_per_km, radio, policy, run
+    density_per_km, radio, policy, bank, run
         As in `NetworkCase`.
     t_s
         Its end [s].
@@ -209,6 +230,7 @@ class SecondRow:
     density_per_km: float
     radio: str
     policy: str
+    bank: str
     run: int
     t_s: float
     message_rate_hz: float
@@ -222,11 +244,11 @@ class SecondRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PooledRow:
-    """One figure of one density, radio and policy over all seeds: mean and 95 % Student-t interval.
+    """One figure of one density, radio, policy and bank over all seeds: mean and 95 % Student-t interval.
 
     Parameters
     ----------
-    density_per_km, radio, policy
+    density_per_km, radio, policy, bank
         As in `NetworkCase`.
     seeds
         Runs pooled.
@@ -239,6 +261,7 @@ class PooledRow:
     density_per_km: float
     radio: str
     policy: str
+    bank: str
     seeds: int
     figure: str
     value: float
@@ -252,8 +275,8 @@ class CapacityRow:
 
     Parameters
     ----------
-    radio, policy
-        Names.
+    radio, policy, bank
+        As in `NetworkCase`.
     limit_m
         The limit [m].
     density_per_km
@@ -266,10 +289,32 @@ class CapacityRow:
 
     radio: str
     policy: str
+    bank: str
     limit_m: float
     density_per_km: float | None
     highest_per_km: float
     above_at_lowest: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SenderRow:
+    """What a policy sends of a bank.
+
+    Parameters
+    ----------
+    policy, bank
+        As in `NetworkCase`.
+    sub_models
+        Names of the bank's members in order, joined by ``+``.
+    start, identify
+        Rules in effect.
+    """
+
+    policy: str
+    bank: str
+    sub_models: str
+    start: str
+    identify: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -285,7 +330,7 @@ class CaseResult:
 
 @dataclass(frozen=True, slots=True)
 class NetworkResult:
-    """Rows of all runs, in order of density, radio, policy and seed."""
+    """Rows of all runs, in order of density, radio, policy, bank and seed; and who sent."""
 
     runs: Sequence[RunRow]
     distances: Sequence[DistanceRow]
@@ -294,3 +339,9 @@ class NetworkResult:
     seconds: Sequence[SecondRow]
     pooled: Sequence[PooledRow] = field(default=())
     capacities: Sequence[CapacityRow] = field(default=())
+    senders: Sequence[SenderRow] = field(default=())
+
+    @property
+    def banks(self) -> tuple[str, ...]:
+        """Names of the banks whose models were sent, in the order of the rows."""
+        return tuple(dict.fromkeys(row.bank for row in self.runs if row.bank != NO_BANK))

@@ -11,7 +11,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.world.scenario import following_kernels as following
-from modelcast.world.scenario import grid_kernels as kernels
+from modelcast.world.scenario import town_kernels as kernels
 from modelcast.world.scenario.base import STEP_S, AbstractScenario, FleetFrame
 from modelcast.world.scenario.bounds import check_positive, vehicle_count
 from modelcast.world.scenario.drivers import CITY, Drivers
@@ -32,7 +32,7 @@ class GridState:
     number
         Steps since t = 0; negative while the traffic warms up.
     numbers, integers
-        Rows as in `grid_kernels`, (COLUMNS, V) and (INTEGERS, V).
+        Rows as in `town_kernels`, (COLUMNS, V) and (INTEGERS, V).
     order, first
         Slots by link and place, (V,); where each link begins in them, (K + 1,).
     left_last

@@ -1,0 +1,106 @@
+"""The runs that ``modelcast network`` is asked for: checked before the first begins, and told in a line."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import nan
+
+from modelcast.cli.network_plan import RADIOS, NetworkPlan
+from modelcast.core.exceptions import ConfigError
+from modelcast.station.sender.sender import MODEL_SENDERS, SENDERS
+from modelcast.study.network.rows import NO_BANK, NetworkCase
+
+__all__ = ["Varied", "network_cases", "told"]
+
+
+@dataclass(frozen=True, slots=True)
+class Varied:
+    """What is varied, as a user gives it; names that come twice count once.
+
+    Parameters
+    ----------
+    densities_per_km
+        Vehicles a kilometre of road [1/km].
+    radios, policies
+        Names.
+    seeds
+        Runs of each combination.
+    """
+
+    densities_per_km: Sequence[float]
+    radios: Sequence[str]
+    policies: Sequence[str]
+    seeds: int
+
+
+def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
+    """All runs asked for, once each: a policy that sends no model once, not once a bank.
+
+    Parameters
+    ----------
+    plan
+        What all runs share.
+    varied
+        What is varied.
+
+    Raises
+    ------
+    ModelcastError
+        Where a name is unknown, a number is out of its range, or the traffic cannot be had.
+    """
+    for name, given, known in (("radio", varied.radios, RADIOS), ("policy", varied.policies, SENDERS)):
+        unknown = [word for word in given if word not in known]
+        if unknown or not given:
+            raise ConfigError(f"--{name} must be of {', '.join(known)}, got {', '.join(unknown) or 'none'}")
+    plan.check_traffic()
+    if varied.seeds < 1 or not all(value > 0 for value in varied.densities_per_km):
+        raise ConfigError(
+            f"--seeds and --density must be positive, got {varied.seeds} and {varied.densities_per_km}"
+        )
+    if not 0 <= plan.warm_up_s < plan.duration_s:
+        raise ConfigError(f"--warm-up must be below --duration, got {plan.warm_up_s} and {plan.duration_s}")
+    if plan.identify not in {None, "never"} and "mbc" not in varied.policies:
+        raise ConfigError(f"--identify {plan.identify} goes with --policy mbc: timers fit all anew")
+    densities = (nan,) if plan.has_own_density else tuple(dict.fromkeys(varied.densities_per_km))
+    banks = tuple(plan.bank_texts)
+    return [
+        NetworkCase(density, radio, policy, bank, run)
+        for density, radio, policy in product(
+            densities, dict.fromkeys(varied.radios), dict.fromkeys(varied.policies)
+        )
+        for bank, run in product(banks if policy in MODEL_SENDERS else (NO_BANK,), range(varied.seeds))
+    ]
+
+
+def told(cases: Sequence[NetworkCase], done: int) -> str:
+    """How many runs there are, and of what, in one line.
+
+    Parameters
+    ----------
+    cases
+        All of them.
+    done
+        How many need not be run again.
+
+    Examples
+    --------
+    >>> pairs = (("j2945", "none"), ("mbc", "paper"), ("mbc", "default"))
+    >>> cases = [NetworkCase(25.0, "dsrc", *pair, run) for pair in pairs for run in range(2)]
+    >>> print(told(cases, 1))
+    6 runs (1 done before): 1 density, 1 radio, 2 seeds, 3 senders (j2945; mbc with paper, default)
+    """
+    banks: dict[str, list[str]] = {}
+    for policy, bank in dict.fromkeys((case.policy, case.bank) for case in cases):
+        banks.setdefault(policy, []).append(bank)
+    senders = "; ".join(
+        policy + ("" if own == [NO_BANK] else f" with {', '.join(own)}") for policy, own in banks.items()
+    )
+    counts = (
+        (len({repr(case.density_per_km) for case in cases}), "density", "densities"),
+        (len({case.radio for case in cases}), "radio", "radios"),
+        (len({case.run for case in cases}), "seed", "seeds"),
+        (sum(map(len, banks.values())), "sender", "senders"),
+    )
+    parts = ", ".join(f"{count} {one if count == 1 else many}" for count, one, many in counts)
+    runs = "1 run" if len(cases) == 1 else f"{len(cases)} runs"
+    return runs + (f" ({done} done before)" if done else "") + f": {parts} ({senders})"

@@ -1,0 +1,122 @@
+"""Who sends in ``modelcast network``: a policy with the bank and the rules that its user means."""
+
+from collections.abc import Iterable
+
+from modelcast.cli.banks import bank_in_use, profile_in_use
+from modelcast.cli.network_plan import NetworkPlan
+from modelcast.core.exceptions import ConfigError
+from modelcast.messages.airtime import Stack
+from modelcast.station.banks import NamedBank
+from modelcast.station.sender.sender import MODEL_SENDERS, Sender, named_sender
+from modelcast.station.sensing.motion_filter import MotionFilter
+from modelcast.study.network.rows import NO_BANK, SenderRow
+from modelcast.world.sensors import filter_for
+
+__all__ = ["named_banks", "sender_of", "sender_rows"]
+
+
+def named_banks(plan: NetworkPlan) -> dict[str, NamedBank]:
+    """The banks that a plan names, by their names in rows.
+
+    Parameters
+    ----------
+    plan
+        What all runs share.
+
+    Raises
+    ------
+    ConfigError, DataFormatError
+        As for `modelcast.cli.banks.bank_in_use`.
+    """
+    profile = profile_in_use(plan.profile)
+    return {name: bank_in_use(text, profile=profile) for name, text in plan.bank_texts.items()}
+
+
+def sender_of(
+    plan: NetworkPlan, policy: str, bank: str, named: NamedBank | None, motion: MotionFilter
+) -> Sender:
+    """The sender of a policy and a bank.
+
+    Error-driven senders of models take the bank's own rules where the plan names none. Timers start with
+    what the plan says, and never identify.
+
+    Parameters
+    ----------
+    plan
+        What all runs share.
+    policy, bank
+        Names, as in `modelcast.study.network.rows.NetworkCase`.
+    named
+        The bank of that name; None for a policy that sends no model.
+    motion
+        Filter of those that filter their motion.
+
+    Raises
+    ------
+    ConfigError
+        Where an option is out of its range, or does not go with policy and bank.
+    """
+    start = identify = costs = selector = None
+    try:
+        if named is not None:
+            failing = policy == "mbc"
+            start = plan.start or (named.start if failing else None)
+            identify = plan.identify or named.identify if failing else None
+            costs = named.costs(plan.cost) if identify == "cheapest" else None
+            selector = named.selector if start == "predicted" else None
+        return named_sender(
+            policy,
+            bank=None if named is None else named.bank,
+            start=start,
+            identify=identify,
+            costs=costs,
+            selector=selector,
+            threshold_m=plan.threshold_m,
+            keep_alive_s=plan.keep_alive_s,
+            relaxed_error_m=plan.relaxed_error_m,
+            motion=motion,
+            stack=Stack(plan.certificates),
+        )
+    except ValueError as error:
+        what = f"--policy {policy}" + ("" if named is None else f" --bank {bank}")
+        raise ConfigError(f"{what}: {error}") from error
+
+
+def sender_rows(plan: NetworkPlan, policies: Iterable[str]) -> list[SenderRow]:
+    """Make every sender that a plan asks for, and say what those of models send.
+
+    Parameters
+    ----------
+    plan
+        What all runs share.
+    policies
+        Names.
+
+    Raises
+    ------
+    ConfigError, DataFormatError
+        As for `sender_of` and `named_banks`, before anything runs.
+    """
+    try:
+        motion = filter_for(plan.sensor.model())
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
+    banks = named_banks(plan)
+    rows: list[SenderRow] = []
+    for policy in policies:
+        if policy not in MODEL_SENDERS:
+            sender_of(plan, policy, NO_BANK, None, motion)
+            continue
+        for bank, named in banks.items():
+            sender = sender_of(plan, policy, bank, named, motion)
+            rules, members = sender.lanes, "+".join(member.name for member in sender.bank.members)
+            rows.append(
+                SenderRow(
+                    policy=policy,
+                    bank=bank,
+                    sub_models=members,
+                    start=rules.start,
+                    identify=rules.identify,
+                )
+            )
+    return rows

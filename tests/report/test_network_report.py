@@ -1,0 +1,144 @@
+"""Claims about tables and figures of a network evaluation: how several banks are told apart."""
+
+from dataclasses import asdict, fields
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from rich.console import Console
+
+from modelcast.report.figures.files import drawn
+from modelcast.report.figures.network import NETWORK_FIGURES
+from modelcast.report.network import network_console, network_markdown
+from modelcast.report.style import style
+from modelcast.study.network.pool import gather
+from modelcast.study.network.rows import (
+    CaseResult,
+    DistanceRow,
+    NetworkCase,
+    NetworkResult,
+    RunRow,
+    SecondRow,
+    SenderRow,
+)
+
+POLICIES = ("j2945", "mbc", "j2945-mbc")
+
+
+def row(kind: Any, case: NetworkCase, **own: float) -> Any:
+    """A row of a run with every number the same, and different from that of every other sender."""
+    value = 0.01 * (1 + len(case.policy) + 2 * len(case.bank) + 0.1 * case.run)
+    numbers: dict[str, Any] = {field.name: value for field in fields(kind)}
+    return kind(**{**numbers, **asdict(case), **own})
+
+
+def result(*banks: str, **own: float) -> NetworkResult:
+    """Two radios, two densities, two seeds; mbc and j2945-mbc with each bank."""
+    found: list[CaseResult] = []
+    for density, radio, policy, run in product((25.0, 100.0), ("dsrc", "sidelink"), POLICIES, (0, 1)):
+        for bank in banks if "mbc" in policy else ("none",):
+            case = NetworkCase(density, radio, policy, bank, run)
+            found.append(
+                CaseResult(
+                    row(RunRow, case, identification_rate_hz=0.25 if bank == "paper" else 0.0, **own),
+                    [
+                        row(DistanceRow, case, low_m=low_m, high_m=low_m + 25.0, **own)
+                        for low_m in (0.0, 25.0)
+                    ],
+                    outcomes=[],
+                    seconds=[row(SecondRow, case, t_s=t_s, **own) for t_s in (1.0, 2.0)],
+                )
+            )
+    senders = [
+        SenderRow(policy="mbc", bank=bank, sub_models="cv", start="order", identify="never") for bank in banks
+    ]
+    return gather(found, senders)
+
+
+def heads(result: NetworkResult) -> list[str]:
+    line = next(line for line in network_markdown(result).splitlines() if line.startswith("| density"))
+    return [cell.strip() for cell in line.strip("|").split("|")]
+
+
+def shown(result: NetworkResult, width: int = 80) -> str:
+    console = Console(width=width, record=True, markup=False, emoji=False)
+    with console.capture() as captured:
+        console.print(network_console(result))
+    return captured.get()
+
+
+def test_banks_are_a_column_only_where_there_are_several() -> None:
+    assert heads(result("default"))[:4] == ["density", "radio", "policy", "seeds"]
+    assert heads(result("default", "paper"))[:5] == ["density", "radio", "policy", "bank", "seeds"]
+    assert "default" not in shown(result("default"))
+    text = shown(result("default", "paper"))
+    for name in ("mbc, default", "mbc, paper", "j2945-mbc, paper", "sidelink, 100/km"):
+        assert name in text
+    assert "none" not in text.partition("Vehicles a kilometre at")[0]
+
+
+def test_identifications_stand_beside_updates() -> None:
+    found = result("default", "paper")
+    names = heads(found)
+    place = names.index("updates [1/s]")
+    assert names[place + 1] == "identifications [1/s]"
+    rows = [line.split("|")[1:-1] for line in network_markdown(found).splitlines() if "| mbc |" in line]
+    cells = {cells[3].strip(): cells[place + 1].strip() for cells in rows if len(cells) == len(names)}
+    assert cells["paper"].startswith("0.250 ±")
+    assert cells["default"].startswith("0 ±")
+    assert "identif." in shown(found)
+
+
+def test_a_terminal_of_80_columns_cuts_no_name_and_no_number() -> None:
+    """Nothing is shortened, and names stand in one piece."""
+    text = shown(result("default", "paper"))
+    assert "…" not in text
+    assert max(map(len, text.splitlines())) <= 80
+
+
+def test_a_bank_s_name_is_no_markup() -> None:
+    text = network_markdown(result("default", "a|b<c>.json"))
+    assert "a\\|b&lt;c>.json" in text
+    assert "a|b" not in text
+
+
+def looks(axes: Axes) -> dict[str, tuple[Any, ...]]:
+    """Colour and line of every curve by its label."""
+    curves = [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")]
+    return {str(line.get_label()): (line.get_color(), line.get_linestyle()) for line in curves}
+
+
+@pytest.mark.parametrize("name", NETWORK_FIGURES)
+def test_every_sender_has_a_curve_of_its_own_in_every_panel(name: str) -> None:
+    with style():
+        figure = NETWORK_FIGURES[name][1](result("default", "paper"))
+    wanted = {"j2945", "mbc, default", "mbc, paper", "j2945-mbc, default", "j2945-mbc, paper"}
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == list(looks(figure.axes[0]))
+    for axes in figure.axes:
+        found = looks(axes)
+        assert set(found) == wanted
+        assert len(set(found.values())) == len(wanted)
+
+
+@pytest.mark.parametrize("name", NETWORK_FIGURES)
+def test_with_one_bank_curves_bear_the_policy_alone(name: str) -> None:
+    with style():
+        figure = NETWORK_FIGURES[name][1](result("default"))
+    assert set(looks(figure.axes[0])) == set(POLICIES)
+
+
+@pytest.mark.parametrize("name", NETWORK_FIGURES)
+def test_figures_are_drawn_where_nothing_was_tracked(name: str) -> None:
+    with style():
+        drawing = drawn(name, NETWORK_FIGURES[name][1](result("paper", pte_p90_m=np.nan)))
+    assert drawing.name == name
+
+
+def test_a_log_axis_ends_near_its_values_however_wide_an_interval_is() -> None:
+    with style():
+        figure = NETWORK_FIGURES["tracking_density"][1](result("default", "paper"))
+    curves = [np.asarray(line.get_ydata(), dtype=np.float64) for line in figure.axes[0].get_lines()]
+    least = min(float(curve.min()) for curve in curves)
+    assert figure.axes[0].get_ylim()[0] == pytest.approx(0.5 * least)
