@@ -6,8 +6,12 @@ takes; a mutant then meets the tests that run its lines, the quickest first, unt
 uncompiled, or take longer than `LONGEST_TEST_S`, are left out. What was found is kept in ``out/mutate`` by a
 hash of the changed function and its tests, so that the next run only does what is new.
 
-The score is the share killed of those judged; survivors in ``tools/mutants_accepted.toml`` count as judged
-well. Exit code 1 where it is under `LEAST_SCORE`. Order and sample follow from the seed.
+The score is the share killed of those judged, a test that never ends counted as one that fails. Exit code 1
+where it is under `LEAST_SCORE`. Survivors are listed, but for those in ``tools/mutants_accepted.toml``, each
+of which has a reason there. Order and sample follow from the seed.
+
+A function is changed where it lies, in a process that has imported and collected all tests; for a changed
+constant or class everything is imported anew.
 
 Why not a library: mutmut 3 leaves decorated functions alone, and every kernel is decorated; cosmic-ray 8
 changes files where they lie, knows one test command for all mutants, and neither sample nor time limit. Both
@@ -731,14 +735,17 @@ def show(
             print(f"{fine}: {name} {mutant.path}:{line} ({mutant.operator})")
             print("\n".join(f"    {text}" for text in difference(sources[mutant.path], mutant)))
     heads = ("killed", "timeout", "accepted", "survived", "not run")
-    print("".join(f"{head:>10s}" for head in heads), "  file")
-    for path, counts in sorted(table.items()):
-        print("".join(f"{counts[head]:10d}" for head in heads), f"  {path}")
-    total = sum(table.values(), Counter[str]())
-    good = total["killed"] + total["timeout"] + total["accepted"]
-    score = good / max(1, sum(total.values()))
-    print("".join(f"{total[head]:10d}" for head in heads), f"  all: {score:.1%} of {sum(total.values())}")
-    return score
+    print("".join(f"{head:>10s}" for head in ("mutants", *heads, "score")), "  file")
+    table["all"] = sum(table.values(), Counter[str]())
+    for path, counts in sorted(table.items(), key=lambda one: (one[0] == "all", one[0])):
+        numbers = "".join(f"{number:10d}" for number in (counts.total(), *(counts[head] for head in heads)))
+        print(f"{numbers}{score_of(counts):10.1%}   {path}")
+    return score_of(table["all"])
+
+
+def score_of(counts: Counter[str]) -> float:
+    """Return the share of mutants that the tests noticed."""
+    return (counts["killed"] + counts["timeout"]) / max(1, counts.total())
 
 
 def work_through(
@@ -825,7 +832,9 @@ def main() -> int:
         if given.only == ("",):
             print(f"accepted, but there is no such mutant: {name}")
     score = show(found, mutants, sources, set(accepted))
-    print(f"{len(found)} of {len(mutants)} judged; at least {LEAST_SCORE:.0%} must be noticed")
+    print(
+        f"{score:.1%} of {len(found)} judged, of {len(mutants)}, seed {given.seed}; {LEAST_SCORE:.0%} must be"
+    )
     return 0 if score >= LEAST_SCORE else 1
 
 
