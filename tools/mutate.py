@@ -59,7 +59,7 @@ TESTS = (
     "tests/study/test_evaluate.py",
     "tests/study/test_guard.py",
     "tests/study/test_reference.py",
-    "tests/study/test_walk.py",
+    "tests/study/test_trip_messages.py",
 )
 LEAST_SCORE = 0.9
 LONGEST_TEST_S = 5.0

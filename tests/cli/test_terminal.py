@@ -112,7 +112,7 @@ def test_commands_reach_the_terminal_one_way_only() -> None:
         source = path.read_text(encoding="utf-8")
         assert "Console(" not in source, path.name
         assert "file=sys.stderr" not in source, path.name
-        printed = re.findall(r"\bprint\((.*)\)", source)
+        printed = re.findall(r"^(?!\s*>>>).*\bprint\((.*)\)", source, re.MULTILINE)
         assert all(re.fullmatch(r"|json_format\.dumps\(.*|octets\.hex\(\)", text) for text in printed), (
             path.name
         )

@@ -267,25 +267,6 @@ def _sort_near(
 
 
 @kernel(inlined=True)
-def _open_link(
-    v: int,
-    t_s: float,
-    j: int,
-    power_mw: float,
-    strong: bool,
-    station: FloatMatrix,
-    hazard: FloatVector,
-    constants: DsrcConstants,
-) -> int:
-    """Begin a frame of ``v`` at one receiver; return the flag of the pair."""
-    flag = begin_reception(station, j, v, power_mw, strong, t_s, station[v, END_S], hazard, constants)
-    turned = sense_medium(station, j, t_s, constants)
-    if turned > 0 and station[j, ACCESS_S] >= t_s + constants.sensing_s:
-        station[j, ACCESS_S] = np.inf
-    return flag
-
-
-@kernel(inlined=True)
 def open_links(
     v: int,
     t_s: float,
@@ -304,56 +285,18 @@ def open_links(
         n = near.kind[STRONG, k] if k < strong else near.kind[DISTURBED, k - strong]
         links.receiver[used + k], links.mw[used + k] = near.who[n], near.work[POWER_MW, n]
         links.flag[used + k, 0], links.flag[used + k, 1] = WEAK, near.work[GROUP, n]
-    for at in range(used, used + strong):
-        j, power_mw = int(links.receiver[at]), links.mw[at]
-        links.flag[at, 0] = _open_link(v, t_s, j, power_mw, True, station, hazard, constants)
-    for at in range(used + strong, used + strong + weak):
-        j, power_mw = int(links.receiver[at]), links.mw[at]
-        if disturb(station, j, power_mw, 1.0):
+    for at in range(used, used + strong + weak):
+        j, power_mw, locks = int(links.receiver[at]), links.mw[at], at < used + strong
+        if not locks and disturb(station, j, power_mw, 1.0):
             station[j, RECENT_S], station[j, RECENT_MW] = t_s, power_mw
-        else:
-            links.flag[at, 0] = _open_link(v, t_s, j, power_mw, False, station, hazard, constants)
+            continue
+        flag = begin_reception(station, j, v, power_mw, locks, t_s, station[v, END_S], hazard, constants)
+        links.flag[at, 0] = flag
+        turned = sense_medium(station, j, t_s, constants)
+        if turned > 0 and station[j, ACCESS_S] >= t_s + constants.sensing_s:
+            station[j, ACCESS_S] = np.inf
     station[v, FIRST], station[v, LOCKABLE], station[v, COUNT] = used, strong, strong + weak
     return used + strong + weak
-
-
-@kernel(inlined=True)
-def _close_link(
-    v: int,
-    t_s: float,
-    k: int,
-    strong: bool,
-    station: FloatMatrix,
-    message: IntMatrix,
-    links: Links,
-    hazard: FloatVector,
-    constants: DsrcConstants,
-    heard: Heard,
-    received: int,
-    events: Events,
-    count: int,
-) -> tuple[int, int]:
-    """End a frame of ``v`` at one receiver; return the numbers of receptions and of events."""
-    j, held = links.receiver[k], strong and station[links.receiver[k], LOCK] == v
-    outcome = finish_reception(
-        station, j, v, links.mw[k], strong, links.flag[k, 0], t_s, hazard, constants, message[v, SEED]
-    )
-    if links.flag[k, 1] < constants.bins:
-        heard.outcomes[links.flag[k, 1], outcome] += 1
-    if outcome == RECEIVED:
-        who, when = heard.who, heard.when
-        who[received, 0], who[received, 1], who[received, 2] = message[v, AIR], v, j
-        when[received, 0], when[received, 1] = t_s, links.mw[k]
-        received += 1
-    if sense_medium(station, j, t_s, constants) < 0:
-        if held and outcome != RECEIVED:
-            station[j, IDLE_S] = t_s + constants.extended_s
-        if message[j, MESSAGE] >= 0:
-            station[j, ACCESS_S] = (
-                station[j, IDLE_S] + constants.aifs_s + station[j, BACKOFF] * constants.slot_s
-            )
-            count = push_event(events, count, station[j, ACCESS_S], 2 * j + ACCESS_EVENT)
-    return received, count
 
 
 @kernel(inlined=True)
@@ -371,20 +314,33 @@ def close_links(
     count: int,
 ) -> tuple[int, int]:
     """A frame of ``v`` ends at all its receivers; return the numbers of receptions and of events."""
-    first = int(station[v, FIRST])
+    first, seed = int(station[v, FIRST]), message[v, SEED]
     weak, end = first + int(station[v, LOCKABLE]), first + int(station[v, COUNT])
-    for k in range(first, weak):
-        received, count = _close_link(
-            v, t_s, k, True, station, message, links, hazard, constants, heard, received, events, count
-        )
-    for k in range(weak, end):
-        j, group = int(links.receiver[k]), int(links.flag[k, 1])
-        if disturb(station, j, -links.mw[k], -1.0):
+    for k in range(first, end):
+        j, group, locks = int(links.receiver[k]), int(links.flag[k, 1]), k < weak
+        if not locks and disturb(station, j, -links.mw[k], -1.0):
             if group < constants.bins:
                 sending = station[j, SENDING_S] > station[v, START_S]
                 heard.outcomes[group, HALF_DUPLEX if sending else WEAK] += 1
             continue
-        received, count = _close_link(
-            v, t_s, k, False, station, message, links, hazard, constants, heard, received, events, count
+        held = locks and station[j, LOCK] == v
+        outcome = finish_reception(
+            station, j, v, links.mw[k], locks, links.flag[k, 0], t_s, hazard, constants, seed
         )
+        if group < constants.bins:
+            heard.outcomes[group, outcome] += 1
+        if outcome == RECEIVED:
+            who, when = heard.who, heard.when
+            who[received, 0], who[received, 1], who[received, 2] = message[v, AIR], v, j
+            when[received, 0], when[received, 1] = t_s, links.mw[k]
+            received += 1
+        if sense_medium(station, j, t_s, constants) >= 0:
+            continue
+        if held and outcome != RECEIVED:
+            station[j, IDLE_S] = t_s + constants.extended_s
+        if message[j, MESSAGE] >= 0:
+            station[j, ACCESS_S] = (
+                station[j, IDLE_S] + constants.aifs_s + station[j, BACKOFF] * constants.slot_s
+            )
+            count = push_event(events, count, station[j, ACCESS_S], 2 * j + ACCESS_EVENT)
     return received, count

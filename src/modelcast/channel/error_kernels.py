@@ -3,6 +3,7 @@
 import numpy as np
 
 from modelcast.channel.error_models import HAZARD_MIN_DB, HAZARD_PER_DB, HAZARD_SIZE
+from modelcast.core.exponential_kernels import fast_log
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatVector
 
@@ -17,7 +18,7 @@ def hazard_at(ratio: float, table: FloatVector) -> float:
     """Return the hazard of a unit at a power ratio."""
     if ratio >= _HIGHEST:
         return table[HAZARD_SIZE - 1]
-    at = (np.log(ratio) * _DB_PER_LN - HAZARD_MIN_DB) * HAZARD_PER_DB
+    at = (fast_log(ratio) * _DB_PER_LN - HAZARD_MIN_DB) * HAZARD_PER_DB
     if at <= 0.0:
         return table[0]
     if at >= HAZARD_SIZE - 1:

@@ -1,9 +1,10 @@
 """Compiled functions of the learned sub-model: its inputs, the network, and the corrected path."""
 
-from math import asinh, hypot, log, sqrt
+from math import hypot, log, sqrt
 
 import numpy as np
 
+from modelcast.core.exponential_kernels import fast_asinh
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector
 from modelcast.models.kinematic_kernels import predict_acceleration_and_turn
@@ -119,7 +120,7 @@ def run_network(
     """Run one packed network over raw inputs; ``inputs`` (I,) is overwritten."""
     count = inputs.size
     for i in range(count):
-        inputs[i] = asinh((inputs[i] - network[i]) * network[count + i])
+        inputs[i] = fast_asinh((inputs[i] - network[i]) * network[count + i])
     hidden_1, hidden_2 = np.empty(first), np.empty(second)
     at = 2 * count
     bias = at + first * count
