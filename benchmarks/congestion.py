@@ -92,7 +92,8 @@ def step_time(hosts: int) -> float:
         ticks += 1
         t_s = np.full(hosts, 0.1 * ticks)
         flags = np.zeros(hosts, dtype=np.bool_)
-        j2945_kernels.step_each(rows, t_s, t_s + 0.1, *columns, flags, uniforms, constants, *out)
+        seen = j2945_kernels.Vehicles(t_s, t_s + 0.1, *columns, flags, uniforms)
+        j2945_kernels.step_each(rows, seen, constants, *out)
 
     return best_of_three(step)
 

@@ -2,7 +2,8 @@
 
 ``paired.py BASE HEAD``: folders, or revisions, for which worktrees are made for the time of the run. A
 scenario of `paired_scenarios.py` runs in processes of its own, in the order base, head, head, base, so that a
-drift of the machine falls out; each process compiles first and reports its least processor time. The ratio is
+drift of the machine falls out; each process compiles first and reports its least processor time, or by the
+clock on the wall where two threads share the work (``-threads``; the base may know of one only). The ratio is
 base over head, above 1 where head is faster, with the 95 % interval of Student's t over the logarithms of the
 rounds. The verdict is against ``--limit``: ``ok`` where the interval is above it, ``slower`` where below,
 else ``unclear``. Exit code 1 where something is slower.

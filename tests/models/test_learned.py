@@ -11,7 +11,7 @@ from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned import FeatureMap, LearnedTrajectory, Perceptron
 from modelcast.models.learned.features import NOISES
 from modelcast.models.learned.learned_trajectory import feature_constants
-from modelcast.study.training.learned_kernels import trip_features
+from modelcast.study.training.cut_kernels import trip_features
 
 FEATURES = FeatureMap(20)
 INPUTS = FEATURES.inputs

@@ -15,7 +15,7 @@ from modelcast.models.kinematic import (
 )
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.models.trusted import Trusted
-from modelcast.runtime.trip import replay_kernels
+from modelcast.runtime.trip import believed_kernels
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sensing.velocity import velocity_estimator_for
@@ -137,9 +137,9 @@ def test_sender_batch_and_replay_agree_in_every_bit(drive: Trajectory) -> None:
     assert np.array_equal(np.sqrt((off * off).sum(axis=1)), bank.tracking_error_m(walk)[damped, 0])
 
     errors = np.empty((5, 1, count))
-    replay_kernels.replay(
+    believed_kernels.replay(
         bank.own.ready.members,
-        replay_kernels.SentTrip(
+        believed_kernels.SentTrip(
             drive.t_s,
             bank.stated_s,
             bank.stated_m,
@@ -147,7 +147,7 @@ def test_sender_batch_and_replay_agree_in_every_bit(drive: Trajectory) -> None:
             drive.position_m,
             np.tile([1.0, 0.0], (count, 1)),
         ),
-        replay_kernels.Schedules(walk.kind[None], walk.in_use[None], walk.update_index[None]),
+        believed_kernels.Schedules(walk.kind[None], walk.in_use[None], walk.update_index[None]),
         np.zeros((1, count), dtype=np.bool_),
         0.0,
         np.inf,

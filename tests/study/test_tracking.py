@@ -11,7 +11,7 @@ from modelcast.core.chance import child_generator
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
-from modelcast.runtime.trip import replay_kernels
+from modelcast.runtime.trip import believed_kernels
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.banks import BASELINE_BANK, PAPER_BANK
 from modelcast.station.policy.base import MessageKind
@@ -192,9 +192,9 @@ def held_after(kinds: list[str], used: list[int], lost: list[int]) -> list[tuple
     missing = np.zeros((1, 4), dtype=np.bool_)
     missing[0, lost] = True
     errors = np.empty((5, 1, 4))
-    replay_kernels.replay(
+    believed_kernels.replay(
         bank.own.ready.members,
-        replay_kernels.SentTrip(
+        believed_kernels.SentTrip(
             trip.t_s[10:].copy(),
             bank.stated_s[10:].copy(),
             bank.stated_m[10:].copy(),
@@ -202,7 +202,7 @@ def held_after(kinds: list[str], used: list[int], lost: list[int]) -> list[tuple
             np.zeros((4, 2)),
             np.tile([1.0, 0.0], (4, 1)),
         ),
-        replay_kernels.Schedules(
+        believed_kernels.Schedules(
             kind,
             np.array([used]),
             np.maximum.accumulate(np.where(np.isin(kind, (1, 3)), np.arange(4), 0), axis=1),

@@ -51,8 +51,9 @@ class EvaluateOptions:
     start
         Sub-model in use after an update: first in order, the one kept, the longest survivor, the one whose
         predictions of the last two seconds did best (hindsight), the same with constant velocity while the
-        bank has fallen behind it (guarded), or the one a trained selector expects to
-        last (predicted); the profile's rule or order where not given.
+        bank has fallen behind it (guarded), the one a trained selector expects to last (predicted), or the
+        one that erred least from each message to the next (recent); the profile's rule or order where not
+        given.
     identify
         When another sub-model is named: on failure of the one in use, the same but failures are final, at
         every change of the best, never (all are fitted anew when the one in use fails), or where it is

@@ -76,7 +76,7 @@ class RunKey:
     @property
     def short(self) -> str:
         """The key as file names hold it."""
-        text = json.dumps([self.version, sorted(self.all_inputs.items())])
+        text = json.dumps([RUN_SCHEMA, self.version, sorted(self.all_inputs.items())])
         return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 

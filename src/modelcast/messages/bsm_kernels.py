@@ -217,10 +217,19 @@ def values_of(codes: IntMatrix, meaning: FloatMatrix, values: FloatMatrix) -> No
 
 
 @kernel
-def quantise(values: FloatMatrix, meaning: FloatMatrix) -> tuple[int, int]:
-    """Put what the codes of values stand for in their places, (B, F); row and field of the first refused."""
+def quantise(
+    values: FloatMatrix, meaning: FloatMatrix, owner: IntVector, in_use: IntVector
+) -> tuple[int, int]:
+    """Put what the codes of values stand for in their places, (B, F); row and field of the first refused.
+
+    A field that belongs to a sub-model, ``owner`` (F,), is not a number in the rows in which another is
+    ``in_use`` (B,); an owner of -1 is none.
+    """
     for row in range(values.shape[0]):
         for f in range(values.shape[1]):
+            if owner[f] >= 0 and owner[f] != in_use[row]:
+                values[row, f] = np.nan
+                continue
             code, held = code_of(values[row, f], meaning, f)
             if not held:
                 return row, f

@@ -105,17 +105,17 @@ class UpdateCodec(AbstractCodec[UpdateMessage]):
     def quantise(self, parameters: FloatArray) -> FloatArray:
         """Values that a receiver holds, (B, 26 + C)."""
         in_use, layouts = self._in_use(parameters), self.profile.layouts
-        members = np.repeat(np.arange(len(layouts)), [len(layout.fields) for layout in layouts])
-        absent = (in_use[:, None] != members) & (not self.carries_all)
-        held = np.array(parameters, np.float64, order="C")
-        np.copyto(held[:, _CORE + 1 :], 0.0, where=absent)
         own = [coefficient_meaning(field) for layout in layouts for field in layout.fields]
-        row, at = bsm_kernels.quantise(held, np.array([*CORE_MEANING, field_meaning(SUB_MODEL), *own]))
+        owner = np.full(_CORE + 1 + len(own), -1)
+        if not self.carries_all:
+            owner[_CORE + 1 :] = np.repeat(range(len(layouts)), [len(layout.fields) for layout in layouts])
+        held = np.array(parameters, np.float64, order="C")
+        meaning = np.array([*CORE_MEANING, field_meaning(SUB_MODEL), *own])
+        row, at = bsm_kernels.quantise(held, meaning, owner, in_use)
         if row >= 0:
             if at > _CORE:
                 raise ValueError(f"row {row}: every coefficient carried must be a number: none means unknown")
             codes_of_values(parameters[:, :_CORE])  # raises, and says what is wrong
-        np.copyto(held[:, _CORE + 1 :], np.nan, where=absent)
         return held
 
     def sizes(self, parameters: FloatArray) -> IntArray:
@@ -181,7 +181,9 @@ class IdentificationCodec(AbstractCodec[IdentificationMessage]):
         """Values that a receiver holds, (B, 4)."""
         self._check(parameters)
         held = np.array(parameters, np.float64, order="C")
-        row, at = bsm_kernels.quantise(held, _IDENTIFICATION_MEANING)
+        row, at = bsm_kernels.quantise(
+            held, _IDENTIFICATION_MEANING, np.full(len(_IDENTIFICATION), -1), np.zeros(len(held), np.int64)
+        )
         if row >= 0:
             _IDENTIFICATION[at].code_of(float(parameters[row, at]))  # raises, and says what is wrong
         return held

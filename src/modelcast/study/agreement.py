@@ -15,7 +15,7 @@ from modelcast.core.chance import child_generator
 from modelcast.models.bank import Bank
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.settings import NetworkSettings
-from modelcast.runtime.trip import replay_kernels
+from modelcast.runtime.trip import believed_kernels
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.banks import profile_number_of
 from modelcast.station.policy.error_driven import ErrorDriven
@@ -219,9 +219,9 @@ def _replayed(
     """Where the replay puts the sender at each sample, (2, T) [m]."""
     count = len(trip)
     errors = np.empty((5, 1, count))
-    replay_kernels.replay(
+    believed_kernels.replay(
         runtime.own.ready.members,
-        replay_kernels.SentTrip(
+        believed_kernels.SentTrip(
             trip.t_s,
             runtime.stated_s,
             runtime.stated_m,
@@ -229,7 +229,7 @@ def _replayed(
             np.zeros((count, 2)),
             np.tile([1.0, 0.0], (count, 1)),
         ),
-        replay_kernels.Schedules(walked.kind[None], walked.in_use[None], walked.update_index[None]),
+        believed_kernels.Schedules(walked.kind[None], walked.in_use[None], walked.update_index[None]),
         lost,
         0.0,
         np.inf,

@@ -12,7 +12,7 @@ import numpy as np
 
 from modelcast.core.arrays import BoolArray, IntArray, SingleArray
 from modelcast.core.chance import child_generator
-from modelcast.runtime.trip import replay_kernels
+from modelcast.runtime.trip import believed_kernels
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
@@ -243,9 +243,9 @@ class LossRuns:
         gaps_s = np.empty((runs, count))
         gap_count = np.empty(runs, dtype=np.int64)
         kind = np.stack([one.kind for one in sent])
-        replay_kernels.replay(
+        believed_kernels.replay(
             ready.own.ready.members,
-            replay_kernels.SentTrip(
+            believed_kernels.SentTrip(
                 case.truth.t_s,
                 ready.stated_s,
                 ready.stated_m,
@@ -253,7 +253,7 @@ class LossRuns:
                 case.truth.position_m,
                 case.direction,
             ),
-            replay_kernels.Schedules(
+            believed_kernels.Schedules(
                 kind,
                 np.stack([one.in_use for one in sent]),
                 np.stack([one.update_index for one in sent]),

@@ -21,7 +21,7 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.trusted import Trusted
-from modelcast.runtime.trip import replay_kernels
+from modelcast.runtime.trip import believed_kernels
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.policy.base import MessageKind
 from modelcast.station.receiver import hearing_kernels, track_kernels
@@ -671,9 +671,9 @@ def replayed(
     """The evaluation's replay in double precision: errors after, before, along, across, and age, (5, T)."""
     count = len(case.truth)
     errors = np.empty((5, 1, count))
-    replay_kernels.replay(
+    believed_kernels.replay(
         sender.own.ready.members,
-        replay_kernels.SentTrip(
+        believed_kernels.SentTrip(
             case.truth.t_s,
             sender.stated_s,
             sender.stated_m,
@@ -681,7 +681,7 @@ def replayed(
             case.truth.position_m,
             case.direction,
         ),
-        replay_kernels.Schedules(walk.kind[None], walk.in_use[None], walk.update_index[None]),
+        believed_kernels.Schedules(walk.kind[None], walk.in_use[None], walk.update_index[None]),
         lost,
         0.0,
         expiry_s,

@@ -20,14 +20,14 @@ from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.core.chance import child_generator
 from modelcast.core.parts import WHOLE, Parts
-from modelcast.runtime.fleet import hearing_kernels, tracking_kernels
+from modelcast.runtime.fleet import reception_kernels, tracking_kernels
 from modelcast.runtime.fleet.arrays import (
     TRACK_COLUMNS,
     Tally,
     pooled,
     tally,
 )
-from modelcast.runtime.fleet.hearing_kernels import Heard, HearingLimits
+from modelcast.runtime.fleet.reception_kernels import Heard, HearingLimits
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.fleet.tracking_kernels import Tracking
 from modelcast.station.arrays import MEASURED
@@ -193,7 +193,7 @@ class FleetLoop:
         started = frame.active & (stations.senders.vehicle != frame.vehicle_id)
         stations.senders.vehicle[:] = np.where(frame.active, frame.vehicle_id, -1)
         forget_each(stations.sensed, started)
-        hearing_kernels.clear_hosts(started, self.tables, self.tracks)
+        reception_kernels.clear_hosts(started, self.tables, self.tracks)
         columns = (seen.speed_mps, seen.heading_rad, seen.acceleration_mps2, seen.yaw_rate_radps)
         measured = np.column_stack((seen.position_m, *columns))
         begins = np.zeros(len(frame), dtype=np.bool_) if frame.begins is None else frame.begins
@@ -297,7 +297,7 @@ class FleetLoop:
         vehicle = self.stations.senders.vehicle
         receiver = owned(received.receiver, np.int64)
         start, order = np.zeros(vehicle.size + 1, dtype=np.int64), np.empty(receiver.size, dtype=np.int64)
-        hearing_kernels.by_host(receiver, start, order)
+        reception_kernels.by_host(receiver, start, order)
         heard = Heard(
             message_id=owned(received.message_id, np.int64),
             received_s=owned(received.t_s),
@@ -312,7 +312,7 @@ class FleetLoop:
         )
 
         def work(part: int) -> None:
-            hearing_kernels.hear_messages(
+            reception_kernels.hear_messages(
                 heard,
                 limits,
                 self.tables,

@@ -228,16 +228,19 @@ class CooperativeAwareness(AbstractTransmitPolicy[CamState]):
             code, control_constants = self.control.code, self.control.constants()
         rows, control = state.rows.copy(), state.control.copy()
         sends = np.empty(rows.shape[0], dtype=np.bool_)
-        kernels.step_each(
-            rows,
-            control,
-            code,
+        seen = kernels.Vehicles(
             owned(inputs.t_s),
             owned(motion.position_m),
             owned(motion.speed_mps),
             owned(motion.heading_rad),
             owned(busy_ratio),
             owned(airtime_s),
+        )
+        kernels.step_each(
+            rows,
+            control,
+            code,
+            seen,
             self.triggering.min_inter_transmit_time_s,
             self.triggering.constants(),
             control_constants,

@@ -1,5 +1,7 @@
 """Compiled triggering of cooperative awareness messages: one rule, for a whole trip and for a fleet."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from modelcast.core.kernel import kernel
@@ -20,6 +22,7 @@ __all__ = [
     "SPEED_MPS",
     "STATE_COLUMNS",
     "TIMEOUTS",
+    "Vehicles",
     "start",
     "step",
     "step_each",
@@ -112,17 +115,23 @@ def trigger(
         )
 
 
+class Vehicles(NamedTuple):
+    """What B vehicles see of themselves and of the channel: (B,) each, ``position_m`` (B, 2)."""
+
+    t_s: FloatVector
+    position_m: FloatMatrix
+    speed_mps: FloatVector
+    heading_rad: FloatVector
+    channel_busy_ratio: FloatVector
+    airtime_s: FloatVector
+
+
 @kernel
 def step_each(
     rows: FloatMatrix,
     control_rows: FloatMatrix,
     control: int,
-    t_s: FloatVector,
-    position_m: FloatMatrix,
-    speed_mps: FloatVector,
-    heading_rad: FloatVector,
-    channel_busy_ratio: FloatVector,
-    airtime_s: FloatVector,
+    seen: Vehicles,
     least_s: float,
     constants: FloatVector,
     control_constants: FloatVector,
@@ -133,21 +142,27 @@ def step_each(
     ``rows`` (B, 7) and ``control_rows`` (B, `dcc_kernels.STATE_COLUMNS`) are written; ``control`` is one of
     the codes of `dcc_kernels`.
     """
+    t_s = seen.t_s
     for i in range(t_s.size):
         shortest_s = least_s
         if control != dcc_kernels.NONE:
             shortest_s = dcc_kernels.step(
-                control_rows[i], control, t_s[i], channel_busy_ratio[i], airtime_s[i], control_constants
+                control_rows[i],
+                control,
+                t_s[i],
+                seen.channel_busy_ratio[i],
+                seen.airtime_s[i],
+                control_constants,
             )
             # Clause 6.1.3: T_GenCamMin <= T_GenCam_Dcc <= T_GenCamMax.
             shortest_s = min(max(shortest_s, least_s), constants[MAX_INTER_TRANSMIT_TIME_S])
         out_send[i] = step(
             rows[i],
             t_s[i],
-            position_m[i, 0],
-            position_m[i, 1],
-            speed_mps[i],
-            heading_rad[i],
+            seen.position_m[i, 0],
+            seen.position_m[i, 1],
+            seen.speed_mps[i],
+            seen.heading_rad[i],
             shortest_s,
             constants,
         )

@@ -78,7 +78,8 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         takes them from a selector (``predicted``, `modelcast.models.learned.Selector`) or from how
         predictions of the last two seconds did (``hindsight``, `modelcast.station.policy.hindsight`;
         ``guarded``, the same, and constant velocity while the bank has fallen behind it,
-        `modelcast.station.policy.guard`).
+        `modelcast.station.policy.guard`), or the smallest of those that erred least from one message to the
+        next, older messages counting less and less (``recent``).
     identify
         ``on-failure`` (default): when the one in use fails while another holds at that instant, name the one
         with the smallest error; it leaves Algorithm 1's update rule untouched and sends the fewest messages a
@@ -170,17 +171,13 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         in_use = np.empty_like(state.in_use)
         first_failure_s = state.first_failure_s.copy()
         scores = inputs.predicted_life
-        kernels.step_each(
+        seen = kernels.Vehicles(
             np.ascontiguousarray(inputs.tracking_error_m, dtype=np.float64),
             np.ascontiguousarray(inputs.available),
-            first_failure_s,
             np.full_like(first_failure_s, np.nan) if scores is None else owned(scores),
             state.in_use,
             np.ascontiguousarray(inputs.age_s, dtype=np.float64),
             np.ascontiguousarray(inputs.silence_s, dtype=np.float64),
-            self.start_code,
-            *self.codes,
-            kind,
-            in_use,
         )
+        kernels.step_each(seen, first_failure_s, self.start_code, *self.codes, kind, in_use)
         return Decisions.at_once(kind, in_use, inputs.t_s), ErrorDrivenState(in_use, first_failure_s)

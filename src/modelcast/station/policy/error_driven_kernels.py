@@ -1,6 +1,7 @@
-"""Algorithm 1 of the paper, once: the compiled steps that trip walker and fleet engine both call."""
+"""Algorithm 1 of the paper, once: the compiled steps that the stations of trips and fleets both call."""
 
 from math import isnan
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,6 +26,7 @@ __all__ = [
     "START_RECENT",
     "START_SURVIVOR",
     "UPDATE",
+    "Vehicles",
     "class_of",
     "residual_life_s",
     "start_member",
@@ -155,15 +157,21 @@ def step(
     return NOTHING, in_use
 
 
+class Vehicles(NamedTuple):
+    """B vehicles with a bank of M: what each sub-model does, (B, M), and what is in use since when, (B,)."""
+
+    tracking_error_m: FloatMatrix
+    available: BoolMatrix
+    scores: FloatMatrix
+    in_use: IntVector
+    age_s: FloatVector
+    silence_s: FloatVector
+
+
 @kernel
 def step_each(
-    tracking_error_m: FloatMatrix,
-    available: BoolMatrix,
+    seen: Vehicles,
     first_failure_s: FloatMatrix,
-    scores: FloatMatrix,
-    in_use: IntVector,
-    age_s: FloatVector,
-    silence_s: FloatVector,
     start: int,
     threshold_m: float,
     max_inter_transmit_time_s: float,
@@ -173,19 +181,21 @@ def step_each(
     out_in_use: IntVector,
 ) -> None:
     """Decide for every vehicle, a row each; an update clears its row of ``first_failure_s`` (B, M)."""
-    for row in range(in_use.size):
+    for row in range(seen.in_use.size):
         kind, member = step(
-            tracking_error_m[row],
+            seen.tracking_error_m[row],
             first_failure_s[row],
-            in_use[row],
-            age_s[row],
-            silence_s[row],
+            seen.in_use[row],
+            seen.age_s[row],
+            seen.silence_s[row],
             threshold_m,
             max_inter_transmit_time_s,
             identify,
             costs,
         )
         if kind in (UPDATE, KEEP_ALIVE):
-            member = start_member(available[row], first_failure_s[row], scores[row], in_use[row], start)
+            member = start_member(
+                seen.available[row], first_failure_s[row], seen.scores[row], seen.in_use[row], start
+            )
             first_failure_s[row] = np.inf
         out_kind[row], out_in_use[row] = kind, member

@@ -174,8 +174,7 @@ class J2945(AbstractTransmitPolicy[J2945State]):
         cause = np.empty(vehicles, dtype=np.int64)
         send_s, power_dbm = np.empty(vehicles), np.empty(vehicles)
         believed = np.empty(vehicles, dtype=np.bool_)
-        kernels.step_each(
-            rows,
+        seen = kernels.Vehicles(
             owned(inputs.t_s),
             owned(until_s),
             owned(inputs.tracking_error_m[:, 0]),
@@ -184,12 +183,9 @@ class J2945(AbstractTransmitPolicy[J2945State]):
             owned(air.packet_error_ratio),
             np.ascontiguousarray(motion.critical),
             rng.random((vehicles, 3)),
-            self.parameters.constants(),
-            cause,
-            send_s,
-            power_dbm,
-            believed,
         )
+        constants = self.parameters.constants()
+        kernels.step_each(rows, seen, constants, cause, send_s, power_dbm, believed)
         kind = np.where(cause != Cause.NOTHING, MessageKind.UPDATE, MessageKind.NOTHING).astype(np.int64)
         decisions = Decisions(
             kind, np.zeros_like(kind), send_s=send_s, power_dbm=power_dbm, believed=believed

@@ -1,6 +1,7 @@
 """Compiled congestion control of SAE J2945/1: each rule one function, and the step of one vehicle."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +15,7 @@ __all__ = [
     "CAUSE_NOTHING",
     "CAUSE_TIME",
     "STATE_COLUMNS",
+    "Vehicles",
     "assume_received",
     "control",
     "critical",
@@ -276,34 +278,40 @@ def step(
     return cause, at_s, power_dbm, believed
 
 
+class Vehicles(NamedTuple):
+    """What `step` is given for each of B vehicles: (B,) each, ``uniforms`` (B, 3)."""
+
+    t_s: FloatVector
+    until_s: FloatVector
+    tracking_error_m: FloatVector
+    channel_busy_ratio: FloatVector
+    neighbours: FloatVector
+    packet_error_ratio: FloatVector
+    event: BoolVector
+    uniforms: FloatMatrix
+
+
 @kernel
 def step_each(
     rows: FloatMatrix,
-    t_s: FloatVector,
-    until_s: FloatVector,
-    tracking_error_m: FloatVector,
-    channel_busy_ratio: FloatVector,
-    neighbours: FloatVector,
-    packet_error_ratio: FloatVector,
-    event: BoolVector,
-    uniforms: FloatMatrix,
+    seen: Vehicles,
     c: FloatVector,
     out_cause: IntVector,
     out_send_s: FloatVector,
     out_power_dbm: FloatVector,
     out_believed: BoolVector,
 ) -> None:
-    """Decide for every vehicle: all arrays (B,), ``rows`` (B, 15), ``uniforms`` (B, 3)."""
-    for i in range(t_s.size):
+    """Decide for every vehicle: all arrays (B,), ``rows`` (B, 15)."""
+    for i in range(seen.t_s.size):
         out_cause[i], out_send_s[i], out_power_dbm[i], out_believed[i] = step(
             rows[i],
-            t_s[i],
-            until_s[i],
-            tracking_error_m[i],
-            channel_busy_ratio[i],
-            neighbours[i],
-            packet_error_ratio[i],
-            event[i],
-            uniforms[i],
+            seen.t_s[i],
+            seen.until_s[i],
+            seen.tracking_error_m[i],
+            seen.channel_busy_ratio[i],
+            seen.neighbours[i],
+            seen.packet_error_ratio[i],
+            seen.event[i],
+            seen.uniforms[i],
             c,
         )

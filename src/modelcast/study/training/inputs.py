@@ -5,7 +5,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray, owned
 from modelcast.models.learned.features import FeatureMap
 from modelcast.models.learned.learned_trajectory import feature_constants
-from modelcast.study.training.learned_kernels import trip_features
+from modelcast.study.training.cut_kernels import trip_features
 
 __all__ = ["window_inputs"]
 

@@ -176,35 +176,31 @@ class Grid(AbstractScenario[GridState]):
     def step(self, state: GridState) -> GridState:
         """Return the state a step later."""
         streets = self._streets
-        numbers, integers = state.numbers.copy(), state.integers.copy()
-        order, first, left_last = state.order.copy(), state.first.copy(), state.left_last.copy()
-        kernels.step(
-            numbers,
-            integers,
-            order,
-            first,
-            left_last,
-            state.drivers,
+        town = kernels.Town(
+            state.numbers.copy(),
+            state.integers.copy(),
+            state.order.copy(),
+            state.first.copy(),
+            state.left_last.copy(),
+        )
+        roads = kernels.Roads(
             streets.follower,
             streets.connector_m,
             streets.ends,
             streets.green_start_s - state.offset_s,
             streets.cycle_s,
+        )
+        kernels.step(
+            town,
+            state.drivers,
+            roads,
             self._settings(),
             state.rng.standard_normal((kernels.NORMALS, self.slots)),
             state.rng.random(self.slots),
             state.number * STEP_S,
             STEP_S,
         )
-        return replace(
-            state,
-            number=state.number + 1,
-            numbers=numbers,
-            integers=integers,
-            order=order,
-            first=first,
-            left_last=left_last,
-        )
+        return replace(state, number=state.number + 1, **town._asdict())
 
     def frame(self, state: GridState) -> FleetFrame:
         """Return the fleet; every slot is active."""

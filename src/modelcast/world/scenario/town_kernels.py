@@ -5,6 +5,7 @@ link at once, and comes up to its beginning on the connector, at negative s.
 """
 
 from math import exp, pi, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +25,17 @@ from modelcast.world.scenario.following_kernels import (
 )
 from modelcast.world.scenario.pose_kernels import lateral_clock, place
 
-__all__ = ["COLUMNS", "INTEGERS", "NORMALS", "choose_move", "poses", "sort_by_link", "step"]
+__all__ = [
+    "COLUMNS",
+    "INTEGERS",
+    "NORMALS",
+    "Roads",
+    "Town",
+    "choose_move",
+    "poses",
+    "sort_by_link",
+    "step",
+]
 
 S, V, A, WANDER, WANDER_1, WANDER_2, GAP_ERR, APPROACH_ERR, PEDAL = range(9)
 COLUMNS = 9
@@ -54,6 +65,30 @@ LOOK_M = 120.0
 CLEAR = 0.6  # of its way across: from here a turning vehicle is out of the way of who goes straight on
 ROOM = 1.15  # of length and gap: what a standing vehicle takes up
 SPARE_M = 16.0  # kept free for those who are too close to stop when a link fills up
+
+
+class Town(NamedTuple):
+    """Vehicles of a grid: rows of the state, (COLUMNS, V) and (INTEGERS, V), and who is on which link.
+
+    ``order`` (V,) are the slots by link and place, of which link k has those from ``first[k]`` (K + 1,);
+    ``left_last`` (K,) is the vehicle that left each link last, -1 for none.
+    """
+
+    numbers: FloatMatrix
+    integers: IntMatrix
+    order: IntVector
+    first: IntVector
+    left_last: IntVector
+
+
+class Roads(NamedTuple):
+    """What is driven on, as in `Streets`, the signals' times those of the clock of the step."""
+
+    follower: IntMatrix
+    connectors: FloatVector
+    ends: IntVector
+    green_start: FloatVector
+    cycle: FloatVector
 
 
 @kernel
@@ -114,55 +149,26 @@ def _perceived(
     return wanted(drivers, i, numbers[V, i], seen, max(0.0, numbers[V, j] - error), numbers[A, j], v0)
 
 
-@kernel
-def step(
-    numbers: FloatMatrix,
-    integers: IntMatrix,
-    order: IntVector,
-    first: IntVector,
-    left_last: IntVector,
+@kernel(inlined=True)
+def _wander_errors(
+    town: Town,
     drivers: FloatMatrix,
-    follower: IntMatrix,
-    connectors: FloatVector,
     ends: IntVector,
-    green_start: FloatVector,
-    cycle: FloatVector,
-    settings: FloatVector,
     normals: FloatMatrix,
-    uniforms: FloatVector,
-    t_s: float,
     dt: float,
+    taken: FloatVector,
+    user: IntVector,
 ) -> None:
-    """Advance all vehicles by a step, in place.
+    """Let what drivers perceive and press wander; add up the room taken on every link, ``taken`` (K,).
 
-    Parameters
-    ----------
-    numbers, integers
-        (COLUMNS, V), (INTEGERS, V).
-    order, first
-        Slots by link and place, (V,); where each link begins in them, (K + 1,).
-    left_last
-        The vehicle that left each link last, -1 for none, (K,).
-    drivers
-        (TRAITS, V).
-    follower, connectors, ends, green_start, cycle
-        As in `Streets`.
-    settings
-        The grid, (8,).
-    normals, uniforms
-        Random numbers, (NORMALS, V) and (V,).
-    t_s
-        Now.
+    Writes into ``user`` (K,) by junction, of which there are fewer than links, the approach whose vehicles
+    are in it or bound to be; -1 for none, K for several.
     """
-    vehicles, links = order.size, follower.shape[0]
-    length = settings[LINK_M]
+    numbers, integers, links = town.numbers, town.integers, taken.size
     kept, pedal_kept = exp(-dt / ERROR_S), exp(-dt / PEDAL_S)
     fresh, pedal_fresh = sqrt(1.0 - kept * kept), sqrt(1.0 - pedal_kept * pedal_kept)
-    taken = np.zeros(links)
-    user = np.full(
-        links, -1
-    )  # by junction, of which there are fewer: the approach whose vehicles are in it or bound to be
-    for i in range(vehicles):
+    user[:] = -1
+    for i in range(town.order.size):
         numbers[GAP_ERR, i] = kept * numbers[GAP_ERR, i] + fresh * normals[0, i]
         numbers[APPROACH_ERR, i] = kept * numbers[APPROACH_ERR, i] + fresh * normals[1, i]
         numbers[PEDAL, i] = pedal_kept * numbers[PEDAL, i] + pedal_fresh * normals[2, i]
@@ -173,8 +179,139 @@ def step(
         if integers[COMMITTED, i] == 1:
             here = integers[LINK, i]
             user[ends[here]] = here if user[ends[here]] in (-1, here) else links
-    target = np.empty(vehicles)
-    gaps = np.full(vehicles, FREE_M)
+
+
+@kernel(inlined=True)
+def _to_line(town: Town, drivers: FloatMatrix, i: int, settings: FloatVector) -> float:
+    """How far a front is from the stop line, at least 0.1 m."""
+    return max(settings[LINK_M] - town.numbers[S, i] - 0.5 * drivers[LENGTH, i], 0.1)
+
+
+@kernel(inlined=True)
+def _passes(
+    town: Town, drivers: FloatMatrix, roads: Roads, i: int, room: bool, t_s: float, settings: FloatVector
+) -> bool:
+    """Whether the first vehicle of a link drives over the stop line; it may make up its mind to.
+
+    ``room`` says whether the junction and the link beyond it have room.
+    """
+    v, to_line, integers = town.numbers[V, i], _to_line(town, drivers, i, settings), town.integers
+    link = integers[LINK, i]
+    phase = (t_s - roads.green_start[link]) % roads.cycle[link]
+    green = phase < settings[GREEN_S]
+    amber = not green and phase < settings[GREEN_S] + settings[AMBER_S]
+    must_brake = v * v / (2.0 * to_line)
+    if amber and must_brake > CAN_STOP_MPS2:
+        integers[COMMITTED, i] = 1
+    passes = green and (room or must_brake > CAN_STOP_MPS2)
+    if town.numbers[S, i] + 0.5 * drivers[LENGTH, i] > settings[LINK_M] or integers[COMMITTED, i] == 1:
+        passes = True
+    if passes and (to_line < DECIDED_M or must_brake > DECIDED_MPS2):
+        integers[COMMITTED, i] = 1  # a start is not broken off because somebody else is late
+    return passes
+
+
+@kernel(inlined=True)
+def _wish_across(
+    town: Town, drivers: FloatMatrix, roads: Roads, i: int, v0: float, settings: FloatVector
+) -> tuple[float, float]:
+    """Acceleration wanted over a junction, and the gap: behind the next link's last, and who turns ahead."""
+    numbers, integers, first = town.numbers, town.integers, town.first
+    link, kind = integers[LINK, i], integers[NEXT_MOVE, i]
+    following, half, to_end = roads.follower[link, kind], 0.5 * drivers[LENGTH, i], settings[LINK_M]
+    v, s, seen = numbers[V, i], numbers[S, i], FREE_M
+    wish = wanted(drivers, i, v, FREE_M, 0.0, 0.0, v0)
+    if first[following] < first[following + 1]:
+        j = int(town.order[first[following]])
+        seen = to_end - s + roads.connectors[kind] + numbers[S, j] - half - 0.5 * drivers[LENGTH, j]
+        wish = min(wish, _perceived(numbers, drivers, i, j, seen, v0, settings[PERCEPTION]))
+    j = int(town.left_last[link])
+    if j >= 0 and numbers[S, j] < 0.0 and integers[CAME_FROM, j] == link:
+        gone = roads.connectors[integers[MOVE, j]] + numbers[S, j]
+        if gone < CLEAR * roads.connectors[integers[MOVE, j]]:
+            gap = to_end - s + gone - half - 0.5 * drivers[LENGTH, j]
+            wish = min(wish, _perceived(numbers, drivers, i, j, gap, v0, settings[PERCEPTION]))
+            seen = min(seen, gap)
+    return wish, seen
+
+
+@kernel(inlined=True)
+def _wish_at_line(
+    town: Town, drivers: FloatMatrix, i: int, v0: float, settings: FloatVector
+) -> tuple[float, float]:
+    """Acceleration wanted to stop at the line, and the gap."""
+    v, to_line = town.numbers[V, i], _to_line(town, drivers, i, settings)
+    gap = to_line + drivers[GAP, i] - LINE_M
+    must_brake = v * v / (2.0 * to_line)
+    return max(wanted(drivers, i, v, gap, 0.0, 0.0, v0), -must_brake - 0.5), gap
+
+
+@kernel(inlined=True)
+def _move_on(
+    town: Town,
+    roads: Roads,
+    i: int,
+    target: float,
+    gap: float,
+    normal: float,
+    uniform: float,
+    settings: FloatVector,
+    dt: float,
+) -> None:
+    """Move one vehicle by a step, onto its next link past the stop line."""
+    numbers, integers = town.numbers, town.integers
+    v, a = numbers[V, i], numbers[A, i]
+    unsteady = settings[PEDAL_NOISE] * numbers[PEDAL, i] * min(1.0, v / 5.0)
+    a_next = respond(v, a, target + unsteady, gap, dt)
+    along, v, a = move(v, a, a_next, dt)
+    numbers[V, i], numbers[A, i] = v, a
+    clock = lateral_clock(v) * dt
+    wander(numbers, WANDER, i, clock, settings[WANDER_M], WANDER_RATE_HZ, normal)
+    numbers[S, i] += along
+    if numbers[S, i] >= settings[LINK_M]:
+        link, kind = int(integers[LINK, i]), int(integers[NEXT_MOVE, i])
+        town.left_last[link] = i
+        numbers[S, i] -= settings[LINK_M] + roads.connectors[kind]
+        integers[LINK, i] = roads.follower[link, kind]
+        integers[MOVE, i] = kind
+        integers[NEXT_MOVE, i] = choose_move(roads.follower, int(roads.follower[link, kind]), uniform)
+        integers[COMMITTED, i] = 0
+        integers[CAME_FROM, i] = link
+
+
+@kernel
+def step(
+    town: Town,
+    drivers: FloatMatrix,
+    roads: Roads,
+    settings: FloatVector,
+    normals: FloatMatrix,
+    uniforms: FloatVector,
+    t_s: float,
+    dt: float,
+) -> None:
+    """Advance all vehicles by a step, in place.
+
+    Parameters
+    ----------
+    town
+        The vehicles.
+    drivers
+        (TRAITS, V).
+    roads
+        What they drive on.
+    settings
+        The grid, (8,).
+    normals, uniforms
+        Random numbers, (NORMALS, V) and (V,).
+    t_s
+        Now.
+    """
+    numbers, integers, order, first, _ = town
+    vehicles, links = order.size, roads.follower.shape[0]
+    length, taken, user = settings[LINK_M], np.zeros(links), np.empty(links, dtype=np.int64)
+    _wander_errors(town, drivers, roads.ends, normals, dt, taken, user)
+    target, gaps = np.empty(vehicles), np.full(vehicles, FREE_M)
     for link in range(links):
         for k in range(first[link], first[link + 1]):
             i = order[k]
@@ -182,72 +319,26 @@ def step(
             kind = integers[NEXT_MOVE, i]
             v0 = drivers[DESIRED_SPEED, i]
             if s < 0.0:
-                v0 = _turn_speed(integers[MOVE, i], connectors, drivers, i, settings[TURN_MPS2])
-            ease = _turn_speed(kind, connectors, drivers, i, settings[TURN_MPS2])
-            to_turn = length - s
+                v0 = _turn_speed(integers[MOVE, i], roads.connectors, drivers, i, settings[TURN_MPS2])
+            ease = _turn_speed(kind, roads.connectors, drivers, i, settings[TURN_MPS2])
             if k + 1 < first[link + 1]:
                 j = order[k + 1]
                 gap = numbers[S, j] - s - half - 0.5 * drivers[LENGTH, j]
-                wish = _perceived(numbers, drivers, i, j, gap, v0, settings[PERCEPTION])
-                gaps[i] = gap
+                wish, gaps[i] = _perceived(numbers, drivers, i, j, gap, v0, settings[PERCEPTION]), gap
             else:
-                following = follower[link, kind]
-                phase = (t_s - green_start[link]) % cycle[link]
-                green = phase < settings[GREEN_S]
-                amber = not green and phase < settings[GREEN_S] + settings[AMBER_S]
-                to_line = max(length - s - half, 0.1)
-                must_brake = v * v / (2.0 * to_line)
-                if amber and must_brake > CAN_STOP_MPS2:
-                    integers[COMMITTED, i] = 1
-                room = taken[following] + drivers[LENGTH, i] + drivers[GAP, i] + SPARE_M <= length
-                room = room and user[ends[link]] in (-1, link)
-                passes = green and (room or must_brake > CAN_STOP_MPS2)
-                if s + half > length or integers[COMMITTED, i] == 1:
-                    passes = True
-                if passes and (to_line < DECIDED_M or must_brake > DECIDED_MPS2):
-                    integers[COMMITTED, i] = 1  # a start is not broken off because somebody else is late
-                if passes:
-                    wish = wanted(drivers, i, v, FREE_M, 0.0, 0.0, v0)
-                    if first[following] < first[following + 1]:
-                        j = int(order[first[following]])
-                        gap = length - s + connectors[kind] + numbers[S, j] - half - 0.5 * drivers[LENGTH, j]
-                        wish = min(wish, _perceived(numbers, drivers, i, j, gap, v0, settings[PERCEPTION]))
-                        gaps[i] = gap
-                    j = left_last[link]
-                    if j >= 0 and numbers[S, j] < 0.0 and integers[CAME_FROM, j] == link:
-                        gone = connectors[integers[MOVE, j]] + numbers[S, j]
-                        if gone < CLEAR * connectors[integers[MOVE, j]]:
-                            gap = length - s + gone - half - 0.5 * drivers[LENGTH, j]
-                            other = _perceived(numbers, drivers, i, j, gap, v0, settings[PERCEPTION])
-                            wish = min(wish, other)
-                            gaps[i] = min(gaps[i], gap)
+                beyond = taken[roads.follower[link, kind]] + drivers[LENGTH, i] + drivers[GAP, i] + SPARE_M
+                room = beyond <= length and user[roads.ends[link]] in (-1, link)
+                if _passes(town, drivers, roads, i, room, t_s, settings):
+                    wish, gaps[i] = _wish_across(town, drivers, roads, i, v0, settings)
                 else:
-                    gap = to_line + drivers[GAP, i] - LINE_M
-                    wish = max(wanted(drivers, i, v, gap, 0.0, 0.0, v0), -must_brake - 0.5)
-                    gaps[i] = gap
+                    wish, gaps[i] = _wish_at_line(town, drivers, i, v0, settings)
             if v > ease:
-                needed = (v * v - ease * ease) / (2.0 * max(to_turn, 0.5))
+                needed = (v * v - ease * ease) / (2.0 * max(length - s, 0.5))
                 if needed > 0.9 * EASE_MPS2:
                     wish = min(wish, -needed)
             target[i] = wish
     for i in range(vehicles):
-        v, a = numbers[V, i], numbers[A, i]
-        unsteady = settings[PEDAL_NOISE] * numbers[PEDAL, i] * min(1.0, v / 5.0)
-        a_next = respond(v, a, target[i] + unsteady, gaps[i], dt)
-        along, v, a = move(v, a, a_next, dt)
-        numbers[V, i], numbers[A, i] = v, a
-        clock = lateral_clock(v) * dt
-        wander(numbers, WANDER, i, clock, settings[WANDER_M], WANDER_RATE_HZ, normals[3, i])
-        numbers[S, i] += along
-        if numbers[S, i] >= length:
-            link, kind = int(integers[LINK, i]), int(integers[NEXT_MOVE, i])
-            left_last[link] = i
-            numbers[S, i] -= length + connectors[kind]
-            integers[LINK, i] = follower[link, kind]
-            integers[MOVE, i] = kind
-            integers[NEXT_MOVE, i] = choose_move(follower, int(follower[link, kind]), uniforms[i])
-            integers[COMMITTED, i] = 0
-            integers[CAME_FROM, i] = link
+        _move_on(town, roads, i, target[i], gaps[i], normals[3, i], uniforms[i], settings, dt)
     sort_by_link(numbers, integers, order, first)
 
 
