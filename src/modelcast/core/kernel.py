@@ -1,7 +1,8 @@
 """The one way to compile: a function over numbers and arrays, with one signature, kept between runs.
 
 A kernel's annotations are its signature (`modelcast.core.kernel_types`). It is compiled when it is first
-called, or loaded where an earlier run kept it (`modelcast.core.kernel_cache`); importing it costs nothing. A
+called, or loaded where an earlier run kept it (`modelcast.core.kernel_cache`); importing it costs nothing.
+What only other kernels call is compiled as far as they need: they take it in, optimise it and translate it. A
 caller gives the arrays that the signature names, contiguous where it says so, or gets a ``TypeError``:
 nothing is compiled a second time for another layout. Division by zero gives infinity or NaN, and a kernel
 raises nothing: what can fail returns a status.
@@ -19,7 +20,8 @@ from collections.abc import Callable, Generator
 from contextlib import ExitStack, contextmanager
 from typing import Any, ParamSpec, TypeVar, overload
 
-from numba.core import compiler, config, registry, serialize
+from llvmlite import binding
+from numba.core import codegen, compiler, config, registry, serialize
 from numba.core.compiler_lock import global_compiler_lock
 
 from modelcast.core import kernel_cache
@@ -40,16 +42,38 @@ _Result = TypeVar("_Result")
 # Numba's own parts have no useful types.
 _Dispatcher: Any = registry.CPUDispatcher
 _CompileResult: Any = compiler.CompileResult
+_compiler: Any = compiler
+_binding: Any = binding
 _lock: Any = global_compiler_lock
 _serialize: Any = serialize
 
 _made: "list[Kernel]" = []
 
 
+class _PartLibrary(codegen.JITCodeLibrary):  # type: ignore[misc]
+    """Code that its callers take in; neither optimised nor translated on its own."""
+
+    def _optimize_final_module(self) -> None:
+        """Leave it to the callers."""
+
+    def take(self, bitcode: bytes) -> None:
+        """Take in what was kept."""
+        self._final_module = _binding.parse_bitcode(bitcode)
+        self._finalize_final_module()
+
+    def _finalize_final_module(self) -> None:
+        """Make it ready to be linked, not to be run."""
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+
 class Kernel(registry.CPUDispatcher):  # type: ignore[misc]
     """A compiled function with one signature; made by `kernel`.
 
-    To Numba it is a compiled function like any other: one kernel calls another by its name.
+    To Numba it is a compiled function like any other: one kernel calls another by its name. It has two forms,
+    each made when it is first asked for: one that Python calls and that has an address, and a part that other
+    kernels take in, unless the first is there already.
 
     Parameters
     ----------
@@ -61,6 +85,7 @@ class Kernel(registry.CPUDispatcher):  # type: ignore[misc]
 
     def __init__(self, py_func: Callable[..., Any], *, targetoptions: dict[str, Any]) -> None:
         super().__init__(py_func, targetoptions=targetoptions)
+        self._own: Any = None
         _made.append(self)
 
     @property
@@ -88,50 +113,57 @@ class Kernel(registry.CPUDispatcher):  # type: ignore[misc]
             raise TypeError(f"{self.label}: {error}") from None
 
     def ready(self) -> Any:
-        """Load the kernel or compile it, once; returns Numba's result."""
+        """Load or compile, once, what Python calls; returns Numba's result."""
+        if self._own is None:
+            with _lock:
+                if self._own is None:
+                    self._own = made = self._made_or_kept(_Own(self))
+                    codes = [one._code for one in made.signature.args]  # noqa: SLF001 - as Numba does it
+                    numba: Any = self
+                    numba._insert(codes, made.entry_point, False)  # noqa: SLF001
+                    self._can_compile = False
+        return self._own
+
+    def _part(self) -> Any:
+        """Load or compile, once, what other kernels take in; returns Numba's result."""
         if not self.overloads:
             with _lock:
                 if not self.overloads:
-                    self._make()
+                    made = self._own or self._made_or_kept(_Part(self))
+                    self.overloads[tuple(made.signature.args)] = made
         return next(iter(self.overloads.values()))
 
-    def _make(self) -> None:
+    def _made_or_kept(self, form: "_Own | _Part") -> Any:
         signature = self.declared
-        file = _file_of(self)
-        if not self._load(file):
-            with _locked(file):
-                if not self._load(file):
-                    with _announcing.around(self.label):
-                        super().compile(signature)
-                    self._keep(file)
-        self.disable_compile()
+        file = _file_of(self, form.suffix)
+        kept = _kept(form, file)
+        if kept is not None:
+            return kept
+        with _locked(file):
+            kept = _kept(form, file)
+            if kept is not None:
+                return kept
+            with _announcing.around(self.label):
+                made = form.compiled(signature)
+            if made.library.has_dynamic_globals:
+                raise TypeError(f"{self.label} holds an address or a large array: give it as an argument")
+            if file is not None:
+                try:
+                    file.write(_serialize.dumps(form.reduced(made)))
+                except OSError as error:
+                    _not_kept(error)
+        return made
 
-    def _load(self, file: kernel_cache.KernelFile | None) -> bool:
-        """Take what is kept; whether there was anything."""
-        payload = None if file is None else file.read()
-        if file is None or payload is None:
-            return False
-        self.targetctx.refresh()
-        loaded = _CompileResult._rebuild(self.targetctx, *pickle.loads(payload))  # noqa: S301, SLF001
-        self.targetctx.insert_user_function(loaded.entry_point, loaded.fndesc, [loaded.library])
-        self.add_overload(loaded)
-        file.used()
-        return True
-
-    def _keep(self, file: kernel_cache.KernelFile | None) -> None:
-        compiled: Any = next(iter(self.overloads.values()))
-        if compiled.library.has_dynamic_globals:
-            raise TypeError(f"{self.label} holds an address or a large array: give it as an argument")
-        if file is not None:
-            try:
-                file.write(_serialize.dumps(compiled._reduce()))  # noqa: SLF001
-            except OSError as error:
-                _not_kept(error)
+    def flags(self) -> Any:
+        """Numba's flags, from the options."""
+        flags = _compiler.Flags()
+        self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
+        return flags
 
     def compile(self, sig: Any) -> Any:
         """Compile what is declared, whatever is asked for: a kernel has one signature."""
         del sig
-        return self.ready().entry_point
+        return self._part().entry_point
 
     @property
     def address(self) -> int:
@@ -141,7 +173,7 @@ class Kernel(registry.CPUDispatcher):  # type: ignore[misc]
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Return how a compiled caller calls it."""
-        self.ready()
+        self._part()
         return super().get_call_template(args, kws)
 
     def _compile_for_args(self, *args: Any, **kws: Any) -> Any:
@@ -164,6 +196,81 @@ class Kernel(registry.CPUDispatcher):  # type: ignore[misc]
     def __reduce__(self) -> tuple[Any, ...]:
         """Travel to another process by name."""
         return _named, (self.py_func.__module__, self.py_func.__qualname__)
+
+
+class _Own:
+    """The form that Python calls and that has an address."""
+
+    suffix = ""
+
+    def __init__(self, kernel: Kernel) -> None:
+        self.kernel = kernel
+
+    def compiled(self, signature: Any) -> Any:
+        """Compile it."""
+        one = self.kernel
+        return _compiler.compile_extra(
+            one.typingctx, one.targetctx, one.py_func, args=signature.args,
+            return_type=signature.return_type, flags=one.flags(), locals={},
+        )  # fmt: skip
+
+    def reduced(self, made: Any) -> Any:
+        """Return what is kept of it."""
+        return made._reduce()  # noqa: SLF001
+
+    def rebuilt(self, kept: Any) -> Any:
+        """Make it of what was kept."""
+        context = self.kernel.targetctx
+        context.refresh()
+        made = _CompileResult._rebuild(context, *kept)  # noqa: SLF001
+        context.insert_user_function(made.entry_point, made.fndesc, [made.library])
+        return made
+
+
+class _Part(_Own):
+    """The form that other kernels take in. It has no address; a key of its own stands for that."""
+
+    suffix = ".part"
+
+    def compiled(self, signature: Any) -> Any:
+        one = self.kernel
+        flags = one.flags()
+        flags.no_compile = flags.no_cpython_wrapper = True
+        made = _compiler.compile_extra(
+            one.typingctx, one.targetctx, one.py_func, args=signature.args,
+            return_type=signature.return_type, flags=flags, locals={}, library=self._library(),
+        )  # fmt: skip
+        return self._entered(made._replace(entry_point=object()))
+
+    def reduced(self, made: Any) -> Any:
+        made.fndesc.typemap = made.fndesc.calltypes = None
+        return made.library.serialize_using_bitcode()[2], made.fndesc, made.signature
+
+    def rebuilt(self, kept: Any) -> Any:
+        self.kernel.targetctx.refresh()
+        library, made = self._library(), dict.fromkeys(_CompileResult._fields)
+        bitcode, made["fndesc"], made["signature"] = kept
+        library.take(bitcode)
+        made |= {"library": library, "objectmode": False, "entry_point": object()}
+        return self._entered(_CompileResult(**made))
+
+    def _library(self) -> _PartLibrary:
+        context: Any = self.kernel.targetctx
+        return _PartLibrary(context.codegen(), self.kernel.label)
+
+    def _entered(self, made: Any) -> Any:
+        self.kernel.targetctx.insert_user_function(made.entry_point, made.fndesc, [made.library])
+        return made
+
+
+def _kept(form: _Own, file: kernel_cache.KernelFile | None) -> Any:
+    """Return what an earlier run kept; None where there is nothing."""
+    payload = None if file is None else file.read()
+    if file is None or payload is None:
+        return None
+    made = form.rebuilt(pickle.loads(payload))  # noqa: S301 - our own file, of a folder of this user
+    file.used()
+    return made
 
 
 @overload
@@ -219,6 +326,7 @@ def _kernel_of(function: Callable[..., Any], *, fast: bool, inlined: bool, copie
     if not COMPILES:
         return function
     options: dict[str, Any] = {"nopython": True, "nogil": True, "error_model": "numpy", "boundscheck": None}
+    options["no_cfunc_wrapper"] = True  # nobody calls one: addresses are those of the native functions
     if fast:
         options["fastmath"] = set(_FAST)
     if inlined:
@@ -285,10 +393,10 @@ def _not_kept(error: OSError) -> None:
     )
 
 
-def _file_of(one: Kernel) -> kernel_cache.KernelFile | None:
+def _file_of(one: Kernel, form: str) -> kernel_cache.KernelFile | None:
     """Return where a kernel is kept, or None where it cannot be."""
     try:
-        return kernel_cache.kernel_file(one.py_func.__module__, one.py_func.__qualname__)
+        return kernel_cache.kernel_file(one.py_func.__module__, one.py_func.__qualname__ + form)
     except OSError as error:
         _not_kept(error)
         return None

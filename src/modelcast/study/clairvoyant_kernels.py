@@ -103,13 +103,15 @@ def decide(
         few = 0
         for k in range(count):
             if chosen[k] > 0.0:
-                some_phi[few] = phi[k]
-                some_data[few] = data[k]
+                for a in range(terms):
+                    some_phi[few, a] = phi[k, a]
+                some_data[few, 0], some_data[few, 1] = data[k, 0], data[k, 1]
                 few += 1
         found = minimax(some_phi, some_data, few, terms, error, weight, slack, fit)
         if found != HOLDS:
             return found
-        polynomial[:] = plain + fit
+        for a in range(TERMS):
+            polynomial[0, a], polynomial[1, a] = plain[0, a] + fit[0, a], plain[1, a] + fit[1, a]
         if _squared_errors(phi, data, count, terms, fit, squared) < 1.0:
             return HOLDS
         joined = False

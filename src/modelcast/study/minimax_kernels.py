@@ -220,6 +220,13 @@ def _advance(
     return new, worst
 
 
+@kernel(inlined=True)
+def _copy(one: FloatMatrix, other: FloatMatrix) -> None:
+    """Put a polynomial, (2, `TERMS`), in the place of another."""
+    for a in range(TERMS):
+        other[0, a], other[1, a] = one[0, a], one[1, a]
+
+
 @kernel
 def minimax(
     phi: StridedFloatMatrix,
@@ -240,7 +247,7 @@ def minimax(
         return HOLDS
     if lower >= 1.0 + ROUNDING:
         return FAILS
-    current[:] = fit
+    _copy(fit, current)
     bound = 1.1 * worst
     for k in range(count):
         east, north = data[k, 0], data[k, 1]
@@ -259,7 +266,7 @@ def minimax(
             break
         bound, worst = _advance(phi, data, current, bound, step, mu, count, terms, error, slack, weight)
         if worst < 1.0:
-            fit[:] = current
+            _copy(current, fit)
             return HOLDS
         lower, worst = least_squares(phi, data, weight, count, terms, fit)
         if worst < 1.0:

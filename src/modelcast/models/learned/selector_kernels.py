@@ -23,7 +23,8 @@ def score(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None
     for _ in range(networks):
         first, second = int(constants[at + 1]), int(constants[at + 2])
         size = 2 * inputs + first * (inputs + 1) + second * (first + 1) + out.size * (second + 1)
-        squashed[:] = features
+        for i in range(inputs):
+            squashed[i] = features[i]
         run_network(constants[at + 3 : at + 3 + size], first, second, squashed, one)
         for m in range(out.size):
             out[m] += one[m] / networks

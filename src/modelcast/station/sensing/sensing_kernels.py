@@ -151,7 +151,8 @@ def sense(
         v = vehicle[k]
         fresh = begins[k] or _begins(s, v, t_s[k], c)
         if c.filter.size == 0:
-            s.shown[v] = seen[k]
+            for column in range(seen.shape[1]):
+                s.shown[v, column] = seen[k, column]
         else:
             elapsed_s = t_s[k] - s.t_s[v, (s.taken[v] - 1) % s.stated_m.shape[1]]
             motion.follow(
