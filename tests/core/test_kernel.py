@@ -230,6 +230,36 @@ def test_what_is_kept_is_loaded_and_not_compiled(tmp_path: Path) -> None:
     assert run_fixture(tmp_path, watching).stdout == "12.0\n"
 
 
+def test_what_callers_took_in_is_kept_and_python_gets_the_whole(tmp_path: Path) -> None:
+    """One process compiles a caller; the next takes the callee from what was kept, and calls it itself."""
+    fixture_package(tmp_path, 2.0)
+
+    def kept() -> list[str]:
+        return sorted(file.name for file in (tmp_path / "cache").rglob("*.kernel"))
+
+    run_fixture(tmp_path)
+    assert kept() == ["scaled.part.kernel", "total.kernel"]
+    (tmp_path / "fixture_package" / "other.py").write_text(CALLER.replace("def total", "def again"))
+    other = """
+    import numpy as np
+    from modelcast.core import kernel
+    kernel.watch(lambda name: print("compiles", name.rpartition(".")[2]) if name else None)
+    from fixture_package.callee import scaled
+    from fixture_package.other import again
+    print(again(np.arange(4.0)), scaled(1.5))
+    """
+    assert run_fixture(tmp_path, other).stdout.split() == [
+        "compiles",
+        "again",
+        "compiles",
+        "scaled",
+        "12.0",
+        "3.0",
+    ]
+    assert kept() == ["again.kernel", "scaled.kernel", "scaled.part.kernel", "total.kernel"]
+    assert run_fixture(tmp_path, other).stdout == "12.0 3.0\n"
+
+
 @pytest.mark.parametrize("damage", ["empty", "cut", "bent"])
 def test_a_damaged_file_is_compiled_anew(tmp_path: Path, damage: str) -> None:
     fixture_package(tmp_path, 2.0)
