@@ -1,14 +1,19 @@
 """Fixtures that several test modules share."""
 
+import importlib
+import inspect
 import os
+import pkgutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import settings
 
+import modelcast
 from modelcast.core.arrays import FloatArray
 from modelcast.io.trips import read_trips
 from modelcast.models.bank import Bank
@@ -19,6 +24,19 @@ from modelcast.trips.trajectory import Trajectory
 
 settings.register_profile("ci", derandomize=True, deadline=None)
 settings.load_profile("ci")
+
+
+@pytest.fixture(scope="session")
+def concrete_classes() -> Callable[[type[Any]], set[type[Any]]]:
+    """All classes below a base that modules of `modelcast` define and that can be instantiated."""
+    names = [module.name for module in pkgutil.walk_packages(modelcast.__path__, "modelcast.")]
+    defined = [
+        one
+        for module in map(importlib.import_module, [name for name in names if "__main__" not in name])
+        for _, one in inspect.getmembers(module, inspect.isclass)
+        if one.__module__ == module.__name__
+    ]
+    return lambda base: {one for one in defined if issubclass(one, base) and not inspect.isabstract(one)}
 
 
 @pytest.fixture(scope="session")

@@ -6,6 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from modelcast.core.exceptions import DataFormatError
+from modelcast.io.base import AbstractTripReader
 from modelcast.io.registry import FORMATS, detect_format, get_reader
 from modelcast.io.trips import read_trips
 
@@ -106,3 +107,7 @@ def test_damage_raises_nothing_but_format_errors(session_made, name, steps, pick
             assert len(trip) > 0
     except DataFormatError as error:
         assert str(session_made.folder) in str(error)  # noqa: PT017 - both outcomes are right
+
+
+def test_every_reader_is_held_to_the_contract(concrete_classes):
+    assert concrete_classes(AbstractTripReader) == {type(get_reader(name)) for name in FORMAT_NAMES}

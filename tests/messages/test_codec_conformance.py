@@ -181,3 +181,9 @@ def test_sizes_are_those_of_the_octets(case: Case) -> None:
     assert sizes.tolist() == [
         len(case.codec.encode(case.message_of(row))) for row in case.parameters.tolist()
     ]
+
+
+def test_every_codec_is_held_to_the_contract(
+    concrete_classes: Callable[[type[Any]], set[type[Any]]],
+) -> None:
+    assert concrete_classes(AbstractCodec) == {type(make().codec) for make in CODECS.values()}

@@ -1,5 +1,8 @@
 """The contract of a motion model, over every sub-model and over banks."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -260,3 +263,9 @@ def test_windows_of_another_shape_are_refused(shape: tuple[int, ...]) -> None:
 def test_an_interval_that_is_no_interval_is_refused(dt_s: float) -> None:
     with pytest.raises(ValueError, match="dt_s"):
         Windows(np.zeros((1, 10, 7)), dt_s=dt_s)
+
+
+def test_every_model_is_held_to_the_contract(
+    concrete_classes: Callable[[type[Any]], set[type[Any]]],
+) -> None:
+    assert concrete_classes(AbstractMotionModel) == {type(model) for model in MODELS.values()}

@@ -1,5 +1,6 @@
 """The contract of a transmit policy, over every policy: a fleet of any size, state in, state out."""
 
+from collections.abc import Callable
 from dataclasses import fields
 from typing import Any
 
@@ -218,3 +219,9 @@ def test_a_missing_part_of_the_inputs_is_refused_by_name(missing: str) -> None:
 def _name(request: pytest.FixtureRequest) -> str:
     """Name of the test's policy, for messages."""
     return request.node.name
+
+
+def test_every_policy_is_held_to_the_contract(
+    concrete_classes: Callable[[type[Any]], set[type[Any]]],
+) -> None:
+    assert concrete_classes(AbstractTransmitPolicy) == {type(policy) for policy in POLICIES.values()}

@@ -1,6 +1,7 @@
 """The contract of scenarios, over all of them."""
 
 import copy
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -74,3 +75,9 @@ def test_a_state_may_be_stepped_again(scenario: AbstractScenario[Any]) -> None:
     second = scenario.frame(scenario.step(again))
     assert first.position_m.tobytes() == second.position_m.tobytes()
     assert first.vehicle_id.tobytes() == second.vehicle_id.tobytes()
+
+
+def test_every_scenario_is_held_to_the_contract(
+    concrete_classes: Callable[[type[Any]], set[type[Any]]],
+) -> None:
+    assert concrete_classes(AbstractScenario) == {type(scenario) for scenario in SCENARIOS.values()}
