@@ -23,6 +23,7 @@ __all__ = [
     "FloatMatrix",
     "FloatVector",
     "Int16Matrix",
+    "Int32Matrix",
     "Int32Vector",
     "IntCube",
     "IntMatrix",
@@ -73,6 +74,7 @@ Float32Vector = Annotated[npt.NDArray[np.float32], Layout("float32", 1)]
 Float32Matrix = Annotated[npt.NDArray[np.float32], Layout("float32", 2)]
 Float32Cube = Annotated[npt.NDArray[np.float32], Layout("float32", 3)]
 Int16Matrix = Annotated[npt.NDArray[np.int16], Layout("int16", 2)]
+Int32Matrix = Annotated[npt.NDArray[np.int32], Layout("int32", 2)]
 Int32Vector = Annotated[npt.NDArray[np.int32], Layout("int32", 1)]
 
 UInt8Vector = Annotated[npt.NDArray[np.uint8], Layout("uint8", 1)]

@@ -141,14 +141,14 @@ def test_error_driven_senders_send_what_the_same_policy_sends_over_their_trip(
         assert np.array_equal(sent[:, slot], walk.kind)
     named = policy.identify != "never"
     assert (sent == MessageKind.IDENTIFICATION).any() == named
-    assert (loop.sent.sums[at.IDENTIFICATIONS] > 0) == named
+    assert (loop.sent.total[at.IDENTIFICATIONS] > 0) == named
 
 
 def test_identifications_reach_the_hosts(ring: list[FleetFrame]) -> None:
     """Those of an update that was lost are counted, and change nothing."""
     sender = named_sender("mbc", bank=PAPER_BANK, threshold_m=0.05)
     run = run_network(ring, sender, IDEAL_RADIO, replace(SETTINGS, warm_up_s=0.5), seed=3)
-    assert run.sent.sums[at.IDENTIFICATIONS] > 0
+    assert run.sent.total[at.IDENTIFICATIONS] > 0
     assert run.tally.heard[tracks.UNKNOWN] == 0
     lossy = run_network(ring, sender, HALF_RADIO, replace(SETTINGS, warm_up_s=0.5), seed=3)
     assert lossy.tally.heard[tracks.UNKNOWN] > 0
@@ -201,7 +201,7 @@ def test_one_seed_gives_one_result_and_nothing_is_heard_that_was_not_sent(
             assert not (received.receiver == received.message_id & MASK).any()
             heard += received.size
         assert loop.tally.heard.sum() == heard > 0
-        assert loop.sent.sums[at.MESSAGES] == len(sent)
+        assert loop.sent.total[at.MESSAGES] == len(sent)
         counted.append(np.concatenate([part.ravel() for part in (*loop.tally, *loop.sent)]))
     assert np.array_equal(*counted)
 
@@ -237,9 +237,9 @@ def test_hosts_hold_what_a_local_dynamic_map_holds(frames: list[FleetFrame]) -> 
     compared = 0
     for slot, state in states.items():
         vehicles, places = around.positions(state, now_s)
-        own = loop.tracks[slot]
+        own, whose = loop.tracks.held[slot], loop.tracks.vehicle[slot]
         for vehicle, place in zip(vehicles, places, strict=True):
-            row = own[(own[:, tracks.TRACK_VEHICLE] == vehicle) & (own[:, tracks.TRACK_MESSAGE] >= 0)]
+            row = own[(whose == vehicle) & (own[:, tracks.TRACK_MESSAGE] >= 0)]
             message = int(row[0, tracks.TRACK_MESSAGE])
             content = loop.contents.rows[message & MASK, (message >> at.SENDER_BITS) % at.MESSAGES_KEPT]
             member = int(content[at.CONTENT_MEMBER])
@@ -283,7 +283,7 @@ def test_a_vehicle_that_takes_a_slot_over_holds_nothing_and_is_held_by_nobody(
     for frame in ring[:10]:
         loop.step(frame)
     others = len(ring[0]) - 1
-    assert (loop.tracks[0, :, tracks.TRACK_MESSAGE] >= 0).sum() == others
+    assert (loop.tracks.held[0, :, tracks.TRACK_MESSAGE] >= 0).sum() == others
     changed = ring[10].vehicle_id.copy()
     changed[0] = changed.max() + 1000
     held = int(loop.tally.held.sum())

@@ -188,7 +188,7 @@ def test_a_periodic_sender_posts_what_its_policy_calls_for_with_its_own_phase_an
             np.testing.assert_allclose(one.row, wanted, atol=0.011)  # velocity goes through its codes
             np.testing.assert_array_equal(one.row[: at.CONTENT_FIT_S], wanted[: at.CONTENT_FIT_S])
     accounted(road, times, [sender.update_bytes[0]] * 3, causes=[0, int(numbers.sum()), 0, 0], power_dbm=17.0)
-    assert road.tally.sums[at.MODELS] == road.tally.sums[at.IDENTIFICATIONS] == 0
+    assert road.tally.total[at.MODELS] == road.tally.total[at.IDENTIFICATIONS] == 0
 
 
 def accounted(
@@ -205,7 +205,7 @@ def accounted(
         certificates += carried.sum()
         payload += payloads.sum()
     count = sum(len(own) for own in times)
-    sums = road.tally.sums
+    sums = road.tally.total
     assert sums[at.MESSAGES] == count
     assert sums[at.CERTIFICATES] == certificates
     assert sums[at.PAYLOAD_BYTES] == payload
@@ -267,7 +267,7 @@ def test_an_awareness_sender_posts_what_its_policy_calls_for(
                 sender.update_bytes[:1].repeat(2), np.array([True, False])
             )
     assert 6 < sent < 150
-    assert road.tally.sums[at.MODELS] == sent
+    assert road.tally.total[at.MODELS] == sent
 
 
 PARAMETERS = replace(engine_parameters(), min_tracking_error_m=0.05, max_tracking_error_m=0.2)
@@ -358,7 +358,7 @@ def test_a_j2945_sender_posts_what_its_rules_call_for_when_they_call(
         np.testing.assert_allclose(found, expected, atol=1e-6)
     assert road.tally.causes.tolist() == plain.causes
     assert min(plain.causes[1], plain.causes[3], plain.waited) > 0
-    assert road.tally.sums[at.MODELS] == 0
+    assert road.tally.total[at.MODELS] == 0
 
 
 def test_an_identification_says_which_update_it_names_and_repeats_it() -> None:
@@ -393,8 +393,8 @@ def test_an_identification_says_which_update_it_names_and_repeats_it() -> None:
             np.testing.assert_allclose(row[at.CONTENT_HEAD :][offsets[1] :], own, atol=0.02)
             np.testing.assert_allclose(row[at.CONTENT_HEAD :][:2], own, atol=0.02)
     assert named > 3
-    assert road.tally.sums[at.IDENTIFICATIONS] == named
-    assert road.tally.sums[at.MODELS] == models
+    assert road.tally.total[at.IDENTIFICATIONS] == named
+    assert road.tally.total[at.MODELS] == models
     assert road.stations.senders.update.tolist() == [updates[slot].number for slot in range(3)]
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from modelcast.core.kernel_types import IntMatrix, IntVector
+from modelcast.core.kernel_types import FloatCube, Int32Matrix, IntMatrix, IntVector
 from modelcast.runtime.fleet.bins_kernels import BINS
 
 __all__ = [
@@ -20,22 +20,39 @@ __all__ = [
     "TRACK_COLUMNS",
     "TRACK_MESSAGE",
     "TRACK_RECEIVED_S",
-    "TRACK_VEHICLE",
     "UNKNOWN",
     "Tally",
+    "Tracks",
     "pooled",
     "tally",
+    "tracks",
 ]
 
-TRACK_MESSAGE, TRACK_RECEIVED_S, TRACK_VEHICLE = range(3)
-"""Columns of a track: id of the message held, when the last one arrived, whose they are."""
-
-TRACK_COLUMNS = 4  # a power of two: a track never straddles two cache lines
+TRACK_MESSAGE, TRACK_RECEIVED_S, TRACK_COLUMNS = range(3)
+"""Columns of a track: id of the message held, -1 for none, and when the last one arrived; their number."""
 
 TAKEN, FAR, REFUSED, STALE, UNKNOWN = range(5)
 """Sums of receptions: taken in, of remotes out of reach, without a free slot, older than what is held, naming
 an
 update that is not held."""
+
+
+class Tracks(NamedTuple):
+    """What V hosts hold: ``held`` (V, C, TRACK_COLUMNS) as named above, and whose it is, ``vehicle`` (V, C).
+
+    They stand apart since the first is read through in every step, and what is read takes the time.
+    """
+
+    held: FloatCube
+    vehicle: Int32Matrix
+
+
+def tracks(vehicles: int, capacity: int) -> Tracks:
+    """Return tracks of nothing."""
+    return Tracks(
+        np.full((vehicles, capacity, TRACK_COLUMNS), -1.0),
+        np.full((vehicles, capacity), -1, dtype=np.int32),
+    )
 
 
 class Tally(NamedTuple):

@@ -4,8 +4,9 @@ In each step every vehicle takes its sample; the tracks of all hosts are set aga
 decides, at a time of its own within the step; the radio carries what was sent; hosts take in what they heard.
 What they heard is what they count, so it changes what is sent in the next step.
 
-Vehicles are worked on in `PARTS` parts, which several threads may share. What a part counts and sends stands
-apart and is put together in the order of the parts, so that the number of threads changes nothing.
+Several threads share `PARTS` parts of the vehicles; one thread takes all in one. What a part sends is put
+together in the order of slots, counts are whole numbers, and sums are kept by part whoever works on it, so
+that the number of threads changes nothing.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -22,10 +23,10 @@ from modelcast.core.chance import child_generator
 from modelcast.core.parts import WHOLE, Parts
 from modelcast.runtime.fleet import reception_kernels, tracking_kernels
 from modelcast.runtime.fleet.arrays import (
-    TRACK_COLUMNS,
     Tally,
     pooled,
     tally,
+    tracks,
 )
 from modelcast.runtime.fleet.reception_kernels import Heard, HearingLimits
 from modelcast.runtime.fleet.settings import NetworkSettings
@@ -72,7 +73,7 @@ SERIES = (
 transmit power; and of J2945/1's state: smoothed density, longest time between messages, believed loss."""
 
 PARTS = 8
-"""Parts of a fleet that threads share; the same whatever their number."""
+"""Parts of a fleet that threads share."""
 
 _STEP_SLACK_S = 1e-6
 _SPARE_SLOTS = 64
@@ -131,13 +132,15 @@ class FleetLoop:
         self.tables = neighbour_tables(
             vehicles, capacity, sub_intervals=_sub_intervals(sender), phase_s=phase * 1.0
         )
-        self.tracks = np.full((vehicles, capacity, TRACK_COLUMNS), -1.0)
+        self.tracks = tracks(vehicles, capacity)
         pool = ThreadPoolExecutor(threads) if threads > 1 else None
-        self._work = Parts(PARTS, pool)
-        self._parts = list(pairwise(np.linspace(0, vehicles, PARTS + 1).astype(np.int64).tolist()))
+        self._work = WHOLE if pool is None else Parts(PARTS, pool)
+        # A part begins with the first slot of a group of `SentTally`.
+        edges = [-(-vehicles * part // self._work.number) for part in range(self._work.number + 1)]
+        self._parts = list(pairwise(edges))
         self._outboxes = [outbox(end - begin) for begin, end in self._parts]
         self._tallies = [tally(settings.distances) for _ in self._parts]
-        self._sent = [sent_tally() for _ in self._parts]
+        self._sent = [sent_tally(PARTS) for _ in self._parts]
         self.number = 0
         self._rng = rng
         self._radio_state: Any = radio.init(vehicles, child_generator(seed, "radio"))
@@ -230,12 +233,12 @@ class FleetLoop:
                 tracking,
                 self.tables.hosts,
                 self.contents,
-                self.tracks,
+                self.tracks.held,
                 self._tallies[part],
                 *self._parts[part],
             )
             tracking_kernels.count_pairs(
-                cells, part, PARTS, settings.distance_bin_m, self._tallies[part].pairs
+                cells, part, self._work.number, settings.distance_bin_m, self._tallies[part].pairs
             )
 
         self._work.each(work)
@@ -281,8 +284,7 @@ class FleetLoop:
             message_id=every.message_id[order],
             next_s=every.next_s[order] + shift_s,
         )
-        parts = WHOLE if self._work.pool is None else self._work
-        received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s, parts)
+        received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s, self._work)
         return replace(received, t_s=received.t_s - shift_s) if shift_s != 0.0 else received
 
     def posted(self) -> SentMessages:
@@ -325,7 +327,7 @@ class FleetLoop:
         self._work.each(work)
 
     def _sums(self) -> FloatArray:
-        return np.sum([part.sums for part in self._sent], axis=0)
+        return self.sent.total
 
     def _series_row(
         self, frame: FleetFrame, busy_ratio: FloatArray, before: FloatArray, received: Receptions

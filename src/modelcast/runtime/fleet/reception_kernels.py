@@ -14,9 +14,9 @@ from modelcast.runtime.fleet.arrays import (
     TAKEN,
     TRACK_MESSAGE,
     TRACK_RECEIVED_S,
-    TRACK_VEHICLE,
     UNKNOWN,
     Tally,
+    Tracks,
 )
 from modelcast.runtime.fleet.bins_kernels import bin_of
 from modelcast.station.policy.error_driven_kernels import IDENTIFICATION
@@ -88,14 +88,14 @@ class HearingLimits(NamedTuple):
 
 
 @kernel
-def clear_hosts(started: BoolVector, tables: NeighbourTables, tracks: FloatCube) -> None:
+def clear_hosts(started: BoolVector, tables: NeighbourTables, tracks: Tracks) -> None:
     """Let new vehicles hold nothing: ``started`` (V,) says whose slot has one."""
     hosts, slots, index, _ = tables
     for host in range(started.size):
         if started[host]:
             for slot in range(hosts[host].used):
                 slots[host, slot].remote = -1
-                tracks[host, slot, TRACK_MESSAGE] = -1.0
+                tracks.held[host, slot, TRACK_MESSAGE] = -1.0
             hosts[host].used = 0
             hosts[host].free = 0
             for at in range(index.shape[1]):
@@ -124,7 +124,7 @@ def by_host(receiver: IntVector, start: IntVector, order: IntVector) -> None:
 
 
 @kernel(inlined=True)
-def _touch_host(host: int, tables: NeighbourTables, tracks: FloatCube) -> float:
+def _touch_host(host: int, tables: NeighbourTables, tracks: Tracks) -> float:
     """Read through the tables of a host in the order of memory; return a number that means nothing.
 
     Its messages then find them in the cache: a processor fetches ahead of a walk, not of scattered look-ups.
@@ -133,7 +133,8 @@ def _touch_host(host: int, tables: NeighbourTables, tracks: FloatCube) -> float:
     for at in range(0, tables.lookup.shape[1], _LINE // 2):
         total += tables.lookup[host, at]
     for slot in range(tables.hosts[host].used):
-        total += tables.slots[host, slot].heard_s + tracks[host, slot, TRACK_RECEIVED_S]
+        total += tables.slots[host, slot].heard_s + tracks.held[host, slot, TRACK_RECEIVED_S]
+        total += tracks.vehicle[host, slot]
     return total
 
 
@@ -181,7 +182,7 @@ def _hear_each(
     limits: HearingLimits,
     tables: NeighbourTables,
     rows: FloatCube,
-    tracks: FloatCube,
+    tracks: Tracks,
     gap: IntMatrix,
     first: int,
     end: int,
@@ -218,9 +219,10 @@ def _hear_each(
             if slot < 0:
                 counts[REFUSED] += 1
                 continue
-            track = tracks[host, slot]
-            if track[TRACK_VEHICLE] != remote:
-                track[TRACK_MESSAGE], track[TRACK_VEHICLE], track[TRACK_RECEIVED_S] = -1.0, remote, -np.inf
+            track = tracks.held[host, slot]
+            if tracks.vehicle[host, slot] != remote:
+                tracks.vehicle[host, slot] = remote
+                track[TRACK_MESSAGE], track[TRACK_RECEIVED_S] = -1.0, -np.inf
             before_s = track[TRACK_RECEIVED_S]
             status = _take(rows, message, track, at_s, limits.expiry_s, scratch)
             if status == OLDER:
@@ -244,7 +246,7 @@ def hear_messages(
     limits: HearingLimits,
     tables: NeighbourTables,
     rows: FloatCube,
-    tracks: FloatCube,
+    tracks: Tracks,
     tally: Tally,
     first: int,
     end: int,

@@ -55,6 +55,14 @@ class Tracking(NamedTuple):
     truth_m: FloatMatrix
 
 
+class Near(NamedTuple):
+    """Tracks of one host: slots, bins of distance, and what was touched; (C + 1,) each, and overwritten."""
+
+    slot: IntVector
+    distance: IntVector
+    touched: FloatVector
+
+
 @kernel(inlined=True)
 def _work_out(x: Tracking, message: int, contents: Contents, scratch: FloatVector) -> int:
     """What a message makes its holders believe now: bins of error and age, and the step, in one word.
@@ -96,47 +104,58 @@ def _count(belief: int, distance: int, middle: tuple[int, int], tally: Tally) ->
 
 
 @kernel(inlined=True)
-def _sample_host(
-    x: Tracking, host: int, used: int, beliefs: IntCube, tracks: FloatCube, tally: Tally, waiting: IntVector
+def _near_tracks(
+    x: Tracking, host: int, used: int, tracks: FloatCube, bins: int, near: IntVector, distance: IntVector
 ) -> int:
-    """Count the tracks of one host; those whose belief is not worked out yet are listed instead."""
-    most_m = x.distance_bin_m * tally.held.size
-    mask = (1 << SENDER_BITS) - 1
-    count = 0
+    """List the live tracks of one host within the bins, and their bins of distance; returns how many.
+
+    Every slot is written and the next overwrites it unless it counts: a branch would be guessed wrongly for
+    every other track.
+    """
+    most_m = x.distance_bin_m * bins
+    most_m2, a_bin = most_m * most_m, 1.0 / x.distance_bin_m
     east_m, north_m = x.truth_m[host, 0], x.truth_m[host, 1]
+    count = 0
     for slot in range(used):
-        if (
-            tracks[host, slot, TRACK_MESSAGE] < 0.0
-            or x.t_s - tracks[host, slot, TRACK_RECEIVED_S] > x.expiry_s
-        ):
-            continue
-        message = int(tracks[host, slot, TRACK_MESSAGE])
-        sender, number = message & mask, message >> SENDER_BITS
+        message, silent_s = tracks[host, slot, TRACK_MESSAGE], x.t_s - tracks[host, slot, TRACK_RECEIVED_S]
+        sender = int(max(message, 0.0)) & ((1 << SENDER_BITS) - 1)
         east, north = x.truth_m[sender, 0] - east_m, x.truth_m[sender, 1] - north_m
         square = east * east + north * north
-        if not square < most_m * most_m:
-            continue
-        ring = number % MESSAGES_KEPT
-        if beliefs[sender, ring, BELIEF_NUMBER] != number:
-            continue
-        belief = beliefs[sender, ring, BELIEF]
-        if belief >> (2 * _BIN_BITS) != x.step:
-            waiting[count] = slot
-            count += 1
-            continue
-        _count(belief, int(sqrt(square) / x.distance_bin_m), x.middle, tally)
+        is_near = square < most_m2
+        near[count], distance[count] = slot, int(sqrt(square if is_near else 0.0) * a_bin)
+        count += int(is_near & (message >= 0.0) & (silent_s <= x.expiry_s))
     return count
 
 
 @kernel(inlined=True)
-def _touch_contents(
-    host: int, count: int, waiting: IntVector, tracks: FloatCube, rows: FloatCube, out: FloatVector
-) -> None:
+def _sample_host(
+    x: Tracking, host: int, beliefs: IntCube, tracks: FloatCube, tally: Tally, near: Near, found: int
+) -> int:
+    """Count the tracks found of one host; those whose belief is not worked out yet are listed instead."""
+    mask = (1 << SENDER_BITS) - 1
+    count = 0
+    for k in range(found):
+        message = int(tracks[host, near.slot[k], TRACK_MESSAGE])
+        sender, number = message & mask, message >> SENDER_BITS
+        ring = number % MESSAGES_KEPT
+        belief = beliefs[sender, ring, BELIEF]
+        if beliefs[sender, ring, BELIEF_NUMBER] != number:
+            continue
+        if belief >> (2 * _BIN_BITS) != x.step:
+            near.slot[count], near.distance[count] = near.slot[k], near.distance[k]
+            count += 1
+            continue
+        _count(belief, near.distance[k], x.middle, tally)
+    return count
+
+
+@kernel(inlined=True)
+def _touch_contents(host: int, count: int, near: Near, tracks: FloatCube, rows: FloatCube) -> None:
     """Touch the contents of all messages that wait to be worked out, so that their cache misses overlap."""
     for k in range(count):
-        message = int(tracks[host, waiting[k], TRACK_MESSAGE])
+        message = int(tracks[host, near.slot[k], TRACK_MESSAGE])
         sender, ring = message & ((1 << SENDER_BITS) - 1), (message >> SENDER_BITS) % MESSAGES_KEPT
-        out[k] = rows[sender, ring, CONTENT_FIT_S] + rows[sender, ring, CONTENT_HEAD]
+        near.touched[k] = rows[sender, ring, CONTENT_FIT_S] + rows[sender, ring, CONTENT_HEAD]
 
 
 @kernel(inlined=True)
@@ -148,25 +167,20 @@ def _sample_each(
     tally: Tally,
     first: int,
     end: int,
-    waiting: IntVector,
-    touched: FloatVector,
+    near: Near,
     scratch: FloatVector,
 ) -> None:
-    """Count the tracks of some hosts; the last three are overwritten."""
-    mask = (1 << SENDER_BITS) - 1
+    """Count the tracks of some hosts; the last two are overwritten."""
+    bins = tally.held.size
     for host in range(first, end):
         if x.vehicle[host] < 0:
             continue
-        count = _sample_host(x, host, hosts[host].used, contents.beliefs, tracks, tally, waiting)
-        _touch_contents(host, count, waiting, tracks, contents.rows, touched)
+        found = _near_tracks(x, host, hosts[host].used, tracks, bins, near.slot, near.distance)
+        count = _sample_host(x, host, contents.beliefs, tracks, tally, near, found)
+        _touch_contents(host, count, near, tracks, contents.rows)
         for k in range(count):
-            message = int(tracks[host, waiting[k], TRACK_MESSAGE])
-            sender = message & mask
-            way_m = hypot(
-                x.truth_m[sender, 0] - x.truth_m[host, 0], x.truth_m[sender, 1] - x.truth_m[host, 1]
-            )
-            distance = min(int(way_m / x.distance_bin_m), tally.held.size - 1)
-            _count(_work_out(x, message, contents, scratch), distance, x.middle, tally)
+            message = int(tracks[host, near.slot[k], TRACK_MESSAGE])
+            _count(_work_out(x, message, contents, scratch), near.distance[k], x.middle, tally)
 
 
 @kernel
@@ -177,8 +191,9 @@ def sample_tracks(
 
     What a message predicts is worked out once, whoever holds it. Remotes that have left are passed over.
     """
-    waiting, touched = np.empty(tracks.shape[1], dtype=np.int64), np.empty(tracks.shape[1])
-    _sample_each(x, hosts, contents, tracks, tally, first, end, waiting, touched, np.empty(2))
+    slots = tracks.shape[1] + 1
+    near = Near(np.empty(slots, dtype=np.int64), np.empty(slots, dtype=np.int64), np.empty(slots))
+    _sample_each(x, hosts, contents, tracks, tally, first, end, near, np.empty(2))
 
 
 @kernel(inlined=True)

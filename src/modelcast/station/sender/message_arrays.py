@@ -11,6 +11,7 @@ import numpy as np
 from modelcast.core.kernel_types import (
     BoolVector,
     FloatCube,
+    FloatMatrix,
     FloatVector,
     IntCube,
     IntVector,
@@ -110,10 +111,19 @@ SENT = 8
 
 
 class SentTally(NamedTuple):
-    """Counts of messages: ``causes`` (CAUSES,) by cause; ``sums`` (SENT,)."""
+    """Counts of messages: ``causes`` (CAUSES,) by cause; ``sums`` (G, SENT), a row a group of slots.
+
+    Slots fall into G groups one after another. Each adds to the row of its group, so that sums are the same
+    to the last digit however the groups are worked on.
+    """
 
     causes: IntVector
-    sums: FloatVector
+    sums: FloatMatrix
+
+    @property
+    def total(self) -> FloatVector:
+        """Sums of all groups, (SENT,)."""
+        return self.sums.sum(axis=0)
 
 
 class Senders(NamedTuple):
@@ -204,6 +214,6 @@ def outbox(vehicles: int) -> Outbox:
     )
 
 
-def sent_tally() -> SentTally:
+def sent_tally(groups: int = 1) -> SentTally:
     """Return counts of nothing."""
-    return SentTally(np.zeros(CAUSES, dtype=np.int64), np.zeros(SENT))
+    return SentTally(np.zeros(CAUSES, dtype=np.int64), np.zeros((groups, SENT)))

@@ -137,7 +137,7 @@ def _post(
     kind, member = what
     sent_s, power_dbm, believed, cause = how
     s, stack = f.senders, f.numbers.stack
-    number = s.number[v]
+    number, group = s.number[v], v * tally.sums.shape[0] // s.number.size
     ring = number % MESSAGES_KEPT
     row = contents.rows[v, ring]
     _write(f, v, b, kind, member, sent_s, row, number)
@@ -152,18 +152,18 @@ def _post(
         s.update[v] = number
     if certificate:
         s.certified_s[v] = sent_s
-        tally.sums[CERTIFICATES] += 1.0
+        tally.sums[group, CERTIFICATES] += 1.0
     s.sent_s[v], s.number[v] = sent_s, number + 1
     tally.causes[cause] += 1
-    tally.sums[MESSAGES] += 1.0
+    tally.sums[group, MESSAGES] += 1.0
     if kind == IDENTIFICATION:
-        tally.sums[IDENTIFICATIONS] += 1.0
+        tally.sums[group, IDENTIFICATIONS] += 1.0
     elif not f.numbers.plain[member]:
-        tally.sums[MODELS] += 1.0
-    tally.sums[PAYLOAD_BYTES] += row[CONTENT_BYTES]
-    tally.sums[FRAME_BYTES] += frame
-    tally.sums[AIRTIME_S] += airtime(frame, stack)
-    tally.sums[POWER_DBM] += power_dbm
+        tally.sums[group, MODELS] += 1.0
+    tally.sums[group, PAYLOAD_BYTES] += row[CONTENT_BYTES]
+    tally.sums[group, FRAME_BYTES] += frame
+    tally.sums[group, AIRTIME_S] += airtime(frame, stack)
+    tally.sums[group, POWER_DBM] += power_dbm
 
 
 @kernel(inlined=True)

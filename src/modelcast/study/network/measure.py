@@ -107,7 +107,7 @@ def _held(counts: Tally, span: slice) -> dict[str, float]:
 
 
 def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outcome_bin_m: float) -> RunRow:
-    counts, sums = run.tally, run.sent.sums
+    counts, sums = run.tally, run.sent.total
     sent = float(sums[at.MESSAGES])
     middle = _span(*HEADLINE_M, settings.distance_bin_m)
     at_100 = counts.error[_span(75.0, 125.0, settings.distance_bin_m)].sum(axis=0)
