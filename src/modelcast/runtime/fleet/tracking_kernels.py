@@ -197,18 +197,23 @@ def sample_tracks(
 
 
 @kernel(inlined=True)
-def _count_ahead(cells: Cells, k: int, distance_bin_m: float, pairs: IntVector) -> None:
-    """Count the pairs of one vehicle with those behind it in the cells' order, in both directions."""
-    most_m = distance_bin_m * pairs.size
+def _count_ahead(cells: Cells, k: int, distance_bin_m: float, way: FloatVector, pairs: IntVector) -> None:
+    """Count the pairs of one vehicle with those behind it in the cells' order, in both directions.
+
+    The last of ``pairs`` takes all that are farther than the bins. ``way`` (N,) is overwritten: distances are
+    found in a loop of their own, several at a time.
+    """
+    bins, a_bin = pairs.size - 1, 1.0 / distance_bin_m
     east, north = cells.place[k, 0], cells.place[k, 1]
-    left, right, _, row_to = cell_span(cells, east, north, most_m)
+    left, right, _, row_to = cell_span(cells, east, north, distance_bin_m * bins)
     for row in range(cell_row(cells, north), row_to + 1):
         low, high = row_span(cells, row, left, right)
-        for other in range(max(low, k + 1), high):
-            a, b = cells.place[other, 0] - east, cells.place[other, 1] - north
-            square = a * a + b * b
-            if square < most_m * most_m:
-                pairs[int(sqrt(square) / distance_bin_m)] += 2
+        low = max(low, k + 1)
+        for n in range(high - low):
+            a, b = cells.place[low + n, 0] - east, cells.place[low + n, 1] - north
+            way[n] = sqrt(a * a + b * b) * a_bin
+        for n in range(high - low):
+            pairs[int(min(way[n], float(bins)))] += 2
 
 
 @kernel
@@ -218,8 +223,11 @@ def count_pairs(cells: Cells, part: int, parts: int, distance_bin_m: float, pair
     The cells are built for the distance that all bins reach.
     """
     present = cells.order.size
+    way, counts = np.empty(present), np.zeros(pairs.size + 1, dtype=np.int64)
     for k in range(present * part // parts, present * (part + 1) // parts):
-        _count_ahead(cells, k, distance_bin_m, pairs)
+        _count_ahead(cells, k, distance_bin_m, way, counts)
+    for at in range(pairs.size):
+        pairs[at] += counts[at]
 
 
 @kernel
