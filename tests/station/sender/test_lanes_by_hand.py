@@ -242,6 +242,14 @@ def test_what_was_not_fitted_does_not_hold() -> None:
     assert made.speak(0, NOW) == UPDATE
 
 
+def test_an_update_at_the_very_first_sample_is_held() -> None:
+    made = bench([0])
+    made.measure(0, 5, 8.5, (1.0, 0.0))
+    made.believe(0, 0, CV, (8.0, 0.0, 0.0))
+    assert made.speak(0, 5) == NOTHING
+    assert made.lanes.update[0] == 0
+
+
 # What an update holds -----------------------------------------------------------------------------------
 
 
@@ -276,6 +284,14 @@ def test_a_lane_of_one_member_holds_no_other_though_its_vehicle_fitted_them() ->
     assert made.speak(0, NOW) == made.speak(1, NOW) == UPDATE
     assert made.lanes.usable.tolist() == [[True, True, True], [False, True, False]]
     assert made.lanes.in_use.tolist() == [CA, CV]
+
+
+def test_a_lane_of_one_member_remembers_that_one() -> None:
+    made = bench([0], only=CV, start=START_RECENT)
+    made.measure(0, NOW, 8.5, velocity=(6.0, 8.0))
+    assert made.speak(0, NOW) == UPDATE
+    assert made.lanes.last_usable[0].tolist() == [False, True, False]
+    assert made.lanes.last[0].tolist() == [0.0, 0.0, 0.0, 6.0, 8.0, 0.0, 0.0, 0.0, 0.0]
 
 
 def test_a_member_whose_fit_fails_gives_way_to_the_first_that_can_be_fitted() -> None:
