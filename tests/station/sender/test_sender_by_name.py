@@ -181,7 +181,7 @@ def test_costs_of_every_lane_stand_in_a_row_and_zeros_behind_the_short_ones() ->
 def test_there_is_one_policy_a_vehicle() -> None:
     keep = ErrorDriven(0.2)
     for policies, vehicles in (([keep], [0, 1]), ([keep, keep], [0])):
-        with pytest.raises(ValueError, match="shorter|longer"):
+        with pytest.raises(ValueError, match=r"shorter|longer"):
             speaking_lanes(policies, vehicles, guard=-1, dt_s=0.1)
 
 
