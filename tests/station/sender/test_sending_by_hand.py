@@ -56,15 +56,14 @@ class Pair:
     def __post_init__(self) -> None:
         self.sensing = Sensing()
         phase = np.array(self.phase)
-        self.f = sending_stations(
-            self.sender, sender_bank(self.sender, DT_S), phase, sensing=self.sensing
-        )
+        self.f = sending_stations(self.sender, sender_bank(self.sender, DT_S), phase, sensing=self.sensing)
         self.f.senders.vehicle[:] = [11, 12]
         self.tables = neighbour_tables(2, 8)
         self.contents = at.contents(2, widest(self.sender, sender_bank(self.sender, DT_S)))
         self.out, self.tally = at.outbox(2), at.sent_tally()
 
     def measure(self, t_s: float, seen: FloatArray, begins: bool = False) -> None:
+        """Let both measure."""
         whose, numbers = np.arange(2), self.sensing.numbers(DT_S)
         sense(self.f.sensed, whose, np.full(2, t_s), seen, np.full(2, begins), numbers)
 
@@ -79,6 +78,7 @@ class Pair:
         return self.out.sender[: self.out.filled[0]].tolist()
 
     def row(self, slot: int, number: int) -> FloatArray:
+        """Return the content of a message."""
         return self.contents.rows[slot, number % at.MESSAGES_KEPT]
 
 
@@ -283,9 +283,11 @@ def test_an_error_is_measured_against_the_very_first_sample_too() -> None:
 
 
 def surrounded(pair: Pair) -> None:
-    """Slot 0 is at (0, 40): remotes 1 and 2 lie within 100 m of it, 3 to 6 do not, though some would of (0, 0)
-    or (40, 40); of every two messages of each the second was lost, of six in all."""
-    places = [(0.0, 139.0), (60.0, 110.0), (0.0, -61.0), (101.0, 40.0), (-70.0, -40.0), (135.0, 60.0)]
+    """Let six be heard around slot 0, which is at (0, 40), and every second message of each be lost.
+
+    The first two lie within 100 m. The others do not, but would of (0, 16) or (40, 40).
+    """
+    places = [(0.0, 139.0), (60.0, 110.0), (0.0, -61.0), (101.0, 40.0), (-70.0, -75.0), (135.0, 60.0)]
     for k, count in enumerate((0, 2, 4)):
         for remote, (east, north) in enumerate(places):
             neighbours_kernels.hear(*pair.tables, 0, remote, count, 2.125 + 0.25 * k, east, north, 1.0)
