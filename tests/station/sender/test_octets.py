@@ -48,7 +48,7 @@ def part_i(messages: SentMessages, *names: str) -> list[list[int]]:
 def sample(
     east_mps: float, north_mps: float, acceleration: float = 0.0, yaw_rate: float = 0.0
 ) -> list[float]:
-    return [0.0, 0.0, east_mps, north_mps, rate, turn, 0.0]
+    return [0.0, 0.0, east_mps, north_mps, acceleration, yaw_rate, 0.0]
 
 
 def test_speed_and_course_come_from_the_sample_where_the_sub_model_has_none() -> None:
