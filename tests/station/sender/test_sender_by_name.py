@@ -49,6 +49,7 @@ def costs(members: int, ages: int = 1) -> CostTable:
 def test_what_is_not_said_of_a_sender_is_a_few_milliseconds_and_a_code_of_latitude() -> None:
     plain = sender(Periodic(2.0))
     assert (plain.jitter_s, plain.within_m, plain.power_dbm, plain.start) == (0.005, 0.0112, 20.0, "order")
+    assert (plain.threshold_m, plain.motion, plain.selector) == (0.2, None, None)
 
 
 def test_a_spread_of_a_tenth_of_a_second_and_more_is_refused_and_a_resolution_of_0_is_not() -> None:
