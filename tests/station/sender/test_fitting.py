@@ -114,11 +114,26 @@ def test_all_that_have_a_full_window_are_fitted_at_each_sample_asked_for() -> No
         assert held.parameters[0, number, :5].tolist() == pytest.approx(
             [speed, 0.0, speed, 0.0, 2.003], abs=1e-12
         )
+
+
+def test_what_could_not_be_fitted_is_no_number_at_the_place_of_its_sample_in_the_ring() -> None:
+    """Sample 5 has the third of three places."""
+    bank, s = SenderBank.of(BANK, DT_S, quantised=False), measured(6)
+    held, offsets = empty(bank), bank.bank.offsets
     s.samples[0, :, VELOCITY_NORTH] = np.nan
-    again = empty(bank, ring=5)
-    fit_each(bank.models(), s, again, np.array([2]))
-    assert np.isnan(again.parameters[0, 2, offsets[:2]]).all()
-    assert again.number[0, 2, :2].tolist() == [-1, -1]
+    fit_each(bank.models(), s, held, np.array([5]))
+    assert np.isnan(held.parameters[0, 2, offsets[:2]]).all()
+    assert not held.parameters[0, :2].any()
+    assert held.number[0, :, :2].tolist() == [[-1, -1]] * 3
+
+
+def test_the_past_of_another_vehicle_makes_no_window_full() -> None:
+    bank, s = SenderBank.of(BANK, DT_S), measured(3)
+    for others in (1, 3):
+        s.history[0, 2], s.history[1, 2] = 4 - others, others
+        held = empty(bank)
+        fit_each(bank.models(), s, held, np.array([2]))
+        assert held.number[0, 2].tolist() == [2, 2, 2 if others == 1 else -1]
 
 
 def test_distances_are_those_between_a_prediction_from_its_origin_and_the_sample() -> None:

@@ -97,6 +97,20 @@ def test_who_and_how_many_and_when_stand_in_part_i() -> None:
     assert part_i(sent(samples, 0), *names) == [[7, 2, 1250], [8, 3, 1250]]
 
 
+def test_instants_are_counted_from_the_minute_that_is_given() -> None:
+    """61.25 s are 1.25 s after a minute that began at 0 s, and 51.25 s after one that began at 10 s."""
+    messages = sent(np.array([sample(8.0, 6.0)]), 0)
+    mark = CORE_INDEX["second_of_minute_s"]
+    of = StationOctets.of(BANK, 5, "never", ORIGIN)
+    writers = [
+        StationOctets(of.codec, ORIGIN),
+        of,
+        StationOctets.of(BANK, 5, "never", ORIGIN, minute_s=10.0),
+    ]
+    marks = [decode_bsm(one.encode(messages)[0]).core.codes[mark] for one in writers]
+    assert marks == [1250, 1250, 51_250]
+
+
 def test_updates_and_identifications_come_in_their_order() -> None:
     """An identification says which update it names, and how old that is in hundredths of a second."""
     samples = np.array([sample(8.0, 6.0), sample(9.0, 6.0), sample(10.0, 6.0)])

@@ -10,6 +10,11 @@ from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
+from modelcast.models.learned import Selector
+from modelcast.models.learned.features import FeatureMap
+from modelcast.models.learned.perceptron import Perceptron
+from modelcast.models.profile import default_profile
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.station.policy.cam import CooperativeAwareness
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
@@ -19,8 +24,14 @@ from modelcast.station.policy.periodic import Periodic
 from modelcast.station.sender import message_arrays as at
 from modelcast.station.sender.bank import SenderBank
 from modelcast.station.sender.lane_rules import check_rules, speaking_lanes
-from modelcast.station.sender.sender import Sender, engine_parameters, named_sender
-from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations
+from modelcast.station.sender.sender import (
+    MODEL_SENDERS,
+    SENDERS,
+    Sender,
+    engine_parameters,
+    named_sender,
+)
+from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
 from modelcast.station.sender.timed_kernels import timers
 from modelcast.station.sensing.motion_filter import MotionFilter
 
@@ -226,6 +237,53 @@ def test_rings_reach_back_two_seconds_where_predictions_are_judged_in_hindsight(
         assert stations.fits.number.shape[:2] == (2, fitted)
         assert stations.sensed.stated_m.shape[1] >= GP.window + fitted
     assert stations.lanes.update.size == 2
+
+
+@pytest.mark.parametrize(("lags", "samples", "longest"), [(10, 20, 20), (20, 3, 21)])
+def test_rings_hold_what_the_selector_looks_at_where_that_is_longer_than_any_window(
+    lags: int, samples: int, longest: int
+) -> None:
+    """Two seconds are 21 samples, and one is 11."""
+    inputs = FeatureMap(lags).inputs
+    network = Perceptron(
+        np.inf,
+        centre=np.zeros(inputs),
+        width=np.ones(inputs),
+        weights_1=np.zeros((inputs, 1)),
+        bias_1=np.zeros(1),
+        weights_2=np.zeros((1, 1)),
+        bias_2=np.zeros(1),
+        weights_3=np.zeros((1, 2)),
+        bias_3=np.zeros(2),
+    )
+    selector = Selector(("gp-intercept", "cv"), (0.2,), (network,), lags=lags)
+    bank = Bank((GaussianProcess(samples, "intercept"), CV))
+    own = sender(ErrorDriven(0.2, "predicted", "never"), bank, selector=selector)
+    stations = sending_stations(own, sender_bank(own, 0.1), np.zeros(1))
+    assert stations.sensed.stated_m.shape[1] == longest + 1
+    assert stations.models.selector_window == lags + 1
+    assert stations.models.selector == selector.address
+    assert stations.rules.selector.tolist() == [selector.packed(0.1, 0.2).tolist()]
+
+
+def test_senders_of_models_take_the_bank_given_and_what_erred_least_of_late() -> None:
+    bank = Bank((CTRA, CV))
+    for name in MODEL_SENDERS:
+        assert named_sender(name).bank == default_profile().bank
+        assert named_sender(name, bank=bank).bank == bank
+        if name != "mbc":
+            assert named_sender(name).start == "recent"
+            assert named_sender(name, start="guarded", bank=bank).start == "hindsight"
+            assert named_sender(name, start="keep").start == "keep"
+    for name in set(SENDERS) - set(MODEL_SENDERS):
+        assert named_sender(name, bank=bank).bank == BASELINE_BANK
+        assert named_sender(name, start="keep").start == "order"
+
+
+def test_messages_hold_all_parameters_or_those_of_the_largest_member() -> None:
+    for identify, expected in (("never", 4), ("best", 9)):
+        own = sender(ErrorDriven(0.2, "order", identify), Bank((CA, CTRA, CV)))  # pyright: ignore[reportArgumentType]
+        assert widest(own, sender_bank(own, 0.1)) == expected
 
 
 def test_stations_that_sent_nothing_have_no_update_and_nothing_that_waits() -> None:
