@@ -593,12 +593,15 @@ def server(folder: Path) -> Any:
 
 
 def chosen_tests(mutant: Mutant, tests: dict[str, dict[str, Any]]) -> list[tuple[float, str]]:
-    """Return (seconds, name) of tests that run the mutant's lines, the quickest first."""
+    """Return (seconds, name) of tests that run the mutant's lines, the quickest first.
+
+    Lines outside functions are run by imports, so any test that runs something of their file serves.
+    """
     first, last = mutant.lines
     fitting: list[tuple[float, str]] = []
     for name, one in tests.items():
         at = one["lines"].get(mutant.path, ())
-        if at and (not mutant.function or any(first <= line <= last for line in at)):
+        if at and (not mutant.inside_function or any(first <= line <= last for line in at)):
             fitting.append((one["seconds"], name))
     kept: list[tuple[float, str]] = []
     for seconds, name in sorted(fitting):
