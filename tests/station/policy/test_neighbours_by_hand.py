@@ -28,7 +28,12 @@ def test_a_slot_fills_one_cache_line_with_room_for_ten_sub_intervals() -> None:
 
 
 def test_up_to_nine_sub_intervals_and_32767_remotes_can_be_asked_for() -> None:
-    assert neighbour_tables(1, 2, sub_intervals=9).hosts["kept"].tolist() == [10]
+    tables = neighbour_tables(1, 2, sub_intervals=9)
+    assert tables.hosts["kept"].tolist() == [10]
+    for at in range(13):
+        told(tables, 7, at + 0.5, message_count=at)
+    assert tables.slots[0, 0]["received"].tolist() == [1] * 10
+    assert tables.slots[0, 0]["last"].tolist() == [10, 11, 12, 3, 4, 5, 6, 7, 8, 9]
     with pytest.raises(ValueError, match="sub_intervals must be below 10, got 10"):
         neighbour_tables(1, 2, sub_intervals=10)
     assert neighbour_tables(1, 32767).slots.shape == (1, 32767)
@@ -124,6 +129,15 @@ def test_a_remote_counts_for_a_sub_interval_and_a_millionth_of_it() -> None:
         tables = neighbour_tables(1, 2)
         told(tables, 7, heard_s)
         assert counted(tables, 5.0) == [near, near]
+
+
+def test_a_sub_interval_passed_over_in_silence_has_no_messages() -> None:
+    """Now rounds up to 7, the last message was 1 s and a millionth before, in 5: 6 holds what 0 held."""
+    tables = neighbour_tables(1, 2)
+    for message_count, heard_s in ((1, 0.5), (30, 4.5), (31, 6.0 - 1.4e-6)):
+        told(tables, 7, heard_s, message_count)
+    assert tables.slots[0, 0]["newest"] == 5
+    assert k.survey(tables.hosts, tables.slots, 0, 7.0 - 0.5e-6, 0.0, 0.0, 1.0, 100.0) == (1, 0.0)
 
 
 @pytest.mark.parametrize("short_s", [0.9e-6, 1.5e-6])
