@@ -13,7 +13,8 @@ from modelcast.core.arrays import FloatArray
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.kinematic import ConstantAcceleration
+from modelcast.models.gp import GaussianProcess
+from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
 from modelcast.station.banks import profile_number_of
 from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.policy.neighbours_kernels import find, place
@@ -87,27 +88,32 @@ def ids_at(start: int, many: int, length: int) -> list[int]:
     return list(itertools.islice((one for one in itertools.count() if place(one, length) == start), many))
 
 
-@pytest.mark.parametrize("start", [0, 6, 7])
-def test_who_leaves_the_index_leaves_all_others_to_be_found(start: int) -> None:
-    """Four slots, eight places. The ids share two places next to each other, and run over its end.
+@pytest.mark.parametrize("start", [0, 5, 7])
+@pytest.mark.parametrize(
+    ("apart", "newcomer_apart"),
+    [((0, 0, 0, 1), 1), ((0, 0, 0, 4), 5), ((0, 0, 4, 4), 2), ((0, 0, 1, 4), 5), ((0, 1, 0, 1), 6)],
+)
+def test_who_leaves_the_index_leaves_all_others_to_be_found(
+    start: int, apart: tuple[int, ...], newcomer_apart: int
+) -> None:
+    """Four slots, eight places: ids whose search starts this far behind one place, also over the end.
 
     In every order of the four, and with each of them the one that gives way.
     """
-    first, second = ids_at(start, 3, 8), ids_at((start + 1) % 8, 3, 8)
-    newcomer = second[2]
-    for ids in itertools.permutations([first[0], first[1], first[2], second[0]]):
-        for leaves in range(4):
-            slots = replace(AROUND, capacity=4).init().slots
-            for vehicle in ids:
-                slot_kernels.new_slot(slots, vehicle)
-            for slot in range(4):
-                if slot != leaves:
-                    slot_kernels.renew_slot(slots, slot)
-            assert slot_kernels.new_slot(slots, newcomer) == leaves
-            now = [newcomer if slot == leaves else one for slot, one in enumerate(ids)]
-            assert [slot_kernels.find_slot(slots, one) for one in now] == [0, 1, 2, 3]
-            assert slot_kernels.find_slot(slots, ids[leaves]) == -1
-            assert sorted(slots.lookup[slots.lookup >= 0].tolist()) == [0, 1, 2, 3]
+    by_place = {place: iter(ids_at((start + place) % 8, 4, 8)) for place in range(8)}
+    four, newcomer = [next(by_place[one]) for one in apart], next(by_place[newcomer_apart])
+    for ids, leaves in itertools.product(itertools.permutations(four), range(4)):
+        slots = replace(AROUND, capacity=4).init().slots
+        for vehicle in ids:
+            slot_kernels.new_slot(slots, vehicle)
+        for slot in range(4):
+            if slot != leaves:
+                slot_kernels.renew_slot(slots, slot)
+        assert slot_kernels.new_slot(slots, newcomer) == leaves
+        now = [newcomer if slot == leaves else one for slot, one in enumerate(ids)]
+        assert [slot_kernels.find_slot(slots, one) for one in now] == [0, 1, 2, 3]
+        assert slot_kernels.find_slot(slots, ids[leaves]) == -1
+        assert sorted(slots.lookup[slots.lookup >= 0].tolist()) == [0, 1, 2, 3]
 
 
 def test_the_instant_held_is_told_of_the_first_slot_too() -> None:
@@ -311,14 +317,44 @@ def test_a_trip_without_speed_or_heading_states_nothing(missing: str) -> None:
 # Motions ---------------------------------------------------------------------------------------------------
 
 
-def test_just_at_a_decimetre_a_second_a_vehicle_has_a_course() -> None:
-    """North at 0.1 m/s but stated to head east: slower by the least amount it has no course of its own."""
-    for speed_mps, heading_rad in ((0.1, 0.0), (0.0999999, 0.5 * math.pi)):
-        state = AROUND.init()
-        moves = update(7, 0.0, parameters=np.array([0.0, speed_mps, 0.0, 0.0, 0.0]))
-        given = replace(heard_messages([moves], [0.0]), heading_rad=np.array([0.5 * math.pi]))
-        AROUND.hear(state, given)
-        assert AROUND.believe(state, 0.0).heading_rad.tolist() == [heading_rad]
+def test_from_a_decimetre_a_second_on_a_vehicle_has_a_course() -> None:
+    """North at about 0.1 m/s, some of them just that, but stated to head east: a slower one heads so."""
+    speeds_mps = 0.1 + np.spacing(0.1) * np.arange(-8, 9)
+    cars = [update(at, 0.0, parameters=np.array([0, one, 0, 0, 0])) for at, one in enumerate(speeds_mps)]
+    given = heard_messages(cars, np.zeros(len(cars)))
+    state = AROUND.init()
+    AROUND.hear(state, replace(given, heading_rad=np.full(len(cars), 0.5 * math.pi)))
+    for t_s in (0.0, 0.05, 0.125, 1.0):
+        beliefs = AROUND.believe(state, t_s)
+        wanted = np.where(beliefs.speed_mps < 0.1, 0.5 * math.pi, 0.0)
+        np.testing.assert_array_equal(beliefs.heading_rad, wanted)
+        np.testing.assert_array_equal(beliefs.vehicle, np.arange(len(cars)))
+
+
+@pytest.mark.parametrize("age_s", [0.0, 0.02, 0.05, 0.3])
+def test_a_path_is_differentiated_from_its_fit_on_and_not_before(age_s: float) -> None:
+    """A circle of 10 m at 10 m/s: the parabola through three of its places 0.05 s apart, the first at 0."""
+    around = LocalDynamicMap((Bank((ConstantTurnRateAcceleration(),)),))
+    state, step_s = around.init(), 0.05
+    around.hear(state, heard_messages([update(7, 0.0, parameters=np.array([0.0, 10.0, 0.0, 1.0]))], [0.0]))
+    times_s = max(age_s, step_s) + step_s * np.array([-1.0, 0.0, 1.0])
+    circle = 10.0 * np.stack([1.0 - np.cos(times_s), np.sin(times_s)], axis=1)
+    bent = np.polyfit(times_s - age_s, circle, 2)
+    beliefs = around.believe(state, age_s)
+    assert beliefs.velocity_mps[0] == pytest.approx(bent[1], abs=1e-9)
+    assert beliefs.speed_mps[0] == pytest.approx(math.hypot(*bent[1]), abs=1e-9)
+    across = 2.0 * (bent[0, 0] * bent[1, 1] - bent[0, 1] * bent[1, 0])
+    assert beliefs.yaw_rate_radps[0] == pytest.approx(across / (bent[1] @ bent[1]), abs=1e-7)
+
+
+def test_a_sub_model_whose_path_begins_off_the_earth_is_malformed() -> None:
+    """30 000 km away now, half way back after 1 s, and within reach when it expires after 2 s."""
+    model = GaussianProcess(4, "intercept")
+    around = LocalDynamicMap((Bank((model,)),), expiry_s=2.0)
+    for intercept_m, receipt in ((3e7, Receipt.MALFORMED), (1.9e7, ACCEPTED)):
+        values = {"intercept_east_m": intercept_m, "slope_east_mps": -1.5e7, "lengthscale_s": 1.0}
+        parameters = np.array([values.get(name, 0.0) for name in model.parameter_names])
+        assert hear(around, around.init(), update(7, 0.0, parameters=parameters)) == [receipt]
 
 
 # Octets ----------------------------------------------------------------------------------------------------
