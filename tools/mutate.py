@@ -782,9 +782,9 @@ def work_through(
         if done % 25 == 0 or done == len(keys):
             (KEPT / "verdicts.json").write_text(json.dumps(kept))
             print(f"  {done} of {len(keys)} judged now, {until - time.time():.0f} s are left", flush=True)
-    judged = [k for k, mutant in enumerate(order) if found.get(mutant.name, "not run") != "not run"]
-    reached = order[: max(judged, default=-1) + 1] if len(found) < len(order) else order
-    return {one.name: found[one.name] for one in reached if one.name in found}
+    # Up to the first that no time was left for: what was known before would not be a fair sample of the rest.
+    reached = itertools.takewhile(lambda one: one.name in found, order)
+    return {one.name: found[one.name] for one in reached}
 
 
 def found_mutants(targets: list[str]) -> Iterator[tuple[str, str, list[Mutant]]]:
