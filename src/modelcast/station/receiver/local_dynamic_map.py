@@ -431,6 +431,7 @@ class LocalDynamicMap:
                     at_ends = model.covariance(asked, ends_s, dt_s=self.dt_s)
                 else:
                     at_ends = calibrated.covariance(model, asked, ends_s, dt_s=self.dt_s)
-            share = (ages_s[rows] - ends_s[0]) / max(ends_s[1] - ends_s[0], 1e-12)
-            out[rows] = at_ends[:, 0] + share[:, None, None] * (at_ends[:, 1] - at_ends[:, 0])
+                share = (ages_s[rows] - ends_s[0]) / max(ends_s[1] - ends_s[0], 1e-12)
+                # Where both ends are infinite this is no number, and the caller sees that.
+                out[rows] = at_ends[:, 0] + share[:, None, None] * (at_ends[:, 1] - at_ends[:, 0])
         return out
