@@ -22,6 +22,7 @@ from modelcast.station.policy.j2945_parameters import (
     j2945_relaxed_parameters,
     j3161_parameters,
 )
+from modelcast.station.receiver.ears import Ears
 from modelcast.station.receiver.heard import HeardKind, heard_messages
 from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap, Receipt
 from modelcast.station.receiver.plausibility import Finding, Plausibility
@@ -149,6 +150,8 @@ def test_plausibility_and_maps_have_the_limits_of_their_page() -> None:
     assert LocalDynamicMap() == LocalDynamicMap(
         (), 5.0, None, capacity=2000, dt_s=0.1, max_ahead_s=1.0, max_age_s=10.0, calibrations=()
     )
+    assert Ears(()) == Ears((), 5.0, Plausibility(), capacity=2000, dt_s=0.1, calibrations=())
+    assert len(Ears(()).map.init().held) == 2000
 
 
 def test_senders_have_the_defaults_of_their_page() -> None:

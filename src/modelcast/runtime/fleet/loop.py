@@ -4,9 +4,9 @@ In each step every vehicle takes its sample; the tracks of all hosts are set aga
 decides, at a time of its own within the step; the radio carries what was sent; hosts take in what they heard.
 What they heard is what they count, so it changes what is sent in the next step.
 
-Several threads share `PARTS` parts of the vehicles; one thread takes all in one. What a part sends is put
-together in the order of slots, counts are whole numbers, and sums are kept by part whoever works on it, so
-that the number of threads changes nothing.
+Several threads share up to `PARTS` parts of the vehicles; one thread takes all in one. What a part sends is
+put together in the order of slots, counts are whole numbers, and sums are kept by group of slots whoever works
+on them, so that the number of threads changes nothing.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -73,7 +73,7 @@ SERIES = (
 transmit power; and of J2945/1's state: smoothed density, longest time between messages, believed loss."""
 
 PARTS = 8
-"""Parts of a fleet that threads share."""
+"""Parts of a fleet that threads share at most; sums are kept for so many groups."""
 
 _STEP_SLACK_S = 1e-6
 _SPARE_SLOTS = 64
@@ -134,7 +134,9 @@ class FleetLoop:
         )
         self.tracks = tracks(vehicles, capacity)
         pool = ThreadPoolExecutor(threads) if threads > 1 else None
-        self._work = WHOLE if pool is None else Parts(PARTS, pool)
+        # Two parts a thread even out; a power of two of them begin where groups of sums do.
+        number = min(PARTS, 1 << (2 * threads - 1).bit_length())
+        self._work = WHOLE if pool is None else Parts(number, pool)
         # A part begins with the first slot of a group of `SentTally`.
         edges = [-(-vehicles * part // self._work.number) for part in range(self._work.number + 1)]
         self._parts = list(pairwise(edges))
