@@ -5,8 +5,8 @@ decides, at a time of its own within the step; the radio carries what was sent; 
 What they heard is what they count, so it changes what is sent in the next step.
 
 Several threads share up to `PARTS` parts of the vehicles; one thread takes all in one. What a part sends is
-put together in the order of slots, counts are whole numbers, and sums are kept by group of slots whoever works
-on them, so that the number of threads changes nothing.
+put together in the order of slots, counts are whole numbers, and sums are kept by group of slots, whoever
+works on them, so that the number of threads changes nothing.
 """
 
 from concurrent.futures import ThreadPoolExecutor
