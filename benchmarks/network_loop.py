@@ -7,8 +7,6 @@ a step of 1,000 vehicles (`traffic.py`).
 """
 
 import time
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -21,24 +19,10 @@ from modelcast.world.scenario.base import FleetFrame, run_scenario
 from modelcast.world.scenario.highway import Highway
 from modelcast.world.scenario.sensed import FleetSensor
 from modelcast.world.sensors import SensorModel
+from paired_scenarios import STAGES, added_up
 
 DENSITY_PER_KM = 200.0
 SECONDS = 10.0
-PARTS = (("sense", "_sense"), ("track", "_track"), ("send", "_send"), ("carry", "_carry"), ("hear", "_hear"))
-"""What is timed, and the method of the loop that does it."""
-
-
-def timed(spent: dict[str, float], name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap a function so that its processor time is added up."""
-
-    def wrapped(*arguments: Any, **more: Any) -> Any:
-        begun = time.process_time()
-        try:
-            return function(*arguments, **more)
-        finally:
-            spent[name] += time.process_time() - begun
-
-    return wrapped
 
 
 def frames_of(vehicles: int, seconds: float) -> list[FleetFrame]:
@@ -73,14 +57,13 @@ def main() -> None:
             flush=True,
         )
     frames = frames_of(1000, SECONDS)
-    spent = {name: 0.0 for name, _ in PARTS}
-    for name, method in PARTS:
-        setattr(FleetLoop, method, timed(spent, name, getattr(FleetLoop, method)))
+    spent: dict[str, float] = {}
+    for name in STAGES:
+        setattr(FleetLoop, name, added_up(spent, name, getattr(FleetLoop, name), time.process_time))
     for policy in ("j2945-mbc", "j2945"):
-        for name in spent:
-            spent[name] = 0.0
+        spent.clear()
         took_s, _, _ = run_s(frames, policy)
-        shares = ", ".join(f"{name} {share / SECONDS:.3f}" for name, share in spent.items())
+        shares = ", ".join(f"{name.strip('_')} {share / SECONDS:.3f}" for name, share in spent.items())
         print(f"{policy}, 1000 vehicles: {took_s / SECONDS:.3f} s a simulated second: {shares}")
 
 

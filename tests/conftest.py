@@ -18,6 +18,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.io.trips import read_trips
 from modelcast.models.bank import Bank
 from modelcast.models.base import Windows
+from modelcast.models.learned import FeatureMap, Perceptron, Selector
 from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.trips.trajectory import Trajectory
@@ -37,6 +38,28 @@ def concrete_classes() -> Callable[[type[Any]], set[type[Any]]]:
         if one.__module__ == module.__name__
     ]
     return lambda base: {one for one in defined if issubclass(one, base) and not inspect.isabstract(one)}
+
+
+@pytest.fixture(scope="session")
+def constant_selector() -> Callable[..., Selector]:
+    """Make a selector that says the same of every window: a score a sub-model."""
+
+    def made(names: tuple[str, ...], scores: FloatArray, threshold_m: float, lags: int = 20) -> Selector:
+        inputs = FeatureMap(lags).inputs
+        network = Perceptron(
+            np.inf,
+            centre=np.zeros(inputs),
+            width=np.ones(inputs),
+            weights_1=np.zeros((inputs, 1)),
+            bias_1=np.zeros(1),
+            weights_2=np.zeros((1, 1)),
+            bias_2=np.zeros(1),
+            weights_3=np.zeros((1, scores.size)),
+            bias_3=scores,
+        )
+        return Selector(names, (threshold_m,), (network,), lags=lags)
+
+    return made
 
 
 @pytest.fixture(scope="session")

@@ -19,8 +19,8 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
 
 from paired_scenarios import found
+from trip_sources import folders
 
-SOURCES = ("openacc_zalazone", "spmd/bsm_p1_dev.csv", "comma2k19", "smartloc", "nyc_cvpd")
 FEW = 20
 """Shares are told of trips with at least so many messages."""
 
@@ -51,10 +51,8 @@ def write(target: Path, *, plain: bool) -> None:
     """Write the counts of all trips."""
     import modelcast  # noqa: PLC0415 - of the checkout under test
 
-    data = Path(os.environ["MODELCAST_DATA"])
-    paths = [data / name for name in SOURCES if (data / name).exists()]
     every: dict[str, dict[str, tuple[int, str]]] = {}
-    for path in (*paths, *sorted((data / "roads").glob("*.parquet"))):
+    for path in folders(Path(os.environ["MODELCAST_DATA"])):
         for trip in modelcast.read_trips(path):
             every[f"{path.stem}: {trip.trip_id}"] = counted(trip, plain=plain)
     target.write_text(json.dumps(every), encoding="utf-8")

@@ -20,6 +20,7 @@ from modelcast.study.agreement import agreement
 from modelcast.study.case import make_case
 from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory
+from trip_sources import folders
 
 BANKS = ("default", "paper", "ctra", "gp-intercept+cv")
 RULES = ("guarded/never", "hindsight/cheapest", "order/on-failure", "keep/on-failure", "survivor/on-failure")
@@ -27,14 +28,6 @@ THRESHOLD_M = 0.3
 
 Outcome = tuple[str, str, str, int, str]
 """Trip, bank, rules, messages, and what differs: empty for nothing."""
-
-
-def folders(data: Path) -> list[Path]:
-    """What holds trips below the data folder, one entry a source."""
-    known = ("openacc_zalazone", "spmd/bsm_p1_dev.csv", "comma2k19", "smartloc", "nyc_cvpd")
-    return [data / name for name in known if (data / name).exists()] + sorted(
-        (data / "roads").glob("*.parquet")
-    )
 
 
 def compared(trip: Trajectory) -> list[Outcome]:

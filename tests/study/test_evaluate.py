@@ -1,5 +1,6 @@
 """Claims about the tables of an evaluation: rates, pooling, what is excluded, and what fails."""
 
+from collections.abc import Callable
 from dataclasses import asdict, fields, replace
 from typing import Any
 
@@ -10,7 +11,7 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
-from modelcast.models.learned import FeatureMap, Perceptron, Selector
+from modelcast.models.learned import Selector
 from modelcast.station.banks import PAPER_BANK
 from modelcast.station.policy.costs import CostTable
 from modelcast.study.case import STANDING_SPEED_MPS, SensedTrip, make_case
@@ -240,24 +241,9 @@ def test_the_course_is_held_through_a_stop() -> None:
     assert case.standing[40:].all()
 
 
-def some_selector(bank: Bank) -> Selector:
-    """A selector that finds all members alike."""
-    inputs, members = FeatureMap().inputs, len(bank.members)
-    network = Perceptron(
-        np.inf,
-        centre=np.zeros(inputs),
-        width=np.ones(inputs),
-        weights_1=np.zeros((inputs, 1)),
-        bias_1=np.zeros(1),
-        weights_2=np.zeros((1, 1)),
-        bias_2=np.zeros(1),
-        weights_3=np.zeros((1, members)),
-        bias_3=np.zeros(members),
-    )
-    return Selector(tuple(member.name for member in bank.members), (0.2,), (network,))
-
-
-def test_settings_name_everything_that_changes_the_numbers() -> None:
+def test_settings_name_everything_that_changes_the_numbers(
+    constant_selector: Callable[..., Selector],
+) -> None:
     """Two settings that give other numbers must not look the same in a summary."""
     base = EvaluationSettings()
     changed: dict[str, Any] = {
@@ -268,7 +254,9 @@ def test_settings_name_everything_that_changes_the_numbers() -> None:
         "bank": Bank((ConstantVelocity(), GaussianProcess(20, noise_floor_m=1e-5)), "paper"),
         "start": "keep",
         "identify": "best",
-        "selector": some_selector(base.bank),
+        "selector": constant_selector(
+            tuple(one.name for one in base.bank.members), np.zeros(len(base.bank.members)), 0.2
+        ),
         "costs": CostTable(
             2.0,
             1.0,

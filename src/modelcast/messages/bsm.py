@@ -19,6 +19,7 @@ from modelcast.messages.bsm_fields import (
     CORE_BITS,
     CORE_FIELDS,
     CORE_INDEX,
+    CORE_OCTETS,
     MAX_PART_II,
     MAX_REGIONAL,
     PART_II_ID,
@@ -42,9 +43,8 @@ _PUT: Final = tuple(zip(_LOWS, _SHIFTS, strict=True))
 _TAKE: Final = tuple(zip(_SHIFTS, _MASKS, _LOWS, strict=True))
 _PLAIN: Final = {int}
 """Extension bit, Part II present, regional extensions present."""
-_CORE_OCTETS: Final = (PREAMBLE_BITS + CORE_BITS + 7) // 8
-_SPARE_BITS: Final = 8 * _CORE_OCTETS - PREAMBLE_BITS - CORE_BITS
-_CORE_HEADER: Final = (BASIC_SAFETY_MESSAGE << 8 | _CORE_OCTETS) << 8 * _CORE_OCTETS
+_SPARE_BITS: Final = 8 * CORE_OCTETS - PREAMBLE_BITS - CORE_BITS
+_CORE_HEADER: Final = (BASIC_SAFETY_MESSAGE << 8 | CORE_OCTETS) << 8 * CORE_OCTETS
 """Message id and length of a frame that holds Part I alone, in front of it."""
 
 
@@ -204,7 +204,7 @@ def encode_bsm(
     whole = sum([code - low << shift for code, (low, shift) in zip(core.codes, _PUT, strict=True)])
     if not (part_ii or regional or additions or frame_additions):
         # Preamble and padding are zero bits, and the header is always the same.
-        return (_CORE_HEADER | whole << _SPARE_BITS).to_bytes(3 + _CORE_OCTETS, "big")
+        return (_CORE_HEADER | whole << _SPARE_BITS).to_bytes(3 + CORE_OCTETS, "big")
     message = BasicSafetyMessage(
         core,
         part_ii=tuple(part_ii),
@@ -273,9 +273,9 @@ def decode_bsm(data: bytes) -> BasicSafetyMessage:
     """
     header = read_header(data, BASIC_SAFETY_MESSAGE)
     start, stop = header.start, header.stop
-    if stop - start < _CORE_OCTETS:
+    if stop - start < CORE_OCTETS:
         raise _core_fault(data, start, stop)
-    padded = int.from_bytes(data[start : start + _CORE_OCTETS], "big")
+    padded = int.from_bytes(data[start : start + CORE_OCTETS], "big")
     whole = padded >> _SPARE_BITS
     try:
         core = BsmCore(tuple([(whole >> shift & mask) + low for shift, mask, low in _TAKE]))
@@ -285,7 +285,7 @@ def decode_bsm(data: bytes) -> BasicSafetyMessage:
     part_ii: tuple[Content, ...] = ()
     regional: tuple[Content, ...] = ()
     additions: tuple[bytes | None, ...] = ()
-    if preamble or padded != whole << _SPARE_BITS or stop - start != _CORE_OCTETS:
+    if preamble or padded != whole << _SPARE_BITS or stop - start != CORE_OCTETS:
         reader = BitReader(data, start, stop)
         reader.position += PREAMBLE_BITS + CORE_BITS
         if preamble & 2:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.messages import bsm_kernels
-from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_BITS, CORE_FIELDS, PREAMBLE_BITS
+from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_FIELDS, CORE_OCTETS
 from modelcast.messages.fields import Field
 
 __all__ = [
@@ -30,9 +30,8 @@ __all__ = [
 
 OctetArray = npt.NDArray[np.uint8]
 
-_CORE_OCTETS: Final = (PREAMBLE_BITS + CORE_BITS + 7) // 8
-_HEADER: Final = np.array([BASIC_SAFETY_MESSAGE >> 8, BASIC_SAFETY_MESSAGE & 0xFF, _CORE_OCTETS], np.uint8)
-CORE_FRAME_OCTETS: Final = _HEADER.size + _CORE_OCTETS
+_HEADER: Final = np.array([BASIC_SAFETY_MESSAGE >> 8, BASIC_SAFETY_MESSAGE & 0xFF, CORE_OCTETS], np.uint8)
+CORE_FRAME_OCTETS: Final = _HEADER.size + CORE_OCTETS
 """Octets of a frame that holds Part I alone: 40."""
 
 CORE_LAYOUT: Final = np.array([(f.low, f.high - f.low, f.width_bits) for f in CORE_FIELDS], np.int64)

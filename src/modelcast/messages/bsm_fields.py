@@ -17,6 +17,7 @@ __all__ = [
     "CORE_BITS",
     "CORE_FIELDS",
     "CORE_INDEX",
+    "CORE_OCTETS",
     "LOCAL_REGION",
     "MAX_PART_II",
     "MAX_REGIONAL",
@@ -157,6 +158,9 @@ CORE_BITS = sum(field.width_bits for field in CORE_FIELDS)
 
 PREAMBLE_BITS = 3
 """Before Part I: whether extension additions, Part II and regional extensions follow."""
+
+CORE_OCTETS = (PREAMBLE_BITS + CORE_BITS + 7) // 8
+"""Both together, where nothing follows."""
 
 MESSAGE_ID = Field("message_id", "messageId", low=0, high=32767, outside=Outside.REFUSE, meaning="of a frame")
 BASIC_SAFETY_MESSAGE = 20

@@ -1,5 +1,6 @@
 """Claims about senders before they send: what each name stands for, its lanes, its bank, its empty arrays."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -11,8 +12,6 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
 from modelcast.models.learned import Selector
-from modelcast.models.learned.features import FeatureMap
-from modelcast.models.learned.perceptron import Perceptron
 from modelcast.models.profile import default_profile
 from modelcast.station.banks import BASELINE_BANK
 from modelcast.station.policy.cam import CooperativeAwareness
@@ -241,22 +240,10 @@ def test_rings_reach_back_two_seconds_where_predictions_are_judged_in_hindsight(
 
 @pytest.mark.parametrize(("lags", "samples", "longest"), [(10, 20, 20), (20, 3, 21)])
 def test_rings_hold_what_the_selector_looks_at_where_that_is_longer_than_any_window(
-    lags: int, samples: int, longest: int
+    constant_selector: Callable[..., Selector], lags: int, samples: int, longest: int
 ) -> None:
     """Two seconds are 21 samples, and one is 11."""
-    inputs = FeatureMap(lags).inputs
-    network = Perceptron(
-        np.inf,
-        centre=np.zeros(inputs),
-        width=np.ones(inputs),
-        weights_1=np.zeros((inputs, 1)),
-        bias_1=np.zeros(1),
-        weights_2=np.zeros((1, 1)),
-        bias_2=np.zeros(1),
-        weights_3=np.zeros((1, 2)),
-        bias_3=np.zeros(2),
-    )
-    selector = Selector(("gp-intercept", "cv"), (0.2,), (network,), lags=lags)
+    selector = constant_selector(("gp-intercept", "cv"), np.zeros(2), 0.2, lags)
     bank = Bank((GaussianProcess(samples, "intercept"), CV))
     own = sender(ErrorDriven(0.2, "predicted", "never"), bank, selector=selector)
     stations = sending_stations(own, sender_bank(own, 0.1), np.zeros(1))

@@ -7,14 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelcast.core.arrays import FloatArray
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
 from modelcast.models.learned import Selector
-from modelcast.models.learned.features import FeatureMap
-from modelcast.models.learned.perceptron import Perceptron
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.arrays import Lanes, lanes
 from modelcast.station.policy.base import MessageKind
@@ -220,33 +217,17 @@ def test_a_sub_model_that_stands_in_serves_only_for_want_of_another() -> None:
             assert [m] == ready(runtime, now, only_for_want=1)
 
 
-def life(names: tuple[str, ...], scores: FloatArray, lags: int) -> Selector:
-    """A selector that says the same of every window."""
-    inputs = FeatureMap(lags).inputs
-    network = Perceptron(
-        np.inf,
-        centre=np.zeros(inputs),
-        width=np.ones(inputs),
-        weights_1=np.zeros((inputs, 1)),
-        bias_1=np.zeros(1),
-        weights_2=np.zeros((1, 1)),
-        bias_2=np.zeros(1),
-        weights_3=np.zeros((1, scores.size)),
-        bias_3=scores,
-    )
-    return Selector(names, (0.1,), (network,), lags=lags)
-
-
-def test_predicted_takes_what_the_selector_says_lasts_once_it_can_say() -> None:
+def test_predicted_takes_what_the_selector_says_lasts_once_it_can_say(
+    constant_selector: Callable[..., Selector],
+) -> None:
     """A second of past needs eleven samples; before, and after a gap, the first that serves is taken."""
     trip = winding(1)
     bank = Bank((CV, CA, CTRA))
     names = tuple(one.name for one in bank.members)
     for best in range(3):
         scores = np.where(np.arange(3) == best, 1.0, 0.0)
-        _, sent, _ = spoken(
-            trip, bank, ErrorDriven(0.1, "predicted", "never"), selector=life(names, scores, lags=10)
-        )
+        selector = constant_selector(names, scores, 0.1, lags=10)
+        _, sent, _ = spoken(trip, bank, ErrorDriven(0.1, "predicted", "never"), selector=selector)
         long = trip.segment_start
         for now, m in sent:
             assert m == (best if now - long[now] + 1 >= 11 else 0)

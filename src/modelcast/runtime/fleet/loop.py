@@ -180,7 +180,7 @@ class FleetLoop:
         seen = frame
         if self._sensor is not None and self._sensor_state is not None:
             seen, self._sensor_state = self._sensor.sense(self._sensor_state, frame)
-        before = self._sums()
+        before = self.sent.total
         busy_ratio = self.radio.channel_busy_ratio(self._radio_state)
         truth_m = np.where(frame.active[:, None], frame.position_m, np.nan)
         started = self._sense(frame, seen)
@@ -328,14 +328,11 @@ class FleetLoop:
 
         self._work.each(work)
 
-    def _sums(self) -> FloatArray:
-        return self.sent.total
-
     def _series_row(
         self, frame: FleetFrame, busy_ratio: FloatArray, before: FloatArray, received: Receptions
     ) -> FloatArray:
         here = frame.active
-        gained = self._sums() - before
+        gained = self.sent.total - before
         rows = self.stations.timers.rows[here] if self.stations.policy.rule == RULE_J2945 else None
         row = np.full(len(SERIES), np.nan)
         row[0], row[1], row[2] = here.sum(), gained[MESSAGES], received.size
