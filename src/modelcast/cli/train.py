@@ -42,9 +42,9 @@ def train(
         The profile's file; its folder must exist.
     bank
         Members of the bank in order, joined by '+', among learned, gp-vehicle, gp-derivative, gp-trained,
-        shs, hdp-hmm, gp-regime-1 and so on, ctra, ctrv, ca and cv. Where not given, with --validate chosen among all but
-        gp-trained, the switching ones and the regimes' by the messages they save; else learned, ctra and
-        gp-vehicle. cv joins as guard.
+        shs, hdp-hmm, gp-regime-1 and so on, ctra, ctrv, ca and cv. Where not given, with --validate chosen
+        among all but gp-trained, shs, hdp-hmm and the regimes' by the messages they save; else learned, ctra
+        and gp-vehicle. cv joins as guard.
     validate
         Train once more without each route and count messages there: the record then holds honest figures, and
         the bank's members follow from them. Takes that many times longer.
@@ -57,8 +57,8 @@ def train(
     regimes
         Driving regimes that get a Gaussian process of their own, for the bank 'regimes'; 0 for none.
     modes
-        Linear modes of the stochastic hybrid system, shs, 1 to 10; those of hdp-hmm are found, up to 10. 0 for
-        neither.
+        Linear modes of the stochastic hybrid system, shs, 1 to 10; those of hdp-hmm are found, up to 10. 0
+        for neither.
     add
         Train these sub-models alone, shs, hdp-hmm or both, and write --profile with them beside its others,
         which stay as they are.

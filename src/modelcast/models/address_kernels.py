@@ -1,8 +1,8 @@
 """Point functions called by their addresses: one compiled loop serves every model.
 
-A *point function* fits one window, predicts one displacement or carries state to one sample. Loops take it as an address, an int64 that is
-asked for just before the call (`point_address`) and never kept, stored or sent: it means something in one
-process alone. A loop over a bank takes an array of them.
+A *point function* fits one window, predicts one displacement or carries state to one sample. Loops take it
+as an address, an int64 that is asked for just before the call (`point_address`) and never kept, stored or
+sent: it means something in one process alone. A loop over a bank takes an array of them.
 """
 
 import functools

@@ -92,14 +92,15 @@ class Stream:
     Parameters
     ----------
     observe
-        ``observe(before (C,), sample (C,), constants, out_state (S,))``, a kernel of `OBSERVE_TYPES`. ``before``
-        is the sample before with all its columns; it is empty at a start and after a gap, where state begins
-        anew.
+        ``observe(before (C,), sample (C,), constants, out_state (S,))``, a kernel of `OBSERVE_TYPES`.
+        ``before`` is the sample before with all its columns; it is empty at a start and after a gap, where
+        state begins anew.
     columns
         Columns of state, S >= 1.
     at
-        Index in the model's constants at which it finds, while a compiled loop runs, the first of its columns.
-        It is 0 where samples hold none, as in `Windows`: ``fit`` then makes the state from the window alone.
+        Index in the model's constants at which it finds, while a compiled loop runs, the first of its
+        columns. It is 0 where samples hold none, as in `Windows`: ``fit`` then makes the state from the
+        window alone.
     start
         Where in the constants those of ``observe`` begin.
     """

@@ -19,8 +19,8 @@ class Members(NamedTuple):
     of member m from ``bounds[m]`` to ``bounds[m + 1]``; ``windows`` (M,) are the samples each needs; its
     parameters stand from ``offsets[m]`` to ``offsets[m + 1]`` in a row of all; ``trust`` (M, 2) is the
     trusted horizon of each and how long it goes on turning beyond [s]. ``streams`` (M, 4) are of each that
-    carries state from sample to sample the address of its ``observe``, where its constants begin, and the first
-    and the end of its columns; zeros of the others.
+    carries state from sample to sample the address of its ``observe``, where its constants begin, and the
+    first and the end of its columns; zeros of the others.
     """
 
     fits: IntVector
@@ -41,7 +41,7 @@ def fit_member(members: Members, m: int, window: FloatMatrix, out: FloatVector) 
 
 @kernel
 def observe_member(members: Members, m: int, before: FloatVector, sample: FloatVector) -> None:
-    """Write the state of member ``m`` into its columns of a sample (C,), from the sample before or from none."""
+    """Write the state of member ``m`` into its columns of a sample (C,), from the sample before or none."""
     observe, first, end = members.streams[m, _OBSERVE], members.streams[m, _FIRST], members.streams[m, _END]
     if end > first:
         constants = members.constants[members.streams[m, _START] : members.bounds[m + 1]]

@@ -113,7 +113,9 @@ class StochasticHybridSystem(AbstractSubModel):
         check_fields(self)
         count = len(self.modes)
         if len(self.transition) != count or any(len(row) != count for row in self.transition):
-            raise FieldError("transition", self.transition, f"{count} rows of {count} chances, as many as modes")
+            raise FieldError(
+                "transition", self.transition, f"{count} rows of {count} chances, as many as modes"
+            )
         for at, row in enumerate(self.transition):
             if not abs(sum(row) - 1.0) < _ROUNDING:
                 raise FieldError(f"transition[{at}]", row, "chances that sum to one")
@@ -180,29 +182,27 @@ class StochasticHybridSystem(AbstractSubModel):
         first = parameters[:, 4:]
         belief = np.column_stack([first, np.maximum(1.0 - first.sum(axis=1), 0.0)])
         belief /= belief.sum(axis=1, keepdims=True)
-        moments = second_moments(
-            self.arrays, belief, parameters[:, 2:4], steps=steps, step_s=self.step_s
-        )
+        moments = second_moments(self.arrays, belief, parameters[:, 2:4], steps=steps, step_s=self.step_s)
         mean = moments[..., 0, :]
         spread = moments - mean[..., :, None] * mean[..., None, :]
         at = np.minimum((within_s / self.step_s).astype(np.int64), steps - 1)
         share = within_s / self.step_s - at
         between = spread[:, at] + share[:, None, None] * (spread[:, at + 1] - spread[:, at])
-        later_s = horizons_s - within_s
-        speed_mps = np.hypot(parameters[:, 0], parameters[:, 1])[:, None]
         turned_rad = mean[:, at, 4] + share * (mean[:, at + 1, 4] - mean[:, at, 4])
-        along_m, across = (
-            np.sqrt(
-                np.maximum(
-                    between[..., twice, twice]
-                    + 2.0 * later_s * between[..., twice, once]
-                    + later_s**2 * between[..., once, once],
-                    0.0,
-                )
-            )
-            for once, twice in ((3, 5), (4, 6))
-        )
+        later_s = horizons_s - within_s
+        along_m, across = (_spread(between, once, later_s) for once in (3, 4))
+        speed_mps = np.hypot(parameters[:, 0], parameters[:, 1])[:, None]
         return along_course(parameters[:, :2], turned_rad, along_m, speed_mps * across)
+
+
+def _spread(covariance: FloatArray, once: int, later_s: FloatArray) -> FloatArray:
+    """Standard deviation of an integral's integral, carried on straight for some time, (B, H).
+
+    ``covariance`` (B, H, SIZE, SIZE) holds the integral at ``once`` and its integral two places on.
+    """
+    twice = once + 2
+    straight = 2.0 * later_s * covariance[..., twice, once] + later_s**2 * covariance[..., once, once]
+    return np.sqrt(np.maximum(covariance[..., twice, twice] + straight, 0.0))
 
 
 @functools.lru_cache(maxsize=32)
@@ -232,4 +232,4 @@ def _constants(model: StochasticHybridSystem, steps: float) -> FloatArray:
         ]
     )
     parts = (header, stationary(modes.chain), modes.chain, emission, table)
-    return np.concatenate([part.ravel() for part in parts])
+    return np.concatenate([part.ravel() for part in parts]).astype(np.float64)

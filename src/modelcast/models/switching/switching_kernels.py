@@ -24,17 +24,17 @@ __all__ = [
 
 AT_COLUMN, AT_MODES, AT_STEPS, AT_STEP = range(4)
 HEADER = 4
-"""The constants: column of a sample at which the belief stands, 0 where samples hold none; modes M; steps K of
-the tables; how long each lasts [s]. Then the belief at a start (M); the chain (M, M) over one sample; of each
-mode `EMISSION` numbers; and `TABLE` numbers for each of K + 1 steps and M modes."""
+"""The constants: column of a sample at which the belief stands, 0 where samples hold none; modes M; steps K
+of the tables; how long each lasts [s]. Then the belief at a start (M); the chain (M, M) over one sample; of
+each mode `EMISSION` numbers; and `TABLE` numbers for each of K + 1 steps and M modes."""
 
 EMISSION = 10
 """Dynamics over one sample, row by row (4), offset (2), inverse of the covariance: first, mixed and second
 entry (3), and minus half the logarithm of its determinant."""
 
 TABLE = 6
-"""Mean acceleration, then mean yaw rate: each as coefficients of 1, of the first acceleration and of the first
-yaw rate."""
+"""Mean acceleration, then mean yaw rate: each as coefficients of 1, of the first acceleration and of the
+first yaw rate."""
 
 CORE = 4
 """Parameters before the belief: velocity, acceleration along the course, yaw rate."""

@@ -3,8 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass
 
-import numpy as np
-
 from modelcast.core.chance import child_generator
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.gp import GaussianProcess, VehicleProcess, derivative_process, vehicle_process

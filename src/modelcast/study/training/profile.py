@@ -292,9 +292,7 @@ def _train(
             progress=lambda what, done, to_do: told(what)(done, to_do),
         )
     aside = (found.fixed, *(() if switching is None else switching.models))
-    return _Shelf(
-        (learned, *found.candidates, *_KINEMATIC), aside, found.regimes, found.pairs, switching
-    )
+    return _Shelf((learned, *found.candidates, *_KINEMATIC), aside, found.regimes, found.pairs, switching)
 
 
 def _cases(trips: Sequence[Trajectory], seed: int) -> dict[str, list[TripCase]]:

@@ -1,4 +1,4 @@
-"""Training of switching models: modes of a given number by expectation and maximisation, or found by a sampler.
+"""Training of switching models: modes of a given number by climbing a likelihood, or found by a sampler.
 
 `fit_modes` climbs the likelihood of a stochastic hybrid system with so many modes; `sample_modes` draws modes
 of a sticky hierarchical Dirichlet process and keeps what the best draw used. Both take `Sequences`, and are

@@ -1,7 +1,7 @@
 """What is believed of a mode before any data: a matrix-normal inverse-Wishart prior of its linear dynamics.
 
 With regressors ``φ = (x, 1)`` and next values y, ``y = W φ + w``, ``w ~ N(0, Q)``: Q is inverse Wishart with
-scale S and ν degrees of freedom, W matrix normal round the mean with row covariance Q and column precision K.
+scale S and d degrees of freedom, W matrix normal round the mean with row covariance Q and column precision K.
 The prior is conjugate, so the weighted sums of a mode (`mode_sums`) are all it needs of the data.
 
 References
@@ -43,9 +43,9 @@ class ModePrior:
     precision
         K: as much as so many steps with regressors of size one.
     degrees
-        ν, above 1.
+        d, above 1.
     scale
-        S/ν, (2, 2): noise of 5 cm/s² and 5 mrad/s, which also keeps a mode of rates that never change from
+        S/d, (2, 2): noise of 5 cm/s² and 5 mrad/s, which also keeps a mode of rates that never change from
         a density without bound.
     """
 
@@ -66,7 +66,7 @@ class ModePrior:
         own = self.precision * np.eye(_REGRESSORS)
         squares = sums[:, :_REGRESSORS, :_REGRESSORS] + own
         mixed = sums[:, _REGRESSORS:, :_REGRESSORS] + self.mean @ own
-        mean = np.linalg.solve(squares, np.swapaxes(mixed, 1, 2))
+        mean: FloatArray = np.linalg.solve(squares, np.swapaxes(mixed, 1, 2)).astype(np.float64)
         targets = sums[:, _REGRESSORS:, _REGRESSORS:] + self.mean @ own @ self.mean.T
         scale = self.degrees * self.scale + targets - mixed @ mean
         scale = 0.5 * (scale + np.swapaxes(scale, 1, 2))

@@ -1,4 +1,4 @@
-"""A sticky hierarchical Dirichlet process over modes, drawn from by a blocked Gibbs sampler with a weak limit.
+"""A sticky hierarchical Dirichlet process over modes, drawn from by a blocked Gibbs sampler, weak limit.
 
 The process has no bound on the number of modes; with L of them it is close while the data use fewer. A round
 draws the path of modes (forward, then back), then how rows of the chain share modes, the chain, and each
@@ -17,7 +17,7 @@ from dataclasses import KW_ONLY, dataclass, field
 import numpy as np
 from scipy.special import gammaln
 
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.models.switching import MOST_MODES
 from modelcast.study.training.switching.prior import ModePrior, mode_sums, step_densities
 from modelcast.study.training.switching.sequences import Sequences
@@ -37,11 +37,11 @@ class SamplerSettings:
     rounds
         Rounds of the sampler.
     shared
-        γ: concentration of the shares that all rows of the chain have in common.
+        Concentration (gamma) of the shares that all rows of the chain have in common.
     concentration
-        α: how closely rows follow those shares.
+        How closely (alpha) rows follow those shares.
     sticky
-        κ: moves to itself that each mode is believed to make beyond.
+        Moves to itself (kappa) that each mode is believed to make beyond.
     least_share
         A mode with a smaller share of the steps is dropped, 0 to 1.
     prior
@@ -144,9 +144,9 @@ def sample_modes(
     return _served(best, data, settings, tuple(scores))
 
 
-def _moves(path: IntArray, begins: FloatArray, most: int) -> FloatArray:
+def _moves(path: IntArray, begins: BoolArray, most: int) -> FloatArray:
     """Moves of the chain along a path, (M, M)."""
-    within = ~begins[1:].astype(np.bool_)
+    within = ~begins[1:]
     pairs = path[:-1][within] * most + path[1:][within]
     return np.bincount(pairs, minlength=most * most).reshape(most, most).astype(np.float64)
 
@@ -192,12 +192,13 @@ def _score(path: IntArray, data: Sequences, shares: FloatArray, settings: Sample
     before = settings.concentration * shares + settings.sticky * np.eye(most)
     counts = np.vstack([_moves(path, data.begins, most), np.bincount(path[data.begins], minlength=most)])
     before = np.vstack([before, settings.concentration * shares])
-    rows = gammaln(before.sum(axis=1)) - gammaln(before.sum(axis=1) + counts.sum(axis=1))
-    return float(
-        settings.prior.log_evidence(sums).sum()
-        + rows.sum()
-        + (gammaln(before + counts) - gammaln(before)).sum()
-    )
+    own, every = before.sum(axis=1), before.sum(axis=1) + counts.sum(axis=1)
+    parts = (_log_gamma(own) - _log_gamma(every), _log_gamma(before + counts) - _log_gamma(before))
+    return float(settings.prior.log_evidence(sums).sum() + sum(part.sum() for part in parts))
+
+
+def _log_gamma(values: FloatArray) -> FloatArray:
+    return np.asarray(gammaln(values), dtype=np.float64)
 
 
 def _served(

@@ -1,4 +1,4 @@
-"""What switching models learn from: acceleration along the course and yaw rate of cars that move, step by step."""
+"""What switching models learn from: acceleration along the course and yaw rate of moving cars, by step."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import KW_ONLY, dataclass

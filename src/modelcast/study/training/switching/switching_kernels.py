@@ -1,4 +1,4 @@
-"""Compiled passes over a hidden Markov chain: forward, forward and backward, and forward with paths drawn back."""
+"""Compiled passes over a hidden Markov chain: forward, backward, and backward with a path drawn."""
 
 import numpy as np
 
@@ -74,7 +74,7 @@ def backward(
 def draw_path(
     filtered: FloatMatrix, begins: BoolVector, chain: FloatMatrix, uniforms: FloatVector, out: IntVector
 ) -> None:
-    """Draw a path of modes (N,) given everything, from the last step back; ``uniforms`` (N,) are in [0, 1)."""
+    """Draw a path of modes (N,) given all data, from the last step back; ``uniforms`` (N,) in [0, 1)."""
     count, modes = filtered.shape
     weight = np.empty(modes)
     for back in range(count):

@@ -1,4 +1,4 @@
-"""Training of both switching sub-models: what they learn from, the two searches, and what a profile gets of them."""
+"""Training of both switching sub-models: their data, the two searches, and what a profile gets of them."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -169,12 +169,14 @@ def _system(
     name: str, chain: FloatArray, weights: FloatArray, covariance: FloatArray, step_s: float
 ) -> StochasticHybridSystem:
     """The sub-model of these modes; dynamics that would grow are held at the edge."""
-    modes = tuple(
-        _mode(w[:, :2] / max(np.abs(np.linalg.eigvals(w[:, :2])).max() / _LARGEST, 1.0), w[:, 2], q)
-        for w, q in zip(weights, covariance, strict=True)
-    )
+    modes = tuple(_mode(_stable(w[:, :2]), w[:, 2], q) for w, q in zip(weights, covariance, strict=True))
     rows = tuple(tuple(float(chance) for chance in row) for row in chain)
     return StochasticHybridSystem(name, modes, rows, step_s=step_s)
+
+
+def _stable(dynamics: FloatArray) -> FloatArray:
+    largest = float(np.abs(np.linalg.eigvals(dynamics)).max())
+    return dynamics / max(largest / _LARGEST, 1.0)
 
 
 def _mode(dynamics: FloatArray, offset: FloatArray, covariance: FloatArray) -> LinearMode:
