@@ -131,7 +131,11 @@ def test_at_twice_the_interval_the_filter_takes_two_steps_at_once() -> None:
     coarse = StochasticHybridSystem(
         "coarse",
         tuple(
-            LinearMode(tuple(map(tuple, a.tolist())), tuple(b.tolist()), tuple(map(tuple, (0.5 * (q + q.T)).tolist())))  # type: ignore[arg-type]
+            LinearMode(
+                tuple(map(tuple, a.tolist())),
+                tuple(b.tolist()),
+                tuple(map(tuple, (0.5 * (q + q.T)).tolist())),
+            )  # type: ignore[arg-type]
             for a, b, q in zip(twice.dynamics, twice.offset, twice.covariance, strict=True)
         ),
         tuple(tuple(row) for row in twice.chain.tolist()),

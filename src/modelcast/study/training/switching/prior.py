@@ -28,6 +28,10 @@ def _mean() -> FloatArray:
     return np.array([[0.9, 0.0, 0.0], [0.0, 0.9, 0.0]])
 
 
+def _precision() -> FloatArray:
+    return np.array([0.1**2, 0.01**2, 1.0])
+
+
 def _scale() -> FloatArray:
     return np.diag([0.05**2, 0.005**2])
 
@@ -41,7 +45,7 @@ class ModePrior:
     mean
         Of W = (A, b), (2, 3): rates that fade within a second.
     precision
-        K: as much as so many steps with regressors of size one.
+        Diagonal of K, (3,): as much as one step at 10 cm/s² and 10 mrad/s.
     degrees
         d, above 1.
     scale
@@ -51,7 +55,7 @@ class ModePrior:
 
     mean: FloatArray = field(default_factory=_mean)
     _: KW_ONLY
-    precision: float = 1.0
+    precision: FloatArray = field(default_factory=_precision)
     degrees: float = 5.0
     scale: FloatArray = field(default_factory=_scale)
 
@@ -63,7 +67,7 @@ class ModePrior:
         sums
             As `mode_sums` returns them, (M, 5, 5).
         """
-        own = self.precision * np.eye(_REGRESSORS)
+        own = np.diag(self.precision)
         squares = sums[:, :_REGRESSORS, :_REGRESSORS] + own
         mixed = sums[:, _REGRESSORS:, :_REGRESSORS] + self.mean @ own
         mean: FloatArray = np.linalg.solve(squares, np.swapaxes(mixed, 1, 2)).astype(np.float64)
@@ -85,7 +89,7 @@ class ModePrior:
         """
         off = weights - self.mean
         inverse = np.linalg.inv(covariance)
-        spread = self.degrees * self.scale + self.precision * off @ np.swapaxes(off, 1, 2)
+        spread = self.degrees * self.scale + off @ np.diag(self.precision) @ np.swapaxes(off, 1, 2)
         power = self.degrees + _AXES + 1 + _REGRESSORS
         log_size = np.linalg.slogdet(covariance).logabsdet
         return float(-0.5 * (power * log_size + np.einsum("mij,mji->m", spread, inverse)).sum())
@@ -100,7 +104,7 @@ class ModePrior:
         """
         after = self.posterior(sums)
         count = sums[:, _REGRESSORS - 1, _REGRESSORS - 1]
-        size = np.linalg.slogdet(after.precision).logabsdet - _REGRESSORS * np.log(self.precision)
+        size = np.linalg.slogdet(after.precision).logabsdet - np.log(self.precision).sum()
         before = self.degrees * np.linalg.slogdet(self.degrees * self.scale).logabsdet
         later = after.degrees * np.linalg.slogdet(after.scale).logabsdet
         gamma = multigammaln(0.5 * after.degrees, _AXES) - multigammaln(0.5 * self.degrees, _AXES)
