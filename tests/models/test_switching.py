@@ -1,6 +1,6 @@
-"""Claims about switching models: the forward filter, the moments, the path, the state in the stream, refusals."""
+"""Claims about switching models: the filter, the moments, the path, the state in the stream, refusals."""
 
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -73,7 +73,7 @@ def filtered(system: StochasticHybridSystem, x: FloatArray) -> FloatArray:
     belief = np.log(stationary(modes.chain))
     with np.errstate(divide="ignore"):
         chain = np.log(modes.chain)
-    for before, after in zip(x[:-1], x[1:], strict=True):
+    for before, after in pairwise(x):
         belief = logsumexp(belief[:, None] + chain, axis=0)
         for j in range(len(chain)):
             mean = modes.dynamics[j] @ before + modes.offset[j]
