@@ -87,6 +87,8 @@ class SampledModes:
         Of the steps in each mode, (M,).
     score
         By round: logarithm of the probability of path and data together.
+    log_likelihood
+        Of the data, by what was drawn in the best round.
     """
 
     chain: FloatArray
@@ -95,6 +97,7 @@ class SampledModes:
     _: KW_ONLY
     shares: FloatArray
     score: tuple[float, ...]
+    log_likelihood: float
 
 
 def sample_modes(
@@ -123,7 +126,7 @@ def sample_modes(
     path: IntArray = rng.integers(0, most, len(data) // 50 + 1).repeat(50)[: len(data)]
     shares = np.full(most, 1.0 / most)
     filtered, scores = np.empty((len(data), most)), list[float]()
-    best = path.copy()
+    best, best_likelihood = path.copy(), -np.inf
     for done in range(settings.rounds):
         member = np.eye(most)[path]
         sums = mode_sums(regressors, data.after, member)
@@ -133,15 +136,15 @@ def sample_modes(
         chain = _draw_rows(settings.concentration * shares + settings.sticky * np.eye(most) + moves, rng)
         first = _draw_rows(settings.concentration * shares + np.bincount(path[begin], minlength=most), rng)
         density = step_densities(regressors, data.after, weights, covariance)
-        forward(density, begin, first, chain, filtered)
+        likelihood = forward(density, begin, first, chain, filtered)
         path = np.empty(len(data), dtype=np.int64)
         draw_path(filtered, begin, chain, rng.random(len(data)), path)
         scores.append(_score(path, data, shares, settings))
         if scores[-1] == max(scores):
-            best = path.copy()
+            best, best_likelihood = path.copy(), float(likelihood)
         if progress is not None:
             progress(done + 1, settings.rounds)
-    return _served(best, data, settings, tuple(scores))
+    return _served(best, data, settings, tuple(scores), best_likelihood)
 
 
 def _moves(path: IntArray, begins: BoolArray, most: int) -> FloatArray:
@@ -202,7 +205,11 @@ def _log_gamma(values: FloatArray) -> FloatArray:
 
 
 def _served(
-    path: IntArray, data: Sequences, settings: SamplerSettings, score: tuple[float, ...]
+    path: IntArray,
+    data: Sequences,
+    settings: SamplerSettings,
+    score: tuple[float, ...],
+    log_likelihood: float,
 ) -> SampledModes:
     """Modes of a path, the most used first, hardly used ones dropped; the most probable values of each."""
     most = settings.most
@@ -219,4 +226,5 @@ def _served(
         covariance,
         shares=count[kept] / len(path),
         score=score,
+        log_likelihood=log_likelihood,
     )

@@ -117,6 +117,7 @@ def train_switching(
             record[name] = {
                 **common,
                 "rounds": len(drawn.score),
+                "log_likelihood_a_step": round(drawn.log_likelihood / len(data), 6),
                 "best_round": int(np.argmax(drawn.score)) + 1,
                 "shares": [round(float(share), 4) for share in drawn.shares],
             }
