@@ -86,7 +86,15 @@ def compare(
             training_trips |= folds[0].training_trips
         work.candidates.append(candidate_row(candidate, folds[0]))
         for protocol, ready in staged.items():
-            trial = run_trial(candidate.name, protocol, ready, route, folds, step=work.step)
+            trial = run_trial(
+                candidate.name,
+                protocol,
+                ready,
+                route,
+                folds,
+                step=work.step,
+                bases=(settings.rate_basis,),
+            )
             work.counts += trial.counts
             work.tracking += tracking_rows(
                 candidate.name,
