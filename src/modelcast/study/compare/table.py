@@ -6,11 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
+from modelcast.core.chance import child_generator
 from modelcast.study.compare.bootstrap import (
     Limits,
     limits,
     quantile_resamples,
     ratio_resamples,
+    resample_weights,
 )
 from modelcast.study.compare.result import CountRow, RatioRow, TrackingRatioRow
 from modelcast.study.compare.trial import READINGS, RIVALS, ErrorGroup, Trial
@@ -36,6 +38,21 @@ class Resamples:
 
     weights: FloatArray
     clusters: IntArray
+
+    @classmethod
+    def drawn(cls, clusters: IntArray, count: int, seed: int) -> "Resamples":
+        """Draw them.
+
+        Parameters
+        ----------
+        clusters
+            Trips of one number are drawn together, (N,).
+        count
+            R.
+        seed
+            Of the run.
+        """
+        return cls(resample_weights(clusters, count, child_generator(seed, "bootstrap")), clusters)
 
 
 def ratio_rows(counts: Sequence[CountRow], reference: str, resamples: Resamples) -> list[RatioRow]:

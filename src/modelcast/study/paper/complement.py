@@ -1,0 +1,169 @@
+"""Whether the sub-models complete each other: one holds while the other fails; who lasts a manoeuvre."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import KW_ONLY, dataclass
+
+import numpy as np
+
+from modelcast.core.arrays import BoolArray, FloatArray
+from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.study.case import make_case
+from modelcast.study.illustration import STRETCH_S, draw_manoeuvre, draw_timeline, sharpest_instant
+from modelcast.study.paper.choices import Reading
+from modelcast.study.paper.plan import PaperPlan
+from modelcast.study.result import Manoeuvre, Timeline
+from modelcast.trips.trajectory import Trajectory
+
+__all__ = ["Complement", "ManoeuvreStart", "Survival", "complement", "manoeuvre_starts"]
+
+
+@dataclass(frozen=True, slots=True)
+class ManoeuvreStart:
+    """Where a manoeuvre begins.
+
+    Parameters
+    ----------
+    kind
+        Its name.
+    index
+        Sample of the trip.
+    """
+
+    kind: str
+    index: int
+
+
+@dataclass(frozen=True, slots=True)
+class Survival:
+    """How long each sub-model's path stays under the threshold from just before a manoeuvre on.
+
+    Parameters
+    ----------
+    trip, kind, start_s
+        Which manoeuvre [s].
+    survival_s
+        By sub-model [s].
+    """
+
+    trip: str
+    kind: str
+    start_s: float
+    survival_s: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Complement:
+    """How the two sub-models share the time, on all trips.
+
+    Parameters
+    ----------
+    members
+        Names of the sub-models, in the bank's order.
+    threshold_m
+        The threshold [m].
+    only_s
+        Time during which one alone held, in the order of `members` [s].
+    both_s, neither_s
+        Time during which both held, and both failed (and were fitted anew) [s].
+    timeline
+        The stretch in which each holds longest while the other fails; None where no trip has one.
+    manoeuvre
+        The manoeuvre in which the paths of both part the most; None where no trip has one.
+    survivals
+        One a manoeuvre.
+    """
+
+    members: tuple[str, ...]
+    threshold_m: float
+    _: KW_ONLY
+    only_s: tuple[float, ...]
+    both_s: float
+    neither_s: float
+    timeline: Timeline | None
+    manoeuvre: Manoeuvre | None
+    survivals: tuple[Survival, ...]
+
+
+def complement(
+    trips: Sequence[Trajectory],
+    starts: Iterable[Sequence[ManoeuvreStart]],
+    reading: Reading,
+    plan: PaperPlan,
+) -> Complement:
+    """Walk every trip at the smallest threshold, and see who held when.
+
+    Parameters
+    ----------
+    trips
+        Trips that all hold a window.
+    starts
+        Manoeuvres of each.
+    reading, plan
+        Whose sub-models, and at which thresholds.
+    """
+    settings = plan.settings(reading, ())
+    threshold_m = min(plan.thresholds_m)
+    only_s, both_s, neither_s = np.zeros(len(settings.bank.members)), 0.0, 0.0
+    best, timeline = 0.0, None
+    widest, manoeuvre = 0.0, None
+    survivals: list[Survival] = []
+    for trip, found in zip(trips, starts, strict=True):
+        case = make_case(trip, settings)
+        ready = TripRuntime(case.seen, settings.bank, case.estimator, quantised=settings.quantised)
+        walk = ready.run(settings.policy(threshold_m, keep_alive=False))
+        holds = ready.tracking_error_m(walk) < threshold_m
+        alone = holds & (holds.sum(axis=1) == 1)[:, None]
+        only_s += case.truth.dt_s * alone.sum(axis=0)
+        both_s += case.truth.dt_s * float(holds.all(axis=1).sum())
+        neither_s += case.truth.dt_s * float((~holds.any(axis=1)).sum())
+        value, index = _richest(alone, case.truth.t_s, case.truth.dt_s)
+        if value > best:
+            best, timeline = value, draw_timeline(case, ready, walk, index)
+        for start in found:
+            drawn = draw_manoeuvre(case, [ready], threshold_m, start.index)
+            if len(drawn.predicted_m) < len(settings.bank.members):
+                continue  # the window before it is not full: there is but one path
+            survivals.append(Survival(trip.trip_id, start.kind, drawn.start_s, dict(drawn.survival_s)))
+            apart = _parting(drawn)
+            if apart > widest:
+                widest, manoeuvre = apart, drawn
+    return Complement(
+        tuple(member.name for member in settings.bank.members),
+        threshold_m,
+        only_s=tuple(only_s.tolist()),
+        both_s=both_s,
+        neither_s=neither_s,
+        timeline=timeline,
+        manoeuvre=manoeuvre,
+        survivals=tuple(survivals),
+    )
+
+
+def _richest(alone: BoolArray, t_s: FloatArray, dt_s: float) -> tuple[float, int]:
+    """The stretch in which the shorter of both times alone is longest [s], and the sample in its middle."""
+    counts: FloatArray = np.zeros((alone.shape[0] + 1, alone.shape[1]))
+    counts[1:] = alone.cumsum(axis=0)
+    ends = np.searchsorted(t_s, t_s + STRETCH_S)
+    within: FloatArray = counts[ends] - counts[: t_s.size]
+    shorter = within.min(axis=1)
+    first = int(np.argmax(shorter))
+    middle = int(np.searchsorted(t_s, t_s[first] + STRETCH_S / 2))
+    return float(shorter[first]) * dt_s, min(middle, t_s.size - 1)
+
+
+def _parting(drawn: Manoeuvre) -> float:
+    """How far the survival times of the paths lie apart [s]."""
+    lives = list(drawn.survival_s.values())
+    return max(lives) - min(lives)
+
+
+def manoeuvre_starts(trip: Trajectory) -> tuple[ManoeuvreStart, ...]:
+    """The manoeuvres of a trip.
+
+    Parameters
+    ----------
+    trip
+        The trip.
+    """
+    sharpest = sharpest_instant(trip)
+    return () if sharpest is None else (ManoeuvreStart("sharpest", sharpest.index),)

@@ -1,0 +1,169 @@
+"""The whole reproduction: the plain reading, every choice one at a time, then the best and the worst."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modelcast.study.compare.stage import usable_trips
+from modelcast.study.evaluate import evaluate
+from modelcast.study.paper.choices import (
+    CHOICES,
+    PLAIN,
+    Choice,
+    LabelledReading,
+    Option,
+    Reading,
+    combined,
+    one_at_a_time,
+)
+from modelcast.study.paper.claims import claim_rows
+from modelcast.study.paper.complement import Complement, complement, manoeuvre_starts
+from modelcast.study.paper.plan import PaperPlan
+from modelcast.study.paper.readings import ReadingRows, figure_of, run_reading
+from modelcast.study.paper.result import PaperResult, ReadingResult
+from modelcast.study.result import EvaluationResult
+from modelcast.trips.trajectory import Trajectory
+
+__all__ = ["Job", "reproduce_paper", "run_job"]
+
+Found = ReadingRows | EvaluationResult | Complement
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One part of the work, which another process may do.
+
+    Parameters
+    ----------
+    what
+        ``reading``, ``evaluation`` or ``complement``.
+    trips, plan
+        What all parts share.
+    reading
+        Of a reading; the plain one for the others.
+    """
+
+    what: str
+    trips: Sequence[Trajectory]
+    plan: PaperPlan
+    reading: Reading = PLAIN
+
+
+def run_job(job: Job) -> Found:
+    """Do one part of the work.
+
+    Parameters
+    ----------
+    job
+        Which.
+    """
+    if job.what == "reading":
+        return run_reading(job.trips, job.reading, job.plan)
+    if job.what == "evaluation":
+        return evaluate(job.trips, job.plan.settings(PLAIN))
+    return complement(job.trips, [manoeuvre_starts(trip) for trip in job.trips], PLAIN, job.plan)
+
+
+def reproduce_paper(
+    trips: Sequence[Trajectory],
+    plan: PaperPlan | None = None,
+    *,
+    each: Callable[[Callable[[Job], Found], Iterable[Job]], Iterable[Found]] = map,
+    progress: Progress | None = None,
+) -> PaperResult:
+    """Run the paper's evaluation over trips under every choice it leaves open, and judge its claims.
+
+    Parameters
+    ----------
+    trips
+        Recorded trips, with distinct identifiers.
+    plan
+        Thresholds, losses and seeds; the paper's where None.
+    each
+        Applies a function to jobs and returns what it gave, in order: `map`, or one that shares the jobs out
+        among processes.
+    progress
+        Called with parts done and parts to do.
+
+    Returns
+    -------
+    PaperResult
+        The same whatever `each` is.
+
+    Raises
+    ------
+    ConfigError
+        Where no trip is long enough for a window, or two have one name.
+
+    Examples
+    --------
+    >>> from modelcast.world.drive import generate_drive
+    >>> plan = PaperPlan((0.5,), (0.4,), seeds=1, resamples=10)
+    >>> result = reproduce_paper([generate_drive(seed=1, duration_s=90.0).truth], plan)
+    >>> [reading.labelled.label for reading in result.readings][-2:]
+    ['best', 'worst']
+    """
+    plan = PaperPlan() if plan is None else plan
+    usable, failures = usable_trips(trips, int(PLAIN.bank.windows.max()))
+    labelled = one_at_a_time()
+    runs = list(dict.fromkeys(one.reading.run for one in labelled))
+    # The longest first, so that no process waits long for the last one.
+    jobs = [Job(what, usable, plan) for what in ("evaluation", "complement")]
+    jobs += [Job("reading", usable, plan, reading) for reading in runs]
+    steps = len(jobs) + 2
+    done = 0
+
+    def counted(found: Iterable[Found]) -> Iterator[Found]:
+        nonlocal done
+        for one in found:
+            done += 1
+            if progress is not None:
+                progress(done, steps)
+            yield one
+
+    evaluation, shared, *rows = counted(each(run_job, jobs))
+    by_run = {reading: one for reading, one in zip(runs, rows, strict=True) if isinstance(one, ReadingRows)}
+    readings = [_result(one, by_run) for one in labelled]
+    ends = [
+        combined(label, _options(readings, sign=sign)) for label, sign in (("best", 1.0), ("worst", -1.0))
+    ]
+    missing = list(dict.fromkeys(one.reading.run for one in ends if one.reading.run not in by_run))
+    steps = len(jobs) + len(missing)
+    more = counted(each(run_job, [Job("reading", usable, plan, reading) for reading in missing]))
+    by_run |= {
+        reading: one for reading, one in zip(missing, more, strict=True) if isinstance(one, ReadingRows)
+    }
+    readings += [_result(one, by_run) for one in ends]
+    if not isinstance(evaluation, EvaluationResult) or not isinstance(shared, Complement):
+        raise TypeError(f"each returned {type(evaluation).__name__}, {type(shared).__name__} out of order")
+    return PaperResult(
+        plan,
+        evaluation=evaluation,
+        complement=shared,
+        readings=tuple(readings),
+        claims=claim_rows(readings, evaluation, shared, plan),
+        failures=failures,
+    )
+
+
+def _result(labelled: LabelledReading, by_run: dict[Reading, ReadingRows]) -> ReadingResult:
+    rows = by_run[labelled.reading.run]
+    return ReadingResult(
+        labelled,
+        rows,
+        messages=figure_of(rows, labelled.reading, "messages"),
+        tracking=figure_of(rows, labelled.reading, "tracking"),
+    )
+
+
+def _options(readings: Sequence[ReadingResult], *, sign: float) -> Iterator[tuple[Choice, Option]]:
+    """Of every choice the option that by itself gave the smallest figure, or with -1 the largest."""
+    by_label = {(one.labelled.choice, one.labelled.option): one for one in readings}
+    plain = readings[0]
+    for choice in CHOICES:
+        found = [by_label.get((choice.title, option.label), plain) for option in choice.options]
+        figures = np.array([sign * getattr(one, choice.moves) for one in found])
+        at = int(np.nanargmin(figures)) if np.isfinite(figures).any() else 0
+        yield choice, choice.options[at]
