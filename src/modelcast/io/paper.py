@@ -3,8 +3,8 @@
 ``summary.json`` (`paper_document`)
     ``schema`` (1), ``modelcast`` (version), ``plan``, ``choices``, ``claims``, ``readings`` (rows of
     `modelcast.study.compare.result` that pool all trips), ``complement``, ``evaluation`` (as the
-    ``summary.json`` of ``modelcast evaluate``, of the plain reading), ``failures``, ``skipped``. A number
-    that does not exist is null.
+    ``summary.json`` of ``modelcast evaluate``, of the plain reading; of tracking, rows that pool all trips),
+    ``failures``, ``skipped``. A number that does not exist is null.
 ``claims.csv``
     One row for each claim and reading: claim, place, reading, verdict.
 
@@ -13,7 +13,7 @@ The same result gives the same bytes.
 
 import csv
 import io
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ from modelcast.io.documents import document_text, plain_value, row_document
 from modelcast.io.results import summary_document
 from modelcast.study.paper.choices import CHOICES
 from modelcast.study.paper.result import PaperResult, ReadingResult
-from modelcast.study.result import POOLED
+from modelcast.study.result import POOLED, EvaluationResult
 
 __all__ = ["PAPER_SCHEMA", "paper_document", "write_paper"]
 
@@ -54,10 +54,15 @@ def paper_document(result: PaperResult) -> dict[str, Any]:
             "neither_s": shared.neither_s,
             "manoeuvres": [row_document(one) for one in shared.survivals],
         },
-        "evaluation": summary_document(result.evaluation),
+        "evaluation": summary_document(_without_trips(result.evaluation)),
         "failures": plain_value(result.failures),
         "skipped": plain_value(result.skipped),
     }
+
+
+def _without_trips(result: EvaluationResult) -> EvaluationResult:
+    """The evaluation without its tracking rows of single trips, of which there are too many to read."""
+    return replace(result, tracking=tuple(row for row in result.tracking if row.trip == POOLED))
 
 
 def _reading(one: ReadingResult) -> dict[str, Any]:

@@ -37,7 +37,7 @@ def plot_readings(result: PaperResult) -> Figure:
             _draw(tracking, at, [(row.p90_ratio, row.p90_low, row.p90_high) for row in pooled])
         ratio = f"{100 * result.plan.headline_ratio:g} %"
         _scale(messages, "All messages over the baseline's")
-        _scale(tracking, f"p90 at a PER of {ratio} over the equal-rate baseline's")
+        _scale(tracking, f"p90 at PER {ratio} over the baseline's of equal rate")
         labels = [drawable(one.labelled.label, 44) for one in result.readings]
         messages.set_yticks(range(len(labels)), labels)
         messages.set_ylim(len(labels) - 0.4, -0.6)

@@ -5,7 +5,7 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from modelcast.core.arrays import BoolArray, FloatArray
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.case import make_case
 from modelcast.study.illustration import STRETCH_S, draw_manoeuvre, draw_timeline, sharpest_instant
@@ -53,7 +53,7 @@ class Survival:
 
 @dataclass(frozen=True, slots=True)
 class Complement:
-    """How the two sub-models share the time, on all trips.
+    """How the two sub-models share the time in which both serve, on all trips.
 
     Parameters
     ----------
@@ -103,7 +103,8 @@ def complement(
     """
     settings = plan.settings(reading, ())
     threshold_m = min(plan.thresholds_m)
-    only_s, both_s, neither_s = np.zeros(len(settings.bank.members)), 0.0, 0.0
+    only_s: FloatArray = np.zeros(len(settings.bank.members))
+    both_s = neither_s = 0.0
     best, timeline = 0.0, None
     widest, manoeuvre = 0.0, None
     survivals: list[Survival] = []
@@ -111,11 +112,15 @@ def complement(
         case = make_case(trip, settings)
         ready = TripRuntime(case.seen, settings.bank, case.estimator, quantised=settings.quantised)
         walk = ready.run(settings.policy(threshold_m, keep_alive=False))
-        holds = ready.tracking_error_m(walk) < threshold_m
-        alone = holds & (holds.sum(axis=1) == 1)[:, None]
-        only_s += case.truth.dt_s * alone.sum(axis=0)
-        both_s += case.truth.dt_s * float(holds.all(axis=1).sum())
-        neither_s += case.truth.dt_s * float((~holds.any(axis=1)).sum())
+        errors_m = ready.tracking_error_m(walk)
+        served = np.flatnonzero(np.isfinite(errors_m).all(axis=1))
+        holds: BoolArray = errors_m[served] < threshold_m
+        holding: IntArray = np.count_nonzero(holds, axis=1)
+        alone: BoolArray = np.zeros(errors_m.shape, dtype=np.bool_)
+        alone[served] = holds & (holding == 1)[:, None]
+        only_s += case.truth.dt_s * np.count_nonzero(alone, axis=0)
+        both_s += case.truth.dt_s * np.count_nonzero(holding == holds.shape[1])
+        neither_s += case.truth.dt_s * np.count_nonzero(holding == 0)
         value, index = _richest(alone, case.truth.t_s, case.truth.dt_s)
         if value > best:
             best, timeline = value, draw_timeline(case, ready, walk, index)
@@ -144,10 +149,10 @@ def _richest(alone: BoolArray, t_s: FloatArray, dt_s: float) -> tuple[float, int
     counts: FloatArray = np.zeros((alone.shape[0] + 1, alone.shape[1]))
     counts[1:] = alone.cumsum(axis=0)
     ends = np.searchsorted(t_s, t_s + STRETCH_S)
-    within: FloatArray = counts[ends] - counts[: t_s.size]
-    shorter = within.min(axis=1)
+    within = counts[ends] - counts[: t_s.size]
+    shorter: FloatArray = np.sort(within, axis=1)[:, 0]
     first = int(np.argmax(shorter))
-    middle = int(np.searchsorted(t_s, t_s[first] + STRETCH_S / 2))
+    middle = int(t_s.searchsorted(float(t_s[first]) + STRETCH_S / 2))
     return float(shorter[first]) * dt_s, min(middle, t_s.size - 1)
 
 
