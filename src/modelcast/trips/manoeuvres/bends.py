@@ -6,6 +6,7 @@ one side; a lobe alone is a turn or a U-turn, one between two of the other side 
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -31,6 +32,12 @@ U_TURN_RADIUS_M = 16.0
 
 ISLAND_RADIUS_M = 35.0
 """Largest radius of a way round an island: inscribed circles of two lanes are up to 67 m wide (NCHRP 672)."""
+
+MIN_ISLAND_RADIUS_M = 4.0
+"""Smallest radius of a way round an island: a mini-roundabout is 13 m wide (NCHRP 672)."""
+
+MIN_ISLAND_SPEED_MPS = 2.0
+"""Slowest way round an island: who circulates has the right of way, and does not stand."""
 
 ISLAND_SPEED_MPS = 50.0 / 3.6
 """Fastest way round an island: design speeds of entries are at most 30 mph (NCHRP 672)."""
@@ -107,7 +114,7 @@ def find_bends(motion: Motion) -> list[FoundManoeuvre]:
 
 def _by_distance(motion: Motion, part: slice) -> _Path | None:
     """Return the part's path at equal distances; None where it is too short to bend."""
-    moving = motion.travelled_mps[part] > STOP_SPEED_MPS
+    moving = motion.travelled_mps[part] > 2.0 * STOP_SPEED_MPS  # as in the inspection: else it stands
     position = motion.trip.position_m[part][moving]
     if position.shape[0] < 2:
         return None
@@ -133,7 +140,7 @@ def _lobes(path: _Path) -> list[_Lobe]:
     side = np.sign(curvature) * (np.abs(curvature) > 1.0 / MAX_RADIUS_M)
     edges = np.flatnonzero(np.diff(np.concatenate([[0.0], side, [0.0]])))
     runs = list[tuple[int, int, float]]()
-    for a, b in zip(edges[:-1], edges[1:], strict=True):
+    for a, b in pairwise(edges):
         if side[a] == 0.0:
             continue
         if runs and runs[-1][2] == side[a] and (a - runs[-1][1]) * _GRID_M < _JOINED_M:
@@ -151,7 +158,7 @@ def _classified(path: _Path, lobes: Sequence[_Lobe]) -> list[FoundManoeuvre]:
     taken = set[int]()
     for at, lobe in enumerate(lobes):
         span = _island(path, lobes, at)
-        if span is not None:
+        if span is not None and not taken.intersection(range(span[0], span[1] + 1)):
             taken.update(range(span[0], span[1] + 1))
             start, end = path.at(lobes[span[0]].start_m), path.at(lobes[span[1]].end_m)
             found.append(
@@ -171,8 +178,8 @@ def _island(path: _Path, lobes: Sequence[_Lobe], at: int) -> tuple[int, int] | N
     """First and last lobe of the way round an island whose circulation is this lobe, or None."""
     lobe = lobes[at]
     elapsed = path.at(lobe.end_m) - path.at(lobe.start_m)
-    slow = lobe.end_m - lobe.start_m < ISLAND_SPEED_MPS * elapsed
-    if not (MIN_RADIUS_M < lobe.radius_m < ISLAND_RADIUS_M and slow):
+    flowing = MIN_ISLAND_SPEED_MPS * elapsed < lobe.end_m - lobe.start_m < ISLAND_SPEED_MPS * elapsed
+    if not (MIN_ISLAND_RADIUS_M < lobe.radius_m < ISLAND_RADIUS_M and flowing):
         return None
     if lobe.angle_rad > FULL_RAD:
         return at, at

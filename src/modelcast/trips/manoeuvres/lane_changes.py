@@ -10,6 +10,7 @@ into another direction explains it worse, and where the shift is that of a lane.
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 from functools import cache
+from itertools import combinations
 
 import numpy as np
 
@@ -35,7 +36,7 @@ MIN_SPEED_MPS = 5.0
 EXPLAINED_RATIO = 0.85
 """Least share that the bump explains of what the course of the road leaves."""
 
-MAX_BEND_RATIO = 0.35
+MAX_BEND_RATIO = 0.7
 """The bump leaves at most this share of what a bend would leave."""
 
 MAX_RATE_RADPS = 0.2
@@ -44,7 +45,6 @@ MAX_RATE_RADPS = 0.2
 _GRID_S = 0.2
 _CHORD_S = 1.0  # course over this long: long against noise, short against a lane change
 _FLANK_S = 2.5  # course before and after the bump that tells the road's
-_BEND_S = (1.0, 3.0, 6.0)  # durations of the bends that compete
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,28 +125,24 @@ def _shape(duration_s: float) -> _Shape:
     half = round((0.5 * duration_s + 0.5 * _CHORD_S + _FLANK_S) / _GRID_S)
     t = np.arange(-half, half + 1) * _GRID_S
     bump = _bump(t, duration_s)
-    unit = t / t[-1]
-    road = np.linalg.qr(np.stack([np.ones_like(t), unit, unit**2], axis=1))[0]
+    road = _orthonormal(np.ones_like(t), t)
     left = bump - road @ (road.T @ bump)
     norm = float(np.linalg.norm(left))
-    line = road[:, :2]
-    bends = list[FloatArray]()
-    for middle_s in np.arange(t[0] + 1.0, t[-1] - 0.9, 0.5):
-        for length_s in _BEND_S:
-            ramp = np.clip((t - middle_s) / length_s + 0.5, 0.0, 1.0)
-            kink = np.maximum(t - middle_s, 0.0)
-            for column in (ramp, kink):
-                rest = column - line @ (line.T @ column)
-                bends.append(rest / np.linalg.norm(rest))
+    kinks = [np.maximum(t - at, 0.0) for at in np.arange(t[0] + 1.0, t[-1] - 0.9, 0.5)]
+    bends = [_orthonormal(np.ones_like(t), t, one, other)[:, 2:] for one, other in combinations(kinks, 2)]
     return _Shape(
         t.size,
         road,
         left / norm,
         bump_norm=norm,
         weights=bump / bump.sum(),
-        bends=np.stack(bends, axis=1),
+        bends=np.stack(bends),
         core=round(0.5 * duration_s / _GRID_S),
     )
+
+
+def _orthonormal(*columns: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.qr(np.stack(columns, axis=1))[0], dtype=np.float64)
 
 
 def _bump(t_s: FloatArray, duration_s: float) -> FloatArray:
@@ -192,13 +188,14 @@ def _fitted(t_s: FloatArray, course: FloatArray, speed: FloatArray, shape: _Shap
 
 
 def _bends_lose(windows: FloatArray, unexplained: FloatArray, shape: _Shape) -> IntArray:
-    """Rows of the windows in which no bend into another direction comes near, and the road turns slowly."""
-    line = shape.road[:, :2]
-    straight = windows @ line
+    """Rows of the windows in which no road of up to three radii comes near, and the road turns slowly."""
+    straight = windows @ shape.road
     energy = (windows**2).sum(axis=1) - (straight**2).sum(axis=1)
-    best = ((windows @ shape.bends) ** 2).max(axis=1, initial=0.0)
+    best = np.zeros(energy.size)
+    for pair in shape.bends:
+        np.maximum(best, ((windows @ pair) ** 2).sum(axis=1), out=best)
     bent = np.maximum(energy - best, 1e-18)
-    rate = np.abs(straight[:, 1]) * (line[1, 1] - line[0, 1]) / _GRID_S
+    rate = np.abs(straight[:, 1]) * abs(shape.road[1, 1] - shape.road[0, 1]) / _GRID_S
     return np.flatnonzero((unexplained < MAX_BEND_RATIO * bent) & (rate < MAX_RATE_RADPS))
 
 
