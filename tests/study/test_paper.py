@@ -19,13 +19,15 @@ from modelcast.study.case import make_case
 from modelcast.study.evaluate import evaluate
 from modelcast.study.paper.choices import CHOICES, PLAIN, Choice, Figure, Reading, combined, one_at_a_time
 from modelcast.study.paper.claims import claim_rows
-from modelcast.study.paper.complement import Complement, ManoeuvreStart, Survival, complement
+from modelcast.study.paper.complement import Complement, Survival, complement
 from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.paper.readings import figure_of, run_reading
 from modelcast.study.paper.result import PaperResult
 from modelcast.study.paper.run import Job, reproduce_paper, run_job
 from modelcast.study.paper.verdict import Estimate, verdict_of
 from modelcast.study.result import POOLED
+from modelcast.trips.manoeuvres.base import FoundManoeuvre, ManoeuvreKind
+from modelcast.trips.manoeuvres.rank import count_manoeuvres, rank_trips
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.drive import generate_drive
 
@@ -226,7 +228,13 @@ def test_time_is_shared_between_who_holds(trips: list[Trajectory]) -> None:
 
 
 def test_manoeuvres_are_survived_as_long_as_paths_stay_near(trips: list[Trajectory]) -> None:
-    starts = [(ManoeuvreStart("turn", 400), ManoeuvreStart("stop", 700)), ()]
+    starts = [
+        (
+            FoundManoeuvre(ManoeuvreKind.TURN, 40.0, 45.0, size=1.5),
+            FoundManoeuvre(ManoeuvreKind.STOP, 70.0, 75.0, size=5.0),
+        ),
+        (),
+    ]
     shared = complement(trips, starts, PLAIN, PLAN)
     assert [(one.trip, one.kind) for one in shared.survivals] == [("drive0/1", "turn"), ("drive0/1", "stop")]
     assert all(0.0 <= life <= 4.0 for one in shared.survivals for life in one.survival_s.values())
@@ -337,3 +345,12 @@ def test_jobs_run_alone_give_what_the_whole_gives(trips: list[Trajectory], found
     rows = run_job(Job("reading", trips, PLAN, replace(PLAIN, start="keep")))
     (same,) = (one.rows for one in found.readings if one.labelled.label == "start rule: keep")
     assert rows == same
+
+
+def test_manoeuvres_are_those_of_the_ranked_trips(trips: list[Trajectory], found: PaperResult) -> None:
+    counts = [count_manoeuvres(trip) for trip in trips]
+    assert list(found.manoeuvres) == rank_trips(counts)
+    assert len(found.complement.survivals) <= sum(one.total for one in counts)
+    assert {one.kind for one in found.complement.survivals} <= {
+        one.kind.value for found_on in counts for one in found_on.manoeuvres
+    }

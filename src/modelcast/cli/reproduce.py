@@ -20,6 +20,7 @@ def reproduce(
     columns: Columns = None,
     trip: str = "*",
     options: ReproduceOptions = ReproduceOptions(),  # noqa: B008 - frozen
+    pick: bool = False,
     jobs: int = 0,
     json: bool = False,
     quiet: bool = False,
@@ -45,6 +46,8 @@ def reproduce(
         Take only trips whose identifier matches this shell pattern.
     options
         What changes the figures.
+    pick
+        Take one trip alone: the one with the most manoeuvres, as modelcast trips --rank ranks them.
     jobs
         Readings at a time; 0 for one a processor. The result is the same whatever their number.
     json
@@ -67,6 +70,7 @@ def reproduce(
     from modelcast.io.paper import paper_document, write_paper
     from modelcast.report.paper import paper_console, write_paper_report
     from modelcast.study.paper.run import reproduce_paper
+    from modelcast.trips.manoeuvres.rank import count_manoeuvres, rank_trips
 
     if not paths:
         raise ConfigError(f"name at least one trip file or folder (modelcast reproduce {study} --help)")
@@ -76,6 +80,13 @@ def reproduce(
     with atomic_folder(out, command="reproduce", shown=f"--out {out}") as folder:
         with watched(source, quiet=silent) as shown:
             trips = list(shown)
+        if pick and trips:
+            with busy("counting manoeuvres", quiet=silent), workers(jobs) as pool:
+                counts = list(pool.each(count_manoeuvres, trips))
+            richest = rank_trips(counts)[0]
+            trips = [one for one in trips if one.trip_id == richest.trip_id]
+            if not silent:
+                say(f"picked {richest.trip_id}: {richest.total} manoeuvres, the most of {len(counts)} trips")
         with counted("parts", quiet=silent) as progress, workers(jobs) as pool:
             found = reproduce_paper(trips, plan, each=pool.each, progress=progress)
         failures = {**found.failures, **source.failures}
@@ -86,6 +97,7 @@ def reproduce(
             "format": format,
             "columns": columns,
             "trip": trip,
+            "pick": pick,
             "options": options.as_plain(),
         }
         write_run(folder, "reproduce", asked, paths)

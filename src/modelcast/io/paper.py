@@ -2,9 +2,9 @@
 
 ``summary.json`` (`paper_document`)
     ``schema`` (1), ``modelcast`` (version), ``plan``, ``choices``, ``claims``, ``readings`` (rows of
-    `modelcast.study.compare.result` that pool all trips), ``complement``, ``evaluation`` (as the
-    ``summary.json`` of ``modelcast evaluate``, of the plain reading; of tracking, rows that pool all trips),
-    ``failures``, ``skipped``. A number that does not exist is null.
+    `modelcast.study.compare.result` that pool all trips), ``complement``, ``manoeuvres`` (of every trip),
+    ``evaluation`` (as the ``summary.json`` of ``modelcast evaluate``, of the plain reading; of tracking, rows that
+    pool all trips), ``failures``, ``skipped``. A number that does not exist is null.
 ``claims.csv``
     One row for each claim and reading: claim, place, reading, verdict.
 
@@ -23,6 +23,7 @@ from modelcast.io.results import summary_document
 from modelcast.study.paper.choices import CHOICES
 from modelcast.study.paper.result import PaperResult, ReadingResult
 from modelcast.study.result import POOLED, EvaluationResult
+from modelcast.trips.manoeuvres.base import ManoeuvreCounts
 
 __all__ = ["PAPER_SCHEMA", "paper_document", "write_paper"]
 
@@ -52,11 +53,21 @@ def paper_document(result: PaperResult) -> dict[str, Any]:
             "only_s": list(shared.only_s),
             "both_s": shared.both_s,
             "neither_s": shared.neither_s,
-            "manoeuvres": [row_document(one) for one in shared.survivals],
+            "survivals": [row_document(one) for one in shared.survivals],
         },
+        "manoeuvres": [_counted(one) for one in result.manoeuvres],
         "evaluation": summary_document(_without_trips(result.evaluation)),
         "failures": plain_value(result.failures),
         "skipped": plain_value(result.skipped),
+    }
+
+
+def _counted(counts: ManoeuvreCounts) -> dict[str, Any]:
+    return {
+        "trip": counts.trip_id,
+        "duration_s": counts.duration_s,
+        "distance_m": counts.distance_m,
+        "counts": {kind.value: number for kind, number in counts.by_kind.items()},
     }
 
 

@@ -27,9 +27,11 @@ from modelcast.report.warnings import warning_lines
 from modelcast.study.paper.choices import CHOICES, PLAIN_LABEL
 from modelcast.study.paper.result import ClaimRow, PaperResult, ReadingResult
 from modelcast.study.result import EvaluationResult
+from modelcast.trips.manoeuvres.base import KINDS, ManoeuvreCounts
 
 __all__ = ["draw_paper", "paper_console", "paper_markdown", "paper_page", "write_paper_report"]
 
+_MOST_TRIPS = 20
 _CLAIM_HEAD = ("claim", "the paper, in our words", "plain reading", "other readings", "measured")
 _READING_HEAD = ("reading", "messages", "updates", "airtime", "p90", "p99")
 
@@ -138,6 +140,8 @@ def paper_page(result: PaperResult, drawings: Iterable[Drawing]) -> str:
             ],
             text_columns=5,
         ),
+        "<h2>Manoeuvres</h2>",
+        _manoeuvre_table(result.manoeuvres),
         "<h2>Left out</h2>",
         _left_out(result),
     ]
@@ -221,6 +225,24 @@ def _verdict_table(result: PaperResult) -> str:
     head = ["reading", *(row.name for row in claims)]
     rows = [[label, *(row.verdicts.get(label, "-") for row in claims)] for label in labels]
     return table(head, rows, text_columns=len(head))
+
+
+def _manoeuvre_table(counts: Sequence[ManoeuvreCounts]) -> str:
+    """The trips richest in manoeuvres, as ``modelcast trips --rank`` ranks them."""
+    head = ["trip", "duration [s]", "distance [km]", "all", *(kind.value for kind in KINDS)]
+    rows = [
+        [
+            one.trip_id,
+            number(one.duration_s, 4),
+            number(one.distance_m / 1000.0),
+            str(one.total),
+            *(str(one.by_kind[kind]) for kind in KINDS),
+        ]
+        for one in counts[:_MOST_TRIPS]
+    ]
+    more = len(counts) - len(rows)
+    note = f'<p class="note">{more} more trips are in summary.json.</p>' if more else ""
+    return table(head, rows, text_columns=1) + note
 
 
 def _left_out(result: PaperResult) -> str:

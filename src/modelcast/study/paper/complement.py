@@ -8,29 +8,14 @@ import numpy as np
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.case import make_case
-from modelcast.study.illustration import STRETCH_S, draw_manoeuvre, draw_timeline, sharpest_instant
+from modelcast.study.illustration import STRETCH_S, draw_manoeuvre, draw_timeline
 from modelcast.study.paper.choices import Reading
 from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.result import Manoeuvre, Timeline
+from modelcast.trips.manoeuvres.base import FoundManoeuvre
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["Complement", "ManoeuvreStart", "Survival", "complement", "manoeuvre_starts"]
-
-
-@dataclass(frozen=True, slots=True)
-class ManoeuvreStart:
-    """Where a manoeuvre begins.
-
-    Parameters
-    ----------
-    kind
-        Its name.
-    index
-        Sample of the trip.
-    """
-
-    kind: str
-    index: int
+__all__ = ["Complement", "Survival", "complement"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +71,7 @@ class Complement:
 
 def complement(
     trips: Sequence[Trajectory],
-    starts: Iterable[Sequence[ManoeuvreStart]],
+    manoeuvres: Iterable[Sequence[FoundManoeuvre]],
     reading: Reading,
     plan: PaperPlan,
 ) -> Complement:
@@ -96,7 +81,7 @@ def complement(
     ----------
     trips
         Trips that all hold a window.
-    starts
+    manoeuvres
         Manoeuvres of each.
     reading, plan
         Whose sub-models, and at which thresholds.
@@ -108,7 +93,7 @@ def complement(
     best, timeline = 0.0, None
     widest, manoeuvre = 0.0, None
     survivals: list[Survival] = []
-    for trip, found in zip(trips, starts, strict=True):
+    for trip, found in zip(trips, manoeuvres, strict=True):
         case = make_case(trip, settings)
         ready = TripRuntime(case.seen, settings.bank, case.estimator, quantised=settings.quantised)
         walk = ready.run(settings.policy(threshold_m, keep_alive=False))
@@ -124,11 +109,12 @@ def complement(
         value, index = _richest(alone, case.truth.t_s, case.truth.dt_s)
         if value > best:
             best, timeline = value, draw_timeline(case, ready, walk, index)
-        for start in found:
-            drawn = draw_manoeuvre(case, [ready], threshold_m, start.index)
+        for one in found:
+            index = min(int(case.truth.t_s.searchsorted(one.start_s)), len(case.truth) - 1)
+            drawn = draw_manoeuvre(case, [ready], threshold_m, index)
             if len(drawn.predicted_m) < len(settings.bank.members):
                 continue  # the window before it is not full: there is but one path
-            survivals.append(Survival(trip.trip_id, start.kind, drawn.start_s, dict(drawn.survival_s)))
+            survivals.append(Survival(trip.trip_id, one.kind.value, drawn.start_s, dict(drawn.survival_s)))
             apart = _parting(drawn)
             if apart > widest:
                 widest, manoeuvre = apart, drawn
@@ -160,15 +146,3 @@ def _parting(drawn: Manoeuvre) -> float:
     """How far the survival times of the paths lie apart [s]."""
     lives = list(drawn.survival_s.values())
     return max(lives) - min(lives)
-
-
-def manoeuvre_starts(trip: Trajectory) -> tuple[ManoeuvreStart, ...]:
-    """The manoeuvres of a trip.
-
-    Parameters
-    ----------
-    trip
-        The trip.
-    """
-    sharpest = sharpest_instant(trip)
-    return () if sharpest is None else (ManoeuvreStart("sharpest", sharpest.index),)

@@ -10,6 +10,7 @@ from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.paper.readings import ReadingRows
 from modelcast.study.paper.verdict import Verdict
 from modelcast.study.result import EvaluationResult
+from modelcast.trips.manoeuvres.base import ManoeuvreCounts
 
 __all__ = ["ClaimRow", "PaperResult", "ReadingResult"]
 
@@ -90,6 +91,8 @@ class PaperResult:
         Rates, tracking and distributions under the plain reading, as of ``modelcast evaluate``.
     complement
         Who held when.
+    manoeuvres
+        Of every trip, the richest trip first.
     readings
         The plain reading first, then one at a time, then the best and the worst.
     claims
@@ -102,6 +105,7 @@ class PaperResult:
     _: KW_ONLY
     evaluation: EvaluationResult
     complement: Complement
+    manoeuvres: tuple[ManoeuvreCounts, ...]
     readings: tuple[ReadingResult, ...]
     claims: tuple[ClaimRow, ...]
     failures: Mapping[str, str] = field(default_factory=dict[str, str])

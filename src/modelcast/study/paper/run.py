@@ -18,17 +18,37 @@ from modelcast.study.paper.choices import (
     one_at_a_time,
 )
 from modelcast.study.paper.claims import claim_rows
-from modelcast.study.paper.complement import Complement, complement, manoeuvre_starts
+from modelcast.study.paper.complement import Complement, complement
 from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.paper.readings import ReadingRows, figure_of, run_reading
 from modelcast.study.paper.result import PaperResult, ReadingResult
 from modelcast.study.result import EvaluationResult
+from modelcast.trips.manoeuvres.base import ManoeuvreCounts
+from modelcast.trips.manoeuvres.rank import count_manoeuvres, rank_trips
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["Job", "reproduce_paper", "run_job"]
 
-Found = ReadingRows | EvaluationResult | Complement
 Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Driven:
+    """What was driven, and which sub-model held meanwhile.
+
+    Parameters
+    ----------
+    counts
+        Manoeuvres of every trip.
+    complement
+        Who held when.
+    """
+
+    counts: tuple[ManoeuvreCounts, ...]
+    complement: Complement
+
+
+Found = ReadingRows | EvaluationResult | Driven
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +58,7 @@ class Job:
     Parameters
     ----------
     what
-        ``reading``, ``evaluation`` or ``complement``.
+        ``reading``, ``evaluation`` or ``driven``.
     trips, plan
         What all parts share.
     reading
@@ -63,7 +83,8 @@ def run_job(job: Job) -> Found:
         return run_reading(job.trips, job.reading, job.plan)
     if job.what == "evaluation":
         return evaluate(job.trips, job.plan.settings(PLAIN))
-    return complement(job.trips, [manoeuvre_starts(trip) for trip in job.trips], PLAIN, job.plan)
+    counts = tuple(count_manoeuvres(trip) for trip in job.trips)
+    return Driven(counts, complement(job.trips, [one.manoeuvres for one in counts], PLAIN, job.plan))
 
 
 def reproduce_paper(
@@ -110,7 +131,7 @@ def reproduce_paper(
     labelled = one_at_a_time()
     runs = list(dict.fromkeys(one.reading.run for one in labelled))
     # The longest first, so that no process waits long for the last one.
-    jobs = [Job(what, usable, plan) for what in ("evaluation", "complement")]
+    jobs = [Job(what, usable, plan) for what in ("evaluation", "driven")]
     jobs += [Job("reading", usable, plan, reading) for reading in runs]
     steps = len(jobs) + 2
     done = 0
@@ -123,7 +144,7 @@ def reproduce_paper(
                 progress(done, steps)
             yield one
 
-    evaluation, shared, *rows = counted(each(run_job, jobs))
+    evaluation, driven, *rows = counted(each(run_job, jobs))
     by_run = {reading: one for reading, one in zip(runs, rows, strict=True) if isinstance(one, ReadingRows)}
     readings = [_result(one, by_run) for one in labelled]
     ends = [
@@ -136,14 +157,15 @@ def reproduce_paper(
         reading: one for reading, one in zip(missing, more, strict=True) if isinstance(one, ReadingRows)
     }
     readings += [_result(one, by_run) for one in ends]
-    if not isinstance(evaluation, EvaluationResult) or not isinstance(shared, Complement):
-        raise TypeError(f"each returned {type(evaluation).__name__}, {type(shared).__name__} out of order")
+    if not isinstance(evaluation, EvaluationResult) or not isinstance(driven, Driven):
+        raise TypeError(f"each returned {type(evaluation).__name__}, {type(driven).__name__} out of order")
     return PaperResult(
         plan,
         evaluation=evaluation,
-        complement=shared,
+        complement=driven.complement,
+        manoeuvres=tuple(rank_trips(driven.counts)),
         readings=tuple(readings),
-        claims=claim_rows(readings, evaluation, shared, plan),
+        claims=claim_rows(readings, evaluation, driven.complement, plan),
         failures=failures,
     )
 
