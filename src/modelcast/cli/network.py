@@ -38,7 +38,7 @@ def network(
     start: StartRule | None = None,
     identify: IdentifyRule | None = None,
     cost: CostUnit = "bytes",
-    threshold: float = 0.2,
+    threshold: Numbers = (0.2,),
     keep_alive: float = 2.0,
     relaxed_error: float | None = None,
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
@@ -100,7 +100,8 @@ def network(
     cost
         What the rule cheapest counts: messages, bytes or airtime.
     threshold
-        Tracking-error threshold of baseline and mbc [m].
+        Tracking-error thresholds of baseline and mbc, several after one another; what timers call for is run
+        once, not once a threshold [m].
     keep_alive
         Longest silence of baseline and mbc [s].
     relaxed_error
@@ -139,7 +140,7 @@ def network(
         identify=identify,
         cost=cost,
         threads=threads,
-        threshold_m=threshold,
+        thresholds_m=tuple(threshold),
         keep_alive_s=keep_alive,
         relaxed_error_m=relaxed_error,
         sensor=sensor,
