@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from modelcast.report.figures.panels import empty_figure
-from modelcast.report.figures.scales import density_scale, from_zero, legend_above, log_scale
+from modelcast.report.figures.scales import density_scale, end_below, from_zero, legend_above, log_scale
 from modelcast.report.figures.senders import Curve, sender_curves
 from modelcast.report.style import INK, PAGE_IN, new_figure
 from modelcast.study.network.pool import LIMITS_M
@@ -67,7 +67,7 @@ def _against_density(result: NetworkResult, panels: Sequence[Panel], *, log: boo
             _draw_densities(axes, own, factor, sender_curves(result))
             axes.set_ylabel(label)
             if log:
-                _end_below(axes, own, factor)
+                end_below(axes, [factor * row.value for row in own])
             else:
                 from_zero(axes)
         line[0].set_title(radio, loc="left")
@@ -91,13 +91,6 @@ def _draw_densities(axes: Axes, rows: Sequence[PooledRow], factor: float, curves
         low, high = factor * np.array(bounds, dtype=np.float64).T
         axes.vlines(place, np.maximum(low, 1e-6), high, color=curve.colour, linewidth=0.8)
     density_scale(axes, (row.density_per_km for row in rows))
-
-
-def _end_below(axes: Axes, rows: Sequence[PooledRow], factor: float = 1.0) -> None:
-    """End a logarithmic axis at half of the least value: what an interval has below runs out of it."""
-    positive = [row.value for row in rows if row.value > 0.0]
-    if positive:
-        axes.set_ylim(bottom=0.5 * factor * min(positive))
 
 
 def plot_load(result: NetworkResult) -> Figure:
@@ -162,7 +155,7 @@ def plot_capacity(result: NetworkResult) -> Figure:
                     markerfacecolor="none",
                     color=next(curve.colour for curve in curves if curve.drew(capacity)),
                 )
-        _end_below(axes, rows)
+        end_below(axes, [row.value for row in rows])
         axes.set_title(radio, loc="left")
         axes.set_xlabel("vehicles a kilometre")
     grid[0][0].set_ylabel("tracking error p90, 75-125 m [m]")

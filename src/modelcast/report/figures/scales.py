@@ -1,12 +1,12 @@
 """Axes that several figures share: logarithmic with plain numbers, from zero, of densities."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-__all__ = ["density_scale", "from_zero", "legend_above", "log_scale"]
+__all__ = ["density_scale", "end_below", "from_zero", "legend_above", "log_scale"]
 
 
 def log_scale(axes: Axes) -> None:
@@ -23,6 +23,21 @@ def log_scale(axes: Axes) -> None:
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_minor_locator(NullLocator())
+
+
+def end_below(axes: Axes, values: Sequence[float]) -> None:
+    """End a logarithmic axis at half of the least value: what an interval has below runs out of it.
+
+    Parameters
+    ----------
+    axes
+        A panel.
+    values
+        What is drawn.
+    """
+    positive = [value for value in values if value > 0.0]
+    if positive:
+        axes.set_ylim(bottom=0.5 * min(positive))
 
 
 def from_zero(axes: Axes) -> None:
