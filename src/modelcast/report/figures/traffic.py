@@ -246,8 +246,10 @@ def plot_by_density(rows: Sequence[PairedRow]) -> Figure:
 
 TRAFFIC_FIGURES: dict[str, tuple[str, Callable[[Sequence[PairedRow]], Figure]]] = {
     "traffic_load": (
-        "Load, collisions, and their difference within seeds: below zero the hybrid has fewer. "
-        + "Bars are 95 % intervals over seeds.",
+        (
+            "Load, collisions, and their difference within seeds: below zero the hybrid has fewer. "
+            "Bars are 95 % intervals over seeds."
+        ),
         plot_load,
     ),
     "traffic_reception": (
