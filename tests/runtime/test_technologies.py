@@ -147,16 +147,13 @@ def test_the_same_messages_are_sent_over_every_technology(drives: dict[str, Driv
     assert all(found.sent == virtual.sent for found in drives.values())
 
 
-def test_every_technology_delivers_and_only_radios_lose(drives: dict[str, Drive]) -> None:
-    everything = [
-        {one.octets for one in drives["virtual"].sent if one.vehicle != host and one.send_s < 9.5}
-        for host in range(CARS)
-    ]
-    for name, found in drives.items():
-        pairs = list(zip(everything, found.heard, strict=True))
-        missing = sum(len(whole - heard) for whole, heard in pairs)
-        assert missing <= (0.1 if name in {"dsrc", "sidelink"} else 0.0) * sum(map(len, everything))
-        assert all(heard <= {one.octets for one in found.sent} for heard in found.heard)
+def test_every_technology_brings_every_message_to_all_others(drives: dict[str, Drive]) -> None:
+    """Within 80 m and with few messages nothing is lost; the last half second may still be on its way."""
+    for host in range(CARS):
+        whole = {one.octets for one in drives["virtual"].sent if one.vehicle != host and one.send_s < 9.5}
+        for name, found in drives.items():
+            assert whole <= found.heard[host], name
+            assert found.heard[host] <= {one.octets for one in found.sent if one.vehicle != host}, name
 
 
 def test_hosts_that_heard_the_same_believe_the_same(drives: dict[str, Drive]) -> None:
@@ -168,7 +165,7 @@ def test_hosts_that_heard_the_same_believe_the_same(drives: dict[str, Drive]) ->
                 if heard == other:
                     alike += 1
                     same_beliefs(belief, believed)
-        assert alike > 0.5 * STEPS * CARS, name
+        assert alike > 0.75 * STEPS * CARS, name
 
 
 def same_beliefs(one: Beliefs, other: Beliefs) -> None:

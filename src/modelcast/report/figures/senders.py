@@ -20,6 +20,7 @@ from modelcast.study.network.rows import (
     DistanceRow,
     NetworkResult,
     PooledRow,
+    RunRow,
     SecondRow,
 )
 
@@ -103,7 +104,7 @@ class Curve:
         marker = {"marker": _MARKERS[self.policy], "markerfacecolor": face, "markersize": size}
         return {**self.plain, **marker, "markeredgewidth": 0.8}
 
-    def drew(self, row: DistanceRow | PooledRow | SecondRow | CapacityRow) -> bool:
+    def drew(self, row: RunRow | DistanceRow | PooledRow | SecondRow | CapacityRow) -> bool:
         """Whether a row is of this sender."""
         return (row.policy, row.bank, repr(row.threshold_m)) == (
             self.policy,
