@@ -17,6 +17,7 @@ from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import PAPER_BANK
 from modelcast.study.case import make_case
 from modelcast.study.evaluate import evaluate
+from modelcast.study.network.pairs import PairedRow
 from modelcast.study.paper.choices import CHOICES, PLAIN, Choice, Figure, Reading, combined, one_at_a_time
 from modelcast.study.paper.claims import claim_rows
 from modelcast.study.paper.complement import Complement, Survival, complement
@@ -24,6 +25,7 @@ from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.paper.readings import figure_of, run_reading
 from modelcast.study.paper.result import PaperResult
 from modelcast.study.paper.run import Job, reproduce_paper, run_job
+from modelcast.study.paper.traffic import with_traffic
 from modelcast.study.paper.verdict import Estimate, verdict_of
 from modelcast.study.result import POOLED
 from modelcast.trips.manoeuvres.base import FoundManoeuvre, ManoeuvreKind
@@ -286,6 +288,10 @@ def test_every_claim_has_a_plain_verdict_and_those_of_readings_all(found: PaperR
     for row in by_reading:
         assert list(row.verdicts) == labels
     assert all("plain" in row.verdicts for row in found.claims)
+    assert {row.name for row in found.claims if row.verdicts["plain"] == "not run"} == {
+        "fewer collisions",
+        "a channel less busy",
+    }
 
 
 def test_the_claim_about_messages_is_the_verdict_on_their_ratios(found: PaperResult) -> None:
@@ -354,3 +360,59 @@ def test_manoeuvres_are_those_of_the_ranked_trips(trips: list[Trajectory], found
     assert {one.kind for one in found.complement.survivals} <= {
         one.kind.value for found_on in counts for one in found_on.manoeuvres
     }
+
+
+def paired(verdict: str, *, radio: str = "dsrc", by_range: bool = False, hybrid: float = 1.0) -> PairedRow:
+    """A row of the collisions in traffic that came to this verdict."""
+    return PairedRow(
+        density_per_km=100.0,
+        radio=radio,
+        bank="paper",
+        threshold_m=0.2,
+        figure="collision_rate_hz",
+        low_m=50.0,
+        high_m=150.0,
+        by_range=by_range,
+        seeds=3,
+        hybrid=hybrid,
+        hybrid_low=None,
+        hybrid_high=None,
+        baseline=2.0,
+        baseline_low=None,
+        baseline_high=None,
+        difference=hybrid - 2.0,
+        difference_low=None,
+        difference_high=None,
+        verdict=verdict,  # type: ignore[arg-type]
+    )
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "expected"),
+    [
+        (["fewer", "fewer"], "holds"),
+        (["more", "more"], "fails"),
+        (["fewer", "more"], "in part"),
+        (["fewer", "no difference shown"], "in part"),
+        (["no difference shown"], "not shown"),
+        (["one seed"], "not shown"),
+        ([], "not run"),
+    ],
+)
+def test_collisions_are_fewer_where_every_density_has_fewer(
+    found: PaperResult, verdicts: list[str], expected: str
+) -> None:
+    rows = [paired(verdict) for verdict in verdicts]
+    rows += [paired("more", by_range=True)] if rows else []
+    result = with_traffic(found, rows)
+    claims = {row.name: row for row in result.claims}
+    assert claims["fewer collisions"].verdicts == {"plain": expected}
+    assert claims["a channel less busy"].verdicts == {"plain": "not run"}
+    assert len(result.claims) == len(found.claims)
+
+
+def test_the_worst_density_is_named_by_its_ratio(found: PaperResult) -> None:
+    rows = [paired("fewer"), paired("more", radio="sidelink", hybrid=3.0)]
+    (claim,) = (row for row in with_traffic(found, rows).claims if row.name == "fewer collisions")
+    assert claim.worst == "sidelink, 100/km, 20 cm: 1.50 times the baseline's"
+    assert claim.figure == "dsrc: fewer 1; sidelink: more 1"

@@ -3,8 +3,9 @@
 ``summary.json`` (`paper_document`)
     ``schema`` (1), ``modelcast`` (version), ``plan``, ``choices``, ``claims``, ``readings`` (rows of
     `modelcast.study.compare.result` that pool all trips), ``complement``, ``manoeuvres`` (of every trip),
-    ``evaluation`` (as the ``summary.json`` of ``modelcast evaluate``, of the plain reading; of tracking, rows that
-    pool all trips), ``failures``, ``skipped``. A number that does not exist is null.
+    ``evaluation`` (as the ``summary.json`` of ``modelcast evaluate``, of the plain reading; of tracking, rows
+    that pool all trips), ``traffic`` (rows of `modelcast.study.network.pairs`; empty without ``--traffic``),
+    ``failures``, ``skipped``. A number that does not exist is null.
 ``claims.csv``
     One row for each claim and reading: claim, place, reading, verdict.
 
@@ -57,6 +58,7 @@ def paper_document(result: PaperResult) -> dict[str, Any]:
         },
         "manoeuvres": [_counted(one) for one in result.manoeuvres],
         "evaluation": summary_document(_without_trips(result.evaluation)),
+        "traffic": [row_document(row) for row in result.traffic],
         "failures": plain_value(result.failures),
         "skipped": plain_value(result.skipped),
     }

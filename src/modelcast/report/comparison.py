@@ -9,13 +9,13 @@ from rich.table import Table
 from modelcast.report.console import failures_table, warning_texts
 from modelcast.report.figures.comparison import plot_comparison, worst_rows
 from modelcast.report.figures.files import drawn, write_drawings
-from modelcast.report.figures.panels import centimetres
 from modelcast.report.headline import nearest_ratio
 from modelcast.report.literal import literal, markdown
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
 from modelcast.study.compare.result import CandidateRow, ComparisonResult, RatioRow
+from modelcast.study.wording import centimetres
 
 __all__ = ["comparison_console", "comparison_markdown", "write_comparison_report"]
 

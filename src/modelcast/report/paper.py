@@ -19,10 +19,12 @@ from modelcast.report.figures.rates import plot_rates
 from modelcast.report.figures.readings import plot_readings
 from modelcast.report.figures.system import plot_algorithm, plot_system
 from modelcast.report.figures.timeline import plot_timeline
+from modelcast.report.figures.traffic import TRAFFIC_FIGURES
 from modelcast.report.literal import literal, markdown
 from modelcast.report.page import CSS, escape, number, page, table
 from modelcast.report.paper_texts import CAPTIONS, INTRODUCTION, READING_NOTE, TITLES, WHY_THEY_DIFFER
 from modelcast.report.style import style
+from modelcast.report.traffic import traffic_section
 from modelcast.report.warnings import warning_lines
 from modelcast.study.paper.choices import CHOICES, PLAIN_LABEL
 from modelcast.study.paper.result import ClaimRow, PaperResult, ReadingResult
@@ -55,7 +57,7 @@ def write_paper_report(result: PaperResult, folder: str | Path) -> list[Path]:
 
 
 def draw_paper(result: PaperResult) -> list[Drawing]:
-    """Draw all figures of a reproduction, in the order of `TITLES`.
+    """Draw all figures of a reproduction, in the order of `TITLES`, then those of traffic where it was run.
 
     Parameters
     ----------
@@ -77,7 +79,11 @@ def draw_paper(result: PaperResult) -> list[Drawing]:
             "manoeuvre": plot_manoeuvre(whole),
             "readings": plot_readings(result),
         }
-        return [drawn(name, figures[name]) for name in TITLES]
+        drawings = [drawn(name, figures[name]) for name in TITLES]
+        if result.traffic:
+            own = result.traffic
+            drawings += [drawn(name, plot(own)) for name, (_, plot) in TRAFFIC_FIGURES.items()]
+        return drawings
 
 
 def _illustrated(result: PaperResult) -> EvaluationResult:
@@ -131,6 +137,7 @@ def paper_page(result: PaperResult, drawings: Iterable[Drawing]) -> str:
         _verdict_table(result),
         "<h2>Figures</h2>",
         *_figures(result, drawings),
+        traffic_section(result.traffic) if result.traffic else "",
         "<h2>How it was measured</h2>",
         table(
             ("claim", "measure", "worst trip", "figure", "command"),
@@ -156,10 +163,11 @@ def _figures(result: PaperResult, drawings: Iterable[Drawing]) -> list[str]:
         **{f"distribution_{basis}": own["tracking_distribution"] for basis, own in by_basis.items()},
         **{f"loss_{basis}": own["tracking_loss"] for basis, own in by_basis.items()},
         **CAPTIONS,
+        **{name: caption for name, (caption, _) in TRAFFIC_FIGURES.items()},
     }
     parts: list[str] = []
     for place, drawing in enumerate(drawings, start=1):
-        title = escape(TITLES[drawing.name])
+        title = escape(TITLES.get(drawing.name, "In traffic"))
         image = base64.b64encode(drawing.svg).decode("ascii")
         parts.append(
             f'<figure><img style="width:{drawing.width_in:g}in" alt="{title}" '

@@ -12,7 +12,7 @@ from modelcast.report.style import style
 from modelcast.study.network.densities import counted_verdicts
 from modelcast.study.network.pairs import PairedRow
 
-__all__ = ["traffic_markdown", "write_traffic_report"]
+__all__ = ["traffic_markdown", "traffic_section", "write_traffic_report"]
 
 _SCOPE = (
     "The hybrid (mbc) against the error-driven baseline at the same threshold: mbc / baseline, then the "
@@ -100,6 +100,24 @@ def _joined(cells: Sequence[str]) -> str:
     return "| " + " | ".join(map(markdown, cells)) + " |"
 
 
+def traffic_section(rows: Sequence[PairedRow]) -> str:
+    """Return verdicts and table as markup, for a page.
+
+    Parameters
+    ----------
+    rows
+        As for `traffic_markdown`.
+    """
+    return "\n".join(
+        [
+            "<h2>In traffic</h2>",
+            f'<p class="scope">{escape(_SCOPE)}</p>',
+            "<ul>" + "".join(f"<li>{escape(line)}</li>" for line in _told(rows)) + "</ul>",
+            table(_HEADS, _cells(rows), text_columns=4),
+        ]
+    )
+
+
 def write_traffic_report(rows: Sequence[PairedRow], folder: str | Path) -> list[Path]:
     """Write ``traffic.md``, ``traffic.html`` and the figures of the first bank; return their paths.
 
@@ -117,9 +135,7 @@ def write_traffic_report(rows: Sequence[PairedRow], folder: str | Path) -> list[
         drawings = [drawn(name, plot(own)) for name, (_, plot) in TRAFFIC_FIGURES.items()]
     body = [
         "<h1>The hybrid against the baseline in traffic</h1>",
-        f'<p class="scope">{escape(_SCOPE)}</p>',
-        "<ul>" + "".join(f"<li>{escape(line)}</li>" for line in _told(rows)) + "</ul>",
-        table(_HEADS, _cells(rows), text_columns=4),
+        traffic_section(rows),
         f'<p class="note">Figures: bank {escape(bank)}.</p>',
     ]
     for drawing, (caption, _) in zip(drawings, TRAFFIC_FIGURES.values(), strict=True):

@@ -6,9 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from modelcast.report.figures.panels import centimetres, drawable
+from modelcast.report.figures.panels import drawable
 from modelcast.report.style import INK, PAGE_IN, POLICY_COLOURS, new_figure, style
 from modelcast.study.paper.result import PaperResult
+from modelcast.study.wording import centimetres
 
 __all__ = ["plot_readings"]
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from matplotlib.colors import to_hex, to_rgb
 
-from modelcast.report.figures.panels import centimetres, drawable
+from modelcast.report.figures.panels import drawable
 from modelcast.study.network.rows import (
     NO_BANK,
     NO_THRESHOLD,
@@ -23,6 +23,7 @@ from modelcast.study.network.rows import (
     RunRow,
     SecondRow,
 )
+from modelcast.study.wording import centimetres
 
 __all__ = ["NO_THRESHOLD_TEXT", "Curve", "also_told", "sender_curves", "threshold_text"]
 

@@ -18,10 +18,11 @@ from modelcast.study.paper.readings import ReadingRows
 from modelcast.study.paper.result import ClaimRow, ReadingResult
 from modelcast.study.paper.verdict import Estimate, Verdict, verdict_of
 from modelcast.study.result import POOLED, EvaluationResult
+from modelcast.study.wording import centimetres
 
-__all__ = ["claim_rows"]
+__all__ = ["COMMAND", "claim_rows"]
 
-_COMMAND = "modelcast reproduce paper TRIPS..."
+COMMAND = "modelcast reproduce paper TRIPS..."
 _LEAST_SHARE = 0.01
 
 
@@ -107,7 +108,7 @@ def _by_reading(plan: PaperPlan) -> tuple[_ByReading, ...]:
             "Airtime of MBC over the baseline's at the same threshold, all layers counted, below 1.",
             "message_rate",
             lambda rows, _: [
-                (_cm(row.threshold_m), Estimate(row.airtime_ratio, row.airtime_low, row.airtime_high))
+                (centimetres(row.threshold_m), Estimate(row.airtime_ratio, row.airtime_low, row.airtime_high))
                 for row in rows.messages
             ],
             _no_trip,
@@ -158,7 +159,7 @@ def _judged(claim: _ByReading, readings: Sequence[ReadingResult]) -> ClaimRow:
             for one in readings
         },
         shown_in=claim.shown_in,
-        command=_COMMAND,
+        command=COMMAND,
     )
 
 
@@ -169,13 +170,13 @@ def _hybrid(readings: Sequence[ReadingResult]) -> ClaimRow:
         found: list[tuple[str, Estimate]] = []
         for both, alone in zip(rows.messages, rows.alone, strict=True):
             if alone.message_ratio >= 1.0:
-                found.append((_cm(both.threshold_m), _message_estimate(both)))
+                found.append((centimetres(both.threshold_m), _message_estimate(both)))
                 continue
             low, high = both.difference_low, both.difference_high
             scale = alone.message_ratio
             found.append(
                 (
-                    _cm(both.threshold_m),
+                    centimetres(both.threshold_m),
                     Estimate(
                         both.message_ratio / scale,
                         None if low is None else 1.0 + low / scale,
@@ -194,7 +195,7 @@ def _hybrid(readings: Sequence[ReadingResult]) -> ClaimRow:
         worst="",
         verdicts={one.labelled.label: verdict_of([x for _, x in estimates(one.rows)]) for one in readings},
         shown_in="readings",
-        command=_COMMAND,
+        command=COMMAND,
     )
 
 
@@ -221,7 +222,7 @@ def _falling(evaluation: EvaluationResult) -> ClaimRow:
         worst="",
         verdicts={PLAIN_LABEL: verdict},
         shown_in="message_rate",
-        command=_COMMAND,
+        command=COMMAND,
     )
 
 
@@ -255,7 +256,7 @@ def _sweep(evaluation: EvaluationResult, plan: PaperPlan) -> ClaimRow:
         worst="",
         verdicts=found,
         shown_in="tracking_loss",
-        command=_COMMAND,
+        command=COMMAND,
     )
 
 
@@ -287,12 +288,14 @@ def _complementary(found: Complement) -> ClaimRow:
         "they complete each other",
         "evaluation",
         "At times one sub-model stays under the threshold while the other fails, and the other way round.",
-        measure=f"Time that each alone held, at {_cm(found.threshold_m)}; holds where both had 1 % or more.",
+        measure=(
+            f"Time that each alone held, at {centimetres(found.threshold_m)}; holds where both had 1 % or more."
+        ),
         figure=f"{only}, both {rest[0]:.1f} %, neither {rest[1]:.1f} %",
         worst="",
         verdicts={PLAIN_LABEL: verdict},
         shown_in="sub_models",
-        command=_COMMAND,
+        command=COMMAND,
     )
 
 
@@ -319,14 +322,14 @@ def _manoeuvres(found: Complement) -> ClaimRow:
         "evaluation",
         "In a manoeuvre the Gaussian process follows the true path longer than constant velocity.",
         measure=(
-            f"Time until each path is {_cm(found.threshold_m)} off, from half a second before each manoeuvre "
-            "on, 4 s at most; holds where the process wins more of them than chance would (95 %)."
+            f"Time until each path is {centimetres(found.threshold_m)} off, from half a second before each "
+            "manoeuvre on, 4 s at most; holds where the process wins more of them than chance would (95 %)."
         ),
         figure=shown,
         worst="",
         verdicts={PLAIN_LABEL: verdict},
         shown_in="manoeuvre",
-        command=_COMMAND,
+        command=COMMAND,
     )
 
 
@@ -335,13 +338,13 @@ def _message_estimate(row: RatioRow) -> Estimate:
 
 
 def _message_estimates(rows: Iterable[RatioRow]) -> list[tuple[str, Estimate]]:
-    return [(_cm(row.threshold_m), _message_estimate(row)) for row in rows]
+    return [(centimetres(row.threshold_m), _message_estimate(row)) for row in rows]
 
 
 def _tracking_estimates(rows: Iterable[TrackingRatioRow], quantile: str) -> list[tuple[str, Estimate]]:
     return [
         (
-            f"{quantile} {_cm(row.threshold_m)}",
+            f"{quantile} {centimetres(row.threshold_m)}",
             Estimate(*(getattr(row, f"{quantile}_{what}") for what in ("ratio", "low", "high"))),
         )
         for row in rows
@@ -352,7 +355,7 @@ def _worst_messages(rows: Sequence[RatioRow]) -> str:
     worst = max(rows, key=lambda row: row.worst_ratio, default=None)
     if worst is None or worst.trips < 2:
         return ""
-    return f"{worst.worst_trip} {worst.worst_ratio:.2f} at {_cm(worst.threshold_m)}"
+    return f"{worst.worst_trip} {worst.worst_ratio:.2f} at {centimetres(worst.threshold_m)}"
 
 
 def _worst_tracking(rows: Sequence[TrackingRatioRow], quantile: str) -> str:
@@ -360,7 +363,7 @@ def _worst_tracking(rows: Sequence[TrackingRatioRow], quantile: str) -> str:
     if len({row.trip for row in rows}) < 2 or not usable:
         return ""
     worst = max(usable, key=lambda row: getattr(row, f"{quantile}_ratio"))
-    return f"{worst.trip} {getattr(worst, f'{quantile}_ratio'):.2f} at {_cm(worst.threshold_m)}"
+    return f"{worst.trip} {getattr(worst, f'{quantile}_ratio'):.2f} at {centimetres(worst.threshold_m)}"
 
 
 def _shown(estimates: Sequence[tuple[str, Estimate]]) -> str:
@@ -368,7 +371,3 @@ def _shown(estimates: Sequence[tuple[str, Estimate]]) -> str:
         f"{name}: {one.value:.2f}" + ("" if one.low is None else f" ({one.low:.2f} to {one.high:.2f})")
         for name, one in estimates
     )
-
-
-def _cm(threshold_m: float) -> str:
-    return f"{100 * threshold_m:.4g} cm"

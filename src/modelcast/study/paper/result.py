@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 
 from modelcast.study.compare.result import RatioRow
+from modelcast.study.network.pairs import PairedRow
 from modelcast.study.paper.choices import LabelledReading
 from modelcast.study.paper.complement import Complement
 from modelcast.study.paper.plan import PaperPlan
@@ -97,6 +98,8 @@ class PaperResult:
         The plain reading first, then one at a time, then the best and the worst.
     claims
         One a claim.
+    traffic
+        The hybrid against the baseline in simulated traffic; empty where it was not run.
     failures, skipped
         Trips that could not be evaluated, and files and vehicles that held no trip, with the reason.
     """
@@ -108,5 +111,6 @@ class PaperResult:
     manoeuvres: tuple[ManoeuvreCounts, ...]
     readings: tuple[ReadingResult, ...]
     claims: tuple[ClaimRow, ...]
+    traffic: tuple[PairedRow, ...] = ()
     failures: Mapping[str, str] = field(default_factory=dict[str, str])
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])

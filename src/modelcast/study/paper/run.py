@@ -22,6 +22,7 @@ from modelcast.study.paper.complement import Complement, complement
 from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.paper.readings import ReadingRows, figure_of, run_reading
 from modelcast.study.paper.result import PaperResult, ReadingResult
+from modelcast.study.paper.traffic import with_traffic
 from modelcast.study.result import EvaluationResult
 from modelcast.trips.manoeuvres.base import ManoeuvreCounts
 from modelcast.trips.manoeuvres.rank import count_manoeuvres, rank_trips
@@ -159,7 +160,7 @@ def reproduce_paper(
     readings += [_result(one, by_run) for one in ends]
     if not isinstance(evaluation, EvaluationResult) or not isinstance(driven, Driven):
         raise TypeError(f"each returned {type(evaluation).__name__}, {type(driven).__name__} out of order")
-    return PaperResult(
+    found = PaperResult(
         plan,
         evaluation=evaluation,
         complement=driven.complement,
@@ -168,6 +169,7 @@ def reproduce_paper(
         claims=claim_rows(readings, evaluation, driven.complement, plan),
         failures=failures,
     )
+    return with_traffic(found, ())
 
 
 def _result(labelled: LabelledReading, by_run: dict[Reading, ReadingRows]) -> ReadingResult:
