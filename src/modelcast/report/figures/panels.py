@@ -6,6 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from modelcast.report.style import COLUMN_IN, PAGE_IN, new_figure
+from modelcast.study.wording import centimetres
 
 __all__ = ["MOST_PANELS", "drawable", "empty_figure", "panel_grid", "top_legend"]
 

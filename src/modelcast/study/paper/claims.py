@@ -289,7 +289,7 @@ def _complementary(found: Complement) -> ClaimRow:
         "evaluation",
         "At times one sub-model stays under the threshold while the other fails, and the other way round.",
         measure=(
-            f"Time that each alone held, at {centimetres(found.threshold_m)}; holds where both had 1 % or more."
+            f"Time that each alone held, at {centimetres(found.threshold_m)}; holds where both had 1 %."
         ),
         figure=f"{only}, both {rest[0]:.1f} %, neither {rest[1]:.1f} %",
         worst="",
