@@ -1,8 +1,8 @@
 """Generated drives whose manoeuvres are known: what counting manoeuvres is measured by.
 
 A drive is a random row of manoeuvres and of what looks like one and is none: bends, S-bends, motorway ramps,
-swerves within the lane, gentle braking, crawling, and a sway about the lane's middle all along. Sizes, durations and shapes
-are drawn from wide ranges, so that no shape that is looked for is the one driven.
+swerves within the lane, gentle braking, crawling, and a sway about the lane's middle all along. Sizes,
+durations and shapes are drawn from wide ranges, so that no shape that is looked for is the one driven.
 """
 
 from collections.abc import Callable, Mapping

@@ -22,7 +22,7 @@ MAX_RADIUS_M = 60.0
 """A bend with a larger radius belongs to the road; junctions are turned at 6 m to 30 m."""
 
 MIN_RADIUS_M = 3.0
-"""A smaller one is no bend: the vehicle reversed, or stood and its position wandered. Chords widen a corner."""
+"""A smaller one is no bend: the vehicle reversed, or stood while its position wandered."""
 
 U_TURN_RAD = np.deg2rad(150.0)
 """A U-turn changes the course by more than this, within `U_TURN_RADIUS_M`."""

@@ -2,9 +2,9 @@
 
 A lane change leaves the course and comes back to it. In the course over time it is a bump whose integral,
 times the speed, is the lateral shift. So at every instant the course of the seconds around it is fitted by
-that of the road (constant, slope and curvature over time: a straight line, a bend, a transition curve) and
-a bump of each of several durations. The bump counts where it explains what the road leaves, where a bend
-into another direction explains it worse, and where the shift is that of a lane.
+that of a road of one radius, straight or bent, and a bump of each of several durations. The bump counts
+where it explains what the road leaves, where a road of three radii one after the other (a bend between
+straights, an S-bend) explains it worse, and where the shift is that of a lane.
 """
 
 from collections.abc import Sequence
@@ -33,13 +33,13 @@ MAX_SHIFT_M = 5.2
 MIN_SPEED_MPS = 5.0
 """Slower vehicles do not change lanes here: they park, queue and turn."""
 
-EXPLAINED_RATIO = 0.85
+EXPLAINED_RATIO = 0.9
 """Least share that the bump explains of what the course of the road leaves."""
 
 MAX_BEND_RATIO = 0.7
-"""The bump leaves at most this share of what a bend would leave."""
+"""The bump leaves at most this share of what the best road of three radii would leave."""
 
-MIN_BUMP_RATIO = 0.15
+MIN_BUMP_RATIO = 0.2
 """Least height of the bump in shares of what the road turns meanwhile: drivers steer a bend unevenly."""
 
 _GRID_S = 0.2
@@ -81,7 +81,7 @@ def find_lane_changes(motion: Motion) -> list[FoundManoeuvre]:
 
     Notes
     -----
-    With course psi (clockwise), speed v and a bump g of integral 1, psi(t) = a + b t + c t² + (D / v) g(t), D
+    With course psi (clockwise), speed v and a bump g of integral 1, psi(t) = a + b t + (D / v) g(t), D
     the shift to the right. A bend of the road that shifts the vehicle by a lane's width and goes on as before
     looks the same: without a map nobody can tell.
 
@@ -107,24 +107,22 @@ def _stretches(motion: Motion, part: slice) -> list[tuple[FloatArray, FloatArray
     if span_s <= 0.0:
         return []
     at = t_s[0] + 0.5 * _CHORD_S + _GRID_S * np.arange(int(span_s / _GRID_S + 1e-9) + 1)
-    chord = np.stack(
-        [
-            np.interp(at + 0.5 * _CHORD_S, t_s, position[:, axis])
-            - np.interp(at - 0.5 * _CHORD_S, t_s, position[:, axis])
-            for axis in (0, 1)
-        ],
-        axis=1,
-    )
+    half_s = 0.5 * _CHORD_S
+    chord = _place(at + half_s, t_s, position) - _place(at - half_s, t_s, position)
     speed = np.hypot(chord[:, 0], chord[:, 1]) / _CHORD_S
     course = np.arctan2(chord[:, 0], chord[:, 1])
     edges = np.flatnonzero(np.diff(np.concatenate([[False], speed > MIN_SPEED_MPS, [False]]).astype(np.int8)))
     return [(at[a:b], np.unwrap(course[a:b]), speed[a:b]) for a, b in edges.reshape(-1, 2)]
 
 
+def _place(at_s: FloatArray, t_s: FloatArray, position: FloatArray) -> FloatArray:
+    return np.stack([np.interp(at_s, t_s, position[:, axis]) for axis in (0, 1)], axis=1)
+
+
 @cache
 def _shape(duration_s: float) -> _Shape:
     half = round((0.5 * duration_s + 0.5 * _CHORD_S + _FLANK_S) / _GRID_S)
-    t = np.arange(-half, half + 1) * _GRID_S
+    t = np.asarray(np.arange(-half, half + 1) * _GRID_S, dtype=np.float64)
     bump = _bump(t, duration_s)
     road = _orthonormal(np.ones_like(t), t)
     left = bump - road @ (road.T @ bump)
@@ -189,9 +187,7 @@ def _fitted(t_s: FloatArray, course: FloatArray, speed: FloatArray, shape: _Shap
     ]
 
 
-def _bends_lose(
-    windows: FloatArray, amount: FloatArray, unexplained: FloatArray, shape: _Shape
-) -> IntArray:
+def _bends_lose(windows: FloatArray, amount: FloatArray, unexplained: FloatArray, shape: _Shape) -> IntArray:
     """Rows of the windows in which no road of up to three radii comes near, and the road turns little."""
     straight = windows @ shape.road
     energy = (windows**2).sum(axis=1) - (straight**2).sum(axis=1)
