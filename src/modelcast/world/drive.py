@@ -1,7 +1,7 @@
 """A generated drive: what `modelcast demo` runs on where no recording is at hand.
 
-A script of manoeuvres is laid out (`modelcast.world.script`) and driven. The sender's input is GPS at the rows' rate plus the last
-CAN message before each row.
+A script of manoeuvres is laid out (`modelcast.world.script`) and driven. The sender's input is GPS at the
+rows' rate plus the last CAN message before each row.
 """
 
 from dataclasses import KW_ONLY, dataclass, replace

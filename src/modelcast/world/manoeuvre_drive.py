@@ -1,8 +1,8 @@
 """Generated drives whose manoeuvres are known: what counting manoeuvres is measured by.
 
-A drive is a random row of manoeuvres and of what looks like one and is none: bends, S-bends, swerves within
-the lane, gentle braking, crawling, and a sway about the lane's middle all along. Sizes, durations and shapes
-are drawn from wide ranges, so that no shape that is looked for is the one driven.
+A drive is a random row of manoeuvres and of what looks like one and is none: bends, S-bends, motorway ramps,
+swerves within the lane, gentle braking, crawling, and a sway about the lane's middle all along. Sizes,
+durations and shapes are drawn from wide ranges, so that no shape that is looked for is the one driven.
 """
 
 from collections.abc import Callable, Mapping
@@ -93,7 +93,7 @@ def _lane_change_in_bend(plan: _Plan) -> None:
 
 def _turn(plan: _Plan) -> None:
     plan.reach(4.5, 8.0)
-    side, start, angle = plan.side(), plan.now_s, np.deg2rad(plan.draw(65.0, 115.0))
+    side, start, angle = plan.side(), plan.now_s, np.deg2rad(plan.draw(55.0, 125.0))
     plan.script.turn(side * angle, plan.draw(1.8, 3.0))
     plan.note(ManoeuvreKind.TURN, start, angle, side)
 
@@ -109,7 +109,7 @@ def _roundabout(plan: _Plan) -> None:
     """Entry to one side, circulation to the other, exit to the first."""
     plan.reach(5.5, 8.0)
     side, start = plan.side(), plan.now_s
-    angle = np.deg2rad(plan.draw(65.0, 290.0))
+    angle = np.deg2rad(plan.draw(55.0, 290.0))
     plan.script.turn(-side * np.deg2rad(plan.draw(25.0, 50.0)), plan.draw(1.8, 2.8))
     plan.script.keep("roundabout", plan.draw(0.1, 0.5))
     plan.script.turn(side * angle, plan.draw(2.0, 3.0))
@@ -121,7 +121,7 @@ def _roundabout(plan: _Plan) -> None:
 def _stop(plan: _Plan) -> None:
     plan.reach(6.0, 20.0)
     plan.script.change_speed("brake", 0.0, plan.draw(1.2, 2.8), _JERK_MPS3)
-    start, stood = plan.now_s, plan.draw(3.5, 20.0)
+    start, stood = plan.now_s, plan.draw(2.5, 20.0)
     plan.script.keep("stop", stood)
     plan.note(ManoeuvreKind.STOP, start, stood)
 
@@ -147,6 +147,23 @@ def _s_bend(plan: _Plan) -> None:
     plan.script.turn(-side * angle * plan.draw(0.7, 1.3), lateral)
 
 
+def _staggered(plan: _Plan) -> None:
+    """Two turns to opposite sides, some metres apart: no roundabout."""
+    side = plan.side()
+    for turned in (side, -side):
+        plan.reach(4.5, 8.0)
+        start, angle = plan.now_s, np.deg2rad(plan.draw(70.0, 100.0))
+        plan.script.turn(turned * angle, plan.draw(1.8, 3.0))
+        plan.note(ManoeuvreKind.TURN, start, angle, turned)
+        plan.script.keep("between", plan.draw(1.0, 4.0))
+
+
+def _ramp(plan: _Plan) -> None:
+    """A loop of a motorway junction: far round, and too wide for a roundabout or a turn."""
+    plan.reach(14.0, 18.0)
+    plan.script.turn(plan.side() * np.deg2rad(plan.draw(150.0, 280.0)), plan.draw(2.0, 2.6))
+
+
 def _swerve(plan: _Plan) -> None:
     """A shift within the lane, as past a parked car."""
     plan.reach(8.0, 25.0)
@@ -162,7 +179,9 @@ def _crawl(plan: _Plan) -> None:
 _MENU: Mapping[Callable[[_Plan], None], float] = {
     _lane_change: 0.16,
     _lane_change_in_bend: 0.06,
-    _turn: 0.14,
+    _turn: 0.10,
+    _staggered: 0.04,
+    _ramp: 0.03,
     _u_turn: 0.04,
     _roundabout: 0.09,
     _stop: 0.08,
@@ -208,7 +227,7 @@ def generate_known_drive(seed: int, duration_s: float = 1200.0, rate_hz: float =
     while plan.now_s < duration_s:
         items[int(rng.choice(len(items), p=shares / shares.sum()))](plan)
         plan.reach(6.0, 32.0)
-        plan.script.keep("cruise", plan.draw(4.0, 9.0), plan.draw(0.0, 0.4))
+        plan.script.keep("cruise", plan.draw(1.5, 9.0), plan.draw(0.0, 0.4))
     heading = float(rng.uniform(-np.pi, np.pi))
     _sway(plan.script, sway_rng)
     fine = integrate(plan.script, speed_mps=_FIRST_SPEED_MPS, heading_rad=heading)

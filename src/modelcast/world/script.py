@@ -86,7 +86,7 @@ class Script:
     ) -> None:
         """Move to the right (side = 1) or left (-1): one wave of lateral acceleration.
 
-        ``skew_ratio`` is the share of the time in which the vehicle leaves its course; the rest brings it back.
+        ``skew_ratio`` is the share of the time in which the vehicle leaves its course.
         """
         self.add("lane change", *lateral_wave(side * shift_m, duration_s, skew_ratio))
 
@@ -108,7 +108,7 @@ class FinePath:
 
 
 def lateral_wave(shift_m: float, duration_s: float, skew_ratio: float = 0.5) -> tuple[FloatArray, FloatArray]:
-    """Accelerations along (none) and across, (N,) [m/s²], that shift a path to the right and bring it back."""
+    """Accelerations along (none) and across, (N,) [m/s²], that shift a path to the right."""
     count = round(duration_s / FINE_S)
     phase = (np.arange(count) + 0.5) / count
     leaving = phase < skew_ratio

@@ -1,6 +1,6 @@
 """The course of a trip with its manoeuvres marked by kind."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from itertools import groupby
 
 import numpy as np
@@ -8,13 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from modelcast.core.arrays import FloatArray
+from modelcast.report.figures.files import Drawing, drawn
 from modelcast.report.figures.panels import drawable
 from modelcast.report.style import FAINT, INK, PAGE_IN, new_figure, style
 from modelcast.trips.manoeuvres.base import KINDS, FoundManoeuvre, ManoeuvreCounts, ManoeuvreKind
 from modelcast.trips.recorder import parts
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["KIND_COLOURS", "plot_course"]
+__all__ = ["KIND_COLOURS", "course_drawings", "plot_course"]
 
 KIND_COLOURS = {
     ManoeuvreKind.LANE_CHANGE: "#0072b2",
@@ -73,6 +74,19 @@ def plot_course(trip: Trajectory, counts: ManoeuvreCounts) -> Figure:
         axes.set_ylabel("North of the start [m]")
         figure.legend(loc="outside lower center", ncols=4)
         return figure
+
+
+def course_drawings(trips: Iterable[tuple[Trajectory, ManoeuvreCounts]]) -> Iterator[Drawing]:
+    """Yield the courses, drawn, named ``course_001``, ``course_002``, ... in the order given.
+
+    Parameters
+    ----------
+    trips
+        Trips with their manoeuvres.
+    """
+    for at, (trip, counts) in enumerate(trips, start=1):
+        with style():
+            yield drawn(f"course_{at:03d}", plot_course(trip, counts))
 
 
 def _draw(

@@ -90,6 +90,10 @@ class FoundManoeuvre:
         if not self.size >= 0.0:
             raise ValueError(f"{self.kind}: size must be at least 0, got {self.size}")
 
+    def overlaps(self, other: "FoundManoeuvre") -> bool:
+        """Whether the two have time in common."""
+        return self.start_s < other.end_s and other.start_s < self.end_s
+
 
 @dataclass(frozen=True, slots=True)
 class ManoeuvreCounts:

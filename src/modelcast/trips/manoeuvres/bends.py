@@ -21,8 +21,8 @@ __all__ = ["MAX_RADIUS_M", "find_bends"]
 MAX_RADIUS_M = 60.0
 """A bend with a larger radius belongs to the road; junctions are turned at 6 m to 30 m."""
 
-MIN_RADIUS_M = 2.0
-"""A smaller one is no bend: the vehicle reversed, or stood and its position wandered."""
+MIN_RADIUS_M = 3.0
+"""A smaller one is no bend: the vehicle reversed, or stood while its position wandered."""
 
 U_TURN_RAD = np.deg2rad(150.0)
 """A U-turn changes the course by more than this, within `U_TURN_RADIUS_M`."""
@@ -189,4 +189,5 @@ def _island(path: _Path, lobes: Sequence[_Lobe], at: int) -> tuple[int, int] | N
     near = lobe.start_m - entry.end_m < _NEIGHBOUR_M and leaving.start_m - lobe.end_m < _NEIGHBOUR_M
     other = lobe.side not in (entry.side, leaving.side)
     deflected = min(entry.angle_rad, leaving.angle_rad) > DEFLECTION_RAD
+    near = near and min(entry.radius_m, leaving.radius_m) > MIN_ISLAND_RADIUS_M
     return (at - 1, at + 1) if near and other and deflected else None

@@ -2,9 +2,9 @@
 
 A lane change leaves the course and comes back to it. In the course over time it is a bump whose integral,
 times the speed, is the lateral shift. So at every instant the course of the seconds around it is fitted by
-that of the road (constant, slope and curvature over time: a straight line, a bend, a transition curve) and
-a bump of each of several durations. The bump counts where it explains what the road leaves, where a bend
-into another direction explains it worse, and where the shift is that of a lane.
+that of a road of one radius, straight or bent, and a bump of each of several durations. The bump counts
+where it explains what the road leaves, where a road of three radii one after the other (a bend between
+straights, an S-bend) explains it worse, and where the shift is that of a lane.
 """
 
 from collections.abc import Sequence
@@ -33,18 +33,18 @@ MAX_SHIFT_M = 5.2
 MIN_SPEED_MPS = 5.0
 """Slower vehicles do not change lanes here: they park, queue and turn."""
 
-EXPLAINED_RATIO = 0.85
+EXPLAINED_RATIO = 0.9
 """Least share that the bump explains of what the course of the road leaves."""
 
 MAX_BEND_RATIO = 0.7
-"""The bump leaves at most this share of what a bend would leave."""
+"""The bump leaves at most this share of what the best road of three radii would leave."""
 
-MAX_RATE_RADPS = 0.2
-"""Fastest turning of the road under a lane change; 0.2 rad/s at 15 m/s are 0.3 g."""
+MIN_BUMP_RATIO = 0.2
+"""Least height of the bump in shares of what the road turns meanwhile: drivers steer a bend unevenly."""
 
 _GRID_S = 0.2
 _CHORD_S = 1.0  # course over this long: long against noise, short against a lane change
-_FLANK_S = 2.5  # course before and after the bump that tells the road's
+_FLANK_S = 2.0  # course before and after the bump that tells the road's
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +56,7 @@ class _Shape:
     bump: FloatArray
     _: KW_ONLY
     bump_norm: float
+    height: float
     weights: FloatArray
     bends: FloatArray
     core: int
@@ -80,7 +81,7 @@ def find_lane_changes(motion: Motion) -> list[FoundManoeuvre]:
 
     Notes
     -----
-    With course psi (clockwise), speed v and a bump g of integral 1, psi(t) = a + b t + c t² + (D / v) g(t), D
+    With course psi (clockwise), speed v and a bump g of integral 1, psi(t) = a + b t + (D / v) g(t), D
     the shift to the right. A bend of the road that shifts the vehicle by a lane's width and goes on as before
     looks the same: without a map nobody can tell.
 
@@ -106,24 +107,22 @@ def _stretches(motion: Motion, part: slice) -> list[tuple[FloatArray, FloatArray
     if span_s <= 0.0:
         return []
     at = t_s[0] + 0.5 * _CHORD_S + _GRID_S * np.arange(int(span_s / _GRID_S + 1e-9) + 1)
-    chord = np.stack(
-        [
-            np.interp(at + 0.5 * _CHORD_S, t_s, position[:, axis])
-            - np.interp(at - 0.5 * _CHORD_S, t_s, position[:, axis])
-            for axis in (0, 1)
-        ],
-        axis=1,
-    )
+    half_s = 0.5 * _CHORD_S
+    chord = _place(at + half_s, t_s, position) - _place(at - half_s, t_s, position)
     speed = np.hypot(chord[:, 0], chord[:, 1]) / _CHORD_S
     course = np.arctan2(chord[:, 0], chord[:, 1])
     edges = np.flatnonzero(np.diff(np.concatenate([[False], speed > MIN_SPEED_MPS, [False]]).astype(np.int8)))
     return [(at[a:b], np.unwrap(course[a:b]), speed[a:b]) for a, b in edges.reshape(-1, 2)]
 
 
+def _place(at_s: FloatArray, t_s: FloatArray, position: FloatArray) -> FloatArray:
+    return np.stack([np.interp(at_s, t_s, position[:, axis]) for axis in (0, 1)], axis=1)
+
+
 @cache
 def _shape(duration_s: float) -> _Shape:
     half = round((0.5 * duration_s + 0.5 * _CHORD_S + _FLANK_S) / _GRID_S)
-    t = np.arange(-half, half + 1) * _GRID_S
+    t = np.asarray(np.arange(-half, half + 1) * _GRID_S, dtype=np.float64)
     bump = _bump(t, duration_s)
     road = _orthonormal(np.ones_like(t), t)
     left = bump - road @ (road.T @ bump)
@@ -135,6 +134,7 @@ def _shape(duration_s: float) -> _Shape:
         road,
         left / norm,
         bump_norm=norm,
+        height=float(bump.max()) / norm,
         weights=bump / bump.sum(),
         bends=np.stack(bends),
         core=round(0.5 * duration_s / _GRID_S),
@@ -174,7 +174,7 @@ def _fitted(t_s: FloatArray, course: FloatArray, speed: FloatArray, shape: _Shap
         & (unexplained < (1.0 - EXPLAINED_RATIO) * left)
     )
     rows = np.flatnonzero(good)
-    rows = rows[_bends_lose(windows[rows], unexplained[rows], shape)]
+    rows = rows[_bends_lose(windows[rows], amount[rows], unexplained[rows], shape)]
     middle = shape.rows // 2
     return [
         _Candidate(
@@ -187,16 +187,17 @@ def _fitted(t_s: FloatArray, course: FloatArray, speed: FloatArray, shape: _Shap
     ]
 
 
-def _bends_lose(windows: FloatArray, unexplained: FloatArray, shape: _Shape) -> IntArray:
-    """Rows of the windows in which no road of up to three radii comes near, and the road turns slowly."""
+def _bends_lose(windows: FloatArray, amount: FloatArray, unexplained: FloatArray, shape: _Shape) -> IntArray:
+    """Rows of the windows in which no road of up to three radii comes near, and the road turns little."""
     straight = windows @ shape.road
     energy = (windows**2).sum(axis=1) - (straight**2).sum(axis=1)
     best = np.zeros(energy.size)
     for pair in shape.bends:
         np.maximum(best, ((windows @ pair) ** 2).sum(axis=1), out=best)
     bent = np.maximum(energy - best, 1e-18)
-    rate = np.abs(straight[:, 1]) * abs(shape.road[1, 1] - shape.road[0, 1]) / _GRID_S
-    return np.flatnonzero((unexplained < MAX_BEND_RATIO * bent) & (rate < MAX_RATE_RADPS))
+    turned = np.abs(straight[:, 1] * (shape.road[1, 1] - shape.road[0, 1])) * 2 * shape.core
+    height = np.abs(amount) * shape.height
+    return np.flatnonzero((unexplained < MAX_BEND_RATIO * bent) & (height > MIN_BUMP_RATIO * turned))
 
 
 def _distinct(candidates: Sequence[_Candidate]) -> list[FoundManoeuvre]:

@@ -4,8 +4,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from modelcast.trips.inspection import TripInspection
-from modelcast.trips.manoeuvres.base import FoundManoeuvre, ManoeuvreCounts
+from modelcast.trips.inspection import STOP_SPEED_MPS, TripInspection
+from modelcast.trips.manoeuvres.base import ManoeuvreCounts
 from modelcast.trips.manoeuvres.bends import find_bends
 from modelcast.trips.manoeuvres.lane_changes import find_lane_changes
 from modelcast.trips.manoeuvres.motion import read_motion
@@ -38,13 +38,13 @@ def count_manoeuvres(trip: Trajectory, inspection: TripInspection | None = None)
     """
     motion = read_motion(trip, inspection)
     bends = find_bends(motion)
-    lanes = [one for one in find_lane_changes(motion) if not any(_overlap(one, bend) for bend in bends)]
+    lanes = [one for one in find_lane_changes(motion) if not any(one.overlaps(bend) for bend in bends)]
     found = sorted(
         [*lanes, *bends, *find_stops(motion), *find_hard_brakes(motion)],
         key=lambda one: (one.start_s, one.end_s, one.kind),
     )
     path = motion.trip.position_m
-    moving = motion.travelled_mps > 0.5
+    moving = motion.travelled_mps > STOP_SPEED_MPS
     distance = sum(
         float(np.hypot(*np.diff(path[part][moving[part]], axis=0).T).sum()) for part in parts(motion.trip)
     )
@@ -60,7 +60,3 @@ def rank_trips(counts: Iterable[ManoeuvreCounts]) -> list[ManoeuvreCounts]:
         One a trip.
     """
     return sorted(counts, key=lambda one: (tuple(-value for value in one.merit), one.trip_id))
-
-
-def _overlap(one: FoundManoeuvre, other: FoundManoeuvre) -> bool:
-    return one.start_s < other.end_s and other.start_s < one.end_s
