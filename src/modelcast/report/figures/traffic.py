@@ -5,11 +5,13 @@ is drawn by range is drawn of the lowest and the highest threshold, at one densi
 """
 
 from collections.abc import Callable, Sequence
+from math import isfinite, nan
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from modelcast.report.figures.panels import empty_figure
 from modelcast.report.figures.scales import density_scale, end_below, from_zero, legend_above, log_scale
 from modelcast.report.figures.senders import Curve, threshold_text
 from modelcast.report.style import INK, PAGE_IN, new_figure
@@ -37,14 +39,15 @@ Panel = tuple[str, str, float]
 def one_density(rows: Sequence[PairedRow]) -> float:
     """Return the density that is drawn where there is room for one: the one nearest to 400/km.
 
+    Traffic that has a density of its own has that one alone, NaN.
+
     Parameters
     ----------
     rows
-        All rows.
+        At least one.
     """
-    return min(
-        (row.density_per_km for row in rows), key=lambda density: (abs(density - _NEAR_PER_KM), density)
-    )
+    every = {row.density_per_km for row in rows if isfinite(row.density_per_km)}
+    return min(every, key=lambda density: (abs(density - _NEAR_PER_KM), density), default=nan)
 
 
 def _thresholds(rows: Sequence[PairedRow]) -> list[float]:
@@ -124,6 +127,9 @@ def plot_load(rows: Sequence[PairedRow]) -> Figure:
     rows
         Of one bank, as `modelcast.study.network.pairs.traffic_rows` gives them.
     """
+    rows = [row for row in rows if isfinite(row.density_per_km)]
+    if not rows:
+        return empty_figure("no density was varied")
     radios, thresholds = _radios(rows), _thresholds(rows)
     figure, grid = _panels(radios, 3)
     for line, radio in zip(grid, radios, strict=True):
@@ -167,13 +173,14 @@ def _by_range(rows: Sequence[PairedRow], panels: Sequence[Panel], *, log: bool) 
     radios, thresholds = _radios(rows), _ends(rows)
     figure, grid = _panels(radios, len(panels))
     for line, radio in zip(grid, radios, strict=True):
-        line[0].set_title(f"{radio}, {density:g}/km", loc="left")
+        place = f"{density:g}/km" if isfinite(density) else "own density"
+        line[0].set_title(f"{radio}, {place}", loc="left")
         for axes, (name, label, factor) in zip(line, panels, strict=True):
             own = [
                 row
                 for row in rows
                 if (row.radio, row.figure, row.by_range) == (radio, name, True)
-                and row.density_per_km == density
+                and repr(row.density_per_km) == repr(density)
                 and row.high_m <= _FARTHEST_M
             ]
             if log:
@@ -228,6 +235,9 @@ def plot_by_density(rows: Sequence[PairedRow]) -> Figure:
     rows
         As for `plot_load`.
     """
+    rows = [row for row in rows if isfinite(row.density_per_km)]
+    if not rows:
+        return empty_figure("no density was varied")
     radios, thresholds = _radios(rows), _thresholds(rows)
     figure, grid = _panels(radios, len(_TRACKING))
     for line, radio in zip(grid, radios, strict=True):
