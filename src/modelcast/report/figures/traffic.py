@@ -6,6 +6,7 @@ is drawn by range is drawn of the lowest and the highest threshold, at one densi
 
 from collections.abc import Callable, Sequence
 from math import isfinite, nan
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -31,6 +32,8 @@ _SPREAD = 0.03
 _NEAR_PER_KM = 400.0
 """Where one density is drawn it is that of the runs next to this one [1/km]."""
 _FARTHEST_M = 300.0
+_BENEATH: dict[str, Any] = {"linewidth": 2.2, "markersize": 6.0}
+"""Look of the baseline, which is drawn first: it must show where the hybrid lies on it."""
 
 Panel = tuple[str, str, float]
 """Figure of `PairedRow`, what the axis says, factor to what it shows."""
@@ -95,7 +98,8 @@ def _draw(
             name = "hybrid" if policy == HYBRID else "baseline"
             aside = 1.0 + spread * (2 * at + (policy == HYBRID) - 0.5 * (count - 1))
             place = np.array([place_of(row) for row in own]) * aside
-            axes.plot(place, [factor * getattr(row, name) for row in own], **curve.marked)
+            look = {**curve.marked, **_BENEATH} if policy == BASELINE else curve.marked
+            axes.plot(place, [factor * getattr(row, name) for row in own], **look)
             bounds = [(getattr(row, f"{name}_low"), getattr(row, f"{name}_high")) for row in own]
             _bars(axes, place, bounds, factor, curve.colour)
 
