@@ -70,8 +70,11 @@ def test_the_command_takes_the_runs_up_and_the_plan_those_of_the_command(
 
     other, steps = tmp_path / "out", list[int]()
     assert run([*SAME.split(), "--seeds", "1", "--out", str(other)]) == 0
-    again = run_traffic(other, SMALL, jobs=1, progress=lambda done, _: steps.append(done))
+    told: list[str] = []
+    again = run_traffic(other, SMALL, jobs=1, progress=lambda done, _: steps.append(done), say=told.append)
     assert steps == list(range(8, 17))
+    assert [line.split(":")[0] for line in told[1:]] == ["16 runs (8 done before)"]
+    assert told[0].startswith("the whole plan takes about ")
     assert again.rows == found.rows
 
 

@@ -1,5 +1,6 @@
 """Claims about table and figures of the hybrid against the baseline in traffic."""
 
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -101,6 +102,17 @@ def test_the_difference_is_drawn_as_it_is() -> None:
 
 def test_one_density_is_the_one_nearest_to_400() -> None:
     assert one_density(rows()) == 400.0
+
+
+def test_traffic_of_its_own_density_is_drawn_by_range_alone(tmp_path: Path) -> None:
+    own = [replace(one, density_per_km=np.nan) for one in rows() if one.density_per_km == 400.0]
+    assert "| - | dsrc | paper | 50 cm |" in traffic_markdown(own)
+    assert len(write_traffic_report(own, tmp_path)) == 2 + 2 * len(TRAFFIC_FIGURES)
+    with style():
+        by_range, by_density = (TRAFFIC_FIGURES[f"traffic_{name}"][1](own) for name in ("range", "density"))
+    assert by_range.axes[0].get_title(loc="left") == "dsrc, own density"
+    assert len(by_range.axes[0].get_lines()) == 4
+    assert not by_density.axes
 
 
 @pytest.mark.parametrize("seeds", [1, 10])

@@ -87,7 +87,7 @@ def run_traffic(
     progress
         Takes runs done and runs to do.
     say
-        Takes lines for the user, before the first run.
+        Takes lines for the user before the first run: how long the plan takes, how much of it is done.
 
     Raises
     ------
@@ -95,6 +95,7 @@ def run_traffic(
         Where the plan cannot be run, or the folder holds runs of other options.
     """
     shared = network_plan(plan)
+    say(f"the whole plan takes about {plan.expected_s(jobs) / 3600.0:.1g} h, {jobs} at a time")
     cases = network_cases(shared, Varied(plan.densities_per_km, plan.radios, plan.policies, plan.seeds))
     asked = Sweep(shared, cases, senders=sender_rows(shared, plan.policies))
 

@@ -1,6 +1,7 @@
 """The hybrid against the error-driven baseline in traffic, for people: verdicts, a page, four figures."""
 
 from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
 
 from modelcast.report.figures.files import drawn, write_drawings
@@ -59,7 +60,8 @@ def _cells(rows: Sequence[PairedRow]) -> list[list[str]]:
     groups: dict[tuple[str, ...], dict[str, PairedRow]] = {}
     for row in rows:
         if not row.by_range:
-            key = (f"{row.density_per_km:g}", row.radio, row.bank, threshold_text(row.threshold_m))
+            density = f"{row.density_per_km:g}" if isfinite(row.density_per_km) else "-"
+            key = (density, row.radio, row.bank, threshold_text(row.threshold_m))
             groups.setdefault(key, {})[row.figure] = row
     return [
         [

@@ -5,11 +5,14 @@ is drawn by range is drawn of the lowest and the highest threshold, at one densi
 """
 
 from collections.abc import Callable, Sequence
+from math import isfinite, nan
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from modelcast.report.figures.panels import empty_figure
 from modelcast.report.figures.scales import density_scale, end_below, from_zero, legend_above, log_scale
 from modelcast.report.figures.senders import Curve, threshold_text
 from modelcast.report.style import INK, PAGE_IN, new_figure
@@ -29,6 +32,8 @@ _SPREAD = 0.03
 _NEAR_PER_KM = 400.0
 """Where one density is drawn it is that of the runs next to this one [1/km]."""
 _FARTHEST_M = 300.0
+_BENEATH: dict[str, Any] = {"linewidth": 2.2, "markersize": 6.0}
+"""Look of the baseline, which is drawn first: it must show where the hybrid lies on it."""
 
 Panel = tuple[str, str, float]
 """Figure of `PairedRow`, what the axis says, factor to what it shows."""
@@ -37,14 +42,15 @@ Panel = tuple[str, str, float]
 def one_density(rows: Sequence[PairedRow]) -> float:
     """Return the density that is drawn where there is room for one: the one nearest to 400/km.
 
+    Traffic that has a density of its own has that one alone, NaN.
+
     Parameters
     ----------
     rows
-        All rows.
+        At least one.
     """
-    return min(
-        (row.density_per_km for row in rows), key=lambda density: (abs(density - _NEAR_PER_KM), density)
-    )
+    every = {row.density_per_km for row in rows if isfinite(row.density_per_km)}
+    return min(every, key=lambda density: (abs(density - _NEAR_PER_KM), density), default=nan)
 
 
 def _thresholds(rows: Sequence[PairedRow]) -> list[float]:
@@ -92,7 +98,8 @@ def _draw(
             name = "hybrid" if policy == HYBRID else "baseline"
             aside = 1.0 + spread * (2 * at + (policy == HYBRID) - 0.5 * (count - 1))
             place = np.array([place_of(row) for row in own]) * aside
-            axes.plot(place, [factor * getattr(row, name) for row in own], **curve.marked)
+            look = {**curve.marked, **_BENEATH} if policy == BASELINE else curve.marked
+            axes.plot(place, [factor * getattr(row, name) for row in own], **look)
             bounds = [(getattr(row, f"{name}_low"), getattr(row, f"{name}_high")) for row in own]
             _bars(axes, place, bounds, factor, curve.colour)
 
@@ -124,6 +131,9 @@ def plot_load(rows: Sequence[PairedRow]) -> Figure:
     rows
         Of one bank, as `modelcast.study.network.pairs.traffic_rows` gives them.
     """
+    rows = [row for row in rows if isfinite(row.density_per_km)]
+    if not rows:
+        return empty_figure("no density was varied")
     radios, thresholds = _radios(rows), _thresholds(rows)
     figure, grid = _panels(radios, 3)
     for line, radio in zip(grid, radios, strict=True):
@@ -167,13 +177,14 @@ def _by_range(rows: Sequence[PairedRow], panels: Sequence[Panel], *, log: bool) 
     radios, thresholds = _radios(rows), _ends(rows)
     figure, grid = _panels(radios, len(panels))
     for line, radio in zip(grid, radios, strict=True):
-        line[0].set_title(f"{radio}, {density:g}/km", loc="left")
+        place = f"{density:g}/km" if isfinite(density) else "own density"
+        line[0].set_title(f"{radio}, {place}", loc="left")
         for axes, (name, label, factor) in zip(line, panels, strict=True):
             own = [
                 row
                 for row in rows
                 if (row.radio, row.figure, row.by_range) == (radio, name, True)
-                and row.density_per_km == density
+                and repr(row.density_per_km) == repr(density)
                 and row.high_m <= _FARTHEST_M
             ]
             if log:
@@ -228,6 +239,9 @@ def plot_by_density(rows: Sequence[PairedRow]) -> Figure:
     rows
         As for `plot_load`.
     """
+    rows = [row for row in rows if isfinite(row.density_per_km)]
+    if not rows:
+        return empty_figure("no density was varied")
     radios, thresholds = _radios(rows), _thresholds(rows)
     figure, grid = _panels(radios, len(_TRACKING))
     for line, radio in zip(grid, radios, strict=True):
