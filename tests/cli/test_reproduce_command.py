@@ -9,7 +9,7 @@ import pytest
 
 from modelcast.cli.app import run
 from modelcast.io.write_trips import write_csv
-from modelcast.study.paper.choices import CHOICES, one_at_a_time
+from modelcast.study.paper.choices import CHOICES, ENDS, one_at_a_time
 from modelcast.world.drive import generate_drive
 
 SMALL = ("--threshold", "0.3", "0.5", "--per", "0", "0.4", "--seeds", "2", "--resamples", "50")
@@ -53,7 +53,7 @@ def test_a_reproduction_leaves_a_report_claims_and_figures(done: Path) -> None:
 def test_the_summary_holds_every_reading_and_the_choices_it_comes_from(done: Path) -> None:
     summary = json.loads((done / "summary.json").read_text())
     labels = [one.label for one in one_at_a_time()]
-    assert [one["label"] for one in summary["readings"]] == [*labels, "best", "worst"]
+    assert [one["label"] for one in summary["readings"]] == [*labels, *ENDS]
     assert [one["field"] for one in summary["choices"]] == [choice.field for choice in CHOICES]
     assert {row["trip"] for row in summary["evaluation"]["tracking"]} == {"all"}
     plain = summary["readings"][0]

@@ -292,11 +292,12 @@ def paper_console(result: PaperResult) -> RenderableType:
         The reproduction.
     """
     claims = Table(title="Claims", title_justify="left", header_style="")
-    for head in ("claim", "plain", "best", "worst"):
+    for head in ("claim", "plain reading", "holds in"):
         claims.add_column(head)
     for row in result.claims:
-        cells = [row.verdicts.get(label, "") for label in (PLAIN_LABEL, "best", "worst")]
-        claims.add_row(literal(row.name), *cells)
+        holds = sum(verdict == "holds" for verdict in row.verdicts.values())
+        all_of_them = f"{holds} of {len(row.verdicts)} readings" if len(row.verdicts) > 1 else ""
+        claims.add_row(literal(row.name), row.verdicts[PLAIN_LABEL], all_of_them)
     readings = Table(title="Over the baseline, mean of the thresholds", title_justify="left", header_style="")
     readings.add_column("reading")
     for head in ("messages", f"p90, PER {100 * result.plan.headline_ratio:g} %"):

@@ -21,26 +21,30 @@ INTRODUCTION = (
     ),
     (
         "Sentences below are the paper's in our words. Where it leaves a choice open, every "
-        "option is run by itself, the others plain; `best` and `worst` take of every choice the "
-        "option that was best or worst by itself on these very trips, so they are the ends of "
-        "what can be read out of the text, not results to quote."
+        "option is run by itself, the others plain. Four more readings take of every choice the "
+        "option that by itself gave the fewest or the most messages, or the best or the worst "
+        "tracking, on these very trips: they are the ends of what can be read out of the text, "
+        "not results to quote."
     ),
 )
 
 READING_NOTE = (
-    "Ratios are to the baseline at 20 to 50 cm, left to right; in brackets 95 % bootstrap "
-    "intervals over the trips, of which one trip has none. A claim holds where every interval "
-    "lies below 1, fails where every one lies above, is not shown where none lies to one side, "
-    "and holds in part otherwise."
+    "Ratios are to the baseline at rising thresholds; in brackets 95 % bootstrap intervals over "
+    "the trips, of which one trip has none. A claim holds where every interval lies below 1, "
+    "fails where every one lies above, is not shown where none lies to one side, and holds in "
+    "part otherwise. Without intervals the ratios themselves decide."
 )
 
 WHY_THEY_DIFFER = (
-    "Two things make most of the difference. The start rule and the order of the bank decide how "
-    "many identifications follow an update: where constant velocity is in use first and soon "
-    "fails, most updates are followed by an identification; updates themselves do not depend on "
-    "it. And the rate basis decides whom the hybrid is held against under loss: a baseline that "
-    "sends as often as MBC sends updates has fewer messages than MBC sends in all, by its "
-    "identifications, and so falls behind; at the rate of all messages it has as many."
+    "Why readings differ: updates come when all sub-models have failed, whoever is in use; the "
+    "start rule, the identification rule and the order of the bank decide how many "
+    "identifications come on top, and an identification counts as a message. With constant "
+    "velocity in use first, each update whose constant velocity fails early is followed by one; "
+    "the rule `best` names every change of the smallest error. The rate basis decides whom the "
+    "hybrid is held against under loss: a baseline at the rate of updates has fewer messages than"
+    " MBC sends in all, by the identifications, so it falls behind; at the rate of all messages "
+    "it has as many. Without noise in the log the process may fit it closely; behind a sensor it "
+    "extrapolates the noise."
 )
 
 TITLES = {

@@ -19,6 +19,7 @@ from modelcast.study.rules import RateBasis
 
 __all__ = [
     "CHOICES",
+    "ENDS",
     "PLAIN",
     "PLAIN_LABEL",
     "Choice",
@@ -33,7 +34,15 @@ __all__ = [
 Order = Literal["cv-first", "gp-first"]
 Schedule = Literal["periodic", "matched"]
 Figure = Literal["messages", "tracking"]
-"""Which figure says that one option is better than another: messages sent, or the error under loss."""
+"""What says that one option is better than another: messages sent, or the error under loss."""
+
+ENDS: dict[str, tuple[Figure, Literal[1, -1]]] = {
+    "fewest messages": ("messages", 1),
+    "most messages": ("messages", -1),
+    "best tracking": ("tracking", 1),
+    "worst tracking": ("tracking", -1),
+}
+"""Readings that take of every choice the option whose figure, times the sign, was smallest by itself."""
 
 PLAIN_LABEL = "plain"
 """Label of the reading that takes the first option of every choice."""
@@ -124,8 +133,6 @@ class Choice:
         In tables, and as a question.
     stated
         Whether the paper says it: the first option is then its own.
-    moves
-        Which figure ranks the options.
     options
         The first is the one of `PLAIN`.
     """
@@ -134,7 +141,6 @@ class Choice:
     title: str
     question: str
     stated: bool
-    moves: Figure
     options: tuple[Option, ...]
 
 
@@ -144,7 +150,6 @@ CHOICES = (
         "start rule",
         "Which sub-model is in use after an update?",
         stated=False,
-        moves="messages",
         options=(
             Option("order", "order", "the first of the bank"),
             Option("keep", "keep", "the one in use before"),
@@ -156,7 +161,6 @@ CHOICES = (
         "identification rule",
         "When is another sub-model named?",
         stated=False,
-        moves="messages",
         options=(
             Option("on-failure", "on failure", "when the one in use fails while another holds"),
             Option("final", "final", "the same, and who failed once is out until the next update"),
@@ -168,7 +172,6 @@ CHOICES = (
         "order of the bank",
         "Which of the two sub-models comes first?",
         stated=False,
-        moves="messages",
         options=(
             Option("cv-first", "constant velocity", "constant velocity, then the Gaussian process"),
             Option("gp-first", "Gaussian process", "the Gaussian process, then constant velocity"),
@@ -179,7 +182,6 @@ CHOICES = (
         "noise floor",
         "How little position noise may the Gaussian process assume?",
         stated=False,
-        moves="messages",
         options=(
             Option(PAPER_NOISE_FLOOR_M, "none", "a hundredth of a millimetre stands for none"),
             Option(0.001, "1 mm", "1 mm"),
@@ -191,7 +193,6 @@ CHOICES = (
         "velocity",
         "Where does constant velocity, and with it the baseline, take its velocity from?",
         stated=False,
-        moves="messages",
         options=(
             Option(
                 "auto", "as logged", "the log's speed and heading; a quadratic through four positions if none"
@@ -204,7 +205,6 @@ CHOICES = (
         "what is true",
         "What is a prediction held against?",
         stated=True,
-        moves="messages",
         options=(
             Option("recorded", "the log", "the position that the sender's own receiver logged next"),
             Option(
@@ -219,7 +219,6 @@ CHOICES = (
         "rounding",
         "Are sub-models used as messages carry them?",
         stated=False,
-        moves="messages",
         options=(
             Option(False, "none", "as they were fitted"),
             Option(True, "as sent", "rounded as modelcast's messages carry them"),
@@ -230,7 +229,6 @@ CHOICES = (
         "keep-alive",
         "Does a sender that has nothing to correct speak at all?",
         stated=False,
-        moves="tracking",
         options=(
             Option(None, "none", "never"),
             Option(2.0, "2 s", "after 2 s of silence"),
@@ -241,7 +239,6 @@ CHOICES = (
         "rate basis",
         "Which of MBC's messages does the baseline under loss send as many of?",
         stated=True,
-        moves="tracking",
         options=(
             Option("update", "updates", "as many as MBC sends model updates"),
             Option("total", "all messages", "as many as MBC sends updates and identifications"),
@@ -252,7 +249,6 @@ CHOICES = (
         "baseline's schedule",
         "When does the baseline of that rate send?",
         stated=False,
-        moves="tracking",
         options=(
             Option("periodic", "periodic", "at equal intervals"),
             Option(
@@ -271,7 +267,7 @@ class LabelledReading:
     Parameters
     ----------
     label
-        ``plain``, ``best``, ``worst``, or the choice and the option that differ from the plain one.
+        ``plain``, one of `ENDS`, or the choice and the option that differ from the plain one.
     reading
         The options.
     choice, option

@@ -95,7 +95,7 @@ class PaperResult:
     manoeuvres
         Of every trip, the richest trip first.
     readings
-        The plain reading first, then one at a time, then the best and the worst.
+        The plain reading first, then one at a time, then the ends.
     claims
         One a claim.
     traffic

@@ -1,4 +1,4 @@
-"""The whole reproduction: the plain reading, every choice one at a time, then the best and the worst."""
+"""The whole reproduction: the plain reading, every choice one at a time, then their ends."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -9,8 +9,10 @@ from modelcast.study.compare.stage import usable_trips
 from modelcast.study.evaluate import evaluate
 from modelcast.study.paper.choices import (
     CHOICES,
+    ENDS,
     PLAIN,
     Choice,
+    Figure,
     LabelledReading,
     Option,
     Reading,
@@ -125,7 +127,7 @@ def reproduce_paper(
     >>> plan = PaperPlan((0.5,), (0.4,), seeds=1, resamples=10)
     >>> result = reproduce_paper([generate_drive(seed=1, duration_s=90.0).truth], plan)
     >>> [reading.labelled.label for reading in result.readings][-2:]
-    ['best', 'worst']
+    ['best tracking', 'worst tracking']
     """
     plan = PaperPlan() if plan is None else plan
     usable, failures = usable_trips(trips, int(PLAIN.bank.windows.max()))
@@ -134,7 +136,7 @@ def reproduce_paper(
     # The longest first, so that no process waits long for the last one.
     jobs = [Job(what, usable, plan) for what in ("evaluation", "driven")]
     jobs += [Job("reading", usable, plan, reading) for reading in runs]
-    steps = len(jobs) + 2
+    steps = len(jobs) + len(ENDS)
     done = 0
 
     def counted(found: Iterable[Found]) -> Iterator[Found]:
@@ -148,9 +150,7 @@ def reproduce_paper(
     evaluation, driven, *rows = counted(each(run_job, jobs))
     by_run = {reading: one for reading, one in zip(runs, rows, strict=True) if isinstance(one, ReadingRows)}
     readings = [_result(one, by_run) for one in labelled]
-    ends = [
-        combined(label, _options(readings, sign=sign)) for label, sign in (("best", 1.0), ("worst", -1.0))
-    ]
+    ends = [combined(label, _options(readings, figure, sign)) for label, (figure, sign) in ENDS.items()]
     missing = list(dict.fromkeys(one.reading.run for one in ends if one.reading.run not in by_run))
     steps = len(jobs) + len(missing)
     more = counted(each(run_job, [Job("reading", usable, plan, reading) for reading in missing]))
@@ -182,12 +182,12 @@ def _result(labelled: LabelledReading, by_run: dict[Reading, ReadingRows]) -> Re
     )
 
 
-def _options(readings: Sequence[ReadingResult], *, sign: float) -> Iterator[tuple[Choice, Option]]:
-    """Of every choice the option that by itself gave the smallest figure, or with -1 the largest."""
+def _options(readings: Sequence[ReadingResult], figure: Figure, sign: int) -> Iterator[tuple[Choice, Option]]:
+    """Of every choice the option whose figure was the smallest by itself, or with -1 the largest."""
     by_label = {(one.labelled.choice, one.labelled.option): one for one in readings}
     plain = readings[0]
     for choice in CHOICES:
         found = [by_label.get((choice.title, option.label), plain) for option in choice.options]
-        figures = np.array([sign * getattr(one, choice.moves) for one in found])
+        figures = np.array([sign * getattr(one, figure) for one in found])
         at = int(np.nanargmin(figures)) if np.isfinite(figures).any() else 0
         yield choice, choice.options[at]
