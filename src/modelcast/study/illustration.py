@@ -127,7 +127,7 @@ def draw_manoeuvre(case: TripCase, banks: Sequence[TripRuntime], threshold_m: fl
             predicted[name] = path
             error = np.hypot(*(path - truth_m).T)
             failed: IntArray = np.flatnonzero(error >= threshold_m)
-            survival[name] = float(horizons_s[failed[0]] if failed.size else horizons_s[-1])
+            survival[name] = float(horizons_s[failed[0]]) if failed.size else np.inf
     return Manoeuvre(
         case.truth.trip_id,
         float(t_s[start]),

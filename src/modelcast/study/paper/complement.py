@@ -12,10 +12,15 @@ from modelcast.study.illustration import STRETCH_S, draw_manoeuvre, draw_timelin
 from modelcast.study.paper.choices import Reading
 from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.result import Manoeuvre, Timeline
-from modelcast.trips.manoeuvres.base import FoundManoeuvre
+from modelcast.trips.manoeuvres.base import FoundManoeuvre, ManoeuvreKind
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["Complement", "Survival", "complement"]
+
+_SHOWN_KINDS = frozenset(
+    {ManoeuvreKind.LANE_CHANGE, ManoeuvreKind.TURN, ManoeuvreKind.U_TURN, ManoeuvreKind.ROUNDABOUT}
+)
+"""Manoeuvres that a map shows something of: those to a side, before a stop or a hard brake."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +58,8 @@ class Complement:
     timeline
         The stretch in which each holds longest while the other fails; None where no trip has one.
     manoeuvre
-        The manoeuvre in which the paths of both part the most; None where no trip has one.
+        The manoeuvre in which the paths of both part the most, of those to a side if there are any; None
+        where no trip has one.
     survivals
         One a manoeuvre.
     """
@@ -91,7 +97,7 @@ def complement(
     only_s: FloatArray = np.zeros(len(settings.bank.members))
     both_s = neither_s = 0.0
     best, timeline = 0.0, None
-    widest, manoeuvre = 0.0, None
+    widest, manoeuvre = (False, 0.0), None
     survivals: list[Survival] = []
     for trip, found in zip(trips, manoeuvres, strict=True):
         case = make_case(trip, settings)
@@ -114,16 +120,17 @@ def complement(
             drawn = draw_manoeuvre(case, [ready], threshold_m, index)
             if len(drawn.predicted_m) < len(settings.bank.members):
                 continue  # the window before it is not full: there is but one path
-            survivals.append(Survival(trip.trip_id, one.kind.value, drawn.start_s, dict(drawn.survival_s)))
-            apart = _parting(drawn)
-            if apart > widest:
-                widest, manoeuvre = apart, drawn
+            survivals.append(_survival(drawn, one.kind))
+            apart_s = _parting(survivals[-1])
+            rank = one.kind in _SHOWN_KINDS, apart_s
+            if apart_s > 0.0 and rank > widest:
+                widest, manoeuvre = rank, drawn
     return Complement(
         tuple(member.name for member in settings.bank.members),
         threshold_m,
         only_s=tuple(only_s.tolist()),
-        both_s=both_s,
-        neither_s=neither_s,
+        both_s=float(both_s),
+        neither_s=float(neither_s),
         timeline=timeline,
         manoeuvre=manoeuvre,
         survivals=tuple(survivals),
@@ -142,7 +149,14 @@ def _richest(alone: BoolArray, t_s: FloatArray, dt_s: float) -> tuple[float, int
     return float(shorter[first]) * dt_s, min(middle, t_s.size - 1)
 
 
-def _parting(drawn: Manoeuvre) -> float:
+def _survival(drawn: Manoeuvre, kind: ManoeuvreKind) -> Survival:
+    """How long each path stayed near: to the end of what was drawn at most."""
+    longest_s = float(drawn.horizons_s[-1])
+    lives = {name: min(life_s, longest_s) for name, life_s in drawn.survival_s.items()}
+    return Survival(drawn.trip, kind.value, drawn.start_s, lives)
+
+
+def _parting(survival: Survival) -> float:
     """How far the survival times of the paths lie apart [s]."""
-    lives = list(drawn.survival_s.values())
+    lives = list(survival.survival_s.values())
     return max(lives) - min(lives)
