@@ -45,7 +45,7 @@ def drive(
     middle = 0.5 * (course[1:] + course[:-1])
     steps = fine_m * np.stack([np.sin(middle), np.cos(middle)], axis=1)
     path = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
-    way = np.arange(path.shape[0]) * fine_m
+    way = np.asarray(np.arange(path.shape[0]) * fine_m, dtype=np.float64)
     t_s = np.arange(0.0, way[-1] / speed_mps, dt_s)
     return build_trajectory("made/1", t_s, along(way, path, speed_mps * t_s))
 

@@ -101,7 +101,7 @@ def find_bends(motion: Motion) -> list[FoundManoeuvre]:
 
     References
     ----------
-    NCHRP Report 672, "Roundabouts: An Informational Guide", 2nd ed., 2010, exhibits 1-9 and 6-9, DOI
+    NCHRP Report 672, "Roundabouts: An Informational Guide", 2nd ed., 2010, exhibit 1-9, DOI
     10.17226/22914.
     """
     found = list[FoundManoeuvre]()
