@@ -21,6 +21,7 @@ from modelcast.trips.manoeuvres.lane_changes import MAX_SHIFT_M, MIN_SHIFT_M, MI
 from modelcast.trips.manoeuvres.rank import count_manoeuvres, rank_trips
 from modelcast.trips.manoeuvres.stops import DRIVEN_M, MIN_STAND_S
 from modelcast.trips.trajectory import Trajectory, build_trajectory
+from modelcast.world.drive import generate_drive
 from modelcast.world.manoeuvre_drive import generate_known_drive
 
 SHIFT_ERROR_M = 0.35
@@ -233,10 +234,22 @@ def test_a_gap_parts_a_trip_but_loses_nothing_beside_it() -> None:
     """Two lane changes, the seconds between them missing."""
     one = shifted(3.5)
     t_s = np.concatenate([one.t_s, one.t_s[-1] + 8.0 + one.t_s])
-    offset = np.array([3.5, one.position_m[-1, 1] + 160.0])
+    offset = np.array([3.5, one.position_m[-1, 1] + 160.0])  # a jump over the gap is no braking
     trip = build_trajectory("made/1", t_s, np.concatenate([one.position_m, one.position_m + offset]))
     assert trip.segments.size == 3
     assert kinds(trip) == [("lane change", "right")] * 2
+
+
+@settings(derandomize=True, deadline=None, max_examples=4)
+@given(seed=st.integers(0, 1000))
+def test_manoeuvres_of_the_demo_drive_are_counted_as_its_script_says(seed: int) -> None:
+    drive = generate_drive(seed, duration_s=200.0)
+    whole = [m.name for m in drive.manoeuvres if m.end_s < 199.0]
+    for trip in (drive.truth, drive.input):
+        found = count_manoeuvres(trip).by_kind
+        assert whole.count("stop") <= found[ManoeuvreKind.STOP] <= whole.count("stop") + 1
+        assert whole.count("turn") <= found[ManoeuvreKind.TURN] <= whole.count("turn") + 1
+        assert found[ManoeuvreKind.HARD_BRAKE] == 1
 
 
 def test_the_merit_is_total_then_kinds_then_manoeuvres_a_kilometre() -> None:
@@ -272,6 +285,7 @@ def test_a_trip_of_a_moment_holds_nothing(samples: int) -> None:
     assert found(build_trajectory("made/1", t_s, np.stack([10.0 * t_s, 0.0 * t_s], axis=1))) == []
 
 
+@pytest.mark.real
 def test_the_safety_pilot_trip_holds_its_one_turn_and_no_stop(spmd_trip: Trajectory) -> None:
     by_kind = count_manoeuvres(spmd_trip).by_kind
     assert by_kind[ManoeuvreKind.TURN] == 1
@@ -279,6 +293,7 @@ def test_the_safety_pilot_trip_holds_its_one_turn_and_no_stop(spmd_trip: Traject
     assert by_kind[ManoeuvreKind.ROUNDABOUT] == by_kind[ManoeuvreKind.U_TURN] == 0
 
 
+@pytest.mark.real
 def test_a_test_track_is_not_taken_for_roundabouts(data_folder: Path) -> None:
     """Two laps of the handling course: its one tight bend twice, and the stop at the end."""
     trips = list(read_trips(data_folder / "openacc_zalazone" / "no_ACC__handling_part22.csv"))
@@ -288,6 +303,7 @@ def test_a_test_track_is_not_taken_for_roundabouts(data_folder: Path) -> None:
     assert sum(one.by_kind[ManoeuvreKind.LANE_CHANGE] for one in counts) <= 2
 
 
+@pytest.mark.real
 def test_two_receivers_in_one_car_tell_the_same_manoeuvres(data_folder: Path) -> None:
     """A plain receiver beside an RTK one: bends and stops alike, lane changes within one."""
     plain, rtk = (
