@@ -19,7 +19,7 @@ def trips(
     json: bool = False,
     quiet: bool = False,
 ) -> int:
-    """Show each trip's duration, rate, gaps, grid, held values, noise, events, skipped and odd samples.
+    """Show each trip's duration, rate, gaps, grid, held values, noise, manoeuvres, skipped and odd samples.
 
     With --rank: count the manoeuvres of each trip, and order the trips by them.
 
@@ -68,13 +68,18 @@ def trips(
         return rank_source(
             source, paths, top=top, out=out, figures=figures, as_json=json, quiet=quiet or json
         )
-    from modelcast.report.inspection import inspection_document, inspection_report
+    from modelcast.report.inspection import Findings, inspection_document, inspection_report
     from modelcast.station.receiver.plausibility import trip_findings
     from modelcast.study.settings import EvaluationSettings
-    from modelcast.trips.inspection import inspect
+    from modelcast.trips.inspection import TripInspection, inspect
+    from modelcast.trips.manoeuvres.base import ManoeuvreCounts
+    from modelcast.trips.manoeuvres.rank import count_manoeuvres
 
+    found = list[tuple[TripInspection, Findings, ManoeuvreCounts]]()
     with watched(source, quiet=quiet or json) as shown:
-        found = [(inspect(one), trip_findings(one)) for one in shown]
+        for one in shown:
+            quality = inspect(one)
+            found.append((quality, trip_findings(one), count_manoeuvres(one, quality)))
     if not found:
         raise ConfigError("no usable trip")
     thresholds_m = EvaluationSettings().thresholds_m

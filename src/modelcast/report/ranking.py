@@ -40,6 +40,7 @@ def ranking_report(
         What could not be read and what held no trip, with the reason.
     """
     table = Table(title="Trips by manoeuvres", title_justify="left", title_style="bold", box=None)
+    table.padding = (0, 1, 0, 0)
     table.add_column("", justify="right", style="dim")
     table.add_column("trip", overflow="fold", min_width=16)
     for heading in ("total", *_HEADINGS.values(), "/km", "min", "km"):

@@ -11,18 +11,21 @@ from itertools import pairwise
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
-from modelcast.trips.inspection import STOP_SPEED_MPS, TURN_RAD
+from modelcast.trips.inspection import STOP_SPEED_MPS
 from modelcast.trips.manoeuvres.base import FoundManoeuvre, ManoeuvreKind, Side
 from modelcast.trips.manoeuvres.motion import Motion
 from modelcast.trips.recorder import parts
 
-__all__ = ["MAX_RADIUS_M", "find_bends"]
+__all__ = ["MAX_RADIUS_M", "TURN_RAD", "find_bends"]
 
 MAX_RADIUS_M = 60.0
 """A bend with a larger radius belongs to the road; junctions are turned at 6 m to 30 m."""
 
 MIN_RADIUS_M = 3.0
 """A smaller one is no bend: the vehicle reversed, or stood while its position wandered."""
+
+TURN_RAD = np.deg2rad(45.0)
+"""A turn changes the course by more than this in one go; bends and lane changes stay below."""
 
 U_TURN_RAD = np.deg2rad(150.0)
 """A U-turn changes the course by more than this, within `U_TURN_RADIUS_M`."""
@@ -101,7 +104,7 @@ def find_bends(motion: Motion) -> list[FoundManoeuvre]:
 
     References
     ----------
-    NCHRP Report 672, "Roundabouts: An Informational Guide", 2nd ed., 2010, exhibits 1-9 and 6-9, DOI
+    NCHRP Report 672, "Roundabouts: An Informational Guide", 2nd ed., 2010, exhibit 1-9, DOI
     10.17226/22914.
     """
     found = list[FoundManoeuvre]()

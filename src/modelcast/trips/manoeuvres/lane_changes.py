@@ -39,8 +39,9 @@ EXPLAINED_RATIO = 0.9
 MAX_BEND_RATIO = 0.7
 """The bump leaves at most this share of what the best road of three radii would leave."""
 
-MIN_BUMP_RATIO = 0.2
-"""Least height of the bump in shares of what the road turns meanwhile: drivers steer a bend unevenly."""
+MAX_RATE_RADPS = 0.1
+"""Fastest turning of the road under a lane change: 100 m of radius at 10 m/s. In tighter bends drivers steer
+too unevenly to tell."""
 
 _GRID_S = 0.2
 _CHORD_S = 1.0  # course over this long: long against noise, short against a lane change
@@ -56,7 +57,6 @@ class _Shape:
     bump: FloatArray
     _: KW_ONLY
     bump_norm: float
-    height: float
     weights: FloatArray
     bends: FloatArray
     core: int
@@ -134,7 +134,6 @@ def _shape(duration_s: float) -> _Shape:
         road,
         left / norm,
         bump_norm=norm,
-        height=float(bump.max()) / norm,
         weights=bump / bump.sum(),
         bends=np.stack(bends),
         core=round(0.5 * duration_s / _GRID_S),
@@ -174,7 +173,7 @@ def _fitted(t_s: FloatArray, course: FloatArray, speed: FloatArray, shape: _Shap
         & (unexplained < (1.0 - EXPLAINED_RATIO) * left)
     )
     rows = np.flatnonzero(good)
-    rows = rows[_bends_lose(windows[rows], amount[rows], unexplained[rows], shape)]
+    rows = rows[_bends_lose(windows[rows], unexplained[rows], shape)]
     middle = shape.rows // 2
     return [
         _Candidate(
@@ -187,17 +186,16 @@ def _fitted(t_s: FloatArray, course: FloatArray, speed: FloatArray, shape: _Shap
     ]
 
 
-def _bends_lose(windows: FloatArray, amount: FloatArray, unexplained: FloatArray, shape: _Shape) -> IntArray:
-    """Rows of the windows in which no road of up to three radii comes near, and the road turns little."""
+def _bends_lose(windows: FloatArray, unexplained: FloatArray, shape: _Shape) -> IntArray:
+    """Rows of the windows in which no road of up to three radii comes near, and the road turns slowly."""
     straight = windows @ shape.road
     energy = (windows**2).sum(axis=1) - (straight**2).sum(axis=1)
     best = np.zeros(energy.size)
     for pair in shape.bends:
         np.maximum(best, ((windows @ pair) ** 2).sum(axis=1), out=best)
     bent = np.maximum(energy - best, 1e-18)
-    turned = np.abs(straight[:, 1] * (shape.road[1, 1] - shape.road[0, 1])) * 2 * shape.core
-    height = np.abs(amount) * shape.height
-    return np.flatnonzero((unexplained < MAX_BEND_RATIO * bent) & (height > MIN_BUMP_RATIO * turned))
+    rate = np.abs(straight[:, 1] * (shape.road[1, 1] - shape.road[0, 1])) / _GRID_S
+    return np.flatnonzero((unexplained < MAX_BEND_RATIO * bent) & (rate < MAX_RATE_RADPS))
 
 
 def _distinct(candidates: Sequence[_Candidate]) -> list[FoundManoeuvre]:

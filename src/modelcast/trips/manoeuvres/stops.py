@@ -3,12 +3,15 @@
 import numpy as np
 
 from modelcast.core.arrays import BoolArray
-from modelcast.trips.inspection import HARD_BRAKE_MPS2, STOP_SPEED_MPS
+from modelcast.trips.inspection import STOP_SPEED_MPS
 from modelcast.trips.manoeuvres.base import FoundManoeuvre, ManoeuvreKind
 from modelcast.trips.manoeuvres.motion import Motion
 from modelcast.trips.recorder import WINDOW_S, parts, rows_around
 
-__all__ = ["DRIVEN_M", "MIN_STAND_S", "find_hard_brakes", "find_stops"]
+__all__ = ["DRIVEN_M", "HARD_BRAKE_MPS2", "MIN_STAND_S", "find_hard_brakes", "find_stops"]
+
+HARD_BRAKE_MPS2 = 0.4 * 9.80665
+"""SAE J2735 calls braking over 0.4 g hard (its event flag for hard braking)."""
 
 MIN_STAND_S = 2.0
 """A stop stands at least this long; a shorter one is a change of direction or of gear."""
