@@ -306,6 +306,7 @@ def test_every_claim_has_a_plain_verdict_and_those_of_readings_all(found: PaperR
         assert list(row.verdicts) == labels
     assert all("plain" in row.verdicts for row in found.claims)
     assert {row.name for row in found.claims if row.verdicts["plain"] == "not run"} == {
+        "any radio",
         "fewer collisions",
         "a channel less busy",
     }
@@ -431,5 +432,7 @@ def test_collisions_are_fewer_where_every_density_has_fewer(
 def test_the_worst_density_is_named_by_its_ratio(found: PaperResult) -> None:
     rows = [paired("fewer"), paired("more", radio="sidelink", hybrid=3.0)]
     (claim,) = (row for row in with_traffic(found, rows).claims if row.name == "fewer collisions")
+    radios = {row.name: row for row in with_traffic(found, rows).claims}["any radio"]
+    assert (radios.verdicts["plain"], radios.figure) == ("holds", "dsrc, sidelink")
     assert claim.worst == "sidelink, 100/km, 20 cm: 1.50 times the baseline's"
     assert claim.figure == "dsrc: fewer 1; sidelink: more 1"

@@ -38,7 +38,7 @@ def traffic_claims(rows: Sequence[PairedRow]) -> tuple[ClaimRow, ...]:
     rows
         As `modelcast.study.network.pairs.traffic_rows` gives them; empty where no traffic was run.
     """
-    return tuple(
+    judged = tuple(
         ClaimRow(
             name,
             "conclusion",
@@ -65,6 +65,24 @@ def traffic_claims(rows: Sequence[PairedRow]) -> tuple[ClaimRow, ...]:
                 "The load of the channel is lower at every density, so the system scales.",
             ),
         )
+    )
+    return (_any_radio(rows), *judged)
+
+
+def _any_radio(rows: Sequence[PairedRow]) -> ClaimRow:
+    """Whether the same senders ran over more than one radio."""
+    radios = sorted({row.radio for row in rows})
+    return ClaimRow(
+        "any radio",
+        "system",
+        "The architecture is indifferent to the radio below it.",
+        measure="The same stations run over each radio; octets and beliefs over four technologies are compared "
+        "in tests/runtime/test_technologies.py.",
+        figure=", ".join(radios) if radios else "no traffic was run",
+        worst="",
+        verdicts={PLAIN_LABEL: "holds" if len(radios) > 1 else "not run"},
+        shown_in="traffic_reception",
+        command=f"{COMMAND} --traffic",
     )
 
 
