@@ -70,7 +70,7 @@ def traffic_claims(rows: Sequence[PairedRow]) -> tuple[ClaimRow, ...]:
 
 
 def _any_radio(rows: Sequence[PairedRow]) -> ClaimRow:
-    """Whether the same senders ran over more than one radio."""
+    """Whether the same senders ran over several radios."""
     radios = sorted({row.radio for row in rows})
     return ClaimRow(
         "any radio",
