@@ -73,7 +73,8 @@ def test_trained_values_come_from_the_profile_in_use() -> None:
 
 def test_an_unknown_name_is_refused_with_the_known_ones() -> None:
     with pytest.raises(
-        ConfigError, match=r"no sub-model is named 'gp'; there are cv, .*learned.* and gp-regime-3"
+        ConfigError,
+        match=r"no sub-model is named 'gp'; there are cv, .*learned.*gp-regime-3, shs and hdp-hmm",
     ):
         bank_from_text("gp")
 

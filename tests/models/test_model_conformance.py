@@ -30,9 +30,9 @@ from modelcast.models.trusted import Trusted
 TRAINED = default_profile().sub_model("gp-trained")
 
 
-def _learned() -> AbstractSubModel:
-    """Return the shipped one."""
-    found = default_profile().sub_model("learned")
+def _shipped(name: str) -> AbstractSubModel:
+    """Return the shipped sub-model of that name."""
+    found = default_profile().sub_model(name)
     assert found is not None
     return found
 
@@ -72,8 +72,13 @@ MODELS: dict[str, AbstractMotionModel] = {
         )
     ),
     "regimes": _regimes(),
-    "learned": _learned(),
-    "learned+ctra": Bank((_learned(), ConstantTurnRateAcceleration())),
+    "learned": _shipped("learned"),
+    "shs": _shipped("shs"),
+    "hdp-hmm": _shipped("hdp-hmm"),
+    "shs-damped": Trusted(_shipped("shs"), 1.5),
+    "hdp-hmm-path": PredictedPath(_shipped("hdp-hmm")),
+    "shs+ctra+hdp-hmm": Bank((_shipped("shs"), ConstantTurnRateAcceleration(), _shipped("hdp-hmm"))),
+    "learned+ctra": Bank((_shipped("learned"), ConstantTurnRateAcceleration())),
     "gp-vehicle-damped": Trusted(vehicle_process(), 2.0),
     "ctra-damped": Trusted(ConstantTurnRateAcceleration(), 0.5),
     "gp-intercept-damped": Trusted(GaussianProcess(form="intercept"), 1.0),
@@ -184,10 +189,24 @@ def test_moving_the_frame_changes_no_prediction(model: AbstractMotionModel) -> N
     assert np.abs(predicted[1] - predicted[0]).max() < rounding_m
 
 
+def carries_state(model: AbstractMotionModel) -> bool:
+    """Return whether a sub-model, or a member of a bank, carries state from sample to sample."""
+    members = model.members if isinstance(model, Bank) else (model,)
+    return any(
+        isinstance(member, AbstractSubModel) and member.point_functions(DT_S).stream is not None
+        for member in members
+    )
+
+
 def test_only_the_newest_samples_count(model: AbstractMotionModel) -> None:
-    """Of a bank, as many as its longest member needs."""
-    needed = int(model.windows.max()) if isinstance(model, Bank) else model.window
+    """Of a bank, as many as its longest member needs; of what carries state, all."""
     long = windows()
+    needed = int(model.windows.max()) if isinstance(model, Bank) else model.window
+    if carries_state(model):
+        assert not np.array_equal(
+            model.fit(long), model.fit(Windows(long.samples[:, -needed:].copy(), dt_s=DT_S))
+        )
+        return
     newest = Windows(long.samples[:, -needed:].copy(), dt_s=DT_S)
     assert np.array_equal(model.fit(long), model.fit(newest))
 

@@ -14,7 +14,7 @@ from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.drive import generate_drive
 
-BANKS = ("default", "paper", "ctra", "gp-intercept+cv")
+BANKS = ("default", "paper", "ctra", "gp-intercept+cv", "shs", "hdp-hmm+ctra+shs+cv")
 RULES = ("guarded/never", "hindsight/cheapest", "order/on-failure", "keep/on-failure", "survivor/on-failure")
 
 

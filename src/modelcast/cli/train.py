@@ -19,6 +19,9 @@ def train(
     coefficients: int = 3,
     steps: int = 2500,
     regimes: int = 3,
+    modes: int = 4,
+    add: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = (),
+    profile: Path | None = None,
     seed: int = 0,
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
@@ -39,9 +42,9 @@ def train(
         The profile's file; its folder must exist.
     bank
         Members of the bank in order, joined by '+', among learned, gp-vehicle, gp-derivative, gp-trained,
-        gp-regime-1 and so on, ctra, ctrv, ca and cv. Where not given, with --validate chosen among all but
-        gp-trained and the regimes' by the messages they save; else learned, ctra and gp-vehicle. cv joins as
-        guard.
+        shs, hdp-hmm, gp-regime-1 and so on, ctra, ctrv, ca and cv. Where not given, with --validate chosen
+        among all but gp-trained, shs, hdp-hmm and the regimes' by the messages they save; else learned, ctra
+        and gp-vehicle. cv joins as guard.
     validate
         Train once more without each route and count messages there: the record then holds honest figures, and
         the bank's members follow from them. Takes that many times longer.
@@ -53,6 +56,14 @@ def train(
         Batches each network is trained on.
     regimes
         Driving regimes that get a Gaussian process of their own, for the bank 'regimes'; 0 for none.
+    modes
+        Linear modes of the stochastic hybrid system, shs, 1 to 10; those of hdp-hmm are found, up to 10. 0
+        for neither.
+    add
+        Train these sub-models alone, shs, hdp-hmm or both, and write --profile with them beside its others,
+        which stay as they are.
+    profile
+        The profile that --add adds to; the shipped one where not given.
     seed
         Seed of all random numbers.
     format
@@ -69,6 +80,7 @@ def train(
     import json as json_format
     import sys
 
+    from modelcast.cli.banks import profile_in_use
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import staged, watched
     from modelcast.cli.reading import TripSource
@@ -80,9 +92,12 @@ def train(
     from modelcast.study.training.learned import LearnedSettings
     from modelcast.study.training.processes import ProcessSettings
     from modelcast.study.training.profile import ProfileSettings, train_profile
+    from modelcast.study.training.switching import FitSettings, SwitchingSettings, add_switching
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast train --help)")
+    if profile is not None and not add:
+        raise ConfigError("--profile is what --add adds to: name shs, hdp-hmm or both behind --add")
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     silent = quiet or json
     try:
@@ -92,27 +107,34 @@ def train(
         settings = ProfileSettings(
             LearnedSettings(coefficients=coefficients, descent=descent),
             processes=ProcessSettings(regimes=regimes),
+            switching=SwitchingSettings(FitSettings(modes)) if modes else None,
             names=names,
             validate=validate,
             seed=seed,
         )
+        given = None if not add else profile_in_use(profile)
         with atomic_file(out, inputs=paths, shown=f"--out {out}") as file:
             with watched(source, quiet=silent) as shown:
                 trips = list(shown)
             if not trips:
                 raise ConfigError("no usable trip")
             with staged(quiet=silent) as progress:
-                profile = train_profile(trips, settings, progress=progress)
-            file.write(profile.text.encode("utf-8"))
+                if given is None:
+                    trained = train_profile(trips, settings, progress=progress)
+                else:
+                    trained = add_switching(
+                        given, trips, settings.switching, names=add, seed=seed, progress=progress
+                    )
+            file.write(trained.text.encode("utf-8"))
     except ValueError as error:
         raise ConfigError(str(error)) from error
     if json:
-        document = {"profile": str(out), "sha256": profile.identity, **profile.record}
+        document = {"profile": str(out), "sha256": trained.identity, **trained.record}
         json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
         print()
     elif not quiet:
-        show(training_report(profile))
-        say(f"profile: {out}, sha256 {profile.identity}")
+        show(training_report(trained))
+        say(f"profile: {out}, sha256 {trained.identity}")
     return source.exit_code
 
 

@@ -1,8 +1,8 @@
 """Point functions called by their addresses: one compiled loop serves every model.
 
-A *point function* fits one window or predicts one displacement. Loops take it as an address, an int64 that is
-asked for just before the call (`point_address`) and never kept, stored or sent: it means something in one
-process alone. A loop over a bank takes an array of them.
+A *point function* fits one window, predicts one displacement or carries state to one sample. Loops take it
+as an address, an int64 that is asked for just before the call (`point_address`) and never kept, stored or
+sent: it means something in one process alone. A loop over a bank takes an array of them.
 """
 
 import functools
@@ -16,13 +16,24 @@ from numba.extending import intrinsic
 from modelcast.core.kernel import COMPILES, Kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector, numba_type
 
-__all__ = ["FIT_TYPES", "PREDICT_TYPES", "fit_at", "point_address", "predict_at"]
+__all__ = [
+    "FIT_TYPES",
+    "OBSERVE_TYPES",
+    "PREDICT_TYPES",
+    "fit_at",
+    "observe_at",
+    "point_address",
+    "predict_at",
+]
 
 FIT_TYPES = (FloatMatrix, FloatVector, FloatVector)
 """``fit(window (n, 7), constants (K,), out_parameters (P,)) -> None``."""
 
 PREDICT_TYPES = (FloatVector, float, FloatVector, FloatVector)
 """``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,)) -> None``."""
+
+OBSERVE_TYPES = (FloatVector, FloatVector, FloatVector, FloatVector)
+"""``observe(before (C,), sample (C,), constants (K,), out_state (S,)) -> None``."""
 
 _code: Any = cgutils  # untyped
 
@@ -39,7 +50,7 @@ def point_address(function: Any, signature: tuple[Any, ...]) -> int:
     function
         A kernel.
     signature
-        `FIT_TYPES` or `PREDICT_TYPES`, the types of its arguments.
+        `FIT_TYPES`, `PREDICT_TYPES` or `OBSERVE_TYPES`, the types of its arguments.
 
     Raises
     ------
@@ -83,12 +94,10 @@ def _called_at(signature: tuple[Any, ...]) -> Any:
         return fit
 
     @intrinsic
-    def predict(
-        _typing: Any, _address: Any, _parameters: Any, _horizon_s: Any, _constants: Any, _out: Any
-    ) -> Any:
+    def call(_typing: Any, _address: Any, _first: Any, _second: Any, _constants: Any, _out: Any) -> Any:
         return types.none(types.int64, *argument_types), generate
 
-    return predict
+    return call
 
 
 def _call_plain(address: int, *arguments: Any) -> None:
@@ -101,3 +110,6 @@ fit_at: Any = _called_at(FIT_TYPES)
 
 predict_at: Any = _called_at(PREDICT_TYPES)
 """``predict_at(address, parameters, horizon_s, constants, out)``: call a function of `PREDICT_TYPES`."""
+
+observe_at: Any = _called_at(OBSERVE_TYPES)
+"""``observe_at(address, before, sample, constants, out)``: call a function of `OBSERVE_TYPES`."""

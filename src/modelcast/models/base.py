@@ -15,7 +15,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.models import point_kernels
-from modelcast.models.address_kernels import FIT_TYPES, PREDICT_TYPES, point_address
+from modelcast.models.address_kernels import FIT_TYPES, OBSERVE_TYPES, PREDICT_TYPES, point_address
 from modelcast.models.payload import PayloadLayout
 
 __all__ = [
@@ -23,6 +23,7 @@ __all__ = [
     "AbstractSubModel",
     "PointCall",
     "PointFunctions",
+    "Stream",
     "Windows",
 ]
 
@@ -82,6 +83,41 @@ class PointCall:
 
 
 @dataclass(frozen=True, slots=True)
+class Stream:
+    """State that a model carries from sample to sample, beyond any window.
+
+    A station keeps it in further columns of its samples: each new sample gets its own from the sample before,
+    and ``fit`` finds it in the rows of its window.
+
+    Parameters
+    ----------
+    observe
+        ``observe(before (C,), sample (C,), constants, out_state (S,))``, a kernel of `OBSERVE_TYPES`.
+        ``before`` is the sample before with all its columns; it is empty at a start and after a gap, where
+        state begins anew.
+    columns
+        Columns of state, S >= 1.
+    at
+        Index in the model's constants at which it finds, while a compiled loop runs, the first of its
+        columns. It is 0 where samples hold none, as in `Windows`: ``fit`` then makes the state from the
+        window alone.
+    start
+        Where in the constants those of ``observe`` begin.
+    """
+
+    observe: Any
+    columns: int
+    _: KW_ONLY
+    at: int
+    start: int = 0
+
+    @property
+    def observe_address(self) -> int:
+        """``observe`` as compiled loops take it."""
+        return point_address(self.observe, OBSERVE_TYPES)
+
+
+@dataclass(frozen=True, slots=True)
 class PointFunctions:
     """A model made ready for one sampling interval.
 
@@ -96,6 +132,8 @@ class PointFunctions:
         The model's settings and tables for this interval, packed by the model, (K,).
     calls
         Point functions of another model that these call by the addresses in their constants.
+    stream
+        State carried from sample to sample; None where the window says all.
 
     Notes
     -----
@@ -107,6 +145,7 @@ class PointFunctions:
     predict: Any
     constants: FloatArray
     calls: tuple[PointCall, ...] = ()
+    stream: Stream | None = None
 
     @property
     def fit_address(self) -> int:
@@ -141,6 +180,17 @@ class PointFunctions:
         inner = (replace(call, at=start + call.at) for call in self.calls)
         own = PointCall(fit_at, self.fit, FIT_TYPES), PointCall(predict_at, self.predict, PREDICT_TYPES)
         return (*own, *inner)
+
+    def streamed_from(self, start: int) -> Stream | None:
+        """State of functions that go round these, whose constants hold these constants from ``start`` on.
+
+        Parameters
+        ----------
+        start
+            Where these constants begin among the outer ones.
+        """
+        own = self.stream
+        return None if own is None else replace(own, at=start + own.at, start=start + own.start)
 
 
 class AbstractMotionModel(abc.ABC):
@@ -190,7 +240,8 @@ class AbstractMotionModel(abc.ABC):
         Parameters
         ----------
         windows
-            At least `window` samples each; the newest `window` of them are used.
+            At least `window` samples each; the newest `window` of them are used, and all by a model that
+            carries state from sample to sample (`Stream`).
 
         Raises
         ------
@@ -287,8 +338,9 @@ class AbstractSubModel(AbstractMotionModel):
         given = windows.samples.shape[1]
         if given < self.window:
             raise ValueError(f"{self.name} needs windows of {self.window} samples, got {given}")
-        samples = np.ascontiguousarray(windows.samples[:, given - self.window :], dtype=np.float64)
         ready = self.point_functions(windows.dt_s)
+        first = given - self.window if ready.stream is None else 0
+        samples = np.ascontiguousarray(windows.samples[:, first:], dtype=np.float64)
         out = np.empty((samples.shape[0], len(self.parameter_names)))
         point_kernels.fit_batch(ready.fit_address, samples, ready.addressed, out)
         return out

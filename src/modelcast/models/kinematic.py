@@ -19,7 +19,7 @@ from modelcast.core.rules import check_fields
 from modelcast.models import kinematic_kernels
 from modelcast.models.core_model import SPREAD_MPS2, SPREAD_MPS3, SPREAD_RADPS2, AbstractCoreModel
 
-__all__ = ["ConstantAcceleration", "ConstantTurnRateAcceleration", "ConstantTurnRateVelocity"]
+__all__ = ["ConstantAcceleration", "ConstantTurnRateAcceleration", "ConstantTurnRateVelocity", "along_course"]
 
 _VELOCITY = ("velocity_east_mps", "velocity_north_mps")
 
@@ -84,7 +84,7 @@ class ConstantAcceleration(AbstractCoreModel):
         """Spread of an unmodelled jerk along the course and acceleration across it."""
         along_m = np.broadcast_to(self.jerk_spread_mps3 * horizons_s**3 / 6.0, _shape(parameters, horizons_s))
         across_m = np.broadcast_to(0.5 * self.lateral_spread_mps2 * horizons_s**2, along_m.shape)
-        return _along_course(parameters[:, :2], np.zeros(along_m.shape), along_m, across_m)
+        return along_course(parameters[:, :2], np.zeros(along_m.shape), along_m, across_m)
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +144,7 @@ class ConstantTurnRateVelocity(AbstractCoreModel):
             0.5 * self.acceleration_spread_mps2 * horizons_s**2, _shape(parameters, horizons_s)
         )
         across_m = _swerve_m(parameters, horizons_s, self.yaw_acceleration_spread_radps2)
-        return _along_course(parameters[:, :2], np.outer(parameters[:, 2], horizons_s), along_m, across_m)
+        return along_course(parameters[:, :2], np.outer(parameters[:, 2], horizons_s), along_m, across_m)
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,7 +209,7 @@ class ConstantTurnRateAcceleration(AbstractCoreModel):
         """Spread of an unmodelled jerk along the course and yaw acceleration across it."""
         along_m = np.broadcast_to(self.jerk_spread_mps3 * horizons_s**3 / 6.0, _shape(parameters, horizons_s))
         across_m = _swerve_m(parameters, horizons_s, self.yaw_acceleration_spread_radps2)
-        return _along_course(parameters[:, :2], np.outer(parameters[:, 3], horizons_s), along_m, across_m)
+        return along_course(parameters[:, :2], np.outer(parameters[:, 3], horizons_s), along_m, across_m)
 
 
 def _shape(parameters: FloatArray, horizons_s: FloatArray) -> tuple[int, int]:
@@ -222,7 +222,7 @@ def _swerve_m(parameters: FloatArray, horizons_s: FloatArray, spread_radps2: flo
     return np.outer(speed_mps, spread_radps2 * horizons_s**3 / 6.0)
 
 
-def _along_course(
+def along_course(
     velocity_mps: FloatArray, turned_rad: FloatArray, along_m: FloatArray, across_m: FloatArray
 ) -> FloatArray:
     """Covariance with these spreads along and across the chord of the turn, (B, H, 2, 2) [m²].

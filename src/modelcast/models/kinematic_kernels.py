@@ -21,6 +21,7 @@ __all__ = [
     "fit_acceleration",
     "fit_acceleration_and_turn",
     "fit_turn",
+    "move",
     "predict_acceleration",
     "predict_acceleration_and_turn",
     "predict_turn",
@@ -57,7 +58,7 @@ def turned(angle_rad: float) -> tuple[float, float, float, float]:
 
 
 @kernel
-def _move(
+def move(
     east: float, north: float, acceleration: float, yaw_rate: float, time_s: float, out: FloatVector
 ) -> None:
     """Displacement from a velocity, an acceleration along it that ends in a stop, and a clockwise turn."""
@@ -102,7 +103,7 @@ def predict_acceleration(
     parameters: FloatVector, horizon_s: float, _constants: FloatVector, out: FloatVector
 ) -> None:
     """Accelerate straight ahead."""
-    _move(parameters[0], parameters[1], parameters[2], 0.0, horizon_s, out)
+    move(parameters[0], parameters[1], parameters[2], 0.0, horizon_s, out)
 
 
 @kernel
@@ -110,7 +111,7 @@ def predict_turn(
     parameters: FloatVector, horizon_s: float, _constants: FloatVector, out: FloatVector
 ) -> None:
     """Follow a circle at constant speed."""
-    _move(parameters[0], parameters[1], 0.0, parameters[2], horizon_s, out)
+    move(parameters[0], parameters[1], 0.0, parameters[2], horizon_s, out)
 
 
 @kernel
@@ -118,4 +119,4 @@ def predict_acceleration_and_turn(
     parameters: FloatVector, horizon_s: float, _constants: FloatVector, out: FloatVector
 ) -> None:
     """Accelerate along a turn."""
-    _move(parameters[0], parameters[1], parameters[2], parameters[3], horizon_s, out)
+    move(parameters[0], parameters[1], parameters[2], parameters[3], horizon_s, out)

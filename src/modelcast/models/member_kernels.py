@@ -3,11 +3,13 @@
 from typing import NamedTuple
 
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntVector
-from modelcast.models.address_kernels import fit_at
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntMatrix, IntVector
+from modelcast.models.address_kernels import fit_at, observe_at
 from modelcast.models.trusted_kernels import predict_trusted
 
-__all__ = ["Members", "fit_member", "predict_member"]
+__all__ = ["Members", "fit_member", "observe_member", "predict_member"]
+
+_OBSERVE, _START, _FIRST, _END = range(4)
 
 
 class Members(NamedTuple):
@@ -16,7 +18,9 @@ class Members(NamedTuple):
     ``fits`` and ``predicts`` (M,) are addresses of point functions; ``constants`` (K,) holds the constants
     of member m from ``bounds[m]`` to ``bounds[m + 1]``; ``windows`` (M,) are the samples each needs; its
     parameters stand from ``offsets[m]`` to ``offsets[m + 1]`` in a row of all; ``trust`` (M, 2) is the
-    trusted horizon of each and how long it goes on turning beyond [s].
+    trusted horizon of each and how long it goes on turning beyond [s]. ``streams`` (M, 4) are of each that
+    carries state from sample to sample the address of its ``observe``, where its constants begin, and the
+    first and the end of its columns; zeros of the others.
     """
 
     fits: IntVector
@@ -26,12 +30,22 @@ class Members(NamedTuple):
     windows: IntVector
     offsets: IntVector
     trust: FloatMatrix
+    streams: IntMatrix
 
 
 @kernel(inlined=True)
 def fit_member(members: Members, m: int, window: FloatMatrix, out: FloatVector) -> None:
     """Fit member ``m`` to a window (n, 7) of its length, into ``out`` (P,)."""
     fit_at(members.fits[m], window, members.constants[members.bounds[m] : members.bounds[m + 1]], out)
+
+
+@kernel
+def observe_member(members: Members, m: int, before: FloatVector, sample: FloatVector) -> None:
+    """Write the state of member ``m`` into its columns of a sample (C,), from the sample before or none."""
+    observe, first, end = members.streams[m, _OBSERVE], members.streams[m, _FIRST], members.streams[m, _END]
+    if end > first:
+        constants = members.constants[members.streams[m, _START] : members.bounds[m + 1]]
+        observe_at(observe, before, sample, constants, sample[first:end])
 
 
 @kernel(inlined=True)

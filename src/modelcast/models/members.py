@@ -10,6 +10,7 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel, PointFunctions
 from modelcast.models.member_kernels import Members
+from modelcast.models.point_kernels import SAMPLE_COLUMNS
 
 __all__ = ["ReadyBank"]
 
@@ -59,17 +60,33 @@ class ReadyBank:
         return cls(functions, bank.windows, bank.offsets, bank.trust)
 
     @property
+    def sample_columns(self) -> int:
+        """Columns of a sample with the state of all members behind what is measured."""
+        return SAMPLE_COLUMNS + sum(one.stream.columns for one in self.functions if one.stream is not None)
+
+    @property
     def members(self) -> Members:
         """What compiled loops take; it means something in this process alone."""
         constants = [one.addressed for one in self.functions]
+        bounds = np.cumsum([0] + [one.size for one in constants], dtype=np.int64)
+        streams = np.zeros((len(constants), 4), dtype=np.int64)
+        column = SAMPLE_COLUMNS
+        for m, one in enumerate(self.functions):
+            if one.stream is not None:
+                end = column + one.stream.columns
+                streams[m] = one.stream.observe_address, bounds[m] + one.stream.start, column, end
+                constants[m] = constants[m].copy()
+                constants[m][one.stream.at] = column
+                column = end
         return Members(
             fits=np.array([one.fit_address for one in self.functions], dtype=np.int64),
             predicts=np.array([one.predict_address for one in self.functions], dtype=np.int64),
             constants=np.concatenate(constants),
-            bounds=np.cumsum([0] + [one.size for one in constants], dtype=np.int64),
+            bounds=bounds,
             windows=self.windows,
             offsets=self.offsets,
             trust=self.trust,
+            streams=streams,
         )
 
 

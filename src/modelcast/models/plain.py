@@ -29,6 +29,7 @@ from modelcast.models.kinematic import (
 from modelcast.models.learned import LearnedTrajectory, Perceptron, Selector
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.regimes import Regimes
+from modelcast.models.switching import LinearMode, StochasticHybridSystem
 from modelcast.models.trusted import Trusted
 
 __all__ = ["PLAIN_CLASSES", "from_plain", "to_plain"]
@@ -44,10 +45,12 @@ PLAIN_CLASSES: dict[str, type] = {
         GaussianProcess,
         Hyperparameters,
         LearnedTrajectory,
+        LinearMode,
         Perceptron,
         PredictedPath,
         Regimes,
         Selector,
+        StochasticHybridSystem,
         Trusted,
         VehicleProcess,
     )

@@ -184,4 +184,7 @@ def _point_functions(path: PredictedPath, dt_s: float) -> PointFunctions:
     project = (np.linalg.pinv(powers) * weights).astype(np.float64).ravel()
     before = np.concatenate([header, project])
     calls = ready.called_from(before.size, kernels.AT_FIT, kernels.AT_PREDICT)
-    return PointFunctions(kernels.fit, kernels.predict, np.concatenate([before, ready.constants]), calls)
+    constants = np.concatenate([before, ready.constants])
+    return PointFunctions(
+        kernels.fit, kernels.predict, constants, calls, stream=ready.streamed_from(before.size)
+    )

@@ -57,6 +57,7 @@ _TEXT = Keys(
     {
         "regimes": Maybe(_MAPPING),
         "training_trips": Each(Text(64, pattern=FINGERPRINT), 0, _MOST_TRIPS),
+        "added": Keys({"members": Each(_MAPPING, 1, _MOST_SHELF), "record": _MAPPING}),
     },
 )
 
@@ -87,6 +88,11 @@ class Profile:
     training_trips
         `modelcast.trips.fingerprint.fingerprint` of every trip it was trained on; empty where that is not
         known. Not part of the identity.
+    added
+        Sub-models trained later, to make other banks of; not part of the identity, since the bank that
+        messages name stays what it was.
+    added_record
+        How those were trained. Plain values.
 
     Raises
     ------
@@ -115,6 +121,8 @@ class Profile:
     calibrations: Mapping[str, Calibration] = field(default_factory=dict[str, Calibration])
     record: Mapping[str, Any] = field(default_factory=dict[str, Any])
     training_trips: tuple[str, ...] = ()
+    added: tuple[AbstractSubModel, ...] = ()
+    added_record: Mapping[str, Any] = field(default_factory=dict[str, Any])
 
     def __post_init__(self) -> None:
         names = {member.name for member in self.bank.members}
@@ -136,9 +144,10 @@ class Profile:
 
     @property
     def sub_models(self) -> tuple[AbstractSubModel, ...]:
-        """All that it holds: the bank's, the shelf's and the regimes'."""
+        """All that it holds: the bank's, the shelf's, the regimes', and what was added."""
         regimes = () if self.regimes is None else self.regimes.members
-        return (*self.bank.members, *self.shelf, *(one for one in regimes if one not in self.bank.members))
+        others = (one for one in regimes if one not in self.bank.members)
+        return (*self.bank.members, *self.shelf, *others, *self.added)
 
     def sub_model(self, name: str) -> AbstractSubModel | None:
         """The trained sub-model of that name, or None.
@@ -154,9 +163,16 @@ class Profile:
     @functools.cached_property
     def text(self) -> str:
         """Canonical JSON, all of it: what a file holds."""
-        return self._written(self.training_trips)
+        document = self._document
+        if self.training_trips:
+            document["training_trips"] = list(self.training_trips)
+        if self.added:
+            document["added"] = {"members": to_plain(self.added), "record": self.added_record}
+        return _canonical(document)
 
-    def _written(self, training_trips: tuple[str, ...]) -> str:
+    @property
+    def _document(self) -> dict[str, Any]:
+        """What is part of the identity, in terms of JSON."""
         document: dict[str, Any] = {
             "schema": PROFILE_SCHEMA,
             "label": self.bank.label,
@@ -171,9 +187,7 @@ class Profile:
         }
         if self.regimes is not None:
             document["regimes"] = to_plain(self.regimes)
-        if training_trips:
-            document["training_trips"] = list(training_trips)
-        return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n"
+        return document
 
     def __eq__(self, other: object) -> bool:
         return self.text == other.text if isinstance(other, Profile) else NotImplemented
@@ -188,8 +202,12 @@ class Profile:
 
     @functools.cached_property
     def named_bytes(self) -> bytes:
-        """What messages name: the text's bytes without the training trips."""
-        return self._written(()).encode("utf-8")
+        """What messages name: the text's bytes without the training trips and what was added."""
+        return _canonical(self._document).encode("utf-8")
+
+
+def _canonical(document: Mapping[str, Any]) -> str:
+    return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n"
 
 
 def profile_from_text(text: str) -> Profile:
@@ -216,7 +234,8 @@ def profile_from_text(text: str) -> Profile:
     regimes: Any = from_plain(plain.get("regimes"), "$.regimes")
     if regimes is not None and not isinstance(regimes, Regimes):
         raise FieldError("$.regimes", regimes, "regimes, or left out")
-    members, shelf = _sub_models(plain, "members"), _sub_models(plain, "shelf")
+    members, shelf = _sub_models(plain, "members", "$"), _sub_models(plain, "shelf", "$")
+    added: dict[str, Any] = plain.get("added", {"members": [], "record": {}})
     try:
         return Profile(
             Bank(members, plain["label"]),
@@ -229,16 +248,18 @@ def profile_from_text(text: str) -> Profile:
             calibrations=_calibrations(plain["calibrations"]),
             record=plain["record"],
             training_trips=tuple(plain.get("training_trips", ())),
+            added=_sub_models(added, "members", "$.added"),
+            added_record=added["record"],
         )
     except FieldError as error:
         raise error if error.place.startswith("$") else error.below("$") from None
 
 
-def _sub_models(plain: Mapping[str, Any], key: str) -> tuple[AbstractSubModel, ...]:
-    found: tuple[Any, ...] = from_plain(plain[key], f"$.{key}")
+def _sub_models(plain: Mapping[str, Any], key: str, path: str) -> tuple[AbstractSubModel, ...]:
+    found: tuple[Any, ...] = from_plain(plain[key], f"{path}.{key}")
     for at, member in enumerate(found):
         if not isinstance(member, AbstractSubModel):
-            raise FieldError(f"$.{key}[{at}]", member, "a sub-model")
+            raise FieldError(f"{path}.{key}[{at}]", member, "a sub-model")
     return found
 
 

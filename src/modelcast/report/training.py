@@ -7,19 +7,38 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 
 from modelcast.models.profile import Profile
+from modelcast.models.switching import StochasticHybridSystem
 from modelcast.report.literal import literal
 
 __all__ = ["training_report"]
 
 
 def training_report(profile: Profile) -> RenderableType:
-    """Messages of every sub-model alone over the baseline's, and which search each process comes from.
+    """Messages of every sub-model alone over the baseline's, and where processes and modes come from.
 
     Parameters
     ----------
     profile
         As ``modelcast train`` made it.
     """
+    parts = _counted(profile) if "figures" in profile.record else []
+    return Group(*parts, *_switching(profile))
+
+
+def _switching(profile: Profile) -> list[RenderableType]:
+    """A line for each switching sub-model."""
+    record: dict[str, Mapping[str, Any]] = {**profile.record.get("switching", {}), **profile.added_record}
+    lines: list[RenderableType] = []
+    for name, found in record.items():
+        model = profile.sub_model(name)
+        if isinstance(model, StochasticHybridSystem):
+            steps = f"{found['steps']} steps of {found['step_s']:g} s"
+            lines.append(literal(f"{name}: {len(model.modes)} modes, from {steps}"))
+    return lines
+
+
+def _counted(profile: Profile) -> list[RenderableType]:
+    """What was counted, and the searches of the processes."""
     record = profile.record
     figures: Mapping[str, Any] = record["figures"]
     messages: Mapping[str, Mapping[str, Sequence[int]]] = figures["messages"]
@@ -39,11 +58,11 @@ def training_report(profile: Profile) -> RenderableType:
         ]
         table.add_row(literal(name), *cells)
     kept = ", ".join(f"{name} by {found['kept']}" for name, found in record["processes"].items())
-    return Group(
+    return [
         table,
         literal(f"bank: {profile.bank.name}, {profile.start}/{profile.identify}"),
         literal(f"hyper-parameters: {kept}"),
-    )
+    ]
 
 
 def _ratio(messages: int, baseline: int) -> str:

@@ -33,8 +33,9 @@ rate, clockwise [rad/s]; not a number where there is none."""
 class Sensed(NamedTuple):
     """What V vehicles measured, in rings of R samples.
 
-    ``t_s`` (V, 2R) and ``samples`` (V, 2R, 7): every sample stands twice, R apart, so that each window lies
-    in one piece; ``stated_s`` (V, R) and ``stated_m`` (V, R, 2) the instant and the position that a message
+    ``t_s`` (V, 2R) and ``samples`` (V, 2R, 7 + S): every sample stands twice, R apart, so that each window
+    lies in one piece; behind its seven columns stands the state that sub-models carry from sample to sample,
+    if any. ``stated_s`` (V, R) and ``stated_m`` (V, R, 2) are the instant and the position that a message
     states; ``history`` (V, R) samples of its gapless part up to each; ``taken`` (V,) samples so far;
     ``noise`` (V, 2) running mean of squares, and how many; ``shown`` (V, 6) the newest measurement, filtered
     where there is a filter, whose ``states`` (V, 6) and ``spreads`` (V, 6, 6) follow.
@@ -123,17 +124,19 @@ class LaneRules(NamedTuple):
     within_m: float
 
 
-def sensed(vehicles: int, ring: int) -> Sensed:
+def sensed(vehicles: int, ring: int, columns: int = SAMPLE_COLUMNS) -> Sensed:
     """Return what vehicles hold that measured nothing.
 
     Parameters
     ----------
     vehicles, ring
         V and R.
+    columns
+        Of a sample, the state of sub-models counted (`ReadyBank.sample_columns`).
     """
     return Sensed(
         t_s=np.zeros((vehicles, 2 * ring)),
-        samples=np.zeros((vehicles, 2 * ring, SAMPLE_COLUMNS)),
+        samples=np.zeros((vehicles, 2 * ring, columns)),
         stated_s=np.zeros((vehicles, ring)),
         stated_m=np.zeros((vehicles, ring, 2)),
         history=np.zeros((vehicles, ring), dtype=np.int64),

@@ -231,8 +231,8 @@ def bank_from_text(
         ``paper`` (constant velocity, then the anchored Gaussian process), or sub-models in order, joined by
         ``+``: ``cv``, ``ca``, ``ctrv``, ``ctra``, ``gp-anchored``, ``gp-intercept``, ``gp-adaptive``,
         ``gp-linear``, and what the profile in use holds: in the shipped one ``gp-trained``, ``gp-vehicle``,
-        ``gp-derivative``, ``learned`` and ``gp-regime-1`` to ``gp-regime-3``. ``regimes`` stands for the
-        sub-models of all regimes.
+        ``gp-derivative``, ``learned``, ``gp-regime-1`` to ``gp-regime-3``, ``shs`` and ``hdp-hmm``.
+        ``regimes`` stands for the sub-models of all regimes.
     noise_floor_m
         Smallest position noise the Gaussian processes fitted by likelihood may assume [m]; where None, none
         to speak of for the paper's form and 1 mm for the others.

@@ -23,6 +23,7 @@ from modelcast.station.sender.sending_kernels import StepInputs, send_each
 from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
 from modelcast.station.sensing.sensing import NOWHERE, Sensing
 from modelcast.station.sensing.sensing_kernels import forget_each, sense
+from modelcast.station.sensing.streaming import observe_newest
 from modelcast.station.sensing.velocity import DEFAULT_FROM_POSITIONS, REPORTED
 
 __all__ = ["Fleet", "Sending"]
@@ -199,6 +200,7 @@ class Fleet:
         forget_each(stations.sensed, started)
         fresh = np.zeros(slot.size, dtype=np.bool_) if begins is None else np.ascontiguousarray(begins)
         sense(stations.sensed, slot, np.full(slot.size, t_s), measured, fresh, self._sensing)
+        observe_newest(stations.models.members, stations.sensed, slot)
         busy = np.zeros(started.size)
         busy[slot] = 0.0 if channel_busy_ratio is None else channel_busy_ratio
         inputs = StepInputs(

@@ -54,6 +54,7 @@ from modelcast.station.sender.sending_kernels import StepInputs
 from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
 from modelcast.station.sensing.sensing import NOWHERE, Sensing
 from modelcast.station.sensing.sensing_kernels import forget_each, sense
+from modelcast.station.sensing.streaming import observe_newest
 from modelcast.world.scenario.base import FleetFrame
 from modelcast.world.scenario.sensed import FleetSensor, FleetSensorState
 
@@ -210,6 +211,7 @@ class FleetLoop:
                 stations.sensed, here, np.full(here.size, frame.t_s), measured[here],
                 begins[here], self._sensing,
             )  # fmt: skip
+            observe_newest(stations.models.members, stations.sensed, here)
 
         self._work.each(work)
         return started

@@ -14,6 +14,7 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.messages.mbc_profile import carries_all
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
+from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.runtime.trip import errors_kernels
 from modelcast.station.arrays import Sensed, fits, lanes
 from modelcast.station.policy.base import MessageKind
@@ -23,6 +24,7 @@ from modelcast.station.sender.bank import SenderBank
 from modelcast.station.sender.lane_rules import speaking_lanes
 from modelcast.station.sender.octets import SentMessages
 from modelcast.station.sensing.sensing import Sensing, sensed_trip
+from modelcast.station.sensing.streaming import with_states
 from modelcast.station.sensing.velocity import VelocityEstimator
 from modelcast.trips.trajectory import Trajectory
 
@@ -124,13 +126,14 @@ class TripRuntime:
         self.trip = trip
         self.own = SenderBank.of(bank, trip.dt_s, quantised=quantised, selector=selector)
         self.bank = self.own.bank
-        self.sensed = sense_trip(trip, estimator, quantised=quantised) if sensed is None else sensed
+        held = sense_trip(trip, estimator, quantised=quantised) if sensed is None else sensed
+        self.sensed = with_states(held, self.own.ready)
         self.fits = fits(1, len(trip), members=len(self.bank.members), parameters=int(self.bank.offsets[-1]))
 
     @property
     def samples(self) -> FloatArray:
         """What windows are cut from, (T, 7)."""
-        return self.sensed.samples[0, : len(self.trip)]
+        return np.ascontiguousarray(self.sensed.samples[0, : len(self.trip), :SAMPLE_COLUMNS])
 
     @property
     def stated_s(self) -> FloatArray:

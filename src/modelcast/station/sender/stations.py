@@ -69,7 +69,7 @@ def sending_stations(
     members, parameters = len(bank.bank.members), int(bank.bank.offsets[-1])
     return SendingStations(
         models=bank.models(guard),
-        sensed=sensed(vehicles, max(window + back, own.memory(dt_s))),
+        sensed=sensed(vehicles, max(window + back, own.memory(dt_s)), bank.ready.sample_columns),
         fits=fits(vehicles, back, members=members, parameters=parameters),
         rules=spoken.rules,
         lanes=lanes(spoken.rules.vehicle.size, members=members, parameters=parameters),

@@ -3,8 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass
 
-import numpy as np
-
 from modelcast.core.chance import child_generator
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.gp import GaussianProcess, VehicleProcess, derivative_process, vehicle_process
@@ -14,7 +12,7 @@ from modelcast.study.training.families import FixedFamily, VehicleFamily
 from modelcast.study.training.hyperparameters import TrainedPair, train_hyperparameters
 from modelcast.study.training.regimes import train_regimes
 from modelcast.study.training.views import SenderView, played_trips, view_trips
-from modelcast.study.training.windows import TrainingWindows, training_windows
+from modelcast.study.training.windows import TrainingWindows, at_commonest_interval, training_windows
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["ProcessSettings", "TrainedProcesses", "train_processes"]
@@ -150,10 +148,7 @@ def train_processes(
 
 def _windows(trips: Sequence[Trajectory], count: int, seed: int) -> TrainingWindows:
     """Windows of all views, of the trips at the commonest sampling interval."""
-    intervals = np.round([trip.dt_s for trip in trips], 3)
-    values, counts = np.unique(intervals, return_counts=True)
-    dt_s = values[counts.argmax()]
-    chosen = [trip for trip, own in zip(trips, intervals, strict=True) if own == dt_s]
+    _, chosen = at_commonest_interval(trips)
     played = played_trips(chosen)
     seen = [one.seen for view in _VIEWS for one in view_trips(played, view, seed=seed)]
     return training_windows(

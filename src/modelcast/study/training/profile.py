@@ -40,6 +40,7 @@ from modelcast.study.training.learned import LearnedSettings, train_learned
 from modelcast.study.training.members import Fold, MemberSettings, choose_names
 from modelcast.study.training.processes import ProcessSettings, train_processes
 from modelcast.study.training.selection import SelectorSettings, train_selector
+from modelcast.study.training.switching import SwitchingSettings, TrainedSwitching, train_switching
 from modelcast.trips.fingerprint import fingerprint
 from modelcast.trips.trajectory import Trajectory
 
@@ -90,6 +91,8 @@ class ProfileSettings:
         Of the learned sub-model.
     processes
         Of the Gaussian processes.
+    switching
+        Of the switching sub-models, which are no candidates of the bank; None for none.
     thresholds_m
         Thresholds at which messages are counted [m].
     members
@@ -112,6 +115,7 @@ class ProfileSettings:
     learned: LearnedSettings = field(default_factory=LearnedSettings)
     _: KW_ONLY
     processes: ProcessSettings = field(default_factory=ProcessSettings)
+    switching: SwitchingSettings | None = field(default_factory=SwitchingSettings)
     thresholds_m: tuple[float, ...] = (0.2, 0.3, 0.4, 0.5)
     members: MemberSettings = field(default_factory=lambda: MemberSettings((0.2, 0.5)))
     names: tuple[str, ...] = ()
@@ -145,6 +149,7 @@ class _Shelf:
     aside: tuple[AbstractSubModel, ...]
     regimes: Regimes | None
     processes: dict[str, TrainedPair]
+    switching: TrainedSwitching | None
 
     @property
     def members(self) -> tuple[AbstractSubModel, ...]:
@@ -278,7 +283,16 @@ def _train(
         seed=settings.seed,
         progress=lambda what, done, to_do: told(what)(done, to_do),
     )
-    return _Shelf((learned, *found.candidates, *_KINEMATIC), (found.fixed,), found.regimes, found.pairs)
+    switching = None
+    if settings.switching is not None:
+        switching = train_switching(
+            trips,
+            settings.switching,
+            seed=settings.seed,
+            progress=lambda what, done, to_do: told(what)(done, to_do),
+        )
+    aside = (found.fixed, *(() if switching is None else switching.models))
+    return _Shelf((learned, *found.candidates, *_KINEMATIC), aside, found.regimes, found.pairs, switching)
 
 
 def _cases(trips: Sequence[Trajectory], seed: int) -> dict[str, list[TripCase]]:
@@ -402,5 +416,6 @@ def _record(
             }
             for name, pair in shelf.processes.items()
         },
+        **({} if shelf.switching is None else {"switching": shelf.switching.record}),
         "figures": figures,
     }

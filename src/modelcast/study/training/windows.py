@@ -1,6 +1,6 @@
 """What sub-models are trained on: windows of many trips, and what each vehicle did next."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import KW_ONLY, dataclass
 from itertools import pairwise
 
@@ -12,7 +12,7 @@ from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["TrainingWindows", "survival_s", "training_windows"]
+__all__ = ["TrainingWindows", "at_commonest_interval", "survival_s", "training_windows"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +62,20 @@ class TrainingWindows:
         return TrainingWindows(
             self.samples[rows], self.future_m[rows], horizons_s=self.horizons_s, dt_s=self.dt_s
         )
+
+
+def at_commonest_interval(trips: Sequence[Trajectory]) -> tuple[float, list[Trajectory]]:
+    """The commonest sampling interval of trips, to a millisecond [s], and those sampled at it.
+
+    Parameters
+    ----------
+    trips
+        At least one.
+    """
+    intervals = np.round([trip.dt_s for trip in trips], 3)
+    values, counts = np.unique(intervals, return_counts=True)
+    dt_s = float(values[counts.argmax()])
+    return dt_s, [trip for trip, own in zip(trips, intervals, strict=True) if own == dt_s]
 
 
 def training_windows(
