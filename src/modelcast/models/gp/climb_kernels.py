@@ -1,9 +1,10 @@
 """Compiled search for the likelihood's maximum: the best of many starts, then quasi-Newton steps in bounds.
 
 The starts do not depend on the data: of each the inverse covariance, its determinant and the likelihood's
-expected curvature (Fisher information) are tabled, at a white noise of 1 m². The scale that a window likes best
-is found in closed form, so that a start costs one quadratic form. From the best, BFGS steps in the
-logarithms, begun with the expected curvature; hyper-parameters that press against a bound rest there.
+expected curvature (Fisher information) are tabled, at a white noise of 1 m². The scale that a window likes
+best is found in closed form, so that a start costs one quadratic form. From the best few go some BFGS steps in
+the logarithms, begun with the expected curvature, and the rest from the best of these. Hyper-parameters that
+press against a bound rest there.
 """
 
 import numpy as np
@@ -25,12 +26,12 @@ from modelcast.models.gp.likelihood_kernels import cost_at, slopes_at
 __all__ = ["STARTS_CLIMBED", "search"]
 
 STARTS_CLIMBED = 4
-_FIRST_STEPS = 3
+_FIRST_STEPS = 4
 _MOST_STEPS = 60
 _MOST_HALVINGS = 12
 _LONGEST = 3.0
 """Longest step of a hyper-parameter's logarithm."""
-_DECREASE = 5e-4
+_DECREASE = 2e-5
 """The search ends where a step is expected to lower the cost by less."""
 _LEAST_SCALE_M2 = 1e-300
 _RIDGE = 1e-2
@@ -39,7 +40,7 @@ _RIDGE = 1e-2
 
 @kernel(fast=True)
 def rank(y: FloatVector, constants: FloatVector, starts: FloatMatrix) -> None:
-    """Write the best starts, best first: cost, index and the logarithm of the scale that suits best (S, 3)."""
+    """Write the best starts, best first: cost, index and the logarithm of the best scale (S, 3)."""
     n = y.size
     size = n * (n + 1) // 2
     pairs = np.empty(size)
@@ -166,6 +167,7 @@ def climb(x: FloatVector, y: FloatVector, constants: FloatVector, work: Work, mo
         if free_step(x, low, high, work) < _DECREASE:
             break
         share = 1.0
+        new = np.inf
         lower = False
         for _ in range(_MOST_HALVINGS):
             promised = 0.0

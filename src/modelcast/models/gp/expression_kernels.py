@@ -3,7 +3,7 @@
 import numpy as np
 
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import FloatCube, FloatMatrix, FloatVector
+from modelcast.core.kernel_types import FloatMatrix, FloatVector
 from modelcast.models.gp.climb_kernels import search
 from modelcast.models.gp.expression_layout import (
     AT_DT,
@@ -92,9 +92,7 @@ def covariance_with(
         shape = int(constants[row + LEAF_SHAPE])
         last = int(constants[AT_PARAMETERS]) - 1
         code = int(constants[row + LEAF_CODE])
-        value, _, _ = leaf_at(
-            code, abs(horizon_s - t), hyper[min(shape, last)], hyper[min(shape + 1, last)]
-        )
+        value, _, _ = leaf_at(code, abs(horizon_s - t), hyper[min(shape, last)], hyper[min(shape + 1, last)])
         correlations[leaf] = value
     at = int(constants[AT_TERM_ROWS])
     total = 0.0

@@ -1,9 +1,9 @@
 """Where the packed constants of a kernel expression hold what.
 
 A header; a row for each leaf (code, index of its variance among the hyper-parameters or -1, index of its
-shape); a row for each product (degree in time, how many leaves, which); for each hyper-parameter the bounds of
-its logarithm and whether it scales with the variance of positions (3, P); then the starts of the search, of G
-points: packed inverse covariances (G, n·(n+1)/2), logarithms of the determinants (G,), hyper-parameters
+shape); a row for each product (degree in time, how many leaves, which); for each hyper-parameter the bounds
+of its logarithm and whether it scales with the variance of positions (3, P); then the starts of the search,
+of G points: packed inverse covariances (G, n·(n+1)/2), logarithms of the determinants (G,), hyper-parameters
 (G, P) and curvatures (G, P·P).
 
 The white noise's variance is the last hyper-parameter. All are logarithms, to base e.
@@ -16,8 +16,8 @@ __all__ = [
     "AT_DETERMINANTS",
     "AT_DT",
     "AT_INVERSES",
-    "AT_LEAVES",
     "AT_LEAF_ROWS",
+    "AT_LEAVES",
     "AT_PARAMETERS",
     "AT_POINTS",
     "AT_SAMPLES",

@@ -14,7 +14,7 @@ from modelcast.models.gp.time_grid import TimeGrid
 
 __all__ = ["log_bounds", "pack_expression"]
 
-_STARTS = 512
+_STARTS = 256
 _SCALE_SPAN = (1.0, 1e10)
 """Variances of the starts relative to the white noise."""
 _RATIO_SPAN = (1e-3, 1e3)

@@ -1,7 +1,7 @@
 """Compiled parts of a kernel expression as functions of the lag between two samples.
 
-On equally spaced times a stationary kernel takes n values, one a lag. Multiplied out, an expression is a sum of
-products, each ``(t_i·t_j)^q`` times a function of the lag ``|i - j|``; the same holds of its derivatives.
+On equally spaced times a stationary kernel takes n values, one a lag. Multiplied out, an expression is a sum
+of products, each ``(t_i·t_j)^q`` times a function of the lag ``|i - j|``; the same holds of its derivatives.
 """
 
 from typing import NamedTuple
@@ -24,7 +24,6 @@ from modelcast.models.gp.expression_layout import (
     LEAF_SHAPE,
     LEAF_VARIANCE,
     TERM_COUNT,
-    TERM_DEGREE,
     TERM_FIRST,
     TERM_ROW,
 )
@@ -46,8 +45,8 @@ class Work(NamedTuple):
     Parameters
     ----------
     leaves
-        Correlation of each leaf at each lag, and its logarithm's derivatives by the logarithms of its two shape
-        hyper-parameters, (3, L, n).
+        Correlation of each leaf at each lag, and its logarithm's derivatives by the logarithms of its two
+        shape hyper-parameters, (3, L, n).
     terms
         Each product at each lag, time's powers left out [m²], (T, n).
     powers
@@ -66,8 +65,8 @@ class Work(NamedTuple):
     points
         Hyper-parameters, a step, a trial and the best, (4, P).
     curvature
-        The cost's second derivatives, approximately; the factor of those of the free ones; and those where the
-        cost is least so far, (3, P, P).
+        The cost's second derivatives, approximately; the factor of those of the free ones; and those where
+        the cost is least so far, (3, P, P).
     """
 
     leaves: FloatCube

@@ -1,9 +1,9 @@
 """Compiled likelihood of a kernel expression on one axis, and its derivatives.
 
 The cost is ``log|K| + yᵀK⁻¹y``: -2 times the log-likelihood, less the constant n·log(2·pi). By a
-hyper-parameter's logarithm its derivative is the sum over i, j of ``G_ij·dK_ij`` with ``G = K⁻¹ - alpha·alphaᵀ``
-and ``alpha = K⁻¹·y`` (Rasmussen and Williams 2006, equation 5.9); along a diagonal dK is a function of the lag
-times a power of the times, so that n sums of G serve all hyper-parameters.
+hyper-parameter's logarithm its derivative is the sum over i, j of ``G_ij·dK_ij`` with
+``G = K⁻¹ - alpha·alphaᵀ`` and ``alpha = K⁻¹·y`` (Rasmussen and Williams 2006, equation 5.9); along a diagonal
+dK is a function of the lag times a power of the times, so that n sums of G serve all hyper-parameters.
 """
 
 import numpy as np
@@ -40,18 +40,21 @@ def covariance_at(x: FloatVector, constants: FloatVector, work: Work) -> None:
     at = int(constants[AT_TERM_ROWS])
     for term in range(work.terms.shape[0]):
         q = int(constants[at + TERM_DEGREE])
+        # Longest lag first: along a row of the lower triangle lags fall.
         for lag in range(n):
-            lags[q, lag] += work.terms[term, lag]
+            lags[q, n - 1 - lag] += work.terms[term, lag]
         at += TERM_ROW
-    lags[0, 0] += np.exp(x[x.size - 1])
+    lags[0, n - 1] += np.exp(x[x.size - 1])
     for i in range(n):
+        first = n - 1 - i
         for j in range(i + 1):
-            work.lower[i, j] = lags[0, i - j]
+            work.lower[i, j] = lags[0, first + j]
     for q in range(1, lags.shape[0]):
         for i in range(n):
             left = work.powers[q, i]
+            first = n - 1 - i
             for j in range(i + 1):
-                work.lower[i, j] += left * work.powers[q, j] * lags[q, i - j]
+                work.lower[i, j] += left * work.powers[q, j] * lags[q, first + j]
 
 
 @kernel(fast=True)

@@ -202,7 +202,7 @@ class AbstractKernel(abc.ABC):
 
 
 class AbstractLeaf(AbstractKernel):
-    """A kernel that is no sum or product: frozen dataclasses whose fields are their shape and ``variance``."""
+    """A kernel that is no sum or product: frozen dataclasses with their shape and ``variance`` as fields."""
 
     name: ClassVar[str]
     """As in expressions."""
@@ -247,7 +247,7 @@ class AbstractLeaf(AbstractKernel):
         """A leaf of the same class."""
         variance = next(values) if free else self.variance
         shape = {one.name: next(values) for one in self.shape}
-        return type(self)(**shape, variance=variance)
+        return type(self)(**{**shape, "variance": variance})
 
 
 @dataclass(frozen=True, slots=True)

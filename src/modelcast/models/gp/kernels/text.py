@@ -1,7 +1,8 @@
 """Kernels as short expressions, ``linear+rbf`` or ``matern32*(linear+periodic)``, and back.
 
 ``*`` binds closer than ``+``; spaces count for nothing. An expression says which kernels and how they are
-joined, not their hyper-parameters. `str` of a kernel is its canonical text: no spaces, no needless parentheses.
+joined, not their hyper-parameters. `str` of a kernel is its canonical text: no spaces, no needless
+parentheses.
 """
 
 import re
@@ -21,8 +22,8 @@ LEAVES: dict[str, type[AbstractLeaf]] = {
 """Kernels by the names that expressions use."""
 
 MOST_CHARACTERS, MOST_DEPTH, MOST_LEAVES = 120, 8, 6
-"""Bounds of an expression: its length, parentheses inside each other, and kernels. Six leaves are nine products
-at most when multiplied out."""
+"""Bounds of an expression: its length, parentheses inside each other, and kernels. Six leaves are nine
+products at most when multiplied out."""
 
 _TOKEN = re.compile(r"\s*([A-Za-z_0-9]+|[^\sA-Za-z_0-9])")
 
@@ -53,8 +54,8 @@ matern32, matern52, rq and periodic
         raise ValueError(f"a kernel's expression has at most {MOST_CHARACTERS} characters, got {len(text)}")
     reader = _Reader(text)
     kernel = reader.total(0)
-    if reader.token:
-        raise reader.error(f"expected + or * or the end, got {reader.token!r}")
+    if reader.ahead():
+        raise reader.error(f"expected + or * or the end, got {reader.ahead()!r}")
     return kernel
 
 
@@ -67,8 +68,7 @@ class _Reader:
         self._next = 0
         self._leaves = 0
 
-    @property
-    def token(self) -> str:
+    def ahead(self) -> str:
         """The next one; empty at the end."""
         return self._tokens[self._next][0] if self._next < len(self._tokens) else ""
 
@@ -80,26 +80,27 @@ class _Reader:
     def total(self, depth: int) -> AbstractKernel:
         """Read a sum."""
         parts = [self._product(depth)]
-        while self.token == "+":
+        while self.ahead() == "+":
             self._next += 1
             parts.append(self._product(depth))
         return parts[0] if len(parts) == 1 else Sum(tuple(parts))
 
     def _product(self, depth: int) -> AbstractKernel:
         parts = [self._factor(depth)]
-        while self.token == "*":
+        while self.ahead() == "*":
             self._next += 1
             parts.append(self._factor(depth))
         return parts[0] if len(parts) == 1 else Product(tuple(parts))
 
     def _factor(self, depth: int) -> AbstractKernel:
-        if self.token == "(":
+        if self.ahead() == "(":
             if depth == MOST_DEPTH:
                 raise self.error(f"parentheses inside each other at most {MOST_DEPTH} deep")
             self._next += 1
             inner = self.total(depth + 1)
-            if self.token != ")":
-                raise self.error(f"expected ), got {self.token!r}" if self.token else "a ) is missing")
+            if self.ahead() != ")":
+                got = self.ahead()
+                raise self.error(f"expected ), got {got!r}" if got else "a ) is missing")
             self._next += 1
             return inner
         return self._leaf()
@@ -107,15 +108,15 @@ class _Reader:
     def _leaf(self) -> AbstractKernel:
         names = list(LEAVES)
         known = f"there are {', '.join(names[:-1])} and {names[-1]}"
-        if not self.token:
+        if not self.ahead():
             raise self.error(f"a kernel is missing; {known}")
-        if self.token not in LEAVES:
-            if not self.token[0].isalnum():
-                raise self.error(f"expected a kernel or (, got {self.token!r}; {known}")
-            raise self.error(f"no kernel is named {self.token!r}; {known}")
+        if self.ahead() not in LEAVES:
+            if not self.ahead()[0].isalnum():
+                raise self.error(f"expected a kernel or (, got {self.ahead()!r}; {known}")
+            raise self.error(f"no kernel is named {self.ahead()!r}; {known}")
         if self._leaves == MOST_LEAVES:
             raise self.error(f"an expression has at most {MOST_LEAVES} kernels")
         self._leaves += 1
-        leaf = LEAVES[self.token]()
+        leaf = LEAVES[self.ahead()]()
         self._next += 1
         return leaf
