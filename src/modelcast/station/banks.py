@@ -348,13 +348,11 @@ def _member(name: str, profile: Profile, noise_floor_m: float | None, window: in
         )
     found = profile.sub_model(name)
     if found is None:
-        known = ", ".join(member_names(profile))
-        raise ValueError(f"no sub-model is named '{name}'; there are {known} and gp(...) with a kernel")
-    return (
-        replace(found, samples=window)
-        if isinstance(found, GaussianProcess | KernelProcess | VehicleProcess)
-        else found
-    )
+        *most, last = member_names(profile)
+        known = f"there are {', '.join(most)} and {last}, and gp(...) of a kernel"
+        raise ValueError(f"no sub-model is named '{name}'; {known}")
+    fitted = isinstance(found, GaussianProcess | KernelProcess | VehicleProcess)
+    return replace(found, samples=window) if fitted else found
 
 
 def profile_number_of(bank: Bank) -> int:

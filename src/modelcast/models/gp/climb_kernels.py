@@ -2,9 +2,9 @@
 
 The starts do not depend on the data: of each the inverse covariance, its determinant and the likelihood's
 expected curvature (Fisher information) are tabled, at a white noise of 1 m². The scale that a window likes
-best is found in closed form, so that a start costs one quadratic form. From the best few go some BFGS steps in
-the logarithms, begun with the expected curvature, and the rest from the best of these. Hyper-parameters that
-press against a bound rest there.
+best is found in closed form, so that a start costs one quadratic form. From the best few go some BFGS steps
+in the logarithms, begun with the expected curvature, and the rest from the best of these. Hyper-parameters
+that press against a bound rest there.
 """
 
 import numpy as np
