@@ -18,6 +18,8 @@ _STARTS = 256
 _SCALE_SPAN = (1.0, 1e10)
 """Variances of the starts relative to the white noise."""
 _RATIO_SPAN = (1e-3, 1e3)
+_AT_ONCE = 32
+"""Starts worked out together: few enough for little memory."""
 _DIFFERENCE = 1e-4
 """Step of a logarithm for the derivatives of the covariance, which only guide a search."""
 
@@ -117,27 +119,27 @@ def _tabled(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Packed inverses, log determinants and expected curvatures of -2·log L at the starts."""
     times = grid.times_s
-    n, count = grid.samples, points.shape[1]
-    rows, columns = np.tril_indices(n)
+    rows, columns = np.tril_indices(grid.samples)
     double = np.where(rows == columns, 1.0, 2.0)
-    inverses = np.empty((len(points), rows.size))
-    determinants = np.empty(len(points))
-    curvatures = np.empty((len(points), count, count))
-    for g, point in enumerate(points):
-        inverse = np.linalg.inv(_covariance(kernel, times, point))
-        inverses[g] = inverse[rows, columns] * double
-        determinants[g] = -np.linalg.slogdet(inverse)[1]
-        steps = _DIFFERENCE * np.eye(count)
-        changes = [
-            (_covariance(kernel, times, point + step) - _covariance(kernel, times, point - step))
-            / (2.0 * _DIFFERENCE)
+    inverses: list[FloatArray] = []
+    determinants: list[FloatArray] = []
+    curvatures: list[FloatArray] = []
+    for first in range(0, len(points), _AT_ONCE):
+        some = points[first : first + _AT_ONCE]
+        inverse = np.linalg.inv(_covariances(kernel, times, some))
+        inverses.append(inverse[:, rows, columns] * double)
+        determinants.append(-np.linalg.slogdet(inverse)[1])
+        steps = _DIFFERENCE * np.eye(points.shape[1])
+        whitened = [
+            inverse @ (_covariances(kernel, times, some + step) - _covariances(kernel, times, some - step))
             for step in steps
         ]
-        whitened = inverse @ np.array(changes)
-        curvatures[g] = np.einsum("pij,qji->pq", whitened, whitened)
-    return inverses, determinants, curvatures
+        changes = np.stack(whitened, axis=1) / (2.0 * _DIFFERENCE)
+        curvatures.append(np.einsum("gpij,gqji->gpq", changes, changes, optimize=True))
+    return np.concatenate(inverses), np.concatenate(determinants), np.concatenate(curvatures)
 
 
-def _covariance(kernel: AbstractKernel, times_s: FloatArray, logarithms: FloatArray) -> FloatArray:
-    values = np.exp(logarithms)
-    return kernel.at(values[:-1], times_s[:, None], times_s) + values[-1] * np.eye(times_s.size)
+def _covariances(kernel: AbstractKernel, times_s: FloatArray, logarithms: FloatArray) -> FloatArray:
+    """With white noise, (G, n, n)."""
+    values = np.exp(logarithms)[:, None, None]
+    return kernel.at(values[..., :-1], times_s[:, None], times_s) + values[..., -1] * np.eye(times_s.size)
