@@ -1,4 +1,4 @@
-"""Kernels of modelcast as scikit-learn's, with the same hyper-parameters and bounds."""
+"""Kernels of modelcast as scikit-learn's, with the same hyper-parameters and bounds; and in extended precision."""
 
 from collections.abc import Callable
 from functools import reduce
@@ -11,7 +11,7 @@ from sklearn.gaussian_process import kernels as peers
 
 from modelcast.models.gp.kernels import AbstractKernel, Product, Sum, kernel_from_text
 
-__all__ = ["peer_of"]
+__all__ = ["extended_prediction", "peer_of"]
 
 Array = npt.NDArray[np.float64]
 
@@ -42,6 +42,40 @@ def peer_of(expression: str, values: Array | None = None, *, noise_bounds_m2: An
     leaves = iter([(place.free, place.leaf) for place in kernel.with_values(list(values[:-1])).places()])
     tree = _converted(kernel, lambda: _leaf(*next(leaves), bounds))
     return tree + peers.WhiteKernel(values[-1], noise_bounds_m2)
+
+
+def extended_prediction(expression: str, y: Array, values: Array, dt_s: float, horizons_s: Array) -> Array:
+    """Return predictions by dense algebra in extended precision, (B, H).
+
+    Parameters
+    ----------
+    expression
+        The kernel.
+    y
+        Windows of one axis less their last sample, (B, n) [m].
+    values
+        Hyper-parameters, then the white noise's variance, (B, P).
+    dt_s
+        Sampling interval [s].
+    horizons_s
+        Times after the last sample, (H,) [s].
+    """
+    kernel = kernel_from_text(expression)
+    count, n = y.shape
+    t = (np.arange(n, dtype=np.longdouble) - n + 1) * np.longdouble(dt_s)
+    long = values.astype(np.longdouble)[:, None, None]
+    covariance = kernel.at(long[..., :-1], t[:, None], t) + long[..., -1] * np.eye(n)
+    lower = np.zeros_like(covariance)
+    z = y.astype(np.longdouble)
+    for i in range(n):
+        for j in range(i + 1):
+            rest = covariance[:, i, j] - (lower[:, i, :j] * lower[:, j, :j]).sum(axis=1)
+            lower[:, i, j] = np.sqrt(rest) if i == j else rest / lower[:, j, j]
+        z[:, i] = (z[:, i] - (lower[:, i, :i] * z[:, :i]).sum(axis=1)) / lower[:, i, i]
+    for i in range(n - 1, -1, -1):
+        z[:, i] = (z[:, i] - (lower[:, i + 1 :, i] * z[:, i + 1 :]).sum(axis=1)) / lower[:, i, i]
+    cross = kernel.at(long[..., :-1], horizons_s.astype(np.longdouble)[:, None], t)
+    return (cross * z[:, None]).sum(axis=2).astype(np.float64).reshape(count, -1)
 
 
 def _converted(kernel: AbstractKernel, leaf: Callable[[], Any]) -> Any:

@@ -10,6 +10,7 @@ SCRIPTS = (
     "mbc_codec.py",
     "gp_fit.py",
     "gp_peers.py",
+    "gp_expressions.py",
     "rate_evaluation.py",
     "evaluate_command.py",
     "traffic.py",

@@ -12,7 +12,7 @@ from modelcast.models.gp.kernels.gaps import gap_s
 
 __all__ = ["Periodic"]
 
-_PERIOD = Hyperparameter("period_s", 0.5, 20.0)
+_PERIOD = Hyperparameter("period_s", 0.5, 10.0)
 _WIDTH = Hyperparameter("width", 0.1, 10.0)
 
 

@@ -12,7 +12,7 @@ from modelcast.models.gp.kernels.gaps import LENGTHSCALE, gap_s
 
 __all__ = ["RationalQuadratic"]
 
-_EXPONENT = Hyperparameter("exponent", 0.1, 100.0)
+_EXPONENT = Hyperparameter("exponent", 0.1, 10.0)
 
 
 @dataclass(frozen=True, slots=True)
