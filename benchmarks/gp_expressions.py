@@ -1,9 +1,9 @@
 """How fast is the maximum-likelihood fit of a sum of two kernels, and how good? scikit-learn in the same run.
 
 Every sum of two of the seven kernels, on windows of ten samples of the OpenACC trips, one axis, noise floor
-1 mm. scikit-learn has the same kernel and bounds, one start and its default search. ``linear+rbf`` is timed on
-the general path too, though its closed form serves. One thread throughout; processor time, the least of five
-runs of ours; needs the real trips.
+1 mm. scikit-learn has the same kernel and bounds, one start and its default search. ``linear+rbf`` is timed
+on the general path too, though its closed form serves. One thread throughout; processor time, the least of
+five runs of ours; needs the real trips.
 """
 
 import argparse

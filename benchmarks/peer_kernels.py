@@ -1,4 +1,4 @@
-"""Kernels of modelcast as scikit-learn's, with the same hyper-parameters and bounds; and in extended precision."""
+"""Kernels of modelcast as scikit-learn's, with the same bounds; and predictions in extended precision."""
 
 from collections.abc import Callable
 from functools import reduce

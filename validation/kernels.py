@@ -59,7 +59,7 @@ def windows(source: Path, every: int) -> dict[float, Array]:
 
 
 def differences_m(expression: str, y: Array, dt_s: float) -> Array:
-    """Return the largest distances of windows' predictions: ours from exact, peer from exact, ours from peer."""
+    """Return the largest distances of predictions: ours from exact, peer from exact, ours from peer."""
     model = KernelProcess(expression)
     ready = model.point_functions(dt_s)
     count = len(model.kernel.hyperparameters) + 1

@@ -205,7 +205,7 @@ def test_real_windows_are_fitted_as_well_as_by_scikit_learn(expression: str, win
 
 
 def test_covariances_are_scikit_learns() -> None:
-    model = KernelProcess("linear*matern32+rq")
+    model = KernelProcess("linear*matern32+rbf")
     y = tracks(4, seed=4)
     samples = np.concatenate([np.stack([y[:2], y[2:]], axis=2), np.zeros((2, SAMPLES, 5))], axis=2)
     parameters = model.fit(Windows(samples, dt_s=DT_S))
@@ -222,7 +222,7 @@ def test_covariances_are_scikit_learns() -> None:
         _, deviation = process.predict(HORIZONS_S[:, None], return_std=True)
         # White noise is part of scikit-learn's kernel, and so of what it predicts.
         theirs = deviation**2 - values[-1]
-        np.testing.assert_allclose(found[row, :, axis, axis], theirs, rtol=1e-6, atol=1e-8)
+        np.testing.assert_allclose(found[row, :, axis, axis], theirs, rtol=1e-5, atol=1e-8)
 
 
 def test_the_closed_form_serves_where_there_is_one() -> None:

@@ -45,8 +45,8 @@ class Hyperparameter:
 
 
 VARIANCE = Hyperparameter("variance_m2", 1e-8, 1e4)
-"""Variance of a leaf that sets a scale. A deviation of 100 m, or of 100 m/s, is all that a vehicle needs; more
-would leave a noise floor of 1 mm to the rounding of doubles."""
+"""Variance of a leaf that sets a scale. A deviation of 100 m, or of 100 m/s, is all that a vehicle needs;
+more would leave a noise floor of 1 mm to the rounding of doubles."""
 
 RATIO = Hyperparameter("variance_ratio", 1e-6, 1e6)
 """Variance of a leaf relative to the first part of its sum, where that sum is a factor."""
