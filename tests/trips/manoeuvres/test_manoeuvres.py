@@ -352,3 +352,23 @@ def test_bends_far_from_the_circulation_are_none_of_its_own() -> None:
 
     assert kinds(drive(shape(3.0), 7.0)) == [("roundabout", "right")]
     assert kinds(drive(shape(60.0), 7.0)) == [("turn", "left"), ("turn", "right"), ("turn", "left")]
+
+
+def test_a_turn_between_slight_bends_to_the_other_side_is_a_turn() -> None:
+    def shape(aside: float) -> list[tuple[float, float]]:
+        return [(80.0, 0.0), (20.0 * aside, -aside), (36.0, 1.8), (20.0 * aside, -aside), (80.0, 0.0)]
+
+    assert kinds(drive(shape(0.5), 7.0)) == [("roundabout", "right")]
+    assert kinds(drive(shape(0.15), 7.0)) == [("turn", "right")]
+
+
+def test_in_a_tight_bend_no_lane_change_is_told() -> None:
+    assert kinds(shifted(3.5, radius_m=300.0)) == [("lane change", "right")]
+    assert found(shifted(3.5, radius_m=150.0)) == []
+
+
+def test_a_turn_in_two_strokes_is_one() -> None:
+    stroke = (12.0 * 0.8, 0.8)
+    (one,) = found(drive([(80.0, 0.0), stroke, (7.0, 0.0), stroke, (80.0, 0.0)], 6.0))
+    assert (one.kind, one.side) == (ManoeuvreKind.TURN, "right")
+    assert one.size == pytest.approx(1.6, abs=ANGLE_ERROR_RAD)
