@@ -214,7 +214,7 @@ def generate_known_drive(seed: int, duration_s: float = 1200.0, rate_hz: float =
     --------
     >>> drive = generate_known_drive(1, 120.0)
     >>> [(one.kind.value, one.side) for one in drive.manoeuvres][:2]
-    []
+    [('roundabout', 'left'), ('lane change', 'left')]
     """
     if not duration_s > 0.0:
         raise ValueError(f"duration_s must be positive, got {duration_s}")

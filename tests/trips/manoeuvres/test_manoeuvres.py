@@ -311,3 +311,64 @@ def test_two_receivers_in_one_car_tell_the_same_manoeuvres(data_folder: Path) ->
     )
     for kind in KINDS:
         assert abs(plain[kind] - rtk[kind]) <= (kind is ManoeuvreKind.LANE_CHANGE)
+
+
+def test_reversing_out_of_a_bay_is_no_u_turn() -> None:
+    way = np.concatenate(
+        [np.linspace(0.0, 60.0, 200), np.linspace(60.0, 30.0, 150), np.linspace(30.0, 90.0, 200)]
+    )
+    t_s = np.arange(way.size) * STEP_S
+    assert found(build_trajectory("made/1", t_s, np.stack([way, 0.001 * way], axis=1))) == []
+
+
+def test_a_position_that_wanders_while_the_car_stands_makes_no_bend() -> None:
+    rng = np.random.default_rng(3)
+    ahead = np.concatenate([np.linspace(0.0, 80.0, 100), np.full(600, 80.0), np.linspace(80.0, 160.0, 100)])
+    noise = 0.05 * rng.standard_normal((ahead.size, 2))
+    trip = build_trajectory(
+        "made/1", np.arange(ahead.size) * STEP_S, np.stack([ahead, 0.0 * ahead], axis=1) + noise
+    )
+    assert {one.kind for one in found(trip)} <= {ManoeuvreKind.STOP, ManoeuvreKind.HARD_BRAKE}
+
+
+def test_a_weave_at_walking_pace_is_no_roundabout() -> None:
+    """Entry, circulation and exit at walking pace: a car park."""
+    shape = [(80.0, 0.0), (12.0, -0.7), (30.0, 2.0), (12.0, -0.7), (80.0, 0.0)]
+    assert kinds(drive(shape, 7.0)) == [("roundabout", "right")]
+    assert ManoeuvreKind.ROUNDABOUT not in [one.kind for one in found(drive(shape, 1.6))]
+
+
+def test_bends_far_from_the_circulation_are_none_of_its_own() -> None:
+    def shape(between_m: float) -> list[tuple[float, float]]:
+        return [
+            (80.0, 0.0),
+            (12.0, -1.0),
+            (between_m, 0.0),
+            (30.0, 2.0),
+            (between_m, 0.0),
+            (12.0, -1.0),
+            (80.0, 0.0),
+        ]
+
+    assert kinds(drive(shape(3.0), 7.0)) == [("roundabout", "right")]
+    assert kinds(drive(shape(60.0), 7.0)) == [("turn", "left"), ("turn", "right"), ("turn", "left")]
+
+
+def test_a_turn_between_slight_bends_to_the_other_side_is_a_turn() -> None:
+    def shape(aside: float) -> list[tuple[float, float]]:
+        return [(80.0, 0.0), (20.0 * aside, -aside), (36.0, 1.8), (20.0 * aside, -aside), (80.0, 0.0)]
+
+    assert kinds(drive(shape(0.5), 7.0)) == [("roundabout", "right")]
+    assert kinds(drive(shape(0.15), 7.0)) == [("turn", "right")]
+
+
+def test_in_a_tight_bend_no_lane_change_is_told() -> None:
+    assert kinds(shifted(3.5, radius_m=300.0)) == [("lane change", "right")]
+    assert found(shifted(3.5, radius_m=150.0)) == []
+
+
+def test_a_turn_in_two_strokes_is_one() -> None:
+    stroke = (12.0 * 0.8, 0.8)
+    (one,) = found(drive([(80.0, 0.0), stroke, (7.0, 0.0), stroke, (80.0, 0.0)], 6.0))
+    assert (one.kind, one.side) == (ManoeuvreKind.TURN, "right")
+    assert one.size == pytest.approx(1.6, abs=ANGLE_ERROR_RAD)

@@ -158,13 +158,12 @@ def _fitted(t_s: FloatArray, course: FloatArray, speed: FloatArray, shape: _Shap
     """Return the bumps of one duration that count as lane changes."""
     if t_s.size < shape.rows:
         return []
-    windows = np.lib.stride_tricks.sliding_window_view(course, shape.rows)
-    speeds = np.lib.stride_tricks.sliding_window_view(speed, shape.rows) @ shape.weights
-    windows = windows - windows.mean(axis=1, keepdims=True)  # cancellation would cost digits below
-    road = windows @ shape.road
-    energy = (windows**2).sum(axis=1)
-    amount = windows @ shape.bump
-    left = np.maximum(energy - (road**2).sum(axis=1), 1e-18)
+    course = course - course.mean()  # large angles would cost digits in the differences below
+    amount = np.correlate(course, shape.bump, "valid")
+    road = np.stack([np.correlate(course, column, "valid") for column in shape.road.T])
+    energy = np.correlate(course**2, np.ones(shape.rows), "valid")
+    left = np.maximum(energy - (road**2).sum(axis=0), 1e-12)
+    speeds = np.correlate(speed, shape.weights, "valid")
     unexplained = np.maximum(left - amount**2, 0.0)
     shift = speeds * amount / shape.bump_norm
     good = (
@@ -173,7 +172,8 @@ def _fitted(t_s: FloatArray, course: FloatArray, speed: FloatArray, shape: _Shap
         & (unexplained < (1.0 - EXPLAINED_RATIO) * left)
     )
     rows = np.flatnonzero(good)
-    rows = rows[_bends_lose(windows[rows], unexplained[rows], shape)]
+    windows = np.lib.stride_tricks.sliding_window_view(course, shape.rows)[rows]
+    rows = rows[_bends_lose(windows, unexplained[rows], shape)]
     middle = shape.rows // 2
     return [
         _Candidate(
@@ -188,6 +188,7 @@ def _fitted(t_s: FloatArray, course: FloatArray, speed: FloatArray, shape: _Shap
 
 def _bends_lose(windows: FloatArray, unexplained: FloatArray, shape: _Shape) -> IntArray:
     """Rows of the windows in which no road of up to three radii comes near, and the road turns slowly."""
+    windows = windows - windows.mean(axis=1, keepdims=True)
     straight = windows @ shape.road
     energy = (windows**2).sum(axis=1) - (straight**2).sum(axis=1)
     best = np.zeros(energy.size)
