@@ -25,13 +25,13 @@ from modelcast.models.gp.likelihood_kernels import cost_at, slopes_at
 
 __all__ = ["STARTS_CLIMBED", "search"]
 
-STARTS_CLIMBED = 4
-_FIRST_STEPS = 4
+STARTS_CLIMBED = 3
+_FIRST_STEPS = 3
 _MOST_STEPS = 60
 _MOST_HALVINGS = 12
 _LONGEST = 3.0
 """Longest step of a hyper-parameter's logarithm."""
-_DECREASE = 2e-5
+_DECREASE = 5e-5
 """The search ends where a step is expected to lower the cost by less."""
 _LEAST_SCALE_M2 = 1e-300
 _RIDGE = 1e-2

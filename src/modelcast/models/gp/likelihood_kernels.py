@@ -127,12 +127,12 @@ def sum_lags(work: Work) -> None:
         for lag in range(n):
             lags[q, lag] = 0.0
     for j in range(n):
-        for i in range(j, n):
-            row[i - j] = -work.dual[i] * work.dual[j]
+        for lag in range(n - j):
+            row[lag] = -work.dual[j + lag] * work.dual[j]
         for k in range(j, n):
             left = work.inverse[k, j]
-            for i in range(j, k + 1):
-                row[i - j] += left * work.inverse[k, i]
+            for lag in range(k - j + 1):
+                row[lag] += left * work.inverse[k, j + lag]
         for q in range(lags.shape[0]):
             right = work.powers[q, j]
             for lag in range(n - j):
