@@ -76,8 +76,8 @@ def _any_radio(rows: Sequence[PairedRow]) -> ClaimRow:
         "any radio",
         "system",
         "The architecture is indifferent to the radio below it.",
-        measure="The same stations run over each radio; tests/runtime/test_technologies.py compares octets and "
-        "beliefs over four technologies.",
+        measure="The same stations run over each radio; octets and beliefs over four technologies are "
+        "compared in tests/runtime/test_technologies.py.",
         figure=", ".join(radios) if radios else "no traffic was run",
         worst="",
         verdicts={PLAIN_LABEL: "holds" if len(radios) > 1 else "not run"},
