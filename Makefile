@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo test verify check bench bench-paired mutate fuzz validate setup setup-dev lock clean same
+.PHONY: demo test verify check bench bench-paired mutate fuzz paper validate setup setup-dev lock clean same
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -49,6 +49,10 @@ validate: setup-dev
 	$(if $(MODELCAST_REFERENCE),$(BIN)/python validation/wilab.py)
 	$(BIN)/python validation/mode4_published.py
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3.py)
+
+# docs/paper.md, and the paper's blocks of README.md and docs/results.md; needs MODELCAST_DATA.
+paper: setup-dev
+	$(BIN)/python validation/paper.py $(PAPER_ARGUMENTS)
 
 # What is evaluated, simulated and driven is the same: every trip of the data folder, byte for byte; hours on two cores.
 # SAME_ARGUMENTS="--most 3" takes three trips of each source.

@@ -11,6 +11,7 @@ SCRIPTS = (
     "gp_fit.py",
     "gp_peers.py",
     "switching.py",
+    "gp_expressions.py",
     "rate_evaluation.py",
     "evaluate_command.py",
     "traffic.py",

@@ -42,9 +42,11 @@ if TYPE_CHECKING:
     from modelcast.study.compare.run import compare as compare
     from modelcast.study.compare.settings import CompareSettings as CompareSettings
     from modelcast.study.evaluate import evaluate as evaluate
+    from modelcast.study.paper.run import reproduce_paper as reproduce_paper
     from modelcast.study.result import EvaluationResult as EvaluationResult
     from modelcast.study.settings import EvaluationSettings as EvaluationSettings
     from modelcast.study.training.profile import train_profile as train_profile
+    from modelcast.trips.manoeuvres.rank import count_manoeuvres as count_manoeuvres
     from modelcast.trips.trajectory import Trajectory as Trajectory
     from modelcast.trips.trajectory import build_trajectory as build_trajectory
     from modelcast.world.drive import generate_drive as generate_drive
@@ -73,6 +75,7 @@ _HOMES = {
     "VirtualMedium": "runtime.transport.virtual",
     "build_trajectory": "trips.trajectory",
     "compare": "study.compare.run",
+    "count_manoeuvres": "trips.manoeuvres.rank",
     "decode_bsm": "messages.bsm",
     "default_profile": "models.profile",
     "encode_bsm": "messages.bsm",
@@ -82,6 +85,7 @@ _HOMES = {
     "read_profile": "io.profile",
     "read_trips": "io.trips",
     "references_frame": "report.tables",
+    "reproduce_paper": "study.paper.run",
     "tracking_frame": "report.tables",
     "train_profile": "study.training.profile",
     "write_report": "report.html",

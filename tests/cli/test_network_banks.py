@@ -60,7 +60,10 @@ def test_a_policy_without_a_model_runs_once_and_the_others_once_a_bank(
     assert len(files) == len(asked)
     for file in files:
         (row,) = json.loads(file.read_text())["run"]
-        assert file.name.startswith(f"{row['radio']}_{row['policy']}_{row['bank']}_30_{row['run']}-")
+        threshold = "_0.05m" if row["policy"] == "mbc" else ""
+        assert row["threshold_m"] == (0.05 if threshold else None)
+        sender = f"{row['policy']}_{row['bank']}{threshold}"
+        assert file.name.startswith(f"{row['radio']}_{sender}_30_{row['run']}-")
         assert row in rows
 
 
@@ -121,7 +124,7 @@ def plan(*banks: str, start: StartRule | None = None, identify: IdentifyRule | N
         identify=identify,
         cost="bytes",
         threads=1,
-        threshold_m=0.2,
+        thresholds_m=(0.2,),
         keep_alive_s=2.0,
         relaxed_error_m=None,
         sensor=SensorOptions(),

@@ -13,6 +13,7 @@ from modelcast.models.gp import (
     AxisKernel,
     GaussianProcess,
     Hyperparameters,
+    KernelProcess,
     VehicleProcess,
     derivative_process,
     linear_process,
@@ -59,6 +60,12 @@ MODELS: dict[str, AbstractMotionModel] = {
     "gp-intercept-fixed": GaussianProcess(form="intercept", hyperparameters=FIXED),
     "gp-adaptive": GaussianProcess(form="intercept", noise="estimated"),
     "gp-linear": linear_process(),
+    "gp(linear+matern32)": KernelProcess("linear+matern32"),
+    "gp(matern52*(linear+rq))-15": KernelProcess("matern52*(linear+rq)", 15, 0.01),
+    "cv+gp(linear)+gp(rbf+matern12)": Bank(
+        (ConstantVelocity(), KernelProcess("linear"), KernelProcess("rbf+matern12"))
+    ),
+    "gp(linear+rbf*periodic)-path": PredictedPath(KernelProcess("linear+rbf*periodic")),
     "gp-vehicle-untrained": vehicle_process(),
     **{member.name: member for member in default_profile().sub_models if member.name.startswith("gp-")},
     "gp-vehicle-20": VehicleProcess("gp-vehicle-20", AxisKernel(4.0, 5.0), samples=20, degree=3),

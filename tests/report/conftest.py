@@ -1,6 +1,7 @@
 """A made-up evaluation, of any size, that looks like a real one."""
 
 from collections.abc import Callable, Sequence
+from html.parser import HTMLParser
 
 import numpy as np
 import pytest
@@ -24,7 +25,43 @@ POLICIES = (
     ("baseline-periodic", "total"),
     ("baseline-periodic", "update"),
 )
+VOID = {"meta", "img", "br"}
 SCALE = {"mbc": 0.8, "baseline": 1.0, "baseline-matched": 1.1, "baseline-periodic": 1.5}
+
+
+class Page(HTMLParser):
+    """Tags in order, addresses they point to, and their text; elements must be closed in order."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[str] = []
+        self.addresses: list[str] = []
+        self.text = ""
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:  # noqa: D102
+        self.tags.append(tag)
+        self.addresses += [value or "" for name, value in attrs if name in {"src", "href", "data", "action"}]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:  # noqa: D102
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:  # noqa: D102
+        self.text += data
+
+
+@pytest.fixture(scope="session")
+def read_page() -> Callable[[str], Page]:
+    """What takes a page apart."""
+
+    def read(text: str) -> Page:
+        page = Page()
+        page.feed(text)
+        return page
+
+    return read
 
 
 def build_result(

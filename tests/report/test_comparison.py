@@ -145,6 +145,7 @@ def tracking(
         trip,
         threshold_m=threshold_m,
         packet_error_ratio=ratio,
+        rate_basis="total",
         message_rate_hz=0.9,
         matched_rate_hz=0.9,
         periodic_rate_hz=0.9,

@@ -11,6 +11,7 @@ from rich.console import Console
 
 from modelcast.report.figures.files import drawn
 from modelcast.report.figures.network import NETWORK_FIGURES
+from modelcast.report.figures.senders import Curve, sender_curves
 from modelcast.report.network import network_console, network_markdown
 from modelcast.report.style import style
 from modelcast.study.network.pool import gather
@@ -142,3 +143,24 @@ def test_a_log_axis_ends_near_its_values_however_wide_an_interval_is() -> None:
     curves = [np.asarray(line.get_ydata(), dtype=np.float64) for line in figure.axes[0].get_lines()]
     least = min(float(curve.min()) for curve in curves)
     assert figure.axes[0].get_ylim()[0] == pytest.approx(0.5 * least)
+
+
+def test_thresholds_are_told_apart_in_words_and_curves() -> None:
+    found: list[CaseResult] = []
+    for policy, threshold_m, run in product(("baseline", "mbc"), (0.2, 0.3, 0.4, 0.5), (0, 1)):
+        bank = "paper" if policy == "mbc" else "none"
+        case = NetworkCase(25.0, "dsrc", policy, bank, run, threshold_m=threshold_m)
+        found.append(CaseResult(row(RunRow, case), [], outcomes=[], seconds=[]))
+    one_bank = gather(found)
+    assert heads(one_bank)[:5] == ["density", "radio", "policy", "threshold", "seeds"]
+    assert "mbc, 30 cm" in shown(one_bank)
+    curves = sender_curves(one_bank)
+    assert [curve.label for curve in curves] == [
+        f"{policy}, {cm} cm" for policy in ("baseline", "mbc") for cm in (20, 30, 40, 50)
+    ]
+    assert [sum(map(curve.drew, one_bank.runs)) for curve in curves] == [2] * 8
+
+
+def test_no_two_lines_of_a_policy_look_alike() -> None:
+    looks = [Curve("mbc", "paper", 0.2, "", place).plain for place in range(12)]
+    assert len({(str(look["color"]), str(look["linestyle"])) for look in looks}) == 12

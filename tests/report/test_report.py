@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import polars as pl
 import pytest
@@ -15,43 +15,17 @@ from modelcast.report.tables import events_frame, rates_frame, samples_frame, tr
 from modelcast.study.result import EvaluationResult
 
 Make = Callable[..., EvaluationResult]
-VOID = {"meta", "img", "br"}
+ReadPage = Callable[[str], Any]
 
 
-class Page(HTMLParser):
-    """Tags in order, addresses they point to, and their text; elements must be closed in order."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.tags: list[str] = []
-        self.addresses: list[str] = []
-        self.text = ""
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:  # noqa: D102
-        self.tags.append(tag)
-        self.addresses += [value or "" for name, value in attrs if name in {"src", "href", "data", "action"}]
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:  # noqa: D102
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:  # noqa: D102
-        self.text += data
+@pytest.fixture
+def page_without_figures(read_page: ReadPage) -> Callable[[EvaluationResult], Any]:
+    return lambda result: read_page(report_document(result, ()))
 
 
-def read_page(text: str) -> Page:
-    page = Page()
-    page.feed(text)
-    return page
-
-
-def page_without_figures(result: EvaluationResult) -> Page:
-    return read_page(report_document(result, ()))
-
-
-def test_report_needs_no_network_and_no_script(make_result: Make, tmp_path: Path) -> None:
+def test_report_needs_no_network_and_no_script(
+    make_result: Make, tmp_path: Path, read_page: ReadPage
+) -> None:
     text = write_report(make_result(), tmp_path)[0].read_text(encoding="utf-8")
     page = read_page(text)
     assert not page.open
@@ -62,14 +36,14 @@ def test_report_needs_no_network_and_no_script(make_result: Make, tmp_path: Path
     assert "@import" not in text
 
 
-def test_names_are_text_not_markup(make_result: Make) -> None:
+def test_names_are_text_not_markup(make_result: Make, page_without_figures: Any) -> None:
     page = page_without_figures(make_result())
     assert not {"script"} & set(page.tags)
     assert "<script>alert(1)</script>/$3" in page.text
     assert "broken/<b>7</b>" in page.text
 
 
-def test_report_says_what_the_labels_mean(make_result: Make, tmp_path: Path) -> None:
+def test_report_says_what_the_labels_mean(make_result: Make, tmp_path: Path, read_page: ReadPage) -> None:
     text = read_page(write_report(make_result(), tmp_path)[0].read_text(encoding="utf-8")).text
     for claim in (
         "the log is both input and truth",
@@ -94,7 +68,7 @@ def test_report_says_what_the_labels_mean(make_result: Make, tmp_path: Path) -> 
     ],
 )
 def test_report_claims_only_what_the_settings_say(
-    make_result: Make, settings: dict[str, object], claim: str
+    make_result: Make, settings: dict[str, object], claim: str, page_without_figures: Any
 ) -> None:
     assert claim in page_without_figures(replace(make_result(), settings=settings)).text
 
@@ -108,12 +82,14 @@ def test_report_is_the_same_twice_and_names_no_folder(make_result: Make, tmp_pat
     assert str(tmp_path).encode() not in first
 
 
-def test_report_of_many_trips_leaves_their_rows_to_the_summary(make_result: Make) -> None:
+def test_report_of_many_trips_leaves_their_rows_to_the_summary(
+    make_result: Make, page_without_figures: Any
+) -> None:
     page = page_without_figures(make_result(trips=[f"t/{k}" for k in range(8)]))
     assert "rows of single trips are in summary.json" in page.text
 
 
-def test_report_of_nothing(make_result: Make) -> None:
+def test_report_of_nothing(make_result: Make, page_without_figures: Any) -> None:
     empty = replace(
         make_result(timeline=False, manoeuvre=False),
         trips=(),

@@ -137,6 +137,28 @@ def test_rows_are_those_of_a_single_evaluation(
         assert row.p90_ratio == row.p90_m / min(row.matched_p90_m, row.periodic_p90_m)
 
 
+def test_the_baselines_may_be_given_the_rate_of_updates(trips: list[Trajectory]) -> None:
+    """As in the rows of an evaluation on that basis; updates are fewer than all messages."""
+    paper = FixedCandidate("paper", PAPER_BANK)
+    by_update, by_total = (
+        compare(trips, [paper], replace(SETTINGS, protocols=("recorded",), rate_basis=basis)).tracking
+        for basis in ("update", "total")
+    )
+    alone = evaluate(trips, replace(paper.fitted((), SHARED), protocol="recorded", references=False)).tracking
+    for row, total in zip(by_update, by_total, strict=True):
+        assert (row.rate_basis, total.rate_basis) == ("update", "total")
+        assert row.p90_m == total.p90_m
+        (matched,) = (
+            one
+            for one in alone
+            if (one.trip, one.policy, one.rate_basis, one.threshold_m, one.packet_error_ratio)
+            == (row.trip, "baseline-matched", "update", row.threshold_m, row.packet_error_ratio)
+        )
+        assert row.matched_p90_m == matched.pte_p90_m
+        if row.trip == POOLED:
+            assert row.matched_rate_hz < total.matched_rate_hz
+
+
 def test_the_baselines_bank_compared_with_itself_is_one(compared: ComparisonResult) -> None:
     rows = [row for row in compared.ratios if row.candidate == "cv"]
     assert {(row.message_ratio, row.message_low, row.message_high) for row in rows} == {(1.0, 1.0, 1.0)}

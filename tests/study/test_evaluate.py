@@ -274,6 +274,7 @@ def test_settings_name_everything_that_changes_the_numbers(
         "sensor": replace(base.sensor, position_noise_m=0.5),
         "keep_samples": "all",
         "quantised": False,
+        "velocity": "slope-2",
         "sizes": replace(base.sizes, more_bytes=10),
         "stack": replace(base.stack, certificates="digest"),
         "references": False,
@@ -303,6 +304,7 @@ def test_settings_name_everything_that_changes_the_numbers(
         ({"identify": "seldom"}, "identify"),
         ({"protocol": "real"}, "protocol"),
         ({"keep_samples": "some"}, "keep_samples"),
+        ({"velocity": "slope-3"}, "velocity"),
     ],
 )
 def test_settings_out_of_range_are_refused_by_name(changes: dict[str, Any], named: str) -> None:

@@ -23,6 +23,7 @@ COMMANDS = (
     "demo",
     "evaluate",
     "compare",
+    "reproduce",
     "trips",
     "convert",
     "coverage",

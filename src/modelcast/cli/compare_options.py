@@ -11,6 +11,8 @@ from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import Numbers, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
 from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+from modelcast.station.sensing.rules import VelocityRule
+from modelcast.study.rules import RateBasis
 
 if TYPE_CHECKING:
     from modelcast.models.profile import Profile
@@ -72,6 +74,11 @@ class CompareOptions:
         for never. Every bank is run with each.
     cost
         What the rule cheapest counts: messages, bytes or airtime.
+    rate_basis
+        What the baselines of the loss runs send as often as: all messages of the candidate (total), or its
+        model updates alone (update, the paper's).
+    velocity
+        As in 'modelcast evaluate'.
     keep_alive
         Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
     references
@@ -101,6 +108,8 @@ class CompareOptions:
     noise_floor: float | None = None
     trusted_horizon: Numbers = (0.0,)
     cost: CostUnit = "bytes"
+    rate_basis: RateBasis = "total"
+    velocity: VelocityRule = "auto"
     keep_alive: float = 2.0
     references: bool = True
     quantised: bool = True
@@ -136,6 +145,7 @@ class CompareOptions:
             seeds=self.seeds,
             seed=self.seed,
             keep_alive=self.keep_alive,
+            velocity=self.velocity,
             references=self.references,
             quantised=self.quantised,
             certificates=self.certificates,
@@ -149,6 +159,7 @@ class CompareOptions:
                 route_by=self.route_by,
                 resamples=self.resamples,
                 cluster=self.cluster,
+                rate_basis=self.rate_basis,
             )
         except ValueError as error:
             raise ConfigError(str(error)) from error

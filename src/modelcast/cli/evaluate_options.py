@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from modelcast.cli.options import Numbers, SensorOptions
 from modelcast.messages.rules import CertificateRule
 from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+from modelcast.station.sensing.rules import VelocityRule
 
 if TYPE_CHECKING:
     from modelcast.study.settings import EvaluationSettings
@@ -75,6 +76,10 @@ class EvaluateOptions:
         What the sender measures in the sensor protocol.
     samples
         Tracking-error samples written to samples.parquet: of the first seed, all seeds, or none.
+    velocity
+        Where constant velocity and the baseline take their velocity from: the log's speed and heading
+        (reported), its last two positions (slope-2), a quadratic through the last four (quadratic-4), or
+        auto: reported where the log has it and it can be trusted, else quadratic-4.
     references
         Count the references too: the fewest messages of a sender that knows the future, and the rules of
         cooperative awareness messages.
@@ -106,6 +111,7 @@ class EvaluateOptions:
     protocol: Literal["auto", "recorded", "sensor"] = "auto"
     sensor: SensorOptions = field(default_factory=SensorOptions)
     samples: Literal["first", "all", "none"] = "first"
+    velocity: VelocityRule = "auto"
     references: bool = True
     map: str | None = None
     quantised: bool = True
@@ -191,6 +197,7 @@ class EvaluateOptions:
                 keep_samples=self.samples,
                 references=self.references,
                 map_at=_map_at(self.map),
+                velocity=self.velocity,
                 quantised=self.quantised,
                 stack=Stack(self.certificates),
             )

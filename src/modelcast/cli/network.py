@@ -1,7 +1,6 @@
 """``modelcast network``: policies and radios in traffic, as a closed loop."""
 
 import os
-from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,8 +11,6 @@ from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
 if TYPE_CHECKING:
     from modelcast.cli.network_plan import NetworkPlan
     from modelcast.io.fcd_survey import FcdSurvey
-    from modelcast.io.run_store import RunStore
-    from modelcast.study.network.rows import CaseResult, NetworkCase, SenderRow
 
 __all__ = ["network"]
 
@@ -38,7 +35,7 @@ def network(
     start: StartRule | None = None,
     identify: IdentifyRule | None = None,
     cost: CostUnit = "bytes",
-    threshold: float = 0.2,
+    threshold: Numbers = (0.2,),
     keep_alive: float = 2.0,
     relaxed_error: float | None = None,
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
@@ -100,7 +97,8 @@ def network(
     cost
         What the rule cheapest counts: messages, bytes or airtime.
     threshold
-        Tracking-error threshold of baseline and mbc [m].
+        Tracking-error thresholds of baseline and mbc, several after one another; what timers call for is run
+        once, not once a threshold [m].
     keep_alive
         Longest silence of baseline and mbc [s].
     relaxed_error
@@ -119,9 +117,17 @@ def network(
     quiet
         Print nothing but errors.
     """
+    import json as json_format
+    import sys
+
     from modelcast.cli.network_cases import Varied, network_cases
     from modelcast.cli.network_plan import NetworkPlan
     from modelcast.cli.network_senders import sender_rows
+    from modelcast.cli.network_sweep import Sweep, sweep
+    from modelcast.cli.progress import counted
+    from modelcast.cli.terminal import say, show
+    from modelcast.io.network import network_document
+    from modelcast.report.network import network_console
 
     plan = NetworkPlan(
         scenario,
@@ -139,69 +145,32 @@ def network(
         identify=identify,
         cost=cost,
         threads=threads,
-        threshold_m=threshold,
+        thresholds_m=tuple(threshold),
         keep_alive_s=keep_alive,
         relaxed_error_m=relaxed_error,
         sensor=sensor,
     )
     cases = network_cases(plan, Varied(density, radio, policy, seeds))
-    senders = sender_rows(plan, dict.fromkeys(policy))
-    return _publish(plan, cases, senders, out, jobs=jobs or os.cpu_count() or 1, json=json, quiet=quiet)
-
-
-def _publish(
-    plan: "NetworkPlan",
-    cases: "list[NetworkCase]",
-    senders: "list[SenderRow]",
-    out: Path,
-    *,
-    jobs: int,
-    json: bool,
-    quiet: bool,
-) -> int:
-    """Run the cases, write the output folder, show the result."""
-    import json as json_format
-    import sys
-
-    from modelcast.cli.network_cases import told
-    from modelcast.cli.progress import counted
-    from modelcast.cli.terminal import say, show
-    from modelcast.core.exceptions import ConfigError
-    from modelcast.io.fcd_survey import survey_document
-    from modelcast.io.network import network_document, write_network
-    from modelcast.io.output import atomic_folder
-    from modelcast.io.run_store import run_store
-    from modelcast.report.network import network_console, write_network_report
-    from modelcast.study.network.pool import gather
-
-    options, key = plan.as_plain(), plan.key()
-    with atomic_folder(out, command="network") as folder, run_store(out, options, key) as store:
-        found = _survey(plan)
-        traffic = None if found is None else survey_document(found)
-        if found is not None and not quiet and not json:
-            _show_traffic(found)
-        known, notes = _training_trips(plan)
-        for line in () if quiet or json else notes:
-            say(line)
-        results = {case: done for case in cases if (done := store.find(case)) is not None}
-        if not quiet and not json:
-            say(told(cases, len(results)))
-        with counted("runs", quiet=quiet or json) as progress:
-            results = _run_all(plan, cases, results, store, found, jobs=jobs, progress=progress)
-        if plan.key() != key:
-            raise ConfigError("an input changed while it was read: run the command again")
-        result = gather(results.values(), senders)
-        store.publish(results, folder)
-        write_network(result, options, folder, key=key, traffic=traffic, training_trips=known)
-        write_network_report(result, options, folder, traffic=traffic, notes=notes)
+    asked = Sweep(plan, cases, senders=sender_rows(plan, dict.fromkeys(policy)), found=_survey(plan))
+    swept = sweep(
+        asked,
+        out,
+        jobs=jobs or os.cpu_count() or 1,
+        watch=lambda: counted("runs", quiet=quiet or json),
+        say=_unsaid if quiet or json else say,
+    )
     if json:
-        document = network_document(result, options, key, traffic, known)
-        json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
+        parts = (swept.options, swept.key, swept.traffic, swept.training_trips)
+        json_format.dump(network_document(swept.result, *parts), sys.stdout, indent=2, sort_keys=True)
         print()
     elif not quiet:
-        show(network_console(result))
+        show(network_console(swept.result))
         say(f"report: {out / 'report.html'}")
     return 0
+
+
+def _unsaid(_line: str) -> None:
+    """Takes a line that nobody is told."""
 
 
 def _survey(plan: "NetworkPlan") -> "FcdSurvey | None":
@@ -211,66 +180,3 @@ def _survey(plan: "NetworkPlan") -> "FcdSurvey | None":
     from modelcast.io.fcd import survey_fcd
 
     return survey_fcd(plan.scenario)
-
-
-def _training_trips(plan: "NetworkPlan") -> tuple[tuple[str, ...], list[str]]:
-    """Recorded trips of the traffic that a bank was trained on, and what is told of them."""
-    if not plan.trips:
-        return (), []
-    from modelcast.cli.network_senders import named_banks
-    from modelcast.io.trips import read_trips
-    from modelcast.report.training_trips import training_note
-    from modelcast.trips.fingerprint import known_trips
-
-    trips = tuple(read_trips(plan.trips))
-    trained_on = {trip for named in named_banks(plan).values() for trip in named.trained_on}
-    known = known_trips(trips, trained_on)
-    return known, training_note(known, len(trips))
-
-
-def _show_traffic(found: "FcdSurvey") -> None:
-    """Tell what a file holds before anything runs."""
-    from modelcast.cli.terminal import say
-    from modelcast.report.network import traffic_lines
-
-    for line in traffic_lines(found):
-        say(line)
-
-
-def _run_all(
-    plan: "NetworkPlan",
-    cases: "list[NetworkCase]",
-    known: "Mapping[NetworkCase, CaseResult]",
-    store: "RunStore",
-    found: "FcdSurvey | None",
-    *,
-    jobs: int,
-    progress: Callable[[int, int], None],
-) -> "dict[NetworkCase, CaseResult]":
-    """Rows of all runs: those known, and the others run now, each written as soon as it is done."""
-    import multiprocessing
-    from concurrent.futures import ProcessPoolExecutor, as_completed
-
-    from modelcast.cli.network_case import run_case
-
-    results = dict(known)
-    missing = [case for case in cases if case not in results]
-
-    def take(case: "NetworkCase", result: "CaseResult") -> None:
-        store.keep(case, result)
-        results[case] = result
-        progress(len(results), len(cases))
-
-    progress(len(results), len(cases))
-    if jobs == 1 or len(missing) <= 1:
-        for case in missing:
-            take(case, run_case(plan, case, found))
-        return results
-    # The largest first, so that no processor waits long for the last one.
-    missing.sort(key=lambda case: -case.density_per_km)
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(missing)), mp_context=context) as pool:
-        waiting = {pool.submit(run_case, plan, case, found): case for case in missing}
-        for future in as_completed(waiting):
-            take(waiting[future], future.result())
-    return results

@@ -64,7 +64,14 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
     try:
         model = plan.sensor.model()
         named = named_banks(plan).get(case.bank)
-        sender = sender_of(plan, case.policy, case.bank, named, filter_for(model))
+        sender = sender_of(
+            plan,
+            case.policy,
+            case.bank,
+            threshold_m=case.threshold_m,
+            named=named,
+            motion=filter_for(model),
+        )
         radio, bin_m = _radio(plan, case.radio)
         seed = int(child_generator(plan.seed, case.run, "loop").integers(2**31))
         with traffic(plan, case, found) as frames:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from math import nan
+from math import inf, isfinite, nan
 
 from modelcast.cli.network_plan import RADIOS, NetworkPlan
 from modelcast.core.exceptions import ConfigError
@@ -34,7 +34,7 @@ class Varied:
 
 
 def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
-    """All runs asked for, once each: a policy that sends no model once, not once a bank.
+    """All runs asked for, once each: a policy without models not once a bank, a timer not once a threshold.
 
     Parameters
     ----------
@@ -57,6 +57,8 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
         raise ConfigError(
             f"--seeds and --density must be positive, got {varied.seeds} and {varied.densities_per_km}"
         )
+    if not plan.thresholds_m or not all(0 < value < inf for value in plan.thresholds_m):
+        raise ConfigError(f"--threshold must be positive, got {plan.thresholds_m or 'none'}")
     if not 0 <= plan.warm_up_s < plan.duration_s:
         raise ConfigError(f"--warm-up must be below --duration, got {plan.warm_up_s} and {plan.duration_s}")
     if plan.identify not in {None, "never"} and "mbc" not in varied.policies:
@@ -64,11 +66,15 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
     densities = (nan,) if plan.has_own_density else tuple(dict.fromkeys(varied.densities_per_km))
     banks = tuple(plan.bank_texts)
     return [
-        NetworkCase(density, radio, policy, bank, run)
+        NetworkCase(density, radio, policy, bank, run, threshold_m=threshold_m)
         for density, radio, policy in product(
             densities, dict.fromkeys(varied.radios), dict.fromkeys(varied.policies)
         )
-        for bank, run in product(banks if policy in MODEL_SENDERS else (NO_BANK,), range(varied.seeds))
+        for bank, threshold_m, run in product(
+            banks if policy in MODEL_SENDERS else (NO_BANK,),
+            plan.thresholds_of(policy),
+            range(varied.seeds),
+        )
     ]
 
 
@@ -95,12 +101,15 @@ def told(cases: Sequence[NetworkCase], done: int) -> str:
     senders = "; ".join(
         policy + ("" if own == [NO_BANK] else f" with {', '.join(own)}") for policy, own in banks.items()
     )
-    counts = (
+    thresholds = len({case.threshold_m for case in cases if isfinite(case.threshold_m)})
+    counts = [
         (len({repr(case.density_per_km) for case in cases}), "density", "densities"),
         (len({case.radio for case in cases}), "radio", "radios"),
         (len({case.run for case in cases}), "seed", "seeds"),
         (sum(map(len, banks.values())), "sender", "senders"),
-    )
+    ]
+    if thresholds > 1:
+        counts.insert(-1, (thresholds, "threshold", "thresholds"))
     parts = ", ".join(f"{count} {one if count == 1 else many}" for count, one, many in counts)
     runs = "1 run" if len(cases) == 1 else f"{len(cases)} runs"
     return runs + (f" ({done} done before)" if done else "") + f": {parts} ({senders})"

@@ -13,6 +13,8 @@ from modelcast.io.network_runs import RunKey
 from modelcast.messages.rules import CertificateRule
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+from modelcast.station.sender.sender import ERROR_SENDERS, MODEL_SENDERS, THRESHOLD_STARTS
+from modelcast.study.network.rows import NO_THRESHOLD
 
 __all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
 
@@ -46,8 +48,8 @@ class NetworkPlan:
         Of senders of models, as users name them.
     threads
         Threads of each run.
-    threshold_m, keep_alive_s
-        Of error-driven senders [m], [s].
+    thresholds_m, keep_alive_s
+        Of error-driven senders; each run has one of the thresholds [m], [s].
     relaxed_error_m
         Of relaxed senders [m]; None for what fits the sensors.
     sensor
@@ -71,7 +73,7 @@ class NetworkPlan:
     identify: IdentifyRule | None
     cost: CostUnit
     threads: int
-    threshold_m: float
+    thresholds_m: tuple[float, ...]
     keep_alive_s: float
     relaxed_error_m: float | None
     sensor: SensorOptions
@@ -80,11 +82,12 @@ class NetworkPlan:
     def as_plain(self) -> dict[str, Any]:
         """What every run depends on, as plain values; files by their names, the sensor with its figures.
 
-        Each run has one of the banks.
+        Each run has one of the banks and thresholds.
         """
         found: dict[str, Any] = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
         found["sensor"]["model"] = asdict(self.sensor.model())
-        del found["banks"], found["threads"]  # the result is the same whatever the number of threads
+        del found["banks"], found["thresholds_m"]
+        del found["threads"]  # the result is the same whatever the number of threads
         for name in ("scenario", "profile"):
             found[name] = None if found[name] is None else Path(found[name]).name
         return found
@@ -106,6 +109,19 @@ class NetworkPlan:
         if not found:
             raise ConfigError("--bank: name at least one, as default")
         return found
+
+    def thresholds_of(self, policy: str) -> tuple[float, ...]:
+        """Thresholds that a policy is run with; `NO_THRESHOLD` alone where none changes it.
+
+        Timers know a threshold where their messages start by a rule of `THRESHOLD_STARTS`.
+
+        Parameters
+        ----------
+        policy
+            Its name.
+        """
+        asks = policy in ERROR_SENDERS or (policy in MODEL_SENDERS and self.start in THRESHOLD_STARTS)
+        return tuple(dict.fromkeys(self.thresholds_m)) if asks else (NO_THRESHOLD,)
 
     def key(self) -> RunKey:
         """Version and hashes of all that a run reads: its traffic, its bank, the shipped profile, SUMO.

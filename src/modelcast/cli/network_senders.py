@@ -1,6 +1,8 @@
 """Who sends in ``modelcast network``: a policy with the bank and the rules that its user means."""
 
 from collections.abc import Iterable
+from itertools import product
+from math import isfinite
 
 from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
@@ -33,9 +35,15 @@ def named_banks(plan: NetworkPlan) -> dict[str, NamedBank]:
 
 
 def sender_of(
-    plan: NetworkPlan, policy: str, bank: str, named: NamedBank | None, motion: MotionFilter
+    plan: NetworkPlan,
+    policy: str,
+    bank: str,
+    *,
+    threshold_m: float,
+    named: NamedBank | None,
+    motion: MotionFilter,
 ) -> Sender:
-    """The sender of a policy and a bank.
+    """The sender of a policy, a bank and a threshold.
 
     Error-driven senders of models take the bank's own rules where the plan names none. Timers start with
     what the plan says, and never identify.
@@ -44,8 +52,8 @@ def sender_of(
     ----------
     plan
         What all runs share.
-    policy, bank
-        Names, as in `modelcast.study.network.rows.NetworkCase`.
+    policy, bank, threshold_m
+        As in `modelcast.study.network.rows.NetworkCase`.
     named
         The bank of that name; None for a policy that sends no model.
     motion
@@ -71,7 +79,7 @@ def sender_of(
             identify=identify,
             costs=costs,
             selector=selector,
-            threshold_m=plan.threshold_m,
+            threshold_m=threshold_m if isfinite(threshold_m) else plan.thresholds_m[0],
             keep_alive_s=plan.keep_alive_s,
             relaxed_error_m=plan.relaxed_error_m,
             motion=motion,
@@ -104,19 +112,13 @@ def sender_rows(plan: NetworkPlan, policies: Iterable[str]) -> list[SenderRow]:
     banks = named_banks(plan)
     rows: list[SenderRow] = []
     for policy in policies:
-        if policy not in MODEL_SENDERS:
-            sender_of(plan, policy, NO_BANK, None, motion)
-            continue
-        for bank, named in banks.items():
-            sender = sender_of(plan, policy, bank, named, motion)
+        own = banks if policy in MODEL_SENDERS else {NO_BANK: None}
+        for (bank, named), threshold_m in product(own.items(), plan.thresholds_of(policy)):
+            sender = sender_of(plan, policy, bank, threshold_m=threshold_m, named=named, motion=motion)
             rules, members = sender.lanes, "+".join(member.name for member in sender.bank.members)
-            rows.append(
-                SenderRow(
-                    policy=policy,
-                    bank=bank,
-                    sub_models=members,
-                    start=rules.start,
-                    identify=rules.identify,
-                )
+            row = SenderRow(
+                policy=policy, bank=bank, sub_models=members, start=rules.start, identify=rules.identify
             )
+            if named is not None and row not in rows:
+                rows.append(row)
     return rows

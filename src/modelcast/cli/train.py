@@ -88,6 +88,7 @@ def train(
     from modelcast.core.exceptions import ConfigError
     from modelcast.io.output import atomic_file
     from modelcast.report.training import training_report
+    from modelcast.station.banks import parts_of
     from modelcast.study.training.descent import Descent
     from modelcast.study.training.learned import LearnedSettings
     from modelcast.study.training.processes import ProcessSettings
@@ -101,7 +102,7 @@ def train(
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     silent = quiet or json
     try:
-        names = tuple(bank.split("+")) if bank else ()
+        names = tuple(parts_of(bank)) if bank else ()
         _require_trainable(names)
         descent = Descent(hidden=hidden, steps=steps, averaged=max(1, steps // 3))
         settings = ProfileSettings(

@@ -12,10 +12,16 @@ def trips(
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
+    rank: bool = False,
+    top: int | None = None,
+    out: Path | None = None,
+    figures: Path | None = None,
     json: bool = False,
     quiet: bool = False,
 ) -> int:
-    """Show each trip's duration, rate, gaps, grid, held values, noise, events, skipped and odd samples.
+    """Show each trip's duration, rate, gaps, grid, held values, noise, manoeuvres, skipped and odd samples.
+
+    With --rank: count the manoeuvres of each trip, and order the trips by them.
 
     Parameters
     ----------
@@ -27,6 +33,14 @@ def trips(
         Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
     trip
         Take only trips whose identifier matches this shell pattern.
+    rank
+        Order the trips by their lane changes, turns, U-turns, roundabouts, stops and hard brakes.
+    top
+        With --rank, show and draw this many trips only.
+    out
+        With --rank, also write the whole order to this .csv or .parquet.
+    figures
+        With --rank, also draw the course of each trip shown, its manoeuvres marked, into this folder.
     json
         Print one JSON document instead of tables.
     quiet
@@ -40,16 +54,32 @@ def trips(
     from modelcast.cli.reading import TripSource
     from modelcast.cli.terminal import show
     from modelcast.core.exceptions import ConfigError
-    from modelcast.report.inspection import inspection_document, inspection_report
-    from modelcast.station.receiver.plausibility import trip_findings
-    from modelcast.study.settings import EvaluationSettings
-    from modelcast.trips.inspection import inspect
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast trips --help)")
+    if not rank and (top, out, figures) != (None, None, None):
+        raise ConfigError("--top, --out and --figures belong to --rank")
+    if top is not None and top < 1:
+        raise ConfigError(f"--top must be at least 1, got {top}")
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
+    if rank:
+        from modelcast.cli.ranking import rank_source
+
+        return rank_source(
+            source, paths, top=top, out=out, figures=figures, as_json=json, quiet=quiet or json
+        )
+    from modelcast.report.inspection import Findings, inspection_document, inspection_report
+    from modelcast.station.receiver.plausibility import trip_findings
+    from modelcast.study.settings import EvaluationSettings
+    from modelcast.trips.inspection import TripInspection, inspect
+    from modelcast.trips.manoeuvres.base import ManoeuvreCounts
+    from modelcast.trips.manoeuvres.rank import count_manoeuvres
+
+    found = list[tuple[TripInspection, Findings, ManoeuvreCounts]]()
     with watched(source, quiet=quiet or json) as shown:
-        found = [(inspect(one), trip_findings(one)) for one in shown]
+        for one in shown:
+            quality = inspect(one)
+            found.append((quality, trip_findings(one), count_manoeuvres(one, quality)))
     if not found:
         raise ConfigError("no usable trip")
     thresholds_m = EvaluationSettings().thresholds_m

@@ -31,7 +31,7 @@ __all__ = ["COMPARISON_SCHEMA", "comparison_document", "write_comparison"]
 COMPARISON_SCHEMA = 1
 """Version of the layout of a comparison's ``summary.json``."""
 
-_TEXT = {"candidate", "protocol", "trip"}
+_TEXT = {"candidate", "protocol", "rate_basis", "trip"}
 
 
 def comparison_document(result: ComparisonResult) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 ``runs/<case>-<key>.json``
     Rows of one run (`modelcast.io.network_runs`).
 ``summary.json`` (`network_document`)
-    ``schema`` (3), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
+    ``schema`` (4), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
     of floating-car data holds, else null), ``options``, ``senders`` (`SenderRow`), ``runs`` (`RunRow`),
     ``pooled`` (`PooledRow`), ``capacities`` (`CapacityRow`). A number that does not exist is null.
 ``runs.parquet``, ``distances.parquet``, ``outcomes.parquet``, ``seconds.parquet``
@@ -32,8 +32,9 @@ from modelcast.study.network.rows import (
 
 __all__ = ["NETWORK_SCHEMA", "network_document", "write_network"]
 
-NETWORK_SCHEMA = 3
-"""Version of the layout of ``summary.json``; since 2 it holds inputs and traffic, since 3 banks."""
+NETWORK_SCHEMA = 4
+"""Version of the layout of ``summary.json``; since 2 it holds inputs and traffic, since 3 banks, since 4
+thresholds."""
 
 _TEXT = {"radio", "policy", "bank"}
 

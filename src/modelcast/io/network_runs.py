@@ -29,8 +29,9 @@ from modelcast.study.network.rows import (
 
 __all__ = ["RUN_SCHEMA", "RunKey", "case_name", "read_case", "run_path", "write_case"]
 
-RUN_SCHEMA = 3
-"""Version of the layout of a run's file; since 2 it holds version and inputs, since 3 the bank."""
+RUN_SCHEMA = 4
+"""Version of the layout of a run's file; since 2 it holds version and inputs, since 3 the bank, since 4 the
+threshold."""
 
 _LARGEST_BYTES = 64 * 2**20
 _MOST_ROWS = 1_000_000
@@ -92,9 +93,12 @@ def case_name(case: NetworkCase) -> str:
     --------
     >>> case_name(NetworkCase(100.0, "dsrc", "mbc", "paper", 3))
     'dsrc_mbc_paper_100_3'
+    >>> case_name(NetworkCase(100.0, "dsrc", "mbc", "paper", 3, threshold_m=0.2))
+    'dsrc_mbc_paper_0.2m_100_3'
     """
     density = f"{case.density_per_km:g}" if math.isfinite(case.density_per_km) else "own"
-    return f"{case.radio}_{case.policy}_{case.bank}_{density}_{case.run}"
+    threshold = f"_{case.threshold_m:g}m" if math.isfinite(case.threshold_m) else ""
+    return f"{case.radio}_{case.policy}_{case.bank}{threshold}_{density}_{case.run}"
 
 
 def run_path(case: NetworkCase, key: RunKey, folder: Path) -> Path:

@@ -19,6 +19,7 @@ from modelcast.core.rules import AbstractRule, Each, FieldError, Keys, Text, Who
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.gp.conditional import AxisKernel
+from modelcast.models.gp.expression import KernelProcess
 from modelcast.models.gp.gaussian_process import Hyperparameters
 from modelcast.models.gp.vehicle import VehicleProcess
 from modelcast.models.kinematic import (
@@ -44,6 +45,7 @@ PLAIN_CLASSES: dict[str, type] = {
         ConstantVelocity,
         GaussianProcess,
         Hyperparameters,
+        KernelProcess,
         LearnedTrajectory,
         LinearMode,
         Perceptron,

@@ -9,13 +9,13 @@ from rich.table import Table
 from modelcast.report.console import failures_table, warning_texts
 from modelcast.report.figures.comparison import plot_comparison, worst_rows
 from modelcast.report.figures.files import drawn, write_drawings
-from modelcast.report.figures.panels import centimetres
 from modelcast.report.headline import nearest_ratio
 from modelcast.report.literal import literal, markdown
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
 from modelcast.study.compare.result import CandidateRow, ComparisonResult, RatioRow
+from modelcast.study.wording import centimetres
 
 __all__ = ["comparison_console", "comparison_markdown", "write_comparison_report"]
 
@@ -60,7 +60,13 @@ def comparison_markdown(result: ComparisonResult) -> str:
         for row in result.routes
     ]
     for protocol in _protocols(result):
-        lines += ["", f"### {protocol}", "", _LEGEND.format(against=_against(result)), ""]
+        lines += [
+            "",
+            f"### {protocol}",
+            "",
+            _LEGEND.format(against=_against(result), basis=result.settings.get("rate_basis", "total")),
+            "",
+        ]
         heads, cells = _full_table(result, protocol)
         lines += [_joined(heads), "|" + "---|" * len(heads)]
         lines += [_joined(row) for row in cells]
@@ -74,7 +80,7 @@ def comparison_markdown(result: ComparisonResult) -> str:
 _LEGEND = (
     "Messages, bytes and airtime over the baseline's at the same threshold, ratios of sums with 95 % "
     "bootstrap intervals over the trips; difference of the message ratio to `{against}`; 90th and 99th "
-    "percentile of the tracking error over the harder baseline's at equal total rate, worst threshold, at "
+    "percentile of the tracking error over the harder baseline's at equal {basis} rate, worst threshold, at "
     "each packet error ratio; trips times thresholds with more than max(1.02 x baseline, baseline + 3) "
     "messages, and the trip with the most beyond that bound."
 )

@@ -12,6 +12,7 @@ from modelcast.report.literal import literal
 from modelcast.station.receiver.plausibility import Finding
 from modelcast.trips.inspection import TripInspection
 from modelcast.trips.judgement import LONGEST_NOISE_SPAN_S, judge
+from modelcast.trips.manoeuvres.base import ManoeuvreCounts
 
 _NEVER_MOVED = "not told: never moved"
 
@@ -22,7 +23,7 @@ Findings = Mapping[Finding, int] | None
 
 
 def inspection_document(
-    found: Sequence[tuple[TripInspection, Findings]],
+    found: Sequence[tuple[TripInspection, Findings, ManoeuvreCounts]],
     failures: Mapping[str, str],
     skipped: Mapping[str, str],
     *,
@@ -33,7 +34,7 @@ def inspection_document(
     Parameters
     ----------
     found
-        One inspection a trip, with what plausibility found.
+        One inspection a trip, with what plausibility found and its manoeuvres.
     failures
         Files that could not be read, with the reason.
     skipped
@@ -42,7 +43,7 @@ def inspection_document(
         Tracking-error thresholds that the noise is judged by [m].
     """
     trips: list[dict[str, Any]] = []
-    for one, findings in found:
+    for one, findings, manoeuvres in found:
         plain = {
             item.name: _finite(getattr(one, item.name)) for item in fields(one) if item.name != "reading"
         }
@@ -50,6 +51,7 @@ def inspection_document(
             "rows": one.reading.rows,
             "skipped": dict(one.reading.skipped),
             "repaired": dict(one.reading.repaired),
+            "manoeuvres": {kind.value: count for kind, count in manoeuvres.by_kind.items()},
             "implausible": None if findings is None else _implausible(findings),
         }
         judged = {
@@ -70,7 +72,7 @@ def _finite(value: Any) -> Any:
 
 
 def inspection_report(
-    found: Sequence[tuple[TripInspection, Findings]],
+    found: Sequence[tuple[TripInspection, Findings, ManoeuvreCounts]],
     failures: Mapping[str, str],
     skipped: Mapping[str, str],
     *,
@@ -89,7 +91,9 @@ def inspection_report(
     return Group(*parts)
 
 
-def _trip(one: TripInspection, findings: Findings, thresholds_m: Sequence[float]) -> Table:
+def _trip(
+    one: TripInspection, findings: Findings, manoeuvres: ManoeuvreCounts, thresholds_m: Sequence[float]
+) -> Table:
     table = Table(
         show_header=False, box=None, title=literal(one.trip_id), title_justify="left", title_style="bold"
     )
@@ -99,12 +103,18 @@ def _trip(one: TripInspection, findings: Findings, thresholds_m: Sequence[float]
         table.add_row(literal("warning", "bold"), literal(f"{kind}: {text}", "bold"))
     for name, value in _lines(one):
         table.add_row(name, literal(value))
+    table.add_row("manoeuvres", literal(_manoeuvres(manoeuvres)))
     if findings is None:
         table.add_row("implausible", literal("not checked: needs speed and heading"))
     else:
         implausible = _implausible(findings)
         table.add_row("implausible", literal(_counts("", implausible).lstrip("; ") or "nothing"))
     return table
+
+
+def _manoeuvres(counts: ManoeuvreCounts) -> str:
+    met = [f"{count} {kind}{'s' * (count > 1)}" for kind, count in counts.by_kind.items() if count]
+    return ", ".join(met) or "none"
 
 
 def _lines(one: TripInspection) -> list[tuple[str, str]]:
@@ -123,7 +133,6 @@ def _lines(one: TripInspection) -> list[tuple[str, str]]:
         ("heading changes", _changes(one.heading_rate_hz)),
         (f"noise over {one.noise_span_s:.2g} s", _noise(one)),
         ("speed, position", _agreement(one)),
-        ("events", f"{one.stops} stops, {one.turns} turns, {one.hard_brakes} hard brakes"),
         ("rows", f"{one.reading.rows} read{_counts('skipped', one.reading.skipped)}"),
         ("repaired", _counts("", one.reading.repaired).lstrip("; ") or "nothing"),
         ("protocol", f"{one.recommended_protocol} by default"),

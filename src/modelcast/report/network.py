@@ -12,11 +12,12 @@ from rich.table import Table
 from modelcast.io.fcd_survey import FcdSurvey, survey_document
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.network import NETWORK_FIGURES
+from modelcast.report.figures.senders import NO_THRESHOLD_TEXT, also_told, threshold_text
 from modelcast.report.literal import literal, markdown
 from modelcast.report.page import CSS, escape, number, page, table
 from modelcast.report.style import style
 from modelcast.study.network.pool import LIMITS_M
-from modelcast.study.network.rows import NO_BANK, NetworkResult, PooledRow
+from modelcast.study.network.rows import NO_BANK, CapacityRow, NetworkResult, PooledRow
 
 __all__ = ["network_console", "network_markdown", "traffic_lines", "write_network_report"]
 
@@ -57,8 +58,14 @@ _SCOPE = (
 
 
 def _sender(result: NetworkResult) -> tuple[str, ...]:
-    """What tells senders apart: the policy, and the bank where there are several."""
-    return ("policy", "bank") if len(result.banks) > 1 else ("policy",)
+    """What tells senders apart: the policy, the bank and the threshold where there are several."""
+    return ("policy", *also_told(result))
+
+
+def _told(result: NetworkResult, row: PooledRow | CapacityRow) -> list[str]:
+    """The cells of a sender."""
+    texts = {"policy": row.policy, "bank": row.bank, "threshold": threshold_text(row.threshold_m)}
+    return [texts[name] for name in _sender(result)]
 
 
 def _heads(result: NetworkResult) -> tuple[str, ...]:
@@ -69,8 +76,8 @@ def _rows(result: NetworkResult, names: Sequence[str]) -> list[list[str]]:
     groups: dict[tuple[str, ...], dict[str, PooledRow]] = {}
     for row in result.pooled:
         density = f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
-        sender = (getattr(row, name) for name in _sender(result))
-        groups.setdefault((density, row.radio, *sender, str(row.seeds)), {})[row.figure] = row
+        key = (density, row.radio, *_told(result, row), str(row.seeds))
+        groups.setdefault(key, {})[row.figure] = row
     factors = {name: factor for name, _, factor in _COLUMNS}
     return [
         [*key, *(_cell(figures[name], factors[name]) for name in names)] for key, figures in groups.items()
@@ -168,8 +175,7 @@ def _capacity_cells(result: NetworkResult) -> list[list[str]]:
             found = f"{row.density_per_km:.0f}"
         elif row.above_at_lowest:
             found = "above it at the lowest"
-        sender = (str(getattr(row, name)) for name in _sender(result))
-        groups.setdefault((row.radio, *sender), []).append(found)
+        groups.setdefault((row.radio, *_told(result, row)), []).append(found)
     return [[*key, *found] for key, found in groups.items()]
 
 
@@ -199,7 +205,7 @@ def network_console(result: NetworkResult) -> RenderableType:
         if place != before:
             shown.add_section()
             shown.add_row(literal(place, style="bold"))
-        name = ", ".join(part for part in sender if part != NO_BANK)
+        name = ", ".join(part for part in sender if part not in {NO_BANK, NO_THRESHOLD_TEXT})
         shown.add_row(*map(literal, (name, *cells[keys:])))
         before = place
     capacity = _narrow("Vehicles a kilometre at which PTE p90 at 100 m meets a limit")

@@ -15,7 +15,13 @@ from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.calibration import Calibration
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.gp import GaussianProcess, VehicleProcess, linear_process
+from modelcast.models.gp import (
+    GaussianProcess,
+    KernelProcess,
+    VehicleProcess,
+    linear_process,
+    process_of,
+)
 from modelcast.models.kinematic import (
     ConstantAcceleration,
     ConstantTurnRateAcceleration,
@@ -38,6 +44,7 @@ __all__ = [
     "calibrations_of",
     "member_names",
     "named_bank",
+    "parts_of",
     "profile_number_of",
     "rules_of",
 ]
@@ -94,7 +101,9 @@ _KINEMATIC: dict[str, AbstractSubModel] = {
 }
 
 _UNTRAINED = (*_KINEMATIC, "gp-anchored", "gp-intercept", "gp-adaptive", "gp-linear")
-"""Sub-models that need no profile."""
+"""Sub-models that need no profile, beside those of an expression."""
+
+_EXPRESSION = "gp("
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,7 +214,7 @@ def named_bank(
             profile=profile,
         )
         rules = (unguarded(rules[0]), rules[1]) if text == REGIME_BANK else rules_of(bank)
-        trained = any(member.name not in _UNTRAINED for member in bank.members)
+        trained = any(not _is_untrained(member.name) for member in bank.members)
         return NamedBank(bank, *rules, trained_on=frozenset(profile.training_trips if trained else ()))
     if noise_floor_m is not None or trusted_horizon_s is not None or window != _DEFAULT_WINDOW:
         raise ConfigError(
@@ -230,9 +239,10 @@ def bank_from_text(
     text
         ``paper`` (constant velocity, then the anchored Gaussian process), or sub-models in order, joined by
         ``+``: ``cv``, ``ca``, ``ctrv``, ``ctra``, ``gp-anchored``, ``gp-intercept``, ``gp-adaptive``,
-        ``gp-linear``, and what the profile in use holds: in the shipped one ``gp-trained``, ``gp-vehicle``,
-        ``gp-derivative``, ``learned``, ``gp-regime-1`` to ``gp-regime-3``, ``shs`` and ``hdp-hmm``.
-        ``regimes`` stands for the sub-models of all regimes.
+        ``gp-linear``, ``gp(...)`` with a kernel's expression, ``gp(matern32*(linear+rbf))``
+        (`modelcast.models.gp.kernels`), and what the profile in use holds: in the shipped one
+        ``gp-trained``, ``gp-vehicle``, ``gp-derivative``, ``learned``, ``gp-regime-1`` to ``gp-regime-3``,
+        ``shs`` and ``hdp-hmm``. ``regimes`` stands for the sub-models of all regimes.
     noise_floor_m
         Smallest position noise the Gaussian processes fitted by likelihood may assume [m]; where None, none
         to speak of for the paper's form and 1 mm for the others.
@@ -253,10 +263,12 @@ def bank_from_text(
     --------
     >>> bank_from_text("gp-intercept+cv").name
     'gp-intercept+cv'
+    >>> [member.name for member in bank_from_text("cv+gp(linear + rq)+gp(matern32)").members]
+    ['cv', 'gp(linear+rq)', 'gp(matern32)']
     """
     profile = default_profile() if profile is None else profile
     try:
-        names = [name for part in text.split("+") for name in _members_of(part.strip(), profile)]
+        names = [name for part in parts_of(text) for name in _members_of(part, profile)]
         members = tuple(_member(name, profile, noise_floor_m, window) for name in names)
         if trusted_horizon_s is not None:
             members = tuple(
@@ -266,6 +278,35 @@ def bank_from_text(
         return Bank(members, text if text in ("paper", REGIME_BANK) else "")
     except ValueError as error:
         raise ConfigError(f"--bank {text}: {error}") from error
+
+
+def parts_of(text: str) -> list[str]:
+    """Split the text of a bank at every ``+`` that is outside parentheses.
+
+    Parameters
+    ----------
+    text
+        Sub-models joined by ``+``.
+
+    Examples
+    --------
+    >>> parts_of("cv+gp(linear+rbf)")
+    ['cv', 'gp(linear+rbf)']
+    """
+    parts = [""]
+    depth = 0
+    for character in text:
+        depth += (character == "(") - (character == ")")
+        if character == "+" and depth <= 0:
+            parts.append("")
+        else:
+            parts[-1] += character
+    return [part.strip() for part in parts]
+
+
+def _is_untrained(name: str) -> bool:
+    """Whether a sub-model needs no profile."""
+    return name in _UNTRAINED or name.startswith(_EXPRESSION)
 
 
 def _members_of(part: str, profile: Profile) -> tuple[str, ...]:
@@ -296,11 +337,22 @@ def _member(name: str, profile: Profile, noise_floor_m: float | None, window: in
         floor_m = INTERCEPT_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
         noise = "estimated" if name == "gp-adaptive" else "floor"
         return GaussianProcess(window, "intercept", noise_floor_m=floor_m, noise=noise)
+    if name.startswith(_EXPRESSION):
+        if not name.endswith(")"):
+            raise ValueError(f"a ) is missing in '{name}'")
+        return process_of(
+            name.removeprefix(_EXPRESSION)[:-1],
+            window,
+            noise_floor_m=noise_floor_m,
+            closed_floor_m=PAPER_NOISE_FLOOR_M,
+        )
     found = profile.sub_model(name)
     if found is None:
-        known = member_names(profile)
-        raise ValueError(f"no sub-model is named '{name}'; there are {', '.join(known[:-1])} and {known[-1]}")
-    return replace(found, samples=window) if isinstance(found, GaussianProcess | VehicleProcess) else found
+        *most, last = member_names(profile)
+        known = f"there are {', '.join(most)} and {last}, and gp(...) of a kernel"
+        raise ValueError(f"no sub-model is named '{name}'; {known}")
+    fitted = isinstance(found, GaussianProcess | KernelProcess | VehicleProcess)
+    return replace(found, samples=window) if fitted else found
 
 
 def profile_number_of(bank: Bank) -> int:

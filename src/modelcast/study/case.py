@@ -98,7 +98,12 @@ def make_case(trip: Trajectory | SensedTrip, settings: EvaluationSettings) -> Tr
     trip
         The trip as read, or truth and input where both are known; that is always the ``sensor`` protocol.
     settings
-        Protocol, sensor model and seed.
+        Protocol, sensor model, seed, and where velocities come from.
+
+    Raises
+    ------
+    ConfigError
+        As for `velocity_estimator_for`.
     """
     conditioning = None
     if isinstance(trip, SensedTrip):
@@ -126,7 +131,9 @@ def make_case(trip: Trajectory | SensedTrip, settings: EvaluationSettings) -> Tr
         inspection=inspection,
         conditioning=conditioning,
         estimator=velocity_estimator_for(
-            seen, speed_is_stuck=protocol == "recorded" and inspection.speed_is_stuck
+            seen,
+            speed_is_stuck=protocol == "recorded" and inspection.speed_is_stuck,
+            rule=settings.velocity,
         ),
         direction=direction,
         standing=speed_mps < STANDING_SPEED_MPS,

@@ -12,9 +12,9 @@ from modelcast.study.case import TripCase
 from modelcast.study.result import Manoeuvre, Timeline
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["Sharpest", "draw_manoeuvre", "draw_timeline", "sharpest_instant"]
+__all__ = ["STRETCH_S", "Sharpest", "draw_manoeuvre", "draw_timeline", "sharpest_instant"]
 
-_STRETCH_S = 30.0
+STRETCH_S = 30.0
 _HORIZON_S = 4.0
 _LEAD_S = 0.5
 _SPAN_S = 1.0
@@ -80,7 +80,7 @@ def draw_timeline(case: TripCase, mbc: TripRuntime, walk: TripMessages, index: i
         Sample in the middle of the stretch.
     """
     t_s = case.truth.t_s
-    low, high = np.searchsorted(t_s, [t_s[index] - _STRETCH_S / 2, t_s[index] + _STRETCH_S / 2])
+    low, high = np.searchsorted(t_s, [t_s[index] - STRETCH_S / 2, t_s[index] + STRETCH_S / 2])
     part = slice(int(low), int(high))
     errors = mbc.tracking_error_m(walk)[part]
     errors[np.isinf(errors)] = np.nan
@@ -127,7 +127,7 @@ def draw_manoeuvre(case: TripCase, banks: Sequence[TripRuntime], threshold_m: fl
             predicted[name] = path
             error = np.hypot(*(path - truth_m).T)
             failed: IntArray = np.flatnonzero(error >= threshold_m)
-            survival[name] = float(horizons_s[failed[0]] if failed.size else horizons_s[-1])
+            survival[name] = float(horizons_s[failed[0]]) if failed.size else np.inf
     return Manoeuvre(
         case.truth.trip_id,
         float(t_s[start]),

@@ -327,7 +327,7 @@ class Manoeuvre:
     predicted_m
         Predicted positions by name of sub-model, (H, 2) each [m].
     survival_s
-        Time until each sub-model's error first reaches the threshold, by name [s].
+        Time until each sub-model's error first reaches the threshold, by name [s]; inf for never.
     threshold_m
         That threshold [m].
     """

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, asdict, dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.rules import IdentifyRule, StartRule
 from modelcast.station.sender.lane_rules import check_rules
+from modelcast.station.sensing.rules import VelocityRule
 from modelcast.world.sensors import SensorModel
 
 __all__ = ["EvaluationSettings"]
@@ -76,6 +77,9 @@ class EvaluationSettings:
     trained_on
         Fingerprints of the trips that the bank was trained on (`modelcast.trips.fingerprint`); those of the
         shipped profile for its bank, and none for any other, where None.
+    velocity
+        Where constant velocity, and with it the baseline, takes its velocity from: ``reported``, ``slope-2``,
+        ``quadratic-4``, or ``auto``, as in `modelcast.station.sensing.velocity.velocity_estimator_for`.
     references
         Whether the clairvoyant references and the rules of cooperative awareness messages are counted too.
 
@@ -107,6 +111,7 @@ class EvaluationSettings:
     sizes: SizeModel = field(default_factory=SizeModel)
     stack: Stack = field(default_factory=Stack)
     trained_on: frozenset[str] | None = None
+    velocity: VelocityRule = "auto"
     references: bool = True
 
     def __post_init__(self) -> None:
@@ -125,6 +130,7 @@ class EvaluationSettings:
         if self.expiry_s is not None and not self.expiry_s > 0:
             raise ValueError(f"expiry_s must be positive or None, got {self.expiry_s}")
         _require_known("protocol", self.protocol, ("auto", "recorded", "sensor"))
+        _require_known("velocity", self.velocity, get_args(VelocityRule))
         _require_known("keep_samples", self.keep_samples, ("first", "all", "none"))
         for threshold_m in self.thresholds_m:
             check_rules(self.policy(threshold_m, keep_alive=True), self.bank, self.selector)
@@ -184,6 +190,7 @@ class EvaluationSettings:
             "protocol": self.protocol,
             "sensor": asdict(self.sensor),
             "quantised": self.quantised,
+            "velocity": self.velocity,
             "sizes": asdict(self.sizes),
             "stack": asdict(self.stack),
             "keep_samples": self.keep_samples,

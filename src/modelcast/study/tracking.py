@@ -19,6 +19,7 @@ from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.periodic import Periodic
 from modelcast.study.case import TripCase
 from modelcast.study.metrics import Histogram
+from modelcast.study.rules import RATE_BASES, RateBasis
 from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.jumps import jumps_between
 
@@ -125,11 +126,8 @@ def run_tracking(
         yield runs.walked(
             baseline, baseline.run(policy), Contender("baseline", baseline.bank.name, None, threshold_m)
         )
-        for basis, messages in (
-            ("update", walk.updates),
-            ("total", walk.updates + walk.identifications),
-        ):
-            yield from runs.equal_rate(policy, messages, basis)
+        for basis in RATE_BASES:
+            yield from runs.equal_rate(policy, walk, basis)
 
 
 class LossRuns:
@@ -167,18 +165,19 @@ class LossRuns:
         sent = [Sent(walk.kind, walk.in_use, walk.update_index)]
         return self._replay(ready, sent, shown_as=shown_as, own_threshold_m=walk.policy.threshold_m)
 
-    def equal_rate(self, policy: ErrorDriven, messages: int, basis: str) -> Iterator[TrackingRun]:
+    def equal_rate(self, policy: ErrorDriven, walk: TripMessages, basis: RateBasis) -> Iterator[TrackingRun]:
         """Yield the errors of both readings of the equal-rate baseline: matched, then periodic.
 
         Parameters
         ----------
         policy
             Its threshold names the comparison, its keep-alive holds for the matched baseline too.
-        messages
-            How many messages they are to send.
+        walk
+            What MBC sent: they are to send as many.
         basis
-            Which messages were counted: ``update`` or ``total``.
+            Which of its messages count.
         """
+        messages = walk.updates + (walk.identifications if basis == "total" else 0)
         name = self._baseline.bank.name
         matched = self._matched(policy.max_inter_transmit_time_s, messages)
         yield self.walked(

@@ -1,7 +1,8 @@
 """What a recording is worth as ground truth, measured from its values alone.
 
 A log can look like 10 Hz and hold much less: positions on a coarse grid, speeds held for a second, positions
-that the unit only extrapolated between two fixes. `inspect` finds these, and counts what the drive contains.
+that the unit only extrapolated between two fixes. `inspect` finds these. What the drive contains is counted
+by `modelcast.trips.manoeuvres`.
 """
 
 from dataclasses import KW_ONLY, dataclass
@@ -9,8 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from modelcast.core.arrays import BoolArray, FloatArray
-from modelcast.core.geodesy import wrap_angle_rad
+from modelcast.core.arrays import FloatArray
 from modelcast.trips.jumps import jumps_between
 from modelcast.trips.recorder import (
     WINDOW_S,
@@ -19,20 +19,16 @@ from modelcast.trips.recorder import (
     grid_step_m,
     held_s,
     noise_span_s,
-    parts,
     position_rate_hz,
     quadratic_residual_m,
-    rows_around,
     velocity_over,
 )
 from modelcast.trips.straight_lines import straight_lines
 from modelcast.trips.trajectory import Reading, Trajectory
 
 __all__ = [
-    "HARD_BRAKE_MPS2",
     "MAX_CLEAN_GRID_M",
     "STOP_SPEED_MPS",
-    "TURN_RAD",
     "TripInspection",
     "inspect",
 ]
@@ -42,18 +38,6 @@ MAX_CLEAN_GRID_M = 0.05
 
 STOP_SPEED_MPS = 0.5
 """Under this a car counts as stopped: GNSS noise and a coarse grid alone make a few decimetres a second."""
-
-MIN_STOP_S = 1.0
-"""A stop lasts at least this long; shorter ones are a change of gear or direction."""
-
-TURN_RAD = np.deg2rad(45.0)
-"""A turn changes the course by more than this in one go; bends and lane changes stay below."""
-
-TURN_RATE_RADPS = np.deg2rad(5.0)
-"""A turn is a stretch turned at least this fast: 5 deg/s is a 100 m radius at 9 m/s."""
-
-HARD_BRAKE_MPS2 = 0.4 * 9.80665
-"""SAE J2735 calls braking over 0.4 g hard (its event flag for hard braking)."""
 
 MAX_SPEED_MISMATCH_RATIO = 0.2
 """A speed column off by more than this against the positions, on the whole, is stuck or of another unit."""
@@ -111,8 +95,6 @@ class TripInspection:
     speed_is_stuck
         True where the two disagree by more than `MAX_SPEED_MISMATCH_RATIO`, or the column stays constant
         while the positions say otherwise.
-    stops, turns, hard_brakes
-        Counts by `STOP_SPEED_MPS`, `TURN_RAD` and `HARD_BRAKE_MPS2`.
     reading
         What the reader skipped and repaired.
     """
@@ -144,9 +126,6 @@ class TripInspection:
     speed_ratio: float
     speed_difference_mps: float
     speed_is_stuck: bool
-    stops: int
-    turns: int
-    hard_brakes: int
     reading: Reading
 
     @property
@@ -181,7 +160,7 @@ class TripInspection:
 
 
 def inspect(trip: Trajectory) -> TripInspection:
-    """Quality and content of a trip, from its values alone.
+    """Quality of a trip, from its values alone.
 
     Parameters
     ----------
@@ -204,7 +183,6 @@ def inspect(trip: Trajectory) -> TripInspection:
     velocity = velocity_over(trip, WINDOW_S)
     by_position = np.hypot(velocity[:, 0], velocity[:, 1])
     ratio, difference, stuck = _speed_agreement(trip, by_position)
-    speed = by_position if trip.speed_mps is None or stuck else trip.speed_mps
     lasting_s = held_s(trip)
     _, jumps_m = jumps_between(trip.t_s, trip.position_m, trip.segments)
     lines = straight_lines(trip)
@@ -235,20 +213,8 @@ def inspect(trip: Trajectory) -> TripInspection:
         speed_ratio=ratio,
         speed_difference_mps=difference,
         speed_is_stuck=stuck,
-        stops=_count_stops(trip, speed),
-        turns=_count_turns(trip, by_position),
-        hard_brakes=_count_hard_brakes(trip, speed),
         reading=trip.reading,
     )
-
-
-def _runs(mask: BoolArray, trip: Trajectory) -> list[tuple[int, int]]:
-    """First and one-past-last index of every run of True that stays inside one part."""
-    found: list[tuple[int, int]] = []
-    for part in parts(trip):
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], mask[part], [False]]).astype(np.int8)))
-        found += [(part.start + int(a), part.start + int(b)) for a, b in edges.reshape(-1, 2)]
-    return found
 
 
 def _speed_agreement(trip: Trajectory, by_position_mps: FloatArray) -> tuple[float, float, bool]:
@@ -262,29 +228,3 @@ def _speed_agreement(trip: Trajectory, by_position_mps: FloatArray) -> tuple[flo
     constant = float(np.ptp(column)) == 0.0 and float(np.ptp(other)) > 2.0 * STOP_SPEED_MPS
     wrong = abs(ratio - 1.0) > MAX_SPEED_MISMATCH_RATIO
     return ratio, difference, bool(wrong or (constant and difference > STOP_SPEED_MPS))
-
-
-def _count_stops(trip: Trajectory, speed_mps: FloatArray) -> int:
-    runs = _runs(speed_mps < STOP_SPEED_MPS, trip)
-    return sum(1 for a, b in runs if trip.t_s[b - 1] - trip.t_s[a] >= MIN_STOP_S)
-
-
-def _count_turns(trip: Trajectory, speed_mps: FloatArray) -> int:
-    """Stretches of one sign of turning, fast enough and long enough; course needs motion."""
-    velocity = velocity_over(trip, 2.0 * WINDOW_S)
-    course = np.arctan2(velocity[:, 0], velocity[:, 1])
-    before, after = rows_around(trip, WINDOW_S)
-    elapsed = np.maximum(trip.t_s[after] - trip.t_s[before], 1e-9)
-    rate = wrap_angle_rad(course[after] - course[before]) / elapsed
-    moving = speed_mps > 2.0 * STOP_SPEED_MPS
-    count = 0
-    for sign in (1.0, -1.0):
-        for a, b in _runs((sign * rate > TURN_RATE_RADPS) & moving, trip):
-            count += int(sign * np.trapezoid(rate[a:b], trip.t_s[a:b]) > TURN_RAD)
-    return count
-
-
-def _count_hard_brakes(trip: Trajectory, speed_mps: FloatArray) -> int:
-    before, after = rows_around(trip, WINDOW_S)
-    elapsed = np.maximum(trip.t_s[after] - trip.t_s[before], 1e-9)
-    return len(_runs((speed_mps[before] - speed_mps[after]) / elapsed > HARD_BRAKE_MPS2, trip))

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.exceptions import ConfigError
 from modelcast.station.sensing.sensing import position_noise_m, sample_matrix
 from modelcast.station.sensing.velocity import (
     DEFAULT_FROM_POSITIONS,
@@ -111,6 +112,20 @@ def test_a_log_without_heading_gets_the_default_estimator() -> None:
     zeros = np.zeros(len(trip))
     reported = build_trajectory("made/1", trip.t_s, trip.position_m, speed_mps=zeros, heading_rad=zeros)
     assert velocity_estimator_for(reported) is REPORTED
+
+
+def test_an_estimator_may_be_named_whatever_the_log_has() -> None:
+    trip = curved()
+    zeros = np.zeros(len(trip))
+    reported = build_trajectory("made/1", trip.t_s, trip.position_m, speed_mps=zeros, heading_rad=zeros)
+    assert velocity_estimator_for(reported, rule="quadratic-4") is DEFAULT_FROM_POSITIONS
+    assert velocity_estimator_for(reported, rule="reported", speed_is_stuck=True) is REPORTED
+    between = velocity_estimator_for(reported, rule="slope-2")
+    assert sample_matrix(trip, between)[5, 2:4] == pytest.approx(
+        (trip.position_m[5] - trip.position_m[4]) / (trip.t_s[5] - trip.t_s[4])
+    )
+    with pytest.raises(ConfigError, match=r"made/1.*slope-2"):
+        velocity_estimator_for(trip, rule="reported")
 
 
 def test_the_sample_matrix_holds_positions_velocities_rates_and_noise() -> None:

@@ -8,9 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from modelcast.core.arrays import FloatArray
-from modelcast.report.figures.panels import centimetres, drawable, empty_figure
+from modelcast.report.figures.panels import drawable, empty_figure
 from modelcast.report.style import INK, PAGE_IN, model_colours, new_figure, style
 from modelcast.study.result import EvaluationResult, Manoeuvre
+from modelcast.study.wording import centimetres
 
 __all__ = ["plot_manoeuvre"]
 

@@ -1,31 +1,17 @@
-"""Figures of a network evaluation: load, delivery, tracking, capacity, settling.
+"""Figures of a network evaluation: load, delivery, tracking, capacity, settling."""
 
-A colour and a marker tell policies apart, the line banks: solid with small filled markers for the first,
-broken, darker and with larger hollow markers for the others, wide for what belongs to none. So each can be
-seen where several lie on each other.
-"""
-
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
 
-from modelcast.report.figures.panels import drawable, empty_figure
+from modelcast.report.figures.panels import empty_figure
+from modelcast.report.figures.scales import density_scale, end_below, from_zero, legend_above, log_scale
+from modelcast.report.figures.senders import Curve, sender_curves
 from modelcast.report.style import INK, PAGE_IN, new_figure
 from modelcast.study.network.pool import LIMITS_M
-from modelcast.study.network.rows import (
-    NO_BANK,
-    CapacityRow,
-    DistanceRow,
-    NetworkResult,
-    PooledRow,
-    SecondRow,
-)
+from modelcast.study.network.rows import DistanceRow, NetworkResult, PooledRow
 
 __all__ = [
     "NETWORK_FIGURES",
@@ -36,22 +22,6 @@ __all__ = [
     "plot_settling",
     "plot_tracking",
 ]
-
-_COLOURS = {
-    "bsm-10hz": "#777777",
-    "baseline": "#e69f00",
-    "mbc": "#0072b2",
-    "j2945": "#d55e00",
-    "j2945-filtered": "#882255",
-    "j2945-mbc": "#009e73",
-    "j2945-mbc-relaxed": "#56b4e9",
-    "j2945-mbc-relaxed-5": "#332288",
-    "cam": "#cc79a7",
-}
-_MARKERS = dict(zip(_COLOURS, "XDosdv^P<", strict=True))
-_LINES = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (5, 1.2, 1, 1.2)), (0, (5, 1.2, 1, 1.2, 1, 1.2)))
-_DARKER = 0.6
-"""Share of its policy's colour that another bank keeps."""
 
 _ROW_IN = 2.0
 _MOST_DENSITIES = 4
@@ -77,57 +47,6 @@ _TRACKING: tuple[Panel, ...] = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class _Curve:
-    """How the rows of one policy and bank are drawn."""
-
-    policy: str
-    bank: str
-    label: str
-    place: int
-
-    @property
-    def colour(self) -> str:
-        """Of lines, markers and intervals."""
-        red, green, blue = to_rgb(_COLOURS[self.policy])
-        share = _DARKER if self.place else 1.0
-        return to_hex((share * red, share * green, share * blue))
-
-    @property
-    def plain(self) -> Mapping[str, Any]:
-        """Look of the line alone."""
-        line, width = _LINES[self.place % len(_LINES)], 2.0 if self.bank == NO_BANK else 1.1
-        return {"color": self.colour, "linestyle": line, "linewidth": width, "label": self.label}
-
-    @property
-    def marked(self) -> Mapping[str, Any]:
-        """Look of a line with markers."""
-        face, size = ("none", 4.6) if self.place else (self.colour, 3.0)
-        marker = {"marker": _MARKERS[self.policy], "markerfacecolor": face, "markersize": size}
-        return {**self.plain, **marker, "markeredgewidth": 0.8}
-
-    def drew(self, row: DistanceRow | PooledRow | SecondRow | CapacityRow) -> bool:
-        """Whether a row is of this policy and bank."""
-        return (row.policy, row.bank) == (self.policy, self.bank)
-
-
-def _curves(result: NetworkResult) -> list[_Curve]:
-    """One for each policy and bank, in the order of the legend."""
-    present = {(row.policy, row.bank) for row in result.runs}
-    several = len(result.banks) > 1
-    return [
-        _Curve(
-            policy,
-            bank,
-            f"{policy}, {drawable(bank, 30)}" if several and bank != NO_BANK else policy,
-            place,
-        )
-        for policy in _COLOURS
-        for place, bank in ((0, NO_BANK), *enumerate(result.banks))
-        if (policy, bank) in present
-    ]
-
-
 def _radios(result: NetworkResult) -> list[str]:
     return sorted({row.radio for row in result.runs})
 
@@ -144,21 +63,21 @@ def _against_density(result: NetworkResult, panels: Sequence[Panel], *, log: boo
         for axes, (name, label, factor) in zip(line, panels, strict=True):
             own = [row for row in rows if row.radio == radio and row.figure == name]
             if log:
-                _log_scale(axes)
-            _draw_densities(axes, own, factor, _curves(result))
+                log_scale(axes)
+            _draw_densities(axes, own, factor, sender_curves(result))
             axes.set_ylabel(label)
             if log:
-                _end_below(axes, own, factor)
+                end_below(axes, [factor * row.value for row in own])
             else:
-                _from_zero(axes)
+                from_zero(axes)
         line[0].set_title(radio, loc="left")
     for axes in grid[-1]:
         axes.set_xlabel("vehicles a kilometre")
-    _legend(figure, grid[0][0])
+    legend_above(figure, grid[0][0])
     return figure
 
 
-def _draw_densities(axes: Axes, rows: Sequence[PooledRow], factor: float, curves: Sequence[_Curve]) -> None:
+def _draw_densities(axes: Axes, rows: Sequence[PooledRow], factor: float, curves: Sequence[Curve]) -> None:
     axes.set_xscale("log")
     for at, curve in enumerate(curves):
         own = sorted(filter(curve.drew, rows), key=lambda row: row.density_per_km)
@@ -171,37 +90,7 @@ def _draw_densities(axes: Axes, rows: Sequence[PooledRow], factor: float, curves
         bounds = [(np.nan, np.nan) if row.low is None else (row.low, row.high) for row in own]
         low, high = factor * np.array(bounds, dtype=np.float64).T
         axes.vlines(place, np.maximum(low, 1e-6), high, color=curve.colour, linewidth=0.8)
-    densities = sorted({row.density_per_km for row in rows})
-    axes.set_xticks(densities, [f"{density:g}" for density in densities])
-    axes.xaxis.set_minor_locator(NullLocator())
-
-
-def _log_scale(axes: Axes) -> None:
-    """A logarithmic axis with plain numbers: the project's style reads no formulas.
-
-    It comes before the curves, whose limits are else settled as those of a linear axis.
-    """
-    axes.set_yscale("log")
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    axes.yaxis.set_minor_locator(NullLocator())
-
-
-def _end_below(axes: Axes, rows: Sequence[PooledRow], factor: float = 1.0) -> None:
-    """End a logarithmic axis at half of the least value: what an interval has below runs out of it."""
-    positive = [row.value for row in rows if row.value > 0.0]
-    if positive:
-        axes.set_ylim(bottom=0.5 * factor * min(positive))
-
-
-def _from_zero(axes: Axes) -> None:
-    """Begin an axis at zero, and leave room for markers at its end."""
-    axes.set_ylim(0.0, 1.04 * axes.get_ylim()[1])
-
-
-def _legend(figure: Figure, axes: Axes) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=min(5, max(1, len(labels))))
+    density_scale(axes, (row.density_per_km for row in rows))
 
 
 def plot_load(result: NetworkResult) -> Figure:
@@ -249,10 +138,10 @@ def plot_capacity(result: NetworkResult) -> Figure:
     radios = sorted({row.radio for row in rows})
     if not rows:
         return empty_figure("no density was varied")
-    figure, curves = new_figure(PAGE_IN, 2.9), _curves(result)
+    figure, curves = new_figure(PAGE_IN, 2.9), sender_curves(result)
     grid = figure.subplots(1, len(radios), squeeze=False, sharey=True)
     for axes, radio in zip(grid[0], radios, strict=True):
-        _log_scale(axes)
+        log_scale(axes)
         _draw_densities(axes, [row for row in rows if row.radio == radio], 1.0, curves)
         for limit_m in LIMITS_M:
             axes.axhline(limit_m, color=INK, linewidth=0.8, linestyle="--")
@@ -266,11 +155,11 @@ def plot_capacity(result: NetworkResult) -> Figure:
                     markerfacecolor="none",
                     color=next(curve.colour for curve in curves if curve.drew(capacity)),
                 )
-        _end_below(axes, rows)
+        end_below(axes, [row.value for row in rows])
         axes.set_title(radio, loc="left")
         axes.set_xlabel("vehicles a kilometre")
     grid[0][0].set_ylabel("tracking error p90, 75-125 m [m]")
-    _legend(figure, grid[0][0])
+    legend_above(figure, grid[0][0])
     return figure
 
 
@@ -291,16 +180,16 @@ def plot_distance(result: NetworkResult) -> Figure:
             here = [
                 row for row in result.distances if row.radio == radio and _same(row.density_per_km, density)
             ]
-            for curve in _curves(result):
+            for curve in sender_curves(result):
                 place, values = _mean_by_distance([row for row in here if curve.drew(row)])
                 axes.plot(place, values, **curve.marked)
-            _log_scale(axes)
+            log_scale(axes)
             title = f"{density:g}/km" if np.isfinite(density) else "own density"
             axes.set_title(f"{radio}, {title}", loc="left")
         line[0].set_ylabel("tracking error p90 [m]")
     for axes in grid[-1]:
         axes.set_xlabel("distance [m]")
-    _legend(figure, grid[0][0])
+    legend_above(figure, grid[0][0])
     return figure
 
 
@@ -354,9 +243,9 @@ def plot_settling(result: NetworkResult) -> Figure:
             for row in result.seconds
             if (row.radio, row.run) == (radio, 0) and _same(row.density_per_km, highest)
         ]
-        _log_scale(line[-1])
+        log_scale(line[-1])
         for axes, (name, label, factor) in zip(line, _SETTLING, strict=True):
-            for curve in _curves(result):
+            for curve in sender_curves(result):
                 own = [row for row in here if curve.drew(row)]
                 axes.plot(
                     [row.t_s for row in own], [factor * getattr(row, name) for row in own], **curve.plain
@@ -364,10 +253,10 @@ def plot_settling(result: NetworkResult) -> Figure:
             axes.set_title(label, loc="left")
         line[0].set_ylabel(radio)
         for axes in line[:-1]:
-            _from_zero(axes)
+            from_zero(axes)
     for axes in grid[-1]:
         axes.set_xlabel("time [s]")
-    _legend(figure, grid[0][0])
+    legend_above(figure, grid[0][0])
     return figure
 
 

@@ -6,24 +6,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from modelcast.report.style import COLUMN_IN, PAGE_IN, new_figure
+from modelcast.study.wording import centimetres
 
-__all__ = ["MOST_PANELS", "centimetres", "drawable", "empty_figure", "panel_grid", "top_legend"]
+__all__ = ["MOST_PANELS", "drawable", "empty_figure", "panel_grid", "top_legend"]
 
 MOST_PANELS = 9
 """More thresholds than this are thinned out evenly: panels must stay readable."""
 
 _LAST_IN_FONT = "\u024f"
-
-
-def centimetres(value_m: float) -> str:
-    """Return a threshold as it is spoken of.
-
-    Examples
-    --------
-    >>> centimetres(0.2)
-    '20 cm'
-    """
-    return f"{100 * value_m:.4g} cm"
 
 
 def drawable(text: str, most: int = 60) -> str:

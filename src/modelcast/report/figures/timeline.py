@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
-from modelcast.report.figures.panels import centimetres, drawable, empty_figure
+from modelcast.report.figures.panels import drawable, empty_figure
 from modelcast.report.style import (
     FAINT,
     IDENTIFICATION_COLOUR,
@@ -19,6 +19,7 @@ from modelcast.report.style import (
     style,
 )
 from modelcast.study.result import EvaluationResult, Timeline
+from modelcast.study.wording import centimetres
 
 __all__ = ["plot_timeline"]
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from modelcast.report.figures.panels import centimetres, drawable, empty_figure
+from modelcast.report.figures.panels import drawable, empty_figure
 from modelcast.report.headline import (
     HEADLINE_RATIO,
     evaluated_ratios,
@@ -26,6 +26,7 @@ from modelcast.report.style import (
     style,
 )
 from modelcast.study.result import POOLED, EvaluationResult
+from modelcast.study.wording import centimetres
 
 __all__ = ["MOST_ROWS", "plot_trips"]
 

@@ -42,7 +42,16 @@ from modelcast.station.policy.rules import IdentifyRule, StartRule
 from modelcast.station.sender.lane_rules import check_rules
 from modelcast.station.sensing.motion_filter import MotionFilter
 
-__all__ = ["MODEL_SENDERS", "SENDERS", "TIMED_STARTS", "Sender", "engine_parameters", "named_sender"]
+__all__ = [
+    "ERROR_SENDERS",
+    "MODEL_SENDERS",
+    "SENDERS",
+    "THRESHOLD_STARTS",
+    "TIMED_STARTS",
+    "Sender",
+    "engine_parameters",
+    "named_sender",
+]
 
 SENDERS = (
     "bsm-10hz",
@@ -59,6 +68,12 @@ SENDERS = (
 
 MODEL_SENDERS = tuple(name for name in SENDERS if "mbc" in name)
 """Those that send models; the others send basic safety messages, and no bank makes a difference to them."""
+
+ERROR_SENDERS = ("baseline", "mbc")
+"""Those that a tracking error over a threshold calls; timers call the others."""
+
+THRESHOLD_STARTS = ("guarded", "hindsight", "predicted")
+"""Start rules that judge sub-models by a threshold, also where timers call for messages."""
 
 TIMED_STARTS = ("order", "keep", "predicted", "hindsight", "recent")
 """Start rules of senders whose timers, not the failures of sub-models, call for messages."""

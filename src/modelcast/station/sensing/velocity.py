@@ -8,6 +8,8 @@ always share one estimator.
 
 from dataclasses import dataclass
 
+from modelcast.core.exceptions import ConfigError
+from modelcast.station.sensing.rules import VelocityRule
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = [
@@ -58,7 +60,16 @@ DEFAULT_FROM_POSITIONS = VelocityEstimator("quadratic-4", 4, degree=2)
 """For logs without heading: the end slope of a quadratic through the newest four positions."""
 
 
-def velocity_estimator_for(trip: Trajectory, *, speed_is_stuck: bool = False) -> VelocityEstimator:
+_NAMED = {
+    "reported": REPORTED,
+    "slope-2": VelocityEstimator("slope-2", 2),
+    "quadratic-4": DEFAULT_FROM_POSITIONS,
+}
+
+
+def velocity_estimator_for(
+    trip: Trajectory, *, speed_is_stuck: bool = False, rule: VelocityRule = "auto"
+) -> VelocityEstimator:
     """Return `REPORTED` where the trip has a speed and a heading to trust, else `DEFAULT_FROM_POSITIONS`.
 
     Parameters
@@ -68,6 +79,27 @@ def velocity_estimator_for(trip: Trajectory, *, speed_is_stuck: bool = False) ->
     speed_is_stuck
         True where the speed column plainly contradicts the positions: a sensor fault would otherwise make
         the baseline look far worse than it is.
+    rule
+        ``auto`` for that, or the estimator to take whatever the trip has.
+
+    Raises
+    ------
+    ConfigError
+        Where the reported velocity is asked for and the trip has none.
+
+    Examples
+    --------
+    >>> from modelcast.world.drive import generate_drive
+    >>> trip = generate_drive(1, 90.0).truth
+    >>> velocity_estimator_for(trip).name, velocity_estimator_for(trip, rule="slope-2").name
+    ('reported', 'slope-2')
     """
+    if rule == "reported" and (trip.speed_mps is None or trip.heading_rad is None):
+        raise ConfigError(
+            f"{trip.trip_id} has no speed and heading to take its velocity from: leave out --velocity, or "
+            "name slope-2 or quadratic-4"
+        )
+    if rule != "auto":
+        return _NAMED[rule]
     reported = trip.speed_mps is not None and trip.heading_rad is not None and not speed_is_stuck
     return REPORTED if reported else DEFAULT_FROM_POSITIONS

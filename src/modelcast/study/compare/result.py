@@ -218,7 +218,7 @@ class RatioRow:
 
 @dataclass(frozen=True, slots=True)
 class TrackingRatioRow:
-    """Tracking error of one candidate under loss, beside both readings of the baseline at equal total rate.
+    """Tracking error of one candidate under loss, beside both readings of the baseline at equal rate.
 
     Parameters
     ----------
@@ -226,6 +226,9 @@ class TrackingRatioRow:
         Whose errors; ``all`` pools the trips, weighted by time.
     threshold_m, packet_error_ratio
         Tracking-error threshold [m], and mean share of messages lost, 0..1.
+    rate_basis
+        Whether the baselines send as often as the candidate does in all (``total``), or as it sends model
+        updates alone (``update``, the paper's).
     message_rate_hz, matched_rate_hz, periodic_rate_hz
         Messages sent over the time observed, keep-alive included [Hz].
     p90_m, matched_p90_m, periodic_p90_m
@@ -234,7 +237,7 @@ class TrackingRatioRow:
     p99_m, matched_p99_m, periodic_p99_m
         The same, 99th percentiles.
     p90_ratio, p99_ratio
-        The candidate's over the smaller of the two baselines'.
+        The candidate's over that of the baselines compared with, of both the smaller.
     p90_low, p90_high, p99_low, p99_high
         95 % intervals of the ratios over the trips; None for single trips.
     """
@@ -245,6 +248,7 @@ class TrackingRatioRow:
     _: KW_ONLY
     threshold_m: float
     packet_error_ratio: float
+    rate_basis: str
     message_rate_hz: float
     matched_rate_hz: float
     periodic_rate_hz: float

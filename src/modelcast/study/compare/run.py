@@ -5,9 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from modelcast.core.arrays import IntArray
-from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
-from modelcast.study.compare.bootstrap import resample_weights
 from modelcast.study.compare.candidate import AbstractCandidate
 from modelcast.study.compare.result import (
     CandidateRow,
@@ -18,7 +16,7 @@ from modelcast.study.compare.result import (
     TrackingRatioRow,
 )
 from modelcast.study.compare.settings import CompareSettings
-from modelcast.study.compare.stage import reference_ratios, stage_trips
+from modelcast.study.compare.stage import reference_ratios, stage_trips, usable_trips
 from modelcast.study.compare.table import Resamples, ratio_rows, tracking_rows
 from modelcast.study.compare.trial import candidate_row, fit_folds, run_trial
 from modelcast.study.routes import route_names, routes
@@ -73,10 +71,11 @@ def compare(
     """
     settings = CompareSettings() if settings is None else settings
     reference = _checked_reference(candidates, settings)
-    usable, failures = _usable(trips, max(candidate.window for candidate in candidates))
+    usable, failures = usable_trips(trips, max(candidate.window for candidate in candidates))
     route = routes(usable, settings.route_by)
     _require_other_routes(candidates, route)
-    resamples = _resamples(usable, route, settings)
+    clusters = route if settings.cluster == "route" else np.arange(len(usable), dtype=np.int64)
+    resamples = Resamples.drawn(clusters, settings.resamples, settings.evaluation.seed)
     work = _Work(progress, len(candidates) * len(settings.protocols) * len(usable))
     staged = stage_trips(usable, settings)
     training_trips: frozenset[str] = frozenset()
@@ -86,7 +85,15 @@ def compare(
             training_trips |= folds[0].training_trips
         work.candidates.append(candidate_row(candidate, folds[0]))
         for protocol, ready in staged.items():
-            trial = run_trial(candidate.name, protocol, ready, route, folds, step=work.step)
+            trial = run_trial(
+                candidate.name,
+                protocol,
+                ready,
+                route,
+                folds,
+                step=work.step,
+                bases=(settings.rate_basis,),
+            )
             work.counts += trial.counts
             work.tracking += tracking_rows(
                 candidate.name,
@@ -153,26 +160,6 @@ def _checked_reference(candidates: Sequence[AbstractCandidate], settings: Compar
     return against
 
 
-def _usable(trips: Sequence[Trajectory], window: int) -> tuple[list[Trajectory], dict[str, str]]:
-    """Trips that hold every candidate's window, and why the others are left out for all of them."""
-    usable: list[Trajectory] = []
-    failures: dict[str, str] = {}
-    seen: set[str] = set()
-    for trip in trips:
-        if trip.trip_id in seen:
-            raise ConfigError(f"two trips are named {trip.trip_id}: rename one of their files")
-        seen.add(trip.trip_id)
-        longest = int(np.diff(trip.segments).max())
-        if longest < window:
-            failures[trip.trip_id] = f"its longest part has {longest} samples, a window needs {window}"
-        else:
-            usable.append(trip)
-    if not usable:
-        reasons = "; ".join(f"{trip}: {reason}" for trip, reason in failures.items())
-        raise ConfigError("no usable trip" + (f" ({reasons})" if reasons else ""))
-    return usable, failures
-
-
 def _require_other_routes(candidates: Sequence[AbstractCandidate], route: IntArray) -> None:
     trained = [candidate.name for candidate in candidates if candidate.is_trained]
     if trained and int(route.max()) == 0:
@@ -180,12 +167,6 @@ def _require_other_routes(candidates: Sequence[AbstractCandidate], route: IntArr
             f"all trips lie on one route, so {', '.join(trained)} would be judged on the ground it was "
             "trained on: give trips of other routes too, or a profile that was trained elsewhere"
         )
-
-
-def _resamples(trips: Sequence[Trajectory], route: IntArray, settings: CompareSettings) -> Resamples:
-    clusters = route if settings.cluster == "route" else np.arange(len(trips), dtype=np.int64)
-    rng = child_generator(settings.evaluation.seed, "bootstrap")
-    return Resamples(resample_weights(clusters, settings.resamples, rng), clusters)
 
 
 def _route_rows(trips: Sequence[Trajectory], route: IntArray) -> tuple[RouteRow, ...]:

@@ -5,6 +5,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, Literal, get_args
 
 from modelcast.study.routes import CELL_M, SHARED_RATIO, RouteRule
+from modelcast.study.rules import RATE_BASES, RateBasis
 from modelcast.study.settings import EvaluationSettings
 
 __all__ = ["Cluster", "CompareSettings", "Protocol"]
@@ -36,6 +37,9 @@ class CompareSettings:
         Bootstrap resamples behind every interval.
     cluster
         What is resampled: single trips, or whole routes.
+    rate_basis
+        Which of a candidate's messages the equal-rate baselines send as many of: all of them, or its model
+        updates alone (the paper's).
 
     Raises
     ------
@@ -50,6 +54,7 @@ class CompareSettings:
     route_by: RouteRule = "auto"
     resamples: int = 2000
     cluster: Cluster = "trip"
+    rate_basis: RateBasis = "total"
 
     def __post_init__(self) -> None:
         if not self.protocols or len(set(self.protocols)) != len(self.protocols):
@@ -58,6 +63,7 @@ class CompareSettings:
             ("protocols", self.protocols, get_args(Protocol)),
             ("route_by", (self.route_by,), get_args(RouteRule)),
             ("cluster", (self.cluster,), get_args(Cluster)),
+            ("rate_basis", (self.rate_basis,), RATE_BASES),
         ):
             for value in values:
                 if value not in known:
@@ -78,4 +84,5 @@ class CompareSettings:
             "route_shared_ratio": SHARED_RATIO,
             "resamples": self.resamples,
             "cluster": self.cluster,
+            "rate_basis": self.rate_basis,
         }

@@ -3,6 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from modelcast.core.exceptions import ConfigError
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import TripCase, make_case
@@ -13,7 +16,7 @@ from modelcast.study.result import POOLED, ReferenceRow
 from modelcast.study.tracking import LossRuns
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["StagedTrip", "reference_ratios", "stage_trips"]
+__all__ = ["StagedTrip", "reference_ratios", "stage_trips", "usable_trips"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,3 +86,36 @@ def reference_ratios(staged: dict[str, list[StagedTrip]], settings: CompareSetti
                 if row.threshold_m in {None, threshold_m}
             ]
     return found
+
+
+def usable_trips(trips: Sequence[Trajectory], window: int) -> tuple[list[Trajectory], dict[str, str]]:
+    """Trips that hold a window, and why the others are left out.
+
+    Parameters
+    ----------
+    trips
+        The trips, in order.
+    window
+        Samples that some part of a trip must hold.
+
+    Raises
+    ------
+    ConfigError
+        Where two have one name, or none holds the window.
+    """
+    usable: list[Trajectory] = []
+    failures: dict[str, str] = {}
+    seen: set[str] = set()
+    for trip in trips:
+        if trip.trip_id in seen:
+            raise ConfigError(f"two trips are named {trip.trip_id}: rename one of their files")
+        seen.add(trip.trip_id)
+        longest = int(np.diff(trip.segments).max())
+        if longest < window:
+            failures[trip.trip_id] = f"its longest part has {longest} samples, a window needs {window}"
+        else:
+            usable.append(trip)
+    if not usable:
+        reasons = "; ".join(f"{trip}: {reason}" for trip, reason in failures.items())
+        raise ConfigError("no usable trip" + (f" ({reasons})" if reasons else ""))
+    return usable, failures

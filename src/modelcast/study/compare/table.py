@@ -6,14 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
+from modelcast.core.chance import child_generator
 from modelcast.study.compare.bootstrap import (
     Limits,
     limits,
     quantile_resamples,
     ratio_resamples,
+    resample_weights,
 )
 from modelcast.study.compare.result import CountRow, RatioRow, TrackingRatioRow
-from modelcast.study.compare.trial import READINGS, ErrorGroup, Trial
+from modelcast.study.compare.trial import READINGS, RIVALS, ErrorGroup, Trial
 from modelcast.study.metrics import quantiles
 from modelcast.study.result import POOLED
 
@@ -36,6 +38,21 @@ class Resamples:
 
     weights: FloatArray
     clusters: IntArray
+
+    @classmethod
+    def drawn(cls, clusters: IntArray, count: int, seed: int) -> "Resamples":
+        """Draw them.
+
+        Parameters
+        ----------
+        clusters
+            Trips of one number are drawn together, (N,).
+        count
+            R.
+        seed
+            Of the run.
+        """
+        return cls(resample_weights(clusters, count, child_generator(seed, "bootstrap")), clusters)
 
 
 def ratio_rows(counts: Sequence[CountRow], reference: str, resamples: Resamples) -> list[RatioRow]:
@@ -136,6 +153,7 @@ def tracking_rows(
     shares_s: Sequence[float],
     durations_s: Sequence[float],
     resamples: Resamples,
+    rivals: Sequence[str] = RIVALS,
 ) -> list[TrackingRatioRow]:
     """Tracking errors under loss of one candidate: all trips pooled first, then each.
 
@@ -151,40 +169,43 @@ def tracking_rows(
         Time observed of each trip, (N,) [s].
     resamples
         The bootstrap's draws.
+    rivals
+        Which readings of the equal-rate baseline ratios are to; of several, the harder.
     """
     trips = list(dict.fromkeys(row.trip for row in trial.counts))
     pooled: list[TrackingRatioRow] = []
     alone: list[TrackingRatioRow] = []
     times = np.array([shares_s, durations_s])
     for group in trial.groups:
-        whole = _Part(POOLED, range(len(trips)), _drawn_limits(group, shares_s, resamples))
+        whole = _Part(POOLED, range(len(trips)), rivals, _drawn_limits(group, shares_s, resamples, rivals))
         pooled.append(_tracking_row((name, trial.protocol), group, whole, times))
         for at, trip in enumerate(trips):
-            part = _Part(trip, range(at, at + 1), ((None, None), (None, None)))
+            part = _Part(trip, range(at, at + 1), rivals, ((None, None), (None, None)))
             alone.append(_tracking_row((name, trial.protocol), group, part, times))
     return [*pooled, *alone]
 
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Some of the trips, their name in rows, and the limits of both ratios over them."""
+    """Some of the trips, their name in rows, whom ratios are to, and the limits of both over the trips."""
 
     name: str
     trips: range
+    rivals: Sequence[str]
     limits: tuple[Limits, Limits]
 
 
 def _drawn_limits(
-    group: ErrorGroup, shares_s: Sequence[float], resamples: Resamples
+    group: ErrorGroup, shares_s: Sequence[float], resamples: Resamples, rivals: Sequence[str]
 ) -> tuple[Limits, Limits]:
     """Intervals of both ratios, against the harder baseline in each resample."""
     if np.unique(resamples.clusters).size < 2:
         return (None, None), (None, None)
-    own, matched, periodic = (
+    own, *others = (
         quantile_resamples(resamples.weights, group.errors_m[name], shares_s, _PROBABILITIES)
-        for name in READINGS
+        for name in ("own", *rivals)
     )
-    drawn = own / np.minimum(matched, periodic)
+    drawn = own / np.minimum.reduce(others)
     return limits(drawn[:, 0], resamples.clusters), limits(drawn[:, 1], resamples.clusters)
 
 
@@ -195,33 +216,36 @@ def _tracking_row(
     shares_s = times_s[0].tolist()
     duration_s = float(times_s[1, part.trips].sum())
     rates = [sum(group.messages[reading][at] for at in part.trips) / duration_s for reading in READINGS]
-    p90, p99 = np.transpose([_pooled(group.errors_m[reading], shares_s, part.trips) for reading in READINGS])
+    found = {reading: _pooled(group.errors_m[reading], shares_s, part.trips) for reading in READINGS}
+    p90, p99 = np.transpose([found[reading] for reading in READINGS])
+    p90_ratio, p99_ratio = (_over([found[name][at] for name in ("own", *part.rivals)]) for at in (0, 1))
     return TrackingRatioRow(
         *whose,
         part.name,
         threshold_m=group.threshold_m,
         packet_error_ratio=group.packet_error_ratio,
+        rate_basis=group.rate_basis,
         message_rate_hz=rates[0],
         matched_rate_hz=rates[1],
         periodic_rate_hz=rates[2],
         p90_m=float(p90[0]),
         matched_p90_m=float(p90[1]),
         periodic_p90_m=float(p90[2]),
-        p90_ratio=_over(p90),
+        p90_ratio=p90_ratio,
         p90_low=part.limits[0][0],
         p90_high=part.limits[0][1],
         p99_m=float(p99[0]),
         matched_p99_m=float(p99[1]),
         periodic_p99_m=float(p99[2]),
-        p99_ratio=_over(p99),
+        p99_ratio=p99_ratio,
         p99_low=part.limits[1][0],
         p99_high=part.limits[1][1],
     )
 
 
-def _over(found_m: FloatArray) -> float:
+def _over(found_m: Sequence[float]) -> float:
     """The candidate's quantile over the smaller of the baselines'; NaN where that is nothing."""
-    harder_m = float(found_m[1:].min())
+    harder_m = float(min(found_m[1:]))
     return float(found_m[0]) / harder_m if harder_m > 0 else float("nan")
 
 

@@ -10,14 +10,18 @@ from modelcast.study.compare.result import CandidateRow, CountRow
 from modelcast.study.compare.stage import StagedTrip
 from modelcast.study.pooling import sorted_errors
 from modelcast.study.rate import count_rates
+from modelcast.study.rules import RateBasis
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.tracking import Contender, TrackingRun
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["READINGS", "ErrorGroup", "Trial", "candidate_row", "fit_folds", "run_trial"]
+__all__ = ["READINGS", "RIVALS", "ErrorGroup", "Trial", "candidate_row", "fit_folds", "run_trial"]
 
-READINGS = ("own", "matched", "periodic")
-"""The candidate, and both readings of the equal-rate baseline."""
+RIVALS = ("matched", "periodic")
+"""Both readings of the equal-rate baseline."""
+
+READINGS = ("own", *RIVALS)
+"""The candidate, and both of them."""
 
 
 @dataclass(slots=True)
@@ -26,7 +30,7 @@ class ErrorGroup:
 
     Parameters
     ----------
-    threshold_m, packet_error_ratio
+    threshold_m, packet_error_ratio, rate_basis
         Which.
     errors_m
         For each of `READINGS`, for each trip, its sorted errors, one array a seed [m].
@@ -36,6 +40,7 @@ class ErrorGroup:
 
     threshold_m: float
     packet_error_ratio: float
+    rate_basis: RateBasis = "total"
     _: KW_ONLY
     errors_m: dict[str, list[list[SingleArray]]] = field(
         default_factory=lambda: {name: [] for name in READINGS}
@@ -54,7 +59,7 @@ class Trial:
     counts
         One row for each trip and threshold, in the order of the trips.
     groups
-        One for each threshold and loss ratio.
+        One for each threshold, rate basis and loss ratio.
     """
 
     protocol: str
@@ -119,6 +124,7 @@ def run_trial(
     folds: Sequence[EvaluationSettings],
     *,
     step: Callable[[], None],
+    bases: Sequence[RateBasis] = ("total",),
 ) -> Trial:
     """Run one candidate over all trips of one protocol.
 
@@ -132,11 +138,14 @@ def run_trial(
         The candidate's settings for every route left out.
     step
         Called after each trip.
+    bases
+        What the equal-rate baselines' rate is equal to.
     """
     first = folds[0]
     groups = [
-        ErrorGroup(threshold_m, ratio)
+        ErrorGroup(threshold_m, ratio, basis)
         for threshold_m in first.thresholds_m
+        for basis in bases
         for ratio in first.packet_error_ratios
     ]
     trial = Trial(protocol, [], groups)
@@ -152,7 +161,7 @@ def run_trial(
             sensed=trip.baseline.sensed,
         )
         trial.counts.extend(_count_rows(name, protocol, trip, ready, settings, route=number))
-        _add_errors(trial, trip, ready, settings)
+        _add_errors(trial, trip, ready, settings, bases)
         step()
     return trial
 
@@ -188,18 +197,25 @@ def _count_rows(
     ]
 
 
-def _add_errors(trial: Trial, trip: StagedTrip, ready: TripRuntime, settings: EvaluationSettings) -> None:
+def _add_errors(
+    trial: Trial,
+    trip: StagedTrip,
+    ready: TripRuntime,
+    settings: EvaluationSettings,
+    bases: Sequence[RateBasis],
+) -> None:
     """Add one trip's errors to every group."""
-    ratios = len(settings.packet_error_ratios)
-    if not ratios:
+    if not settings.packet_error_ratios:
         return
-    for at, threshold_m in enumerate(settings.thresholds_m):
+    groups = iter(trial.groups)
+    for threshold_m in settings.thresholds_m:
         policy = settings.policy(threshold_m, keep_alive=True)
         walk = ready.run(policy)
         own = trip.losses.walked(ready, walk, Contender("mbc", ready.bank.name, None, threshold_m))
-        rest = trip.losses.equal_rate(policy, walk.updates + walk.identifications, "total")
-        runs: list[TrackingRun] = [own, *rest]
-        for name, run in zip(READINGS, runs, strict=True):
-            for row, group in enumerate(trial.groups[at * ratios : (at + 1) * ratios]):
-                group.errors_m[name].append(sorted_errors(run, row))
-                group.messages[name].append(run.messages)
+        for basis in bases:
+            runs: list[TrackingRun] = [own, *trip.losses.equal_rate(policy, walk, basis)]
+            for row in range(len(settings.packet_error_ratios)):
+                group = next(groups)
+                for name, run in zip(READINGS, runs, strict=True):
+                    group.errors_m[name].append(sorted_errors(run, row))
+                    group.messages[name].append(run.messages)

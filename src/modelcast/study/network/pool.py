@@ -49,22 +49,24 @@ def gather(results: Iterable[CaseResult], senders: Sequence[SenderRow] = ()) -> 
     )
 
 
-def _key(row: RunRow) -> tuple[float, str, str, str, int]:
-    density = row.density_per_km
-    return (density if np.isfinite(density) else 0.0, row.radio, row.policy, row.bank, row.run)
+def _key(row: RunRow) -> tuple[float, str, str, str, float, int]:
+    density, threshold_m = (
+        value if np.isfinite(value) else 0.0 for value in (row.density_per_km, row.threshold_m)
+    )
+    return (density, row.radio, row.policy, row.bank, threshold_m, row.run)
 
 
 def pool(runs: Sequence[RunRow]) -> list[PooledRow]:
-    """Mean and interval over seeds of every figure, for each density, radio, policy and bank.
+    """Mean and interval over seeds of every figure, for each density, radio, policy, bank and threshold.
 
     Parameters
     ----------
     runs
         In order.
     """
-    groups: dict[tuple[str, str, str, str], list[RunRow]] = {}
+    groups: dict[tuple[str, ...], list[RunRow]] = {}
     for row in runs:
-        key = repr(row.density_per_km), row.radio, row.policy, row.bank
+        key = repr(row.density_per_km), row.radio, row.policy, row.bank, repr(row.threshold_m)
         groups.setdefault(key, []).append(row)
     rows: list[PooledRow] = []
     for own in groups.values():
@@ -78,6 +80,7 @@ def pool(runs: Sequence[RunRow]) -> list[PooledRow]:
                     radio=own[0].radio,
                     policy=own[0].policy,
                     bank=own[0].bank,
+                    threshold_m=own[0].threshold_m,
                     seeds=len(own),
                     figure=figure,
                     value=float(there.mean()) if there.size else np.nan,
@@ -107,6 +110,7 @@ def capacities(pooled: Sequence[PooledRow]) -> list[CapacityRow]:
     ...         radio="dsrc",
     ...         policy="j2945",
     ...         bank="none",
+    ...         threshold_m=np.nan,
     ...         seeds=1,
     ...         figure="pte_p90_100_m",
     ...         value=value,
@@ -118,18 +122,19 @@ def capacities(pooled: Sequence[PooledRow]) -> list[CapacityRow]:
     >>> [row.density_per_km and round(row.density_per_km, 6) for row in capacities(rows)]
     [50.0, None]
     """
-    groups: dict[tuple[str, str, str], list[PooledRow]] = {}
+    groups: dict[tuple[str, ...], list[PooledRow]] = {}
     for row in pooled:
         if row.figure == "pte_p90_100_m" and np.isfinite(row.density_per_km):
-            groups.setdefault((row.radio, row.policy, row.bank), []).append(row)
+            groups.setdefault((row.radio, row.policy, row.bank, repr(row.threshold_m)), []).append(row)
     rows: list[CapacityRow] = []
-    for (radio, policy, bank), own in groups.items():
+    for (radio, policy, bank, _), own in groups.items():
         ordered = sorted(own, key=lambda row: row.density_per_km)
         rows += [
             CapacityRow(
                 radio=radio,
                 policy=policy,
                 bank=bank,
+                threshold_m=own[0].threshold_m,
                 limit_m=limit_m,
                 density_per_km=_crossing(ordered, limit_m),
                 highest_per_km=ordered[-1].density_per_km,

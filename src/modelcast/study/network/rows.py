@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
+from math import isfinite, nan
 
 __all__ = [
     "CASE_KEYS",
     "HEADLINE_M",
     "NO_BANK",
+    "NO_THRESHOLD",
     "CapacityRow",
     "CaseResult",
     "DistanceRow",
@@ -25,6 +27,9 @@ HEADLINE_M = (50.0, 150.0)
 NO_BANK = "none"
 """Bank of a policy that sends no model: a basic safety message belongs to no bank, and runs once."""
 
+NO_THRESHOLD = nan
+"""Threshold of a policy that has none: its runs are made once, whatever thresholds are asked for [m]."""
+
 
 @dataclass(frozen=True, slots=True, order=True)
 class NetworkCase:
@@ -38,6 +43,8 @@ class NetworkCase:
         Names.
     bank
         Name of the sub-models sent; `NO_BANK` where the policy sends none.
+    threshold_m
+        Tracking error that calls for a message; `NO_THRESHOLD` where the policy knows none [m].
     run
         Number of the seed, from 0.
     """
@@ -46,6 +53,7 @@ class NetworkCase:
     radio: str
     policy: str
     bank: str
+    threshold_m: float = field(default=NO_THRESHOLD, kw_only=True)
     run: int
 
 
@@ -59,7 +67,7 @@ class RunRow:
 
     Parameters
     ----------
-    density_per_km, radio, policy, bank, run
+    density_per_km, radio, policy, bank, threshold_m, run
         As in `NetworkCase`.
     vehicles
         Mean number.
@@ -107,6 +115,7 @@ class RunRow:
     radio: str
     policy: str
     bank: str
+    threshold_m: float
     run: int
     vehicles: float
     message_rate_hz: float
@@ -153,7 +162,7 @@ class DistanceRow:
 
     Parameters
     ----------
-    density_per_km, radio, policy, bank, run
+    density_per_km, radio, policy, bank, threshold_m, run
         As in `NetworkCase`.
     low_m, high_m
         Bounds of the distance [m].
@@ -167,6 +176,7 @@ class DistanceRow:
     radio: str
     policy: str
     bank: str
+    threshold_m: float
     run: int
     low_m: float
     high_m: float
@@ -188,7 +198,7 @@ class OutcomeRow:
 
     Parameters
     ----------
-    density_per_km, radio, policy, bank, run
+    density_per_km, radio, policy, bank, threshold_m, run
         As in `NetworkCase`.
     low_m, high_m
         Bounds of the distance [m].
@@ -202,6 +212,7 @@ class OutcomeRow:
     radio: str
     policy: str
     bank: str
+    threshold_m: float
     run: int
     low_m: float
     high_m: float
@@ -219,7 +230,7 @@ class SecondRow:
 
     Parameters
     ----------
-    density_per_km, radio, policy, bank, run
+    density_per_km, radio, policy, bank, threshold_m, run
         As in `NetworkCase`.
     t_s
         Its end [s].
@@ -231,6 +242,7 @@ class SecondRow:
     radio: str
     policy: str
     bank: str
+    threshold_m: float
     run: int
     t_s: float
     message_rate_hz: float
@@ -244,11 +256,11 @@ class SecondRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PooledRow:
-    """One figure of one density, radio, policy and bank over all seeds: mean and 95 % Student-t interval.
+    """One figure of one density and sender over all seeds: mean and 95 % Student-t interval.
 
     Parameters
     ----------
-    density_per_km, radio, policy, bank
+    density_per_km, radio, policy, bank, threshold_m
         As in `NetworkCase`.
     seeds
         Runs pooled.
@@ -262,6 +274,7 @@ class PooledRow:
     radio: str
     policy: str
     bank: str
+    threshold_m: float
     seeds: int
     figure: str
     value: float
@@ -275,7 +288,7 @@ class CapacityRow:
 
     Parameters
     ----------
-    radio, policy, bank
+    radio, policy, bank, threshold_m
         As in `NetworkCase`.
     limit_m
         The limit [m].
@@ -290,6 +303,7 @@ class CapacityRow:
     radio: str
     policy: str
     bank: str
+    threshold_m: float
     limit_m: float
     density_per_km: float | None
     highest_per_km: float
@@ -330,7 +344,7 @@ class CaseResult:
 
 @dataclass(frozen=True, slots=True)
 class NetworkResult:
-    """Rows of all runs, in order of density, radio, policy, bank and seed; and who sent."""
+    """Rows of all runs, in order of density, radio, policy, bank, threshold and seed; and who sent."""
 
     runs: Sequence[RunRow]
     distances: Sequence[DistanceRow]
@@ -345,3 +359,8 @@ class NetworkResult:
     def banks(self) -> tuple[str, ...]:
         """Names of the banks whose models were sent, in the order of the rows."""
         return tuple(dict.fromkeys(row.bank for row in self.runs if row.bank != NO_BANK))
+
+    @property
+    def thresholds_m(self) -> tuple[float, ...]:
+        """Thresholds of those policies that have one, rising [m]."""
+        return tuple(sorted({row.threshold_m for row in self.runs if isfinite(row.threshold_m)}))

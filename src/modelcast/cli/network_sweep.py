@@ -1,0 +1,177 @@
+"""A sweep of network runs into an output folder: what is missing is run, all is written.
+
+``modelcast network`` and the traffic of ``modelcast reproduce paper`` both go this way.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import KW_ONLY, dataclass
+from pathlib import Path
+from typing import Any
+
+from modelcast.cli.network_case import run_case
+from modelcast.cli.network_cases import told
+from modelcast.cli.network_plan import NetworkPlan
+from modelcast.cli.network_senders import named_banks
+from modelcast.core.exceptions import ConfigError
+from modelcast.io.fcd_survey import FcdSurvey, survey_document
+from modelcast.io.network import write_network
+from modelcast.io.network_runs import RunKey
+from modelcast.io.output import atomic_folder
+from modelcast.io.run_store import RunStore, run_store
+from modelcast.io.traffic import write_traffic
+from modelcast.report.network import traffic_lines, write_network_report
+from modelcast.report.traffic import write_traffic_report
+from modelcast.study.network.pairs import PairedRow, traffic_rows
+from modelcast.study.network.pool import gather
+from modelcast.study.network.rows import CaseResult, NetworkCase, NetworkResult, SenderRow
+
+__all__ = ["Sweep", "Swept", "sweep"]
+
+Progress = Callable[[int, int], None]
+"""Takes runs done and runs to do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """What is to be run, and what of it was found out before.
+
+    Parameters
+    ----------
+    plan, cases, senders
+        What all runs share, the runs, and who sends.
+    found
+        What the file of floating-car data holds, where the traffic is one.
+    """
+
+    plan: NetworkPlan
+    cases: Sequence[NetworkCase]
+    _: KW_ONLY
+    senders: Sequence[SenderRow]
+    found: FcdSurvey | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Swept:
+    """What a sweep has written.
+
+    Parameters
+    ----------
+    result
+        Rows of all runs.
+    rows
+        The hybrid against the baseline, where both were run.
+    options, key, traffic, training_trips
+        As for `modelcast.io.network.network_document`.
+    """
+
+    result: NetworkResult
+    rows: Sequence[PairedRow]
+    _: KW_ONLY
+    options: Mapping[str, Any]
+    key: RunKey
+    traffic: Mapping[str, Any] | None
+    training_trips: Sequence[str]
+
+
+def sweep(
+    asked: Sweep,
+    out: Path,
+    *,
+    jobs: int,
+    watch: Callable[[], AbstractContextManager[Progress]],
+    say: Callable[[str], None],
+) -> Swept:
+    """Run the cases and write the output folder, whole or not at all.
+
+    Parameters
+    ----------
+    asked
+        What is to be run.
+    out
+        The output folder; runs that an earlier call left there or beside it are taken up.
+    jobs
+        Runs at a time.
+    watch
+        Gives a context in which progress is shown.
+    say
+        Takes lines for the user, before the first run.
+
+    Raises
+    ------
+    ConfigError
+        Where the folder is of other options, or an input changes meanwhile.
+    """
+    plan, cases, found = asked.plan, asked.cases, asked.found
+    options, key = plan.as_plain(), plan.key()
+    with atomic_folder(out, command="network") as folder, run_store(out, options, key) as store:
+        traffic = None if found is None else survey_document(found)
+        for line in () if found is None else traffic_lines(found):
+            say(line)
+        known, notes = _training_trips(plan)
+        for line in notes:
+            say(line)
+        results = {case: done for case in cases if (done := store.find(case)) is not None}
+        say(told(cases, len(results)))
+        with watch() as progress:
+            results = _run_all(asked, results, store, jobs=jobs, progress=progress)
+        if plan.key() != key:
+            raise ConfigError("an input changed while it was read: run the command again")
+        result = gather(results.values(), asked.senders)
+        store.publish(results, folder)
+        write_network(result, options, folder, key=key, traffic=traffic, training_trips=known)
+        write_network_report(result, options, folder, traffic=traffic, notes=notes)
+        rows = traffic_rows(result)
+        if rows:
+            write_traffic(rows, folder)
+            write_traffic_report(rows, folder)
+    return Swept(result, rows, options=options, key=key, traffic=traffic, training_trips=known)
+
+
+def _training_trips(plan: NetworkPlan) -> tuple[tuple[str, ...], list[str]]:
+    """Recorded trips of the traffic that a bank was trained on, and what is told of them."""
+    if not plan.trips:
+        return (), []
+    from modelcast.io.trips import read_trips
+    from modelcast.report.training_trips import training_note
+    from modelcast.trips.fingerprint import known_trips
+
+    trips = tuple(read_trips(plan.trips))
+    trained_on = {trip for named in named_banks(plan).values() for trip in named.trained_on}
+    known = known_trips(trips, trained_on)
+    return known, training_note(known, len(trips))
+
+
+def _run_all(
+    asked: Sweep,
+    known: Mapping[NetworkCase, CaseResult],
+    store: RunStore,
+    *,
+    jobs: int,
+    progress: Progress,
+) -> dict[NetworkCase, CaseResult]:
+    """Rows of all runs: those known, and the others run now, each written as soon as it is done."""
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+
+    results = dict(known)
+    missing = [case for case in asked.cases if case not in results]
+
+    def take(case: NetworkCase, result: CaseResult) -> None:
+        store.keep(case, result)
+        results[case] = result
+        progress(len(results), len(asked.cases))
+
+    progress(len(results), len(asked.cases))
+    if jobs == 1 or len(missing) <= 1:
+        for case in missing:
+            take(case, run_case(asked.plan, case, asked.found))
+        return results
+    # The largest first, so that no processor waits long for the last one.
+    missing.sort(key=lambda case: -case.density_per_km)
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(jobs, len(missing)), mp_context=context) as pool:
+        waiting = {pool.submit(run_case, asked.plan, case, asked.found): case for case in missing}
+        for future in as_completed(waiting):
+            take(waiting[future], future.result())
+    return results

@@ -1,0 +1,59 @@
+"""``modelcast reproduce``: a published evaluation on one's own trips."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from modelcast.cli.options import Columns, Format
+from modelcast.cli.reproduce_options import ReproduceOptions
+
+__all__ = ["reproduce"]
+
+
+def reproduce(
+    study: Annotated[Literal["paper"], Parameter(name="study")],
+    /,
+    *paths: Path,
+    out: Path = Path("out/paper"),
+    format: Format = None,  # noqa: A002 - the word a user would type
+    columns: Columns = None,
+    trip: str = "*",
+    options: ReproduceOptions = ReproduceOptions(),  # noqa: B008 - frozen
+    jobs: int = 0,
+    json: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Repeat a published evaluation on recorded trips, under every choice that its text leaves open.
+
+    paper: Mahjoub, Toghi, Gani, Fallah, 2019. Writes report.html, claims.md, claims.csv, summary.json,
+    figures/ and run.json.
+
+    Parameters
+    ----------
+    study
+        paper.
+    paths
+        Files or folders with recorded trips.
+    out
+        Output folder; one that an earlier run of this command wrote is replaced.
+    format
+        Name of the files' format; found from their content where not given.
+    columns
+        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
+    trip
+        Take only trips whose identifier matches this shell pattern.
+    options
+        What changes the figures.
+    jobs
+        Readings at a time; 0 for one a processor. The result is the same whatever their number.
+    json
+        Print summary.json instead of tables.
+    quiet
+        Print nothing but errors.
+    """
+    from modelcast.cli.reproduction_run import Reproduction, run_reproduction
+
+    return run_reproduction(
+        Reproduction(study, paths, format, columns, trip, options), out, jobs=jobs, json=json, quiet=quiet
+    )

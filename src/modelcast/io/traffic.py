@@ -1,0 +1,42 @@
+"""The hybrid against the baseline in traffic, on disk.
+
+``traffic.parquet``
+    One row a figure, density, radio, bank, threshold and distance: the fields of
+    `modelcast.study.network.pairs.PairedRow`, bounds empty where there was one seed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from modelcast.io.arrow import columns_table, write_tables
+from modelcast.study.network.pairs import PairedRow
+
+__all__ = ["write_traffic"]
+
+_KINDS: dict[object, Any] = {int: np.int64, bool: np.bool_, str: object}
+_TEXT = frozenset({"verdict"})
+
+
+def write_traffic(rows: Sequence[PairedRow], folder: str | Path) -> Path:
+    """Write ``traffic.parquet``; return its path.
+
+    Parameters
+    ----------
+    rows
+        As `modelcast.study.network.pairs.traffic_rows` gives them.
+    folder
+        An existing folder.
+    """
+    columns: dict[str, Any] = {}
+    for field in fields(PairedRow):
+        values = [getattr(row, field.name) for row in rows]
+        kind = object if field.name in _TEXT else _KINDS.get(field.type, np.float64)
+        columns[field.name] = np.array(values, dtype=kind)
+    table = columns_table(columns)
+    path = Path(folder) / "traffic.parquet"
+    write_tables([table], table.schema, path)
+    return path

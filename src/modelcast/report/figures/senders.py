@@ -1,0 +1,142 @@
+"""How the senders of a network evaluation are told apart: in words, and as curves.
+
+A colour and a marker tell policies apart, the line banks and thresholds: solid with small filled markers for
+the first, broken, darker and with larger hollow markers for the others, wide for what knows neither. So each
+can be seen where several lie on each other.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+from matplotlib.colors import to_hex, to_rgb
+
+from modelcast.report.figures.panels import drawable
+from modelcast.study.network.rows import (
+    NO_BANK,
+    NO_THRESHOLD,
+    CapacityRow,
+    DistanceRow,
+    NetworkResult,
+    PooledRow,
+    RunRow,
+    SecondRow,
+)
+from modelcast.study.wording import centimetres
+
+__all__ = ["NO_THRESHOLD_TEXT", "Curve", "also_told", "sender_curves", "threshold_text"]
+
+_COLOURS = {
+    "bsm-10hz": "#777777",
+    "baseline": "#e69f00",
+    "mbc": "#0072b2",
+    "j2945": "#d55e00",
+    "j2945-filtered": "#882255",
+    "j2945-mbc": "#009e73",
+    "j2945-mbc-relaxed": "#56b4e9",
+    "j2945-mbc-relaxed-5": "#332288",
+    "cam": "#cc79a7",
+}
+_MARKERS = dict(zip(_COLOURS, "XDosdv^P<", strict=True))
+_LINES = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (5, 1.2, 1, 1.2)), (0, (5, 1.2, 1, 1.2, 1, 1.2)))
+_DARKER = 0.6
+"""Share of its policy's colour that the next lines keep, and of that those after as many more."""
+
+NO_THRESHOLD_TEXT = "-"
+"""What tables say of a policy that knows no threshold."""
+
+
+def threshold_text(threshold_m: float) -> str:
+    """Return a threshold as tables say it.
+
+    Examples
+    --------
+    >>> threshold_text(0.2), threshold_text(NO_THRESHOLD)
+    ('20 cm', '-')
+    """
+    return centimetres(threshold_m) if isfinite(threshold_m) else NO_THRESHOLD_TEXT
+
+
+def also_told(result: NetworkResult) -> tuple[str, ...]:
+    """Return what tells senders of one policy apart: of ``bank`` and ``threshold`` those with several."""
+    several = (("bank", len(result.banks) > 1), ("threshold", len(result.thresholds_m) > 1))
+    return tuple(name for name, there in several if there)
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """How the rows of one sender are drawn.
+
+    Parameters
+    ----------
+    policy, bank, threshold_m
+        As in `modelcast.study.network.rows.NetworkCase`.
+    label
+        Its name in the legend.
+    place
+        Which of its policy's lines it is, from 0.
+    """
+
+    policy: str
+    bank: str
+    threshold_m: float
+    label: str
+    place: int
+
+    @property
+    def colour(self) -> str:
+        """Of lines, markers and intervals."""
+        red, green, blue = to_rgb(_COLOURS[self.policy])
+        share = _DARKER ** -(-self.place // len(_LINES))
+        return to_hex((share * red, share * green, share * blue))
+
+    @property
+    def plain(self) -> Mapping[str, Any]:
+        """Look of the line alone."""
+        wide = self.bank == NO_BANK and not isfinite(self.threshold_m)
+        line, width = _LINES[self.place % len(_LINES)], 2.0 if wide else 1.1
+        return {"color": self.colour, "linestyle": line, "linewidth": width, "label": self.label}
+
+    @property
+    def marked(self) -> Mapping[str, Any]:
+        """Look of a line with markers."""
+        face, size = ("none", 4.6) if self.place else (self.colour, 3.0)
+        marker = {"marker": _MARKERS[self.policy], "markerfacecolor": face, "markersize": size}
+        return {**self.plain, **marker, "markeredgewidth": 0.8}
+
+    def drew(self, row: RunRow | DistanceRow | PooledRow | SecondRow | CapacityRow) -> bool:
+        """Whether a row is of this sender."""
+        return (row.policy, row.bank, repr(row.threshold_m)) == (
+            self.policy,
+            self.bank,
+            repr(self.threshold_m),
+        )
+
+
+def sender_curves(result: NetworkResult) -> list[Curve]:
+    """Return a curve for each sender, in the order of the legend.
+
+    Parameters
+    ----------
+    result
+        All runs.
+    """
+    told = also_told(result)
+    found: list[Curve] = []
+    for policy in _COLOURS:
+        own = dict.fromkeys((row.bank, repr(row.threshold_m)) for row in result.runs if row.policy == policy)
+        ordered = [
+            (bank, threshold_m)
+            for bank in (NO_BANK, *result.banks)
+            for threshold_m in (NO_THRESHOLD, *result.thresholds_m)
+            if (bank, repr(threshold_m)) in own
+        ]
+        for place, (bank, threshold_m) in enumerate(ordered):
+            parts = [policy]
+            if "bank" in told and bank != NO_BANK:
+                parts.append(drawable(bank, 30))
+            if "threshold" in told and isfinite(threshold_m):
+                parts.append(threshold_text(threshold_m))
+            found.append(Curve(policy, bank, threshold_m, ", ".join(parts), place))
+    return found

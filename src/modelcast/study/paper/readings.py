@@ -1,0 +1,153 @@
+"""One reading over all trips: messages beside the baseline's, and errors beside both equal-rate baselines."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, replace
+from typing import get_args
+
+import numpy as np
+
+from modelcast.models.bank import Bank
+from modelcast.study.compare.result import CountRow, RatioRow, TrackingRatioRow
+from modelcast.study.compare.settings import CompareSettings
+from modelcast.study.compare.stage import stage_trips
+from modelcast.study.compare.table import Resamples, ratio_rows, tracking_rows
+from modelcast.study.compare.trial import run_trial
+from modelcast.study.paper.choices import Figure, Reading, Schedule
+from modelcast.study.paper.plan import PaperPlan
+from modelcast.study.result import POOLED
+from modelcast.study.rules import RATE_BASES
+from modelcast.trips.trajectory import Trajectory
+
+__all__ = ["ALONE", "HYBRID", "UPDATES", "ReadingRows", "RivalKey", "figure_of", "run_reading"]
+
+HYBRID = "hybrid"
+UPDATES = "updates alone"
+ALONE = "Gaussian process alone"
+
+RivalKey = tuple[str, str]
+"""Rate basis and schedule of an equal-rate baseline."""
+
+
+@dataclass(frozen=True, slots=True)
+class ReadingRows:
+    """What one reading found, for every rival that it can be held against.
+
+    Parameters
+    ----------
+    reading
+        Its options; those of the rival are not looked at.
+    messages
+        All messages of the hybrid over the baseline's, one row a threshold; the difference is to the Gaussian
+        process alone.
+    updates
+        The same with its updates alone.
+    alone
+        The same of the Gaussian process alone.
+    tracking
+        Rows at the headline's packet error ratio, one a threshold for all trips and one a trip, by rate basis
+        and schedule of the baseline.
+    """
+
+    reading: Reading
+    _: KW_ONLY
+    messages: tuple[RatioRow, ...]
+    updates: tuple[RatioRow, ...]
+    alone: tuple[RatioRow, ...]
+    tracking: Mapping[RivalKey, tuple[TrackingRatioRow, ...]]
+
+    def pooled(self, reading: Reading) -> tuple[TrackingRatioRow, ...]:
+        """Tracking over all trips against the rival of a reading, one row a threshold.
+
+        Parameters
+        ----------
+        reading
+            Its rate basis and schedule are taken.
+        """
+        rows = self.tracking[reading.rate_basis, reading.schedule]
+        return tuple(row for row in rows if row.trip == POOLED)
+
+    def by_trip(self, reading: Reading) -> tuple[TrackingRatioRow, ...]:
+        """The same, one row a trip and threshold."""
+        rows = self.tracking[reading.rate_basis, reading.schedule]
+        return tuple(row for row in rows if row.trip != POOLED)
+
+
+def figure_of(rows: ReadingRows, reading: Reading, figure: Figure) -> float:
+    """The one number that ranks readings: the geometric mean of a ratio over the thresholds.
+
+    Parameters
+    ----------
+    rows
+        What the reading found.
+    reading
+        The reading, its rival with it.
+    figure
+        All messages over the baseline's, or the 90th percentile of the error over the rival's.
+
+    Returns
+    -------
+    float
+        NaN where a ratio does not exist.
+    """
+    if figure == "messages":
+        ratios = [row.message_ratio for row in rows.messages]
+    else:
+        ratios = [row.p90_ratio for row in rows.pooled(reading)]
+    values = np.array(ratios)
+    return float(np.exp(np.log(values).mean())) if (values > 0).all() else float("nan")
+
+
+def run_reading(trips: Sequence[Trajectory], reading: Reading, plan: PaperPlan) -> ReadingRows:
+    """Run a reading over trips that all hold a window.
+
+    Parameters
+    ----------
+    trips
+        With distinct identifiers.
+    reading
+        One option of every choice.
+    plan
+        What all readings share.
+
+    Raises
+    ------
+    ConfigError
+        Where a trip lacks what the reading asks of it.
+    """
+    settings = plan.settings(reading, (plan.headline_ratio,))
+    compared = CompareSettings(settings, (settings.protocol,), resamples=plan.resamples)
+    ((protocol, staged),) = stage_trips(trips, compared).items()
+    route = np.arange(len(trips), dtype=np.int64)
+    resamples = Resamples.drawn(route, plan.resamples, plan.seed)
+    trial = run_trial(
+        HYBRID, protocol, staged, route, [settings] * len(trips), step=_nothing, bases=RATE_BASES
+    )
+    process = next(member for member in settings.bank.members if member.name != "cv")
+    rates_alone = replace(settings, bank=Bank((process,)), packet_error_ratios=())
+    alone = run_trial(ALONE, protocol, staged, route, [rates_alone] * len(trips), step=_nothing)
+    rows = ratio_rows([*trial.counts, *alone.counts, *map(_updates, trial.counts)], ALONE, resamples)
+    times = [(trip.case.truth.dt_s, trip.case.truth.duration_s) for trip in staged]
+    shares_s, durations_s = zip(*times, strict=True)
+    tracking: dict[RivalKey, tuple[TrackingRatioRow, ...]] = {}
+    for schedule in get_args(Schedule):
+        found = tracking_rows(
+            HYBRID,
+            trial,
+            shares_s=shares_s,
+            durations_s=durations_s,
+            resamples=resamples,
+            rivals=(schedule,),
+        )
+        for basis in RATE_BASES:
+            tracking[basis, schedule] = tuple(row for row in found if row.rate_basis == basis)
+    of = {name: tuple(row for row in rows if row.candidate == name) for name in (HYBRID, UPDATES, ALONE)}
+    return ReadingRows(reading, messages=of[HYBRID], updates=of[UPDATES], alone=of[ALONE], tracking=tracking)
+
+
+def _updates(row: CountRow) -> CountRow:
+    """The row as if its identifications had not been sent."""
+    return replace(row, candidate=UPDATES, identifications=0)
+
+
+def _nothing() -> None:
+    """A trip is done: nobody watches the trips of a reading."""

@@ -1,0 +1,438 @@
+"""Claims about the reproduction: readings are evaluations, choices complete, verdicts as they say."""
+
+from collections.abc import Iterable
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from modelcast.core.exceptions import ConfigError
+from modelcast.models.bank import Bank
+from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.gp import GaussianProcess
+from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.banks import PAPER_BANK
+from modelcast.study.case import make_case
+from modelcast.study.evaluate import evaluate
+from modelcast.study.network.pairs import PairedRow
+from modelcast.study.paper.choices import CHOICES, PLAIN, Choice, Reading, combined, one_at_a_time
+from modelcast.study.paper.claims import claim_rows
+from modelcast.study.paper.complement import Complement, Survival, complement
+from modelcast.study.paper.plan import PaperPlan
+from modelcast.study.paper.readings import figure_of, run_reading
+from modelcast.study.paper.result import PaperResult
+from modelcast.study.paper.run import Job, reproduce_paper, run_job
+from modelcast.study.paper.traffic import with_traffic
+from modelcast.study.paper.verdict import Estimate, verdict_of
+from modelcast.study.result import POOLED
+from modelcast.trips.manoeuvres.base import FoundManoeuvre, ManoeuvreKind
+from modelcast.trips.manoeuvres.rank import count_manoeuvres, rank_trips
+from modelcast.trips.trajectory import Trajectory, build_trajectory
+from modelcast.world.drive import generate_drive
+
+PLAN = PaperPlan((0.3, 0.5), (0.0, 0.4), seeds=2, seed=3, resamples=50)
+
+
+@pytest.fixture(scope="module")
+def trips() -> list[Trajectory]:
+    """Two drives, each in a file of its own."""
+    drives = [generate_drive(seed, duration_s).truth for seed, duration_s in ((1, 90.0), (2, 110.0))]
+    return [replace(drive, trip_id=f"drive{at}/1") for at, drive in enumerate(drives)]
+
+
+@pytest.fixture(scope="module")
+def found(trips: list[Trajectory]) -> PaperResult:
+    return reproduce_paper(trips, PLAN)
+
+
+def test_every_choice_is_a_field_and_the_plain_reading_takes_its_first_option() -> None:
+    assert sorted(choice.field for choice in CHOICES) == sorted(item.name for item in fields(Reading))
+    for choice in CHOICES:
+        assert choice.options[0].value == getattr(PLAIN, choice.field)
+        assert len({option.value for option in choice.options}) == len(choice.options) > 1
+    assert PLAIN.bank == PAPER_BANK
+
+
+def test_the_readings_differ_from_the_plain_one_in_one_choice_each() -> None:
+    readings = one_at_a_time()
+    assert len(readings) == 1 + sum(len(choice.options) - 1 for choice in CHOICES)
+    assert len({one.label for one in readings}) == len(readings)
+    for one in readings[1:]:
+        changed = [
+            item.name
+            for item in fields(Reading)
+            if getattr(one.reading, item.name) != getattr(PLAIN, item.name)
+        ]
+        assert [choice.field for choice in CHOICES if choice.title == one.choice] == changed
+
+
+@pytest.mark.parametrize(
+    "reading",
+    [
+        PLAIN,
+        replace(PLAIN, start="keep", identify="best", keep_alive_s=2.0),
+        replace(PLAIN, order="gp-first", protocol="sensor", velocity="slope-2"),
+        replace(PLAIN, noise_floor_m=0.01, quantised=True),
+    ],
+)
+def test_a_reading_is_the_evaluation_with_its_options(trips: list[Trajectory], reading: Reading) -> None:
+    """To the last bit: messages, and errors beside every rival."""
+    rows = run_reading(trips, reading, PLAN)
+    process = GaussianProcess(form="anchored", noise_floor_m=reading.noise_floor_m)
+    members: Any = (ConstantVelocity(), process)
+    alone = evaluate(
+        trips,
+        replace(
+            PLAN.settings(reading),
+            bank=Bank(members if reading.order == "cv-first" else members[::-1], "paper"),
+        ),
+    )
+    for at, threshold_m in enumerate(PLAN.thresholds_m):
+        mbc, baseline = (
+            next(
+                row
+                for row in alone.rates
+                if (row.trip, row.policy, row.threshold_m) == (POOLED, policy, threshold_m)
+            )
+            for policy in ("mbc", "baseline")
+        )
+        sent = mbc.updates + mbc.identifications
+        assert rows.messages[at].message_ratio == pytest.approx(sent / baseline.updates, rel=1e-12)
+        assert rows.updates[at].message_ratio == pytest.approx(mbc.updates / baseline.updates, rel=1e-12)
+        assert rows.messages[at].airtime_ratio == pytest.approx(
+            mbc.airtime_per_s / baseline.airtime_per_s, rel=1e-9
+        )
+        for basis, schedule in rows.tracking:
+            row = rows.pooled(replace(reading, rate_basis=basis, schedule=schedule))[at]
+            own, rival = (
+                next(
+                    one.pte_p90_m
+                    for one in alone.tracking
+                    if (one.trip, one.policy, one.rate_basis) == (POOLED, policy, own_basis)
+                    and (one.threshold_m, one.packet_error_ratio) == (threshold_m, 0.4)
+                )
+                for policy, own_basis in (("mbc", None), (f"baseline-{schedule}", basis))
+            )
+            assert row.p90_ratio == own / rival
+
+
+def test_the_process_alone_is_that_bank_of_one(trips: list[Trajectory]) -> None:
+    rows = run_reading(trips, PLAIN, PLAN)
+    alone = Bank((GaussianProcess(form="anchored", noise_floor_m=1e-5),))
+    rates = evaluate(trips, replace(PLAN.settings(PLAIN, ()), bank=alone)).rates
+    for row in rows.alone:
+        mbc, baseline = (
+            next(
+                one
+                for one in rates
+                if (one.trip, one.policy, one.threshold_m) == (POOLED, policy, row.threshold_m)
+            )
+            for policy in ("mbc", "baseline")
+        )
+        assert row.message_ratio == pytest.approx(mbc.updates / baseline.updates)
+
+
+def test_the_ends_take_the_options_that_were_best_or_worst_by_themselves(found: PaperResult) -> None:
+    by_label = {one.labelled.label: one for one in found.readings}
+    for label, figure, pick in (
+        ("fewest messages", "messages", min),
+        ("most messages", "messages", max),
+        ("best tracking", "tracking", min),
+        ("worst tracking", "tracking", max),
+    ):
+        taken = by_label[label].labelled.reading
+        for choice in CHOICES:
+            figures = {
+                option.value: getattr(
+                    by_label.get(f"{choice.title}: {option.label}", found.readings[0]), figure
+                )
+                for option in choice.options
+            }
+            assert figures[getattr(taken, choice.field)] == pick(figures.values())
+    assert found.readings[-1].labelled.label == "worst tracking"
+    assert (
+        by_label["fewest messages"].messages
+        <= by_label["plain"].messages
+        <= by_label["most messages"].messages
+    )
+
+
+def test_a_reading_that_differs_in_its_rival_alone_is_not_run_again(trips: list[Trajectory]) -> None:
+    done: list[Job] = []
+
+    def each(function: Any, jobs: Iterable[Job]) -> list[Any]:
+        jobs = list(jobs)
+        done.extend(jobs)
+        return [function(job) for job in jobs]
+
+    steps: list[tuple[int, int]] = []
+    reproduce_paper(trips, PLAN, each=each, progress=lambda at, of: steps.append((at, of)))
+    ran = [job.reading for job in done if job.what == "reading"]
+    assert len(set(ran)) == len(ran)
+    assert {(reading.rate_basis, reading.schedule) for reading in ran} == {("update", "periodic")}
+    assert [at for at, _ in steps] == list(range(1, len(done) + 1))
+    assert steps[-1] == (len(done), len(done))
+
+
+def test_the_same_plan_gives_the_same_result(trips: list[Trajectory], found: PaperResult) -> None:
+    again = reproduce_paper(trips, PLAN)
+    assert again.claims == found.claims
+    assert [one.rows.messages for one in again.readings] == [one.rows.messages for one in found.readings]
+
+
+def test_work_done_elsewhere_and_out_of_order_is_refused(trips: list[Trajectory]) -> None:
+    def backwards(function: Any, jobs: Iterable[Job]) -> list[Any]:
+        return [function(job) for job in reversed(list(jobs))]
+
+    with pytest.raises((TypeError, KeyError, ValueError)):
+        reproduce_paper(trips, PLAN, each=backwards)
+
+
+def test_short_trips_are_left_out_and_named(trips: list[Trajectory]) -> None:
+    first = trips[0]
+    stump = build_trajectory("stump/1", first.t_s[:6], first.position_m[:6])
+    result = reproduce_paper([*trips, stump], replace(PLAN, thresholds_m=(0.5,), packet_error_ratios=(0.4,)))
+    assert list(result.failures) == ["stump/1"]
+    with pytest.raises(ConfigError, match="no usable trip"):
+        reproduce_paper([stump], PLAN)
+
+
+def test_the_plan_must_hold_the_ratio_that_readings_are_compared_at() -> None:
+    with pytest.raises(ValueError, match=r"must hold 0\.4"):
+        PaperPlan(packet_error_ratios=(0.0, 0.5))
+    with pytest.raises(ValueError, match="resamples"):
+        PaperPlan(resamples=0)
+
+
+def test_the_number_that_ranks_is_the_geometric_mean_over_thresholds(found: PaperResult) -> None:
+    plain = found.readings[0]
+    ratios = [row.message_ratio for row in plain.rows.messages]
+    assert plain.messages == pytest.approx(float(np.prod(ratios)) ** (1 / len(ratios)))
+    assert figure_of(plain.rows, replace(PLAIN, rate_basis="total"), "tracking") > plain.tracking
+
+
+def test_time_is_shared_between_who_holds(trips: list[Trajectory]) -> None:
+    """Against a walk by hand: errors under the threshold, counted where both sub-models serve."""
+    shared = complement(trips, [(), ()], PLAIN, PLAN)
+    only, both, neither = np.zeros(2), 0.0, 0.0
+    for trip in trips:
+        settings = PLAN.settings(PLAIN, ())
+        case = make_case(trip, settings)
+        ready = TripRuntime(case.seen, settings.bank, case.estimator)
+        errors = ready.tracking_error_m(ready.run(settings.policy(0.3, keep_alive=False)))
+        for row in errors:
+            if np.isinf(row).any():
+                continue
+            first, second = row < 0.3
+            only += trip.dt_s * np.array([first and not second, second and not first])
+            both += trip.dt_s * (first and second)
+            neither += trip.dt_s * (not first and not second)
+    assert shared.only_s == pytest.approx(tuple(only))
+    assert (shared.both_s, shared.neither_s) == pytest.approx((both, neither))
+    assert shared.timeline is not None
+    shown = shared.timeline.tracking_error_m
+    alone = (shown < 0.3) & np.isfinite(shown).all(axis=1)[:, None]
+    assert (alone[:, 0] & ~alone[:, 1]).any()
+    assert (alone[:, 1] & ~alone[:, 0]).any()
+
+
+def test_manoeuvres_are_survived_as_long_as_paths_stay_near(trips: list[Trajectory]) -> None:
+    starts = [
+        (
+            FoundManoeuvre(ManoeuvreKind.TURN, 40.0, 45.0, size=1.5),
+            FoundManoeuvre(ManoeuvreKind.STOP, 70.0, 75.0, size=5.0),
+        ),
+        (),
+    ]
+    shared = complement(trips, starts, PLAIN, PLAN)
+    assert [(one.trip, one.kind) for one in shared.survivals] == [("drive0/1", "turn"), ("drive0/1", "stop")]
+    assert all(0.0 <= life <= 4.0 for one in shared.survivals for life in one.survival_s.values())
+    assert shared.manoeuvre is not None
+    assert shared.manoeuvre.start_s == pytest.approx(39.5)  # the turn, whichever parts the paths more
+    drawn = {name: min(life, 4.0) for name, life in shared.manoeuvre.survival_s.items()}
+    assert drawn == pytest.approx(shared.survivals[0].survival_s)
+
+
+def test_a_path_that_stays_near_is_not_said_to_fail(trips: list[Trajectory]) -> None:
+    wide = replace(PLAN, thresholds_m=(1000.0,))
+    shared = complement(trips[:1], [(FoundManoeuvre(ManoeuvreKind.TURN, 40.0, 45.0, size=1.5),)], PLAIN, wide)
+    assert shared.manoeuvre is None  # both hold throughout: the paths do not part
+    assert shared.survivals[0].survival_s == pytest.approx({"cv": 4.0, "gp-anchored": 4.0})
+
+
+def claims_of(found: PaperResult, lives: list[tuple[float, float]]) -> dict[str, Any]:
+    """Claims of the same readings with other survivals of the process and of constant velocity."""
+    members = ("cv", "gp-anchored")
+    survivals = tuple(
+        Survival("t/1", "turn", float(at), {"cv": other, "gp-anchored": own})
+        for at, (own, other) in enumerate(lives)
+    )
+    shared = Complement(
+        members,
+        0.3,
+        only_s=(1.0, 0.5),
+        both_s=40.0,
+        neither_s=1.0,
+        timeline=None,
+        manoeuvre=None,
+        survivals=survivals,
+    )
+    rows = claim_rows(found.readings, found.evaluation, shared, found.plan)
+    return {row.name: row for row in rows}
+
+
+def test_manoeuvres_are_judged_by_a_sign_test_that_leaves_ties_out(found: PaperResult) -> None:
+    name = "the process follows manoeuvres"
+    assert claims_of(found, [(2.0, 1.0)] * 12 + [(1.0, 1.0)] * 50)[name].verdicts["plain"] == "holds"
+    assert claims_of(found, [(1.0, 2.0)] * 12)[name].verdicts["plain"] == "fails"
+    assert claims_of(found, [(2.0, 1.0)] * 6 + [(1.0, 2.0)] * 4)[name].verdicts["plain"] == "not shown"
+    assert claims_of(found, [])[name].verdicts["plain"] == "not run"
+
+
+def test_sub_models_complete_each_other_where_both_have_their_time(found: PaperResult) -> None:
+    row = claims_of(found, [])["they complete each other"]
+    assert row.verdicts["plain"] == "holds"
+    assert row.figure == "only cv 2.4 %, only gp-anchored 1.2 %, both 94.1 %, neither 2.4 %"
+
+
+def test_every_claim_has_a_plain_verdict_and_those_of_readings_all(found: PaperResult) -> None:
+    labels = [one.labelled.label for one in found.readings]
+    by_reading = [row for row in found.claims if len(row.verdicts) > 3]
+    assert len(by_reading) == 6
+    for row in by_reading:
+        assert list(row.verdicts) == labels
+    assert all("plain" in row.verdicts for row in found.claims)
+    assert {row.name for row in found.claims if row.verdicts["plain"] == "not run"} == {
+        "any radio",
+        "fewer collisions",
+        "a channel less busy",
+    }
+
+
+def test_the_claim_about_messages_is_the_verdict_on_their_ratios(found: PaperResult) -> None:
+    (row,) = (one for one in found.claims if one.name == "fewer messages")
+    for one in found.readings:
+        estimates = [Estimate(r.message_ratio, r.message_low, r.message_high) for r in one.rows.messages]
+        assert row.verdicts[one.labelled.label] == verdict_of(estimates)
+
+
+def test_the_sweep_looks_at_every_ratio_with_losses(found: PaperResult) -> None:
+    (row,) = (one for one in found.claims if one.name == "better at every loss")
+    ratios = []
+    for threshold_m in PLAN.thresholds_m:
+        own, rival = (
+            next(
+                one.pte_p90_m
+                for one in found.evaluation.tracking
+                if (one.trip, one.policy, one.rate_basis, one.threshold_m, one.packet_error_ratio)
+                == (POOLED, policy, basis, threshold_m, 0.4)
+            )
+            for policy, basis in (("mbc", None), ("baseline-periodic", "update"))
+        )
+        ratios.append(own / rival)
+    assert row.verdicts["plain"] == verdict_of([Estimate(ratio) for ratio in ratios])
+    assert row.figure == f"40 %: {min(ratios):.2f} to {max(ratios):.2f}"
+
+
+ratio = st.floats(0.1, 10.0)
+
+
+@given(st.lists(ratio, min_size=1, max_size=6))
+def test_without_intervals_a_verdict_counts_the_ratios(values: list[float]) -> None:
+    found = verdict_of([Estimate(value) for value in values])
+    assert (found == "holds") == all(value < 1 for value in values)
+    assert (found == "fails") == all(value > 1 for value in values)
+    assert found != "not run"
+
+
+@given(st.lists(st.tuples(ratio, ratio), min_size=1, max_size=6))
+def test_an_interval_across_one_shows_nothing(ends: list[tuple[float, float]]) -> None:
+    estimates = [Estimate((low + high) / 2, low, high) for low, high in (sorted(pair) for pair in ends)]
+    crossing = [one.low <= 1 <= one.high for one in estimates]  # type: ignore[operator]
+    found = verdict_of(estimates)
+    assert (found == "not shown") == all(crossing)
+    if any(crossing):
+        assert found not in ("holds", "fails")
+
+
+def test_options_of_a_reading_are_combined() -> None:
+    by_field: dict[str, Choice] = {choice.field: choice for choice in CHOICES}
+    start, floor = by_field["start"], by_field["noise_floor_m"]
+    made = combined("mine", [(start, start.options[2]), (floor, floor.options[1])])
+    assert made.reading == replace(PLAIN, start="survivor", noise_floor_m=0.001)
+
+
+def test_jobs_run_alone_give_what_the_whole_gives(trips: list[Trajectory], found: PaperResult) -> None:
+    rows = run_job(Job("reading", trips, PLAN, replace(PLAIN, start="keep")))
+    (same,) = (one.rows for one in found.readings if one.labelled.label == "start rule: keep")
+    assert rows == same
+
+
+def test_manoeuvres_are_those_of_the_ranked_trips(trips: list[Trajectory], found: PaperResult) -> None:
+    counts = [count_manoeuvres(trip) for trip in trips]
+    assert list(found.manoeuvres) == rank_trips(counts)
+    assert len(found.complement.survivals) <= sum(one.total for one in counts)
+    assert {one.kind for one in found.complement.survivals} <= {
+        one.kind.value for found_on in counts for one in found_on.manoeuvres
+    }
+
+
+def paired(verdict: str, *, radio: str = "dsrc", by_range: bool = False, hybrid: float = 1.0) -> PairedRow:
+    """A row of the collisions in traffic that came to this verdict."""
+    return PairedRow(
+        density_per_km=100.0,
+        radio=radio,
+        bank="paper",
+        threshold_m=0.2,
+        figure="collision_rate_hz",
+        low_m=50.0,
+        high_m=150.0,
+        by_range=by_range,
+        seeds=3,
+        hybrid=hybrid,
+        hybrid_low=None,
+        hybrid_high=None,
+        baseline=2.0,
+        baseline_low=None,
+        baseline_high=None,
+        difference=hybrid - 2.0,
+        difference_low=None,
+        difference_high=None,
+        verdict=verdict,  # type: ignore[arg-type]
+    )
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "expected"),
+    [
+        (["fewer", "fewer"], "holds"),
+        (["more", "more"], "fails"),
+        (["fewer", "more"], "in part"),
+        (["fewer", "no difference shown"], "in part"),
+        (["no difference shown"], "not shown"),
+        (["one seed"], "not shown"),
+        ([], "not run"),
+    ],
+)
+def test_collisions_are_fewer_where_every_density_has_fewer(
+    found: PaperResult, verdicts: list[str], expected: str
+) -> None:
+    rows = [paired(verdict) for verdict in verdicts]
+    rows += [paired("more", by_range=True)] if rows else []
+    result = with_traffic(found, rows)
+    claims = {row.name: row for row in result.claims}
+    assert claims["fewer collisions"].verdicts == {"plain": expected}
+    assert claims["a channel less busy"].verdicts == {"plain": "not run"}
+    assert len(result.claims) == len(found.claims)
+
+
+def test_the_worst_density_is_named_by_its_ratio(found: PaperResult) -> None:
+    rows = [paired("fewer"), paired("more", radio="sidelink", hybrid=3.0)]
+    (claim,) = (row for row in with_traffic(found, rows).claims if row.name == "fewer collisions")
+    radios = {row.name: row for row in with_traffic(found, rows).claims}["any radio"]
+    assert (radios.verdicts["plain"], radios.figure) == ("holds", "dsrc, sidelink")
+    assert claim.worst == "sidelink, 100/km, 20 cm: 1.50 times the baseline's"
+    assert claim.figure == "dsrc: fewer 1; sidelink: more 1"
