@@ -25,7 +25,7 @@ from modelcast.models.gp.likelihood_kernels import cost_at, slopes_at
 
 __all__ = ["search"]
 
-_MOST_CLIMBED = 4
+_MOST_CLIMBED = 3
 """Starts from which steps are taken, at most; one less than there are hyper-parameters."""
 _FIRST_STEPS = 3
 _MOST_STEPS = 60
