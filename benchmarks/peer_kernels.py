@@ -75,7 +75,7 @@ def extended_prediction(expression: str, y: Array, values: Array, dt_s: float, h
     for i in range(n - 1, -1, -1):
         z[:, i] = (z[:, i] - (lower[:, i + 1 :, i] * z[:, i + 1 :]).sum(axis=1)) / lower[:, i, i]
     cross = kernel.at(long[..., :-1], horizons_s.astype(np.longdouble)[:, None], t)
-    return (cross * z[:, None]).sum(axis=2).astype(np.float64).reshape(count, -1)
+    return (cross * z[:, None]).sum(axis=2).astype(np.float64).reshape(count, horizons_s.size)
 
 
 def _converted(kernel: AbstractKernel, leaf: Callable[[], Any]) -> Any:

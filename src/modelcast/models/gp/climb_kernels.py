@@ -23,9 +23,10 @@ from modelcast.models.gp.expression_layout import (
 from modelcast.models.gp.lag_kernels import Work
 from modelcast.models.gp.likelihood_kernels import cost_at, slopes_at
 
-__all__ = ["STARTS_CLIMBED", "search"]
+__all__ = ["search"]
 
-STARTS_CLIMBED = 3
+_MOST_CLIMBED = 3
+"""Starts from which steps are taken, at most; one less than there are hyper-parameters."""
 _FIRST_STEPS = 3
 _MOST_STEPS = 60
 _MOST_HALVINGS = 12
@@ -191,16 +192,16 @@ def climb(x: FloatVector, y: FloatVector, constants: FloatVector, work: Work, mo
 
 
 @kernel(fast=True)
-def search(y: FloatVector, constants: FloatVector, work: Work) -> float:
-    """Find the best hyper-parameters of one axis, into ``work.points[3]``; returns their cost."""
+def search(y: FloatVector, constants: FloatVector, work: Work) -> None:
+    """Find the best hyper-parameters of one axis, into ``work.points[3]``, and their cost."""
     count = work.points.shape[1]
     bounds = int(constants[AT_BOUNDS])
     x = work.points[0]
     best = work.points[3]
     least = np.inf
-    starts = np.empty((STARTS_CLIMBED, 3))
+    starts = np.empty((min(count - 1, _MOST_CLIMBED), 3))
     rank(y, constants, starts)
-    for k in range(STARTS_CLIMBED):
+    for k in range(starts.shape[0]):
         taken = int(starts[k, 1])
         logarithm = starts[k, 2]
         point = int(constants[AT_POINTS]) + taken * count
@@ -221,4 +222,4 @@ def search(y: FloatVector, constants: FloatVector, work: Work) -> float:
     for i in range(count):
         for j in range(count):
             work.curvature[0, i, j] = work.curvature[2, i, j]
-    return climb(best, y, constants, work, _MOST_STEPS)
+    work.costs[0] = climb(best, y, constants, work, _MOST_STEPS)

@@ -29,18 +29,16 @@ __all__ = ["costs_and_slopes", "fit", "fit_axes", "predict"]
 
 
 @kernel(fast=True)
-def fit_column(y: FloatVector, constants: FloatVector, work: Work, out: FloatVector) -> float:
-    """Fit one axis: hyper-parameters, then dual coefficients; returns the cost."""
-    count = work.points.shape[1]
-    search(y, constants, work)
+def conclude(y: FloatVector, constants: FloatVector, work: Work, out: FloatVector) -> None:
+    """Write the best hyper-parameters that a search left, then their dual coefficients."""
     best = work.points[3]
-    cost = cost_at(best, y, constants, work)
-    weigh(work)
-    for i in range(count):
+    sound = cost_at(best, y, constants, work) < np.inf
+    if sound:
+        weigh(work)
+    for i in range(best.size):
         out[i] = np.exp(best[i])
     for j in range(y.size):
-        out[count + j] = work.dual[j] if cost < np.inf else 0.0
-    return cost
+        out[best.size + j] = work.dual[j] if sound else 0.0
 
 
 @kernel(fast=True)
@@ -53,12 +51,13 @@ def fit(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     for d in range(2):
         for j in range(n):
             y[j] = window[j, d] - window[n - 1, d]
-        fit_column(y, constants, work, out[d * size : (d + 1) * size])
+        search(y, constants, work)
+        conclude(y, constants, work, out[d * size : (d + 1) * size])
 
 
 @kernel(fast=True)
 def fit_axes(displacements: FloatMatrix, constants: FloatVector, out: FloatMatrix) -> None:
-    """Fit one axis of B windows, (B, n), into (B, P + n + 1): as `fit_column`, then the cost."""
+    """Fit one axis of B windows, (B, n), into (B, P + n + 1): as `conclude`, then the cost."""
     work = work_for(constants)
     n = displacements.shape[1]
     y = np.empty(n)
@@ -66,7 +65,9 @@ def fit_axes(displacements: FloatMatrix, constants: FloatVector, out: FloatMatri
     for row in range(displacements.shape[0]):
         for j in range(n):
             y[j] = displacements[row, j] - displacements[row, n - 1]
-        out[row, size] = fit_column(y, constants, work, out[row, :size])
+        search(y, constants, work)
+        conclude(y, constants, work, out[row, :size])
+        out[row, size] = work.costs[0]
 
 
 @kernel(fast=True)

@@ -126,9 +126,9 @@ def _tabled(
     curvatures: list[FloatArray] = []
     for first in range(0, len(points), _AT_ONCE):
         some = points[first : first + _AT_ONCE]
-        inverse = np.linalg.inv(_covariances(kernel, times, some))
+        inverse = np.linalg.inv(_covariances(kernel, times, some)).astype(np.float64)
         inverses.append(inverse[:, rows, columns] * double)
-        determinants.append(-np.linalg.slogdet(inverse)[1])
+        determinants.append(-np.linalg.slogdet(inverse)[1].astype(np.float64))
         steps = _DIFFERENCE * np.eye(points.shape[1])
         whitened = [
             inverse @ (_covariances(kernel, times, some + step) - _covariances(kernel, times, some - step))

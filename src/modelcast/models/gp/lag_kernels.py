@@ -67,6 +67,8 @@ class Work(NamedTuple):
     curvature
         The cost's second derivatives, approximately; the factor of those of the free ones; and those where
         the cost is least so far, (3, P, P).
+    costs
+        What the search ended with, (1,).
     """
 
     leaves: FloatCube
@@ -82,6 +84,7 @@ class Work(NamedTuple):
     slopes: FloatMatrix
     points: FloatMatrix
     curvature: FloatCube
+    costs: FloatVector
 
 
 @kernel(fast=True)
@@ -110,6 +113,7 @@ def work_for(constants: FloatVector) -> Work:
         np.empty((2, count)),
         np.empty((4, count)),
         np.empty((3, count, count)),
+        np.empty(1),
     )
 
 
