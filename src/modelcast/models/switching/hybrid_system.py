@@ -96,8 +96,8 @@ class StochasticHybridSystem(AbstractSubModel):
     >>> window = np.zeros((1, 4, 7))
     >>> window[0, :, 2], window[0, :, 4] = 10.0, along
     >>> parameters = model.fit(Windows(window, dt_s=0.1))
-    >>> parameters.round(2)
-    array([[10., 0., -2., 0., 1.]])
+    >>> parameters.round(2).tolist()
+    [[10.0, 0.0, -2.0, 0.0, 1.0]]
     >>> model.predict(parameters, np.array([1.0]), dt_s=0.1).round(1)
     array([[[9., 0.]]])
     """
