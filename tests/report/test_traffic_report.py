@@ -8,7 +8,8 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from modelcast.io.traffic import write_traffic
+from modelcast.core.exceptions import DataFormatError
+from modelcast.io.traffic import read_traffic, write_traffic
 from modelcast.report.figures.traffic import TRAFFIC_FIGURES, one_density
 from modelcast.report.style import style
 from modelcast.report.traffic import traffic_markdown, write_traffic_report
@@ -128,3 +129,15 @@ def test_all_is_written_and_repeats_to_the_byte(seeds: int, tmp_path: Path) -> N
     assert len(table) == len(rows(seeds))
     assert table[0]["difference"] == rows(seeds)[0].difference
     assert table[0]["difference_low"] == rows(seeds)[0].difference_low
+
+
+@pytest.mark.parametrize("seeds", [1, 3])
+def test_rows_are_read_as_they_were_written(seeds: int, tmp_path: Path) -> None:
+    assert list(read_traffic(write_traffic(rows(seeds), tmp_path))) == list(rows(seeds))
+
+
+def test_another_file_is_refused_by_name(tmp_path: Path) -> None:
+    path = tmp_path / "other.parquet"
+    path.write_bytes(b"no table")
+    with pytest.raises(DataFormatError, match=r"other\.parquet"):
+        read_traffic(path)

@@ -11,11 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import polars as pl
 
+from modelcast.core.exceptions import DataFormatError
 from modelcast.io.arrow import columns_table, write_tables
 from modelcast.study.network.pairs import PairedRow
 
-__all__ = ["write_traffic"]
+__all__ = ["read_traffic", "write_traffic"]
 
 _KINDS: dict[object, Any] = {int: np.int64, bool: np.bool_, str: object}
 _TEXT = frozenset({"verdict"})
@@ -40,3 +42,31 @@ def write_traffic(rows: Sequence[PairedRow], folder: str | Path) -> Path:
     path = Path(folder) / "traffic.parquet"
     write_tables([table], table.schema, path)
     return path
+
+
+def read_traffic(path: str | Path) -> tuple[PairedRow, ...]:
+    """Read what `write_traffic` wrote.
+
+    Parameters
+    ----------
+    path
+        ``traffic.parquet``.
+
+    Raises
+    ------
+    DataFormatError
+        Where it is no such file.
+    """
+    names = [field.name for field in fields(PairedRow)]
+    try:
+        found = pl.read_parquet(path).select(names).to_dicts()
+    except (OSError, pl.exceptions.PolarsError) as error:
+        raise DataFormatError(
+            str(path), f"is no traffic.parquet ({error})", remedy="Name the file of a run with --traffic."
+        ) from error
+    return tuple(PairedRow(**{name: _value(value) for name, value in row.items()}) for row in found)
+
+
+def _value(value: Any) -> Any:
+    """A bound that does not exist is NaN in the file."""
+    return None if isinstance(value, float) and np.isnan(value) else value

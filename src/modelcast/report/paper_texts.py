@@ -21,10 +21,10 @@ INTRODUCTION = (
     ),
     (
         "Sentences below are the paper's in our words. Where it leaves a choice open, every "
-        "option is run by itself, the others plain. Four more readings take of every choice the "
-        "option that by itself gave the fewest or the most messages, or the best or the worst "
-        "tracking, on these very trips: they are the ends of what can be read out of the text, "
-        "not results to quote."
+        "option is run by itself, the others plain. Four more readings combine what by itself "
+        "gave the fewest or the most messages, or the best or the worst tracking, on these very "
+        "trips. They show how far apart readings of one text may lie, and are no results to "
+        "quote; choices do not add up, so a combination need not be an end."
     ),
 )
 

@@ -37,12 +37,15 @@ Figure = Literal["messages", "tracking"]
 """What says that one option is better than another: messages sent, or the error under loss."""
 
 ENDS: dict[str, tuple[Figure, Literal[1, -1]]] = {
-    "fewest messages": ("messages", 1),
-    "most messages": ("messages", -1),
-    "best tracking": ("tracking", 1),
-    "worst tracking": ("tracking", -1),
+    "combined: fewest messages": ("messages", 1),
+    "combined: most messages": ("messages", -1),
+    "combined: best tracking": ("tracking", 1),
+    "combined: worst tracking": ("tracking", -1),
 }
-"""Readings that take of every choice the option whose figure, times the sign, was smallest by itself."""
+"""Readings that take of every choice the option whose figure, times the sign, was smallest by itself.
+
+Choices do not add up, so a combination need not be an end.
+"""
 
 PLAIN_LABEL = "plain"
 """Label of the reading that takes the first option of every choice."""

@@ -95,7 +95,7 @@ class PaperResult:
     manoeuvres
         Of every trip, the richest trip first.
     readings
-        The plain reading first, then one at a time, then the ends.
+        The plain reading first, then one at a time, then the combinations.
     claims
         One a claim.
     traffic

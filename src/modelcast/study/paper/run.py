@@ -1,4 +1,4 @@
-"""The whole reproduction: the plain reading, every choice one at a time, then their ends."""
+"""The whole reproduction: the plain reading, every choice one at a time, then combinations."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -127,7 +127,7 @@ def reproduce_paper(
     >>> plan = PaperPlan((0.5,), (0.4,), seeds=1, resamples=10)
     >>> result = reproduce_paper([generate_drive(seed=1, duration_s=90.0).truth], plan)
     >>> [reading.labelled.label for reading in result.readings][-2:]
-    ['best tracking', 'worst tracking']
+    ['combined: best tracking', 'combined: worst tracking']
     """
     plan = PaperPlan() if plan is None else plan
     usable, failures = usable_trips(trips, int(PLAIN.bank.windows.max()))
