@@ -54,7 +54,8 @@ _TRAFFIC_HEADS = ("claim", "the paper, in our words", "holds where", "verdict", 
 _TRAFFIC = (
     "`modelcast reproduce paper TRIPS... --traffic`, or the command of [traffic-table.md](traffic-table.md), "
     "which has every figure: the paper's bank with identifications against the error-driven baseline, "
-    "{seeds} seeds. What its bank does beside SAE J2945/1's rate and power control is in [network.md](network.md)."
+    "{seeds} seeds. What its bank does beside SAE J2945/1's rate and power control is in "
+    "[network.md](network.md)."
 )
 PLACES = ("README.md", "docs/results.md")
 
