@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import stats
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.models.bank import Bank
@@ -431,3 +432,28 @@ def test_the_worst_density_is_named_by_its_ratio(found: PaperResult) -> None:
     assert (radios.verdicts["plain"], radios.figure) == ("holds", "dsrc, sidelink")
     assert claim.worst == "sidelink, 100/km, 20 cm: 1.50 times the baseline's"
     assert claim.figure == "dsrc: fewer 1; sidelink: more 1"
+
+
+def test_one_trip_has_intervals_over_the_seeds(trips: list[Trajectory]) -> None:
+    """Student-t limits of the mean of each seed's ratio; messages, which no seed changes, have none."""
+    plan = replace(PLAN, seeds=3)
+    rows = run_reading(trips[:1], PLAIN, plan)
+    assert rows.messages[0].message_low is None
+    row = rows.pooled(PLAIN)[0]
+    ratios = []
+    for seed in range(3):
+        errors = {}
+        for name, policy, basis in (("own", "mbc", None), ("rival", "baseline-periodic", "update")):
+            kept = replace(plan.settings(PLAIN, (0.4,)), keep_samples="all")
+            (block,) = (
+                one
+                for one in evaluate(trips[:1], kept).samples
+                if (one.policy, one.rate_basis, one.threshold_m) == (policy, basis, 0.3)
+            )
+            errors[name] = np.sort(block.errors["tracking_error_m"][0, seed])
+        place = int(np.ceil(0.9 * errors["own"].size)) - 1
+        ratios.append(errors["own"][place] / errors["rival"][place])
+    half = stats.t.ppf(0.975, 2) * np.std(ratios, ddof=1) / np.sqrt(3)
+    assert (row.p90_low, row.p90_high) == pytest.approx(
+        (np.mean(ratios) - half, np.mean(ratios) + half), rel=1e-5
+    )

@@ -30,9 +30,10 @@ INTRODUCTION = (
 
 READING_NOTE = (
     "Ratios are to the baseline at rising thresholds; in brackets 95 % bootstrap intervals over "
-    "the trips, of which one trip has none. A claim holds where every interval lies below 1, "
-    "fails where every one lies above, is not shown where none lies to one side, and holds in "
-    "part otherwise. Without intervals the ratios themselves decide."
+    "the trips. Where there is one trip, messages have none, and errors have Student-t intervals "
+    "over the seeds of the losses. A claim holds where every interval lies below 1, fails where "
+    "every one lies above, is not shown where none lies to one side, and holds in part otherwise."
+    " Without intervals the ratios themselves decide."
 )
 
 WHY_THEY_DIFFER = (

@@ -16,7 +16,7 @@ from modelcast.study.compare.bootstrap import (
 )
 from modelcast.study.compare.result import CountRow, RatioRow, TrackingRatioRow
 from modelcast.study.compare.trial import READINGS, RIVALS, ErrorGroup, Trial
-from modelcast.study.metrics import quantiles
+from modelcast.study.metrics import confidence_limits, quantiles
 from modelcast.study.result import POOLED
 
 __all__ = ["Resamples", "ratio_rows", "tracking_rows"]
@@ -154,6 +154,7 @@ def tracking_rows(
     durations_s: Sequence[float],
     resamples: Resamples,
     rivals: Sequence[str] = RIVALS,
+    one_trip_by_seeds: bool = False,
 ) -> list[TrackingRatioRow]:
     """Tracking errors under loss of one candidate: all trips pooled first, then each.
 
@@ -171,13 +172,18 @@ def tracking_rows(
         The bootstrap's draws.
     rivals
         Which readings of the equal-rate baseline ratios are to; of several, the harder.
+    one_trip_by_seeds
+        Where there is one trip to draw, give Student-t limits over the seeds of the losses instead of none.
     """
     trips = list(dict.fromkeys(row.trip for row in trial.counts))
     pooled: list[TrackingRatioRow] = []
     alone: list[TrackingRatioRow] = []
     times = np.array([shares_s, durations_s])
     for group in trial.groups:
-        whole = _Part(POOLED, range(len(trips)), rivals, _drawn_limits(group, shares_s, resamples, rivals))
+        drawn = _drawn_limits(group, shares_s, resamples, rivals)
+        if one_trip_by_seeds and len(trips) == 1:
+            drawn = _seed_limits(group, rivals)
+        whole = _Part(POOLED, range(len(trips)), rivals, drawn)
         pooled.append(_tracking_row((name, trial.protocol), group, whole, times))
         for at, trip in enumerate(trips):
             part = _Part(trip, range(at, at + 1), rivals, ((None, None), (None, None)))
@@ -207,6 +213,16 @@ def _drawn_limits(
     )
     drawn = own / np.minimum.reduce(others)
     return limits(drawn[:, 0], resamples.clusters), limits(drawn[:, 1], resamples.clusters)
+
+
+def _seed_limits(group: ErrorGroup, rivals: Sequence[str]) -> tuple[Limits, Limits]:
+    """Student-t limits of the mean over seeds of each seed's ratios, on the one trip there is."""
+    own, *others = (
+        np.array([quantiles([row], [1.0], _PROBABILITIES) for row in group.errors_m[name][0]])
+        for name in ("own", *rivals)
+    )
+    ratios = own / np.minimum.reduce(others)
+    return confidence_limits(ratios[:, 0]), confidence_limits(ratios[:, 1])
 
 
 def _tracking_row(

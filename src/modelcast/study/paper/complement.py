@@ -22,6 +22,9 @@ _SHOWN_KINDS = frozenset(
 )
 """Manoeuvres that a map shows something of: those to a side, before a stop or a hard brake."""
 
+_LEAST_WAY_M = 10.0
+"""A map of less way than this shows a vehicle that stands [m]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Survival:
@@ -58,8 +61,8 @@ class Complement:
     timeline
         The stretch in which each holds longest while the other fails; None where no trip has one.
     manoeuvre
-        The manoeuvre in which the paths of both part the most, of those to a side if there are any; None
-        where no trip has one.
+        The manoeuvre of 10 m of way or more in which the paths of both part the most, of those to a side if
+        there are any; None where no trip has one.
     survivals
         One a manoeuvre.
     """
@@ -123,7 +126,7 @@ def complement(
             survivals.append(_survival(drawn, one.kind))
             apart_s = _parting(survivals[-1])
             rank = one.kind in _SHOWN_KINDS, apart_s
-            if apart_s > 0.0 and rank > widest:
+            if apart_s > 0.0 and _way_m(drawn) >= _LEAST_WAY_M and rank > widest:
                 widest, manoeuvre = rank, drawn
     return Complement(
         tuple(member.name for member in settings.bank.members),
@@ -154,6 +157,11 @@ def _survival(drawn: Manoeuvre, kind: ManoeuvreKind) -> Survival:
     longest_s = float(drawn.horizons_s[-1])
     lives = {name: min(life_s, longest_s) for name, life_s in drawn.survival_s.items()}
     return Survival(drawn.trip, kind.value, drawn.start_s, lives)
+
+
+def _way_m(drawn: Manoeuvre) -> float:
+    """How far the vehicle goes while its paths are drawn [m]."""
+    return float(np.hypot(*np.diff(drawn.truth_m, axis=0).T).sum())
 
 
 def _parting(survival: Survival) -> float:

@@ -137,6 +137,7 @@ def run_reading(trips: Sequence[Trajectory], reading: Reading, plan: PaperPlan) 
             durations_s=durations_s,
             resamples=resamples,
             rivals=(schedule,),
+            one_trip_by_seeds=True,
         )
         for basis in RATE_BASES:
             tracking[basis, schedule] = tuple(row for row in found if row.rate_basis == basis)
