@@ -105,6 +105,11 @@ def test_a_terminal_shows_claims_and_readings(
         (["paper", "TRIP", "--jobs", "-1"], "--jobs"),
         (["paper", "TRIP", "--threshold", "-1"], "threshold"),
         (["thesis", "TRIP"], "thesis"),
+        (["paper", "TRIP", "--traffic", "--traffic-out", "OUT"], "a folder of their own"),
+        (["paper", "TRIP", "--traffic", "--traffic-out", "OUT/runs"], "a folder of their own"),
+        (["paper", "TRIP", "--traffic", "--traffic-out", "FOREIGN"], "files that modelcast did not write"),
+        (["paper", "TRIP", "--traffic-density", "0"], "--traffic-density"),
+        (["paper", "TRIP", "--traffic-seeds", "0"], "--traffic-seeds"),
         (["paper", "TRIP", "--trip", "nothing*"], "no usable trip"),
     ],
 )
@@ -115,7 +120,46 @@ def test_mistakes_are_named(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    asked = [str(drives[0]) if word == "TRIP" else word for word in words]
+    foreign = tmp_path / "foreign"
+    foreign.mkdir()
+    (foreign / "thesis.txt").write_text("mine")
+    places = {
+        "TRIP": drives[0],
+        "OUT": tmp_path / "out",
+        "FOREIGN": foreign,
+        "OUT/runs": tmp_path / "out/runs",
+    }
+    asked = [str(places.get(word, word)) for word in words]
     assert run(["reproduce", *asked, "--out", str(tmp_path / "out")]) == 2
     assert named in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_the_richest_trip_is_picked_and_the_others_are_named(drives: list[Path], tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    words = ["reproduce", "paper", *map(str, drives), "--threshold", "0.5", "--per", "0.4", "--seeds", "1"]
+    assert run([*words, "--pick", "--jobs", "1", "--quiet", "--out", str(out)]) == 0
+    summary = json.loads((out / "summary.json").read_text())
+    ranked = [sum(one["counts"].values()) for one in summary["manoeuvres"]]
+    assert ranked == sorted(ranked, reverse=True)
+    assert len(ranked) == 2
+    first = summary["manoeuvres"][0]["trip"]
+    assert [row["id"] for row in summary["evaluation"]["trips"]] == [first]
+    assert f"picked {first}: {ranked[0]} manoeuvres, the most of 2 trips" in (out / "report.html").read_text()
+
+
+def test_traffic_is_run_beside_the_report_and_taken_up_again(drives: list[Path], tmp_path: Path) -> None:
+    words = ["reproduce", "paper", str(drives[0]), "--threshold", "0.5", "--per", "0.4", "--seeds", "1"]
+    words += ["--jobs", "1", "--quiet", "--traffic", "--traffic-density", "2", "--out", str(tmp_path / "out")]
+    assert run([*words, "--traffic-seeds", "1"]) == 0
+    runs = {path.name: path.read_bytes() for path in (tmp_path / "out-traffic" / "runs").iterdir()}
+    assert run([*words, "--traffic-seeds", "2"]) == 0
+    again = {path.name: path.read_bytes() for path in (tmp_path / "out-traffic" / "runs").iterdir()}
+    assert len(again) == 2 * len(runs)
+    assert {name: again[name] for name in runs} == runs
+    claims = {
+        row["name"]: row for row in json.loads((tmp_path / "out" / "summary.json").read_text())["claims"]
+    }
+    assert claims["any radio"]["verdicts"]["plain"] == "holds"
+    assert claims["a channel less busy"]["verdicts"]["plain"] != "not run"
+    assert "traffic_load" in {path.stem for path in (tmp_path / "out" / "figures").iterdir()}

@@ -11,6 +11,7 @@ from modelcast.report.figures.diagram import Box, code_name
 from modelcast.report.figures.files import Drawing
 from modelcast.report.figures.readings import plot_readings
 from modelcast.report.figures.system import ALGORITHM_BOXES, SYSTEM_BOXES
+from modelcast.report.figures.traffic import TRAFFIC_FIGURES
 from modelcast.report.paper import draw_paper, paper_markdown, paper_page
 from modelcast.report.paper_texts import TITLES
 from modelcast.station.banks import PAPER_BANK
@@ -108,3 +109,22 @@ def test_no_text_of_a_diagram_leaves_its_box() -> None:
             continue
         for text, size in ((box.title, 7.0), *((line, 5.8) for line in box.lines)):
             assert 0.56 * size * len(text) <= box.width * points_per_unit, text
+
+
+def test_claims_point_at_figures_that_there_are(found: PaperResult) -> None:
+    for row in found.claims:
+        assert row.shown_in in {*TITLES, *TRAFFIC_FIGURES}, row.name
+
+
+def test_the_page_says_what_each_combination_took(
+    found: PaperResult, read_page: Callable[[str], Any]
+) -> None:
+    text = read_page(paper_page(found, ())).text
+    for one in found.readings[-4:]:
+        taken = [
+            f"{choice.title}: {option.label}"
+            for choice in CHOICES
+            for option in choice.options[1:]
+            if option.value == getattr(one.labelled.reading, choice.field)
+        ]
+        assert one.labelled.label + ("; ".join(taken) or "none") in text

@@ -26,15 +26,16 @@ class ReproduceOptions:
     threshold
         Tracking-error thresholds [m], several after one another; put the trips before this option.
     per
-        Packet error ratios of the sweep, 0 to 1, several after one another; 0.4 must be among them.
+        Packet error ratios of the sweep, 0 to 1, several after one another; 0.4 must be among them, since
+        readings are compared at it.
     seeds
         Runs drawn for every packet error ratio.
     seed
-        Seed of all random numbers.
+        Seed of all random numbers on trips; traffic has 0.
     resamples
         Bootstrap resamples behind every interval over the trips.
     sensor
-        What the sender measures in the reading that puts a sensor before it.
+        What the sender measures in the reading that puts a sensor before it; no other reading changes.
     pick
         Take one trip alone: the one with the most manoeuvres, as modelcast trips --rank ranks them.
     traffic
@@ -82,7 +83,7 @@ class ReproduceOptions:
         if self.traffic_seeds < 1:
             raise ConfigError(f"--traffic-seeds must be at least 1, got {self.traffic_seeds}")
         return TrafficPlan(
-            thresholds_m=tuple(self.threshold),
+            thresholds_m=tuple(sorted(self.threshold)),
             densities_per_km=tuple(self.traffic_density),
             seeds=self.traffic_seeds,
         )
@@ -100,8 +101,8 @@ class ReproduceOptions:
 
         try:
             return PaperPlan(
-                tuple(self.threshold),
-                tuple(self.per),
+                tuple(sorted(self.threshold)),
+                tuple(sorted(self.per)),
                 seeds=self.seeds,
                 seed=self.seed,
                 resamples=self.resamples,

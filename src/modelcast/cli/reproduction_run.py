@@ -16,15 +16,17 @@ from modelcast.cli.shared_work import workers
 from modelcast.cli.terminal import say, show
 from modelcast.cli.traffic_runs import run_traffic
 from modelcast.core.exceptions import ConfigError
+from modelcast.io.manifest import require_replaceable
 from modelcast.io.output import atomic_folder
 from modelcast.io.paper import paper_document, write_paper
 from modelcast.report.paper import paper_console, write_paper_report
+from modelcast.study.compare.stage import usable_trips
+from modelcast.study.paper.choices import PLAIN
 from modelcast.study.paper.result import PaperResult
 from modelcast.study.paper.run import reproduce_paper
 from modelcast.study.paper.traffic import with_traffic
 from modelcast.trips.manoeuvres.base import ManoeuvreCounts
 from modelcast.trips.manoeuvres.rank import count_manoeuvres, rank_trips
-from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["Reproduction", "run_reproduction"]
 
@@ -75,6 +77,9 @@ def run_reproduction(asked: Reproduction, out: Path, *, jobs: int, json: bool, q
     if not asked.paths:
         raise ConfigError(f"name at least one trip file or folder (modelcast reproduce {asked.study} --help)")
     plan, traffic = asked.options.plan(), asked.options.traffic_plan()
+    runs = asked.options.traffic_out or out.with_name(f"{out.name}-traffic")
+    if asked.options.traffic:
+        _require_own_folder(runs, out)
     source = TripSource(
         asked.paths,
         format_name=asked.format_name,
@@ -86,15 +91,22 @@ def run_reproduction(asked: Reproduction, out: Path, *, jobs: int, json: bool, q
         with watched(source, quiet=silent) as shown:
             trips = list(shown)
         with workers(jobs) as pool:
+            counts: list[ManoeuvreCounts] = []
             if asked.options.pick and trips:
+                trips, short = usable_trips(trips, int(PLAIN.bank.windows.max()))
+                source.failures.update(short)
                 with busy("counting manoeuvres", quiet=silent):
-                    trips = _richest(trips, list(pool.each(count_manoeuvres, trips)), quiet=silent)
+                    counts = rank_trips(pool.each(count_manoeuvres, trips))
+                trips = [trip for trip in trips if trip.trip_id == counts[0].trip_id]
             with counted("parts", quiet=silent) as progress:
                 found = reproduce_paper(trips, plan, each=pool.each, progress=progress)
         failures = {**found.failures, **source.failures}
         result = replace(found, failures=failures, skipped=dict(source.skipped))
+        if counts:
+            result = replace(result, manoeuvres=tuple(counts), picked=_picked(counts))
+            if not silent:
+                say(result.picked)
         if asked.options.traffic:
-            runs = asked.options.traffic_out or out.with_name(f"{out.name}-traffic")
             with counted("runs", quiet=silent) as progress:
                 swept = run_traffic(
                     runs,
@@ -112,14 +124,22 @@ def run_reproduction(asked: Reproduction, out: Path, *, jobs: int, json: bool, q
     return PARTLY_FAILED if failures else 0
 
 
-def _richest(
-    trips: Sequence[Trajectory], counts: Sequence[ManoeuvreCounts], *, quiet: bool
-) -> list[Trajectory]:
-    """The trip with the most manoeuvres alone."""
-    first = rank_trips(counts)[0]
-    if not quiet:
-        say(f"picked {first.trip_id}: {first.total} manoeuvres, the most of {len(counts)} trips")
-    return [trip for trip in trips if trip.trip_id == first.trip_id]
+def _picked(counts: Sequence[ManoeuvreCounts]) -> str:
+    """Which trip was picked from how many."""
+    first = counts[0]
+    none = "" if first.total else "; no trip has any, so the first by name was taken"
+    return f"picked {first.trip_id}: {first.total} manoeuvres, the most of {len(counts)} trips{none}"
+
+
+def _require_own_folder(runs: Path, out: Path) -> None:
+    """Refuse a folder of traffic runs that the report would replace, or that others wrote."""
+    own, other = runs.resolve(), out.resolve()
+    if own == other or own.is_relative_to(other) or other.is_relative_to(own):
+        raise ConfigError(
+            f"--traffic-out {runs} and --out {out}: runs that can be taken up again need a folder of their "
+            "own, beside the report's"
+        )
+    require_replaceable(own, "network", shown=f"--traffic-out {runs}")
 
 
 def _arguments(asked: Reproduction) -> dict[str, object]:

@@ -2,10 +2,10 @@
 
 ``summary.json`` (`paper_document`)
     ``schema`` (1), ``modelcast`` (version), ``plan``, ``choices``, ``claims``, ``readings`` (rows of
-    `modelcast.study.compare.result` that pool all trips), ``complement``, ``manoeuvres`` (of every trip),
-    ``evaluation`` (as the ``summary.json`` of ``modelcast evaluate``, of the plain reading; of tracking, rows
-    that pool all trips), ``traffic`` (rows of `modelcast.study.network.pairs`; empty without ``--traffic``),
-    ``failures``, ``skipped``. A number that does not exist is null.
+    `modelcast.study.compare.result` that pool all trips), ``complement``, ``picked``, ``manoeuvres`` (of
+    every trip), ``evaluation`` (as the ``summary.json`` of ``modelcast evaluate``, of the plain reading; of
+    tracking, rows that pool all trips), ``traffic`` (rows of `modelcast.study.network.pairs`; empty without
+    ``--traffic``), ``failures``, ``skipped``. A number that does not exist is null.
 ``claims.csv``
     One row for each claim and reading: claim, place, reading, verdict.
 
@@ -54,8 +54,8 @@ def paper_document(result: PaperResult) -> dict[str, Any]:
             "only_s": list(shared.only_s),
             "both_s": shared.both_s,
             "neither_s": shared.neither_s,
-            "survivals": [row_document(one) for one in shared.survivals],
         },
+        "picked": result.picked,
         "manoeuvres": [_counted(one) for one in result.manoeuvres],
         "evaluation": summary_document(_without_trips(result.evaluation)),
         "traffic": [row_document(row) for row in result.traffic],
@@ -94,6 +94,7 @@ def _reading(one: ReadingResult) -> dict[str, Any]:
             for row in found
             if row.trip == POOLED
         ],
+        "survivals": [row_document(one) for one in rows.complement.survivals],
     }
 
 

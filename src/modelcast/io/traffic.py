@@ -64,9 +64,10 @@ def read_traffic(path: str | Path) -> tuple[PairedRow, ...]:
         raise DataFormatError(
             str(path), f"is no traffic.parquet ({error})", remedy="Name the file of a run with --traffic."
         ) from error
-    return tuple(PairedRow(**{name: _value(value) for name, value in row.items()}) for row in found)
+    return tuple(PairedRow(**{name: _value(name, value) for name, value in row.items()}) for row in found)
 
 
-def _value(value: Any) -> Any:
+def _value(name: str, value: Any) -> Any:
     """A bound that does not exist is NaN in the file."""
-    return None if isinstance(value, float) and np.isnan(value) else value
+    bound = name.startswith(("hybrid_", "baseline_", "difference_"))
+    return None if bound and value is not None and np.isnan(value) else value

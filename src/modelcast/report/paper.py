@@ -26,7 +26,7 @@ from modelcast.report.paper_texts import CAPTIONS, INTRODUCTION, READING_NOTE, T
 from modelcast.report.style import style
 from modelcast.report.traffic import traffic_section
 from modelcast.report.warnings import warning_lines
-from modelcast.study.paper.choices import CHOICES, PLAIN_LABEL
+from modelcast.study.paper.choices import CHOICES, ENDS, PLAIN_LABEL
 from modelcast.study.paper.result import ClaimRow, PaperResult, ReadingResult
 from modelcast.study.result import EvaluationResult
 from modelcast.trips.manoeuvres.base import KINDS, ManoeuvreCounts
@@ -87,13 +87,9 @@ def draw_paper(result: PaperResult) -> list[Drawing]:
 
 
 def _illustrated(result: PaperResult) -> EvaluationResult:
-    """The evaluation with the stretch and the manoeuvre that show what the paper shows."""
+    """The evaluation with the stretch and the manoeuvre that show what the paper shows, if there are any."""
     shared = result.complement
-    return replace(
-        result.evaluation,
-        timeline=shared.timeline or result.evaluation.timeline,
-        manoeuvre=shared.manoeuvre or result.evaluation.manoeuvre,
-    )
+    return replace(result.evaluation, timeline=shared.timeline, manoeuvre=shared.manoeuvre)
 
 
 def _on_basis(result: EvaluationResult, basis: str) -> EvaluationResult:
@@ -122,6 +118,7 @@ def paper_page(result: PaperResult, drawings: Iterable[Drawing]) -> str:
     body = [
         "<h1>The paper's evaluation on these trips</h1>",
         f'<p class="scope">{escape(scope)}. modelcast {escape(package_version())}.</p>',
+        f'<p class="note">{escape(result.picked)}</p>' if result.picked else "",
         f'<h2>Warnings</h2><ul class="warnings">{items}</ul>' if items else "",
         "<h2>The paper in short</h2>",
         *(f"<p>{escape(text)}</p>" for text in INTRODUCTION),
@@ -133,6 +130,8 @@ def paper_page(result: PaperResult, drawings: Iterable[Drawing]) -> str:
         "<h2>Readings</h2>",
         table(_READING_HEAD, [_reading_cells(one) for one in result.readings], text_columns=6),
         f'<p class="note">{escape(WHY_THEY_DIFFER)}</p>',
+        "<h3>What the combinations took</h3>",
+        table(("reading", "options that are not the plain ones"), _combined_cells(result), text_columns=2),
         "<h2>Verdicts by reading</h2>",
         _verdict_table(result),
         "<h2>Figures</h2>",
@@ -185,13 +184,13 @@ def _others(row: ClaimRow) -> str:
     """How the verdict fares under the other readings: which differ from the plain one."""
     others = {label: verdict for label, verdict in row.verdicts.items() if label != PLAIN_LABEL}
     if not others:
-        return "does not depend on them"
+        return "judged in the plain reading only"
     plain = row.verdicts[PLAIN_LABEL]
     differing = [f"{label}: {verdict}" for label, verdict in others.items() if verdict != plain]
     if not differing:
         return f"the same in all {len(others)}"
     same = len(others) - len(differing)
-    return "; ".join(differing) + (f"; the same in {same} others" if same else "")
+    return "; ".join(differing) + (f"; the same in {same} more" if same else "")
 
 
 def _choice_cells() -> list[list[str]]:
@@ -204,6 +203,24 @@ def _choice_cells() -> list[list[str]]:
         ]
         for choice in CHOICES
     ]
+
+
+def _combined_cells(result: PaperResult) -> list[list[str]]:
+    """What each combination took, where it is not the plain option."""
+    plain = result.readings[0].labelled.reading
+    rows: list[list[str]] = []
+    for one in result.readings:
+        own = one.labelled
+        if own.label not in ENDS:
+            continue
+        taken = [
+            f"{choice.title}: {option.label}"
+            for choice in CHOICES
+            for option in choice.options
+            if option.value == getattr(own.reading, choice.field) != getattr(plain, choice.field)
+        ]
+        rows.append([own.label, "; ".join(taken) or "none"])
+    return rows
 
 
 def _reading_cells(one: ReadingResult) -> list[str]:
@@ -274,6 +291,8 @@ def paper_markdown(result: PaperResult) -> str:
         *_rows(_CLAIM_HEAD, [_claim_cells(row) for row in result.claims]),
         "",
         *_rows(_READING_HEAD, [_reading_cells(one) for one in result.readings]),
+        "",
+        *(f"- {label}: {markdown(taken)}" for label, taken in _combined_cells(result)),
     ]
     return "\n".join(parts) + "\n"
 

@@ -20,11 +20,12 @@ INTRODUCTION = (
         " the Safety Pilot Model Deployment."
     ),
     (
-        "Sentences below are the paper's in our words. Where it leaves a choice open, every "
-        "option is run by itself, the others plain. Four more readings combine what by itself "
-        "gave the fewest or the most messages, or the best or the worst tracking, on these very "
-        "trips. They show how far apart readings of one text may lie, and are no results to "
-        "quote; choices do not add up, so a combination need not be an end."
+        "Sentences below are the paper's in our words. Every choice is run by itself, the others "
+        "plain: what the paper leaves open, and, where it does say, the other option too. Four "
+        "more readings combine what by itself gave the fewest or the most messages, or the best "
+        "or the worst tracking, on these very trips, among the open choices alone. They show how "
+        "far apart readings of one text may lie; choices do not add up, so a combination need not"
+        " be an end."
     ),
 )
 
@@ -41,11 +42,14 @@ WHY_THEY_DIFFER = (
     "start rule, the identification rule and the order of the bank decide how many "
     "identifications come on top, and an identification counts as a message. With constant "
     "velocity in use first, each update whose constant velocity fails early is followed by one; "
-    "the rule `best` names every change of the smallest error. The rate basis decides whom the "
-    "hybrid is held against under loss: a baseline at the rate of updates has fewer messages than"
-    " MBC sends in all, by the identifications, so it falls behind; at the rate of all messages "
-    "it has as many. Without noise in the log the process may fit it closely; behind a sensor it "
-    "extrapolates the noise."
+    "the rule `best` names every change of the smallest error. The noise floor, a sensor's noise "
+    "and the source of the velocity change the sub-models themselves: where the log is clean, a "
+    "process without a floor may follow its last samples exactly and bend with them, and a floor "
+    "makes it straighter; behind a sensor it extrapolates the noise. The rate basis decides whom "
+    "the hybrid is held against under loss: a baseline at the rate of updates has fewer messages "
+    "than MBC sends in all, by the identifications, so it falls behind; at the rate of all "
+    "messages it has as many. A keep-alive bounds how long a lost message goes unnoticed, for MBC"
+    " and for the error-driven baseline."
 )
 
 TITLES = {
@@ -73,9 +77,10 @@ CAPTIONS = {
         "What is decided at every new position, with the rules that the paper leaves open where they act."
     ),
     "readings": (
-        "One row a reading, one marker a threshold; lines are 95 % intervals over the trips. Left"
-        " of the dotted line the hybrid sends fewer messages, or tracks better. The plain reading"
-        " is the first row; the others differ from it in one choice."
+        "One row a reading, one marker a threshold; lines are 95 % intervals. Left of the dotted "
+        "line the hybrid sends fewer messages, or tracks better. The plain reading is the first "
+        "row; each of the others differs from it in one choice, but for the combinations at the "
+        "bottom."
     ),
     "sub_models": (
         "The stretch of 30 s in which each sub-model holds longest while the other fails. Error "
@@ -83,9 +88,9 @@ CAPTIONS = {
         "strips are coloured while a sub-model stays under the threshold and grey while it fails."
     ),
     "manoeuvre": (
-        "The manoeuvre in which the two paths part the most: the true path, and the ones "
-        "predicted from half a second before it; a cross marks where the error first reaches the "
-        "threshold."
+        "The manoeuvre of 10 m of way or more in which the two paths part the most, of those to a"
+        " side if there are any: the true path, and the ones predicted from half a second before "
+        "it; a cross marks where the error first reaches the threshold."
     ),
 }
 """Captions of the figures that only a reproduction has, or draws otherwise."""

@@ -211,8 +211,13 @@ def _drawn_limits(
         quantile_resamples(resamples.weights, group.errors_m[name], shares_s, _PROBABILITIES)
         for name in ("own", *rivals)
     )
-    drawn = own / np.minimum.reduce(others)
+    drawn = _divided(own, np.minimum.reduce(others))
     return limits(drawn[:, 0], resamples.clusters), limits(drawn[:, 1], resamples.clusters)
+
+
+def _divided(own: FloatArray, rival: FloatArray) -> FloatArray:
+    """Their ratios; NaN where the rival's is nothing."""
+    return np.divide(own, rival, out=np.full(own.shape, np.nan), where=rival > 0)
 
 
 def _seed_limits(group: ErrorGroup, rivals: Sequence[str]) -> tuple[Limits, Limits]:
@@ -221,7 +226,7 @@ def _seed_limits(group: ErrorGroup, rivals: Sequence[str]) -> tuple[Limits, Limi
         np.array([quantiles([row], [1.0], _PROBABILITIES) for row in group.errors_m[name][0]])
         for name in ("own", *rivals)
     )
-    ratios = own / np.minimum.reduce(others)
+    ratios = _divided(own, np.minimum.reduce(others))
     return confidence_limits(ratios[:, 0]), confidence_limits(ratios[:, 1])
 
 

@@ -10,14 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
+from modelcast.core.arrays import FloatArray
 from modelcast.study.compare.result import RatioRow, TrackingRatioRow
-from modelcast.study.paper.choices import PLAIN, PLAIN_LABEL, Reading
+from modelcast.study.paper.choices import Reading
 from modelcast.study.paper.complement import Complement
-from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.paper.readings import ReadingRows
 from modelcast.study.paper.result import ClaimRow, ReadingResult
 from modelcast.study.paper.verdict import Estimate, Verdict, verdict_of
-from modelcast.study.result import POOLED, EvaluationResult
 from modelcast.study.wording import centimetres
 
 __all__ = ["COMMAND", "claim_rows"]
@@ -51,9 +50,6 @@ class _ByReading:
 
 def claim_rows(
     readings: Sequence[ReadingResult],
-    evaluation: EvaluationResult,
-    complement: Complement,
-    plan: PaperPlan,
 ) -> tuple[ClaimRow, ...]:
     """Judge every claim.
 
@@ -61,27 +57,21 @@ def claim_rows(
     ----------
     readings
         The plain one first.
-    evaluation
-        Of the plain reading.
-    complement
-        Who held when, in the plain reading.
-    plan
-        Thresholds and ratios.
     """
-    rows = [_judged(claim, readings) for claim in _by_reading(plan)]
+    rows = [_judged(claim, readings) for claim in _by_reading(readings[0].rows.headline_ratio)]
     rows += [
-        _falling(evaluation),
-        _sweep(evaluation, plan),
+        _falling(readings),
+        _sweep(readings),
         _hybrid(readings),
-        _complementary(complement),
-        _manoeuvres(complement),
+        _complementary(readings),
+        _manoeuvres(readings),
     ]
     order = ("abstract", "system", "evaluation", "conclusion")
     return tuple(sorted(rows, key=lambda row: order.index(row.place)))
 
 
-def _by_reading(plan: PaperPlan) -> tuple[_ByReading, ...]:
-    per = f"{100 * plan.headline_ratio:g} %"
+def _by_reading(headline_ratio: float) -> tuple[_ByReading, ...]:
+    per = f"{100 * headline_ratio:g} %"
     return (
         _ByReading(
             "fewer messages",
@@ -97,7 +87,7 @@ def _by_reading(plan: PaperPlan) -> tuple[_ByReading, ...]:
             "abstract",
             "The architecture increases the precision with which remotes are tracked.",
             f"90th percentile of the error at a PER of {per} over that of the equal-rate baseline, below 1.",
-            "tracking_loss",
+            "loss_update",
             lambda rows, reading: _tracking_estimates(rows.pooled(reading), "p90"),
             lambda rows, reading: _worst_tracking(rows.by_trip(reading), "p90"),
         ),
@@ -127,7 +117,7 @@ def _by_reading(plan: PaperPlan) -> tuple[_ByReading, ...]:
             "evaluation",
             f"At a PER of {per} the distribution of the error lies left of the equal-rate baseline's.",
             "90th and 99th percentile over those of the baseline at an equal rate, below 1.",
-            "tracking_distribution",
+            "distribution_update",
             lambda rows, reading: [
                 *_tracking_estimates(rows.pooled(reading), "p90"),
                 *_tracking_estimates(rows.pooled(reading), "p99"),
@@ -199,135 +189,143 @@ def _hybrid(readings: Sequence[ReadingResult]) -> ClaimRow:
     )
 
 
-def _falling(evaluation: EvaluationResult) -> ClaimRow:
-    rates = {
-        policy: [
-            row.total_rate_hz
-            for row in sorted(evaluation.rates, key=lambda row: row.threshold_m)
-            if row.trip == POOLED and row.policy == policy
-        ]
-        for policy in ("mbc", "baseline")
-    }
-    falls = all(bool((np.diff(values) < 0).all()) for values in rates.values())
-    verdict: Verdict = "not run" if len(rates["mbc"]) < 2 else "holds" if falls else "fails"
-    shown = "; ".join(
-        f"{name} {', '.join(f'{rate:.2f}' for rate in values)}" for name, values in rates.items()
-    )
+def _falling(readings: Sequence[ReadingResult]) -> ClaimRow:
+    def rates(rows: ReadingRows) -> dict[str, list[float]]:
+        ordered = sorted(rows.messages, key=lambda row: row.threshold_m)
+        return {
+            "mbc": [row.update_rate_hz + row.identification_rate_hz for row in ordered],
+            "baseline": [row.baseline_rate_hz for row in ordered],
+        }
+
+    def verdict(rows: ReadingRows) -> Verdict:
+        found = rates(rows)
+        if len(rows.messages) < 2:
+            return "not run"
+        falls = [bool((np.diff(values) < 0).all()) for values in found.values()]
+        return "holds" if all(falls) else "in part" if any(falls) else "fails"
+
     return ClaimRow(
         "wider threshold, fewer messages",
         "evaluation",
         "The wider the threshold, the fewer messages are sent, by MBC and by the baseline.",
         measure="Message rates over rising thresholds, each below the one before [1/s].",
-        figure=shown,
+        figure="; ".join(
+            f"{name} {', '.join(f'{rate:.2f}' for rate in values)}"
+            for name, values in rates(readings[0].rows).items()
+        ),
         worst="",
-        verdicts={PLAIN_LABEL: verdict},
+        verdicts={one.labelled.label: verdict(one.rows) for one in readings},
         shown_in="message_rate",
         command=COMMAND,
     )
 
 
-def _sweep(evaluation: EvaluationResult, plan: PaperPlan) -> ClaimRow:
-    """At every packet error ratio with losses: the row of the equal-rate baseline beside MBC's."""
-    found: dict[str, Verdict] = {}
-    shown = ""
-    for label, basis, schedule in (
-        (PLAIN_LABEL, PLAIN.rate_basis, PLAIN.schedule),
-        ("rate basis: all messages", "total", PLAIN.schedule),
-        ("baseline's schedule: error-driven", PLAIN.rate_basis, "matched"),
-    ):
-        by_ratio: list[tuple[str, list[Estimate]]] = []
-        for ratio in plan.packet_error_ratios:
-            if ratio > 0:
-                at = [(ratio, threshold_m) for threshold_m in plan.thresholds_m]
-                by_ratio.append((f"{100 * ratio:g} %", list(_p90_over(evaluation, at, basis, schedule))))
-        found[label] = verdict_of([one for _, estimates in by_ratio for one in estimates])
-        if label == PLAIN_LABEL:
-            shown = ", ".join(
-                f"{name}: {min(values):.2f} to {max(values):.2f}"
-                for name, values in ((name, [one.value for one in estimates]) for name, estimates in by_ratio)
-                if values
-            )
+def _sweep(readings: Sequence[ReadingResult]) -> ClaimRow:
+    """At every packet error ratio with losses, in the readings that have the whole sweep."""
+
+    def lossy(one: ReadingResult) -> list[TrackingRatioRow]:
+        return [row for row in one.rows.sweep(one.labelled.reading) if row.packet_error_ratio > 0]
+
+    def estimate(row: TrackingRatioRow) -> Estimate:
+        return Estimate(row.p90_ratio, row.p90_low, row.p90_high)
+
+    plain = readings[0]
+    swept = [one for one in readings if one.rows is plain.rows]
+    by_ratio: dict[float, list[float]] = {}
+    for row in lossy(plain):
+        by_ratio.setdefault(row.packet_error_ratio, []).append(row.p90_ratio)
     return ClaimRow(
         "better at every loss",
         "evaluation",
         "The 90th percentile of the error lies below the baseline's at every packet error ratio.",
-        measure="90th percentile over that of the equal-rate baseline, at every PER and threshold, below 1.",
-        figure=shown,
+        measure=(
+            "90th percentile over that of the equal-rate baseline, at every PER above 0 and every threshold, "
+            "below 1; swept with the plain sender alone, against every baseline."
+        ),
+        figure=", ".join(
+            f"{100 * ratio:g} %: {min(values):.2f} to {max(values):.2f}"
+            for ratio, values in sorted(by_ratio.items())
+        ),
         worst="",
-        verdicts=found,
-        shown_in="tracking_loss",
+        verdicts={one.labelled.label: verdict_of([estimate(row) for row in lossy(one)]) for one in swept},
+        shown_in="loss_update",
         command=COMMAND,
     )
 
 
-def _p90_over(
-    evaluation: EvaluationResult, at: Iterable[tuple[float, float]], basis: str, schedule: str
-) -> Iterable[Estimate]:
-    rows = {
-        (row.policy, row.rate_basis, row.packet_error_ratio, row.threshold_m): row.pte_p90_m
-        for row in evaluation.tracking
-        if row.trip == POOLED
-    }
-    for ratio, threshold_m in at:
-        own = rows.get(("mbc", None, ratio, threshold_m))
-        rival = rows.get((f"baseline-{schedule}", basis, ratio, threshold_m))
-        if own is not None and rival:
-            yield Estimate(own / rival)
+def _complementary(readings: Sequence[ReadingResult]) -> ClaimRow:
+    def shares(found: Complement) -> list[float]:
+        """Of each alone, of both and of neither; nothing where they never served together."""
+        times = (*found.only_s, found.both_s, found.neither_s)
+        return [one / sum(times) for one in times] if sum(times) > 0 else []
 
+    def verdict(found: Complement) -> Verdict:
+        own = shares(found)[: len(found.members)]
+        enough = sum(share >= _LEAST_SHARE for share in own)
+        return "not run" if not own else "holds" if enough == len(own) else "in part" if enough else "fails"
 
-def _complementary(found: Complement) -> ClaimRow:
-    total_s = sum(found.only_s) + found.both_s + found.neither_s
-    shares = [one / total_s for one in found.only_s] if total_s else [0.0 for _ in found.only_s]
-    enough = sum(share >= _LEAST_SHARE for share in shares)
-    verdict: Verdict = "holds" if enough == len(shares) else "in part" if enough else "fails"
-    only = ", ".join(
-        f"only {name} {100 * share:.1f} %" for name, share in zip(found.members, shares, strict=True)
-    )
-    rest = [100 * one / total_s if total_s else 0.0 for one in (found.both_s, found.neither_s)]
+    plain = readings[0].rows.complement
+    names = (*(f"only {name}" for name in plain.members), "both", "neither")
     return ClaimRow(
         "they complete each other",
         "evaluation",
         "At times one sub-model stays under the threshold while the other fails, and the other way round.",
         measure=(
-            f"Time that each alone held, at {centimetres(found.threshold_m)}; holds where both had 1 %."
+            f"Time that each alone held, at {centimetres(plain.threshold_m)}; holds where both had 1 %."
         ),
-        figure=f"{only}, both {rest[0]:.1f} %, neither {rest[1]:.1f} %",
+        figure=", ".join(
+            f"{name} {100 * share:.1f} %" for name, share in zip(names, shares(plain), strict=False)
+        )
+        or "they never served together",
         worst="",
-        verdicts={PLAIN_LABEL: verdict},
+        verdicts={one.labelled.label: verdict(one.rows.complement) for one in readings},
         shown_in="sub_models",
         command=COMMAND,
     )
 
 
-def _manoeuvres(found: Complement) -> ClaimRow:
+def _manoeuvres(readings: Sequence[ReadingResult]) -> ClaimRow:
     """A sign test: of the manoeuvres in which the paths fail at different times, who wins how many."""
-    process = next(name for name in found.members if name != "cv")
-    lives = [(one.survival_s[process], one.survival_s["cv"]) for one in found.survivals]
-    longer, shorter = sum(a > b for a, b in lives), sum(a < b for a, b in lives)
-    verdict: Verdict = "not run"
+
+    def lives(found: Complement) -> FloatArray:
+        """Survival of the process and of constant velocity, (N, 2) [s]."""
+        process = next(name for name in found.members if name != "cv")
+        pairs = [(one.survival_s[process], one.survival_s["cv"]) for one in found.survivals]
+        return np.array(pairs, dtype=np.float64).reshape(-1, 2)
+
+    def wins(found: Complement) -> tuple[int, int]:
+        own, other = lives(found).T
+        return int((own > other).sum()), int((own < other).sum())
+
+    def verdict(found: Complement) -> Verdict:
+        if not found.survivals:
+            return "not run"
+        longer, shorter = wins(found)
+        if not longer + shorter:
+            return "not shown"
+        interval = stats.binomtest(longer, longer + shorter).proportion_ci(0.95, "wilson")
+        return "holds" if interval.low > 0.5 else "fails" if interval.high < 0.5 else "not shown"
+
+    plain = readings[0].rows.complement
     shown = "no manoeuvre found"
-    if lives:
-        low, high = 0.0, 1.0
-        if longer + shorter:
-            interval = stats.binomtest(longer, longer + shorter).proportion_ci(0.95, "wilson")
-            low, high = float(interval.low), float(interval.high)
-        verdict = "holds" if low > 0.5 else "fails" if high < 0.5 else "not shown"
-        medians = np.median(np.array(lives), axis=0)
+    if plain.survivals:
+        longer, shorter = wins(plain)
+        own_s, other_s = np.median(lives(plain), axis=0)
         shown = (
-            f"{len(lives)} manoeuvres: the process longer in {longer}, constant velocity in {shorter}; "
-            f"medians {medians[0]:.1f} and {medians[1]:.1f} s"
+            f"{len(plain.survivals)} manoeuvres: the process longer in {longer}, constant velocity in "
+            f"{shorter}; medians {own_s:.1f} and {other_s:.1f} s"
         )
     return ClaimRow(
         "the process follows manoeuvres",
         "evaluation",
         "In a manoeuvre the Gaussian process follows the true path longer than constant velocity.",
         measure=(
-            f"Time until each path is {centimetres(found.threshold_m)} off, from half a second before each "
+            f"Time until each path is {centimetres(plain.threshold_m)} off, from half a second before each "
             "manoeuvre on, 4 s at most; holds where the process wins more of them than chance would (95 %)."
         ),
         figure=shown,
         worst="",
-        verdicts={PLAIN_LABEL: verdict},
+        verdicts={one.labelled.label: verdict(one.rows.complement) for one in readings},
         shown_in="manoeuvre",
         command=COMMAND,
     )

@@ -50,7 +50,7 @@ class PaperPlan:
         self.settings(Reading())
         if self.headline_ratio not in self.packet_error_ratios:
             raise ValueError(
-                f"the packet error ratios must hold {self.headline_ratio:g}, at which readings are compared, "
+                f"the packet error ratios (--per) must hold {self.headline_ratio:g}, to compare readings at, "
                 f"got {', '.join(f'{ratio:g}' for ratio in self.packet_error_ratios)}"
             )
         if self.resamples < 1:

@@ -12,10 +12,12 @@ from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.compare.stage import stage_trips
 from modelcast.study.compare.table import Resamples, ratio_rows, tracking_rows
 from modelcast.study.compare.trial import run_trial
-from modelcast.study.paper.choices import Figure, Reading, Schedule
+from modelcast.study.paper.choices import PLAIN, Figure, Reading, Schedule
+from modelcast.study.paper.complement import Complement, complement
 from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.result import POOLED
 from modelcast.study.rules import RATE_BASES
+from modelcast.trips.manoeuvres.base import FoundManoeuvre
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["ALONE", "HYBRID", "UPDATES", "ReadingRows", "RivalKey", "figure_of", "run_reading"]
@@ -44,8 +46,12 @@ class ReadingRows:
     alone
         The same of the Gaussian process alone.
     tracking
-        Rows at the headline's packet error ratio, one a threshold for all trips and one a trip, by rate basis
-        and schedule of the baseline.
+        One row a threshold and packet error ratio for all trips and one a trip, by rate basis and schedule of
+        the baseline: at the headline's ratio, and of the plain reading at all of the sweep.
+    complement
+        Which sub-model held when.
+    headline_ratio
+        The packet error ratio that readings are compared at.
     """
 
     reading: Reading
@@ -54,6 +60,8 @@ class ReadingRows:
     updates: tuple[RatioRow, ...]
     alone: tuple[RatioRow, ...]
     tracking: Mapping[RivalKey, tuple[TrackingRatioRow, ...]]
+    complement: Complement
+    headline_ratio: float
 
     def pooled(self, reading: Reading) -> tuple[TrackingRatioRow, ...]:
         """Tracking over all trips against the rival of a reading, one row a threshold.
@@ -63,13 +71,18 @@ class ReadingRows:
         reading
             Its rate basis and schedule are taken.
         """
+        return tuple(row for row in self.sweep(reading) if row.packet_error_ratio == self.headline_ratio)
+
+    def sweep(self, reading: Reading) -> tuple[TrackingRatioRow, ...]:
+        """The same at every packet error ratio that was run."""
         rows = self.tracking[reading.rate_basis, reading.schedule]
         return tuple(row for row in rows if row.trip == POOLED)
 
     def by_trip(self, reading: Reading) -> tuple[TrackingRatioRow, ...]:
-        """The same, one row a trip and threshold."""
+        """Tracking at the headline's ratio, one row a trip and threshold."""
         rows = self.tracking[reading.rate_basis, reading.schedule]
-        return tuple(row for row in rows if row.trip != POOLED)
+        ratio = self.headline_ratio
+        return tuple(row for row in rows if row.trip != POOLED and row.packet_error_ratio == ratio)
 
 
 def figure_of(rows: ReadingRows, reading: Reading, figure: Figure) -> float:
@@ -97,7 +110,12 @@ def figure_of(rows: ReadingRows, reading: Reading, figure: Figure) -> float:
     return float(np.exp(np.log(values).mean())) if (values > 0).all() else float("nan")
 
 
-def run_reading(trips: Sequence[Trajectory], reading: Reading, plan: PaperPlan) -> ReadingRows:
+def run_reading(
+    trips: Sequence[Trajectory],
+    reading: Reading,
+    plan: PaperPlan,
+    manoeuvres: Sequence[Sequence[FoundManoeuvre]] | None = None,
+) -> ReadingRows:
     """Run a reading over trips that all hold a window.
 
     Parameters
@@ -108,13 +126,16 @@ def run_reading(trips: Sequence[Trajectory], reading: Reading, plan: PaperPlan) 
         One option of every choice.
     plan
         What all readings share.
+    manoeuvres
+        Of each trip, at which the sub-models' paths are compared; none where not given.
 
     Raises
     ------
     ConfigError
         Where a trip lacks what the reading asks of it.
     """
-    settings = plan.settings(reading, (plan.headline_ratio,))
+    ratios = plan.packet_error_ratios if reading == PLAIN else (plan.headline_ratio,)
+    settings = plan.settings(reading, ratios)
     compared = CompareSettings(settings, (settings.protocol,), resamples=plan.resamples)
     ((protocol, staged),) = stage_trips(trips, compared).items()
     route = np.arange(len(trips), dtype=np.int64)
@@ -142,7 +163,15 @@ def run_reading(trips: Sequence[Trajectory], reading: Reading, plan: PaperPlan) 
         for basis in RATE_BASES:
             tracking[basis, schedule] = tuple(row for row in found if row.rate_basis == basis)
     of = {name: tuple(row for row in rows if row.candidate == name) for name in (HYBRID, UPDATES, ALONE)}
-    return ReadingRows(reading, messages=of[HYBRID], updates=of[UPDATES], alone=of[ALONE], tracking=tracking)
+    return ReadingRows(
+        reading,
+        messages=of[HYBRID],
+        updates=of[UPDATES],
+        alone=of[ALONE],
+        tracking=tracking,
+        complement=complement(trips, manoeuvres or [()] * len(trips), reading, plan),
+        headline_ratio=plan.headline_ratio,
+    )
 
 
 def _updates(row: CountRow) -> CountRow:

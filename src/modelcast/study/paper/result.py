@@ -90,10 +90,10 @@ class PaperResult:
         What was asked for.
     evaluation
         Rates, tracking and distributions under the plain reading, as of ``modelcast evaluate``.
-    complement
-        Who held when.
     manoeuvres
         Of every trip, the richest trip first.
+    picked
+        What was picked from which trips, as a sentence; empty where all were taken.
     readings
         The plain reading first, then one at a time, then the combinations.
     claims
@@ -107,10 +107,15 @@ class PaperResult:
     plan: PaperPlan
     _: KW_ONLY
     evaluation: EvaluationResult
-    complement: Complement
     manoeuvres: tuple[ManoeuvreCounts, ...]
     readings: tuple[ReadingResult, ...]
     claims: tuple[ClaimRow, ...]
     traffic: tuple[PairedRow, ...] = ()
+    picked: str = ""
     failures: Mapping[str, str] = field(default_factory=dict[str, str])
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])
+
+    @property
+    def complement(self) -> Complement:
+        """Who held when, in the plain reading."""
+        return self.readings[0].rows.complement

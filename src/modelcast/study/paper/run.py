@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -20,7 +21,6 @@ from modelcast.study.paper.choices import (
     one_at_a_time,
 )
 from modelcast.study.paper.claims import claim_rows
-from modelcast.study.paper.complement import Complement, complement
 from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.paper.readings import ReadingRows, figure_of, run_reading
 from modelcast.study.paper.result import PaperResult, ReadingResult
@@ -32,26 +32,11 @@ from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["Job", "reproduce_paper", "run_job"]
 
+Part = TypeVar("Part", ManoeuvreCounts, EvaluationResult, ReadingRows)
 Progress = Callable[[int, int], None]
 
 
-@dataclass(frozen=True, slots=True)
-class Driven:
-    """What was driven, and which sub-model held meanwhile.
-
-    Parameters
-    ----------
-    counts
-        Manoeuvres of every trip.
-    complement
-        Who held when.
-    """
-
-    counts: tuple[ManoeuvreCounts, ...]
-    complement: Complement
-
-
-Found = ReadingRows | EvaluationResult | Driven
+Found = ReadingRows | EvaluationResult | ManoeuvreCounts
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,17 +46,20 @@ class Job:
     Parameters
     ----------
     what
-        ``reading``, ``evaluation`` or ``driven``.
+        ``reading``, ``evaluation``, or ``count`` for the manoeuvres of the first trip.
     trips, plan
         What all parts share.
     reading
         Of a reading; the plain one for the others.
+    counts
+        Manoeuvres of every trip, for a reading.
     """
 
     what: str
     trips: Sequence[Trajectory]
     plan: PaperPlan
     reading: Reading = PLAIN
+    counts: Sequence[ManoeuvreCounts] = ()
 
 
 def run_job(job: Job) -> Found:
@@ -83,11 +71,10 @@ def run_job(job: Job) -> Found:
         Which.
     """
     if job.what == "reading":
-        return run_reading(job.trips, job.reading, job.plan)
+        return run_reading(job.trips, job.reading, job.plan, [one.manoeuvres for one in job.counts])
     if job.what == "evaluation":
         return evaluate(job.trips, job.plan.settings(PLAIN))
-    counts = tuple(count_manoeuvres(trip) for trip in job.trips)
-    return Driven(counts, complement(job.trips, [one.manoeuvres for one in counts], PLAIN, job.plan))
+    return count_manoeuvres(job.trips[0])
 
 
 def reproduce_paper(
@@ -133,43 +120,54 @@ def reproduce_paper(
     usable, failures = usable_trips(trips, int(PLAIN.bank.windows.max()))
     labelled = one_at_a_time()
     runs = list(dict.fromkeys(one.reading.run for one in labelled))
-    # The longest first, so that no process waits long for the last one.
-    jobs = [Job(what, usable, plan) for what in ("evaluation", "driven")]
-    jobs += [Job("reading", usable, plan, reading) for reading in runs]
-    steps = len(jobs) + len(ENDS)
-    done = 0
+    steps, done = 2 + len(runs) + len(ENDS), 0
 
-    def counted(found: Iterable[Found]) -> Iterator[Found]:
+    def step() -> None:
         nonlocal done
-        for one in found:
-            done += 1
-            if progress is not None:
-                progress(done, steps)
-            yield one
+        done += 1
+        if progress is not None:
+            progress(done, steps)
 
-    evaluation, driven, *rows = counted(each(run_job, jobs))
-    by_run = {reading: one for reading, one in zip(runs, rows, strict=True) if isinstance(one, ReadingRows)}
+    counts = _all_of(ManoeuvreCounts, each(run_job, [Job("count", [trip], plan) for trip in usable]))
+    step()
+    # The longest first, so that no process waits long for the last one.
+    jobs = [Job("evaluation", usable, plan)]
+    jobs += [Job("reading", usable, plan, reading, counts) for reading in runs]
+    found = iter(_told(each(run_job, jobs), step))
+    (evaluation,) = _all_of(EvaluationResult, [next(found)])
+    by_run = dict(zip(runs, _all_of(ReadingRows, found), strict=True))
     readings = [_result(one, by_run) for one in labelled]
     ends = [combined(label, _options(readings, figure, sign)) for label, (figure, sign) in ENDS.items()]
     missing = list(dict.fromkeys(one.reading.run for one in ends if one.reading.run not in by_run))
-    steps = len(jobs) + len(missing)
-    more = counted(each(run_job, [Job("reading", usable, plan, reading) for reading in missing]))
-    by_run |= {
-        reading: one for reading, one in zip(missing, more, strict=True) if isinstance(one, ReadingRows)
-    }
+    steps = 2 + len(runs) + len(missing)
+    more = each(run_job, [Job("reading", usable, plan, reading, counts) for reading in missing])
+    by_run |= dict(zip(missing, _all_of(ReadingRows, _told(more, step)), strict=True))
     readings += [_result(one, by_run) for one in ends]
-    if not isinstance(evaluation, EvaluationResult) or not isinstance(driven, Driven):
-        raise TypeError(f"each returned {type(evaluation).__name__}, {type(driven).__name__} out of order")
-    found = PaperResult(
+    result = PaperResult(
         plan,
         evaluation=evaluation,
-        complement=driven.complement,
-        manoeuvres=tuple(rank_trips(driven.counts)),
+        manoeuvres=tuple(rank_trips(counts)),
         readings=tuple(readings),
-        claims=claim_rows(readings, evaluation, driven.complement, plan),
+        claims=claim_rows(readings),
         failures=failures,
     )
-    return with_traffic(found, ())
+    return with_traffic(result, ())
+
+
+def _told(found: Iterable[Found], step: Callable[[], None]) -> Iterator[Found]:
+    for one in found:
+        step()
+        yield one
+
+
+def _all_of(kind: type[Part], found: Iterable[Found]) -> list[Part]:
+    """What came back, once all of it is seen to be of the kind asked for."""
+    kept: list[Part] = []
+    for one in found:
+        if not isinstance(one, kind):
+            raise TypeError(f"work came back out of order: {type(one).__name__} for {kind.__name__}")
+        kept.append(one)
+    return kept
 
 
 def _result(labelled: LabelledReading, by_run: dict[Reading, ReadingRows]) -> ReadingResult:
@@ -183,10 +181,12 @@ def _result(labelled: LabelledReading, by_run: dict[Reading, ReadingRows]) -> Re
 
 
 def _options(readings: Sequence[ReadingResult], figure: Figure, sign: int) -> Iterator[tuple[Choice, Option]]:
-    """Of every choice the option whose figure was the smallest by itself, or with -1 the largest."""
+    """Of every open choice the option whose figure was the smallest by itself, or with -1 the largest."""
     by_label = {(one.labelled.choice, one.labelled.option): one for one in readings}
     plain = readings[0]
     for choice in CHOICES:
+        if choice.stated:
+            continue
         found = [by_label.get((choice.title, option.label), plain) for option in choice.options]
         figures = np.array([sign * getattr(one, figure) for one in found])
         at = int(np.nanargmin(figures)) if np.isfinite(figures).any() else 0

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Literal
 
 __all__ = ["Estimate", "Verdict", "verdict_of"]
@@ -48,8 +49,8 @@ def verdict_of(estimates: Sequence[Estimate]) -> Verdict:
     -------
     Verdict
         ``holds`` where every interval lies below 1, ``fails`` where every one lies above, ``not shown`` where
-        none lies to one side, ``in part`` for anything between, ``not run`` without estimates. A ratio that
-        has no interval is taken as it is.
+        none lies to one side, ``in part`` for anything between, ``not run`` without estimates that are
+        numbers. A ratio that has no interval is taken as it is.
 
     Examples
     --------
@@ -58,6 +59,7 @@ def verdict_of(estimates: Sequence[Estimate]) -> Verdict:
     >>> verdict_of([Estimate(0.9), Estimate(1.1)]), verdict_of([Estimate(1.1)]), verdict_of([])
     ('in part', 'fails', 'not run')
     """
+    estimates = [one for one in estimates if isfinite(one.value)]
     if not estimates:
         return "not run"
     below = sum(one.is_below for one in estimates)
