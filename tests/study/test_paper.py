@@ -21,7 +21,7 @@ from modelcast.study.evaluate import evaluate
 from modelcast.study.network.pairs import PairedRow
 from modelcast.study.paper.choices import CHOICES, PLAIN, Choice, Reading, combined, one_at_a_time
 from modelcast.study.paper.claims import claim_rows
-from modelcast.study.paper.complement import Complement, Survival, complement
+from modelcast.study.paper.complement import Complement, Survival
 from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.paper.readings import ReadingRows, figure_of, run_reading
 from modelcast.study.paper.result import PaperResult
@@ -216,7 +216,7 @@ def test_the_number_that_ranks_is_the_geometric_mean_over_thresholds(found: Pape
 
 def test_time_is_shared_between_who_holds(trips: list[Trajectory]) -> None:
     """Against a walk by hand: errors under the threshold, counted where both sub-models serve."""
-    shared = complement(trips, [(), ()], PLAIN, PLAN)
+    shared = run_reading(trips, PLAIN, PLAN).complement
     only, both, neither = np.zeros(2), 0.0, 0.0
     for trip in trips:
         settings = PLAN.settings(PLAIN, ())
@@ -247,7 +247,7 @@ def test_manoeuvres_are_survived_as_long_as_paths_stay_near(trips: list[Trajecto
         ),
         (),
     ]
-    shared = complement(trips, starts, PLAIN, PLAN)
+    shared = run_reading(trips, PLAIN, PLAN, starts).complement
     assert [(one.trip, one.kind) for one in shared.survivals] == [("drive0/1", "turn"), ("drive0/1", "stop")]
     assert all(0.0 <= life <= 4.0 for one in shared.survivals for life in one.survival_s.values())
     assert shared.manoeuvre is not None
@@ -258,7 +258,8 @@ def test_manoeuvres_are_survived_as_long_as_paths_stay_near(trips: list[Trajecto
 
 def test_a_path_that_stays_near_is_not_said_to_fail(trips: list[Trajectory]) -> None:
     wide = replace(PLAN, thresholds_m=(1000.0,))
-    shared = complement(trips[:1], [(FoundManoeuvre(ManoeuvreKind.TURN, 40.0, 45.0, size=1.5),)], PLAIN, wide)
+    turn = FoundManoeuvre(ManoeuvreKind.TURN, 40.0, 45.0, size=1.5)
+    shared = run_reading(trips[:1], PLAIN, wide, [(turn,)]).complement
     assert shared.manoeuvre is None  # both hold throughout: the paths do not part
     assert shared.survivals[0].survival_s == pytest.approx({"cv": 4.0, "gp-anchored": 4.0})
 

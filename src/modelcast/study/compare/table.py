@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray, IntArray, SingleArray
+from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.chance import child_generator
 from modelcast.study.compare.bootstrap import (
     Limits,
@@ -237,7 +237,9 @@ def _tracking_row(
     shares_s = times_s[0].tolist()
     duration_s = float(times_s[1, part.trips].sum())
     rates = [sum(group.messages[reading][at] for at in part.trips) / duration_s for reading in READINGS]
-    found = {reading: _pooled(group.errors_m[reading], shares_s, part.trips) for reading in READINGS}
+    found = {
+        reading: group.quantiles_of(reading, part.trips, shares_s, _PROBABILITIES) for reading in READINGS
+    }
     p90, p99 = np.transpose([found[reading] for reading in READINGS])
     p90_ratio, p99_ratio = (_over([found[name][at] for name in ("own", *part.rivals)]) for at in (0, 1))
     return TrackingRatioRow(
@@ -268,12 +270,3 @@ def _over(found_m: Sequence[float]) -> float:
     """The candidate's quantile over the smaller of the baselines'; NaN where that is nothing."""
     harder_m = float(min(found_m[1:]))
     return float(found_m[0]) / harder_m if harder_m > 0 else float("nan")
-
-
-def _pooled(
-    by_trip_m: Sequence[Sequence[SingleArray]], shares_s: Sequence[float], trips: range
-) -> FloatArray:
-    """Quantiles over some trips, each sample weighing the time it stands for, (Q,)."""
-    rows = [row for at in trips for row in by_trip_m[at]]
-    weights = [shares_s[at] for at in trips for _ in by_trip_m[at]]
-    return quantiles(rows, weights, _PROBABILITIES)

@@ -3,11 +3,12 @@
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 
-from modelcast.core.arrays import IntArray, SingleArray
+from modelcast.core.arrays import FloatArray, IntArray, SingleArray
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.compare.candidate import AbstractCandidate
 from modelcast.study.compare.result import CandidateRow, CountRow
 from modelcast.study.compare.stage import StagedTrip
+from modelcast.study.metrics import quantiles
 from modelcast.study.pooling import sorted_errors
 from modelcast.study.rate import count_rates
 from modelcast.study.rules import RateBasis
@@ -46,6 +47,32 @@ class ErrorGroup:
         default_factory=lambda: {name: [] for name in READINGS}
     )
     messages: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in READINGS})
+    _known: dict[tuple[str, range], FloatArray] = field(default_factory=dict[tuple[str, range], FloatArray])
+
+    def quantiles_of(
+        self, reading: str, trips: range, shares_s: Sequence[float], probabilities: Sequence[float]
+    ) -> FloatArray:
+        """Quantiles over some trips, each sample weighing the time it stands for, (Q,) [m].
+
+        Found once: every comparison with another rival asks for them again.
+
+        Parameters
+        ----------
+        reading
+            Of `READINGS`.
+        trips
+            Their places.
+        shares_s
+            The time one sample of each trip stands for, (N,) [s].
+        probabilities
+            Q of them, rising, the same at every call.
+        """
+        key = reading, trips
+        if key not in self._known:
+            rows = [row for at in trips for row in self.errors_m[reading][at]]
+            weights = [shares_s[at] for at in trips for _ in self.errors_m[reading][at]]
+            self._known[key] = quantiles(rows, weights, probabilities)
+        return self._known[key]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,13 +7,11 @@ import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.runtime.trip.runtime import TripRuntime
-from modelcast.study.case import make_case
+from modelcast.study.compare.stage import StagedTrip
 from modelcast.study.illustration import STRETCH_S, draw_manoeuvre, draw_timeline
-from modelcast.study.paper.choices import Reading
-from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.result import Manoeuvre, Timeline
+from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.manoeuvres.base import FoundManoeuvre, ManoeuvreKind
-from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["Complement", "Survival", "complement"]
 
@@ -79,32 +77,36 @@ class Complement:
 
 
 def complement(
-    trips: Sequence[Trajectory],
+    trips: Sequence[StagedTrip],
     manoeuvres: Iterable[Sequence[FoundManoeuvre]],
-    reading: Reading,
-    plan: PaperPlan,
+    settings: EvaluationSettings,
 ) -> Complement:
     """Walk every trip at the smallest threshold, and see who held when.
 
     Parameters
     ----------
     trips
-        Trips that all hold a window.
+        Made ready in one protocol; all hold a window.
     manoeuvres
         Manoeuvres of each.
-    reading, plan
-        Whose sub-models, and at which thresholds.
+    settings
+        Whose sub-models and rules, and at which thresholds.
     """
-    settings = plan.settings(reading, ())
-    threshold_m = min(plan.thresholds_m)
+    threshold_m = min(settings.thresholds_m)
     only_s: FloatArray = np.zeros(len(settings.bank.members))
     both_s = neither_s = 0.0
     best, timeline = 0.0, None
     widest, manoeuvre = (False, 0.0), None
     survivals: list[Survival] = []
     for trip, found in zip(trips, manoeuvres, strict=True):
-        case = make_case(trip, settings)
-        ready = TripRuntime(case.seen, settings.bank, case.estimator, quantised=settings.quantised)
+        case = trip.case
+        ready = TripRuntime(
+            case.seen,
+            settings.bank,
+            case.estimator,
+            quantised=settings.quantised,
+            sensed=trip.baseline.sensed,
+        )
         walk = ready.run(settings.policy(threshold_m, keep_alive=False))
         errors_m = ready.tracking_error_m(walk)
         served = np.flatnonzero(np.isfinite(errors_m).all(axis=1))

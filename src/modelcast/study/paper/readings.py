@@ -169,7 +169,7 @@ def run_reading(
         updates=of[UPDATES],
         alone=of[ALONE],
         tracking=tracking,
-        complement=complement(trips, manoeuvres or [()] * len(trips), reading, plan),
+        complement=complement(staged, manoeuvres or [()] * len(trips), settings),
         headline_ratio=plan.headline_ratio,
     )
 
