@@ -267,6 +267,7 @@ def test_no_moving_window_is_taken_for_a_standing_one(factors: int, samples: int
     t_s = np.arange(1 - samples, 1) * dt_s
     velocity, acceleration = (rng.normal(0.0, s, (200, 1)) for s in (15.0, 0.3))
     y = velocity * t_s + acceleration * t_s**2 / 2 + 0.01 * rng.normal(size=(200, samples))
+    y[::2] *= 1e-4  # as good as standing: the least variances are far too much
     fits = fit_kernel(expression, y, dt_s=dt_s)
     assert np.isfinite(fits.log_likelihood).all()
     assert np.isfinite(fits.weights_per_m).all()
