@@ -158,7 +158,7 @@ def bend(moved: FloatVector, x: FloatVector, curvature: FloatMatrix, slopes: Flo
 def settle(x: FloatVector, y: FloatVector, constants: FloatVector, work: Work) -> float:
     """Move ``x`` to where the covariance has a Cholesky factor, if it is not there; returns the cost.
 
-    The white noise rises first; at its bound the variances fall to theirs, where every start is sound.
+    The white noise rises, at most to its bound: there the tables of `pack_expression` have every start sound.
     """
     count = x.size
     bounds = int(constants[AT_BOUNDS])
@@ -166,11 +166,6 @@ def settle(x: FloatVector, y: FloatVector, constants: FloatVector, work: Work) -
     cost = cost_at(x, y, constants, work)
     while cost == np.inf and x[count - 1] < high:
         x[count - 1] = min(x[count - 1] + _NOISE_STEP, high)
-        cost = cost_at(x, y, constants, work)
-    if cost == np.inf:
-        for i in range(count - 1):
-            if constants[bounds + 2 * count + i] > 0.0:
-                x[i] = constants[bounds + i]
         cost = cost_at(x, y, constants, work)
     return cost
 
