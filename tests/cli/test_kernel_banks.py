@@ -86,6 +86,19 @@ def test_a_bank_of_several_kernels_is_evaluated(tmp_path: Path, trip: Path) -> N
         assert name in told
 
 
+@pytest.mark.parametrize(("rate_hz", "code"), [(1.0, 0), (0.2, 2)])
+def test_a_kernel_that_grows_over_the_window_is_evaluated_or_refused(
+    rate_hz: float, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "slow.csv"
+    write_csv([generate_drive(seed=5, duration_s=100.0 / rate_hz, rate_hz=rate_hz).truth], path)
+    bank = f"gp({'*'.join(['linear'] * 6)})"
+    words = f"--per 0 --seeds 1 --quiet --window 60 --bank {bank} --out {tmp_path / 'out'}"
+    assert run(["evaluate", str(path), *words.split()]) == code
+    refused = f"the kernel {bank[3:-1]} grows too much over 60 samples every 5 s"
+    assert (refused in capsys.readouterr().err) == bool(code)
+
+
 def test_the_papers_kernel_as_an_expression_sends_what_the_paper_does(tmp_path: Path, trip: Path) -> None:
     named, expression = (
         summary(tmp_path / str(at), trip, bank) for at, bank in enumerate(("gp-anchored", "gp(linear+rbf)"))

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from sklearn.gaussian_process import GaussianProcessRegressor
 
+from modelcast.core.exceptions import ConfigError
 from modelcast.core.rules import FieldError
 from modelcast.io.trips import read_trips
 from modelcast.models.base import Windows
@@ -25,8 +26,10 @@ from modelcast.models.gp import (
     likelihood_of_kernel,
     process_of,
 )
+from modelcast.models.gp.expression_tables import pack_expression
 from modelcast.models.gp.kernels import LEAVES, kernel_from_text
 from modelcast.models.gp.kernels.base import VARIANCE
+from modelcast.models.gp.time_grid import TimeGrid
 from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
 
@@ -252,6 +255,44 @@ def test_the_noise_floor_is_kept_and_holds_up_a_straight_line() -> None:
     moved = model.predict(model.fit(Windows(samples, dt_s=DT_S)), HORIZONS_S, dt_s=DT_S)
     np.testing.assert_allclose(moved[0, :, 0], 12.0 * HORIZONS_S, atol=1e-4)
     np.testing.assert_allclose(moved[0, :, 1], -12.0 * HORIZONS_S, atol=1e-4)
+
+
+@pytest.mark.parametrize("factors", [1, 2, 3, 4, 5, 6])
+@pytest.mark.parametrize("samples", [10, 60])
+@pytest.mark.parametrize("dt_s", [0.1, 1.0])
+def test_no_moving_window_is_taken_for_a_standing_one(factors: int, samples: int, dt_s: float) -> None:
+    """Powers of the linear kernel reach 1e21 times their variance: every fit has a finite likelihood."""
+    expression = "*".join(["linear"] * factors)
+    rng = np.random.default_rng(factors)
+    t_s = np.arange(1 - samples, 1) * dt_s
+    velocity, acceleration = (rng.normal(0.0, s, (200, 1)) for s in (15.0, 0.3))
+    y = velocity * t_s + acceleration * t_s**2 / 2 + 0.01 * rng.normal(size=(200, samples))
+    y[::2] *= 1e-4  # as good as standing: the least variances are far too much
+    fits = fit_kernel(expression, y, dt_s=dt_s)
+    assert np.isfinite(fits.log_likelihood).all()
+    assert np.isfinite(fits.weights_per_m).all()
+    assert (fits.weights_per_m != 0.0).any(axis=1).all()
+    for variance, noise_m2 in itertools.product(np.geomspace(1e-8, 1e4, 13), np.geomspace(*NOISE_M2, 13)):
+        hyper = np.tile([variance, noise_m2], (10, 1))
+        other, _ = likelihood_of_kernel(expression, y[:10], hyper, dt_s=dt_s)
+        # Where rounding leaves no Cholesky factor the other is minus infinity.
+        assert (fits.log_likelihood[:10] >= other - TOLERANCE).all()
+
+
+@pytest.mark.parametrize("samples", [10, 60])
+def test_a_kernel_that_outgrows_doubles_is_refused_by_name(samples: int) -> None:
+    expression = "*".join(["linear"] * 6)
+    with pytest.raises(
+        ConfigError, match=rf"linear\*linear.* grows too much over {samples} samples every 1000 s"
+    ):
+        KernelProcess(expression, samples).point_functions(1000.0)
+
+
+@pytest.mark.parametrize("expression", ["linear*linear*linear*linear", "rbf+linear*linear*linear*rq"])
+@pytest.mark.parametrize("samples", [3, 10, 30, 60])
+@pytest.mark.parametrize("dt_s", [0.1, 1.0, 10.0])
+def test_tables_are_finite_over_windows_and_intervals(expression: str, samples: int, dt_s: float) -> None:
+    assert np.isfinite(pack_expression(expression, TimeGrid(samples, dt_s), 0.001)).all()
 
 
 def test_the_expression_is_kept_in_its_canonical_form() -> None:

@@ -25,7 +25,9 @@ from modelcast.models.learned import LearnedTrajectory
 from modelcast.models.plain import PLAIN_CLASSES, from_plain, to_plain
 from modelcast.models.profile import Profile, default_profile, profile_from_text
 from modelcast.models.regimes import Regimes
+from modelcast.models.reserved import UNTRAINED
 from modelcast.models.trusted import Trusted
+from modelcast.station.banks import bank_from_text
 
 REGIMES = Regimes(
     (VehicleProcess("gp-regime-1"), VehicleProcess("gp-regime-2", velocities=True)),
@@ -71,6 +73,52 @@ def test_a_regimes_sub_model_may_stand_in_the_bank_too() -> None:
     profile = Profile(Bank((*REGIMES.members, ConstantVelocity())), regimes=REGIMES)
     assert profile_from_text(profile.text) == profile
     assert [member.name for member in profile.sub_models] == ["gp-regime-1", "gp-regime-2", "cv"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "cv",
+        "gp-linear",
+        "gp-anchored",
+        "gp(rbf)",
+        "gp(linear+rbf)",
+        "gp(",
+        "gp(x)",
+        "paper",
+        "regimes",
+        "default",
+        "trained",
+        "a+b",
+        "a(",
+        "a)",
+    ],
+)
+def test_no_sub_model_takes_a_name_that_means_another_on_the_command_line(name: str) -> None:
+    member = VehicleProcess(name)
+    fixed = GaussianProcess(hyperparameters=Hyperparameters(2.0, 1e-4, linear_ratio_per_s2=1.0), label=name)
+    for one in (member, fixed, Trusted(member, 1.5)):
+        with pytest.raises(ValueError, match="may be named"):
+            Profile(Bank((ConstantTurnRateAcceleration(),)), added=(one,))
+        with pytest.raises(ValueError, match="may be named"):
+            Profile(Bank((ConstantTurnRateAcceleration(),)), shelf=(one,))
+    plain = json.loads(Profile(Bank((ConstantTurnRateAcceleration(),))).text)
+    plain["added"] = {"members": to_plain((member,)), "record": {}}
+    with pytest.raises(ValueError, match="may be named"):
+        profile_from_text(json.dumps(plain))
+
+
+@pytest.mark.parametrize("name", [*UNTRAINED, "gp(linear+rbf)", "gp(rbf+linear)", "gp(matern32*linear)"])
+def test_what_a_name_means_without_a_profile_may_stand_in_one(name: str) -> None:
+    bank = bank_from_text(name, window=12)
+    assert profile_from_text(Profile(bank).text).bank == bank
+
+
+def test_a_closed_form_has_only_its_own_expressions_name() -> None:
+    """The intercept form is another process, whatever its label says."""
+    other = GaussianProcess(form="intercept", label="gp(linear+rbf)")
+    with pytest.raises(ValueError, match="another sub-model"):
+        Profile(Bank((other,)))
 
 
 def test_a_profile_without_regimes_keeps_the_bytes_it_had_before_there_were_any() -> None:

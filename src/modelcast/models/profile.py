@@ -25,6 +25,7 @@ from modelcast.models.calibration import Calibration
 from modelcast.models.learned import Selector
 from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.regimes import Regimes
+from modelcast.models.reserved import check_name
 from modelcast.trips.fingerprint import FINGERPRINT
 
 __all__ = ["MOST_MEMBERS", "PROFILE_SCHEMA", "Profile", "default_profile", "profile_from_text"]
@@ -98,7 +99,7 @@ class Profile:
     ------
     ValueError
         Where a calibration is of no sub-model of the bank or another's, a selector is for another bank, or
-        two trained sub-models share a name.
+        two trained sub-models share a name, or one has a name that means something else in a bank's text.
 
     Examples
     --------
@@ -141,6 +142,8 @@ class Profile:
         twice = sorted({name for name in every if every.count(name) > 1})
         if twice:
             raise ValueError(f"sub-models of a profile must have distinct names, twice: {', '.join(twice)}")
+        for member in self.sub_models:
+            check_name(member)
 
     @property
     def sub_models(self) -> tuple[AbstractSubModel, ...]:

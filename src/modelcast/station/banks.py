@@ -22,14 +22,10 @@ from modelcast.models.gp import (
     linear_process,
     process_of,
 )
-from modelcast.models.kinematic import (
-    ConstantAcceleration,
-    ConstantTurnRateAcceleration,
-    ConstantTurnRateVelocity,
-)
 from modelcast.models.learned import Selector
 from modelcast.models.profile import Profile, default_profile
 from modelcast.models.regimes import REGIME_BANK
+from modelcast.models.reserved import EXPRESSION, KINEMATIC, UNTRAINED
 from modelcast.models.trusted import Trusted
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.guard import unguarded
@@ -92,18 +88,6 @@ INTERCEPT_NOISE_FLOOR_M = 1e-3
 """Smallest noise of ``gp-intercept`` and ``gp-adaptive`` where the user names none [m]."""
 
 _DEFAULT_WINDOW = 10
-
-_KINEMATIC: dict[str, AbstractSubModel] = {
-    "cv": ConstantVelocity(),
-    "ca": ConstantAcceleration(),
-    "ctrv": ConstantTurnRateVelocity(),
-    "ctra": ConstantTurnRateAcceleration(),
-}
-
-_UNTRAINED = (*_KINEMATIC, "gp-anchored", "gp-intercept", "gp-adaptive", "gp-linear")
-"""Sub-models that need no profile, beside those of an expression."""
-
-_EXPRESSION = "gp("
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +156,7 @@ def member_names(profile: Profile) -> tuple[str, ...]:
         The profile in use.
     """
     trained = (member.name for member in profile.sub_models)
-    return (*_UNTRAINED, *(name for name in trained if name not in _UNTRAINED))
+    return (*UNTRAINED, *(name for name in trained if name not in UNTRAINED))
 
 
 def named_bank(
@@ -306,7 +290,7 @@ def parts_of(text: str) -> list[str]:
 
 def _is_untrained(name: str) -> bool:
     """Whether a sub-model needs no profile."""
-    return name in _UNTRAINED or name.startswith(_EXPRESSION)
+    return name in UNTRAINED or name.startswith(EXPRESSION)
 
 
 def _members_of(part: str, profile: Profile) -> tuple[str, ...]:
@@ -326,8 +310,8 @@ def _needs_no_horizon(member: AbstractSubModel) -> bool:
 
 
 def _member(name: str, profile: Profile, noise_floor_m: float | None, window: int) -> AbstractSubModel:
-    if name in _KINEMATIC:
-        return _KINEMATIC[name]
+    if name in KINEMATIC:
+        return KINEMATIC[name]
     if name == "gp-linear":
         return linear_process(window)
     if name == "gp-anchored":
@@ -337,11 +321,11 @@ def _member(name: str, profile: Profile, noise_floor_m: float | None, window: in
         floor_m = INTERCEPT_NOISE_FLOOR_M if noise_floor_m is None else noise_floor_m
         noise = "estimated" if name == "gp-adaptive" else "floor"
         return GaussianProcess(window, "intercept", noise_floor_m=floor_m, noise=noise)
-    if name.startswith(_EXPRESSION):
+    if name.startswith(EXPRESSION):
         if not name.endswith(")"):
             raise ValueError(f"a ) is missing in '{name}'")
         return process_of(
-            name.removeprefix(_EXPRESSION)[:-1],
+            name.removeprefix(EXPRESSION)[:-1],
             window,
             noise_floor_m=noise_floor_m,
             closed_floor_m=PAPER_NOISE_FLOOR_M,

@@ -4,7 +4,8 @@ The starts do not depend on the data: of each the inverse covariance, its determ
 expected curvature (Fisher information) are tabled, at a white noise of 1 m². The scale that a window likes
 best is found in closed form, so that a start costs one quadratic form. From the best few go some BFGS steps
 in the logarithms, begun with the expected curvature, and the rest from the best of these. Hyper-parameters
-that press against a bound rest there.
+that press against a bound rest there. Where rounding leaves a start without a Cholesky factor its white noise
+is raised until there is one.
 """
 
 import numpy as np
@@ -23,7 +24,7 @@ from modelcast.models.gp.expression_layout import (
 from modelcast.models.gp.lag_kernels import Work
 from modelcast.models.gp.likelihood_kernels import cost_at, slopes_at
 
-__all__ = ["search"]
+__all__ = ["search", "settle"]
 
 _MOST_CLIMBED = 3
 """Starts from which steps are taken, at most; one less than there are hyper-parameters."""
@@ -34,6 +35,8 @@ _LONGEST = 3.0
 """Longest step of a hyper-parameter's logarithm."""
 _DECREASE = 5e-5
 """The search ends where a step is expected to lower the cost by less."""
+_NOISE_STEP = 2.3
+"""Of the white noise's logarithm, about a factor of ten, where there is no Cholesky factor."""
 _LEAST_SCALE_M2 = 1e-300
 _RIDGE = 1e-2
 """Added to the expected curvature, which may be flat in some direction."""
@@ -152,6 +155,22 @@ def bend(moved: FloatVector, x: FloatVector, curvature: FloatMatrix, slopes: Flo
 
 
 @kernel(fast=True)
+def settle(x: FloatVector, y: FloatVector, constants: FloatVector, work: Work) -> float:
+    """Move ``x`` to where the covariance has a Cholesky factor, if it is not there; returns the cost.
+
+    The white noise rises, at most to its bound: there the tables of `pack_expression` have every start sound.
+    """
+    count = x.size
+    bounds = int(constants[AT_BOUNDS])
+    high = constants[bounds + 2 * count - 1]
+    cost = cost_at(x, y, constants, work)
+    while cost == np.inf and x[count - 1] < high:
+        x[count - 1] = min(x[count - 1] + _NOISE_STEP, high)
+        cost = cost_at(x, y, constants, work)
+    return cost
+
+
+@kernel(fast=True)
 def climb(x: FloatVector, y: FloatVector, constants: FloatVector, work: Work, most: int) -> float:
     """Move ``x`` to a maximum of the likelihood by the curvature in ``work``; returns the cost there."""
     count = x.size
@@ -160,9 +179,7 @@ def climb(x: FloatVector, y: FloatVector, constants: FloatVector, work: Work, mo
     high = constants[bounds + count : bounds + 2 * count]
     step = work.points[1]
     trial = work.points[2]
-    cost = cost_at(x, y, constants, work)
-    if cost == np.inf:
-        return cost
+    cost = settle(x, y, constants, work)
     slopes_at(x, constants, work, work.slopes[0])
     for _ in range(most):
         if free_step(x, low, high, work) < _DECREASE:

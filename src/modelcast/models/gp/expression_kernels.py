@@ -4,7 +4,7 @@ import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector
-from modelcast.models.gp.climb_kernels import search
+from modelcast.models.gp.climb_kernels import search, settle
 from modelcast.models.gp.expression_layout import (
     AT_DT,
     AT_LEAF_ROWS,
@@ -32,13 +32,12 @@ __all__ = ["costs_and_slopes", "fit", "fit_axes", "predict"]
 def conclude(y: FloatVector, constants: FloatVector, work: Work, out: FloatVector) -> None:
     """Write the best hyper-parameters that a search left, then their dual coefficients."""
     best = work.points[3]
-    sound = cost_at(best, y, constants, work) < np.inf
-    if sound:
-        weigh(work)
+    settle(best, y, constants, work)
+    weigh(work)
     for i in range(best.size):
         out[i] = np.exp(best[i])
     for j in range(y.size):
-        out[best.size + j] = work.dual[j] if sound else 0.0
+        out[best.size + j] = work.dual[j]
 
 
 @kernel(fast=True)

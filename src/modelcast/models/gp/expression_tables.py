@@ -5,6 +5,7 @@ import functools
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.exceptions import ConfigError
 from modelcast.models.gp import expression_layout as at
 from modelcast.models.gp.kernel_codes import LINEAR
 from modelcast.models.gp.kernels.base import VARIANCE, AbstractKernel
@@ -18,6 +19,10 @@ _STARTS = 256
 _SCALE_SPAN = (1.0, 1e10)
 """Variances of the starts relative to the white noise."""
 _RATIO_SPAN = (1e-3, 1e3)
+_MOST_OVER_NOISE = 1e12
+"""Greatest variance of a start relative to the white noise, at any sample: more is left to rounding."""
+_MOST_TRACE = 1e13
+"""Trace of a covariance relative to the white noise, up to which doubles surely have its Cholesky factor."""
 _AT_ONCE = 32
 """Starts worked out together: few enough for little memory."""
 _DIFFERENCE = 1e-4
@@ -50,12 +55,22 @@ def pack_expression(expression: str, grid: TimeGrid, noise_floor_m: float) -> Fl
         The window's times.
     noise_floor_m
         Least standard deviation of the white noise [m].
+
+    Raises
+    ------
+    ConfigError
+        Where the kernel grows over the window beyond what doubles hold.
     """
     kernel = kernel_from_text(expression)
     bounds = log_bounds(kernel, noise_floor_m)
     scales = [float(one.name.endswith(VARIANCE.name)) for one in kernel.hyperparameters] + [1.0]
     leaves, terms = _leaf_rows(kernel), _term_rows(kernel)
-    points = _points(kernel)
+    points = _sound(kernel, grid, bounds, _points(kernel))
+    if not len(points):
+        raise ConfigError(
+            f"the kernel {expression} grows too much over {grid.samples} samples every {grid.dt_s:g} s; "
+            "take a shorter window, a shorter interval or fewer factors 'linear'"
+        )
     inverses, determinants, curvatures = _tabled(kernel, grid, points)
     parts = [leaves, terms, np.concatenate([bounds, [scales]]), inverses, determinants, points, curvatures]
     header = np.zeros(at.HEADER)
@@ -112,6 +127,35 @@ def _points(kernel: AbstractKernel) -> FloatArray:
     steps = root ** -np.arange(1.0, low.size + 1)
     share = (0.5 + np.arange(1, _STARTS + 1)[:, None] * steps) % 1.0
     return np.concatenate([low + (high - low) * share, np.zeros((_STARTS, 1))], axis=1)
+
+
+def _sound(kernel: AbstractKernel, grid: TimeGrid, bounds: FloatArray, points: FloatArray) -> FloatArray:
+    """Starts whose covariance has an inverse, (S, P); none where the kernel grows too much over the window.
+
+    Notes
+    -----
+    A covariance is linear in the variances that scale it. A start is left out where the least that the bounds
+    allow of these is too much beside the most white noise. Of the others each such variance is lowered to
+    what doubles can invert: ``linear*linear`` is 1e7 times its variance after a minute.
+    """
+    scales = [one.name.endswith(VARIANCE.name) for one in kernel.hyperparameters]
+    columns = np.flatnonzero(scales)
+    least = points.copy()
+    least[:, columns] = bounds[0, columns]
+    with np.errstate(over="ignore", invalid="ignore"):
+        traces = _diagonals(kernel, grid, np.exp(least[:, :-1])).sum(axis=1)
+    sound = points[traces <= _MOST_TRACE * np.exp(bounds[1, -1])]
+    for column in columns:
+        alone = np.exp(sound[:, :-1])
+        alone[:, columns[columns != column]] = 0.0
+        peaks = _diagonals(kernel, grid, alone).max(axis=1)
+        sound[:, column] -= np.log(np.maximum(peaks / _MOST_OVER_NOISE, 1.0))
+    return sound
+
+
+def _diagonals(kernel: AbstractKernel, grid: TimeGrid, values: FloatArray) -> FloatArray:
+    """Variances at the window's times, (G, n)."""
+    return kernel.at(values[:, None, :], grid.times_s, grid.times_s)
 
 
 def _tabled(
