@@ -370,6 +370,8 @@ def test_hostile_fields_are_refused_by_name(field: str, value: object, message: 
         ("covariance", [[1.0, 0.1], [0.2, 1.0]], "symmetric and positive definite"),
         ("covariance", [[1.0, 1.0], [1.0, 1.0]], "symmetric and positive definite"),
         ("covariance", [[1.0, 2.0], [2.0, 1.0]], "symmetric and positive definite"),
+        ("covariance", [[1.0, 1.0 - 4e-9], [1.0 - 4e-9, 1.0]], "symmetric and positive definite"),
+        ("covariance", [[100.0, 0.01 - 4e-11], [0.01 - 4e-11, 1e-6]], "symmetric and positive definite"),
         ("covariance", [[0.0, 0.0], [0.0, 1.0]], "symmetric and positive definite"),
         ("covariance", [[-1.0, 0.0], [0.0, -1.0]], "symmetric and positive definite"),
     ],
