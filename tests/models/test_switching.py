@@ -346,6 +346,7 @@ MODE: dict[str, Any] = to_plain(CALM)
         ("modes", [MODE] * (MOST_MODES + 1), "a list of 1 to 10 items"),
         ("modes", [{"is": "ConstantVelocity"}] * 3, r"modes\[0\] must be a linear mode"),
         ("step_s", 0.0, "step_s"),
+        ("step_s", 0.049, "step_s.*from 0.05 to 1"),
         ("step_s", "inf", "step_s"),
         ("belief_bits", 0, "belief_bits"),
         ("belief_bits", 33, "belief_bits"),
@@ -379,6 +380,17 @@ def test_hostile_fields_are_refused_by_name(field: str, value: object, message: 
 def test_hostile_modes_are_refused_by_name(field: str, value: object, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         from_plain({**MODE, field: value}, "$")
+
+
+def test_lists_are_as_good_as_tuples() -> None:
+    modes: Any = [
+        LinearMode(*(np.array(getattr(mode, name)).tolist() for name in ("dynamics", "offset", "covariance")))
+        for mode in SYSTEM.modes
+    ]
+    chain: Any = [list(row) for row in CHAIN]
+    same = StochasticHybridSystem("made", modes, chain)
+    assert same == SYSTEM
+    assert hash(same) == hash(SYSTEM)
 
 
 def test_modes_that_run_away_together_are_refused() -> None:

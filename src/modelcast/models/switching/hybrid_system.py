@@ -57,7 +57,7 @@ class StochasticHybridSystem(AbstractSubModel):
     transition
         Chances of the chain over one step, M rows from, M columns to; each row sums to one.
     step_s
-        The step that modes and chain are of [s].
+        The step that modes and chain are of, from 0.05 to 1 [s]: a prediction holds the moments of every step.
     belief_bits
         Width of the field that a message carries the chance of a mode in; the last mode has what the others
         leave.
@@ -106,11 +106,13 @@ class StochasticHybridSystem(AbstractSubModel):
     modes: Annotated[tuple[LinearMode, ...], _MODES]
     transition: Annotated[tuple[tuple[float, ...], ...], _CHANCES]
     _: KW_ONLY
-    step_s: Annotated[float, Number(0.01, 1.0)] = 0.1
+    step_s: Annotated[float, Number(0.05, 1.0)] = 0.1
     belief_bits: Annotated[int, Whole(1, 16)] = 4
 
     def __post_init__(self) -> None:
         check_fields(self)
+        object.__setattr__(self, "modes", tuple(self.modes))
+        object.__setattr__(self, "transition", tuple(tuple(row) for row in self.transition))
         count = len(self.modes)
         if len(self.transition) != count or any(len(row) != count for row in self.transition):
             raise FieldError(

@@ -57,6 +57,9 @@ class LinearMode:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        for name in ("dynamics", "covariance"):
+            object.__setattr__(self, name, tuple(tuple(row) for row in getattr(self, name)))
+        object.__setattr__(self, "offset", tuple(self.offset))
         if np.abs(np.linalg.eigvals(np.array(self.dynamics))).max() > _GROWTH:
             raise FieldError("dynamics", self.dynamics, "a matrix whose eigenvalues are at most 1 in size")
         (first, one), (other, second) = self.covariance
