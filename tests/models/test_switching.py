@@ -399,3 +399,43 @@ def test_modes_that_run_away_together_are_refused() -> None:
     two = LinearMode(((0.5, 0.0), (20.0, 0.5)), (0.0, 0.0), NOISE)
     with pytest.raises(ValueError, match="run away"):
         StochasticHybridSystem("wild", (one, two), ((0.0, 1.0), (1.0, 0.0)))
+
+
+@pytest.mark.parametrize("size", [3.0, 30.0, 1000.0])
+def test_modes_whose_mean_dies_and_whose_square_runs_away_are_refused(size: float) -> None:
+    """The mean of each pair of modes is 0; the squares grow by ``size²/2`` with every step."""
+    modes = tuple(
+        LinearMode(dynamics, (0.0, 0.0), NOISE)
+        for one in (-size, size)
+        for dynamics in (((0.0, one), (0.0, 0.0)), ((0.0, 0.0), (one, 0.0)))
+    )
+    even = ((0.25,) * 4,) * 4
+    with pytest.raises(ValueError, match="run away"):
+        StochasticHybridSystem("wild", modes, even)
+
+
+def test_modes_whose_squares_die_are_taken_and_spread_finitely() -> None:
+    modes = tuple(
+        LinearMode(dynamics, (0.0, 0.0), NOISE)
+        for one in (-1.4, 1.4)
+        for dynamics in (((0.0, one), (0.0, 0.0)), ((0.0, 0.0), (one, 0.0)))
+    )
+    calm = StochasticHybridSystem("calm", modes, ((0.25,) * 4,) * 4)
+    parameters = np.array([[10.0, 0.0, 1.0, 0.1, 0.25, 0.25, 0.25]])
+    spread = calm.covariance(parameters, np.array([1.0, REACH_S]), dt_s=DT_S)
+    assert np.isfinite(spread).all()
+    assert np.abs(spread).max() < 1e6
+
+
+@pytest.mark.parametrize("dynamics", [((1.0, 0.0), (0.0, 1.0)), ((0.99, 0.0), (0.0, 0.99))])
+@pytest.mark.parametrize("step_s", [0.05, 0.1, 1.0])
+def test_the_bound_of_squares_refuses_no_single_mode_of_bounded_mean(dynamics: Any, step_s: float) -> None:
+    largest = 1e4 / (REACH_S / step_s + 1.0)
+    wide = LinearMode(dynamics, (min(largest, 100.0), -min(largest, 100.0)), ((1e4, 0.0), (0.0, 1e4)))
+    assert StochasticHybridSystem("wide", (wide,), ((1.0,),), step_s=step_s).modes == (wide,)
+
+
+def test_a_mean_beyond_its_bound_is_refused_where_squares_are_within_theirs() -> None:
+    steady = LinearMode(((1.0, 0.0), (0.0, 1.0)), (100.0, 0.0), NOISE)
+    with pytest.raises(ValueError, match="run away"):
+        StochasticHybridSystem("steady", (steady,), ((1.0,),), step_s=0.05)

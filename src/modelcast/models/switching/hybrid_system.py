@@ -40,6 +40,8 @@ REACH_S = 10.0
 
 _ROUNDING = 1e-6
 _LARGEST_MEAN = 1e4
+_LARGEST_MOMENT = 1e12
+"""What modes of bounded mean that are stable in the mean square too stay below: 10⁴ adds up to 5·10⁵ in 10 s."""
 _MODES = Each(One((LinearMode,), "a linear mode"), 1, MOST_MODES)
 _CHANCES = Each(Each(Number(0.0, 1.0), 1, MOST_MODES), 1, MOST_MODES)
 
@@ -57,7 +59,7 @@ class StochasticHybridSystem(AbstractSubModel):
     transition
         Chances of the chain over one step, M rows from, M columns to; each row sums to one.
     step_s
-        The step that modes and chain are of, from 0.05 to 1 [s]: a prediction holds the moments of every step.
+        The step that modes and chain are of, from 0.05 to 1 [s]; a prediction holds the moments of every one.
     belief_bits
         Width of the field that a message carries the chance of a mode in; the last mode has what the others
         leave.
@@ -66,7 +68,7 @@ class StochasticHybridSystem(AbstractSubModel):
     ------
     ValueError
         Where a field is outside its bounds, the chain does not fit the modes or a row of it does not sum to
-        one, or acceleration or yaw rate run away within `REACH_S`.
+        one, or acceleration or yaw rate run away within `REACH_S`, in the mean or in the mean square.
 
     Notes
     -----
@@ -121,7 +123,7 @@ class StochasticHybridSystem(AbstractSubModel):
         for at, row in enumerate(self.transition):
             if not abs(sum(row) - 1.0) < _ROUNDING:
                 raise FieldError(f"transition[{at}]", row, "chances that sum to one")
-        if not np.abs(_means(self)).max() <= _LARGEST_MEAN:
+        if not _is_bounded(self):
             raise FieldError("modes", self.modes, f"modes that do not run away within {REACH_S:g} s together")
 
     @property
@@ -205,6 +207,18 @@ def _spread(covariance: FloatArray, once: int, later_s: FloatArray) -> FloatArra
     twice = once + 2
     straight = 2.0 * later_s * covariance[..., twice, once] + later_s**2 * covariance[..., once, once]
     return np.sqrt(np.maximum(covariance[..., twice, twice] + straight, 0.0))
+
+
+def _is_bounded(model: StochasticHybridSystem) -> bool:
+    """Whether first and second moments stay small from every mode, at rates of zero and of one."""
+    count = len(model.modes)
+    belief = np.repeat(np.eye(count), 3, axis=0)
+    start = np.tile([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], (count, 1))
+    steps = round(REACH_S / model.step_s)
+    with np.errstate(over="ignore", invalid="ignore"):  # what is too large for a number is not bounded
+        means = _means(model)
+        squares = second_moments(model.arrays, belief, start, steps=steps, step_s=model.step_s)
+    return bool(np.abs(means).max() <= _LARGEST_MEAN and np.abs(squares).max() <= _LARGEST_MOMENT)
 
 
 @functools.lru_cache(maxsize=32)
