@@ -439,3 +439,16 @@ def test_a_mean_beyond_its_bound_is_refused_where_squares_are_within_theirs() ->
     steady = LinearMode(((1.0, 0.0), (0.0, 1.0)), (100.0, 0.0), NOISE)
     with pytest.raises(ValueError, match="run away"):
         StochasticHybridSystem("steady", (steady,), ((1.0,),), step_s=0.05)
+
+
+@pytest.mark.parametrize("step_s", [0.05, 0.1, 1.0])
+def test_intervals_from_a_thousandth_of_a_step_to_the_reach_have_a_filter_and_no_others(
+    step_s: float,
+) -> None:
+    system = StochasticHybridSystem("made", SYSTEM.modes, CHAIN, step_s=step_s)
+    x = drawn(SYSTEM, 5, 0)
+    for dt_s in (0.001 * step_s, REACH_S):
+        assert belief_of(system, x, dt_s).sum() == pytest.approx(1.0)
+    for dt_s in (0.0009 * step_s, 1e-12, REACH_S + 0.1, 1e9):
+        with pytest.raises(ValueError, match=f"made: dt_s must be from {0.001 * step_s:g} to 10 s, got"):
+            belief_of(system, x, dt_s)

@@ -39,6 +39,8 @@ REACH_S = 10.0
 """Horizon up to which the mean is followed [s]; beyond it the car goes straight on."""
 
 _ROUNDING = 1e-6
+_DECIMALS = 3
+"""Of a sampling interval in steps: what differs by less is one interval, with one set of tables."""
 _LARGEST_MEAN = 1e4
 _LARGEST_MOMENT = 1e12
 """What modes of bounded mean that are stable in the mean square too stay below: 10⁴ adds up to 5·10⁵ in 10 s."""
@@ -166,8 +168,17 @@ class StochasticHybridSystem(AbstractSubModel):
         return as_arrays(self.modes, self.transition)
 
     def point_functions(self, dt_s: float) -> PointFunctions:
-        """Return the filter and the prediction, made once for an interval."""
-        constants = _constants(self, round(dt_s / self.step_s, 3))
+        """Return the filter and the prediction, made once for an interval.
+
+        Raises
+        ------
+        ValueError
+            Where the interval is under a thousandth of a step or over `REACH_S`.
+        """
+        shortest_s = self.step_s * 10.0**-_DECIMALS
+        if not shortest_s * (1.0 - _ROUNDING) <= dt_s <= REACH_S:
+            raise ValueError(f"{self.name}: dt_s must be from {shortest_s:g} to {REACH_S:g} s, got {dt_s:g}")
+        constants = _constants(self, round(dt_s / self.step_s, _DECIMALS))
         stream = Stream(kernels.observe, columns=len(self.modes), at=kernels.AT_COLUMN)
         return PointFunctions(kernels.fit, kernels.predict, constants, stream=stream)
 
