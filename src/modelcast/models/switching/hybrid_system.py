@@ -43,7 +43,7 @@ _DECIMALS = 3
 """Of a sampling interval in steps: what differs by less is one interval, with one set of tables."""
 _LARGEST_MEAN = 1e4
 _LARGEST_MOMENT = 1e12
-"""What modes of bounded mean that are stable in the mean square too stay below: 10⁴ adds up to 5·10⁵ in 10 s."""
+"""Of an entry of the moments: a mean of 10⁴ adds up to 5·10⁵ in 10 s, whose square is below."""
 _MODES = Each(One((LinearMode,), "a linear mode"), 1, MOST_MODES)
 _CHANCES = Each(Each(Number(0.0, 1.0), 1, MOST_MODES), 1, MOST_MODES)
 
