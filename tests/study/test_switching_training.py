@@ -30,7 +30,7 @@ from modelcast.study.training.switching import (
 from modelcast.study.training.switching.prior import ModePrior, mode_sums, step_densities
 from modelcast.study.training.switching.switching_kernels import backward, draw_path, forward
 from modelcast.trips.fingerprint import fingerprint
-from modelcast.trips.trajectory import Trajectory
+from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.drive import generate_drive
 
 ROUNDING = 1e-9
@@ -279,6 +279,19 @@ def test_sequences_hold_moving_cars_and_name_trips_of_another_interval() -> None
     assert (data.after == alone.after).all()
     assert (alone.before[1:][~alone.begins[1:]] == alone.after[:-1][~alone.begins[1:]]).all()
     assert len(alone) < sum(len(trip) for trip in trips)
+
+
+def test_parts_begin_where_rates_from_velocities_do() -> None:
+    """Of a car that brakes, seen by its positions: the third sample of a part is the first to have rates."""
+    t_s = 0.1 * np.arange(80)
+    t_s[40:] += 1.0
+    north_m = 20.0 * t_s - 0.5 * t_s**2
+    trip = build_trajectory("made/1", t_s, np.column_stack([np.zeros(80), north_m]))
+    data = sequences_of([trip])
+    assert np.flatnonzero(data.begins).tolist() == [0, 37]
+    assert len(data) == 2 * 37
+    assert data.before[:, 0].max() < -0.5
+    assert data.after[:, 0].max() < -0.5
 
 
 def test_what_cannot_be_learned_from_is_refused() -> None:
