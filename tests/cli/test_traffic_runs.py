@@ -74,8 +74,26 @@ def test_the_command_takes_the_runs_up_and_the_plan_those_of_the_command(
     again = run_traffic(other, SMALL, jobs=1, progress=lambda done, _: steps.append(done), say=told.append)
     assert steps == list(range(8, 17))
     assert [line.split(":")[0] for line in told[1:]] == ["16 runs (8 done before)"]
-    assert told[0].startswith("the whole plan takes about ")
+    assert told[0] == "the whole plan takes about 1 min, 1 at a time"
     assert again.rows == found.rows
+
+
+class ToldError(Exception):
+    """What was said first."""
+
+
+@pytest.mark.parametrize(
+    ("seeds", "jobs", "words"),
+    [(30, 1, "11 h, 1 at a time"), (3, 1, "1 h, 1 at a time"), (1, 2, "11 min, 2 at a time")],
+)
+def test_how_long_a_plan_takes_is_told_in_whole_hours_or_minutes(
+    tmp_path: Path, seeds: int, jobs: int, words: str
+) -> None:
+    def say(line: str) -> None:
+        raise ToldError(line)
+
+    with pytest.raises(ToldError, match=f"about {words}$"):
+        run_traffic(tmp_path, TrafficPlan(seeds=seeds), jobs=jobs, progress=lambda *_: None, say=say)
 
 
 def test_a_sweep_without_the_baseline_compares_nothing(tmp_path: Path) -> None:

@@ -346,6 +346,7 @@ MODE: dict[str, Any] = to_plain(CALM)
         ("modes", [MODE] * (MOST_MODES + 1), "a list of 1 to 10 items"),
         ("modes", [{"is": "ConstantVelocity"}] * 3, r"modes\[0\] must be a linear mode"),
         ("step_s", 0.0, "step_s"),
+        ("step_s", 0.049, "step_s.*from 0.05 to 1"),
         ("step_s", "inf", "step_s"),
         ("belief_bits", 0, "belief_bits"),
         ("belief_bits", 33, "belief_bits"),
@@ -370,6 +371,8 @@ def test_hostile_fields_are_refused_by_name(field: str, value: object, message: 
         ("covariance", [[1.0, 0.1], [0.2, 1.0]], "symmetric and positive definite"),
         ("covariance", [[1.0, 1.0], [1.0, 1.0]], "symmetric and positive definite"),
         ("covariance", [[1.0, 2.0], [2.0, 1.0]], "symmetric and positive definite"),
+        ("covariance", [[1.0, 1.0 - 4e-9], [1.0 - 4e-9, 1.0]], "symmetric and positive definite"),
+        ("covariance", [[100.0, 0.01 - 4e-11], [0.01 - 4e-11, 1e-6]], "symmetric and positive definite"),
         ("covariance", [[0.0, 0.0], [0.0, 1.0]], "symmetric and positive definite"),
         ("covariance", [[-1.0, 0.0], [0.0, -1.0]], "symmetric and positive definite"),
     ],
@@ -379,9 +382,73 @@ def test_hostile_modes_are_refused_by_name(field: str, value: object, message: s
         from_plain({**MODE, field: value}, "$")
 
 
+def test_lists_are_as_good_as_tuples() -> None:
+    modes: Any = [
+        LinearMode(*(np.array(getattr(mode, name)).tolist() for name in ("dynamics", "offset", "covariance")))
+        for mode in SYSTEM.modes
+    ]
+    chain: Any = [list(row) for row in CHAIN]
+    same = StochasticHybridSystem("made", modes, chain)
+    assert same == SYSTEM
+    assert hash(same) == hash(SYSTEM)
+
+
 def test_modes_that_run_away_together_are_refused() -> None:
     """Each is stable; one after the other they grow a hundredfold every two steps."""
     one = LinearMode(((0.5, 20.0), (0.0, 0.5)), (0.0, 0.0), NOISE)
     two = LinearMode(((0.5, 0.0), (20.0, 0.5)), (0.0, 0.0), NOISE)
     with pytest.raises(ValueError, match="run away"):
         StochasticHybridSystem("wild", (one, two), ((0.0, 1.0), (1.0, 0.0)))
+
+
+@pytest.mark.parametrize("size", [3.0, 30.0, 1000.0])
+def test_modes_whose_mean_dies_and_whose_square_runs_away_are_refused(size: float) -> None:
+    """The mean of each pair of modes is 0; the squares grow by ``size²/2`` with every step."""
+    modes = tuple(
+        LinearMode(dynamics, (0.0, 0.0), NOISE)
+        for one in (-size, size)
+        for dynamics in (((0.0, one), (0.0, 0.0)), ((0.0, 0.0), (one, 0.0)))
+    )
+    even = ((0.25,) * 4,) * 4
+    with pytest.raises(ValueError, match="run away"):
+        StochasticHybridSystem("wild", modes, even)
+
+
+def test_modes_whose_squares_die_are_taken_and_spread_finitely() -> None:
+    modes = tuple(
+        LinearMode(dynamics, (0.0, 0.0), NOISE)
+        for one in (-1.4, 1.4)
+        for dynamics in (((0.0, one), (0.0, 0.0)), ((0.0, 0.0), (one, 0.0)))
+    )
+    calm = StochasticHybridSystem("calm", modes, ((0.25,) * 4,) * 4)
+    parameters = np.array([[10.0, 0.0, 1.0, 0.1, 0.25, 0.25, 0.25]])
+    spread = calm.covariance(parameters, np.array([1.0, REACH_S]), dt_s=DT_S)
+    assert np.isfinite(spread).all()
+    assert np.abs(spread).max() < 1e6
+
+
+@pytest.mark.parametrize("dynamics", [((1.0, 0.0), (0.0, 1.0)), ((0.99, 0.0), (0.0, 0.99))])
+@pytest.mark.parametrize("step_s", [0.05, 0.1, 1.0])
+def test_the_bound_of_squares_refuses_no_single_mode_of_bounded_mean(dynamics: Any, step_s: float) -> None:
+    largest = 1e4 / (REACH_S / step_s + 1.0)
+    wide = LinearMode(dynamics, (min(largest, 100.0), -min(largest, 100.0)), ((1e4, 0.0), (0.0, 1e4)))
+    assert StochasticHybridSystem("wide", (wide,), ((1.0,),), step_s=step_s).modes == (wide,)
+
+
+def test_a_mean_beyond_its_bound_is_refused_where_squares_are_within_theirs() -> None:
+    steady = LinearMode(((1.0, 0.0), (0.0, 1.0)), (100.0, 0.0), NOISE)
+    with pytest.raises(ValueError, match="run away"):
+        StochasticHybridSystem("steady", (steady,), ((1.0,),), step_s=0.05)
+
+
+@pytest.mark.parametrize("step_s", [0.05, 0.1, 1.0])
+def test_intervals_from_a_thousandth_of_a_step_to_the_reach_have_a_filter_and_no_others(
+    step_s: float,
+) -> None:
+    system = StochasticHybridSystem("made", SYSTEM.modes, CHAIN, step_s=step_s)
+    x = drawn(SYSTEM, 5, 0)
+    for dt_s in (0.001 * step_s, REACH_S):
+        assert belief_of(system, x, dt_s).sum() == pytest.approx(1.0)
+    for dt_s in (0.0009 * step_s, 1e-12, REACH_S + 0.1, 1e9):
+        with pytest.raises(ValueError, match=f"made: dt_s must be from {0.001 * step_s:g} to 10 s, got"):
+            belief_of(system, x, dt_s)

@@ -1,5 +1,6 @@
 """Claims about the training of switching models: passes over the chain, conjugate beliefs, both searches."""
 
+import json
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -29,7 +30,7 @@ from modelcast.study.training.switching import (
 from modelcast.study.training.switching.prior import ModePrior, mode_sums, step_densities
 from modelcast.study.training.switching.switching_kernels import backward, draw_path, forward
 from modelcast.trips.fingerprint import fingerprint
-from modelcast.trips.trajectory import Trajectory
+from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.drive import generate_drive
 
 ROUNDING = 1e-9
@@ -280,6 +281,19 @@ def test_sequences_hold_moving_cars_and_name_trips_of_another_interval() -> None
     assert len(alone) < sum(len(trip) for trip in trips)
 
 
+def test_parts_begin_where_rates_from_velocities_do() -> None:
+    """Of a car that brakes, seen by its positions: the third sample of a part is the first to have rates."""
+    t_s = 0.1 * np.arange(80)
+    t_s[40:] += 1.0
+    north_m = 20.0 * t_s - 0.5 * t_s**2
+    trip = build_trajectory("made/1", t_s, np.column_stack([np.zeros(80), north_m]))
+    data = sequences_of([trip])
+    assert np.flatnonzero(data.begins).tolist() == [0, 37]
+    assert len(data) == 2 * 37
+    assert data.before[:, 0].max() < -0.5
+    assert data.after[:, 0].max() < -0.5
+
+
 def test_what_cannot_be_learned_from_is_refused() -> None:
     with pytest.raises(ValueError, match="no trip"):
         sequences_of([])
@@ -359,10 +373,41 @@ def test_the_command_adds_to_a_profile_and_banks_take_from_it(folder: Path, tmp_
     assert run(["evaluate", str(folder), *words, "--out", str(tmp_path / "out"), "--quiet"]) == 0
 
 
-@pytest.mark.parametrize(
-    "words", [("--add", "gp-vehicle"), ("--profile", "x.json"), ("--add", "shs", "--modes", "11")]
-)
-def test_the_command_refuses_what_it_cannot_add(folder: Path, tmp_path: Path, words: tuple[str, ...]) -> None:
+def test_the_command_prints_what_was_added(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "mine.json"
-    assert run(["train", str(folder), *words, "--out", str(out), "--quiet"]) == 2
+    assert run(["train", str(folder), "--add", "shs", "--modes", "2", "--out", str(out), "--json"]) == 0
+    printed, found = json.loads(capsys.readouterr().out), read_profile(out)
+    assert printed["added"] == found.added_record
+    assert printed["added"]["shs"] != default_profile().added_record["shs"]
+    assert printed["added"]["shs"]["steps"] == len(sequences_of(drives()))
+    assert printed["sha256"] == found.identity
+
+
+ALONE = "for a full training: --add trains shs and hdp-hmm alone"
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        ("--add gp-vehicle", "names must be some of shs, hdp-hmm"),
+        ("--profile x.json", "--profile is what --add adds to"),
+        ("--add shs --modes 11", "modes"),
+        ("--add shs --modes 0", "--modes 0 trains neither"),
+        ("--add hdp-hmm --modes 0", "--modes 0 trains neither"),
+        ("--add shs --bank ctra", f"--bank is {ALONE}"),
+        ("--add shs --validate", f"--validate is {ALONE}"),
+        ("--add shs --hidden 96 95", f"--hidden is {ALONE}"),
+        ("--add shs --coefficients 2", f"--coefficients is {ALONE}"),
+        ("--add shs --steps 10", f"--steps is {ALONE}"),
+        ("--add shs --regimes 0", f"--regimes is {ALONE}"),
+    ],
+)
+def test_the_command_refuses_what_it_cannot_add(
+    folder: Path, tmp_path: Path, words: str, named: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "mine.json"
+    assert run(["train", str(folder), *words.split(), "--out", str(out), "--quiet"]) == 2
+    assert named in " ".join(capsys.readouterr().err.split())
     assert not out.exists()

@@ -95,7 +95,7 @@ def run_traffic(
         Where the plan cannot be run, or the folder holds runs of other options.
     """
     shared = network_plan(plan)
-    say(f"the whole plan takes about {plan.expected_s(jobs) / 3600.0:.1g} h, {jobs} at a time")
+    say(f"the whole plan takes about {_rounded(plan.expected_s(jobs))}, {jobs} at a time")
     cases = network_cases(shared, Varied(plan.densities_per_km, plan.radios, plan.policies, plan.seeds))
     asked = Sweep(shared, cases, senders=sender_rows(shared, plan.policies))
 
@@ -105,3 +105,10 @@ def run_traffic(
 
     swept = sweep(asked, out, jobs=jobs, watch=watch, say=say)
     return TrafficResult(tuple(swept.rows), swept.result)
+
+
+def _rounded(duration_s: float) -> str:
+    """Whole hours, or under one of them whole minutes, one at least."""
+    if duration_s >= 3600.0:
+        return f"{duration_s / 3600.0:.0f} h"
+    return f"{max(duration_s / 60.0, 1.0):.0f} min"

@@ -1,5 +1,6 @@
 """``modelcast train``: what all vehicles share, learned from trips."""
 
+import inspect
 from pathlib import Path
 from typing import Annotated
 
@@ -61,7 +62,8 @@ def train(
         for neither.
     add
         Train these sub-models alone, shs, hdp-hmm or both, and write --profile with them beside its others,
-        which stay as they are.
+        which stay as they are. Options of a full training (bank, validate, hidden, coefficients, steps,
+        regimes) and --modes 0 are refused beside it.
     profile
         The profile that --add adds to; the shipped one where not given.
     seed
@@ -73,7 +75,7 @@ def train(
     trip
         Take only trips whose identifier matches this shell pattern.
     json
-        Print the training record instead of a table.
+        Print the training record instead of a table; what was added later is under added.
     quiet
         Print nothing but errors.
     """
@@ -97,8 +99,17 @@ def train(
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast train --help)")
-    if profile is not None and not add:
-        raise ConfigError("--profile is what --add adds to: name shs, hdp-hmm or both behind --add")
+    _require_addable(
+        add,
+        profile,
+        modes,
+        bank=bank,
+        validate=validate,
+        hidden=hidden,
+        coefficients=coefficients,
+        steps=steps,
+        regimes=regimes,
+    )
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     silent = quiet or json
     try:
@@ -130,13 +141,30 @@ def train(
     except ValueError as error:
         raise ConfigError(str(error)) from error
     if json:
-        document = {"profile": str(out), "sha256": trained.identity, **trained.record}
+        added = {"added": trained.added_record} if trained.added_record else {}
+        document = {"profile": str(out), "sha256": trained.identity, **trained.record, **added}
         json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
         print()
     elif not quiet:
         show(training_report(trained))
         say(f"profile: {out}, sha256 {trained.identity}")
     return source.exit_code
+
+
+def _require_addable(add: tuple[str, ...], profile: Path | None, modes: int, **unused: object) -> None:
+    """Refuse --profile without --add, and beside --add what it leaves unused and is not at its default."""
+    from modelcast.core.exceptions import ConfigError
+
+    if not add:
+        if profile is not None:
+            raise ConfigError("--profile is what --add adds to: name shs, hdp-hmm or both behind --add")
+        return
+    if modes == 0:
+        raise ConfigError("--modes 0 trains neither shs nor hdp-hmm: leave it out, or leave out --add")
+    defaults = inspect.signature(train).parameters
+    for name, value in unused.items():
+        if value != defaults[name].default:
+            raise ConfigError(f"--{name} is for a full training: --add trains shs and hdp-hmm alone")
 
 
 def _require_trainable(names: tuple[str, ...]) -> None:

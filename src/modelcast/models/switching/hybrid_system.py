@@ -39,7 +39,11 @@ REACH_S = 10.0
 """Horizon up to which the mean is followed [s]; beyond it the car goes straight on."""
 
 _ROUNDING = 1e-6
+_DECIMALS = 3
+"""Of a sampling interval in steps: what differs by less is one interval, with one set of tables."""
 _LARGEST_MEAN = 1e4
+_LARGEST_MOMENT = 1e12
+"""Of an entry of the moments: a mean of 10⁴ adds up to 5·10⁵ in 10 s, whose square is below."""
 _MODES = Each(One((LinearMode,), "a linear mode"), 1, MOST_MODES)
 _CHANCES = Each(Each(Number(0.0, 1.0), 1, MOST_MODES), 1, MOST_MODES)
 
@@ -57,7 +61,7 @@ class StochasticHybridSystem(AbstractSubModel):
     transition
         Chances of the chain over one step, M rows from, M columns to; each row sums to one.
     step_s
-        The step that modes and chain are of [s].
+        The step that modes and chain are of, from 0.05 to 1 [s]; a prediction holds the moments of every one.
     belief_bits
         Width of the field that a message carries the chance of a mode in; the last mode has what the others
         leave.
@@ -66,7 +70,7 @@ class StochasticHybridSystem(AbstractSubModel):
     ------
     ValueError
         Where a field is outside its bounds, the chain does not fit the modes or a row of it does not sum to
-        one, or acceleration or yaw rate run away within `REACH_S`.
+        one, or acceleration or yaw rate run away within `REACH_S`, in the mean or in the mean square.
 
     Notes
     -----
@@ -106,11 +110,13 @@ class StochasticHybridSystem(AbstractSubModel):
     modes: Annotated[tuple[LinearMode, ...], _MODES]
     transition: Annotated[tuple[tuple[float, ...], ...], _CHANCES]
     _: KW_ONLY
-    step_s: Annotated[float, Number(0.01, 1.0)] = 0.1
+    step_s: Annotated[float, Number(0.05, 1.0)] = 0.1
     belief_bits: Annotated[int, Whole(1, 16)] = 4
 
     def __post_init__(self) -> None:
         check_fields(self)
+        object.__setattr__(self, "modes", tuple(self.modes))
+        object.__setattr__(self, "transition", tuple(tuple(row) for row in self.transition))
         count = len(self.modes)
         if len(self.transition) != count or any(len(row) != count for row in self.transition):
             raise FieldError(
@@ -119,7 +125,7 @@ class StochasticHybridSystem(AbstractSubModel):
         for at, row in enumerate(self.transition):
             if not abs(sum(row) - 1.0) < _ROUNDING:
                 raise FieldError(f"transition[{at}]", row, "chances that sum to one")
-        if not np.abs(_means(self)).max() <= _LARGEST_MEAN:
+        if not _is_bounded(self):
             raise FieldError("modes", self.modes, f"modes that do not run away within {REACH_S:g} s together")
 
     @property
@@ -162,8 +168,17 @@ class StochasticHybridSystem(AbstractSubModel):
         return as_arrays(self.modes, self.transition)
 
     def point_functions(self, dt_s: float) -> PointFunctions:
-        """Return the filter and the prediction, made once for an interval."""
-        constants = _constants(self, round(dt_s / self.step_s, 3))
+        """Return the filter and the prediction, made once for an interval.
+
+        Raises
+        ------
+        ValueError
+            Where the interval is under a thousandth of a step or over `REACH_S`.
+        """
+        shortest_s = self.step_s * 10.0**-_DECIMALS
+        if not shortest_s * (1.0 - _ROUNDING) <= dt_s <= REACH_S:
+            raise ValueError(f"{self.name}: dt_s must be from {shortest_s:g} to {REACH_S:g} s, got {dt_s:g}")
+        constants = _constants(self, round(dt_s / self.step_s, _DECIMALS))
         stream = Stream(kernels.observe, columns=len(self.modes), at=kernels.AT_COLUMN)
         return PointFunctions(kernels.fit, kernels.predict, constants, stream=stream)
 
@@ -203,6 +218,18 @@ def _spread(covariance: FloatArray, once: int, later_s: FloatArray) -> FloatArra
     twice = once + 2
     straight = 2.0 * later_s * covariance[..., twice, once] + later_s**2 * covariance[..., once, once]
     return np.sqrt(np.maximum(covariance[..., twice, twice] + straight, 0.0))
+
+
+def _is_bounded(model: StochasticHybridSystem) -> bool:
+    """Whether first and second moments stay small from every mode, at rates of zero and of one."""
+    count = len(model.modes)
+    belief = np.repeat(np.eye(count), 3, axis=0)
+    start = np.tile([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], (count, 1))
+    steps = round(REACH_S / model.step_s)
+    with np.errstate(over="ignore", invalid="ignore"):  # what is too large for a number is not bounded
+        means = _means(model)
+        squares = second_moments(model.arrays, belief, start, steps=steps, step_s=model.step_s)
+    return bool(np.abs(means).max() <= _LARGEST_MEAN and np.abs(squares).max() <= _LARGEST_MOMENT)
 
 
 @functools.lru_cache(maxsize=32)

@@ -15,6 +15,8 @@ _DYNAMICS = Number(-1000.0, 1000.0)
 _OFFSET = Number(-100.0, 100.0)
 _COVARIANCE = Number(-1e4, 1e4)
 _LEAST_VARIANCE = 1e-10
+_LEAST_DETERMINANT = 1e-8
+"""Of a covariance over the product of its variances, one less the square of the correlation."""
 _GROWTH = 1.0 + 1e-9
 
 
@@ -38,8 +40,9 @@ class LinearMode:
     Raises
     ------
     ValueError
-        Where a number is out of its range, the covariance is not symmetric and positive definite, or an
-        eigenvalue of the dynamics is larger than 1: such a mode would run away.
+        Where a number is out of its range, the covariance is not symmetric and positive definite or so near
+        to singular that its inverse would be rounding, or an eigenvalue of the dynamics is larger than 1:
+        such a mode would run away.
 
     Examples
     --------
@@ -54,11 +57,18 @@ class LinearMode:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        for name in ("dynamics", "covariance"):
+            object.__setattr__(self, name, tuple(tuple(row) for row in getattr(self, name)))
+        object.__setattr__(self, "offset", tuple(self.offset))
         if np.abs(np.linalg.eigvals(np.array(self.dynamics))).max() > _GROWTH:
             raise FieldError("dynamics", self.dynamics, "a matrix whose eigenvalues are at most 1 in size")
         (first, one), (other, second) = self.covariance
-        least = min(first, second)
-        if one != other or least < _LEAST_VARIANCE or first * second - one * one <= _LEAST_VARIANCE * least:
+        determinant, product = first * second - one * one, first * second
+        if (
+            one != other
+            or min(first, second) < _LEAST_VARIANCE
+            or determinant <= _LEAST_DETERMINANT * product
+        ):
             raise FieldError("covariance", self.covariance, "symmetric and positive definite")
 
 

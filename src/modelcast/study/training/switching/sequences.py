@@ -121,7 +121,8 @@ def sequences_of(trips: Sequence[Trajectory]) -> Sequences:
         stands = np.hypot(samples[:, VELOCITY_EAST], samples[:, VELOCITY_NORTH]) < NO_RATES_BELOW_MPS
         for first, end in pairwise(trip.segments):
             # The first two samples of a part have no rates yet where those come from velocities.
-            edges = [int(first) + 1, *(int(first) + np.flatnonzero(stands[first:end])).tolist(), int(end)]
+            start = int(first) + 1
+            edges = [start, *(start + 1 + np.flatnonzero(stands[start + 1 : end])).tolist(), int(end)]
             cut += [values[a + 1 : b] for a, b in pairwise(edges) if b - a > _SHORTEST]
     kept = {id(trip) for trip in chosen}
     left_out = tuple(trip.trip_id for trip in trips if id(trip) not in kept)
