@@ -32,7 +32,7 @@ __all__ = ["costs_and_slopes", "fit", "fit_axes", "predict"]
 def conclude(y: FloatVector, constants: FloatVector, work: Work, out: FloatVector) -> None:
     """Write the best hyper-parameters that a search left, then their dual coefficients."""
     best = work.points[3]
-    settle(best, y, constants, work)
+    work.costs[0] = settle(best, y, constants, work)
     weigh(work)
     for i in range(best.size):
         out[i] = np.exp(best[i])
