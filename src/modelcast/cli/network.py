@@ -1,6 +1,5 @@
 """``modelcast network``: policies and radios in traffic, as a closed loop."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -125,6 +124,7 @@ def network(
     from modelcast.cli.network_senders import sender_rows
     from modelcast.cli.network_sweep import Sweep, sweep
     from modelcast.cli.progress import counted
+    from modelcast.cli.shared_work import jobs_in_use
     from modelcast.cli.terminal import say, show
     from modelcast.io.network import network_document
     from modelcast.report.network import network_console
@@ -155,7 +155,7 @@ def network(
     swept = sweep(
         asked,
         out,
-        jobs=jobs or os.cpu_count() or 1,
+        jobs=jobs_in_use(jobs),
         watch=lambda: counted("runs", quiet=quiet or json),
         say=_unsaid if quiet or json else say,
     )

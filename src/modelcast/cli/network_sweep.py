@@ -6,6 +6,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import KW_ONLY, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from modelcast.cli.network_case import run_case
 from modelcast.cli.network_cases import told
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import named_banks
+from modelcast.cli.shared_work import workers
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.fcd_survey import FcdSurvey, survey_document
 from modelcast.io.network import write_network
@@ -151,27 +153,16 @@ def _run_all(
     progress: Progress,
 ) -> dict[NetworkCase, CaseResult]:
     """Rows of all runs: those known, and the others run now, each written as soon as it is done."""
-    import multiprocessing
-    from concurrent.futures import ProcessPoolExecutor, as_completed
-
     results = dict(known)
     missing = [case for case in asked.cases if case not in results]
-
-    def take(case: NetworkCase, result: CaseResult) -> None:
-        store.keep(case, result)
-        results[case] = result
-        progress(len(results), len(asked.cases))
-
+    processes = max(min(jobs, len(missing)), 1)
+    if processes > 1:
+        # The largest first, so that no processor waits long for the last one.
+        missing.sort(key=lambda case: -case.density_per_km)
     progress(len(results), len(asked.cases))
-    if jobs == 1 or len(missing) <= 1:
-        for case in missing:
-            take(case, run_case(asked.plan, case, asked.found))
-        return results
-    # The largest first, so that no processor waits long for the last one.
-    missing.sort(key=lambda case: -case.density_per_km)
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(missing)), mp_context=context) as pool:
-        waiting = {pool.submit(run_case, asked.plan, case, asked.found): case for case in missing}
-        for future in as_completed(waiting):
-            take(waiting[future], future.result())
+    with workers(processes) as pool:
+        for case, result in pool.as_done(partial(run_case, asked.plan, found=asked.found), missing):
+            store.keep(case, result)
+            results[case] = result
+            progress(len(results), len(asked.cases))
     return results

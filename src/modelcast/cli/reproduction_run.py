@@ -1,7 +1,6 @@
 """One run of ``modelcast reproduce``: read, run every reading, write, show."""
 
 import json as json_format
-import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +11,7 @@ from modelcast.cli.progress import busy, counted, watched
 from modelcast.cli.reading import PARTLY_FAILED, TripSource
 from modelcast.cli.reproduce_options import ReproduceOptions
 from modelcast.cli.run_record import write_run
-from modelcast.cli.shared_work import workers
+from modelcast.cli.shared_work import jobs_in_use, workers
 from modelcast.cli.terminal import say, show
 from modelcast.cli.traffic_runs import run_traffic
 from modelcast.core.exceptions import ConfigError
@@ -111,7 +110,7 @@ def run_reproduction(asked: Reproduction, out: Path, *, jobs: int, json: bool, q
                 swept = run_traffic(
                     runs,
                     traffic,
-                    jobs=jobs or os.cpu_count() or 1,
+                    jobs=jobs_in_use(jobs),
                     progress=progress,
                     say=_nobody if silent else say,
                 )

@@ -2,15 +2,15 @@
 
 import multiprocessing
 import os
-from collections.abc import Callable, Generator, Iterable
-from concurrent.futures import Executor, ProcessPoolExecutor
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TypeVar
 
 from modelcast.core.exceptions import ConfigError
 
-__all__ = ["Workers", "workers"]
+__all__ = ["Workers", "jobs_in_use", "workers"]
 
 Work = TypeVar("Work")
 Found = TypeVar("Found")
@@ -40,6 +40,42 @@ class Workers:
         """
         return map(function, work) if self.executor is None else self.executor.map(function, work)
 
+    def as_done(
+        self, function: Callable[[Work], Found], work: Iterable[Work]
+    ) -> Iterator[tuple[Work, Found]]:
+        """Each piece of work and what a function gives for it, as soon as it is done.
+
+        Parameters
+        ----------
+        function, work
+            As for `each`.
+        """
+        if self.executor is None:
+            for one in work:
+                yield one, function(one)
+            return
+        waiting = {self.executor.submit(function, one): one for one in work}
+        for future in as_completed(waiting):
+            yield waiting[future], future.result()
+
+
+def jobs_in_use(jobs: int) -> int:
+    """How many processes are meant: those named, or one a processor where that is 0.
+
+    Parameters
+    ----------
+    jobs
+        As users name them.
+
+    Raises
+    ------
+    ConfigError
+        Where it is negative.
+    """
+    if jobs < 0:
+        raise ConfigError(f"--jobs must be 0 (one a processor) or more, got {jobs}")
+    return jobs or os.cpu_count() or 1
+
 
 @contextmanager
 def workers(jobs: int) -> Generator[Workers]:
@@ -55,9 +91,7 @@ def workers(jobs: int) -> Generator[Workers]:
     ConfigError
         Where it is negative.
     """
-    if jobs < 0:
-        raise ConfigError(f"--jobs must be 0 (one a processor) or more, got {jobs}")
-    count = jobs or os.cpu_count() or 1
+    count = jobs_in_use(jobs)
     if count == 1:
         yield Workers(None)
         return
