@@ -73,9 +73,7 @@ class ReadyBank:
     @property
     def sample_columns(self) -> int:
         """Columns of a sample: measured, the context where a member reads it, the state of all members."""
-        return self.state_column + sum(
-            one.stream.columns for one in self.functions if one.stream is not None
-        )
+        return self.state_column + sum(one.stream.columns for one in self.functions if one.stream is not None)
 
     @property
     def members(self) -> Members:

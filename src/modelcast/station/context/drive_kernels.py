@@ -165,9 +165,7 @@ def drive_each(
             _measure_off(drives, v, t_s, sample[EAST], sample[NORTH])
         _release(drives, v, own, v, t_s, HELD_M, HELD_S)
         if not np.isnan(places[COURSE]):
-            read_road(
-                own, v, shared, sample, places[COURSE], speed, drives.numbers[v, MATCHED:], out[k]
-            )
+            read_road(own, v, shared, sample, places[COURSE], speed, drives.numbers[v, MATCHED:], out[k])
 
 
 @kernel
@@ -185,5 +183,3 @@ def end_drive(drives: Drives, v: int, roads: Roads, r: int) -> None:
     """Store all cells of vehicle ``v`` that wait: it has left."""
     _release(drives, v, roads, r, np.inf, 0, 0.0)
     drives.numbers[v, COUNT] = 0
-
-

@@ -4,6 +4,7 @@ Everything is causal: at each sample a car knows what was driven before, by itse
 `drive_kernels.HELD_S` ago or by others whose drives it was given.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,18 @@ from modelcast.station.context import drive_kernels, road_kernels
 from modelcast.station.context.drive_kernels import Drives
 from modelcast.station.context.road_kernels import CELL_M, CELL_NUMBERS, NOWHERE, Roads
 
-__all__ = ["MOST_CELLS", "NO_ROADS", "RoadCells", "drives", "road_cells", "road_columns", "roads", "roads_of", "stored"]
+__all__ = [
+    "MOST_CELLS",
+    "NO_ROADS",
+    "RoadCells",
+    "drives",
+    "joined",
+    "road_cells",
+    "road_columns",
+    "roads",
+    "roads_of",
+    "stored",
+]
 
 MOST_CELLS = 20_000
 """Cells of a car's memory of its own drives: 100 km."""
@@ -82,6 +94,22 @@ def roads(memories: int, cells: int) -> Roads:
         np.full((memories, buckets), NOWHERE, dtype=np.int32),
         np.zeros(memories, dtype=np.int64),
     )
+
+
+def joined(parts: Sequence[RoadCells]) -> RoadCells:
+    """Cells of several drives one after another, their passes kept apart.
+
+    Parameters
+    ----------
+    parts
+        In order, at least one.
+    """
+    numbered: list[IntArray] = []
+    first = 0
+    for one in parts:
+        numbered.append(one.passes - one.passes.min(initial=0) + first)
+        first = int(numbered[-1].max(initial=first)) + 1
+    return RoadCells(np.concatenate([one.numbers for one in parts]), np.concatenate(numbered))
 
 
 NO_ROADS = roads(1, 1)
@@ -188,6 +216,4 @@ def stored(memory: Roads) -> RoadCells:
     """
     count, length = int(memory.count[0]), memory.passes.shape[1]
     order = np.arange(max(count - length, 0), count) % length
-    return RoadCells(
-        memory.cells[0, order].astype(np.float64), memory.passes[0, order].astype(np.int64)
-    )
+    return RoadCells(memory.cells[0, order].astype(np.float64), memory.passes[0, order].astype(np.int64))
