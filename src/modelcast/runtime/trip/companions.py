@@ -12,9 +12,9 @@ from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.context.ahead_kernels import hear_and_follow
 from modelcast.station.context.ahead_numbers import followers
 from modelcast.station.policy.error_driven import ErrorDriven
-from modelcast.station.receiver.hearing_kernels import EVENTS, STATUSES
 from modelcast.station.receiver.heard import Heard, HeardKind
 from modelcast.station.receiver.heard_kernels import Messages
+from modelcast.station.receiver.hearing_kernels import EVENTS, STATUSES
 from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap
 from modelcast.station.sensing.velocity import VelocityEstimator
 from modelcast.trips.trajectory import Trajectory
@@ -115,6 +115,7 @@ def hearing(
     trip: Trajectory,
     samples: FloatArray,
     bank: Bank,
+    *,
     delay_s: float,
     out: FloatArray,
 ) -> None:

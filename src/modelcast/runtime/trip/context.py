@@ -6,9 +6,9 @@ map believes them, late and lost as they are. The road is what was driven before
 that ended before it began, or by those that a road file was made of.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -88,6 +88,17 @@ class ContextSettings:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
         if not (np.isfinite(self.delay_s) and self.delay_s >= 0):
             raise ValueError(f"delay_s must be finite and not negative, got {self.delay_s}")
+
+    def as_plain(self) -> Mapping[str, Any]:
+        """What is let known as plain values, for summaries."""
+        return {
+            "road": self.road,
+            "leader": self.leader,
+            "sub_models": [repr(member) for member in self.bank.members],
+            "threshold_m": self.threshold_m,
+            "keep_alive_s": self.keep_alive_s,
+            "delay_s": self.delay_s,
+        }
 
 
 class TripContexts:
@@ -198,7 +209,7 @@ class TripContexts:
             lost = channel.losses(other.t_s, rng)[one.sample]
             told.append(one.heard_by(_placed(one.stated_m, other, own), later_s, lost))
         if told:
-            hearing(told, own, self._sampled(which), settings.bank, settings.delay_s, out)
+            hearing(told, own, self._sampled(which), settings.bank, delay_s=settings.delay_s, out=out)
 
 
 def trip_context(

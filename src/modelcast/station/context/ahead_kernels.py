@@ -32,8 +32,8 @@ from modelcast.station.receiver.belief_kernels import (
     live_slots,
     predict_motions,
 )
-from modelcast.station.receiver.hearing_kernels import Rules, hear_each
 from modelcast.station.receiver.heard_kernels import RECEIVED, Messages
+from modelcast.station.receiver.hearing_kernels import Rules, hear_each
 from modelcast.station.receiver.slot_kernels import FACT_VEHICLE, KnownProfiles, Slots
 
 __all__ = ["follow", "hear_and_follow"]

@@ -1,8 +1,8 @@
 """Compiled drive: positions become cells of the road memory, and each sample gets what is remembered there.
 
-A vehicle's path is measured off in *stations*, one a metre, straight between positions that lie a metre or more
-apart; a standing or creeping car adds none. A cell's place is the mean of the stations within `SMOOTH` metres
-of it, and its heading the direction between two such means, `CHORD` metres behind and ahead of it, so that
+A vehicle's path is measured off in *marks*, one a metre, straight between positions that lie a metre or more
+apart; a standing or creeping car adds none. A cell's place is the mean of the marks within `SMOOTH` metres of
+it, and its heading the direction between two such means, `CHORD` metres behind and ahead of it, so that
 neither noise nor a single bad fix bends the road. A cell is stored `HELD_S` seconds and `HELD_M` metres after
 it was passed: a car does not find the path that it is just driving.
 """
@@ -20,10 +20,10 @@ from modelcast.station.context.road_kernels import CELL_M, Roads, read_road, sto
 __all__ = [
     "HELD_M",
     "HELD_S",
+    "MARKS",
     "NUMBERS",
     "PASS",
     "PLACES",
-    "STATIONS",
     "Drives",
     "drive_each",
     "drive_through",
@@ -34,12 +34,12 @@ SMOOTH, CHORD = 5, 8
 HELD_S, HELD_M = 10.0, 50
 """How long [s] and how far [m] a cell waits until it is stored."""
 
-STATIONS = 1024
-"""Stations kept: more than are passed in `HELD_S` at any speed of a car."""
+MARKS = 1024
+"""Marks kept: more than are passed in `HELD_S` at any speed of a car."""
 
 COUNT, NEXT, PASS, MATCHED = range(4)
 NUMBERS = 5
-"""Whole numbers of a drive: stations of this part so far, station of the next cell, number of the pass, and the
+"""Whole numbers of a drive: marks of this part so far, mark of the next cell, number of the pass, and the
 cells matched last in the own and the shared memory."""
 
 KNOT_T, KNOT_EAST, KNOT_NORTH, COURSE, LAST_HEADING = range(5)
@@ -51,43 +51,43 @@ _MOVES_MPS = 1.0
 _LONGEST_GAP_S = 3.0
 _FASTEST_MPS = 80.0
 _SHORTEST_CHORD_M = 6.0
-_STATION_CELLS = int(CELL_M)
+_MARKS_A_CELL = int(CELL_M)
 
 
 class Drives(NamedTuple):
     """V vehicles on their way.
 
-    ``stations`` (V, STATIONS, 3): time, east and north of each, in a ring; ``numbers`` (V, NUMBERS) and
+    ``marks`` (V, MARKS, 3): time, east and north of each, in a ring; ``numbers`` (V, NUMBERS) and
     ``places`` (V, PLACES) as named in this module.
     """
 
-    stations: FloatCube
+    marks: FloatCube
     numbers: IntMatrix
     places: FloatMatrix
 
 
 @kernel(inlined=True)
-def _mean(stations: FloatMatrix, middle: int) -> tuple[float, float]:
-    """Mean place of the stations round one."""
+def _mean(marks: FloatMatrix, middle: int) -> tuple[float, float]:
+    """Mean place of the marks round one."""
     east, north = 0.0, 0.0
     for k in range(middle - SMOOTH, middle + SMOOTH + 1):
-        east += stations[k % STATIONS, 1]
-        north += stations[k % STATIONS, 2]
+        east += marks[k % MARKS, 1]
+        north += marks[k % MARKS, 2]
     return east / (2 * SMOOTH + 1), north / (2 * SMOOTH + 1)
 
 
 @kernel
 def _release(drives: Drives, v: int, roads: Roads, r: int, now_s: float, held_m: int, held_s: float) -> None:
     """Store the cells of vehicle ``v`` that have waited long enough."""
-    stations, numbers, places = drives.stations[v], drives.numbers[v], drives.places[v]
+    marks, numbers, places = drives.marks[v], drives.numbers[v], drives.places[v]
     while True:
         k = int(numbers[NEXT])
         last = int(numbers[COUNT]) - 1
-        if k + max(held_m, CHORD + SMOOTH) > last or now_s - stations[k % STATIONS, 0] < held_s:
+        if k + max(held_m, CHORD + SMOOTH) > last or now_s - marks[k % MARKS, 0] < held_s:
             return
-        numbers[NEXT] = k + _STATION_CELLS
-        behind_east, behind_north = _mean(stations, k - CHORD)
-        ahead_east, ahead_north = _mean(stations, k + CHORD)
+        numbers[NEXT] = k + _MARKS_A_CELL
+        behind_east, behind_north = _mean(marks, k - CHORD)
+        ahead_east, ahead_north = _mean(marks, k + CHORD)
         east, north = ahead_east - behind_east, ahead_north - behind_north
         if hypot(east, north) < _SHORTEST_CHORD_M:  # it turned round on the spot: the pass ends
             numbers[PASS] += 1
@@ -98,7 +98,7 @@ def _release(drives: Drives, v: int, roads: Roads, r: int, now_s: float, held_m:
         if not np.isnan(before):
             heading = before + (heading - before + pi) % (2.0 * pi) - pi
         places[LAST_HEADING] = heading
-        at_east, at_north = _mean(stations, k)
+        at_east, at_north = _mean(marks, k)
         store_cell(roads, r, at_east, at_north, heading, int(numbers[PASS]))
 
 
@@ -108,15 +108,15 @@ def _begin(drives: Drives, v: int, t_s: float, east: float, north: float) -> Non
     numbers, places = drives.numbers[v], drives.places[v]
     numbers[COUNT], numbers[NEXT] = 1, CHORD + SMOOTH
     numbers[PASS] += 1
-    drives.stations[v, 0, 0], drives.stations[v, 0, 1], drives.stations[v, 0, 2] = t_s, east, north
+    drives.marks[v, 0, 0], drives.marks[v, 0, 1], drives.marks[v, 0, 2] = t_s, east, north
     places[KNOT_T], places[KNOT_EAST], places[KNOT_NORTH] = t_s, east, north
     places[LAST_HEADING] = np.nan
 
 
 @kernel
 def _measure_off(drives: Drives, v: int, t_s: float, east: float, north: float) -> None:
-    """Add the stations between the last position measured off and this one."""
-    stations, numbers, places = drives.stations[v], drives.numbers[v], drives.places[v]
+    """Add the marks between the last position measured off and this one."""
+    marks, numbers, places = drives.marks[v], drives.numbers[v], drives.places[v]
     away_m = hypot(east - places[KNOT_EAST], north - places[KNOT_NORTH])
     elapsed_s = t_s - places[KNOT_T]
     if numbers[COUNT] == 0 or elapsed_s < 0.0 or away_m > _FASTEST_MPS * max(elapsed_s, 0.1):
@@ -131,10 +131,10 @@ def _measure_off(drives: Drives, v: int, t_s: float, east: float, north: float) 
     from_s, from_east, from_north = places[KNOT_T], places[KNOT_EAST], places[KNOT_NORTH]
     for step in range(1, steps + 1):
         share = step / away_m
-        at = int(numbers[COUNT]) % STATIONS
-        stations[at, 0] = from_s + share * (t_s - from_s)
-        stations[at, 1] = from_east + share * (east - from_east)
-        stations[at, 2] = from_north + share * (north - from_north)
+        at = int(numbers[COUNT]) % MARKS
+        marks[at, 0] = from_s + share * (t_s - from_s)
+        marks[at, 1] = from_east + share * (east - from_east)
+        marks[at, 2] = from_north + share * (north - from_north)
         numbers[COUNT] += 1
     share = steps / away_m
     places[KNOT_T] = from_s + share * (t_s - from_s)

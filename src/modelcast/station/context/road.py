@@ -142,7 +142,7 @@ def drives(vehicles: int) -> Drives:
     numbers = np.zeros((vehicles, drive_kernels.NUMBERS), dtype=np.int64)
     numbers[:, drive_kernels.MATCHED :] = NOWHERE
     return Drives(
-        np.zeros((vehicles, drive_kernels.STATIONS, 3)),
+        np.zeros((vehicles, drive_kernels.MARKS, 3)),
         numbers,
         np.full((vehicles, drive_kernels.PLACES), np.nan),
     )
@@ -214,6 +214,7 @@ def stored(memory: Roads) -> RoadCells:
     memory
         Any.
     """
-    count, length = int(memory.count[0]), memory.passes.shape[1]
-    order = np.arange(max(count - length, 0), count) % length
+    count, length = int(memory.filled[0]), memory.passes.shape[1]
+    number: IntArray = np.arange(count, dtype=np.int64)[-length:]
+    order = number % length
     return RoadCells(memory.cells[0, order].astype(np.float64), memory.passes[0, order].astype(np.int64))

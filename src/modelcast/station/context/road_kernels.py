@@ -1,9 +1,9 @@
 """Compiled memory of roads: cells of paths driven before, found by place and course.
 
-A memory is a ring of cells, one every `CELL_M` metres of a *pass*, one uninterrupted drive along a road. Cells
-of a pass stand one after another, so that what lies ahead of a place is read off the cells behind it. The
-oldest cells give way. Cells are numbered from 0 as they come; a hashed grid of square buckets holds the newest
-cell of each bucket, and every cell names the one before it in its bucket.
+A memory is a ring of cells, one every `CELL_M` metres of a *pass*, one uninterrupted drive along a road.
+Cells of a pass stand one after another, so that what lies ahead of a place is read off the cells that follow.
+The oldest cells give way. Cells are numbered from 0 as they come; a hashed grid of square buckets holds the
+newest cell of each bucket, and every cell names the one before it in its bucket.
 """
 
 from math import cos, floor, pi, sin
@@ -50,8 +50,8 @@ _TOLD_S = 2.0
 """The road is known where it is remembered at least this far ahead at the present speed [s]."""
 
 _UNIT_M, _UNIT_RAD, _SHORT_COST, _STAYS = 2.0, pi / 18.0, 4.0, 0.5
-"""What a cell costs: (distance over 2 m)² + (angle over 10 degrees)² + 4 times the share of the way ahead that
-it lacks; half of that on the pass that was matched before, so that a car does not change passes on noise."""
+"""What a cell costs: (distance over 2 m)² + (angle over 10 degrees)² + 4 times the share of the way ahead
+that it lacks; half of that on the pass matched before, so that a car does not change passes on noise."""
 
 
 class Roads(NamedTuple):
@@ -59,14 +59,14 @@ class Roads(NamedTuple):
 
     ``cells`` (R, N, 3) numbers of each cell; ``passes`` (R, N) the pass each belongs to; ``older`` (R, N) the
     number of the cell before it in its bucket, -1 for none; ``heads`` (R, B) the newest cell of each bucket,
-    -1 for none; ``count`` (R,) cells stored so far.
+    -1 for none; ``filled`` (R,) cells stored so far.
     """
 
     cells: Float32Cube
     passes: Int32Matrix
     older: Int32Matrix
     heads: Int32Matrix
-    count: IntVector
+    filled: IntVector
 
 
 @kernel(inlined=True)
@@ -84,16 +84,16 @@ def _turned(angle_rad: float) -> float:
 @kernel
 def store_cell(roads: Roads, r: int, east: float, north: float, heading: float, passed: int) -> None:
     """Store the next cell of a pass in memory ``r``; the oldest cell gives way."""
-    number = roads.count[r]
+    number = roads.filled[r]
     place = number % roads.passes.shape[1]
     roads.cells[r, place, CELL_EAST] = east
     roads.cells[r, place, CELL_NORTH] = north
     roads.cells[r, place, CELL_HEADING] = heading
     roads.passes[r, place] = passed
-    at = _bucket(int(floor(east / _BUCKET_M)), int(floor(north / _BUCKET_M)), roads.heads.shape[1])
+    at = _bucket(floor(east / _BUCKET_M), floor(north / _BUCKET_M), roads.heads.shape[1])
     roads.older[r, place] = roads.heads[r, at]
     roads.heads[r, at] = number
-    roads.count[r] = number + 1
+    roads.filled[r] = number + 1
 
 
 @kernel
@@ -113,7 +113,7 @@ def _reach(roads: Roads, r: int, number: int, most: int) -> int:
     ahead = 0
     while (
         ahead < most
-        and number + ahead + 1 < roads.count[r]
+        and number + ahead + 1 < roads.filled[r]
         and roads.passes[r, (number + ahead + 1) % length] == passed
     ):
         ahead += 1
@@ -130,11 +130,11 @@ def _search(
     """
     length, buckets = roads.passes.shape[1], roads.heads.shape[1]
     best_cost, best = np.inf, NOWHERE
-    oldest = roads.count[r] - length
+    oldest = roads.filled[r] - length
     kept = -1
     if stays >= max(oldest, 0):
         kept = roads.passes[r, stays % length]
-    column, row = int(floor(east / _BUCKET_M)), int(floor(north / _BUCKET_M))
+    column, row = floor(east / _BUCKET_M), floor(north / _BUCKET_M)
     for square in range(9):
         to, up = column + square // 3 - 1, row + square % 3 - 1
         number = int(roads.heads[r, _bucket(to, up, buckets)])
@@ -163,7 +163,7 @@ def _search(
 def _follows(roads: Roads, r: int, number: int) -> bool:
     """Whether the cell before a cell is held too, and of the same pass."""
     length = roads.passes.shape[1]
-    if number == 0 or number - 1 < roads.count[r] - length:
+    if number == 0 or number - 1 < roads.filled[r] - length:
         return False
     return roads.passes[r, (number - 1) % length] == roads.passes[r, number % length]
 
