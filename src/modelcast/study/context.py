@@ -38,7 +38,12 @@ def case_contexts(cases: Sequence[TripCase], settings: EvaluationSettings) -> Tr
     asked = replace(
         settings.context, seed=settings.seed, delay_s=max(settings.context.delay_s, settings.delay_s)
     )
-    return TripContexts([case.seen for case in cases], asked, estimators=[case.estimator for case in cases])
+    return TripContexts(
+        [case.seen for case in cases],
+        asked,
+        estimators=[case.estimator for case in cases],
+        recorded=[case.recorded for case in cases],
+    )
 
 
 def trip_runtimes(

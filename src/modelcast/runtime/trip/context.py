@@ -31,8 +31,10 @@ from modelcast.station.context.road import (
     roads_of,
 )
 from modelcast.station.context.road_kernels import Roads
+from modelcast.station.context.survey import RoadSurvey
 from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.station.sensing.velocity import VelocityEstimator, velocity_estimator_for
+from modelcast.trips.fingerprint import fingerprint
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["ContextSettings", "TripContexts", "trip_context"]
@@ -48,7 +50,7 @@ class ContextSettings:
     ----------
     road
         Which road is remembered: of the ``own`` earlier drive and of trips that ended before on the same
-        clock, or ``none``.
+        clock, these and what a survey holds of other trips, or ``none``.
     leader
         Whether the vehicle ahead is known from the messages of companions.
     bank
@@ -70,7 +72,7 @@ class ContextSettings:
         Where a number is out of its range, or the road is another.
     """
 
-    road: Literal["own", "none"] = "own"
+    road: Literal["own", "none"] | RoadSurvey = "own"
     leader: bool = True
     _: KW_ONLY
     bank: Bank = field(default_factory=lambda: _FREE)
@@ -81,8 +83,8 @@ class ContextSettings:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if self.road not in ("own", "none"):
-            raise ValueError(f"road must be own or none, got {self.road!r}")
+        if not isinstance(self.road, RoadSurvey) and self.road not in ("own", "none"):
+            raise ValueError(f"road must be own, none or a survey, got {self.road!r}")
         for name in ("threshold_m", "keep_alive_s"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
@@ -92,7 +94,7 @@ class ContextSettings:
     def as_plain(self) -> Mapping[str, Any]:
         """What is let known as plain values, for summaries."""
         return {
-            "road": self.road,
+            "road": self.road if isinstance(self.road, str) else f"survey of {len(self.road)} cells",
             "leader": self.leader,
             "sub_models": [repr(member) for member in self.bank.members],
             "threshold_m": self.threshold_m,
@@ -112,11 +114,14 @@ class TripContexts:
         What is let known.
     estimators
         Of each trip's velocity; None for the one that fits its columns.
+    recorded
+        The trips as they were recorded, where their senders see them otherwise: by these a survey knows which
+        of its cells were driven on the trip itself.
 
     Raises
     ------
     ValueError
-        Where there is not one estimator a trip.
+        Where there is not one estimator or recording a trip.
     """
 
     def __init__(
@@ -125,12 +130,16 @@ class TripContexts:
         settings: ContextSettings | None = None,
         *,
         estimators: Sequence[VelocityEstimator] | None = None,
+        recorded: Sequence[Trajectory] | None = None,
     ) -> None:
         self.trips = tuple(trips)
         self.settings = ContextSettings() if settings is None else settings
         given = [velocity_estimator_for(trip) for trip in trips] if estimators is None else list(estimators)
         if len(given) != len(self.trips):
             raise ValueError(f"estimators must be one a trip: {len(self.trips)}, got {len(given)}")
+        self._recorded = self.trips if recorded is None else tuple(recorded)
+        if len(self._recorded) != len(self.trips):
+            raise ValueError(f"recorded must be one a trip: {len(self.trips)}, got {len(self._recorded)}")
         self._estimators = given
         self._samples: dict[int, FloatArray] = {}
         self._roads: dict[int, FloatArray] = {}
@@ -154,7 +163,7 @@ class TripContexts:
         """
         own = self.trips[which]
         out = np.zeros((len(own), CONTEXT_COLUMNS))
-        if self.settings.road == "own":
+        if self.settings.road != "none":
             out[:, ROAD_TURN:] = self._road(which)[:, ROAD_TURN:]
         if self.settings.leader:
             self._follow(which, self.settings.channel if channel is None else channel, out)
@@ -177,8 +186,11 @@ class TripContexts:
 
     def _earlier(self, which: int) -> Roads:
         """Roads of the trips that ended before one began, in its frame."""
-        own = self.trips[which]
+        own, survey = self.trips[which], self.settings.road
         parts: list[RoadCells] = []
+        if isinstance(survey, RoadSurvey):
+            told = survey.cells(own.origin, (fingerprint(self._recorded[which]),))
+            parts += [] if told is None else [told]
         for at, other in enumerate(self.trips):
             start_s = _begins_after_s(other, own)
             if at == which or start_s is None or start_s + own.t_s[0] <= other.t_s[-1]:
