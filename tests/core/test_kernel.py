@@ -115,7 +115,6 @@ ANSWERS_NOT_NEEDED = {
     "modelcast.trips.conditioning_kernels.negative_log_likelihood": "the value, where the sums are wanted",
     "modelcast.trips.conditioning_kernels._update": "innovation and its variance, where the state is wanted",
     "modelcast.study.clairvoyant_kernels._squared_errors": "the greatest, where all are wanted",
-    "modelcast.study.training.survival_kernels.survival_slopes": "the loss, where slopes are wanted",
     "modelcast.station.policy.neighbours_kernels.forget": "how many went; the caller looks at the free list",
 }
 """The closed list of kernels whose answer a caller may leave, and why nothing is lost."""

@@ -9,7 +9,6 @@ from modelcast.core.arrays import FloatArray
 from modelcast.models.base import Windows
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned import FeatureMap, LearnedTrajectory, Perceptron
-from modelcast.models.learned.features import NOISES
 from modelcast.models.learned.learned_trajectory import feature_constants
 from modelcast.study.training.cut_kernels import trip_features
 
@@ -107,7 +106,7 @@ def test_roughness_is_the_noise_of_the_velocity() -> None:
     samples = np.zeros((200, 21, 7))
     samples[..., 3] = 20.0
     samples[..., 2:4] += 0.05 * rng.standard_normal((200, 21, 2))
-    found = np.exp(inputs_of(Windows(samples, dt_s=0.1))[:, -NOISES:-1])
+    found = np.exp(inputs_of(Windows(samples, dt_s=0.1))[:, -3:-1])
     assert np.median(found, axis=0) == pytest.approx([0.05, 0.05], rel=0.1)
 
 

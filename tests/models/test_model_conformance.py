@@ -1,6 +1,7 @@
 """The contract of a motion model, over every sub-model and over banks."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractMotionModel, AbstractSubModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.free import Estimates, FreeMotion
+from modelcast.models.free.estimates import map_of
 from modelcast.models.gp import (
     AxisKernel,
     GaussianProcess,
@@ -24,9 +27,11 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
+from modelcast.models.learned import FeatureMap, Perceptron
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.profile import default_profile
 from modelcast.models.trusted import Trusted
+from modelcast.study.training.free import NETWORK_FEATURES
 
 TRAINED = default_profile().sub_model("gp-trained")
 
@@ -43,6 +48,28 @@ def _regimes() -> Bank:
     regimes = default_profile().regimes
     assert regimes is not None
     return regimes.bank
+
+
+def _free(context: bool) -> FreeMotion:
+    """Return estimates of all kinds, moved by a network of chance weights."""
+    estimates = (
+        Estimates(0.005, speed=("speed", 5, 1), course=("position", 8, 2)),
+        Estimates(np.inf, acceleration=("velocity", 10, 2), yaw_rate=("position", 10, 2)),
+    )
+    features = map_of(estimates, 20, replace(NETWORK_FEATURES, context=context))
+    rng = np.random.default_rng(3)
+    network = Perceptron(
+        np.inf,
+        centre=np.zeros(features.inputs),
+        width=np.ones(features.inputs),
+        weights_1=0.1 * rng.standard_normal((features.inputs, 8)),
+        bias_1=np.zeros(8),
+        weights_2=rng.standard_normal((8, 6)),
+        bias_2=np.zeros(6),
+        weights_3=rng.standard_normal((6, 4)),
+        bias_3=np.zeros(4),
+    )
+    return FreeMotion(estimates, (network,), features=features)
 
 
 FIXED = Hyperparameters(2.0, 1e-4, linear_ratio_per_s2=1.0, variance_m2=25.0)
@@ -79,6 +106,9 @@ MODELS: dict[str, AbstractMotionModel] = {
         )
     ),
     "regimes": _regimes(),
+    "free": FreeMotion((Estimates(np.inf),), features=FeatureMap(4)),
+    "free-predictive": _free(context=False),
+    "free-context": _free(context=True),
     "learned": _shipped("learned"),
     "shs": _shipped("shs"),
     "hdp-hmm": _shipped("hdp-hmm"),
@@ -190,7 +220,7 @@ def test_a_batch_equals_its_rows_one_by_one(model: AbstractMotionModel) -> None:
 def test_moving_the_frame_changes_no_prediction(model: AbstractMotionModel) -> None:
     """The windows lie on a binary grid, so that the shift itself is exact."""
     here = windows()
-    there = Windows(here.samples + np.array([4096.0, -8192.0, *np.zeros(5)]), dt_s=DT_S)
+    there = Windows(here.samples + np.array([4096.0, -8192.0, *np.zeros(6)]), dt_s=DT_S)
     predicted = [model.predict(model.fit(one), HORIZONS_S, dt_s=DT_S) for one in (here, there)]
     rounding_m = DAMPED_ROUNDING_M if isinstance(model, Trusted) else FRAME_ROUNDING_M
     assert np.abs(predicted[1] - predicted[0]).max() < rounding_m
@@ -279,7 +309,7 @@ def test_windows_that_are_not_finite_are_refused(value: float) -> None:
         Windows(samples, dt_s=DT_S)
 
 
-@pytest.mark.parametrize("shape", [(20, 7), (3, 20, 2), (3, 20, 6), (3, 20, 8)])
+@pytest.mark.parametrize("shape", [(20, 7), (3, 20, 2), (3, 20, 6), (3, 20, 9)])
 def test_windows_of_another_shape_are_refused(shape: tuple[int, ...]) -> None:
     with pytest.raises(ValueError, match="samples must be"):
         Windows(np.zeros(shape), dt_s=DT_S)

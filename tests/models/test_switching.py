@@ -18,6 +18,7 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.members import ReadyBank
 from modelcast.models.plain import from_plain, to_plain
+from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.models.profile import default_profile
 from modelcast.models.switching import MOST_MODES, LinearMode, StochasticHybridSystem
 from modelcast.models.switching.hybrid_system import REACH_S
@@ -308,9 +309,9 @@ def test_a_bank_without_state_has_the_columns_it_always_had() -> None:
     assert with_states(held, ReadyBank.of(Bank((ConstantVelocity(),)), DT_S)) is held
     ready = ReadyBank.of(Bank((ConstantVelocity(), SYSTEM)), DT_S)
     wide = with_states(held, ready)
-    assert wide.samples.shape[2] == 7 + 3
-    assert (wide.samples[..., :7] == held.samples).all()
-    assert wide.samples[0, : len(trip), 7:].sum(axis=1) == pytest.approx(1.0)
+    assert wide.samples.shape[2] == SAMPLE_COLUMNS + 3
+    assert (wide.samples[..., :SAMPLE_COLUMNS] == held.samples).all()
+    assert wide.samples[0, : len(trip), SAMPLE_COLUMNS:].sum(axis=1) == pytest.approx(1.0)
 
 
 def test_state_cannot_begin_where_the_ring_holds_the_newest_samples_only() -> None:

@@ -22,7 +22,7 @@ from modelcast.study.training.views import SenderView, played_trips, view_trips
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.drive import generate_drive
 
-SHORT = Descent(hidden=(24, 16), steps=400, averaged=100, batch=512)
+SHORT = Descent(hidden=(24, 16), steps=400, batch=512)
 CLEAN = LearnedSettings((NoiseStage((0.0, np.inf), (SenderView("positions"),)),), descent=SHORT)
 
 QUICK = ProcessSettings(200, 8, regimes=2, regime_evaluations=4)
@@ -71,22 +71,20 @@ def test_on_cars_it_has_not_seen_it_sends_fewer_messages_than_what_it_corrects(
 
 def test_the_same_trips_and_seed_give_the_same_networks() -> None:
     cars = [weaving(seed) for seed in range(2)]
-    short = replace(CLEAN, descent=replace(SHORT, steps=20, averaged=5))
+    short = replace(CLEAN, descent=replace(SHORT, steps=20))
     assert train_learned(cars, short) == train_learned(cars, short)
     assert train_learned(cars, replace(short, seed=1)) != train_learned(cars, short)
 
 
 def test_progress_ends_complete(trips: list[Trajectory]) -> None:
     told: list[tuple[int, int]] = []
-    short = replace(CLEAN, descent=replace(SHORT, steps=20, averaged=5, report_every=8))
+    short = replace(CLEAN, descent=replace(SHORT, steps=20, report_every=8))
     train_learned(trips[:1], short, progress=lambda done, to_do: told.append((done, to_do)))
     assert told == [(1, 3), (2, 3), (3, 3)]
 
 
-def test_without_scikit_learn_the_extra_is_named(
-    trips: list[Trajectory], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "sklearn.neural_network", None)
+def test_without_jax_the_extra_is_named(trips: list[Trajectory], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "optax", None)
     with pytest.raises(MissingExtraError, match=r"modelcast\[train\]"):
         train_learned(trips[:1], CLEAN)
 
@@ -110,9 +108,7 @@ def test_a_view_changes_what_is_seen_and_never_the_truth(trips: list[Trajectory]
         assert off.std() == pytest.approx(0.05, rel=0.1)
 
 
-@pytest.mark.parametrize(
-    "wrong", [{"steps": 5, "averaged": 6}, {"softness": 0.0}, {"thresholds_m": ()}, {"batch": 0}]
-)
+@pytest.mark.parametrize("wrong", [{"steps": 0}, {"softness": 0.0}, {"thresholds_m": ()}, {"batch": 0}])
 def test_a_descent_out_of_range_is_refused(wrong: dict[str, object]) -> None:
     with pytest.raises(ValueError, match=next(iter(wrong)).partition("_")[0]):
         replace(SHORT, **wrong)

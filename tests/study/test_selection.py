@@ -35,7 +35,7 @@ from modelcast.trips.trajectory import Trajectory
 BANK = Bank((ConstantVelocity(), ConstantTurnRateAcceleration()))
 THRESHOLDS_M = (0.2, 0.5)
 QUICK = SelectorSettings(
-    THRESHOLDS_M, networks=2, every=1, descent=Descent(hidden=(12, 12), steps=150, averaged=50, batch=256)
+    THRESHOLDS_M, networks=2, every=1, descent=Descent(hidden=(12, 12), steps=150, batch=256)
 )
 
 

@@ -1,59 +1,67 @@
-"""Claims about the loss that the learned sub-model is trained on."""
+"""Claims about the loss that the networks of sub-models are trained on."""
 
+from typing import Any
+
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from modelcast.core.arrays import FloatArray
-from modelcast.study.training.survival_kernels import FORGIVEN_S, survival_slopes
+from modelcast.study.training.survival import FORGIVEN_S, survival_cost
 
 HORIZONS_S = np.arange(1, 41) * 0.1
 STEPS_S = np.full(40, 0.1)
-BASIS = np.vander(HORIZONS_S / 4.0, 3, increasing=True)
+KNOWN = np.ones((1, 40))
 
 
-def loss(coefficients: FloatArray, errors_m: FloatArray, softness: float) -> tuple[float, FloatArray]:
-    slopes = np.empty_like(coefficients)
-    found = survival_slopes(coefficients, errors_m, BASIS, STEPS_S, np.array([0.2, 0.5]), softness, slopes)
-    return found, slopes
+def cost(off_m: FloatArray, softness: float, known: FloatArray = KNOWN) -> float:
+    return float(
+        survival_cost(off_m, jnp.asarray(known), STEPS_S, thresholds_m=(0.2, 0.5), softness=softness)
+    )
 
 
-def batch() -> tuple[FloatArray, FloatArray]:
-    rng = np.random.default_rng(4)
-    errors_m = rng.normal(0.0, 0.05, (6, 40, 2)).cumsum(axis=1)
-    return rng.normal(0.0, 0.1, (6, 6)), errors_m
+def slopes(off_m: FloatArray, softness: float) -> FloatArray:
+    def of(off: Any) -> Any:
+        return survival_cost(off, KNOWN, STEPS_S, thresholds_m=(0.2, 0.5), softness=softness)
 
-
-def test_slopes_are_those_of_finite_differences() -> None:
-    coefficients, errors_m = batch()
-    _, slopes = loss(coefficients, errors_m, 0.25)
-    step = 1e-6
-    for row in range(6):
-        for column in range(6):
-            ends: list[float] = []
-            for sign in (1.0, -1.0):
-                moved = coefficients.copy()
-                moved[row, column] += sign * step
-                ends.append(6.0 * loss(moved, errors_m, 0.25)[0])
-            assert slopes[row, column] == pytest.approx((ends[0] - ends[1]) / (2 * step), abs=2e-5)
+    grad: Any = jax.grad
+    return np.asarray(grad(of)(jnp.asarray(off_m)), dtype=np.float64)
 
 
 def test_a_sharp_step_counts_the_time_until_the_threshold_is_crossed() -> None:
     """An error of 0.1·t along reaches 0.2 m after 2 s and 0.5 m never, of 4 s."""
-    errors_m = np.zeros((1, 40, 2))
-    errors_m[0, :, 0] = 0.1 * HORIZONS_S
-    found, _ = loss(np.zeros((1, 6)), errors_m, 1e-3)
-    assert found == pytest.approx(-0.5 * (np.log(1.95 + FORGIVEN_S) + np.log(4.0 + FORGIVEN_S)), abs=0.02)
+    off_m = np.zeros((1, 40, 2))
+    off_m[0, :, 0] = 0.1 * HORIZONS_S
+    expected = -0.5 * (np.log(1.95 + FORGIVEN_S) + np.log(4.0 + FORGIVEN_S))
+    assert cost(off_m, 1e-3) == pytest.approx(expected, abs=0.02)
+
+
+def test_beyond_the_end_of_the_truth_a_path_neither_holds_nor_fails() -> None:
+    """Of 4 s only 3 s are known: what lies beyond counts for nothing, whatever it is."""
+    known = np.ones((1, 40))
+    known[0, 30:] = 0.0
+    off_m = np.zeros((1, 40, 2))
+    off_m[0, 30:] = 99.0
+    assert cost(off_m, 1e-3, known) == pytest.approx(-np.log(3.0 + FORGIVEN_S), abs=1e-4)
 
 
 def test_an_error_no_threshold_forgives_has_no_slope() -> None:
-    errors_m = np.full((1, 40, 2), 50.0)
-    _, slopes = loss(np.zeros((1, 6)), errors_m, 0.25)
-    assert np.abs(slopes).max() < 1e-12
+    assert np.abs(slopes(np.full((1, 40, 2), 50.0), 0.25)).max() < 1e-12
+
+
+def test_an_error_near_the_threshold_pulls_the_path_back() -> None:
+    """Only where it is the greatest so far: later and smaller ones change no survival."""
+    off_m = np.zeros((1, 40, 2))
+    off_m[0, 10, 0], off_m[0, 20, 0] = 0.19, 0.1
+    found = slopes(off_m, 0.25)
+    assert found[0, 10, 0] > 0.1
+    assert found[0, 20, 0] == 0.0
 
 
 def test_an_error_that_has_come_and_gone_counts_as_failed() -> None:
-    errors_m = np.zeros((2, 40, 2))
-    errors_m[:, 5, 1] = 3.0
-    errors_m[1, 6:, 1] = 3.0
-    (gone,), (stayed,) = ([loss(np.zeros((1, 6)), errors_m[row : row + 1], 0.25)[0]] for row in range(2))
+    off_m = np.zeros((2, 40, 2))
+    off_m[:, 5, 1] = 3.0
+    off_m[1, 6:, 1] = 3.0
+    gone, stayed = (cost(off_m[row : row + 1], 0.25) for row in range(2))
     assert gone == stayed

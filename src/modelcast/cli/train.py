@@ -33,7 +33,7 @@ def train(
     """Train a profile: the learned sub-model, the Gaussian processes, calibrations, and the bank's order.
 
     The file is canonical JSON; its SHA-256 is the profile's identity. Use it with --bank FILE. Needs the
-    extra train (scikit-learn). The same trips, options and package versions give the same bytes.
+    extra train (JAX and optax). The same trips, options and package versions give the same bytes.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def train(
     try:
         names = tuple(parts_of(bank)) if bank else ()
         _require_trainable(names)
-        descent = Descent(hidden=hidden, steps=steps, averaged=max(1, steps // 3))
+        descent = Descent(hidden=hidden, steps=steps)
         settings = ProfileSettings(
             LearnedSettings(coefficients=coefficients, descent=descent),
             processes=ProcessSettings(regimes=regimes),

@@ -30,7 +30,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
             "signing and checking signatures from Python (modelcast.messages.security); no command",
         ),
         "train": Extra(
-            MappingProxyType({"scikit-learn": "sklearn"}),
+            MappingProxyType({"jax": "jax", "optax": "optax"}),
             "modelcast train; modelcast compare --bank trained",
         ),
         "sumo": Extra(

@@ -17,6 +17,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.rules import AbstractRule, Each, FieldError, Keys, Text, Whole, check, shown
 from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.free import Estimates, FreeMotion, Limits
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.gp.conditional import AxisKernel
 from modelcast.models.gp.expression import KernelProcess
@@ -27,7 +28,7 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
-from modelcast.models.learned import LearnedTrajectory, Perceptron, Selector
+from modelcast.models.learned import FeatureMap, LearnedTrajectory, Perceptron, Selector
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.regimes import Regimes
 from modelcast.models.switching import LinearMode, StochasticHybridSystem
@@ -43,10 +44,14 @@ PLAIN_CLASSES: dict[str, type] = {
         ConstantTurnRateAcceleration,
         ConstantTurnRateVelocity,
         ConstantVelocity,
+        Estimates,
+        FeatureMap,
+        FreeMotion,
         GaussianProcess,
         Hyperparameters,
         KernelProcess,
         LearnedTrajectory,
+        Limits,
         LinearMode,
         Perceptron,
         PredictedPath,

@@ -11,6 +11,7 @@ __all__ = [
     "NORTH",
     "POSITION_NOISE",
     "SAMPLE_COLUMNS",
+    "SPEED",
     "VELOCITY_EAST",
     "VELOCITY_NORTH",
     "YAW_RATE",
@@ -19,10 +20,11 @@ __all__ = [
     "predict_each",
 ]
 
-EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH, ACCELERATION, YAW_RATE, POSITION_NOISE = range(7)
-"""Columns of a window's samples: [m], [m/s], along the course [m/s²], clockwise [rad/s], an axis [m]."""
+EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH, ACCELERATION, YAW_RATE, POSITION_NOISE, SPEED = range(8)
+"""Columns of a window's samples: [m], [m/s], along the course [m/s²], clockwise [rad/s], an axis [m], and the
+speed that the vehicle reports, that of its velocity where it reports none [m/s]."""
 
-SAMPLE_COLUMNS = 7
+SAMPLE_COLUMNS = 8
 """How many columns a window's samples have."""
 
 

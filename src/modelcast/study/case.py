@@ -122,6 +122,13 @@ def make_case(trip: Trajectory | SensedTrip, settings: EvaluationSettings) -> Tr
                 truth = replace(truth, speed_mps=None)
             rng = child_generator(settings.seed, 0, recorded.trip_id, "sensor")
             seen = sense(truth, settings.sensor, rng)
+    estimator = velocity_estimator_for(
+        seen,
+        speed_is_stuck=protocol == "recorded" and inspection.speed_is_stuck,
+        rule=settings.velocity,
+    )
+    if protocol == "recorded" and inspection.speed_is_stuck and estimator.window:
+        seen = replace(seen, speed_mps=None)  # no sub-model takes it either
     direction, speed_mps = _course(truth)
     return TripCase(
         recorded,
@@ -130,11 +137,7 @@ def make_case(trip: Trajectory | SensedTrip, settings: EvaluationSettings) -> Tr
         protocol=protocol,
         inspection=inspection,
         conditioning=conditioning,
-        estimator=velocity_estimator_for(
-            seen,
-            speed_is_stuck=protocol == "recorded" and inspection.speed_is_stuck,
-            rule=settings.velocity,
-        ),
+        estimator=estimator,
         direction=direction,
         standing=speed_mps < STANDING_SPEED_MPS,
         warnings=judge(inspection, settings.thresholds_m, smoothed=conditioning is not None),

@@ -7,19 +7,40 @@ import numpy as np
 from modelcast.core.exponential_kernels import fast_asinh
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector
+from modelcast.models.context_columns import (
+    LEADER_ACCELERATION,
+    LEADER_ACCELERATION_BEFORE,
+    LEADER_GAP,
+    LEADER_KNOWN,
+    LEADER_RELATIVE_SPEED,
+    ROAD_HEADING,
+    ROAD_KNOWN,
+    ROAD_TURN,
+    ROAD_TURN_HORIZONS,
+)
 from modelcast.models.kinematic_kernels import predict_acceleration_and_turn
-from modelcast.models.learned.features import LAG_STEP_S, SHORTEST_SPAN
+from modelcast.models.learned.features import LAG_STEP_S, LEADER_INPUTS, ROAD_INPUTS, SHORTEST_SPAN
 from modelcast.models.point_kernels import (
     ACCELERATION,
     EAST,
     NORTH,
     POSITION_NOISE,
+    SPEED,
     VELOCITY_EAST,
     VELOCITY_NORTH,
     YAW_RATE,
 )
 
-__all__ = ["FRAME_MPS", "HEADER", "KINEMATIC", "fit", "predict", "run_network", "window_features"]
+__all__ = [
+    "CONTEXT_AT",
+    "FRAME_MPS",
+    "HEADER",
+    "KINEMATIC",
+    "fit",
+    "predict",
+    "run_network",
+    "window_features",
+]
 
 FRAME_MPS = 0.5
 """A slower car has no course to go by: its frame looks north."""
@@ -27,8 +48,13 @@ FRAME_MPS = 0.5
 KINEMATIC = 4
 """Velocity, acceleration and yaw rate come first among the parameters: a core message carries them."""
 
-HEADER = 8
-"""Sampling interval, lags, rows for positions and velocities, inputs, coefficients, their time, networks."""
+HEADER = 11
+"""Sampling interval, lags, rows for positions and velocities, inputs, coefficients, their time, networks;
+rows for speeds, whether the context is an input, and its first column in a sample, 0 where samples hold
+none."""
+
+CONTEXT_AT = 10
+"""Where in the header the context's column stands."""
 
 _LEAST_NOISE_M, _MOST_NOISE_M = 5e-4, 0.5
 _LEAST_ROUGH_MPS, _MOST_ROUGH_MPS = 1e-3, 5.0
@@ -64,6 +90,27 @@ def _roughness(path: FloatVector) -> float:
 
 
 @kernel
+def _context(sample: FloatVector, column: int, speed: float, out: FloatVector, at: int, flags: int) -> None:
+    """Write the inputs of the vehicle ahead and of the road from ``at`` on, what is known from ``flags``."""
+    for i in range(LEADER_INPUTS + ROAD_INPUTS):
+        out[at + i] = 0.0
+    out[flags] = out[flags + 1] = 0.0
+    if column == 0:
+        return
+    if sample[column + LEADER_KNOWN] > 0.0:
+        out[at] = sample[column + LEADER_GAP]
+        out[at + 1] = sample[column + LEADER_RELATIVE_SPEED]
+        out[at + 2] = sample[column + LEADER_ACCELERATION]
+        out[at + 3] = sample[column + LEADER_ACCELERATION_BEFORE]
+        out[flags] = 1.0
+    if sample[column + ROAD_KNOWN] > 0.0:
+        for i in range(ROAD_TURN_HORIZONS):
+            out[at + LEADER_INPUTS + i] = speed * sample[column + ROAD_TURN + i] / (i + 1.0)
+        out[at + LEADER_INPUTS + ROAD_TURN_HORIZONS] = speed * sample[column + ROAD_HEADING]
+        out[flags + 1] = 1.0
+
+
+@kernel
 def window_features(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> bool:
     """Write the inputs (I,) of a window (n, 7); False where it does not reach back far enough."""
     dt_s, lags = constants[0], int(constants[1])
@@ -73,7 +120,9 @@ def window_features(window: FloatMatrix, constants: FloatVector, out: FloatVecto
         return False
     east, north = window[last, VELOCITY_EAST], window[last, VELOCITY_NORTH]
     speed, ahead_east, ahead_north = _frame(east, north)
-    path = np.zeros((4, lags + 1))
+    speed_rows = int(constants[8])
+    path = np.zeros((5, lags + 1))
+    path[4, 0] = window[last, SPEED] - hypot(east, north)
     for lag in range(1, lags + 1):
         back = min(lag * LAG_STEP_S / dt_s, float(last))
         j = last - int(back)
@@ -89,6 +138,7 @@ def window_features(window: FloatMatrix, constants: FloatVector, out: FloatVecto
         path[1, lag] = moved_north * ahead_east - moved_east * ahead_north
         path[2, lag] = gained_east * ahead_east + gained_north * ahead_north
         path[3, lag] = gained_north * ahead_east - gained_east * ahead_north
+        path[4, lag] = window[j, SPEED] + share * (window[k, SPEED] - window[j, SPEED]) - hypot(east, north)
     if speed < FRAME_MPS:
         # A car that stands is at rest along its frame; its slow velocity is in the lags.
         for lag in range(1, lags + 1):
@@ -108,6 +158,20 @@ def window_features(window: FloatMatrix, constants: FloatVector, out: FloatVecto
         out[at], out[at + 1] = _dot(row, path[2]), _dot(row, path[3])
         at += 2
         begin += lags + 1
+    for _ in range(speed_rows):
+        out[at] = _dot(constants[begin : begin + lags + 1], path[4])
+        at += 1
+        begin += lags + 1
+    if speed_rows > 0:
+        out[at] = path[4, 0]
+        at += 1
+    if constants[9] > 0.0:
+        flags = at + LEADER_INPUTS + ROAD_INPUTS
+        _context(window[last], int(constants[CONTEXT_AT]), speed, out, at, flags)
+        at = flags + 2
+    if speed_rows > 0:
+        out[at] = _roughness(path[4])
+        at += 1
     out[at], out[at + 1] = _roughness(path[2]), _roughness(path[3])
     out[at + 2] = log(min(max(window[last, POSITION_NOISE], _LEAST_NOISE_M), _MOST_NOISE_M))
     return True
@@ -151,7 +215,7 @@ def fit(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     if not window_features(window, constants, features):
         return
     outputs = out.size - KINEMATIC
-    at = HEADER + (int(constants[2]) + int(constants[3])) * (lags + 1)
+    at = HEADER + (int(constants[2]) + int(constants[3]) + int(constants[8])) * (lags + 1)
     for one in range(networks):
         first, second = int(constants[at + 1]), int(constants[at + 2])
         size = 2 * inputs + first * (inputs + 1) + second * (first + 1) + outputs * (second + 1)

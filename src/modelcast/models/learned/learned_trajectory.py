@@ -211,7 +211,7 @@ def feature_constants(
     coefficients, time_scale_s, networks
         What follows; training, which has no network yet, leaves them out.
     """
-    rows = (features.positions, features.velocities)
+    rows = (features.positions, features.velocities, features.speeds)
     header = [
         dt_s,
         features.lags,
@@ -221,5 +221,8 @@ def feature_constants(
         coefficients,
         time_scale_s,
         networks,
+        rows[2].shape[0],
+        features.context,
+        0,
     ]
-    return np.concatenate([np.array(header, dtype=np.float64), rows[0].ravel(), rows[1].ravel()])
+    return np.concatenate([np.array(header, dtype=np.float64), *(one.ravel() for one in rows)])

@@ -19,7 +19,7 @@ def score(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None
         return
     out[:] = 0.0
     squashed, one = np.empty(inputs), np.empty(out.size)
-    at = HEADER + (int(constants[2]) + int(constants[3])) * (lags + 1)
+    at = HEADER + (int(constants[2]) + int(constants[3]) + int(constants[8])) * (lags + 1)
     for _ in range(networks):
         first, second = int(constants[at + 1]), int(constants[at + 2])
         size = 2 * inputs + first * (inputs + 1) + second * (first + 1) + out.size * (second + 1)

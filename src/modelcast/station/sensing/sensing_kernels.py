@@ -1,6 +1,6 @@
 """Compiled sensing: measurements as they come into the windows that sub-models are fitted to, causally."""
 
-from math import cos, hypot, sin, sqrt
+from math import cos, hypot, isnan, sin, sqrt
 from typing import NamedTuple
 
 from modelcast.core.geodesy_kernels import stated
@@ -12,6 +12,7 @@ from modelcast.models.point_kernels import (
     EAST,
     NORTH,
     POSITION_NOISE,
+    SPEED,
     VELOCITY_EAST,
     VELOCITY_NORTH,
     YAW_RATE,
@@ -131,6 +132,10 @@ def _take(s: Sensed, v: int, t_s: float, fresh: bool, c: SensingNumbers) -> None
             square, s.noise[v, 0], s.noise[v, 1], n.averaged, n.clip, n.share, n.prior_count, n.free
         )
     s.samples[v, at, POSITION_NOISE] = sqrt(s.noise[v, 0] / n.share)
+    speed = s.shown[v, _SPEED]
+    if isnan(speed):
+        speed = hypot(s.samples[v, at, VELOCITY_EAST], s.samples[v, at, VELOCITY_NORTH])
+    s.samples[v, at, SPEED] = speed
     for column in range(s.samples.shape[2]):
         s.samples[v, place, column] = s.samples[v, at, column]
     east, north, instant_s = s.samples[v, at, EAST], s.samples[v, at, NORTH], t_s

@@ -1,23 +1,37 @@
-"""Descent on the survival loss, with scikit-learn's network and optimiser.
+"""Descent of a small network on any loss, with JAX and optax.
 
-scikit-learn minimises squares only. But the slope of half a square is prediction less target, so that a batch
-whose targets are "prediction less slope of our own loss" makes its step the step of our loss. Every batch is
-one call of ``partial_fit``, which keeps the optimiser's state.
+The network is that of `modelcast.models.learned.Perceptron`: two layers of rectifiers and a linear output.
+Whoever trains one says what its outputs mean and what they cost; here are the first weights, the slopes, the
+optimiser, and the numbers as they come back.
 """
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import MissingExtraError
-from modelcast.models.learned.features import NOISES
-from modelcast.study.training.survival_kernels import survival_slopes
 
-__all__ = ["Descent", "LayerAverage", "Lesson", "descend", "make_regressor"]
+__all__ = ["Descent", "Weights", "batches", "descend", "numerics", "squashing"]
+
+_ONE_THREAD = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
+_FIRST_OUTPUTS = 0.05
+_LAST_RATE = 0.02
+
+
+class Weights(NamedTuple):
+    """Weights and biases of the three layers, outputs along the second axis."""
+
+    weights_1: FloatArray
+    bias_1: FloatArray
+    weights_2: FloatArray
+    bias_2: FloatArray
+    weights_3: FloatArray
+    bias_3: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,12 +46,12 @@ class Descent:
         Width of the step at a threshold, as a share of it.
     hidden
         Sizes of the two hidden layers.
-    steps, averaged
-        Batches; over the last so many of them the weights are averaged.
+    steps
+        Batches; the learning rate falls along a cosine to a fiftieth.
     batch
         Windows in a batch.
     learning_rate, penalty
-        Of the optimiser (Adam), and weight of the squared weights (scikit-learn's ``alpha``).
+        Of the optimiser (Adam), and weight of the squared weights.
     resize
         Greatest logarithm of the factor by which a window's road is resized.
     report_every
@@ -54,21 +68,20 @@ class Descent:
     _: KW_ONLY
     hidden: tuple[int, int] = (96, 96)
     steps: int = 2500
-    averaged: int = 800
     batch: int = 1024
-    learning_rate: float = 1e-3
-    penalty: float = 0.1
+    learning_rate: float = 2e-3
+    penalty: float = 1e-4
     resize: float = 0.3
     report_every: int = 50
 
     def __post_init__(self) -> None:
         if not self.thresholds_m or min(self.thresholds_m) <= 0.0:
             raise ValueError(f"thresholds_m must be positive, and at least one, got {self.thresholds_m}")
-        if not 1 <= self.averaged <= self.steps:
-            raise ValueError(f"averaged must be from 1 to steps = {self.steps}, got {self.averaged}")
-        for name in ("softness", "batch", "learning_rate", "report_every"):
+        for name in ("softness", "steps", "batch", "learning_rate", "report_every"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        if not self.penalty >= 0.0:
+            raise ValueError(f"penalty must not be negative, got {self.penalty}")
 
     @property
     def reports(self) -> int:
@@ -76,154 +89,125 @@ class Descent:
         return -(-self.steps // self.report_every)
 
 
-@dataclass(frozen=True, slots=True)
-class Lesson:
-    """What one network is to learn.
+def numerics() -> tuple[Any, Any, Any]:
+    """JAX, its NumPy and optax; JAX on one thread, so that sums are the same on any machine.
+
+    Raises
+    ------
+    MissingExtraError
+        Where they are not installed.
+    """
+    known = os.environ.get("XLA_FLAGS", "")
+    if "multi_thread_eigen" not in known:
+        os.environ["XLA_FLAGS"] = f"{known} {_ONE_THREAD}".strip()
+    try:
+        import jax  # noqa: PLC0415 - an optional extra
+        import jax.numpy as jnp  # noqa: PLC0415
+        import optax  # noqa: PLC0415
+    except ImportError as error:
+        raise MissingExtraError("modelcast train", "train") from error
+    return jax, jnp, optax
+
+
+def squashing(inputs: FloatArray, mirrors: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Centre and width by which inputs are squashed, (I,) both.
 
     Parameters
     ----------
     inputs
-        (B, I); the last `NOISES` are no lengths and are not resized.
-    errors_m
-        What the outputs are to correct, along and to the left, (B, H, 2) [m].
-    centre, width
-        The network sees ``asinh((input - centre) / width)``, (I,).
+        Of all windows, (B, I).
     mirrors
-        Sign of every input in the mirror, (I,).
-    basis
-        Value of each coefficient's function at each horizon, (H, k).
-    steps_s
-        Time that each horizon stands for, (H,) [s].
+        Sign of every input in the mirror, (I,): what changes its sign is centred at zero.
     """
-
-    inputs: FloatArray
-    errors_m: FloatArray
-    _: KW_ONLY
-    centre: FloatArray
-    width: FloatArray
-    mirrors: FloatArray
-    basis: FloatArray
-    steps_s: FloatArray
+    centre = np.where(mirrors > 0, np.median(inputs, axis=0), 0.0)
+    return centre, np.maximum(2.0 * np.median(np.abs(inputs), axis=0), 2e-3)
 
 
-def descend(
-    lesson: Lesson, how: Descent, *, seed: int, key: str, step: Callable[[int], None]
-) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Weights and biases of the three layers, averaged over the last batches.
+def batches(shares: FloatArray, how: Descent, rng: np.random.Generator) -> Iterator[IntArray]:
+    """Rows of every batch, drawn by their shares.
 
     Parameters
     ----------
-    lesson
-        Windows and what they lack.
+    shares
+        Of each row, (B,); they sum to one.
     how
-        Loss and optimiser.
+        Size and number of batches.
+    rng
+        What draws.
+    """
+    bounds = np.cumsum(shares)
+    for _ in range(how.steps):
+        drawn: FloatArray = rng.random(how.batch) * bounds[-1]
+        yield np.minimum(np.searchsorted(bounds, drawn), shares.size - 1)
+
+
+def descend(
+    cost: Callable[..., Any],
+    given: Iterator[tuple[FloatArray, Sequence[FloatArray]]],
+    how: Descent,
+    *,
+    sizes: tuple[int, int],
+    seed: int,
+    key: str,
+    step: Callable[[int], None],
+) -> Weights:
+    """Weights that make a cost small.
+
+    Parameters
+    ----------
+    cost
+        Mean cost of a batch by the network's outputs (B, O) and the rest of the batch, in terms of JAX.
+    given
+        Batches: squashed inputs (B, I), and the rest.
+    how
+        Layers and optimiser.
+    sizes
+        Inputs I and outputs O.
     seed, key
-        Of first weights, order, mirrors and sizes.
+        Of the first weights.
     step
         Called with the number of reports so far.
 
     Raises
     ------
     MissingExtraError
-        Where scikit-learn is not installed.
+        Where JAX and optax are not installed.
     """
-    network, limits = make_regressor(how, seed)
-    rng = child_generator(seed, "batches", key)
-    outputs = 2 * lesson.basis.shape[1]
-    slopes = np.empty((how.batch, outputs))
-    thresholds_m = np.array(how.thresholds_m)
-    average = LayerAverage()
-    with limits(1):  # one thread: the same sums on any machine, and no waiting for busy cores
-        for done, chosen in enumerate(_batches(len(lesson.inputs), how, rng), start=1):
-            inputs, errors_m = _varied(lesson, chosen, how, rng)
-            squashed = np.arcsinh((inputs - lesson.centre) / lesson.width).astype(np.float32)
-            if done == 1:
-                network.partial_fit(squashed, np.zeros((how.batch, outputs), dtype=np.float32))
-                # Begin with next to no correction.
-                network.coefs_[-1] *= np.float32(0.1)
-                network.intercepts_[-1] *= np.float32(0.1)
-            given = np.ascontiguousarray(network.predict(squashed), dtype=np.float64)
-            survival_slopes(given, errors_m, lesson.basis, lesson.steps_s, thresholds_m, how.softness, slopes)
-            network.partial_fit(squashed, (given - slopes).astype(np.float32))
-            if done > how.steps - how.averaged:
-                average.add([*network.coefs_, *network.intercepts_])
-            if done % how.report_every == 0 or done == how.steps:
-                step(-(-done // how.report_every))
-    layers = average.mean
-    return layers[:3], layers[3:]
+    jax, jnp, optax = numerics()
+    inputs, outputs = sizes
+    layers: Any = [jnp.asarray(one, jnp.float32) for one in _first_weights(inputs, outputs, how, seed, key)]
+    optimiser = optax.adam(optax.cosine_decay_schedule(how.learning_rate, how.steps, _LAST_RATE))
+    state = optimiser.init(layers)
+
+    def loss(layers: Any, squashed: Any, rest: Any) -> Any:
+        hidden = jax.nn.relu(squashed @ layers[0] + layers[1])
+        hidden = jax.nn.relu(hidden @ layers[2] + layers[3])
+        squares = sum((layers[at] ** 2).sum() for at in (0, 2, 4))
+        return cost(hidden @ layers[4] + layers[5], *rest) + how.penalty * squares
+
+    @jax.jit
+    def advance(layers: Any, state: Any, squashed: Any, rest: Any) -> Any:
+        slopes = jax.grad(loss)(layers, squashed, rest)
+        moves, state = optimiser.update(slopes, state)
+        return optax.apply_updates(layers, moves), state
+
+    for done, (squashed, rest) in enumerate(given, start=1):
+        now = [np.asarray(one, dtype=np.float32) for one in (squashed, *rest)]
+        layers, state = advance(layers, state, now[0], now[1:])
+        if done % how.report_every == 0 or done == how.steps:
+            step(-(-done // how.report_every))
+    return Weights(*(np.asarray(one, dtype=np.float64) for one in layers))
 
 
-def _batches(count: int, how: Descent, rng: np.random.Generator) -> Iterator[IntArray]:
-    """Rows of every batch: pass after pass in a new order."""
-    order: IntArray = np.empty(0, dtype=np.int64)
-    for _ in range(how.steps):
-        while order.size < how.batch:
-            order = np.concatenate([order, rng.permutation(count)])
-        yield order[: how.batch]
-        order = order[how.batch :]
-
-
-def _varied(
-    lesson: Lesson, chosen: IntArray, how: Descent, rng: np.random.Generator
-) -> tuple[FloatArray, FloatArray]:
-    """Mirror half the windows, and play each on a road somewhat larger or smaller."""
-    mirrored = rng.random(chosen.size) < 0.5
-    inputs = np.where(mirrored[:, None], lesson.inputs[chosen] * lesson.mirrors, lesson.inputs[chosen])
-    size = np.exp(how.resize * rng.uniform(-1.0, 1.0, chosen.size))
-    inputs[:, :-NOISES] *= size[:, None]
-    errors_m = lesson.errors_m[chosen] * size[:, None, None]
-    errors_m[mirrored, :, 1] *= -1.0
-    return inputs, errors_m
-
-
-class LayerAverage:
-    """Running mean of the weights: what a falling learning rate would reach."""
-
-    def __init__(self) -> None:
-        self._sums: list[FloatArray] = []
-        self._count = 0
-
-    def add(self, layers: Sequence[FloatArray]) -> None:
-        """Count one set of weights."""
-        if not self._sums:
-            self._sums = [np.zeros(layer.shape) for layer in layers]
-        for at, layer in enumerate(layers):
-            self._sums[at] += layer
-        self._count += 1
-
-    @property
-    def mean(self) -> list[FloatArray]:
-        """Mean of all sets."""
-        return [total / self._count for total in self._sums]
-
-
-def make_regressor(how: Descent, seed: int) -> tuple[Any, Any]:
-    """scikit-learn's network, and the limit of threads that comes with it.
-
-    Parameters
-    ----------
-    how
-        Layers and optimiser.
-    seed
-        Of the first weights.
-
-    Raises
-    ------
-    MissingExtraError
-        Where scikit-learn is not installed.
-    """
-    try:
-        from sklearn.neural_network import MLPRegressor  # noqa: PLC0415 - an optional extra
-        from threadpoolctl import threadpool_limits  # noqa: PLC0415 - comes with scikit-learn
-    except ImportError as error:
-        raise MissingExtraError("modelcast train", "train") from error
-    regressor: Any = MLPRegressor  # its stubs know batch_size as a text alone
-    network = regressor(
-        hidden_layer_sizes=how.hidden,
-        batch_size=how.batch,
-        learning_rate_init=how.learning_rate,
-        alpha=how.penalty,
-        shuffle=False,
-        random_state=seed,
-    )
-    return network, threadpool_limits
+def _first_weights(inputs: int, outputs: int, how: Descent, seed: int, key: str) -> list[FloatArray]:
+    """Normal weights that keep the size of what goes through; outputs begin next to zero."""
+    rng = child_generator(seed, "weights", key)
+    first, second = how.hidden
+    return [
+        rng.standard_normal((inputs, first)) * np.sqrt(2.0 / inputs),
+        np.zeros(first),
+        rng.standard_normal((first, second)) * np.sqrt(2.0 / first),
+        np.zeros(second),
+        rng.standard_normal((second, outputs)) * _FIRST_OUTPUTS / np.sqrt(second),
+        np.zeros(outputs),
+    ]

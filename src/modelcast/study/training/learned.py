@@ -3,15 +3,16 @@
 The network learns what constant turn rate and acceleration gets wrong: the difference to the true path over
 the next seconds, in the frame of the newest velocity, as coefficients of a polynomial against time. What it
 makes small is not the error but the number of messages: the loss is the logarithm of the time that the path
-holds under a threshold, softened (`survival_kernels.survival_slopes`). An error that no threshold forgives
+holds under a threshold, softened (`survival.survival_cost`). An error that no threshold forgives
 costs nothing more for being larger. Every trip is also played slower, faster and backwards (`playback`), half
 the windows are mirrored, every road is resized at random, and every
 network sees one range of position noise: a network for millimetres and one for decimetres have little in
 common.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -30,9 +31,10 @@ from modelcast.models.point_kernels import (
 )
 from modelcast.station.sensing.sensing import position_noise_m, sample_matrix
 from modelcast.station.sensing.velocity import velocity_estimator_for
-from modelcast.study.training.descent import Descent, Lesson, descend
+from modelcast.study.training.descent import Descent, batches, descend, numerics, squashing
 from modelcast.study.training.inputs import window_inputs
 from modelcast.study.training.playback import DEFAULT_PLAYBACKS, Playback
+from modelcast.study.training.survival import survival_cost
 from modelcast.study.training.views import PlayedTrip, SenderView, Viewed, played_trips, view_trips
 from modelcast.trips.trajectory import Trajectory
 
@@ -173,7 +175,7 @@ def train_learned(
     Raises
     ------
     MissingExtraError
-        Where scikit-learn, which the extra ``train`` brings, is not installed.
+        Where JAX and optax, which the extra ``train`` brings, are not installed.
     ValueError
         Where a network has no window to learn from.
     """
@@ -271,35 +273,59 @@ def _train_network(
     settings: LearnedSettings,
     step: Callable[[int], None],
 ) -> Perceptron:
-    signs = settings.features.mirrors
-    centre = np.where(signs > 0, np.median(rows.inputs, axis=0), 0.0)
-    width = np.maximum(2.0 * np.median(np.abs(rows.inputs), axis=0), 2e-3)
-    powers = np.vander(horizons_s / settings.longest_s, settings.coefficients, increasing=True)
+    _, jnp, _ = numerics()
+    how, count = settings.descent, settings.coefficients
+    centre, width = squashing(rows.inputs, settings.features.mirrors)
+    powers = np.vander(horizons_s / settings.longest_s, count, increasing=True)
     _, r = np.linalg.qr(powers / error_scale_m(horizons_s)[:, None])
     # The network's outputs are coefficients in an orthonormal basis; those of the powers follow from them.
     basis = powers @ np.linalg.inv(r)
-    lesson = Lesson(
-        rows.inputs,
-        rows.errors_m,
-        centre=centre,
-        width=width,
-        mirrors=signs,
-        basis=basis,
-        steps_s=np.diff(horizons_s, prepend=0.0),
+    steps_s = np.diff(horizons_s, prepend=0.0)
+
+    def cost(outputs: Any, errors_m: Any) -> Any:
+        paths = [outputs[:, axis * count : (axis + 1) * count] @ basis.T for axis in range(2)]
+        off_m = jnp.stack(paths, axis=-1) - errors_m
+        known = jnp.ones(off_m.shape[:2])
+        return survival_cost(off_m, known, steps_s, thresholds_m=how.thresholds_m, softness=how.softness)
+
+    weights = descend(
+        cost,
+        _batches(rows, settings, str(up_to_noise_m), centre, width),
+        how,
+        sizes=(settings.features.inputs, 2 * count),
+        seed=settings.seed,
+        key=str(up_to_noise_m),
+        step=step,
     )
-    weights, biases = descend(lesson, settings.descent, seed=settings.seed, key=str(up_to_noise_m), step=step)
     back = np.kron(np.eye(2), np.linalg.inv(r)).T
     return Perceptron(
         up_to_noise_m,
         centre=_rounded(centre),
         width=_rounded(width),
-        weights_1=_rounded(weights[0]),
-        bias_1=_rounded(biases[0]),
-        weights_2=_rounded(weights[1]),
-        bias_2=_rounded(biases[1]),
-        weights_3=_rounded(weights[2] @ back),
-        bias_3=_rounded(biases[2] @ back),
+        weights_1=_rounded(weights.weights_1),
+        bias_1=_rounded(weights.bias_1),
+        weights_2=_rounded(weights.weights_2),
+        bias_2=_rounded(weights.bias_2),
+        weights_3=_rounded(weights.weights_3 @ back),
+        bias_3=_rounded(weights.bias_3 @ back),
     )
+
+
+def _batches(
+    rows: _Rows, settings: LearnedSettings, key: str, centre: FloatArray, width: FloatArray
+) -> Iterator[tuple[FloatArray, Sequence[FloatArray]]]:
+    """Squashed inputs and errors; half the windows mirrored, each on a road somewhat larger or smaller."""
+    rng = child_generator(settings.seed, "batches", key)
+    how, features = settings.descent, settings.features
+    shares = np.full(len(rows.inputs), 1.0 / len(rows.inputs))
+    for chosen in batches(shares, how, rng):
+        mirrored = rng.random(chosen.size) < 0.5
+        inputs = np.where(mirrored[:, None], rows.inputs[chosen] * features.mirrors, rows.inputs[chosen])
+        size = np.exp(how.resize * rng.uniform(-1.0, 1.0, chosen.size))
+        inputs[:, : -features.fixed] *= size[:, None]
+        errors_m = rows.errors_m[chosen] * size[:, None, None]
+        errors_m[mirrored, :, 1] *= -1.0
+        yield np.arcsinh((inputs - centre) / width), [errors_m]
 
 
 def _rounded(array: FloatArray) -> FloatArray:

@@ -4,8 +4,9 @@ Every training trip, as its sender sees it, is fitted at every sample; the true 
 each threshold is what the networks learn, as a logarithm. Networks that differ by their seed are averaged.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from modelcast.models.learned import FeatureMap, Perceptron, Selector
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.case import TripCase
 from modelcast.study.training import selection_kernels
-from modelcast.study.training.descent import Descent, LayerAverage, make_regressor
+from modelcast.study.training.descent import Descent, Weights, batches, descend, squashing
 from modelcast.study.training.inputs import window_inputs
 
 __all__ = ["SelectorSettings", "member_lives_s", "train_selector"]
@@ -61,9 +62,7 @@ class SelectorSettings:
     longest_s: float = 8.0
     every: int = 2
     seed: int = 0
-    descent: Descent = field(
-        default_factory=lambda: Descent(hidden=(48, 48), steps=600, averaged=200, batch=512)
-    )
+    descent: Descent = field(default_factory=lambda: Descent(hidden=(48, 48), steps=600, batch=512))
     features: FeatureMap = field(default_factory=FeatureMap)
 
     def __post_init__(self) -> None:
@@ -96,7 +95,7 @@ def train_selector(
     Raises
     ------
     MissingExtraError
-        Where scikit-learn, which the extra ``train`` brings, is not installed.
+        Where JAX and optax, which the extra ``train`` brings, are not installed.
     ValueError
         Where no case has a window with the whole life ahead.
     """
@@ -104,8 +103,7 @@ def train_selector(
     bank = bank.complete()
     inputs, lives = _rows(cases, bank, settings)
     signs = settings.features.mirrors
-    centre = np.where(signs > 0, np.median(inputs, axis=0), 0.0)
-    width = np.maximum(2.0 * np.median(np.abs(inputs), axis=0), 2e-3)
+    centre, width = squashing(inputs, signs)
     squashed = np.arcsinh((inputs - centre) / width)
     targets = np.log(np.minimum(lives, settings.longest_s) + _LOOK_S)
     networks: list[Perceptron] = []
@@ -118,10 +116,10 @@ def train_selector(
                 centre=centre,
                 width=width,
                 weights_1=rounded[0],
-                weights_2=rounded[1],
-                weights_3=rounded[2],
-                bias_1=rounded[3],
-                bias_2=rounded[4],
+                bias_1=rounded[1],
+                weights_2=rounded[2],
+                bias_2=rounded[3],
+                weights_3=rounded[4],
                 bias_3=rounded[5],
             )
         )
@@ -192,19 +190,24 @@ def _rows(cases: Sequence[TripCase], bank: Bank, settings: SelectorSettings) -> 
 
 def _descend(
     inputs: FloatArray, targets: FloatArray, signs: FloatArray, settings: SelectorSettings, seed: int
-) -> list[FloatArray]:
-    """Weights, then biases, of the three layers; half the windows are mirrored."""
-    how = settings.descent
-    network, limits = make_regressor(how, seed)
-    rng = child_generator(seed, "selector")
-    average = LayerAverage()
-    with limits(1):  # one thread: the same sums on any machine
-        for done in range(how.steps):
-            chosen = rng.integers(len(inputs), size=how.batch)
-            mirrored = np.where(rng.random(how.batch)[:, None] < 0.5, signs, 1.0)
-            network.partial_fit(
-                (inputs[chosen] * mirrored).astype(np.float32), targets[chosen].astype(np.float32)
-            )
-            if done >= how.steps - how.averaged:
-                average.add([*network.coefs_, *network.intercepts_])
-    return average.mean
+) -> Weights:
+    """Weights that make squares small; half the windows are mirrored."""
+
+    def given() -> Iterator[tuple[FloatArray, Sequence[FloatArray]]]:
+        rng = child_generator(seed, "selector")
+        for chosen in batches(np.full(len(inputs), 1.0 / len(inputs)), settings.descent, rng):
+            mirrored = np.where(rng.random(chosen.size)[:, None] < 0.5, signs, 1.0)
+            yield inputs[chosen] * mirrored, [targets[chosen]]
+
+    def cost(outputs: Any, wanted: Any) -> Any:
+        return ((outputs - wanted) ** 2).mean()
+
+    return descend(
+        cost,
+        given(),
+        settings.descent,
+        sizes=(inputs.shape[1], targets.shape[1]),
+        seed=seed,
+        key="selector",
+        step=lambda _: None,
+    )

@@ -1,0 +1,110 @@
+"""Compiled estimates of Part I, and the network that moves them within limits."""
+
+from math import atan2, cos, hypot, sin, tanh
+
+import numpy as np
+
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import FloatMatrix, FloatVector
+from modelcast.models.learned.learned_kernels import FRAME_MPS, HEADER, run_network, window_features
+from modelcast.models.point_kernels import (
+    ACCELERATION,
+    POSITION_NOISE,
+    VELOCITY_EAST,
+    VELOCITY_NORTH,
+    YAW_RATE,
+)
+
+__all__ = ["LEVEL", "VALUES", "estimates_each", "estimates_of", "fit"]
+
+VALUES = 4
+"""Speed, angle of the course to the left of the newest velocity, acceleration, yaw rate to the left."""
+
+LEVEL = 1 + VALUES
+"""Numbers of one range of noise: up to which noise, and the place of each estimate among the inputs."""
+
+_SLOWEST_MPS = 0.1
+
+
+@kernel
+def estimates_of(inputs: FloatVector, places: FloatVector, out: FloatVector) -> None:
+    """Write the four values (`VALUES`,) that a moving vehicle's inputs give.
+
+    ``places`` (`LEVEL`,) begins with a noise; -1 stands for the newest sample's own value.
+    """
+    along, left = inputs[0], 0.0
+    if places[1] >= 0.0:
+        along += inputs[int(places[1])]
+    if places[2] >= 0.0:
+        left = inputs[int(places[2])]
+    along = max(along, _SLOWEST_MPS)
+    out[0] = hypot(along, left)
+    out[1] = atan2(left, along)
+    out[2] = inputs[int(places[3])] if places[3] >= 0.0 else inputs[1]
+    toward = inputs[int(places[4])] if places[4] >= 0.0 else -inputs[2]
+    out[3] = toward / out[0]
+
+
+@kernel
+def estimates_each(inputs: FloatMatrix, places: FloatVector, out: FloatMatrix) -> None:
+    """Write `estimates_of` of many windows, inputs (B, I), into (B, `VALUES`)."""
+    for row in range(inputs.shape[0]):
+        estimates_of(inputs[row], places, out[row])
+
+
+@kernel
+def _moved(
+    noise: float,
+    inputs: FloatVector,
+    limits: FloatVector,
+    packed: FloatVector,
+    networks: int,
+    out: FloatVector,
+) -> None:
+    """Let the network for a noise move the values (`VALUES`,) within their limits; ``inputs`` are lost."""
+    at, count = 0, inputs.size
+    moves = np.empty(VALUES)
+    for one in range(networks):
+        first, second = int(packed[at + 1]), int(packed[at + 2])
+        size = 2 * count + first * (count + 1) + second * (first + 1) + VALUES * (second + 1)
+        if noise <= packed[at] or one == networks - 1:
+            run_network(packed[at + 3 : at + 3 + size], first, second, inputs, moves)
+            for i in range(VALUES):
+                out[i] += limits[i] * tanh(moves[i])
+            out[0] = max(out[0], 0.0)
+            return
+        at += 3 + size
+
+
+@kernel
+def fit(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
+    """Write velocity east and north, acceleration and clockwise yaw rate, as a message states them.
+
+    A standing vehicle states its newest sample, and so does one whose window does not reach back far enough.
+    """
+    newest = window[-1]
+    out[0], out[1] = newest[VELOCITY_EAST], newest[VELOCITY_NORTH]
+    out[2], out[3] = newest[ACCELERATION], newest[YAW_RATE]
+    lags, networks = int(constants[1]), int(constants[7])
+    inputs = np.empty(int(constants[4]))
+    if not window_features(window, constants, inputs) or inputs[0] < FRAME_MPS:
+        return
+    ahead_east, ahead_north = out[0] / inputs[0], out[1] / inputs[0]
+    at = HEADER + (int(constants[2]) + int(constants[3]) + int(constants[8])) * (lags + 1)
+    levels = int(constants[at])
+    at += 1
+    noise = newest[POSITION_NOISE]
+    chosen = at
+    for level in range(levels):
+        chosen = at + level * LEVEL
+        if noise <= constants[chosen]:
+            break
+    values = np.empty(VALUES)
+    estimates_of(inputs, constants[chosen : chosen + LEVEL], values)
+    at += levels * LEVEL
+    if networks > 0:
+        _moved(noise, inputs, constants[at : at + VALUES], constants[at + VALUES :], networks, values)
+    along, left = values[0] * cos(values[1]), values[0] * sin(values[1])
+    out[0] = along * ahead_east - left * ahead_north
+    out[1] = along * ahead_north + left * ahead_east
+    out[2], out[3] = values[2], -values[3]
