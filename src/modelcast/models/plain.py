@@ -22,6 +22,7 @@ from modelcast.models.gp.conditional import AxisKernel
 from modelcast.models.gp.expression import KernelProcess
 from modelcast.models.gp.gaussian_process import Hyperparameters
 from modelcast.models.gp.vehicle import VehicleProcess
+from modelcast.models.interacting import InteractingMultipleModel
 from modelcast.models.kinematic import (
     ConstantAcceleration,
     ConstantTurnRateAcceleration,
@@ -45,6 +46,7 @@ PLAIN_CLASSES: dict[str, type] = {
         ConstantVelocity,
         GaussianProcess,
         Hyperparameters,
+        InteractingMultipleModel,
         KernelProcess,
         LearnedTrajectory,
         LinearMode,
