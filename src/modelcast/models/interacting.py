@@ -77,12 +77,12 @@ class InteractingMultipleModel(AbstractCoreModel):
     """
 
     _: KW_ONLY
-    persistence_s: Annotated[float, Number(0.1, 1000.0)] = 5.0
-    noise_m: Annotated[float, Number(1e-4, 10.0)] = 0.05
-    acceleration_spread_mps2: Annotated[float, SPREAD_MPS2] = 1.0
-    jerk_spread_mps3: Annotated[float, SPREAD_MPS3] = 1.0
-    yaw_acceleration_spread_radps2: Annotated[float, SPREAD_RADPS2] = 0.1
-    start: Annotated[tuple[float, ...], Fixed((_CHANCE,) * kernels.MODES)] = (0.1, 0.2, 0.2, 0.5)
+    persistence_s: Annotated[float, Number(0.1, 1000.0)] = 2.0
+    noise_m: Annotated[float, Number(1e-4, 10.0)] = 0.1
+    acceleration_spread_mps2: Annotated[float, SPREAD_MPS2] = 0.2
+    jerk_spread_mps3: Annotated[float, SPREAD_MPS3] = 0.6
+    yaw_acceleration_spread_radps2: Annotated[float, SPREAD_RADPS2] = 0.07
+    start: Annotated[tuple[float, ...], Fixed((_CHANCE,) * kernels.MODES)] = (0.07, 0.02, 0.07, 0.84)
 
     def __post_init__(self) -> None:
         check_fields(self)
