@@ -36,7 +36,7 @@ def runs(case: TripCase, settings: EvaluationSettings) -> dict[tuple[str, str | 
     baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator)
     return {
         (run.contender.policy, run.contender.rate_basis, run.contender.threshold_m): run
-        for run in run_tracking(case, mbc, baseline, settings)
+        for run in run_tracking(case, [mbc], baseline, settings)
     }
 
 

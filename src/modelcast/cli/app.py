@@ -29,6 +29,7 @@ COMMANDS = (
     "coverage",
     "network",
     "train",
+    "road",
     "decode",
     "encode",
     "doctor",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from cyclopts import Parameter
 
+from modelcast.cli.context_options import road_files
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import Numbers, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
@@ -87,6 +88,10 @@ class CompareOptions:
         cooperative awareness messages.
     quantised
         Predict with what a message can say, at sender and host alike.
+    road
+        What banks that read context remember of the road, as in 'modelcast evaluate'.
+    leader
+        Whether they know of the vehicle ahead, as in 'modelcast evaluate'.
     certificates
         Which messages carry the certificate, as in 'modelcast evaluate'.
     sensor
@@ -114,6 +119,8 @@ class CompareOptions:
     keep_alive: float = 2.0
     references: bool = True
     quantised: bool = True
+    road: str = "own"
+    leader: bool = True
     certificates: CertificateRule = "gap"
     sensor: SensorOptions = field(default_factory=SensorOptions)
 
@@ -125,9 +132,9 @@ class CompareOptions:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """The profiles' files: the one in use, and those among the banks."""
+        """The profiles' files, the one in use and those among the banks, and the road file."""
         named = [text for text in self.bank if text.endswith(".json")]
-        return tuple(Path(text) for text in (*([self.profile] if self.profile else []), *named))
+        return (*(Path(text) for text in (self.profile, *named) if text), *road_files(self.road))
 
     def settings(self) -> "CompareSettings":
         """The settings they mean.
@@ -150,6 +157,8 @@ class CompareOptions:
             references=self.references,
             quantised=self.quantised,
             certificates=self.certificates,
+            road=self.road,
+            leader=self.leader,
             sensor=self.sensor,
         )
         try:

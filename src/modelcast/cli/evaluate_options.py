@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from cyclopts import Parameter
 
+from modelcast.cli.context_options import context_settings, road_files
 from modelcast.cli.options import Numbers, SensorOptions
 from modelcast.messages.rules import CertificateRule
 from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
@@ -88,6 +89,11 @@ class EvaluateOptions:
         Manoeuvre to draw, as TRIP@SECONDS; the sharpest where not given.
     quantised
         Predict with what a message can say, at sender and host alike.
+    road
+        What a bank that reads context remembers of the road: its 'own' earlier drive and trips that ended
+        before on the same clock, these and a road file of other trips ('modelcast road build'), or 'none'.
+    leader
+        Whether such a bank knows of the vehicle ahead, from the messages of the other trips on its clock.
     certificates
         Which messages carry the certificate, for the airtime: those that follow a gap of 450 ms, one every
         450 ms, all, none (all carry its digest), or no message is signed.
@@ -116,6 +122,8 @@ class EvaluateOptions:
     references: bool = True
     map: str | None = None
     quantised: bool = True
+    road: str = "own"
+    leader: bool = True
     certificates: CertificateRule = "gap"
 
     def as_plain(self) -> dict[str, Any]:
@@ -126,9 +134,9 @@ class EvaluateOptions:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """The profiles' files: the one in use, and the bank where it is one."""
+        """The profiles' files, the one in use and the bank where it is one, and the road file."""
         named = [self.bank] if self.bank.endswith(".json") else []
-        return tuple(Path(text) for text in (*([self.profile] if self.profile else []), *named))
+        return (*(Path(text) for text in (self.profile, *named) if text), *road_files(self.road))
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "EvaluateOptions":
@@ -201,6 +209,7 @@ class EvaluateOptions:
                 velocity=self.velocity,
                 quantised=self.quantised,
                 stack=Stack(self.certificates),
+                context=context_settings(self.road, leader=self.leader),
             )
             check(self.as_plain(), OPTIONS, "option")
         except ValueError as error:

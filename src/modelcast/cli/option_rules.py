@@ -54,8 +54,16 @@ _RULES: dict[str, AbstractRule] = {
     "latency": Maybe(Number(0.0, _HOUR_S)),
 }
 
-OPTIONS = Keys(_RULES, {"sensor": Maybe(Text(choices=tuple(SENSORS))), "velocity": _word(VelocityRule)})
+OPTIONS = Keys(
+    _RULES,
+    {
+        "sensor": Maybe(Text(choices=tuple(SENSORS))),
+        "velocity": _word(VelocityRule),
+        "road": Text(LONGEST_PATH),
+        "leader": Flag(),
+    },
+)
 """Of all options by name, as `modelcast.cli.evaluate_options.EvaluateOptions.as_plain` writes them.
 
-Runs from before sensors had names, or velocities, do not say which; theirs is the default.
+Runs from before sensors had names, or velocities, or context, do not say which; theirs is the default.
 """

@@ -80,7 +80,7 @@ class OpenAccReader(AbstractTripReader):
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per car, ``<stem>/<name in Vehicle_order>``; the file is held whole."""
         for trip in _trips_on_one_clock(path, on_skipped):
-            yield replace(trip, start_unix_s=None)
+            yield replace(trip, start_unix_s=None, clock_s=trip.start_unix_s)
 
 
 def read_platoon(path: str | Path, *, length_m: float = 4.5) -> Replay:

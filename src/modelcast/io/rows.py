@@ -177,6 +177,7 @@ def make_trip(
     source: str,
     origin: Origin | None = None,
     unix_offset_s: float | None = None,
+    clock_offset_s: float | None = None,
 ) -> Trajectory | None:
     """Return the trip of rows in time order, or None where no row is left.
 
@@ -192,6 +193,8 @@ def make_trip(
         Rows the file held for this vehicle.
     unix_offset_s
         What turns ``t_s`` into Unix time, where that is known [s].
+    clock_offset_s
+        What turns it into the time of the clock that the file's trips share, where they share one [s].
 
     Raises
     ------
@@ -221,6 +224,7 @@ def make_trip(
             **{name: columns[name] for name in OPTIONAL if name in columns},
             origin=origin,
             start_unix_s=None if unix_offset_s is None else float(t_s[0]) + unix_offset_s,
+            clock_s=None if clock_offset_s is None else float(t_s[0]) + clock_offset_s,
             source=source,
             reading=reading,
         )

@@ -59,14 +59,19 @@ def table_trips(
     _check_range(path, rows)
     stem = Path(path).stem
     origin = _first_origin(rows) if found.geodetic else None
-    for label, which in _groups(path, rows, labels):
+    groups = list(_groups(path, rows, labels))
+    one_clock = _one_clock(groups, rows, time)
+    for label, which in groups:
         trip_id = label if found.whole_id and labels is not None else f"{stem}/{label}"
         tally = Tally()
         own = rows.taken(which) if labels is not None else rows
         cut = partial and len(rows) - 1 in which[-1:]
         tally.skip("partial last line", int(cut))
         count = len(own) + int(cut)
-        trip = _trip(path, source, trip_id, own, tally, count=count, time=time, shared_origin=origin)
+        trip = _trip(
+            path, source, trip_id, own, tally,
+            count=count, time=time, shared_origin=origin, one_clock=one_clock,
+        )  # fmt: skip
         if trip is None:
             on_skipped(trip_id, tally.why_empty())
         else:
@@ -75,7 +80,7 @@ def table_trips(
 
 def _trip(
     path: str, source: str, trip_id: str, rows: Rows, tally: Tally, *, count: int, time: TimeUnit,
-    shared_origin: Origin | None,
+    shared_origin: Origin | None, one_clock: bool,
 ) -> Trajectory | None:  # fmt: skip
     """Return one vehicle's trip, or None where no row is usable."""
     columns = rows.columns
@@ -114,7 +119,14 @@ def _trip(
         source=source,
         origin=origin,
         unix_offset_s=unix + (start + time.start) * time.unit_s if np.isfinite(unix) else None,
+        clock_offset_s=(start + time.start) * time.unit_s if one_clock else None,
     )
+
+
+def _one_clock(groups: list[tuple[str, np.ndarray]], rows: Rows, time: TimeUnit) -> bool:
+    """Whether all trips tell the time by one clock: some begins at another time than 0."""
+    starts_s = (rows.columns["t_s"][which[:1]] for _, which in groups)
+    return any(bool(np.isfinite(start).all() and (start + time.start != 0.0).all()) for start in starts_s)
 
 
 def _without_positions_off_road(rows: Rows) -> Rows:

@@ -16,6 +16,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.models import point_kernels
 from modelcast.models.address_kernels import FIT_TYPES, OBSERVE_TYPES, PREDICT_TYPES, point_address
+from modelcast.models.context_columns import CONTEXT_COLUMNS
 from modelcast.models.member_kernels import NO_ABSORB
 from modelcast.models.payload import PayloadLayout
 
@@ -39,7 +40,7 @@ class Windows:
         (B, n, 7): east, north [m]; the east, north velocity [m/s], the acceleration along the course [m/s²],
         the yaw rate, clockwise [rad/s], and the standard deviation of the white position noise an axis [m],
         that one named causal estimator each gives at each sample; a noise of 0 says that it is not known.
-        Row -1 is the newest.
+        Row -1 is the newest. Or (B, n, 20), with the columns of `modelcast.models.context_columns` behind.
     dt_s
         Sampling interval [s].
 
@@ -54,9 +55,10 @@ class Windows:
     dt_s: float
 
     def __post_init__(self) -> None:
-        if self.samples.ndim != 3 or self.samples.shape[2] != point_kernels.SAMPLE_COLUMNS:
+        bare, whole = point_kernels.SAMPLE_COLUMNS, point_kernels.SAMPLE_COLUMNS + CONTEXT_COLUMNS
+        if self.samples.ndim != 3 or self.samples.shape[2] not in (bare, whole):
             raise ValueError(
-                f"samples must be (B, n, {point_kernels.SAMPLE_COLUMNS}), got {self.samples.shape}"
+                f"samples must be (B, n, {bare}), or (B, n, {whole}) with context, got {self.samples.shape}"
             )
         if not np.isfinite(self.samples).all():
             raise ValueError("samples must be finite: skip a vehicle without a full window")
@@ -140,6 +142,10 @@ class PointFunctions:
         receiver holds after an update, from what it held of the same sub-model before. ``new`` are the
         parameters as decoded, ``moved`` the time [s] and the way east and north [m] between the two origins;
         ``held`` is overwritten. None where an update says all.
+    context_at
+        Index in the constants at which these find, while a compiled loop runs, the first of the columns of
+        `modelcast.models.context_columns` in a sample; 0 stands there where samples hold none. None where
+        they read no context.
 
     Notes
     -----
@@ -153,6 +159,7 @@ class PointFunctions:
     calls: tuple[PointCall, ...] = ()
     stream: Stream | None = None
     absorb: Any = None
+    context_at: int | None = None
 
     @property
     def absorb_address(self) -> int:
@@ -203,6 +210,30 @@ class PointFunctions:
         """
         own = self.stream
         return None if own is None else replace(own, at=start + own.at, start=start + own.start)
+
+    def context_from(self, start: int) -> int | None:
+        """`context_at` of functions that go round these, whose constants hold these from ``start`` on.
+
+        Parameters
+        ----------
+        start
+            Where these constants begin among the outer ones.
+        """
+        return None if self.context_at is None else start + self.context_at
+
+    def reading_context(self, column: int) -> FloatArray:
+        """The constants as `addressed` has them, with the place of the context in a sample, (K,).
+
+        Parameters
+        ----------
+        column
+            First column of the context, 0 where samples hold none.
+        """
+        if self.context_at is None:
+            return self.addressed
+        out = self.addressed.copy()
+        out[self.context_at] = column
+        return out
 
 
 class AbstractMotionModel(abc.ABC):
@@ -368,7 +399,8 @@ class AbstractSubModel(AbstractMotionModel):
         first = given - self.window if ready.stream is None else 0
         samples = np.ascontiguousarray(windows.samples[:, first:], dtype=np.float64)
         out = np.empty((samples.shape[0], len(self.parameter_names)))
-        point_kernels.fit_batch(ready.fit_address, samples, ready.addressed, out)
+        column = point_kernels.SAMPLE_COLUMNS if samples.shape[2] > point_kernels.SAMPLE_COLUMNS else 0
+        point_kernels.fit_batch(ready.fit_address, samples, ready.reading_context(column), out)
         return out
 
     def predict(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:

@@ -9,6 +9,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel, PointFunctions
+from modelcast.models.context_columns import CONTEXT_COLUMNS
 from modelcast.models.member_kernels import Members
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
 
@@ -60,17 +61,27 @@ class ReadyBank:
         return cls(functions, bank.windows, bank.offsets, bank.trust)
 
     @property
+    def reads_context(self) -> bool:
+        """Whether a member reads the vehicle ahead or the road (`modelcast.models.context_columns`)."""
+        return any(one.context_at is not None for one in self.functions)
+
+    @property
+    def state_column(self) -> int:
+        """First column of the members' state: behind what is measured, and the context where one reads it."""
+        return SAMPLE_COLUMNS + (CONTEXT_COLUMNS if self.reads_context else 0)
+
+    @property
     def sample_columns(self) -> int:
-        """Columns of a sample with the state of all members behind what is measured."""
-        return SAMPLE_COLUMNS + sum(one.stream.columns for one in self.functions if one.stream is not None)
+        """Columns of a sample: measured, the context where a member reads it, the state of all members."""
+        return self.state_column + sum(one.stream.columns for one in self.functions if one.stream is not None)
 
     @property
     def members(self) -> Members:
         """What compiled loops take; it means something in this process alone."""
-        constants = [one.addressed for one in self.functions]
+        column = self.state_column
+        constants = [one.reading_context(SAMPLE_COLUMNS) for one in self.functions]
         bounds = np.cumsum([0] + [one.size for one in constants], dtype=np.int64)
         streams = np.zeros((len(constants), 4), dtype=np.int64)
-        column = SAMPLE_COLUMNS
         for m, one in enumerate(self.functions):
             if one.stream is not None:
                 end = column + one.stream.columns

@@ -186,5 +186,10 @@ def _point_functions(path: PredictedPath, dt_s: float) -> PointFunctions:
     calls = ready.called_from(before.size, kernels.AT_FIT, kernels.AT_PREDICT)
     constants = np.concatenate([before, ready.constants])
     return PointFunctions(
-        kernels.fit, kernels.predict, constants, calls, stream=ready.streamed_from(before.size)
+        kernels.fit,
+        kernels.predict,
+        constants,
+        calls,
+        stream=ready.streamed_from(before.size),
+        context_at=ready.context_from(before.size),
     )

@@ -7,9 +7,11 @@ import numpy as np
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.models.learned.spans import short_at
+from modelcast.runtime.trip.context import TripContexts
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime, sense_trip
 from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import SensedTrip, TripCase, make_case
+from modelcast.study.context import case_contexts, reads_context, trip_runtimes
 from modelcast.study.illustration import draw_manoeuvre, draw_timeline, sharpest_instant
 from modelcast.study.pooling import TrackingPool, pool_ecdf, pool_row
 from modelcast.study.rate import RateCount, count_rates, pooled_rates, rate_row
@@ -66,7 +68,8 @@ def evaluate(
     Parameters
     ----------
     trips
-        Recorded trips, or trips whose truth is known apart; they are taken one at a time.
+        Recorded trips, or trips whose truth is known apart; they are taken one at a time,
+        but all at once for a bank that reads context.
     settings
         What to do; the defaults are the paper's.
     progress
@@ -95,8 +98,12 @@ def evaluate(
     collected = _Collected()
     events = EventRecorder(settings)
     done = 0
+    contexts = None
+    if reads_context(settings.bank):  # then trips know of each other
+        trips = list(trips)
+        contexts = case_contexts([make_case(trip, settings) for trip in trips], settings)
     for done, trip in enumerate(trips, start=1):
-        _evaluate_trip(trip, settings, collected, events)
+        _evaluate_trip(trip, settings, collected, events, (contexts, done - 1))
         if progress is not None:
             progress(done, done)
     if not collected.trips:
@@ -124,6 +131,7 @@ def _evaluate_trip(
     settings: EvaluationSettings,
     collected: _Collected,
     events: EventRecorder,
+    known: tuple[TripContexts | None, int],
 ) -> None:
     seen = trip.seen if isinstance(trip, SensedTrip) else trip
     trip_id = seen.trip_id
@@ -137,10 +145,8 @@ def _evaluate_trip(
     case = make_case(trip, settings)
     quantised = settings.quantised
     sensed = sense_trip(case.seen, case.estimator, quantised=quantised)
-    mbc, baseline = (
-        TripRuntime(case.seen, bank, case.estimator, selector, quantised=quantised, sensed=sensed)
-        for bank, selector in ((settings.bank, settings.selector_in_use), (BASELINE_BANK, None))
-    )
+    mbc, each = trip_runtimes(case, settings, sensed, *known)
+    baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator, quantised=quantised, sensed=sensed)
     collected.trips.append(_trip_row(case, settings))
     counted = count_rates(case, mbc, baseline, settings)
     for count, walk in counted:
@@ -150,7 +156,7 @@ def _evaluate_trip(
     if settings.references:
         collected.references += count_references(case, settings.thresholds_m)
     _illustrate(case, (mbc, baseline), counted[0][1], settings, collected)
-    for run in run_tracking(case, mbc, baseline, settings):
+    for run in run_tracking(case, each, baseline, settings):
         block = sample_block(case, run, settings)
         if block is not None:
             collected.samples.append(block)

@@ -13,6 +13,7 @@ from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.models.profile import default_profile
+from modelcast.runtime.trip.context import ContextSettings
 from modelcast.station.banks import rules_of
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
@@ -82,6 +83,9 @@ class EvaluationSettings:
         ``quadratic-4``, or ``auto``, as in `modelcast.station.sensing.velocity.velocity_estimator_for`.
     references
         Whether the clairvoyant references and the rules of cooperative awareness messages are counted too.
+    context
+        What a bank that reads context is let know of the road and the vehicle ahead; its seed is that of the
+        evaluation, its delay at least `delay_s`, and its losses are those of each loss ratio.
 
     Raises
     ------
@@ -113,6 +117,7 @@ class EvaluationSettings:
     trained_on: frozenset[str] | None = None
     velocity: VelocityRule = "auto"
     references: bool = True
+    context: ContextSettings = field(default_factory=ContextSettings)
 
     def __post_init__(self) -> None:
         if not self.thresholds_m:
@@ -195,4 +200,5 @@ class EvaluationSettings:
             "stack": asdict(self.stack),
             "keep_samples": self.keep_samples,
             "references": self.references,
+            "context": self.context.as_plain(),
         }

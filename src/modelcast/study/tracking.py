@@ -5,8 +5,8 @@ message is always delivered. The equal-rate baselines take MBC's own rate in the
 included, either its updates alone (the paper) or all its messages (fairer).
 """
 
-from collections.abc import Iterator
-from dataclasses import KW_ONLY, dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 
@@ -60,7 +60,7 @@ class TrackingRun:
     own_threshold_m
         Threshold the policy ran at [m]; None where it has none.
     messages
-        Messages sent, mean over the seeds.
+        Messages sent at each loss ratio, means over the seeds, L of them.
     after_m, before_m, along_m, cross_m, age_s
         Errors after and before the instant's message, their parts along and across the track [m] and the age
         of the model held [s]; NaN where the host held nothing, (L, K, T).
@@ -71,13 +71,35 @@ class TrackingRun:
     contender: Contender
     own_threshold_m: float | None
     _: KW_ONLY
-    messages: float
+    messages: tuple[float, ...]
     after_m: SingleArray
     before_m: SingleArray
     along_m: SingleArray
     cross_m: SingleArray
     age_s: SingleArray
     gaps_s: tuple[Histogram, ...]
+
+    @classmethod
+    def stacked(cls, runs: Sequence["TrackingRun"]) -> "TrackingRun":
+        """One contender's runs at one loss ratio each as one at all of them.
+
+        Parameters
+        ----------
+        runs
+            In the order of the ratios. Where their own thresholds differ, the whole has none.
+        """
+        own = {run.own_threshold_m for run in runs}
+        errors = {
+            name: np.concatenate([getattr(run, name) for run in runs])
+            for name in ("after_m", "before_m", "along_m", "cross_m", "age_s")
+        }
+        return cls(
+            runs[0].contender,
+            own.pop() if len(own) == 1 else None,
+            messages=tuple(count for run in runs for count in run.messages),
+            gaps_s=tuple(gaps for run in runs for gaps in run.gaps_s),
+            **errors,
+        )
 
 
 def draw_losses(case: TripCase, settings: EvaluationSettings) -> BoolArray:
@@ -105,7 +127,7 @@ def draw_losses(case: TripCase, settings: EvaluationSettings) -> BoolArray:
 
 
 def run_tracking(
-    case: TripCase, mbc: TripRuntime, baseline: TripRuntime, settings: EvaluationSettings
+    case: TripCase, mbc: Sequence[TripRuntime], baseline: TripRuntime, settings: EvaluationSettings
 ) -> Iterator[TrackingRun]:
     """Yield every contender's errors: MBC, the baseline, and four equal-rate baselines a threshold.
 
@@ -113,21 +135,22 @@ def run_tracking(
     ----------
     case
         The trip.
-    mbc, baseline
-        Both banks, ready for what the sender sees.
+    mbc
+        The bank, ready for what the sender sees: once for all loss ratios, or once for each.
+    baseline
+        The baseline's bank.
     settings
         Thresholds, losses, seeds and rules.
     """
     runs = LossRuns(case, baseline, settings)
     for threshold_m in settings.thresholds_m:
         policy = settings.policy(threshold_m, keep_alive=True)
-        walk = mbc.run(policy)
-        yield runs.walked(mbc, walk, Contender("mbc", mbc.bank.name, None, threshold_m))
+        own, *rivals = runs.contended(mbc, policy, RATE_BASES)
+        yield own
         yield runs.walked(
             baseline, baseline.run(policy), Contender("baseline", baseline.bank.name, None, threshold_m)
         )
-        for basis in RATE_BASES:
-            yield from runs.equal_rate(policy, walk, basis)
+        yield from rivals
 
 
 class LossRuns:
@@ -149,6 +172,38 @@ class LossRuns:
         self._settings = settings
         self._lost = draw_losses(case, settings)
         self._counts: dict[tuple[float, float | None], int] = {}
+        self._parts: dict[int, LossRuns] = {}
+
+    def contended(
+        self, each: Sequence[TripRuntime], policy: ErrorDriven, bases: Sequence[RateBasis]
+    ) -> list[TrackingRun]:
+        """The errors of one sender, then for each basis those of both readings of its equal-rate baseline.
+
+        Parameters
+        ----------
+        each
+            Its bank, ready for what it sees: once for all loss ratios, or once for each where loss changes
+            what it knows. Then the baselines are at equal rate ratio by ratio.
+        policy
+            Its rules.
+        bases
+            As for `equal_rate`.
+        """
+        if len(each) > 1:
+            parts = [self._part(at).contended([one], policy, bases) for at, one in enumerate(each)]
+            return [TrackingRun.stacked(runs) for runs in zip(*parts, strict=True)]
+        ready = each[0]
+        walk = ready.run(policy)
+        own = self.walked(ready, walk, Contender("mbc", ready.bank.name, None, policy.threshold_m))
+        return [own, *(run for basis in bases for run in self.equal_rate(policy, walk, basis))]
+
+    def _part(self, at: int) -> "LossRuns":
+        """The runs of one loss ratio alone; their losses are the same."""
+        if at not in self._parts:
+            ratio = self._settings.packet_error_ratios[at]
+            alone = replace(self._settings, packet_error_ratios=(ratio,))
+            self._parts[at] = LossRuns(self._case, self._baseline, alone)
+        return self._parts[at]
 
     def walked(self, ready: TripRuntime, walk: TripMessages, shown_as: Contender) -> TrackingRun:
         """The errors of one sender that walked the trip.
@@ -273,7 +328,7 @@ class LossRuns:
         return TrackingRun(
             shown_as,
             own_threshold_m,
-            messages=float(np.count_nonzero(kind)) / len(sent),
+            messages=(float(np.count_nonzero(kind)) / len(sent),) * ratios,
             after_m=after_m,
             before_m=before_m,
             along_m=along_m,

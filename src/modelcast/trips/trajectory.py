@@ -88,6 +88,9 @@ class Trajectory:
         The point the local frame touches, where the log was geodetic.
     start_unix_s
         Absolute time of ``t_s = 0`` where the log gives it [s].
+    clock_s
+        The same on the clock that all trips of its file were recorded by, whatever that counts from [s];
+        None where it is not known that there is such a clock.
     source
         Name of the format it came from.
     resampled
@@ -114,6 +117,7 @@ class Trajectory:
     up_m: FloatArray | None = None
     origin: Origin | None = None
     start_unix_s: float | None = None
+    clock_s: float | None = None
     source: str = ""
     resampled: bool = False
     reading: Reading = field(default_factory=Reading)
@@ -206,6 +210,7 @@ def build_trajectory(
     up_m: npt.ArrayLike | None = None,
     origin: Origin | None = None,
     start_unix_s: float | None = None,
+    clock_s: float | None = None,
     source: str = "",
     reading: Reading | None = None,
 ) -> Trajectory:
@@ -220,7 +225,7 @@ def build_trajectory(
     ----------
     trip_id, t_s, position_m, speed_mps, heading_rad, acceleration_mps2, yaw_rate_radps, up_m
         As in `Trajectory`; times may start anywhere and are shifted to start at 0.
-    origin, start_unix_s, source, reading
+    origin, start_unix_s, clock_s, source, reading
         As in `Trajectory`.
 
     Raises
@@ -252,6 +257,7 @@ def build_trajectory(
         up_m=None if up_m is None else _owned(up_m),
         origin=origin,
         start_unix_s=start_unix_s,
+        clock_s=clock_s,
         source=source,
         reading=reading if reading is not None else Reading(rows=int(times.size)),
     )
@@ -295,6 +301,7 @@ def _taken(trip: Trajectory, kept: BoolArray, off_earth: BoolArray) -> Trajector
         **{**columns, "t_s": t_s, "segments": np.array([0, t_s.size])},
         dt_s=_median_step_s(t_s),
         start_unix_s=None if trip.start_unix_s is None else trip.start_unix_s + first_s,
+        clock_s=None if trip.clock_s is None else trip.clock_s + first_s,
         reading=replace(trip.reading, skipped=skipped),
     )
 
@@ -326,6 +333,7 @@ def _resampled(trip: Trajectory) -> Trajectory:
         up_m=_optional(at, trip.up_m),
         origin=trip.origin,
         start_unix_s=trip.start_unix_s,
+        clock_s=trip.clock_s,
         source=trip.source,
         resampled=True,
         reading=trip.reading,

@@ -101,11 +101,14 @@ class TripRuntime:
         Whether the sub-models' parameters and the positions go through the codes of the wire.
     sensed
         What `sense_trip` made of the trip, where that is at hand.
+    context
+        The vehicle ahead and the road at every sample, (T, 13), as `modelcast.runtime.trip.context` finds
+        them, for a bank that reads them; None where nothing is known.
 
     Raises
     ------
     ValueError
-        Where the selector was trained for another bank.
+        Where the selector was trained for another bank, or there is not one row of context a sample.
 
     Notes
     -----
@@ -122,12 +125,13 @@ class TripRuntime:
         *,
         quantised: bool = False,
         sensed: Sensed | None = None,
+        context: FloatArray | None = None,
     ) -> None:
         self.trip = trip
         self.own = SenderBank.of(bank, trip.dt_s, quantised=quantised, selector=selector)
         self.bank = self.own.bank
         held = sense_trip(trip, estimator, quantised=quantised) if sensed is None else sensed
-        self.sensed = with_states(held, self.own.ready)
+        self.sensed = with_states(held, self.own.ready, context)
         self.fits = fits(1, len(trip), members=len(self.bank.members), parameters=int(self.bank.offsets[-1]))
 
     @property

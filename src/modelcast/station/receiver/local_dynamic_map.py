@@ -274,8 +274,8 @@ class LocalDynamicMap:
                 owned(heard.codes, np.int64), owned(heard.numbers), owned(parameters[:, : self._widest])
             ),
             state.slots,
-            self._known,
-            self._rules,
+            self.known,
+            self.rules,
             state.receipts,
             state.events,
             out,
@@ -308,8 +308,29 @@ class LocalDynamicMap:
         """
         which = self._live(state, t_s)
         out = np.empty((which.size, 2))
-        belief_kernels.predict_places(state.slots, self._known, which, t_s, out)
+        belief_kernels.predict_places(state.slots, self.known, which, t_s, out)
         return state.facts[which, slot_kernels.FACT_VEHICLE], out
+
+    def motions(self, state: MapState, t_s: float) -> tuple[IntArray, FloatArray]:
+        """Temporary ids of all live remotes, rising, (N,), and how they are believed to move, (N, 8).
+
+        Parameters
+        ----------
+        state
+            What is held.
+        t_s
+            Any time from the newest message on [s].
+
+        Returns
+        -------
+        tuple[IntArray, FloatArray]
+            East, north [m], their velocities [m/s], and from column `belief_kernels.BELIEF_SPEED` on speed
+            [m/s], heading [rad], acceleration [m/s²] and yaw rate [rad/s].
+        """
+        which = self._live(state, t_s)
+        motion = np.empty((which.size, belief_kernels.BELIEF_COLUMNS))
+        belief_kernels.predict_motions(state.slots, self.known, which, t_s, motion)
+        return state.facts[which, slot_kernels.FACT_VEHICLE], motion
 
     def believe(self, state: MapState, t_s: float) -> Beliefs:
         """What is believed of all live remotes.
@@ -325,7 +346,7 @@ class LocalDynamicMap:
         """
         which = self._live(state, t_s)
         motion = np.empty((which.size, belief_kernels.BELIEF_COLUMNS))
-        belief_kernels.predict_motions(state.slots, self._known, which, t_s, motion)
+        belief_kernels.predict_motions(state.slots, self.known, which, t_s, motion)
         held, told, facts = state.held[which], state.told[which], state.facts[which]
         in_use, profile = held[:, HELD_MEMBER].astype(np.int64), facts[:, slot_kernels.FACT_PROFILE]
         age_s = t_s - held[:, HELD_FIT_S]
@@ -385,13 +406,15 @@ class LocalDynamicMap:
         return np.cumsum([0] + [len(bank.members) for bank in self._banks], dtype=np.int64)
 
     @property
-    def _known(self) -> slot_kernels.KnownProfiles:
+    def known(self) -> slot_kernels.KnownProfiles:
+        """Sub-models of all profiles as compiled loops take them, in this process alone."""
         names = self._part_i.parameter_names
         stated = [CORE_PARAMETERS.index(name) if name in CORE_PARAMETERS else -1 for name in names]
         return slot_kernels.KnownProfiles(self._ready.members, self._first, np.array(stated))
 
     @cached_property
-    def _rules(self) -> hearing_kernels.Rules:
+    def rules(self) -> hearing_kernels.Rules:
+        """Settings as compiled loops take them."""
         checks = self.plausibility
         return hearing_kernels.Rules(
             float(self.expiry_s),

@@ -5,7 +5,8 @@ A bank whose members need no more than their windows costs nothing here.
 
 import numpy as np
 
-from modelcast.core.arrays import IntArray
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.models.context_columns import CONTEXT_COLUMNS
 from modelcast.models.member_kernels import Members
 from modelcast.models.members import ReadyBank
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
@@ -27,12 +28,12 @@ def observe_newest(members: Members, sensed: Sensed, vehicle: IntArray) -> None:
     vehicle
         Whose, (K,).
     """
-    if sensed.samples.shape[2] > SAMPLE_COLUMNS:
+    if (members.streams[:, -1] > 0).any():
         observe_each(members, sensed, vehicle, sensed.taken[vehicle] - 1)
 
 
-def with_states(sensed: Sensed, ready: ReadyBank) -> Sensed:
-    """What one vehicle sensed over a whole trip, with the state of a bank's members at every sample.
+def with_states(sensed: Sensed, ready: ReadyBank, context: FloatArray | None = None) -> Sensed:
+    """What one vehicle sensed over a whole trip, with its context and the state of a bank's members.
 
     Parameters
     ----------
@@ -40,11 +41,14 @@ def with_states(sensed: Sensed, ready: ReadyBank) -> Sensed:
         Of one vehicle, in a ring that holds all its samples; it stays as it is.
     ready
         The bank.
+    context
+        The vehicle ahead and the road at every sample (`modelcast.models.context_columns`), (T, 13), for a
+        bank that reads them; None where nothing is known.
 
     Raises
     ------
     ValueError
-        Where the ring holds the newest samples only.
+        Where the ring holds the newest samples only, or there is not one row of context a sample.
     """
     if ready.sample_columns == SAMPLE_COLUMNS:
         return sensed
@@ -52,7 +56,20 @@ def with_states(sensed: Sensed, ready: ReadyBank) -> Sensed:
         raise ValueError("states are carried from the first sample on, and the ring holds it no longer")
     samples = np.zeros((*sensed.samples.shape[:2], ready.sample_columns))
     samples[..., :SAMPLE_COLUMNS] = sensed.samples[..., :SAMPLE_COLUMNS]
+    if context is not None and ready.reads_context:
+        _lay_context(samples, sensed, context)
     held = sensed._replace(samples=samples)
     vehicle = np.arange(len(samples), dtype=np.int64)
     observe_each(ready.members, held, vehicle, np.zeros_like(vehicle))
     return held
+
+
+def _lay_context(samples: FloatArray, sensed: Sensed, context: FloatArray) -> None:
+    """Write the context of a trip behind what one vehicle measured, in both places of every sample."""
+    count, ring = int(sensed.taken[0]), sensed.stated_m.shape[1]
+    if context.shape != (count, CONTEXT_COLUMNS):
+        raise ValueError(f"context must be ({count}, {CONTEXT_COLUMNS}), got {context.shape}")
+    if not np.isfinite(context).all():
+        raise ValueError("context must be finite: what is not known is zero")
+    columns = slice(SAMPLE_COLUMNS, SAMPLE_COLUMNS + CONTEXT_COLUMNS)
+    samples[0, :count, columns] = samples[0, ring : ring + count, columns] = context

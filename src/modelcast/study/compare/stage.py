@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.runtime.trip.context import TripContexts
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.compare.result import ReferenceRatio
 from modelcast.study.compare.settings import CompareSettings
+from modelcast.study.context import case_contexts
 from modelcast.study.reference import count_references, pooled_references
 from modelcast.study.result import POOLED, ReferenceRow
 from modelcast.study.tracking import LossRuns
@@ -31,11 +33,15 @@ class StagedTrip:
         The baseline's bank, ready for it.
     losses
         The loss runs, whose losses and baselines all candidates share.
+    contexts, place
+        Contexts of all trips in this protocol, and which this one is among them.
     """
 
     case: TripCase
     baseline: TripRuntime
     losses: LossRuns
+    contexts: TripContexts
+    place: int
 
 
 def stage_trips(trips: Sequence[Trajectory], settings: CompareSettings) -> dict[str, list[StagedTrip]]:
@@ -52,10 +58,13 @@ def stage_trips(trips: Sequence[Trajectory], settings: CompareSettings) -> dict[
     for protocol in settings.protocols:
         own = replace(settings.evaluation, protocol=protocol)
         staged[protocol] = []
-        for trip in trips:
-            case = make_case(trip, own)
+        cases = [make_case(trip, own) for trip in trips]
+        contexts = case_contexts(cases, own)
+        for place, case in enumerate(cases):
             baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator, quantised=own.quantised)
-            staged[protocol].append(StagedTrip(case, baseline, LossRuns(case, baseline, own)))
+            staged[protocol].append(
+                StagedTrip(case, baseline, LossRuns(case, baseline, own), contexts, place)
+            )
     return staged
 
 

@@ -8,12 +8,12 @@ from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.compare.candidate import AbstractCandidate
 from modelcast.study.compare.result import CandidateRow, CountRow
 from modelcast.study.compare.stage import StagedTrip
+from modelcast.study.context import trip_runtimes
 from modelcast.study.metrics import quantiles
 from modelcast.study.pooling import sorted_errors
 from modelcast.study.rate import count_rates
 from modelcast.study.rules import RateBasis
 from modelcast.study.settings import EvaluationSettings
-from modelcast.study.tracking import Contender, TrackingRun
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["READINGS", "RIVALS", "ErrorGroup", "Trial", "candidate_row", "fit_folds", "run_trial"]
@@ -179,16 +179,9 @@ def run_trial(
     numbers: list[int] = route.tolist()
     for trip, number in zip(staged, numbers, strict=True):
         settings = folds[number]
-        ready = TripRuntime(
-            trip.case.seen,
-            settings.bank,
-            trip.case.estimator,
-            settings.selector_in_use,
-            quantised=settings.quantised,
-            sensed=trip.baseline.sensed,
-        )
+        ready, each = trip_runtimes(trip.case, settings, trip.baseline.sensed, trip.contexts, trip.place)
         trial.counts.extend(_count_rows(name, protocol, trip, ready, settings, route=number))
-        _add_errors(trial, trip, ready, settings, bases)
+        _add_errors(trial, trip, each, settings, bases)
         step()
     return trial
 
@@ -227,7 +220,7 @@ def _count_rows(
 def _add_errors(
     trial: Trial,
     trip: StagedTrip,
-    ready: TripRuntime,
+    each: Sequence[TripRuntime],
     settings: EvaluationSettings,
     bases: Sequence[RateBasis],
 ) -> None:
@@ -237,12 +230,11 @@ def _add_errors(
     groups = iter(trial.groups)
     for threshold_m in settings.thresholds_m:
         policy = settings.policy(threshold_m, keep_alive=True)
-        walk = ready.run(policy)
-        own = trip.losses.walked(ready, walk, Contender("mbc", ready.bank.name, None, threshold_m))
-        for basis in bases:
-            runs: list[TrackingRun] = [own, *trip.losses.equal_rate(policy, walk, basis)]
+        own, *rivals = trip.losses.contended(each, policy, bases)
+        for at in range(len(bases)):
+            runs = [own, *rivals[len(RIVALS) * at : len(RIVALS) * (at + 1)]]
             for row in range(len(settings.packet_error_ratios)):
                 group = next(groups)
                 for name, run in zip(READINGS, runs, strict=True):
                     group.errors_m[name].append(sorted_errors(run, row))
-                    group.messages[name].append(run.messages)
+                    group.messages[name].append(run.messages[row])
