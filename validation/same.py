@@ -22,7 +22,7 @@ from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory
 from trip_sources import folders
 
-BANKS = ("default", "paper", "ctra", "gp-intercept+cv", "shs", "hdp-hmm+ctra+shs+cv")
+BANKS = ("default", "paper", "ctra", "gp-intercept+cv", "shs", "hdp-hmm+ctra+shs+cv", "imm", "learned+imm+cv")
 RULES = ("guarded/never", "hindsight/cheapest", "order/on-failure", "keep/on-failure", "survivor/on-failure")
 THRESHOLD_M = 0.3
 

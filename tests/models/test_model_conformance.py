@@ -22,6 +22,7 @@ from modelcast.models.gp import (
     linear_process,
     vehicle_process,
 )
+from modelcast.models.interacting import InteractingMultipleModel
 from modelcast.models.kinematic import (
     ConstantAcceleration,
     ConstantTurnRateAcceleration,
@@ -79,6 +80,7 @@ MODELS: dict[str, AbstractMotionModel] = {
     "ca": ConstantAcceleration(),
     "ctrv": ConstantTurnRateVelocity(),
     "ctra": ConstantTurnRateAcceleration(),
+    "imm": InteractingMultipleModel(),
     "gp-anchored": GaussianProcess(form="anchored"),
     "gp-intercept": GaussianProcess(form="intercept"),
     "gp-anchored-5": GaussianProcess(5, "anchored", noise_floor_m=0.01),

@@ -20,6 +20,7 @@ from modelcast.study.compare.result import (
     CountRow,
     RatioRow,
     ReferenceRatio,
+    RivalRow,
     RouteRow,
     TrackingRatioRow,
 )
@@ -164,6 +165,38 @@ def tracking(
     )
 
 
+def against(rival: str) -> ComparisonResult:
+    """The made-up comparison with figures over one of its candidates."""
+    result = made()
+    return replace(
+        result,
+        settings={**result.settings, "against": rival},
+        rivals=tuple(
+            RivalRow(
+                row.candidate,
+                rival,
+                row.protocol,
+                threshold_m=row.threshold_m,
+                message_ratio=2.0 * row.message_ratio,
+                message_low=1.9 * row.message_ratio,
+                message_high=2.1 * row.message_ratio,
+                bytes_ratio=3.0 * row.message_ratio,
+                bytes_low=None,
+                bytes_high=None,
+                airtime_ratio=4.0 * row.message_ratio,
+                airtime_low=None,
+                airtime_high=None,
+                trips=3,
+                trips_over=2,
+                worst_trip="t/1|$y$",
+                worst_excess=7.0,
+                worst_ratio=1.5,
+            )
+            for row in result.ratios
+        ),
+    )
+
+
 def lines_of(axes: object, label: str) -> np.ndarray:
     (line,) = (one for one in axes.get_lines() if one.get_label() == label)  # type: ignore[attr-defined]
     return np.asarray(line.get_ydata())
@@ -254,6 +287,38 @@ def test_the_table_is_markdown_with_as_many_cells_in_every_row() -> None:
     assert "`clairvoyant-2` 0.20 / 0.20; `cam` 2.50 / 2.50" in text
     assert "hills\\|and dales, 2 trips, 600 s" in text
     assert "bad\\|one/1: its longest part" in text
+
+
+def test_the_candidate_compared_against_has_a_table_and_a_row_of_panels_of_its_own(tmp_path: Path) -> None:
+    result = against("ctra")
+    text = comparison_markdown(result)
+    parts = text.split("Messages, bytes and airtime over those of `ctra`")[1:]
+    assert len(parts) == 2
+    rows = [line for line in parts[0].splitlines() if line.startswith("|")][: 2 + len(NAMES)]
+    assert len({len(re.split(r"(?<!\\)\|", row)) for row in rows}) == 1
+    assert rows[2] == (
+        "| cv | 1.40 [1.33, 1.47] | 2.00 [1.90, 2.10] | 2.10 / 3.00 | 2.80 | 4.00 "
+        "| 4 of 6 | t/1\\|$y$, 1.50 at 20 cm |"
+    )
+    figure = plot_comparison(result)
+    messages, octets, airtime, over = figure.axes[4:8]
+    for axes, times in ((messages, 2.0), (octets, 3.0), (airtime, 4.0)):
+        np.testing.assert_allclose(lines_of(axes, "cv"), [times * 0.7, times * 1.0])
+    np.testing.assert_allclose(lines_of(over, "cv"), [200.0 / 3.0] * 2)
+    assert messages.get_ylabel() == "recorded\nratio to ctra"
+    file = io.StringIO()
+    Console(width=100, file=file).print(comparison_console(result))
+    assert "Over ctra, sensor" in file.getvalue()
+    write_comparison_report(result, tmp_path)
+
+
+def test_the_baseline_has_no_second_table_nor_has_a_candidate_alone() -> None:
+    result = against("cv")
+    ones = tuple(replace(row, message_ratio=1.0) if row.candidate == "cv" else row for row in result.ratios)
+    assert result.rival == "cv"
+    assert replace(result, ratios=ones).rival is None
+    assert replace(result, candidates=result.candidates[:1]).rival is None
+    assert made().rival is None
 
 
 def test_files_are_the_same_twice(tmp_path: Path) -> None:

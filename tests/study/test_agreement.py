@@ -14,7 +14,7 @@ from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.drive import generate_drive
 
-BANKS = ("default", "paper", "ctra", "gp-intercept+cv", "shs", "hdp-hmm+ctra+shs+cv")
+BANKS = ("default", "paper", "ctra", "gp-intercept+cv", "shs", "hdp-hmm+ctra+shs+cv", "imm", "learned+imm+cv")
 RULES = ("guarded/never", "hindsight/cheapest", "order/on-failure", "keep/on-failure", "survivor/on-failure")
 
 
@@ -51,7 +51,7 @@ def drives(draw: st.DrawFn) -> Trajectory:
     )
 
 
-@settings(max_examples=40)
+@settings(max_examples=50)
 @given(
     drives(),
     st.sampled_from(BANKS),

@@ -189,6 +189,42 @@ def test_ratios_are_of_sums_and_differences_to_the_first(compared: ComparisonRes
     assert row.message_low <= row.message_ratio <= row.message_high
 
 
+def test_ratios_to_the_candidate_compared_against_are_of_sums_on_the_same_trips(
+    trips: list[Trajectory],
+) -> None:
+    """And the bound is one in twenty more, or five messages."""
+    candidates = [FixedCandidate("cv", BASELINE_BANK), FixedCandidate("paper", PAPER_BANK)]
+    found = compare(trips, candidates, replace(SETTINGS, against="paper"))
+    assert found.rival == "paper"
+    for row in found.rivals:
+        own, other = (
+            [
+                one
+                for one in found.counts
+                if (one.candidate, one.protocol, one.threshold_m) == (name, row.protocol, row.threshold_m)
+            ]
+            for name in (row.candidate, "paper")
+        )
+        for name, ratio in (
+            ("messages", row.message_ratio),
+            ("message_bytes", row.bytes_ratio),
+            ("airtime_s", row.airtime_ratio),
+        ):
+            sums = [sum(getattr(one, name) for one in rows) for rows in (own, other)]
+            assert ratio == pytest.approx(sums[0] / sums[1])
+        excess = [
+            one.messages - max(1.05 * two.messages, two.messages + 5)
+            for one, two in zip(own, other, strict=True)
+        ]
+        assert (row.trips, row.trips_over) == (len(own), sum(value > 0 for value in excess))
+        assert row.worst_excess == max(excess)
+        worst = excess.index(row.worst_excess)
+        assert row.worst_trip == own[worst].trip == other[worst].trip
+        assert row.worst_ratio == own[worst].messages / other[worst].messages
+        if row.candidate == "paper":
+            assert (row.message_ratio, row.message_low, row.message_high) == (1.0, 1.0, 1.0)
+
+
 def test_trips_over_the_bound_are_counted_and_the_worst_is_named(compared: ComparisonResult) -> None:
     for row in compared.ratios:
         counts = [

@@ -11,6 +11,7 @@ from modelcast.core.chance import child_generator
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
+from modelcast.models.interacting import InteractingMultipleModel
 from modelcast.runtime.trip import believed_kernels
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.banks import BASELINE_BANK, PAPER_BANK
@@ -35,7 +36,7 @@ def runs(case: TripCase, settings: EvaluationSettings) -> dict[tuple[str, str | 
     baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator)
     return {
         (run.contender.policy, run.contender.rate_basis, run.contender.threshold_m): run
-        for run in run_tracking(case, mbc, baseline, settings)
+        for run in run_tracking(case, [mbc], baseline, settings)
     }
 
 
@@ -416,3 +417,13 @@ def test_periodic_baselines_send_at_mbcs_rate_of_the_time_observed(
 
 def test_paper_bank_is_constant_velocity_and_the_anchored_process() -> None:
     assert [member.name for member in PAPER_BANK.members] == ["cv", "gp-anchored"]
+
+
+def test_without_loss_a_host_that_keeps_chances_stays_below_the_threshold(gapped_case: TripCase) -> None:
+    """So the sender follows what its hosts made of all updates before."""
+    bank = Bank((InteractingMultipleModel(),))
+    settings = EvaluationSettings((0.3,), (0.0,), seeds=1, bank=bank)
+    walk = walked(gapped_case, settings)
+    kept, after = ~is_update(walk), mbc(gapped_case, settings).after_m[0, 0]
+    assert after[kept] == pytest.approx(own_error_m(gapped_case, settings, walk)[kept], abs=SINGLE_M)
+    assert (after[kept] < 0.3).all()

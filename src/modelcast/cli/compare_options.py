@@ -54,7 +54,8 @@ class CompareOptions:
     protocol
         'recorded', 'sensor', 'auto', or several after one another, as in 'modelcast evaluate'.
     against
-        Candidate that differences are taken to; the first where not given.
+        Candidate that all are held against beside the baseline, 'free' for the best receiver of plain
+        messages where that is compared; the first where not given.
     route_by
         How trips are told apart into routes: 'auto' by the ground they drove over and the platoon they drove
         in, or one route a 'file' or a 'trip'.

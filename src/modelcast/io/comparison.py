@@ -2,8 +2,8 @@
 
 ``summary.json`` (`comparison_document`)
     ``schema`` (1), ``modelcast`` (version), ``settings``, ``routes``, ``trips``, ``candidates``, ``ratios``,
-    ``tracking``, ``references``, ``failures``, ``skipped``: the rows of `modelcast.study.compare.result`
-    that pool all trips. A number that does not exist is null.
+    ``rivals``, ``tracking``, ``references``, ``failures``, ``skipped``: the rows of
+    `modelcast.study.compare.result` that pool all trips. A number that does not exist is null.
 ``messages.parquet``
     One row for each candidate, protocol, trip and threshold: `CountRow`.
 ``tracking.parquet``
@@ -50,6 +50,7 @@ def comparison_document(result: ComparisonResult) -> dict[str, Any]:
         "trips": [row_document(row) for row in result.trips],
         "candidates": [row_document(row) for row in result.candidates],
         "ratios": [row_document(row) for row in result.ratios],
+        "rivals": [row_document(row) for row in result.rivals],
         "tracking": [row_document(row) for row in result.tracking if row.trip == POOLED],
         "references": [row_document(row) for row in result.references],
         "failures": plain_value(result.failures),

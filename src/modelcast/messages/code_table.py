@@ -30,6 +30,9 @@ _FIELDS: Final = dict(
 )
 """Fields of Part I by the parameters they carry; the velocity's two by its east and its north."""
 
+_NOTHING: Final = (0.0, 0.0, np.nan, 1.0, 1.0, 1.0, float(Outside.CLAMP))
+"""Meaning of the one code of what no message carries: zero."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CodeTable:
@@ -159,6 +162,8 @@ def _rows(member: AbstractSubModel) -> list[tuple[float, ...]]:
             rows.append((*CORE_MEANING[place].tolist(), place, CORE_FIELDS[place].width_bits))
         elif name in fields:
             rows.append((*coefficient_meaning(fields[name]), kernels.IN_EXTENSION, fields[name].bits))
+        elif name in member.held_parameters:
+            rows.append((*_NOTHING, kernels.IN_EXTENSION, 0))
         else:
             raise ValueError(
                 f"{member.name}: no message carries {name}: it is neither in Part I nor in the layout"

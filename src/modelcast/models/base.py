@@ -17,6 +17,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.models import point_kernels
 from modelcast.models.address_kernels import FIT_TYPES, OBSERVE_TYPES, PREDICT_TYPES, point_address
 from modelcast.models.context_columns import CONTEXT_COLUMNS
+from modelcast.models.member_kernels import NO_ABSORB
 from modelcast.models.payload import PayloadLayout
 
 __all__ = [
@@ -143,6 +144,11 @@ class PointFunctions:
         Point functions of another model that these call by the addresses in their constants.
     stream
         State carried from sample to sample; None where the window says all.
+    absorb
+        ``absorb(new (P,), moved (3,), constants (K,), held (P,))``, a kernel of `OBSERVE_TYPES`: what a
+        receiver holds after an update, from what it held of the same sub-model before. ``new`` are the
+        parameters as decoded, ``moved`` the time [s] and the way east and north [m] between the two origins;
+        ``held`` is overwritten. None where an update says all.
     context_at
         Index in the constants at which these find, while a compiled loop runs, the first of the columns of
         `modelcast.models.context_columns` in a sample; 0 stands there where samples hold none. None where
@@ -159,7 +165,13 @@ class PointFunctions:
     constants: FloatArray
     calls: tuple[PointCall, ...] = ()
     stream: Stream | None = None
+    absorb: Any = None
     context_at: int | None = None
+
+    @property
+    def absorb_address(self) -> int:
+        """``absorb`` as compiled loops take it, `NO_ABSORB` for none."""
+        return NO_ABSORB if self.absorb is None else point_address(self.absorb, OBSERVE_TYPES)
 
     @property
     def fit_address(self) -> int:
@@ -353,6 +365,15 @@ class AbstractSubModel(AbstractMotionModel):
         Of a sub-model without a layout the predicted path is sent (`modelcast.models.predicted_path`).
         """
         return PayloadLayout() if self.payload_parameters == 0 else None
+
+    @property
+    def held_parameters(self) -> tuple[str, ...]:
+        """Parameters that no message carries: receivers work them out (`PointFunctions.absorb`).
+
+        They are zero as fitted and as decoded. A receiver that held no update of this sub-model before
+        predicts with the zeros.
+        """
+        return ()
 
     @property
     def predicts_by_parameters(self) -> bool:

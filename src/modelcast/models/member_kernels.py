@@ -1,4 +1,10 @@
-"""The sub-models of a bank as compiled loops take them."""
+"""The sub-models of a bank as compiled loops take them.
+
+What receivers hold of a sub-model is what the newest update said, or grows from update to update
+(`absorb_member`). It grows while updates name the same sub-model as the one in use when they arrive, and
+begins anew with another one and for whoever held nothing. So sender and receivers come to the same, losses
+apart.
+"""
 
 from typing import NamedTuple
 
@@ -7,7 +13,10 @@ from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntMatrix, Int
 from modelcast.models.address_kernels import fit_at, observe_at
 from modelcast.models.trusted_kernels import predict_trusted
 
-__all__ = ["Members", "fit_member", "observe_member", "predict_member"]
+__all__ = ["NO_ABSORB", "Members", "absorb_member", "fit_member", "observe_member", "predict_member"]
+
+NO_ABSORB = -1
+"""In place of the address of ``absorb`` of a sub-model whose updates say all."""
 
 _OBSERVE, _START, _FIRST, _END = range(4)
 
@@ -20,7 +29,8 @@ class Members(NamedTuple):
     parameters stand from ``offsets[m]`` to ``offsets[m + 1]`` in a row of all; ``trust`` (M, 2) is the
     trusted horizon of each and how long it goes on turning beyond [s]. ``streams`` (M, 4) are of each that
     carries state from sample to sample the address of its ``observe``, where its constants begin, and the
-    first and the end of its columns; zeros of the others.
+    first and the end of its columns; zeros of the others. ``absorbs`` (M,) are addresses of ``absorb``,
+    `NO_ABSORB` of those whose updates say all.
     """
 
     fits: IntVector
@@ -31,6 +41,7 @@ class Members(NamedTuple):
     offsets: IntVector
     trust: FloatMatrix
     streams: IntMatrix
+    absorbs: IntVector
 
 
 @kernel(inlined=True)
@@ -60,3 +71,20 @@ def predict_member(members: Members, m: int, parameters: FloatVector, age_s: flo
         members.trust[m, 1],
         out,
     )
+
+
+@kernel
+def absorb_member(
+    members: Members, m: int, new: FloatVector, moved: FloatVector, continues: bool, held: FloatVector
+) -> None:
+    """Take an update's own parameters (P,) of member ``m`` for what is held of it, ``held`` (P,).
+
+    ``moved`` (3,) is the time [s] and the way east and north [m] from the update held before to this one;
+    it is looked at where the update ``continues`` one of the same member.
+    """
+    if continues and members.absorbs[m] != NO_ABSORB:
+        constants = members.constants[members.bounds[m] : members.bounds[m + 1]]
+        observe_at(members.absorbs[m], new, moved, constants, held)
+        return
+    for i in range(new.size):
+        held[i] = new[i]

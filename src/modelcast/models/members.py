@@ -98,6 +98,7 @@ class ReadyBank:
             offsets=self.offsets,
             trust=self.trust,
             streams=streams,
+            absorbs=np.array([one.absorb_address for one in self.functions], dtype=np.int64),
         )
 
 

@@ -23,6 +23,7 @@ from modelcast.models.gp.conditional import AxisKernel
 from modelcast.models.gp.expression import KernelProcess
 from modelcast.models.gp.gaussian_process import Hyperparameters
 from modelcast.models.gp.vehicle import VehicleProcess
+from modelcast.models.interacting import InteractingMultipleModel
 from modelcast.models.kinematic import (
     ConstantAcceleration,
     ConstantTurnRateAcceleration,
@@ -49,6 +50,7 @@ PLAIN_CLASSES: dict[str, type] = {
         FreeMotion,
         GaussianProcess,
         Hyperparameters,
+        InteractingMultipleModel,
         KernelProcess,
         LearnedTrajectory,
         Limits,

@@ -31,7 +31,8 @@ def is_free(member: AbstractSubModel) -> bool:
     True
     """
     layout = member.payload_layout
-    return layout is not None and not layout.fields and set(member.parameter_names) <= set(CORE_PARAMETERS)
+    told = {*CORE_PARAMETERS, *member.held_parameters}
+    return layout is not None and not layout.fields and set(member.parameter_names) <= told
 
 
 def same_receiver(one: AbstractSubModel, other: AbstractSubModel) -> bool:
@@ -48,7 +49,7 @@ def same_receiver(one: AbstractSubModel, other: AbstractSubModel) -> bool:
     if trusts[0] != trusts[1]:
         return False
     first, second = one.point_functions(_DT_S), other.point_functions(_DT_S)
-    if first.predict is not second.predict:
+    if first.predict is not second.predict or first.absorb is not second.absorb:
         return False
     by_parameters = one.predicts_by_parameters and other.predicts_by_parameters
     alike = first.calls == second.calls and np.array_equal(first.constants, second.constants)

@@ -9,6 +9,7 @@ from dataclasses import replace
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess, KernelProcess, linear_process, process_of
+from modelcast.models.interacting import InteractingMultipleModel
 from modelcast.models.kinematic import (
     ConstantAcceleration,
     ConstantTurnRateAcceleration,
@@ -24,6 +25,7 @@ KINEMATIC: dict[str, AbstractSubModel] = {
     "ca": ConstantAcceleration(),
     "ctrv": ConstantTurnRateVelocity(),
     "ctra": ConstantTurnRateAcceleration(),
+    "imm": InteractingMultipleModel(),
 }
 
 UNTRAINED = (*KINEMATIC, "gp-anchored", "gp-intercept", "gp-adaptive", "gp-linear")

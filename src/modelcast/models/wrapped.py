@@ -48,6 +48,11 @@ class AbstractWrapped(AbstractSubModel):
         return self.model.payload_layout
 
     @property
+    def held_parameters(self) -> tuple[str, ...]:
+        """The model's."""
+        return self.model.held_parameters
+
+    @property
     def predicts_by_parameters(self) -> bool:
         """The model's."""
         return self.model.predicts_by_parameters

@@ -7,7 +7,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 
 from modelcast.report.console import failures_table, warning_texts
-from modelcast.report.figures.comparison import plot_comparison, worst_rows
+from modelcast.report.figures.comparison import plot_comparison, rival_rows_of, worst_rows
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.headline import nearest_ratio
 from modelcast.report.literal import literal, markdown
@@ -71,10 +71,42 @@ def comparison_markdown(result: ComparisonResult) -> str:
         lines += [_joined(heads), "|" + "---|" * len(heads)]
         lines += [_joined(row) for row in cells]
         lines += _reference_lines(result, protocol)
+        lines += _rival_lines(result, protocol)
     left_out = [f"- {markdown(name)}: {markdown(reason)}" for name, reason in sorted(result.failures.items())]
     if left_out:
         lines += ["", "Left out:", "", *left_out]
     return "\n".join(lines) + "\n"
+
+
+_RIVAL_LEGEND = (
+    "Messages, bytes and airtime over those of `{rival}`, with the same intervals; trips times thresholds "
+    "with more than max(1.05 x `{rival}`, `{rival}` + 5) messages, and the trip with the most beyond that "
+    "bound."
+)
+
+
+def _rival_lines(result: ComparisonResult, protocol: str) -> list[str]:
+    """Return the table over the candidate compared against; nothing where that is the baseline."""
+    if result.rival is None:
+        return []
+    thresholds = _thresholds(result)
+    heads = ["candidate", *(f"messages, {text}" for text in thresholds)]
+    heads += ["bytes, " + " / ".join(thresholds), *(f"airtime, {text}" for text in thresholds)]
+    heads += ["over the bound", "worst trip"]
+    lines = ["", _RIVAL_LEGEND.format(rival=result.rival), "", _joined(heads), "|" + "---|" * len(heads)]
+    for candidate in result.candidates:
+        rows = rival_rows_of(result, candidate.name, protocol)
+        worst = max(rows, key=lambda row: row.worst_excess)
+        cells = [markdown(_shown_name(candidate))]
+        cells += [_with_limits(row.message_ratio, row.message_low, row.message_high) for row in rows]
+        cells += [" / ".join(f"{row.bytes_ratio:.2f}" for row in rows)]
+        cells += [_with_limits(row.airtime_ratio, row.airtime_low, row.airtime_high) for row in rows]
+        cells += [f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}"]
+        cells += [
+            f"{markdown(worst.worst_trip)}, {worst.worst_ratio:.2f} at {centimetres(worst.threshold_m)}"
+        ]
+        lines.append(_joined(cells))
+    return lines
 
 
 _LEGEND = (
@@ -139,9 +171,32 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
                 literal(_shown_name(candidate)), *_short_cells(result, candidate, protocol, shown_m, at)
             )
         parts.append(table)
+        if result.rival is not None:
+            parts.append(_rival_table(result, protocol, shown_m))
     if result.failures:
         parts.append(failures_table(result.failures))
     return Group(*parts)
+
+
+def _rival_table(result: ComparisonResult, protocol: str, shown_m: Sequence[float]) -> Table:
+    """Return the short table over the candidate compared against."""
+    table = Table(title=f"Over {result.rival}, {protocol}", title_justify="left", header_style="")
+    table.add_column("candidate")
+    levels = " / ".join(f"{100 * item:g}" for item in shown_m)
+    for head in ("messages", "bytes", "airtime"):
+        table.add_column(f"{head}\n{levels} cm", justify="right")
+    table.add_column("trips over\nits bound", justify="right")
+    for candidate in result.candidates:
+        rows = rival_rows_of(result, candidate.name, protocol)
+        shown = [row for row in rows if row.threshold_m in shown_m]
+        table.add_row(
+            literal(_shown_name(candidate)),
+            " / ".join(f"{row.message_ratio:.2f}" for row in shown),
+            " / ".join(f"{row.bytes_ratio:.2f}" for row in shown),
+            " / ".join(f"{row.airtime_ratio:.2f}" for row in shown),
+            f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}",
+        )
+    return table
 
 
 def _short_cells(

@@ -247,8 +247,8 @@ def bank_from_text(
     ----------
     text
         ``paper`` (constant velocity, then the anchored Gaussian process), or sub-models in order, joined by
-        ``+``: ``cv``, ``ca``, ``ctrv``, ``ctra``, ``gp-anchored``, ``gp-intercept``, ``gp-adaptive``,
-        ``gp-linear``, ``gp(...)`` with a kernel's expression, ``gp(matern32*(linear+rbf))``
+        ``+``: ``cv``, ``ca``, ``ctrv``, ``ctra``, ``imm``, ``gp-anchored``, ``gp-intercept``,
+        ``gp-adaptive``, ``gp-linear``, ``gp(...)`` with a kernel's expression, ``gp(matern32*(linear+rbf))``
         (`modelcast.models.gp.kernels`), and what the profile in use holds: in the shipped one
         ``gp-trained``, ``gp-vehicle``, ``gp-derivative``, ``learned``, ``gp-regime-1`` to ``gp-regime-3``,
         ``shs`` and ``hdp-hmm``. ``regimes`` stands for the sub-models of all regimes, ``free`` for the best

@@ -394,3 +394,10 @@ def test_the_error_of_relaxed_senders_is_a_choice() -> None:
     noisy = named_sender("j2945-mbc-relaxed", motion=MotionFilter(0.04)).policy
     assert isinstance(noisy, J2945)
     assert noisy.parameters.min_tracking_error_m == 0.04
+
+
+def test_hosts_of_a_fleet_refuse_what_they_would_have_to_keep() -> None:
+    """They share what each message says, and what an interacting multiple model holds is each host's own."""
+    own = named_sender("free", bank=named_bank("imm").bank)
+    with pytest.raises(ValueError, match="hosts of a fleet cannot keep what imm needs"):
+        run_network(iter(traffic(1.0)), own, IDEAL_RADIO, SETTINGS, seed=1)

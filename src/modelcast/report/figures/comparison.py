@@ -13,10 +13,10 @@ from matplotlib.typing import LineStyleType
 from modelcast.report.figures.panels import drawable, empty_figure
 from modelcast.report.headline import REFERENCE_LABELS
 from modelcast.report.style import INK, PAGE_IN, new_figure, style
-from modelcast.study.compare.result import ComparisonResult, RatioRow, TrackingRatioRow
+from modelcast.study.compare.result import ComparisonResult, RatioRow, RivalRow, TrackingRatioRow
 from modelcast.study.result import POOLED
 
-__all__ = ["plot_comparison", "worst_rows"]
+__all__ = ["plot_comparison", "rival_rows_of", "worst_rows"]
 
 _COLOURS = (
     "#332288",
@@ -67,7 +67,9 @@ def plot_comparison(result: ComparisonResult) -> Figure:
     """Return a row of panels a protocol: messages, airtime, 90th and 99th percentile over the baseline's.
 
     Tracking panels show the worst threshold at each packet error ratio, against the harder of the two
-    readings of the equal-rate baseline. Hybrids are drawn thicker and dashed.
+    readings of the equal-rate baseline. Hybrids are drawn thicker and dashed. Where candidates are compared
+    against another than the baseline, a second row follows: messages, bytes and airtime over that one's, and
+    the share of trips beyond both bounds.
 
     Parameters
     ----------
@@ -81,8 +83,13 @@ def plot_comparison(result: ComparisonResult) -> Figure:
         looks = _looks(result)
         height_in = _HEIGHT_IN if len(looks) <= _CROWD else _CROWDED_HEIGHT_IN
         legend_in = 0.14 * -(-(len(looks) + 5) // _legend_columns(looks))
-        figure = new_figure(PAGE_IN, 0.35 + legend_in + height_in * len(protocols))
-        grid = figure.subplots(len(protocols), 4, squeeze=False)
+        each = 1 if result.rival is None else 2
+        figure = new_figure(PAGE_IN, 0.35 + legend_in + height_in * each * len(protocols))
+        panels = figure.subplots(each * len(protocols), 4, squeeze=False)
+        grid = panels[::each]
+        if result.rival is not None:
+            for axes, protocol in zip(panels[1::2], protocols, strict=True):
+                _draw_rival(axes, result, protocol, looks)
         for axes, protocol in zip(grid, protocols, strict=True):
             _draw_messages(axes[0], result, protocol, looks)
             _draw_airtime(axes[1], result, protocol, looks)
@@ -90,12 +97,61 @@ def plot_comparison(result: ComparisonResult) -> Figure:
             _draw_tracking(axes[3], result, protocol, looks, percentile=99)
             axes[0].set_ylabel(f"{protocol}\nratio to the baseline")
         titles = ("Messages", "Airtime", "p90, worst threshold", "p99, worst threshold")
-        for axes, title in zip(grid[0], titles, strict=True):
-            axes.set_title(title)
-        for at, axes in enumerate(grid[-1]):
-            axes.set_xlabel("Threshold [cm]" if at < 2 else "Packet error ratio [%]")
+        for row in grid[:1] if result.rival is None else grid:
+            for axes, title in zip(row, titles, strict=True):
+                axes.set_title(title)
+        for row in grid[-1:] if result.rival is None else grid:
+            for at, axes in enumerate(row):
+                axes.set_xlabel("Threshold [cm]" if at < 2 else "Packet error ratio [%]")
         _legend(figure, [row[0] for row in grid], _legend_columns(looks))
         return figure
+
+
+def rival_rows_of(result: ComparisonResult, candidate: str, protocol: str) -> list[RivalRow]:
+    """Return a candidate's rows over the one compared against, by rising threshold.
+
+    Parameters
+    ----------
+    result
+        The comparison.
+    candidate, protocol
+        Whose.
+    """
+    own = (row for row in result.rivals if (row.candidate, row.protocol) == (candidate, protocol))
+    return sorted(own, key=lambda row: row.threshold_m)
+
+
+def _draw_rival(
+    row: Sequence[Axes], result: ComparisonResult, protocol: str, looks: dict[str, _Look]
+) -> None:
+    """Draw a row of panels over the candidate compared against, and the share of trips beyond the bounds."""
+    ratios = [one for one in result.ratios if one.protocol == protocol]
+    tallest = [1.0, 1.0, 1.0]
+    for axes in row:
+        _threshold_axis(axes, ratios)
+    for name, look in looks.items():
+        own = rival_rows_of(result, name, protocol)
+        drawn = (
+            ([one.message_ratio for one in own], [(one.message_low, one.message_high) for one in own]),
+            ([one.bytes_ratio for one in own], [(one.bytes_low, one.bytes_high) for one in own]),
+            ([one.airtime_ratio for one in own], [(one.airtime_low, one.airtime_high) for one in own]),
+        )
+        for at, (values, limits) in enumerate(drawn):
+            top = _draw_line(row[at], name, look, np.array(values), limits)
+            tallest[at] = max(tallest[at], top)
+        over = [
+            100.0 * max(one.trips_over / one.trips, two.trips_over / two.trips)
+            for one, two in zip(own, _by_threshold(ratios, name), strict=True)
+        ]
+        _draw_line(row[3], name, look, np.array(over), [(None, None)] * len(over))
+    for axes, top in zip(row, tallest, strict=False):
+        axes.axhline(1.0, color=INK, linewidth=1.1, zorder=1)
+        axes.set_ylim(0.0, 1.1 * top)
+    row[3].set_ylim(bottom=0.0)
+    for axes, title in zip(row, ("Messages", "Bytes", "Airtime", "Trips over a bound [%]"), strict=True):
+        axes.set_title(title)
+        axes.set_xlabel("Threshold [cm]")
+    row[0].set_ylabel(f"{protocol}\nratio to {drawable(str(result.rival), _SHORT_NAME)}")
 
 
 def _legend_columns(names: Iterable[str]) -> int:

@@ -91,7 +91,9 @@ def run_network(
     Raises
     ------
     ValueError
-        Where there is no frame, frames are not a step apart, or the run ends within the warm-up.
+        Where there is no frame, frames are not a step apart, the run ends within the warm-up, or the bank has
+        a sub-model whose receivers keep what they held (`PointFunctions.absorb`): hosts of a fleet share what
+        each message says.
 
     Examples
     --------
@@ -105,6 +107,9 @@ def run_network(
     >>> round(run.vehicle_s, 6), int(run.sent.causes.sum())
     (10.0, 100)
     """
+    kept = [member.name for member in sender.bank.members if member.held_parameters]
+    if kept:
+        raise ValueError(f"hosts of a fleet cannot keep what {', '.join(kept)} needs from earlier messages")
     chosen = NetworkSettings() if settings is None else settings
     pending: Iterator[FleetFrame] = iter(frames)
     first = next(pending, None)

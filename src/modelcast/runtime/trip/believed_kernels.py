@@ -13,9 +13,10 @@ from modelcast.core.kernel_types import (
     IntMatrix,
     IntVector,
 )
-from modelcast.models.member_kernels import Members, predict_member
+from modelcast.models.member_kernels import Members, absorb_member, predict_member
 from modelcast.station.policy.error_driven_kernels import IDENTIFICATION, NOTHING
 from modelcast.station.receiver.track_kernels import (
+    ACCEPTED,
     HELD_CONTENT,
     HELD_FIT_S,
     HELD_MEMBER,
@@ -55,13 +56,34 @@ class Schedules(NamedTuple):
 
 
 @kernel(inlined=True)
-def _off(members: Members, x: SentTrip, held: FloatVector, j: int, out: FloatVector) -> None:
+def _off(
+    members: Members, x: SentTrip, held: FloatVector, grown: FloatVector, j: int, out: FloatVector
+) -> None:
     """How far the host's belief is off at a sample, east and north into ``out`` (2,)."""
     at, member = int(held[HELD_CONTENT]), int(held[HELD_MEMBER])
-    own = x.parameters[at, members.offsets[member] : members.offsets[member + 1]]
+    own = grown[members.offsets[member] : members.offsets[member + 1]]
     predict_member(members, member, own, x.t_s[j] - held[HELD_FIT_S], out)
     out[0] = x.stated_m[at, 0] + out[0] - x.truth_m[j, 0]
     out[1] = x.stated_m[at, 1] + out[1] - x.truth_m[j, 1]
+
+
+@kernel(inlined=True)
+def _absorb(
+    members: Members, x: SentTrip, last: int, member: int, i: int, moved: FloatVector, grown: FloatVector
+) -> None:
+    """Take the update of sample ``i`` by ``member`` for what is held, ``grown`` (P,).
+
+    ``last`` is the sample of the update held before, where that member was in use, else -1. ``moved`` (3,)
+    is overwritten.
+    """
+    at = max(last, 0)
+    moved[0] = x.stated_s[i] - x.stated_s[at]
+    moved[1], moved[2] = x.stated_m[i, 0] - x.stated_m[at, 0], x.stated_m[i, 1] - x.stated_m[at, 1]
+    offsets = members.offsets
+    for m in range(offsets.size - 1):
+        own = x.parameters[i, offsets[m] : offsets[m + 1]]
+        held = grown[offsets[m] : offsets[m + 1]]
+        absorb_member(members, m, own, moved, last >= 0 and m == member, held)
 
 
 @kernel
@@ -83,7 +105,8 @@ def replay(
     model held, all NaN where the host holds nothing. ``gaps_s`` (R, T) receives the gaps between receptions
     of each run and ``gap_count`` (R,) their number.
     """
-    off, held = np.empty(2), np.empty(TRACK_COLUMNS)
+    off, held, moved = np.empty(2), np.empty(TRACK_COLUMNS), np.empty(3)
+    grown = np.empty(x.parameters.shape[1])
     for run in range(lost.shape[0]):
         schedule = run % sent.kind.shape[0]
         forget(held)
@@ -96,7 +119,7 @@ def replay(
                 if sent.kind[schedule, i] == NOTHING or lost[run, i]:
                     continue
                 if not touched and is_live(held, x.t_s[j], expiry_s):
-                    _off(members, x, held, j, off)
+                    _off(members, x, held, grown, j, off)
                     before = np.sqrt(off[0] * off[0] + off[1] * off[1])
                 touched = True
                 arrival_s, member = x.t_s[i] + delay_s, sent.in_use[schedule, i]
@@ -109,11 +132,14 @@ def replay(
                         held, sent.update_index[schedule, i], member, x.t_s[i], arrival_s, expiry_s
                     )
                 else:
-                    _ = take_update(held, i, member, x.stated_s[i], arrival_s, expiry_s)
+                    continues = is_live(held, arrival_s, expiry_s) and held[HELD_MEMBER] == member
+                    last = int(held[HELD_CONTENT]) if continues else -1
+                    if take_update(held, i, member, x.stated_s[i], arrival_s, expiry_s) == ACCEPTED:
+                        _absorb(members, x, last, member, i, moved, grown)
             if not is_live(held, x.t_s[j], expiry_s):
                 errors[:, run, j] = np.nan
                 continue
-            _off(members, x, held, j, off)
+            _off(members, x, held, grown, j, off)
             after = np.sqrt(off[0] * off[0] + off[1] * off[1])
             errors[0, run, j] = after
             errors[1, run, j] = before if touched else after

@@ -241,7 +241,9 @@ class TripRuntime:
         """
         self.fit_at(np.unique(messages.update_index))
         errors = np.empty((len(self.trip), len(self.bank.members)))
-        errors_kernels.member_errors(self.own.models(), self.sensed, self.fits, messages.update_index, errors)
+        errors_kernels.member_errors(
+            self.own.models(), self.sensed, self.fits, messages.in_use, messages.update_index, errors
+        )
         return errors
 
     def fit_at(self, indices: npt.ArrayLike) -> None:

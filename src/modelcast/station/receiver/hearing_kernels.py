@@ -7,6 +7,7 @@ import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatVector, IntVector
+from modelcast.models.member_kernels import absorb_member
 from modelcast.station.receiver import heard_kernels as heard
 from modelcast.station.receiver import plausibility_kernels as plausible
 from modelcast.station.receiver.heard_kernels import Messages
@@ -21,6 +22,7 @@ from modelcast.station.receiver.slot_kernels import (
     PART_I_NORTH,
     PART_I_YAW_RATE,
     TOLD_EAST,
+    TOLD_NORTH,
     TOLD_SPEED,
     TOLD_VELOCITY_EAST,
     TOLD_VELOCITY_NORTH,
@@ -37,6 +39,8 @@ from modelcast.station.receiver.slot_kernels import (
 from modelcast.station.receiver.track_kernels import (
     ACCEPTED,
     HELD_CONTENT,
+    HELD_FIT_S,
+    HELD_MEMBER,
     IN_FUTURE,
     OLDER,
     REPEATED,
@@ -217,19 +221,30 @@ def _keep(
     slots: Slots,
     slot: int,
     code: IntVector,
-    profile: int,
+    what: tuple[int, int, bool],
     number: FloatVector,
     row: FloatVector,
     velocity: FloatVector,
+    known: KnownProfiles,
+    moved: FloatVector,
 ) -> None:
-    """Write down what an accepted update tells."""
+    """Write down what an accepted update tells.
+
+    ``what`` is its profile and sub-model, and whether it continues one of the same; then ``moved`` (3,) is
+    the time [s] and the way [m] between them.
+    """
+    profile, in_use, continues = what
     told = slots.told[slot]
     told[TOLD_EAST : TOLD_EAST + 2] = number[heard.EAST : heard.NORTH + 1]
     told[TOLD_VELOCITY_EAST], told[TOLD_VELOCITY_NORTH] = velocity[0], velocity[1]
     told[TOLD_SPEED : TOLD_WIDTH + 1] = number[heard.SPEED : heard.WIDTH + 1]
     slots.facts[slot, FACT_PROFILE] = profile
     slots.facts[slot, FACT_USER] = code[heard.USER]
-    slots.parameters[slot, : row.size] = row
+    first, count = known.first[profile + 1], known.first[profile + 2] - known.first[profile + 1]
+    for m in range(count):
+        begin, end = columns_of(known, profile, m)
+        held = slots.parameters[slot, begin:end]
+        absorb_member(known.members, first + m, row[begin:end], moved, continues and m == in_use, held)
 
 
 @kernel
@@ -289,13 +304,18 @@ def _update(
             events[GAVE_WAY] += 1
         slot = new_slot(slots, vehicle)
         slots.judged[slot] = judged
+    told, held = slots.told[slot], slots.held[slot]
+    continues = not is_new and slots.facts[slot, FACT_PROFILE] == profile and held[HELD_MEMBER] == in_use
+    moved = np.empty(3)
+    moved[0] = number[heard.STATED] - held[HELD_FIT_S]
+    moved[1], moved[2] = number[heard.EAST] - told[TOLD_EAST], number[heard.NORTH] - told[TOLD_NORTH]
     status = take_update(
-        slots.held[slot], int(code[heard.COUNT]), in_use, number[heard.STATED], received_s, rules.expiry_s
+        held, int(code[heard.COUNT]), in_use, number[heard.STATED], received_s, rules.expiry_s
     )
     if status != OLDER:
         renew_slot(slots, slot)
     if status == ACCEPTED:
-        _keep(slots, slot, code, profile, number, row, velocity)
+        _keep(slots, slot, code, (profile, in_use, continues), number, row, velocity, known, moved)
         if profile < 0:
             events[BY_PART_I] += 1
     return status, slot if is_new else -1

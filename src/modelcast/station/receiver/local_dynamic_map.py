@@ -409,8 +409,8 @@ class LocalDynamicMap:
     def known(self) -> slot_kernels.KnownProfiles:
         """Sub-models of all profiles as compiled loops take them, in this process alone."""
         names = self._part_i.parameter_names
-        stated = np.array([CORE_PARAMETERS.index(name) for name in names], dtype=np.int64)
-        return slot_kernels.KnownProfiles(self._ready.members, self._first, stated)
+        stated = [CORE_PARAMETERS.index(name) if name in CORE_PARAMETERS else -1 for name in names]
+        return slot_kernels.KnownProfiles(self._ready.members, self._first, np.array(stated))
 
     @cached_property
     def rules(self) -> hearing_kernels.Rules:

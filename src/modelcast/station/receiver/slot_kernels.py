@@ -102,7 +102,7 @@ class KnownProfiles(NamedTuple):
     """Sub-models of all profiles held in one table; ``first`` (profiles + 2,) is the first of each.
 
     Profile -1 is Part I: member 0, by which plain messages are coasted. ``stated`` (P,) says which value of
-    Part I each of its parameters is, `PART_I_EAST` to `PART_I_YAW_RATE`.
+    Part I each of its parameters is, `PART_I_EAST` to `PART_I_YAW_RATE`, or -1 for one that no message says.
     """
 
     members: Members

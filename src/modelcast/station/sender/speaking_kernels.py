@@ -8,6 +8,7 @@ import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatVector, IntMatrix
+from modelcast.models.member_kernels import absorb_member
 from modelcast.station.arrays import Fits, LaneRules, Lanes, Sensed
 from modelcast.station.policy.error_driven_kernels import (
     IDENTIFY_NEVER,
@@ -105,15 +106,21 @@ def hold(
     """Take what a lane says at a sample for what its remotes hold from now on."""
     v, ring = rules.vehicle[b], s.stated_m.shape[1]
     place, offsets = number % fits.parameters.shape[1], models.members.offsets
-    lanes.update[b], lanes.in_use[b] = number, member
-    lanes.origin[b, 0] = s.stated_s[v, number % ring]
-    lanes.origin[b, 1], lanes.origin[b, 2] = s.stated_m[v, number % ring, 0], s.stated_m[v, number % ring, 1]
+    stated_s = s.stated_s[v, number % ring]
+    east_m, north_m = s.stated_m[v, number % ring, 0], s.stated_m[v, number % ring, 1]
+    lanes.origin[b, 0] = stated_s - lanes.origin[b, 0]
+    lanes.origin[b, 1], lanes.origin[b, 2] = east_m - lanes.origin[b, 1], north_m - lanes.origin[b, 2]
+    same = lanes.update[b] >= 0 and lanes.in_use[b] == member
     for m in range(models.members.windows.size):
+        continues = same and m == member and lanes.usable[b, m]
         lanes.usable[b, m] = fits.number[v, place, m] == number and lanes.available[b, m]
         lanes.failed_s[b, m] = np.inf
         if lanes.usable[b, m]:
-            for i in range(offsets[m], offsets[m + 1]):
-                lanes.held[b, i] = fits.parameters[v, place, i]
+            own = fits.parameters[v, place, offsets[m] : offsets[m + 1]]
+            held = lanes.held[b, offsets[m] : offsets[m + 1]]
+            absorb_member(models.members, m, own, lanes.origin[b], continues, held)
+    lanes.update[b], lanes.in_use[b] = number, member
+    lanes.origin[b, 0], lanes.origin[b, 1], lanes.origin[b, 2] = stated_s, east_m, north_m
 
 
 @kernel(inlined=True)

@@ -11,9 +11,11 @@ __all__ = [
     "CountRow",
     "RatioRow",
     "ReferenceRatio",
+    "RivalRow",
     "RouteRow",
     "TrackingRatioRow",
     "message_bound",
+    "rival_bound",
 ]
 
 
@@ -26,6 +28,17 @@ def message_bound(baseline_messages: float) -> float:
     (103, 1020.0)
     """
     return max(1.02 * baseline_messages, baseline_messages + 3)
+
+
+def rival_bound(rival_messages: float) -> float:
+    """The most messages that a candidate may send on one trip to do no harm beside the one compared against.
+
+    Examples
+    --------
+    >>> rival_bound(40), rival_bound(1000)
+    (45, 1050.0)
+    """
+    return max(1.05 * rival_messages, rival_messages + 5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,6 +230,48 @@ class RatioRow:
 
 
 @dataclass(frozen=True, slots=True)
+class RivalRow:
+    """Messages of one candidate over those of the one compared against: ratios of sums over all trips.
+
+    Parameters
+    ----------
+    candidate, rival, protocol, threshold_m
+        Whose figures, over whose.
+    message_ratio, message_low, message_high
+        All messages, with a 95 % interval over the trips.
+    bytes_ratio, bytes_low, bytes_high
+        Application bytes.
+    airtime_ratio, airtime_low, airtime_high
+        Time on the air.
+    trips, trips_over
+        How many, and on how many it sent more than `rival_bound` allows.
+    worst_trip, worst_excess, worst_ratio
+        The trip with the most messages beyond that bound, how many (negative where there is room), and its
+        ratio.
+    """
+
+    candidate: str
+    rival: str
+    protocol: str
+    _: KW_ONLY
+    threshold_m: float
+    message_ratio: float
+    message_low: float | None
+    message_high: float | None
+    bytes_ratio: float
+    bytes_low: float | None
+    bytes_high: float | None
+    airtime_ratio: float
+    airtime_low: float | None
+    airtime_high: float | None
+    trips: int
+    trips_over: int
+    worst_trip: str
+    worst_excess: float
+    worst_ratio: float
+
+
+@dataclass(frozen=True, slots=True)
 class TrackingRatioRow:
     """Tracking error of one candidate under loss, beside both readings of the baseline at equal rate.
 
@@ -300,6 +355,8 @@ class ComparisonResult:
         Rows of the table: messages, and tracking under loss; `tracking` has a row a trip too.
     counts
         Messages trip by trip.
+    rivals
+        Messages over those of the candidate compared against.
     references
         What the figure draws beside the candidates; empty where it was not asked for.
     failures, skipped
@@ -314,6 +371,14 @@ class ComparisonResult:
     ratios: tuple[RatioRow, ...]
     tracking: tuple[TrackingRatioRow, ...]
     counts: tuple[CountRow, ...]
+    rivals: tuple[RivalRow, ...] = ()
     references: tuple[ReferenceRatio, ...] = ()
     failures: Mapping[str, str] = field(default_factory=dict[str, str])
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])
+
+    @property
+    def rival(self) -> str | None:
+        """The candidate compared against, where that says more than the baseline does; else None."""
+        name = self.rivals[0].rival if self.rivals else None
+        own = {row.message_ratio for row in self.ratios if row.candidate == name}
+        return None if len(self.candidates) < 2 or own == {1.0} else name

@@ -17,7 +17,7 @@ from modelcast.study.compare.result import (
 )
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.compare.stage import reference_ratios, stage_trips, usable_trips
-from modelcast.study.compare.table import Resamples, ratio_rows, tracking_rows
+from modelcast.study.compare.table import Resamples, ratio_rows, rival_rows, tracking_rows
 from modelcast.study.compare.trial import candidate_row, fit_folds, run_trial
 from modelcast.study.routes import route_names, routes
 from modelcast.trips.fingerprint import known_trips
@@ -115,6 +115,7 @@ def compare(
         ratios=tuple(ratio_rows(work.counts, reference, resamples)),
         tracking=tuple(work.tracking),
         counts=tuple(work.counts),
+        rivals=tuple(rival_rows(work.counts, reference, resamples)),
         references=tuple(reference_ratios(staged, settings)),
         failures=failures,
     )

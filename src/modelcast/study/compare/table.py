@@ -14,12 +14,18 @@ from modelcast.study.compare.bootstrap import (
     ratio_resamples,
     resample_weights,
 )
-from modelcast.study.compare.result import CountRow, RatioRow, TrackingRatioRow
+from modelcast.study.compare.result import (
+    CountRow,
+    RatioRow,
+    RivalRow,
+    TrackingRatioRow,
+    rival_bound,
+)
 from modelcast.study.compare.trial import READINGS, RIVALS, ErrorGroup, Trial
 from modelcast.study.metrics import confidence_limits, quantiles
 from modelcast.study.result import POOLED
 
-__all__ = ["Resamples", "ratio_rows", "tracking_rows"]
+__all__ = ["Resamples", "ratio_rows", "rival_rows", "tracking_rows"]
 
 _PROBABILITIES = (0.9, 0.99)
 
@@ -131,6 +137,53 @@ def _ratio_row(
         worst_trip=worst.trip,
         worst_excess=worst.excess,
         worst_ratio=worst.messages / worst.baseline_messages,
+    )
+
+
+def rival_rows(counts: Sequence[CountRow], rival: str, resamples: Resamples) -> list[RivalRow]:
+    """Messages, bytes and airtime over another candidate's, for every candidate, protocol and threshold.
+
+    Parameters
+    ----------
+    counts, resamples
+        As for `ratio_rows`.
+    rival
+        Name of the candidate that all are held against.
+    """
+    groups: dict[tuple[str, str, float], list[CountRow]] = {}
+    for row in counts:
+        groups.setdefault((row.candidate, row.protocol, row.threshold_m), []).append(row)
+    return [_rival_row(rows, groups[rival, *key[1:]], resamples) for key, rows in groups.items()]
+
+
+def _rival_row(rows: Sequence[CountRow], rival: Sequence[CountRow], resamples: Resamples) -> RivalRow:
+    ratios: list[float] = []
+    drawn: list[Limits] = []
+    for name in ("messages", "message_bytes", "airtime_s"):
+        own, other = _column(rows, name), _column(rival, name)
+        ratios.append(float(own.sum() / other.sum()))
+        drawn.append(limits(ratio_resamples(resamples.weights, own, other), resamples.clusters))
+    excess = [own.messages - rival_bound(other.messages) for own, other in zip(rows, rival, strict=True)]
+    worst = int(np.argmax(excess))
+    return RivalRow(
+        rows[0].candidate,
+        rival[0].candidate,
+        rows[0].protocol,
+        threshold_m=rows[0].threshold_m,
+        message_ratio=ratios[0],
+        message_low=drawn[0][0],
+        message_high=drawn[0][1],
+        bytes_ratio=ratios[1],
+        bytes_low=drawn[1][0],
+        bytes_high=drawn[1][1],
+        airtime_ratio=ratios[2],
+        airtime_low=drawn[2][0],
+        airtime_high=drawn[2][1],
+        trips=len(rows),
+        trips_over=sum(one > 0 for one in excess),
+        worst_trip=rows[worst].trip,
+        worst_excess=float(excess[worst]),
+        worst_ratio=rows[worst].messages / rival[worst].messages,
     )
 
 
