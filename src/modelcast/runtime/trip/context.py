@@ -94,7 +94,7 @@ class ContextSettings:
     def as_plain(self) -> Mapping[str, Any]:
         """What is let known as plain values, for summaries."""
         return {
-            "road": self.road if isinstance(self.road, str) else f"survey of {len(self.road)} cells",
+            "road": self.road if isinstance(self.road, str) else f"survey {self.road.digest}",
             "leader": self.leader,
             "sub_models": [repr(member) for member in self.bank.members],
             "threshold_m": self.threshold_m,
