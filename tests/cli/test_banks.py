@@ -10,11 +10,12 @@ from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.profile import write_profile
 from modelcast.models.bank import Bank
+from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import AxisKernel, VehicleProcess
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.profile import Profile, default_profile
 from modelcast.models.trusted import Trusted
-from modelcast.station.banks import bank_from_text, named_bank
+from modelcast.station.banks import bank_from_text, free_bank, named_bank
 
 NAMES = [
     "cv",
@@ -92,3 +93,14 @@ def test_a_profile_named_beside_a_bank_is_used_and_counts_as_an_input(tmp_path: 
     assert compared.files == (path,)
     with pytest.raises(ConfigError, match=r"missing\.json"):
         EvaluateOptions(profile=str(tmp_path / "missing.json")).settings()
+
+
+def test_free_is_the_profiles_best_receiver_of_plain_messages_or_ctra() -> None:
+    """By itself, and among others."""
+    bare, own = Profile(Bank((ConstantVelocity(),))), VehicleProcess("free")
+    holding = replace(bare, added=(own,))
+    for profile, member in ((bare, ConstantTurnRateAcceleration()), (holding, own)):
+        bank = free_bank(profile)
+        assert (bank.name, bank.members) == ("free", (member,))
+        assert named_bank("free", profile=profile).bank == bank
+        assert named_bank("cv+free", profile=profile).bank.members == (ConstantVelocity(), member)

@@ -1,5 +1,6 @@
 """Claims about what messages cost on the air."""
 
+from dataclasses import dataclass
 from typing import get_args
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from modelcast.core.arrays import FloatArray
 from modelcast.messages import stack_kernels as kernels
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc_codec import UpdateCodec
@@ -15,11 +17,14 @@ from modelcast.messages.mbc_update import update_octets
 from modelcast.messages.rules import CertificateRule
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
+from modelcast.models.base import PointFunctions
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess, vehicle_process
-from modelcast.models.kinematic import ConstantTurnRateAcceleration
+from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.profile import default_profile
+from modelcast.models.trusted import Trusted
+from modelcast.models.wrapped import AbstractWrapped
 
 times = st.lists(st.integers(1, 30), min_size=1, max_size=40).map(lambda gaps: np.cumsum(gaps) * 0.05)
 
@@ -86,6 +91,24 @@ def test_impossible_stacks_are_refused() -> None:
         Stack(bits_per_symbol=0)
 
 
+@dataclass(frozen=True, slots=True)
+class Renamed(AbstractWrapped):
+    """The same sub-model under another name."""
+
+    @property
+    def name(self) -> str:
+        """Another."""
+        return f"{self.model.name}-again"
+
+    def point_functions(self, dt_s: float) -> PointFunctions:
+        """Those of the sub-model inside."""
+        return self.model.point_functions(dt_s)
+
+    def covariance(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
+        """That of the sub-model inside."""
+        return self.model.covariance(parameters, horizons_s, dt_s=dt_s)
+
+
 @pytest.mark.parametrize("identify", ["never", "on-failure"])
 def test_sizes_are_those_of_the_codec(identify: str) -> None:
     bank = Bank((*default_profile().bank.members[:2], vehicle_process()))
@@ -94,17 +117,35 @@ def test_sizes_are_those_of_the_codec(identify: str) -> None:
     parameters = np.zeros((len(bank.members), columns))
     parameters[:, 25] = np.arange(len(bank.members))
     sizes = UpdateCodec(wire, carries_all=identify != "never").sizes(parameters)
-    assert SizeModel().each_update_bytes(bank, identify).tolist() == sizes.tolist()
+    plain = [identify == "never" and member.name == "ctra" for member in bank.members]
+    expected = np.where(plain, SizeModel().baseline_bytes(), sizes)
+    assert SizeModel().each_update_bytes(bank, identify).tolist() == expected.tolist()
 
 
-def test_constant_velocity_alone_is_a_plain_message() -> None:
-    sizes = SizeModel()
-    assert sizes.each_update_bytes(Bank((ConstantVelocity(),)), "on-failure").tolist() == [
-        sizes.baseline_bytes()
-    ]
+def test_what_a_plain_message_is_coasted_by_costs_a_plain_message() -> None:
+    """The first free member of a bank, or the one it names; another free one must name the profile."""
+    sizes, pair = SizeModel(), (ConstantTurnRateAcceleration(), ConstantVelocity())
+    for alone in pair:
+        assert sizes.each_update_bytes(Bank((alone,)), "on-failure").tolist() == [sizes.baseline_bytes()]
+    assert sizes.each_update_bytes(Bank(pair), "never").tolist() == [40, 47]
+    assert sizes.each_update_bytes(Bank(pair[::-1]), "never").tolist() == [40, 47]
+    assert sizes.each_update_bytes(Bank(pair, plain="cv"), "never").tolist() == [47, 40]
+    assert SizeModel(more_bytes=30).each_update_bytes(Bank(pair), "never").tolist() == [70, 77]
+
+
+def test_where_another_member_may_be_named_no_update_is_plain() -> None:
     pair = Bank((ConstantTurnRateAcceleration(), ConstantVelocity()))
-    assert sizes.each_update_bytes(pair, "never").tolist() == [47, 40]
-    assert SizeModel(more_bytes=30).each_update_bytes(pair, "never").tolist() == [77, 70]
+    assert SizeModel().each_update_bytes(pair, "on-failure").tolist() == [47, 47]
+
+
+def test_a_member_that_receivers_coast_alike_is_plain_beside_the_one_named() -> None:
+    """The spreads of a covariance are no message's; a trusted horizon changes what is predicted."""
+    plain, trusted = ConstantTurnRateAcceleration(), Trusted(ConstantTurnRateAcceleration(), 2.0)
+    other = Renamed(ConstantTurnRateAcceleration(jerk_spread_mps3=3.0))
+    assert Bank((plain, other)).sent_plain == (True, True)
+    assert Bank((trusted, other)).sent_plain == (True, False)
+    assert Bank((Trusted(ConstantTurnRateAcceleration(), 2.0), Renamed(trusted))).sent_plain == (True, True)
+    assert Bank((ConstantAcceleration(), other, ConstantVelocity())).sent_plain == (True, False, False)
 
 
 def test_a_process_is_counted_as_its_predicted_path_however_it_is_given() -> None:

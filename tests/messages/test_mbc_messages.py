@@ -168,13 +168,13 @@ def test_a_legacy_receiver_reads_the_update_as_a_basic_safety_message() -> None:
     assert reference_encode(message) == octets
 
 
-def test_an_unknown_profile_is_said_and_constant_velocity_is_left() -> None:
+def test_an_unknown_profile_is_said_and_part_i_is_left_for_what_the_bank_coasts_it_by() -> None:
     octets = UpdateCodec(SMALL).encode(UpdateMessage(some_core(), 0, carries_all=False, codes=((3,),)))
     found = read_update(octets, {1: SMALL})
     assert found.reading is UpdateReading.UNKNOWN_PROFILE
     assert found.extension is not None
     assert found.extension.profile == SMALL.number
-    bank = Bank((ConstantTurnRateAcceleration(), ConstantVelocity()))
+    bank = Bank((ConstantTurnRateAcceleration(), ConstantVelocity()), plain="cv")
     update = update_from_wire(found, bank, FRAME, received_s=60.0 - 17.0 + 12.4)
     assert bank.members[update.in_use].name == "cv"
     assert update.t_s == pytest.approx(60.0 - 17.0 + 12.3)
@@ -184,8 +184,9 @@ def test_an_unknown_profile_is_said_and_constant_velocity_is_left() -> None:
     assert receipts.tolist() == [Receipt.ACCEPTED]
     where = around.positions(state, update.t_s + 2.0)[1][0]
     np.testing.assert_allclose(where - update.position_m, [20.0, 0.0], atol=1e-9)
-    with pytest.raises(ValueError, match="constant velocity"):
-        update_from_wire(found, Bank((ConstantTurnRateAcceleration(),)), FRAME, received_s=0.0)
+    assert update_from_wire(found, Bank(bank.members), FRAME, received_s=0.0).in_use == 0
+    with pytest.raises(ValueError, match="no member does with Part I"):
+        update_from_wire(found, Bank((GaussianProcess(),)).carried(), FRAME, received_s=0.0)
 
 
 def test_a_plain_message_has_no_model() -> None:

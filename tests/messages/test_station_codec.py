@@ -167,7 +167,7 @@ def test_odd_messages_are_read_as_one_at_a_time() -> None:
     assert [row for row, _ in heard.faults] == [8, 9, 10, 11]
     held = heard.rows.parameters
     assert all(held[row].tobytes() == held[0].tobytes() for row in (1, 2))
-    coasting = [member.name for member in BANKS["default"].members].index("cv")
+    coasting = [member.name for member in BANKS["default"].members].index("ctra")
     assert heard.rows.in_use[:7].tolist() == [0, 0, 0, *[coasting] * 4]
 
 
@@ -240,7 +240,7 @@ def test_sub_models_sent_together_that_disagree_about_part_i_are_refused() -> No
     )
     with pytest.raises(ValueError, match=r"row 0: cv.velocity_(east|north)_mps is not that of Part I"):
         StationCodec.of(bank, 5, "on-failure").encode(rows)
-    assert StationCodec.of(bank, 5, "never").encode(rows)[1].tolist() == [47]
+    assert StationCodec.of(bank, 5, "never").encode(rows)[1].tolist() == [40]
     waiting = replace(rows, parameters=np.array([[9.0, 3.0, 1.0, 0.1, 0.0, 0.0]]))
     assert StationCodec.of(bank, 5, "on-failure").encode(waiting)[1].tolist() == [47]
 

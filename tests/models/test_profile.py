@@ -127,6 +127,20 @@ def test_a_profile_without_regimes_keeps_the_bytes_it_had_before_there_were_any(
     assert profile_from_text(json.dumps(plain)).regimes is None
 
 
+def test_what_a_plain_message_means_is_part_of_the_identity_and_must_be_free() -> None:
+    """Without the key a profile keeps its bytes; a process says more than Part I does."""
+    members = (ConstantTurnRateAcceleration(), ConstantVelocity(), GaussianProcess())
+    silent, named = Profile(Bank(members)), Profile(Bank(members, plain="cv"))
+    assert "plain" not in json.loads(silent.text)
+    assert json.loads(named.text)["plain"] == "cv"
+    assert named.identity != silent.identity
+    assert profile_from_text(named.text).bank.plain_place == 1
+    for name in (members[2].name, "ctrv", ""):
+        text = json.dumps({**json.loads(silent.text), "plain": name})
+        with pytest.raises(ValueError, match=r"^\$\.plain"):
+            profile_from_text(text)
+
+
 def test_its_identity_is_the_hash_of_its_bytes_and_changes_with_any_of_them() -> None:
     profile = example()
     assert profile.identity == hashlib.sha256(profile.text.encode()).hexdigest()

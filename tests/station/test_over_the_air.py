@@ -82,14 +82,14 @@ def test_an_update_tells_place_motion_and_model(identify: str) -> None:
         assert told[slots.TOLD_ACCELERATION] == pytest.approx(sample[4], abs=RATE)
         assert told[slots.TOLD_YAW_RATE] == pytest.approx(sample[5], abs=RATE)
         assert np.isnan(told[[slots.TOLD_LENGTH, slots.TOLD_WIDTH]]).all()
-        plain = identify == "never" and messages.in_use[row] == 1  # Part I says it all
+        in_use = int(messages.in_use[row])
+        plain = identify == "never" and in_use == 0  # Part I says it all, and the bank coasts it by that
         assert state.facts[slot, slots.FACT_PROFILE] == (-1 if plain else 0)
         assert state.facts[slot, slots.FACT_USER] == -1
         assert state.held[slot, HELD_FIT_S] == pytest.approx(messages.t_s[row], abs=1e-3)
-        in_use = int(messages.in_use[row])
         assert state.held[slot, HELD_MEMBER] == (0 if plain else in_use)
         own = slice(0, 3) if in_use == 0 else slice(3, 5)
-        held = state.parameters[slot, slice(0, 2) if plain else own]
+        held = state.parameters[slot, own]
         assert held == pytest.approx(messages.parameters[row, own], abs=0.03)
 
 
@@ -131,14 +131,19 @@ def test_a_host_without_the_profile_takes_part_i() -> None:
 
 
 def test_two_profiles_each_read_their_own() -> None:
-    """The same station under either number; the other bank knows no acceleration."""
+    """The same station under either number; what is plain to both names neither, and the first is asked."""
     other = Bank((ConstantVelocity(), ConstantAcceleration()))
     both = Ears((other, BANK), plausibility=None)
     writer, messages = sent()
-    receipts, state = both.hear(both.init(), writer.encode(messages)[:1], [20.05], origin=NOWHERE)
+    octets = writer.encode(messages)
+    receipts, state = both.hear(both.init(), [octets[2]], [20.15], origin=NOWHERE)
     assert receipts.tolist() == [Receipt.ACCEPTED]
-    slot = slot_of(state, 11)
-    assert (state.facts[slot, slots.FACT_PROFILE], state.held[slot, HELD_MEMBER]) == (1, 0)
+    slot = slot_of(state, 13)
+    assert (state.facts[slot, slots.FACT_PROFILE], state.held[slot, HELD_MEMBER]) == (1, 1)
+    for ears, speed in ((both, 12.0), (EARS, 12.0 + 1.5 * 0.8)):  # of 15 m/s, 12 go north
+        _, state = ears.hear(ears.init(), octets[:1], [20.05], origin=NOWHERE)
+        assert state.facts[slot_of(state, 11), slots.FACT_PROFILE] == -1
+        assert ears.map.believe(state, 21.0).velocity_mps[0, 1] == pytest.approx(speed, abs=0.02)
     turned = StationOctets.of(other, profile_number_of(other), "never", NOWHERE)
     swapped = replace(
         messages, parameters=messages.parameters[:, [3, 4, 0, 1, 2]], in_use=1 - messages.in_use

@@ -64,8 +64,9 @@ def network(
     radio
         dsrc, sidelink, abstract, or several after one another.
     policy
-        bsm-10hz, baseline, mbc, j2945, j2945-filtered, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5,
-        cam, or several after one another.
+        bsm-10hz, baseline, free, mbc, j2945, j2945-filtered, j2945-free, j2945-free-relaxed,
+        j2945-free-relaxed-5, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5, cam, or several after one
+        another. The free ones send plain messages that receivers coast by the profile's best free sub-model.
     duration
         Time simulated [s].
     warm_up
@@ -96,10 +97,10 @@ def network(
     cost
         What the rule cheapest counts: messages, bytes or airtime.
     threshold
-        Tracking-error thresholds of baseline and mbc, several after one another; what timers call for is run
-        once, not once a threshold [m].
+        Tracking-error thresholds of baseline, free and mbc, several after one another; what timers call for
+        is run once, not once a threshold [m].
     keep_alive
-        Longest silence of baseline and mbc [s].
+        Longest silence of baseline, free and mbc [s].
     relaxed_error
         Tracking error that calls for a message of the relaxed policies in thin traffic [m]; where not given,
         1 cm, or the sensor's white position noise where that is more.

@@ -8,8 +8,8 @@ from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.core.exceptions import ConfigError
 from modelcast.messages.airtime import Stack
-from modelcast.station.banks import NamedBank
-from modelcast.station.sender.sender import MODEL_SENDERS, Sender, named_sender
+from modelcast.station.banks import NamedBank, free_bank
+from modelcast.station.sender.sender import FREE_SENDERS, MODEL_SENDERS, Sender, named_sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.study.network.rows import NO_BANK, SenderRow
 from modelcast.world.sensors import filter_for
@@ -55,7 +55,7 @@ def sender_of(
     policy, bank, threshold_m
         As in `modelcast.study.network.rows.NetworkCase`.
     named
-        The bank of that name; None for a policy that sends no model.
+        The bank of that name; None for a policy that sends no model. The free policies take the profile's.
     motion
         Filter of those that filter their motion.
 
@@ -63,6 +63,8 @@ def sender_of(
     ------
     ConfigError
         Where an option is out of its range, or does not go with policy and bank.
+    DataFormatError
+        Where the profile is none.
     """
     start = identify = costs = selector = None
     try:
@@ -72,9 +74,10 @@ def sender_of(
             identify = plan.identify or named.identify if failing else None
             costs = named.costs(plan.cost) if identify == "cheapest" else None
             selector = named.selector if start == "predicted" else None
+        own = None if named is None else named.bank
         return named_sender(
             policy,
-            bank=None if named is None else named.bank,
+            bank=free_bank(profile_in_use(plan.profile)) if policy in FREE_SENDERS else own,
             start=start,
             identify=identify,
             costs=costs,

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 from modelcast.messages.mbc_wire import MAX_COEFFICIENT_OCTETS, PROFILE, SUB_MODEL, profile_number
 from modelcast.models.bank import Bank
-from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.payload import PayloadLayout
 from modelcast.models.predicted_path import carried_layout
 from modelcast.models.profile import Profile
@@ -26,15 +25,15 @@ def carries_all(bank: Bank, identify: str) -> bool:
 
 
 def plain_members(bank: Bank, identify: str) -> tuple[bool, ...]:
-    """With which sub-models an update is a plain message, as any receiver takes it: constant velocity.
+    """With which sub-models an update is a plain message, as `Bank.sent_plain` says.
 
     Parameters
     ----------
     bank, identify
-        As in `carries_all`; where all are sent, none is.
+        As in `carries_all`; where all are sent, none is: who names another later must know the bank.
     """
     alone = not carries_all(bank, identify)
-    return tuple(alone and isinstance(one, ConstantVelocity) for one in bank.members)
+    return tuple(alone and plain for plain in bank.sent_plain)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,8 @@
 """A model update as a message: what is in it, how long it is, and what a receiver makes of its octets.
 
 `read_update` is what a receiver does with a basic safety message: it finds the model, or says why there is
-none it can use, and then the state of Part I is left, from which anybody coasts at constant velocity.
+none it can use, and then the state of Part I is left, from which it coasts as its bank says
+(`modelcast.models.plain_meaning`).
 """
 
 from collections.abc import Mapping
@@ -91,7 +92,7 @@ class ReceivedUpdate:
     message
         The whole message.
     reading
-        Whether there is a model to predict with; if not, constant velocity from Part I is left.
+        Whether there is a model to predict with; if not, Part I is left.
     extension
         The model's octets, where there is one.
     profile

@@ -7,7 +7,6 @@ exactly the position that `geodesy_kernels.stated` says.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 
@@ -37,8 +36,7 @@ __all__ = [
     "update_to_wire",
 ]
 
-_FALLBACK: Final = "cv"
-_NO_PLACE: Final = f"no place within {FARTHEST_M / 1000:.0f} km of the origin, or one at a pole"
+_NO_PLACE = f"no place within {FARTHEST_M / 1000:.0f} km of the origin, or one at a pole"
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +110,7 @@ def update_to_wire(
 def update_from_wire(
     received: ReceivedUpdate, bank: Bank, frame: LocalFrame, *, received_s: float, dt_s: float = 0.1
 ) -> ModelUpdate:
-    """Return the update a host tracks with; constant velocity where the message holds no model known here.
+    """Return the update a host tracks with; a plain message's where it holds no model known here.
 
     Parameters
     ----------
@@ -132,8 +130,8 @@ def update_from_wire(
     ------
     ValueError
         Where Part I lacks position, instant, speed or heading, the position is too far from the origin, the
-        bank holds a model that no message carries, or constant velocity is needed and the bank has no member
-        of the name ``cv``.
+        bank holds a model that no message carries, or there is no known model and no member of the bank does
+        with Part I.
     """
     for member in bank.members:
         if member.payload_layout is None:
@@ -208,8 +206,7 @@ def identification_from_wire(message: IdentificationMessage, update: ModelUpdate
 
 
 def _coasting(bank: Bank) -> int:
-    """Place of constant velocity in a bank."""
-    names = [member.name for member in bank.members]
-    if _FALLBACK not in names:
-        raise ValueError(f"{bank.name}: constant velocity is needed for a message without a known model")
-    return names.index(_FALLBACK)
+    """Place of the member that a message without a known model is coasted by."""
+    if bank.plain_place < 0:
+        raise ValueError(f"{bank.name}: no member does with Part I, as a message without a known model needs")
+    return bank.plain_place

@@ -43,7 +43,7 @@ class SizeModel:
     >>> sizes.baseline_bytes(), sizes.identification_bytes
     (40, 10)
     >>> sizes.each_update_bytes(bank, "on-failure").tolist(), sizes.each_update_bytes(bank, "never").tolist()
-    ([47, 47], [47, 40])
+    ([47, 47], [40, 47])
     """
 
     more_bytes: int = 0
@@ -65,7 +65,7 @@ class SizeModel:
         """A model update, by the sub-model in use, (M,).
 
         Where another sub-model may be named later, all are sent. By the rule ``never`` only the one in use
-        is; and where that is constant velocity, the message is a plain one.
+        is; and where that is what the bank's receivers coast a plain message by, the message is a plain one.
 
         Parameters
         ----------

@@ -87,8 +87,8 @@ class HeardUpdates:
     Parameters
     ----------
     rows
-        Their content; what the message does not carry is 0. Without a model the sub-model in use is constant
-        velocity where such a message may stand for it, else -1.
+        Their content; what the message does not carry is 0. Without a model the sub-model in use is the one
+        that the bank coasts a plain message by where that may stand for it, else -1.
     core
         Part I as codes, (B, 25).
     reading
@@ -179,6 +179,8 @@ class StationCodec:
         Whether the coefficients of all sub-models go out, or of the one in use alone.
     plain
         Sub-models with which a message is a plain one.
+    plain_place
+        The sub-model that such a message is coasted by, -1 for none.
 
     Examples
     --------
@@ -203,6 +205,7 @@ class StationCodec:
     table: CodeTable
     carries_all: bool
     plain: tuple[bool, ...]
+    plain_place: int = -1
 
     @classmethod
     def of(cls, bank: Bank, number: int, identify: str) -> "StationCodec":
@@ -227,6 +230,7 @@ class StationCodec:
             code_table(bank),
             carries_all(bank, identify),
             plain_members(bank, identify),
+            bank.plain_place,
         )
 
     def codes(
@@ -340,7 +344,7 @@ class StationCodec:
                 codes[row] = coefficient_codes(self.table, self.profile, received.update)
         known = (core >= CORE_MEANING[:, FIRST]) & (core <= CORE_MEANING[:, LAST])
         reading[(reading != UpdateReading.FAULTY) & ~known[:, _NEEDED].all(axis=1)] = UpdateReading.INCOMPLETE
-        in_use[in_use < 0] = self.plain.index(True) if True in self.plain else -1
+        in_use[in_use < 0] = self.plain_place if any(self.plain) else -1
         marks = zip(core[:, _MARK].tolist(), received_s.tolist(), strict=True)
         rows = UpdateRows(
             core[:, _ID],

@@ -8,6 +8,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.models.base import AbstractMotionModel, AbstractSubModel, Windows
 from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.plain_meaning import is_free, plain_place, same_receiver
 from modelcast.models.predicted_path import carried_form
 
 __all__ = ["Bank"]
@@ -26,11 +27,14 @@ class Bank(AbstractMotionModel):
         The sub-models, M >= 1, with distinct names.
     label
         Name of the bank; the members' names joined by ``+`` where empty.
+    plain
+        The member that a plain message is coasted by, a free one (`modelcast.models.plain_meaning`); where
+        empty, the first that is free.
 
     Raises
     ------
     ValueError
-        Where there is no member, or two share a name.
+        Where there is no member, two share a name, or the one named for plain messages is not free.
 
     Examples
     --------
@@ -41,6 +45,7 @@ class Bank(AbstractMotionModel):
 
     members: tuple[AbstractSubModel, ...]
     label: str = ""
+    plain: str = ""
 
     def __post_init__(self) -> None:
         names = [member.name for member in self.members]
@@ -48,6 +53,8 @@ class Bank(AbstractMotionModel):
             raise ValueError("a bank needs at least one sub-model")
         if len(set(names)) != len(names):
             raise ValueError(f"sub-models of a bank must have distinct names, got {', '.join(names)}")
+        if self.plain:
+            plain_place(self.members, self.plain)
 
     def place_of(self, name: str) -> int:
         """Index of the member of this name.
@@ -93,6 +100,26 @@ class Bank(AbstractMotionModel):
         """Trusted horizon of each member, and how long it goes on turning beyond, (M, 2) [s]."""
         return np.array([[member.trusted_horizon_s, member.trusted_turn_s] for member in self.members])
 
+    @cached_property
+    def plain_place(self) -> int:
+        """Index of the member that a plain message is coasted by, -1 where none is free.
+
+        Examples
+        --------
+        >>> from modelcast.models.kinematic import ConstantTurnRateAcceleration
+        >>> Bank((ConstantTurnRateAcceleration(), ConstantVelocity())).plain_place
+        0
+        """
+        return plain_place(self.members, self.plain)
+
+    @cached_property
+    def sent_plain(self) -> tuple[bool, ...]:
+        """With which members a plain message says all: those that do at a receiver what it is coasted by."""
+        if self.plain_place < 0:
+            return (False,) * len(self.members)
+        meaning = self.members[self.plain_place]
+        return tuple(is_free(member) and same_receiver(member, meaning) for member in self.members)
+
     def complete(self) -> "Bank":
         """The bank itself, or with constant velocity added last where no member does with one sample.
 
@@ -101,7 +128,7 @@ class Bank(AbstractMotionModel):
         """
         if self.window == 1:
             return self
-        return Bank((*self.members, ConstantVelocity()), self.name)
+        return Bank((*self.members, ConstantVelocity()), self.name, self.plain)
 
     def carried(self) -> "Bank":
         """The bank in the forms that messages carry, not rounded: what a receiver predicts with.
@@ -114,7 +141,7 @@ class Bank(AbstractMotionModel):
         >>> Bank((GaussianProcess(),)).carried().parameter_names[3]
         'gp-anchored.east_0_m'
         """
-        return Bank(tuple(map(carried_form, self.members)), self.label)
+        return Bank(tuple(map(carried_form, self.members)), self.label, self.plain)
 
     def fit(self, windows: Windows) -> FloatArray:
         """Parameters of all members, (B, 1 + sum P)."""

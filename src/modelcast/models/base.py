@@ -348,6 +348,11 @@ class AbstractSubModel(AbstractMotionModel):
         return PayloadLayout() if self.payload_parameters == 0 else None
 
     @property
+    def predicts_by_parameters(self) -> bool:
+        """Whether ``predict`` looks at the parameters alone: constants are the sender's affair then."""
+        return False
+
+    @property
     def trusted_horizon_s(self) -> float:
         """Age beyond which everybody predicts by a damped continuation [s]; infinite: never.
 

@@ -55,6 +55,11 @@ class AbstractCoreModel(AbstractSubModel):
         """None: the core message has them all."""
         return 0
 
+    @property
+    def predicts_by_parameters(self) -> bool:
+        """There are no tables."""
+        return True
+
     def point_functions(self, dt_s: float) -> PointFunctions:  # noqa: ARG002 - no table depends on it
         """Return the compiled functions; there are no tables."""
         fit, predict = self.functions

@@ -24,6 +24,7 @@ from modelcast.models.base import AbstractSubModel
 from modelcast.models.calibration import Calibration
 from modelcast.models.learned import Selector
 from modelcast.models.plain import from_plain, to_plain
+from modelcast.models.plain_meaning import is_free
 from modelcast.models.regimes import Regimes
 from modelcast.models.reserved import check_name
 from modelcast.trips.fingerprint import FINGERPRINT
@@ -33,8 +34,8 @@ __all__ = ["MOST_MEMBERS", "PROFILE_SCHEMA", "Profile", "default_profile", "prof
 PROFILE_SCHEMA = 1
 """Version of the layout; it rises when a key changes its meaning or goes away.
 
-The keys ``regimes`` and ``training_trips`` were added without a new number: a profile that has none does not
-write them, so that older files keep their bytes and with them their identity.
+The keys ``plain``, ``regimes`` and ``training_trips`` were added without a new number: a profile that has
+none does not write them, so that older files keep their bytes and with them their identity.
 """
 
 MOST_MEMBERS = 8
@@ -56,6 +57,7 @@ _TEXT = Keys(
         "record": _MAPPING,
     },
     {
+        "plain": Text(64),
         "regimes": Maybe(_MAPPING),
         "training_trips": Each(Text(64, pattern=FINGERPRINT), 0, _MOST_TRIPS),
         "added": Keys({"members": Each(_MAPPING, 1, _MOST_SHELF), "record": _MAPPING}),
@@ -188,6 +190,8 @@ class Profile:
             "calibrations": {name: one.as_plain() for name, one in self.calibrations.items()},
             "record": self.record,
         }
+        if self.bank.plain:
+            document["plain"] = self.bank.plain
         if self.regimes is not None:
             document["regimes"] = to_plain(self.regimes)
         return document
@@ -238,10 +242,13 @@ def profile_from_text(text: str) -> Profile:
     if regimes is not None and not isinstance(regimes, Regimes):
         raise FieldError("$.regimes", regimes, "regimes, or left out")
     members, shelf = _sub_models(plain, "members", "$"), _sub_models(plain, "shelf", "$")
+    meaning = plain.get("plain", "")
+    if meaning not in ("", *(member.name for member in members if is_free(member))):
+        raise FieldError("$.plain", meaning, "the name of a sub-model of the bank that Part I is enough for")
     added: dict[str, Any] = plain.get("added", {"members": [], "record": {}})
     try:
         return Profile(
-            Bank(members, plain["label"]),
+            Bank(members, plain["label"], meaning),
             shelf=shelf,
             regimes=regimes,
             start=plain["start"],

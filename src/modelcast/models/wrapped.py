@@ -48,6 +48,11 @@ class AbstractWrapped(AbstractSubModel):
         return self.model.payload_layout
 
     @property
+    def predicts_by_parameters(self) -> bool:
+        """The model's."""
+        return self.model.predicts_by_parameters
+
+    @property
     def trusted_horizon_s(self) -> float:
         """The model's."""
         return self.model.trusted_horizon_s

@@ -38,6 +38,7 @@ __all__ = [
     "NamedBank",
     "bank_from_text",
     "calibrations_of",
+    "free_bank",
     "member_names",
     "named_bank",
     "parts_of",
@@ -56,6 +57,30 @@ PAPER_BANK = Bank(
 
 BASELINE_BANK = Bank((ConstantVelocity(),), "cv")
 """Raw basic safety messages: the receiver coasts at constant velocity."""
+
+FREE = "free"
+"""Name of the sub-model, and of the bank of it alone, that a plain message is best coasted by."""
+
+
+def free_bank(profile: Profile | None = None) -> Bank:
+    """The best receiver of plain messages: the profile's sub-model ``free``, or ``ctra`` where it has none.
+
+    Parameters
+    ----------
+    profile
+        The profile in use; the one that ships with modelcast where None.
+
+    Examples
+    --------
+    >>> free_bank().name
+    'free'
+    """
+    return Bank((_free(default_profile() if profile is None else profile),), FREE)
+
+
+def _free(profile: Profile) -> AbstractSubModel:
+    found = profile.sub_model(FREE)
+    return KINEMATIC["ctra"] if found is None else found
 
 
 def rules_of(bank: Bank) -> tuple[StartRule, IdentifyRule]:
@@ -226,7 +251,8 @@ def bank_from_text(
         ``gp-linear``, ``gp(...)`` with a kernel's expression, ``gp(matern32*(linear+rbf))``
         (`modelcast.models.gp.kernels`), and what the profile in use holds: in the shipped one
         ``gp-trained``, ``gp-vehicle``, ``gp-derivative``, ``learned``, ``gp-regime-1`` to ``gp-regime-3``,
-        ``shs`` and ``hdp-hmm``. ``regimes`` stands for the sub-models of all regimes.
+        ``shs`` and ``hdp-hmm``. ``regimes`` stands for the sub-models of all regimes, ``free`` for the best
+        receiver of plain messages (`free_bank`).
     noise_floor_m
         Smallest position noise the Gaussian processes fitted by likelihood may assume [m]; where None, none
         to speak of for the paper's form and 1 mm for the others.
@@ -259,7 +285,7 @@ def bank_from_text(
                 member if _needs_no_horizon(member) else Trusted(member, trusted_horizon_s)
                 for member in members
             )
-        return Bank(members, text if text in ("paper", REGIME_BANK) else "")
+        return Bank(members, text if text in ("paper", REGIME_BANK, FREE) else "")
     except ValueError as error:
         raise ConfigError(f"--bank {text}: {error}") from error
 
@@ -330,7 +356,7 @@ def _member(name: str, profile: Profile, noise_floor_m: float | None, window: in
             noise_floor_m=noise_floor_m,
             closed_floor_m=PAPER_NOISE_FLOOR_M,
         )
-    found = profile.sub_model(name)
+    found = _free(profile) if name == FREE else profile.sub_model(name)
     if found is None:
         *most, last = member_names(profile)
         known = f"there are {', '.join(most)} and {last}, and gp(...) of a kernel"

@@ -13,7 +13,7 @@ from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
 from modelcast.models.learned import Selector
 from modelcast.models.profile import default_profile
-from modelcast.station.banks import BASELINE_BANK
+from modelcast.station.banks import BASELINE_BANK, free_bank
 from modelcast.station.policy.cam import CooperativeAwareness
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import ErrorDriven
@@ -24,6 +24,7 @@ from modelcast.station.sender import message_arrays as at
 from modelcast.station.sender.bank import SenderBank
 from modelcast.station.sender.lane_rules import check_rules, speaking_lanes
 from modelcast.station.sender.sender import (
+    FREE_SENDERS,
     MODEL_SENDERS,
     SENDERS,
     Sender,
@@ -262,9 +263,25 @@ def test_senders_of_models_take_the_bank_given_and_what_erred_least_of_late() ->
             assert named_sender(name).start == "recent"
             assert named_sender(name, start="guarded", bank=bank).start == "hindsight"
             assert named_sender(name, start="keep").start == "keep"
-    for name in set(SENDERS) - set(MODEL_SENDERS):
+    for name in set(SENDERS) - set(MODEL_SENDERS) - set(FREE_SENDERS):
         assert named_sender(name, bank=bank).bank == BASELINE_BANK
         assert named_sender(name, start="keep").start == "order"
+
+
+@pytest.mark.parametrize("name", FREE_SENDERS)
+def test_the_free_ones_are_those_of_models_with_plain_messages_alone(name: str) -> None:
+    """Same rule, same timers, same filter; 40 bytes, and the bank of nobody else."""
+    free, other = named_sender(name), named_sender(name.replace("free", "mbc"))
+    assert (free.bank, free.update_bytes.tolist(), free.plain) == (free_bank(), [40], (True,))
+    assert (free.motion, free.longest_silence_s) == (other.motion, other.longest_silence_s)
+    if name == "free":
+        assert free.policy == replace(other.lanes, start="order", identify="never")
+    else:
+        assert free.policy == other.policy
+    assert named_sender(name, bank=Bank((CV,))).bank == Bank((CV,))
+    for bank in (Bank((CTRA, CV)), Bank((GaussianProcess(),))):
+        with pytest.raises(ValueError, match="one free sub-model"):
+            named_sender(name, bank=bank)
 
 
 def test_messages_hold_all_parameters_or_those_of_the_largest_member() -> None:

@@ -229,7 +229,7 @@ def test_an_awareness_sender_posts_what_its_policy_calls_for(
 ) -> None:
     """Asked by the policy's public form, with the busy ratio and the airtime of its largest message."""
     policy = CooperativeAwareness(control=control)
-    bank = Bank((ConstantTurnRateAcceleration(), CV))
+    bank = Bank((ConstantTurnRateAcceleration(), CV), plain="cv")
     sender = Sender("tested", policy, bank, jitter_s=0.0)
     road, seen, uniforms = Road(sender), turns(60), drawn(60)
     busy = np.random.default_rng(4).uniform(0.3, 0.95, (60, 3))

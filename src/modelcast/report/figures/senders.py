@@ -30,15 +30,19 @@ __all__ = ["NO_THRESHOLD_TEXT", "Curve", "also_told", "sender_curves", "threshol
 _COLOURS = {
     "bsm-10hz": "#777777",
     "baseline": "#e69f00",
+    "free": "#999933",
     "mbc": "#0072b2",
     "j2945": "#d55e00",
     "j2945-filtered": "#882255",
+    "j2945-free": "#7a4b00",
+    "j2945-free-relaxed": "#ddaa33",
+    "j2945-free-relaxed-5": "#bbbb00",
     "j2945-mbc": "#009e73",
     "j2945-mbc-relaxed": "#56b4e9",
     "j2945-mbc-relaxed-5": "#332288",
     "cam": "#cc79a7",
 }
-_MARKERS = dict(zip(_COLOURS, "XDosdv^P<", strict=True))
+_MARKERS = dict(zip(_COLOURS, "XDpos*hHdv^P<", strict=True))
 _LINES = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (5, 1.2, 1, 1.2)), (0, (5, 1.2, 1, 1.2, 1, 1.2)))
 _DARKER = 0.6
 """Share of its policy's colour that the next lines keep, and of that those after as many more."""

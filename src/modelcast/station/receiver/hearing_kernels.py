@@ -16,6 +16,10 @@ from modelcast.station.receiver.slot_kernels import (
     FACT_PROFILE,
     FACT_USER,
     OLDEST,
+    PART_I_ACCELERATION,
+    PART_I_EAST,
+    PART_I_NORTH,
+    PART_I_YAW_RATE,
     TOLD_EAST,
     TOLD_SPEED,
     TOLD_VELOCITY_EAST,
@@ -132,6 +136,22 @@ def _state_velocity(number: FloatVector, out: FloatVector) -> None:
 
 
 @kernel(inlined=True)
+def _state_part_i(known: KnownProfiles, number: FloatVector, velocity: FloatVector, out: FloatVector) -> None:
+    """Parameters by Part I alone into ``out`` (P,); an acceleration or a turn that is not stated is none."""
+    for i in range(known.stated.size):
+        value = 0.0
+        if known.stated[i] == PART_I_EAST:
+            value = velocity[0]
+        elif known.stated[i] == PART_I_NORTH:
+            value = velocity[1]
+        elif known.stated[i] == PART_I_ACCELERATION and not isnan(number[heard.ACCELERATION]):
+            value = number[heard.ACCELERATION]
+        elif known.stated[i] == PART_I_YAW_RATE and not isnan(number[heard.YAW_RATE]):
+            value = number[heard.YAW_RATE]
+        out[i] = value
+
+
+@kernel(inlined=True)
 def _predicts(
     known: KnownProfiles, profile: int, in_use: int, row: FloatVector, rules: Rules, out: FloatVector
 ) -> bool:
@@ -234,7 +254,8 @@ def _update(
     in_use = int(code[heard.IN_USE]) if profile >= 0 else 0
     _state_velocity(number, velocity)
     if profile < 0:
-        row = velocity.copy()
+        row = np.empty(known.stated.size)
+        _state_part_i(known, number, velocity, row)
     if not _predicts(known, profile, in_use, row, rules, scratch):
         return MALFORMED, -1
     if isnan(velocity[0]):

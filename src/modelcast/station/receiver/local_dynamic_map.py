@@ -14,9 +14,11 @@ import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.models.bank import Bank
+from modelcast.models.base import AbstractSubModel
 from modelcast.models.calibration import Calibration
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.members import ReadyBank
+from modelcast.models.payload import CORE_PARAMETERS
 from modelcast.station.receiver import belief_kernels, hearing_kernels, slot_kernels
 from modelcast.station.receiver.heard import Heard
 from modelcast.station.receiver.heard_kernels import Messages
@@ -139,7 +141,7 @@ class Beliefs:
     information_age_s
         Since the fit, (N,) [s].
     in_use, profile
-        Sub-model that predicts, of which profile held; profile -1 is Part I at constant velocity, (N,).
+        Sub-model that predicts, of which profile held; profile -1 is Part I alone, (N,).
     length_m, width_m
         NaN where unknown, (N,) [m].
     user
@@ -171,7 +173,8 @@ class LocalDynamicMap:
     ----------
     profiles
         Bank of each profile held, in the forms that messages carry (`Bank.carried`).
-        Messages of any other are taken by Part I alone, which coasts at constant velocity.
+        Plain messages, and those of any other profile, are taken by Part I alone. They are coasted as the
+        first of these banks says (`Bank.plain_place`); at constant velocity where none does.
     expiry_s
         Silence after which a remote is dropped [s]; infinite for never.
     plausibility
@@ -367,7 +370,20 @@ class LocalDynamicMap:
     @cached_property
     def _banks(self) -> tuple[Bank, ...]:
         """Part I, then the profiles held."""
-        return (Bank((_COASTING,)), *self.profiles)
+        return (Bank((self._part_i,)), *self.profiles)
+
+    @cached_property
+    def _teaches(self) -> int:
+        """Place of the profile that says what a plain message is coasted by, -1 for none."""
+        return next((at for at, bank in enumerate(self.profiles) if bank.plain_place >= 0), -1)
+
+    @cached_property
+    def _part_i(self) -> AbstractSubModel:
+        """What a plain message is coasted by."""
+        if self._teaches < 0:
+            return _COASTING
+        bank = self.profiles[self._teaches]
+        return bank.members[bank.plain_place]
 
     @cached_property
     def _widest(self) -> int:
@@ -392,7 +408,9 @@ class LocalDynamicMap:
     @property
     def known(self) -> slot_kernels.KnownProfiles:
         """Sub-models of all profiles as compiled loops take them, in this process alone."""
-        return slot_kernels.KnownProfiles(self._ready.members, self._first)
+        names = self._part_i.parameter_names
+        stated = np.array([CORE_PARAMETERS.index(name) for name in names], dtype=np.int64)
+        return slot_kernels.KnownProfiles(self._ready.members, self._first, stated)
 
     @cached_property
     def rules(self) -> hearing_kernels.Rules:
@@ -439,9 +457,8 @@ class LocalDynamicMap:
         """
         bank = self._banks[profile + 1]
         model, own = bank.members[in_use], parameters[:, bank.offsets[in_use] : bank.offsets[in_use + 1]]
-        calibrated = (
-            self.calibrations[profile].get(model.name) if self.calibrations and profile >= 0 else None
-        )
+        source = profile if profile >= 0 else self._teaches
+        calibrated = self.calibrations[source].get(model.name) if self.calibrations and source >= 0 else None
         out = np.empty((age_s.size, 2, 2))
         ages_s = np.maximum(age_s, 0.0)
         interval = np.searchsorted(_AGES_S, ages_s, side="right")

@@ -22,6 +22,10 @@ __all__ = [
     "FACT_VEHICLE",
     "NEWEST",
     "OLDEST",
+    "PART_I_ACCELERATION",
+    "PART_I_EAST",
+    "PART_I_NORTH",
+    "PART_I_YAW_RATE",
     "TOLD_ACCELERATION",
     "TOLD_COLUMNS",
     "TOLD_EAST",
@@ -68,6 +72,9 @@ TOLD_COLUMNS = 10
 ) = range(5)
 FACT_COLUMNS = 5
 
+PART_I_EAST, PART_I_NORTH, PART_I_ACCELERATION, PART_I_YAW_RATE = range(4)
+"""Values of Part I in the order of `modelcast.models.payload.CORE_PARAMETERS`."""
+
 USED, OLDEST, NEWEST = range(3)
 """Of ``ends``: slots ever used; the two ends of the list, -1 for an empty one."""
 
@@ -94,11 +101,13 @@ class Slots(NamedTuple):
 class KnownProfiles(NamedTuple):
     """Sub-models of all profiles held in one table; ``first`` (profiles + 2,) is the first of each.
 
-    Profile -1 is Part I: member 0, constant velocity.
+    Profile -1 is Part I: member 0, by which plain messages are coasted. ``stated`` (P,) says which value of
+    Part I each of its parameters is, `PART_I_EAST` to `PART_I_YAW_RATE`.
     """
 
     members: Members
     first: IntVector
+    stated: IntVector
 
 
 @kernel(inlined=True)

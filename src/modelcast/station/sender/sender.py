@@ -5,14 +5,17 @@
 | `bsm-10hz` | `Periodic`, 10 Hz | basic safety message, coasting |
 | `baseline` | `ErrorDriven` with keep-alive | the same |
 | `mbc` | `ErrorDriven` with keep-alive | the model |
+| `free` | the same | basic safety message, coasted by the best free sub-model |
 | `j2945` | `J2945` | basic safety message, coasting |
 | `j2945-filtered` | the same | the same, of the filtered motion |
 | `j2945-mbc` | the same, same timers | the model, of the filtered motion |
 | `j2945-mbc-relaxed`, `j2945-mbc-relaxed-5` | small errors, or 2 s or 5 s of silence | the same |
+| `j2945-free`, `j2945-free-relaxed`, `j2945-free-relaxed-5` | as the three before | as `free`, filtered |
 | `cam` | `CooperativeAwareness` under adaptive control | basic safety message, coasting |
 
 Filtered motion is what `MotionFilter` makes of a vehicle's samples. `j2945-filtered` is there to tell what
-the filter does from what the models do.
+the filter does from what the models do, and the free ones to tell what models do that cost bytes: their
+messages are plain (`modelcast.station.banks.free_bank`).
 """
 
 from dataclasses import KW_ONLY, dataclass, field, replace
@@ -25,7 +28,7 @@ from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.models.profile import default_profile
-from modelcast.station.banks import BASELINE_BANK, rules_of
+from modelcast.station.banks import BASELINE_BANK, free_bank, rules_of
 from modelcast.station.policy.base import AbstractTransmitPolicy
 from modelcast.station.policy.cam import CooperativeAwareness
 from modelcast.station.policy.costs import CostTable
@@ -44,6 +47,7 @@ from modelcast.station.sensing.motion_filter import MotionFilter
 
 __all__ = [
     "ERROR_SENDERS",
+    "FREE_SENDERS",
     "MODEL_SENDERS",
     "SENDERS",
     "THRESHOLD_STARTS",
@@ -56,9 +60,13 @@ __all__ = [
 SENDERS = (
     "bsm-10hz",
     "baseline",
+    "free",
     "mbc",
     "j2945",
     "j2945-filtered",
+    "j2945-free",
+    "j2945-free-relaxed",
+    "j2945-free-relaxed-5",
     "j2945-mbc",
     "j2945-mbc-relaxed",
     "j2945-mbc-relaxed-5",
@@ -69,7 +77,10 @@ SENDERS = (
 MODEL_SENDERS = tuple(name for name in SENDERS if "mbc" in name)
 """Those that send models; the others send basic safety messages, and no bank makes a difference to them."""
 
-ERROR_SENDERS = ("baseline", "mbc")
+FREE_SENDERS = tuple(name for name in SENDERS if "free" in name)
+"""Those whose plain messages are coasted by the best free sub-model, whatever the bank of the others."""
+
+ERROR_SENDERS = ("baseline", "free", "mbc")
 """Those that a tracking error over a threshold calls; timers call the others."""
 
 THRESHOLD_STARTS = ("guarded", "hindsight", "predicted")
@@ -78,6 +89,11 @@ THRESHOLD_STARTS = ("guarded", "hindsight", "predicted")
 TIMED_STARTS = ("order", "keep", "predicted", "hindsight", "recent")
 """Start rules of senders whose timers, not the failures of sub-models, call for messages."""
 
+_RELAXED_S = {
+    f"j2945-{content}-relaxed{ending}": longest_s
+    for content in ("free", "mbc")
+    for ending, longest_s in (("", 2.0), ("-5", 5.0))
+}
 _JITTER_S = 0.005
 _WITHIN_M = 0.0112
 """Of paths that are the same to a receiver: a code of latitude is worth 1.11 to 1.12 cm."""
@@ -133,7 +149,7 @@ class Sender:
     --------
     >>> sender = named_sender("j2945-mbc")
     >>> [member.name for member in sender.bank.members], sender.update_bytes.tolist()
-    (['learned', 'ctra', 'gp-vehicle', 'cv'], [53, 47, 60, 40])
+    (['learned', 'ctra', 'gp-vehicle', 'cv'], [53, 40, 60, 47])
     """
 
     name: str
@@ -205,6 +221,20 @@ def engine_parameters(parameters: J2945Parameters | None = None) -> J2945Paramet
     return replace(given, local_as_is_age_s=0.0, local_max_age_s=0.2, remote_as_is_age_s=0.0)
 
 
+def _bank_of(name: str, bank: Bank | None) -> Bank:
+    """Sub-models of the sender of that name."""
+    if name in FREE_SENDERS:
+        chosen = free_bank() if bank is None else bank
+        if len(chosen.members) > 1 or chosen.plain_place < 0:
+            raise ValueError(
+                f"{name} sends plain messages: its bank is one free sub-model, got {chosen.name}"
+            )
+        return chosen
+    if name not in MODEL_SENDERS:
+        return BASELINE_BANK
+    return default_profile().bank if bank is None else bank
+
+
 def named_sender(
     name: str,
     *,
@@ -227,7 +257,8 @@ def named_sender(
     name
         One of `SENDERS`.
     bank
-        Sub-models of those that send models; None for the shipped profile's.
+        Sub-models of those that send models; None for the shipped profile's. Of the free ones, a bank of one
+        free sub-model; None for `free_bank`.
     start, identify
         Rules of those that send models. Where None, an error-driven one takes those of the shipped profile
         for its bank and the plain reading of the paper, ``order`` and ``on-failure``, for any other; timers
@@ -249,7 +280,8 @@ def named_sender(
     Raises
     ------
     ValueError
-        Where there is no such name, an error is not positive, or a rule does not go with the sender.
+        Where there is no such name, an error is not positive, a bank of a free one says more than Part I
+        does, or a rule does not go with the sender.
     """
     if name not in SENDERS:
         raise ValueError(f"sender must be one of {', '.join(SENDERS)}, got {name!r}")
@@ -257,13 +289,12 @@ def named_sender(
         raise ValueError(f"relaxed_error_m must be positive, got {relaxed_error_m}")
     sends_models = name in MODEL_SENDERS
     own = MotionFilter() if motion is None else motion
-    chosen = BASELINE_BANK if not sends_models else default_profile().bank if bank is None else bank
+    chosen = _bank_of(name, bank)
     within_m = _WITHIN_M
     timers = engine_parameters() if parameters is None else parameters
-    relaxed = {"j2945-mbc-relaxed": 2.0, "j2945-mbc-relaxed-5": 5.0}
-    if name in relaxed:
+    if name in _RELAXED_S:
         error_m = max(RELAXED_ERROR_M, own.position_m) if relaxed_error_m is None else relaxed_error_m
-        timers = j2945_relaxed_parameters(relaxed[name], timers, error_m=error_m)
+        timers = j2945_relaxed_parameters(_RELAXED_S[name], timers, error_m=error_m)
         within_m = min(within_m, _PLAIN_SHARE * error_m)
     policy: AbstractTransmitPolicy[Any] = J2945(timers)
     first: StartRule = "order"
@@ -271,7 +302,7 @@ def named_sender(
         policy = Periodic(10.0)
     elif name == "cam":
         policy = CooperativeAwareness()
-    elif name == "baseline":
+    elif name in {"baseline", "free"}:
         policy = ErrorDriven(threshold_m, identify="never", max_inter_transmit_time_s=keep_alive_s)
     elif name == "mbc":
         rules = rules_of(chosen)
