@@ -31,7 +31,7 @@ class Knowledge:
     """
 
     def __init__(self, vehicles: int, *, shared: Roads = NO_ROADS, cells: int = FLEET_CELLS) -> None:
-        self._drives, self._followers = drives(vehicles), followers(vehicles)
+        self._drives, self.followers = drives(vehicles), followers(vehicles)
         self._own, self._shared = roads(vehicles, cells), shared
 
     def forget(self, whose: BoolArray) -> None:
@@ -45,7 +45,7 @@ class Knowledge:
         count = int(whose.sum())
         for held, empty in (
             (self._drives, drives(count)),
-            (self._followers, followers(count)),
+            (self.followers, followers(count)),
         ):
             for column, new in zip(held, empty, strict=True):
                 column[whose] = new
@@ -95,7 +95,7 @@ class Knowledge:
         row
             Its context, (13,), which is written.
         """
-        ahead_kernels.follow(self._followers, host, t_s, sample, np.ascontiguousarray(who), motion, row)
+        ahead_kernels.follow(self.followers, host, t_s, sample, np.ascontiguousarray(who), motion, row)
 
     def lay(self, sensed: Sensed, vehicle: IntArray, rows: FloatArray) -> None:
         """Write the context behind what some stations measured last, in both places of the sample.
