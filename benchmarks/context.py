@@ -2,10 +2,10 @@
 
     python benchmarks/context.py TRIPS...
 
-Of moving cars with the road known: the turn of the course over the next 3 s, predicted by the remembered road,
-by the present yaw rate, and as none. With a leader known: the change of speed over the next 3 s, by a line
-through the own acceleration, and by one through the leader's gap, relative speed and accelerations too, fitted
-and judged on the same samples.
+Of moving cars with the road known: the turn of the course over the next 3 s, predicted by the remembered
+road, by the present yaw rate, and as none. With a leader known: the change of speed over the next 3 s, by a
+line through the own acceleration, and by one through the leader's gap, relative speed and accelerations too,
+fitted and judged on the same samples.
 """
 
 import argparse
