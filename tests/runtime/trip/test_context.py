@@ -19,6 +19,7 @@ from modelcast.models.context_columns import (
 )
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.members import ReadyBank
+from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.trusted import Trusted
 from modelcast.runtime.trip.context import ContextSettings, TripContexts, trip_context
@@ -169,21 +170,21 @@ def test_a_survey_tells_other_trips_the_road_and_not_its_own() -> None:
 
 def test_a_sub_model_finds_the_context_in_windows_and_in_what_was_sensed(reader: Bank) -> None:
     model = reader.members[0]
-    rows = np.zeros((1, 1, 7 + CONTEXT_COLUMNS))
+    rows = np.zeros((1, 1, SAMPLE_COLUMNS + CONTEXT_COLUMNS))
     rows[0, 0, 3] = 10.0
-    rows[0, 0, 7 + ROAD_TURN], rows[0, 0, 7 + ROAD_KNOWN] = 0.25, 1.0
+    rows[0, 0, SAMPLE_COLUMNS + ROAD_TURN], rows[0, 0, SAMPLE_COLUMNS + ROAD_KNOWN] = 0.25, 1.0
     assert model.fit(Windows(rows, dt_s=0.1))[0, 3] == 0.25
-    assert model.fit(Windows(rows[..., :7].copy(), dt_s=0.1))[0, 3] == 0.0
+    assert model.fit(Windows(rows[..., :SAMPLE_COLUMNS].copy(), dt_s=0.1))[0, 3] == 0.0
     with pytest.raises(ValueError, match="with context"):
-        Windows(rows[..., :9].copy(), dt_s=0.1)
+        Windows(rows[..., : SAMPLE_COLUMNS + 2].copy(), dt_s=0.1)
     trip = circling(1.5)
     context = trip_context([trip], 0)
     ready = ReadyBank.of(reader, trip.dt_s)
-    assert ready.sample_columns == 7 + CONTEXT_COLUMNS
+    assert ready.sample_columns == SAMPLE_COLUMNS + CONTEXT_COLUMNS
     held = with_states(sense_trip(trip, velocity_estimator_for(trip)), ready, context)
     count = len(trip)
-    np.testing.assert_array_equal(held.samples[0, :count, 7:], context)
-    np.testing.assert_array_equal(held.samples[0, count : 2 * count, 7:], context)
+    np.testing.assert_array_equal(held.samples[0, :count, SAMPLE_COLUMNS:], context)
+    np.testing.assert_array_equal(held.samples[0, count : 2 * count, SAMPLE_COLUMNS:], context)
     with pytest.raises(ValueError, match="context must be"):
         with_states(sense_trip(trip, velocity_estimator_for(trip)), ready, context[:-1])
 
@@ -196,9 +197,9 @@ def test_context_is_found_behind_what_is_wrapped_and_no_bank_pays_that_reads_non
         constants = functions.reading_context(7)
         assert np.flatnonzero(constants != functions.addressed).tolist() == [functions.context_at]
     plain = ReadyBank.of(Bank((ConstantTurnRateAcceleration(),)), 0.1)
-    assert (plain.reads_context, plain.sample_columns) == (False, 7)
+    assert (plain.reads_context, plain.sample_columns) == (False, SAMPLE_COLUMNS)
     both = ReadyBank.of(Bank((ConstantTurnRateAcceleration(), model)), 0.1)
-    assert both.members.constants.tolist() == [7.0]
+    assert both.members.constants.tolist() == [SAMPLE_COLUMNS]
 
 
 def test_a_sender_that_knows_the_road_sends_less_where_the_road_turns(reader: Bank) -> None:
