@@ -12,6 +12,7 @@ from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.learned import Selector
+from modelcast.runtime.trip.context import ContextSettings
 from modelcast.station.banks import PAPER_BANK
 from modelcast.station.policy.costs import CostTable
 from modelcast.study.case import STANDING_SPEED_MPS, SensedTrip, make_case
@@ -251,6 +252,7 @@ def test_settings_name_everything_that_changes_the_numbers(
         "packet_error_ratios": (0.1,),
         "seeds": 2,
         "seed": 5,
+        "context": ContextSettings(leader=False),
         "bank": Bank((ConstantVelocity(), GaussianProcess(20, noise_floor_m=1e-5)), "paper"),
         "start": "keep",
         "identify": "best",

@@ -12,8 +12,7 @@ pass                           int32    uninterrupted drive that the cell belong
 trip                           int32    place of its trip among the fingerprints
 ============================== ======== ================================================================
 
-The file's metadata hold ``modelcast_road`` ``1`` and ``fingerprints``, those of the trips with a blank
-between them.
+The metadata hold ``modelcast_road`` ``1`` and ``fingerprints``, those of the trips, blanks between them.
 """
 
 # pyarrow has no type stubs: what comes out of it is unknown to pyright.

@@ -13,6 +13,9 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.geodesy import Origin
 from modelcast.station.arrays import MEASURED
 from modelcast.station.banks import calibrations_of, profile_number_of
+from modelcast.station.context.knowledge import Knowledge
+from modelcast.station.context.road import NO_ROADS
+from modelcast.station.context.road_kernels import Roads
 from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.receiver.ears import Ears
 from modelcast.station.receiver.local_dynamic_map import Beliefs
@@ -87,6 +90,8 @@ class Fleet:
         How stations hear; None for hosts that hold the sender's own bank.
     spread_s
         New stations of the first step begin to send within this time [s].
+    roads
+        Roads that all stations remember beside those they drove, for a bank that reads context.
 
     Raises
     ------
@@ -126,6 +131,7 @@ class Fleet:
         minute_s: float = 0.0,
         ears: Ears | None = None,
         spread_s: float = 0.0,
+        roads: Roads = NO_ROADS,
     ) -> None:
         if slots < 1:
             raise ValueError(f"slots must be at least 1, got {slots}")
@@ -154,6 +160,7 @@ class Fleet:
         self._new = np.zeros(slots, dtype=np.bool_)
         self._given: tuple[bool, ...] | None = None
         self._last_s = -np.inf
+        self._knowledge = Knowledge(slots, shared=roads) if self._bank.ready.reads_context else None
 
     def sense(
         self,
@@ -200,6 +207,8 @@ class Fleet:
         forget_each(stations.sensed, started)
         fresh = np.zeros(slot.size, dtype=np.bool_) if begins is None else np.ascontiguousarray(begins)
         sense(stations.sensed, slot, np.full(slot.size, t_s), measured, fresh, self._sensing)
+        if self._knowledge is not None:
+            self._know(self._knowledge, t_s, slot, started)
         observe_newest(stations.models.members, stations.sensed, slot)
         busy = np.zeros(started.size)
         busy[slot] = 0.0 if channel_busy_ratio is None else channel_busy_ratio
@@ -215,6 +224,17 @@ class Fleet:
         send_each(stations, inputs, self._tables, self._contents, self._outbox, self._tally, 0, started.size)
         self._last_s = t_s
         return self._sent()
+
+    def _know(self, knowledge: Knowledge, t_s: float, slot: IntArray, started: BoolArray) -> None:
+        """Write what stations know of the road and of the vehicle ahead behind what they measured."""
+        knowledge.forget(started)
+        sensed = self._stations.sensed
+        samples = knowledge.newest(sensed, slot)
+        rows = knowledge.drive(t_s, slot, samples)
+        for sample, row, host in zip(samples, rows, slot.tolist(), strict=True):
+            who, motion = self._ears.map.motions(self._heard[host], t_s)
+            knowledge.follow(t_s, host, sample, who=who, motion=motion, row=row)
+        knowledge.lay(sensed, slot, rows)
 
     def hear(
         self, vehicle: int, octets: Sequence[bytes], *, received_s: Sequence[float] | FloatArray

@@ -21,7 +21,7 @@ from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.core.chance import child_generator
 from modelcast.core.parts import WHOLE, Parts
-from modelcast.runtime.fleet import reception_kernels, tracking_kernels
+from modelcast.runtime.fleet import ahead_kernels, reception_kernels, tracking_kernels
 from modelcast.runtime.fleet.arrays import (
     Tally,
     pooled,
@@ -32,6 +32,7 @@ from modelcast.runtime.fleet.reception_kernels import Heard, HearingLimits
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.fleet.tracking_kernels import Tracking
 from modelcast.station.arrays import MEASURED
+from modelcast.station.context.knowledge import Knowledge
 from modelcast.station.policy import j2945_kernels
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.policy.j2945_parameters import J2945Parameters
@@ -153,6 +154,8 @@ class FleetLoop:
             self._sensor_state = sensor.init(vehicles, child_generator(seed, "sensor"))
         own = Sensing(motion=sender.motion, origin=NOWHERE) if sensing is None else sensing
         self._sensing = own.numbers(settings.dt_s)
+        reads = self._bank.ready.reads_context
+        self._knowledge = Knowledge(vehicles, cells=_CELLS) if reads else None
         spread_s = settings.start_spread_s
         self._spread_s = min(sender.longest_silence_s, settings.expiry_s) if spread_s is None else spread_s
         self._last_s = -np.inf
@@ -203,6 +206,8 @@ class FleetLoop:
         columns = (seen.speed_mps, seen.heading_rad, seen.acceleration_mps2, seen.yaw_rate_radps)
         measured = np.column_stack((seen.position_m, *columns))
         begins = np.zeros(len(frame), dtype=np.bool_) if frame.begins is None else frame.begins
+        if self._knowledge is not None:
+            self._knowledge.forget(started)
 
         def work(part: int) -> None:
             first, end = self._parts[part]
@@ -211,10 +216,31 @@ class FleetLoop:
                 stations.sensed, here, np.full(here.size, frame.t_s), measured[here],
                 begins[here], self._sensing,
             )  # fmt: skip
+            if self._knowledge is not None:
+                self._know(self._knowledge, here, frame.t_s)
             observe_newest(stations.models.members, stations.sensed, here)
 
         self._work.each(work)
         return started
+
+    def _know(self, knowledge: Knowledge, here: IntArray, t_s: float) -> None:
+        """Write what vehicles know of the road and of who is ahead behind what they measured."""
+        stations = self.stations
+        samples = knowledge.newest(stations.sensed, here)
+        rows = knowledge.drive(t_s, here, samples)
+        believing = ahead_kernels.Believing(
+            stations.models.members,
+            self.sender.carries_all,
+            t_s,
+            self.expiry_s,
+            stations.senders.vehicle,
+            np.ascontiguousarray(stations.sensed.shown[:, _HEADING]),
+        )
+        ahead_kernels.follow_each(
+            believing, self.tables.hosts, self.tracks.held, self.contents.rows, knowledge.followers, here,
+            samples, rows,
+        )  # fmt: skip
+        knowledge.lay(stations.sensed, here, rows)
 
     def _track(self, truth_m: FloatArray, now_s: float) -> None:
         """Set all tracks against the truth."""
@@ -371,6 +397,8 @@ class FleetLoop:
 
 
 _ACCELERATION = MEASURED - 2
+_HEADING = MEASURED - 3
+_CELLS = 1_000
 
 
 def _sub_intervals(sender: Sender) -> int:

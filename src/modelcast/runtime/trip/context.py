@@ -19,9 +19,9 @@ from modelcast.core.chance import child_generator
 from modelcast.core.geodesy import geodetic_to_local, local_to_geodetic
 from modelcast.models.bank import Bank
 from modelcast.models.context_columns import CONTEXT_COLUMNS, ROAD_TURN
-from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.runtime.trip.companions import Told, hearing, tell
+from modelcast.station.banks import free_bank
 from modelcast.station.context.road import (
     NO_ROADS,
     RoadCells,
@@ -39,8 +39,6 @@ from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["ContextSettings", "TripContexts", "trip_context"]
 
-_FREE = Bank((ConstantTurnRateAcceleration(),))
-
 
 @dataclass(frozen=True, slots=True)
 class ContextSettings:
@@ -54,7 +52,7 @@ class ContextSettings:
     leader
         Whether the vehicle ahead is known from the messages of companions.
     bank
-        What companions send; it reads no context itself.
+        What companions send, by default the best free sub-model; it reads no context itself.
     threshold_m
         Tracking error at which they send [m].
     keep_alive_s
@@ -75,7 +73,7 @@ class ContextSettings:
     road: Literal["own", "none"] | RoadSurvey = "own"
     leader: bool = True
     _: KW_ONLY
-    bank: Bank = field(default_factory=lambda: _FREE)
+    bank: Bank = field(default_factory=free_bank)
     threshold_m: float = 0.5
     keep_alive_s: float = 1.0
     delay_s: float = 0.1
@@ -94,7 +92,7 @@ class ContextSettings:
     def as_plain(self) -> Mapping[str, Any]:
         """What is let known as plain values, for summaries."""
         return {
-            "road": self.road if isinstance(self.road, str) else f"survey of {len(self.road)} cells",
+            "road": self.road if isinstance(self.road, str) else f"survey {self.road.digest}",
             "leader": self.leader,
             "sub_models": [repr(member) for member in self.bank.members],
             "threshold_m": self.threshold_m,

@@ -1,5 +1,6 @@
 """Roads that were driven before, to be shared: cells of many trips, on Earth or on one local plane."""
 
+import hashlib
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
@@ -73,6 +74,13 @@ class RoadSurvey:
     def length_m(self) -> float:
         """Length of the roads, one driven twice counted twice [m]."""
         return len(self) * CELL_M
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the content, in hexadecimal digits."""
+        columns = (self.places, self.heading_rad, self.passes, self.trip)
+        content = b"".join(np.ascontiguousarray(one).tobytes() for one in columns)
+        return hashlib.sha256(" ".join(self.fingerprints).encode() + content).hexdigest()
 
     @property
     def memory_bytes(self) -> int:

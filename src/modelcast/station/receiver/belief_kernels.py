@@ -23,6 +23,8 @@ __all__ = [
     "BELIEF_HEADING",
     "BELIEF_SPEED",
     "BELIEF_YAW_RATE",
+    "STEP_S",
+    "differentiate",
     "live_slots",
     "predict_motions",
     "predict_places",
@@ -66,7 +68,7 @@ def predict_places(
 
 @kernel(inlined=True)
 def _derive(
-    slots: Slots, known: KnownProfiles, slot: int, t_s: float, out: FloatVector, scratch: FloatVector
+    slots: Slots, known: KnownProfiles, slot: int, t_s: float, out: FloatVector, path: FloatMatrix
 ) -> None:
     """Motion of one remote from three places of its path, into ``out`` (BELIEF_COLUMNS,) from column 2.
 
@@ -74,21 +76,26 @@ def _derive(
     carried back.
     """
     at_s = max(t_s, slots.held[slot, HELD_FIT_S] + STEP_S)
-    displace(slots, known, slot, at_s - STEP_S, scratch)
-    early_east, early_north = scratch[0], scratch[1]
-    displace(slots, known, slot, at_s, scratch)
-    east, north = scratch[0], scratch[1]
-    displace(slots, known, slot, at_s + STEP_S, scratch)
-    before_east, before_north = (east - early_east) / STEP_S, (north - early_north) / STEP_S
-    after_east, after_north = (scratch[0] - east) / STEP_S, (scratch[1] - north) / STEP_S
+    for at in range(3):
+        displace(slots, known, slot, at_s + (at - 1) * STEP_S, path[at])
+    differentiate(path, t_s - at_s, slots.told[slot, TOLD_HEADING], out)
+
+
+@kernel
+def differentiate(path: FloatMatrix, late_s: float, heading: float, out: FloatVector) -> None:
+    """Motion of a remote from three places `STEP_S` apart, ``path`` (3, 2), into ``out`` from column 2.
+
+    It is that ``late_s`` after the middle one; ``heading`` is the one stated, taken where the remote stands.
+    """
+    east, north = path[1, 0], path[1, 1]
+    before_east, before_north = (east - path[0, 0]) / STEP_S, (north - path[0, 1]) / STEP_S
+    after_east, after_north = (path[2, 0] - east) / STEP_S, (path[2, 1] - north) / STEP_S
     rate_east, rate_north = (after_east - before_east) / STEP_S, (after_north - before_north) / STEP_S
-    late_s = t_s - at_s
     velocity_east = 0.5 * (before_east + after_east) + rate_east * late_s
     velocity_north = 0.5 * (before_north + after_north) + rate_north * late_s
     speed = hypot(velocity_east, velocity_north)
     out[2], out[3], out[BELIEF_SPEED] = velocity_east, velocity_north, speed
     if speed < STANDS_MPS:
-        heading = slots.told[slot, TOLD_HEADING]
         out[BELIEF_HEADING], out[BELIEF_YAW_RATE] = heading, 0.0
         out[BELIEF_ACCELERATION] = rate_east * sin(heading) + rate_north * cos(heading)
         return
@@ -102,10 +109,10 @@ def predict_motions(
     slots: Slots, known: KnownProfiles, which: IntVector, t_s: float, out: FloatMatrix
 ) -> None:
     """Where the remotes of N slots are, and how they move, into ``out`` (N, BELIEF_COLUMNS)."""
-    scratch = np.empty(2)
+    scratch, path = np.empty(2), np.empty((3, 2))
     for row in range(which.size):
         slot = int(which[row])
         displace(slots, known, slot, t_s, scratch)
         out[row, 0] = scratch[0] + slots.told[slot, TOLD_EAST]
         out[row, 1] = scratch[1] + slots.told[slot, TOLD_NORTH]
-        _derive(slots, known, slot, t_s, out[row], scratch)
+        _derive(slots, known, slot, t_s, out[row], path)
