@@ -12,19 +12,24 @@ An error equal to the threshold counts as failed. The baseline is the same polic
 velocity alone, which never needs an identification.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray, owned
-from modelcast.station.policy import dcc_kernels
+from modelcast.station.policy import believed_loss_kernels, dcc_kernels
 from modelcast.station.policy import error_driven_kernels as kernels
 from modelcast.station.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.policy_numbers import RULE_ERROR_DRIVEN, PolicyNumbers
-from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
 
-__all__ = ["ErrorDriven", "ErrorDrivenState"]
+__all__ = ["LOSS_BUDGET", "ErrorDriven", "ErrorDrivenState"]
+
+LOSS_BUDGET = 4.0 / 3.0
+"""Messages that a sender which believes in losses may send, over those without losses: about what constant
+velocity sends over the free model (`docs/loss.md`)."""
 
 _STARTS = {
     "order": kernels.START_ORDER,
@@ -93,11 +98,30 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         Longest silence before a keep-alive [s]; None for no limit.
     costs
         What messages cost and how long they serve; needed for ``cheapest``, unused otherwise.
+    believe
+        What the sender takes its remotes to hold. ``sent`` (the paper): whatever it sent last. ``expected``:
+        each of its last messages with the probability that it is the newest not lost; the mean of their
+        errors calls for a message. Nobody is then named without an update, and the keep-alive stays.
+    packet_error_ratio
+        Share of its messages that the sender believes lost, 0..1, for ``expected``. A station on the air
+        begins with it and then takes what it observes (`modelcast.station.policy.neighbours`).
+    budget
+        How many times the messages of a channel without losses a sender that expects may send
+        (`believed_loss_kernels.error_growth`); infinite to hold the expected error under the threshold
+        whatever it costs.
 
     Raises
     ------
     ValueError
-        Where a threshold or time is not positive, a rule is unknown, or ``cheapest`` has no costs.
+        Where a threshold, time or budget is not positive, a ratio no share, a rule unknown, ``cheapest`` has
+        no costs, or ``expected`` starts with the survivor.
+
+    Notes
+    -----
+    With p the share lost, e_k the error now of the message k before the newest, and n remembered:
+    ``E = Σ (1 - p)·p^k·e_k``, the oldest standing for all before it. A message is sent when E reaches
+    ``max(1, (1 + p)/((1 - p)²·m²))`` thresholds, m being the budget. At p = 0 this is Algorithm 1. SAE
+    J2945/1 (6.3.8.5) draws for each message whether remotes hold it (`modelcast.station.policy.j2945`).
 
     Examples
     --------
@@ -110,6 +134,9 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
     identify: IdentifyRule = "on-failure"
     max_inter_transmit_time_s: float | None = None
     costs: CostTable | None = None
+    believe: BelieveRule = "sent"
+    packet_error_ratio: float = 0.0
+    budget: float = LOSS_BUDGET
 
     def __post_init__(self) -> None:
         if not self.threshold_m > 0:
@@ -123,11 +150,30 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
             raise ValueError(f"max_inter_transmit_time_s must be positive or None, got {longest}")
         if self.identify == "cheapest" and self.costs is None:
             raise ValueError("identify 'cheapest' needs costs: train a CostTable, or take another rule")
+        if self.believe not in get_args(BelieveRule):
+            known = ", ".join(get_args(BelieveRule))
+            raise ValueError(f"believe must be one of {known}, got {self.believe!r}")
+        if not 0.0 <= self.packet_error_ratio <= 1.0:
+            raise ValueError(f"packet_error_ratio must be a share, 0 to 1, got {self.packet_error_ratio}")
+        if not self.budget > 0:
+            raise ValueError(f"budget must be positive, got {self.budget}")
+        if self.expects and self.start == "survivor":
+            raise ValueError("believe 'expected' does not ask when each failed: start must not be 'survivor'")
 
     @property
     def alone(self) -> "ErrorDriven":
         """The same over a bank of one, which has nothing to select from."""
-        return ErrorDriven(self.threshold_m, max_inter_transmit_time_s=self.max_inter_transmit_time_s)
+        return replace(self, start="order", identify="on-failure", costs=None)
+
+    @property
+    def expects(self) -> bool:
+        """Whether the error expected over all that remotes may hold calls for messages."""
+        return self.believe == "expected"
+
+    @property
+    def believed_loss(self) -> float:
+        """Share of messages believed lost at first."""
+        return believed_loss_kernels.believed_loss(self.packet_error_ratio) if self.expects else 0.0
 
     @property
     def codes(self) -> tuple[float, float, int, FloatArray]:
@@ -164,7 +210,10 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         inputs: TransmitInputs,
         rng: np.random.Generator,  # noqa: ARG002 - this policy draws nothing
     ) -> tuple[Decisions, ErrorDrivenState]:
-        """Run the compiled steps for every vehicle; the message leaves at once."""
+        """Run the compiled steps for every vehicle; the message leaves at once.
+
+        Who makes the inputs of a policy that expects gives the expected error in place of each sub-model's.
+        """
         if self.costs is not None and self.identify == "cheapest":
             self.costs.check_members(state.first_failure_s.shape[1])
         kind = np.empty_like(state.in_use)
@@ -179,5 +228,8 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
             np.ascontiguousarray(inputs.age_s, dtype=np.float64),
             np.ascontiguousarray(inputs.silence_s, dtype=np.float64),
         )
-        kernels.step_each(seen, first_failure_s, self.start_code, *self.codes, kind, in_use)
+        threshold_m, *more = self.codes
+        if self.expects:
+            threshold_m *= believed_loss_kernels.error_growth(self.believed_loss, self.budget)
+        kernels.step_each(seen, first_failure_s, self.start_code, threshold_m, *more, kind, in_use)
         return Decisions.at_once(kind, in_use, inputs.t_s), ErrorDrivenState(in_use, first_failure_s)

@@ -8,7 +8,8 @@ import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatVector, IntMatrix
-from modelcast.station.arrays import Fits, LaneRules, Lanes, Sensed
+from modelcast.station.arrays import OLDER_HEAD, Fits, LaneRules, Lanes, Sensed
+from modelcast.station.policy.believed_loss_kernels import error_growth, share_held
 from modelcast.station.policy.error_driven_kernels import (
     IDENTIFY_NEVER,
     KEEP_ALIVE,
@@ -38,6 +39,7 @@ def forget_lane(lanes: Lanes, b: int) -> None:
     lanes.kind[b] = NOTHING
     lanes.behind[b] = lanes.lead[b] = 0
     lanes.follows[b] = True
+    lanes.loss[b], lanes.olders[b] = 0.0, 0
     for m in range(lanes.usable.shape[1]):
         lanes.usable[b, m] = lanes.last_usable[b, m] = False
         lanes.failed_s[b, m] = np.inf
@@ -64,14 +66,36 @@ def _error(
 
 
 @kernel(inlined=True)
+def _expected_error(
+    models: SenderModels, s: Sensed, rules: LaneRules, lanes: Lanes, b: int, at: int, scratch: FloatVector
+) -> float:
+    """Mean tracking error over what a remote may hold, each of the last messages by its probability."""
+    newest = _error(models, s, rules, lanes, b, at, lanes.in_use[b], scratch)
+    loss, olders = float(lanes.loss[b]), lanes.olders[b]
+    if loss <= 0.0 or olders == 0:
+        return newest
+    v, offsets = rules.vehicle[b], models.members.offsets
+    mean = share_held(loss, 0, False) * newest
+    for k in range(olders):
+        m = int(lanes.older[b, k, 0])
+        own = lanes.older[b, k, OLDER_HEAD : OLDER_HEAD + offsets[m + 1] - offsets[m]]
+        origin = lanes.older[b, k, 1:OLDER_HEAD]
+        error_m = distance_to(models, m, own, origin, s.t_s[v, at], s.samples[v, at], scratch)
+        mean += share_held(loss, k + 1, k + 1 == olders) * error_m
+    return mean
+
+
+@kernel(inlined=True)
 def _ask(
     models: SenderModels, s: Sensed, rules: LaneRules, lanes: Lanes, b: int, at: int, scratch: FloatVector
 ) -> int:
     """Ask Algorithm 1 what a lane sends that sent before; an identification changes ``lanes.in_use``."""
     t_s = s.t_s[rules.vehicle[b], at]
-    if rules.identify[b] == IDENTIFY_NEVER and rules.start[b] != START_SURVIVOR:
+    if rules.expects[b] or (rules.identify[b] == IDENTIFY_NEVER and rules.start[b] != START_SURVIVOR):
         # Whether others hold changes nothing, and nobody asks when they failed.
-        if not _error(models, s, rules, lanes, b, at, lanes.in_use[b], scratch) < rules.threshold_m[b]:
+        growth = error_growth(lanes.loss[b], rules.budget[b]) if rules.expects[b] else 1.0
+        error_m = _expected_error(models, s, rules, lanes, b, at, scratch)
+        if not error_m < growth * rules.threshold_m[b]:
             return UPDATE
         silent = t_s - lanes.message_s[b] >= rules.silence_s[b] - _TIME_SLACK_S
         return KEEP_ALIVE if silent else NOTHING
@@ -92,6 +116,24 @@ def _ask(
 
 
 @kernel(inlined=True)
+def _keep_older(models: SenderModels, lanes: Lanes, b: int) -> None:
+    """Remember what the newest message gave remotes to hold: the next one may be lost."""
+    m = lanes.in_use[b]
+    if lanes.older.shape[1] == 0 or lanes.update[b] < 0 or not lanes.usable[b, m]:
+        return
+    lanes.olders[b] = min(lanes.olders[b] + 1, lanes.older.shape[1])
+    for k in range(lanes.olders[b] - 1, 0, -1):
+        for i in range(lanes.older.shape[2]):
+            lanes.older[b, k, i] = lanes.older[b, k - 1, i]
+    lanes.older[b, 0, 0] = m
+    for i in range(3):
+        lanes.older[b, 0, 1 + i] = lanes.origin[b, i]
+    first = models.members.offsets[m]
+    for i in range(models.members.offsets[m + 1] - first):
+        lanes.older[b, 0, OLDER_HEAD + i] = lanes.held[b, first + i]
+
+
+@kernel(inlined=True)
 def hold(
     models: SenderModels,
     s: Sensed,
@@ -105,6 +147,7 @@ def hold(
     """Take what a lane says at a sample for what its remotes hold from now on."""
     v, ring = rules.vehicle[b], s.stated_m.shape[1]
     place, offsets = number % fits.parameters.shape[1], models.members.offsets
+    _keep_older(models, lanes, b)
     lanes.update[b], lanes.in_use[b] = number, member
     lanes.origin[b, 0] = s.stated_s[v, number % ring]
     lanes.origin[b, 1], lanes.origin[b, 2] = s.stated_m[v, number % ring, 0], s.stated_m[v, number % ring, 1]
@@ -190,6 +233,10 @@ def _follow(lanes: Lanes, b: int, free: int) -> None:
         lanes.held[b, i] = lanes.held[free, i]
     for m in range(lanes.usable.shape[1]):
         lanes.usable[b, m], lanes.failed_s[b, m] = lanes.usable[free, m], lanes.failed_s[free, m]
+    lanes.olders[b] = lanes.olders[free]
+    for k in range(lanes.olders[free]):
+        for i in range(lanes.older.shape[2]):
+            lanes.older[b, k, i] = lanes.older[free, k, i]
     lanes.follows[b] = False
 
 
