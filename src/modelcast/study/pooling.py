@@ -66,11 +66,11 @@ class TrackingPool:
         rows = sorted_errors(run, ratio)
         self.by_seed_m = [[row] for row in rows]
         seen = sum(row.size for row in rows)
-        self.own_threshold_m = run.own_threshold_m
+        self.own_threshold_m = run.own_threshold_m[ratio]
         self.weights_s = [dt_s]
         self.samples = seen
         self.excluded = run.after_m[ratio].size - seen
-        self.messages = run.messages
+        self.messages = run.messages[ratio]
         self.duration_s = duration_s
         self.total_m = dt_s * float(sum(row.sum(dtype=np.float64) for row in rows))
         self.beyond = dt_s * float(sum(row.size - np.searchsorted(row, LANE_M, side="right") for row in rows))

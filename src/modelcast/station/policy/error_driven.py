@@ -22,6 +22,7 @@ from modelcast.station.policy import believed_loss_kernels, dcc_kernels
 from modelcast.station.policy import error_driven_kernels as kernels
 from modelcast.station.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
 from modelcast.station.policy.costs import CostTable
+from modelcast.station.policy.j2945_parameters import J2945Parameters
 from modelcast.station.policy.policy_numbers import RULE_ERROR_DRIVEN, PolicyNumbers
 from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
 
@@ -49,6 +50,10 @@ _IDENTIFIES = {
 }
 
 _NO_COSTS = np.zeros(kernels.COST_HEADER)
+
+
+LOSS_SURVEY = J2945Parameters(max_packet_error_ratio=believed_loss_kernels.MOST_LOST)
+"""How a station on the air observes losses: as SAE J2945/1 has it, with a higher cap than its 0.3."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,8 +108,8 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         each of its last messages with the probability that it is the newest not lost; the mean of their
         errors calls for a message. Nobody is then named without an update, and the keep-alive stays.
     packet_error_ratio
-        Share of its messages that the sender believes lost, 0..1, for ``expected``. A station on the air
-        begins with it and then takes what it observes (`modelcast.station.policy.neighbours`).
+        Share of its messages that the sender believes lost, 0..1, for ``expected`` over recorded trips. A
+        station on the air takes what it observes instead (`modelcast.station.policy.neighbours`).
     budget
         How many times the messages of a channel without losses a sender that expects may send
         (`believed_loss_kernels.error_growth`); infinite to hold the expected error under the threshold
@@ -189,9 +194,10 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
 
     @property
     def numbers(self) -> PolicyNumbers:
-        """The rules of its lanes are `modelcast.station.sender.lane_rules`'."""
+        """How a station on the air observes losses; its lanes' rules are those of `sender.lane_rules`."""
         nothing = np.zeros(1)
-        return PolicyNumbers(RULE_ERROR_DRIVEN, nothing, dcc_kernels.NONE, nothing, 0.0, 0.0, np.inf)
+        own = LOSS_SURVEY.constants() if self.expects else nothing
+        return PolicyNumbers(RULE_ERROR_DRIVEN, own, dcc_kernels.NONE, nothing, 0.0, 0.0, np.inf)
 
     @property
     def longest_silence_s(self) -> float:

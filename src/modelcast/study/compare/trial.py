@@ -13,7 +13,7 @@ from modelcast.study.pooling import sorted_errors
 from modelcast.study.rate import count_rates
 from modelcast.study.rules import RateBasis
 from modelcast.study.settings import EvaluationSettings
-from modelcast.study.tracking import Contender, TrackingRun
+from modelcast.study.tracking import Contender, TrackingRun, walks_under_loss
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["READINGS", "RIVALS", "ErrorGroup", "Trial", "candidate_row", "fit_folds", "run_trial"]
@@ -237,12 +237,12 @@ def _add_errors(
     groups = iter(trial.groups)
     for threshold_m in settings.thresholds_m:
         policy = settings.policy(threshold_m, keep_alive=True)
-        walk = ready.run(policy)
-        own = trip.losses.walked(ready, walk, Contender("mbc", ready.bank.name, None, threshold_m))
+        walks = walks_under_loss(ready, settings, threshold_m)
+        own = trip.losses.walked(ready, walks, Contender("mbc", ready.bank.name, None, threshold_m))
         for basis in bases:
-            runs: list[TrackingRun] = [own, *trip.losses.equal_rate(policy, walk, basis)]
+            runs: list[TrackingRun] = [own, *trip.losses.equal_rate(policy, walks, basis)]
             for row in range(len(settings.packet_error_ratios)):
                 group = next(groups)
                 for name, run in zip(READINGS, runs, strict=True):
                     group.errors_m[name].append(sorted_errors(run, row))
-                    group.messages[name].append(run.messages)
+                    group.messages[name].append(run.messages[row])
