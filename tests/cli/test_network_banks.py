@@ -126,6 +126,8 @@ def plan(*banks: str, start: StartRule | None = None, identify: IdentifyRule | N
         threads=1,
         thresholds_m=(0.2,),
         keep_alive_s=2.0,
+        believe="sent",
+        budget=4.0 / 3.0,
         relaxed_error_m=None,
         sensor=SensorOptions(),
     )

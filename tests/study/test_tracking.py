@@ -375,7 +375,7 @@ def matched(case: TripCase, settings: EvaluationSettings) -> list[tuple[str | No
         wanted["update", threshold_m] = walk.updates
         wanted["total", threshold_m] = walk.updates + walk.identifications
     return [
-        (basis, threshold_m, wanted[basis, threshold_m], run.messages)
+        (basis, threshold_m, wanted[basis, threshold_m], run.messages[0])
         for (policy, basis, threshold_m), run in found.items()
         if policy == "baseline-matched" and basis is not None
     ]
@@ -410,7 +410,7 @@ def test_periodic_baselines_send_at_mbcs_rate_of_the_time_observed(
         case = make_case(trip, settings)
         walk, found = walked(case, settings), runs(case, settings)
         for basis, wanted in (("update", walk.updates), ("total", walk.updates + walk.identifications)):
-            sent = found["baseline-periodic", basis, 0.3].messages
+            sent = found["baseline-periodic", basis, 0.3].messages[0]
             assert abs(sent - wanted) <= trip.segments.size - 1
 
 

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import Numbers, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
-from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 from modelcast.station.sensing.rules import VelocityRule
 from modelcast.study.rules import RateBasis
 
@@ -81,6 +81,8 @@ class CompareOptions:
         As in 'modelcast evaluate'.
     keep_alive
         Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
+    believe, budget
+        As in 'modelcast evaluate'.
     references
         Count the references too: the fewest messages of a sender that knows the future, and the rules of
         cooperative awareness messages.
@@ -111,6 +113,8 @@ class CompareOptions:
     rate_basis: RateBasis = "total"
     velocity: VelocityRule = "auto"
     keep_alive: float = 2.0
+    believe: BelieveRule = "sent"
+    budget: float = 4.0 / 3.0
     references: bool = True
     quantised: bool = True
     certificates: CertificateRule = "gap"
@@ -145,6 +149,8 @@ class CompareOptions:
             seeds=self.seeds,
             seed=self.seed,
             keep_alive=self.keep_alive,
+            believe=self.believe,
+            budget=self.budget,
             velocity=self.velocity,
             references=self.references,
             quantised=self.quantised,

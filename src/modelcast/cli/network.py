@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from modelcast.cli.options import Numbers, Paths, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
-from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 
 if TYPE_CHECKING:
     from modelcast.cli.network_plan import NetworkPlan
@@ -36,6 +36,8 @@ def network(
     cost: CostUnit = "bytes",
     threshold: Numbers = (0.2,),
     keep_alive: float = 2.0,
+    believe: BelieveRule = "sent",
+    budget: float = 4.0 / 3.0,
     relaxed_error: float | None = None,
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
     out: Path = Path("out/network"),
@@ -100,6 +102,11 @@ def network(
         once, not once a threshold [m].
     keep_alive
         Longest silence of baseline and mbc [s].
+    believe
+        What mbc takes its remotes to hold: whatever it sent, or each of its last messages with its
+        probability at the packet error ratio it observes (expected).
+    budget
+        Messages that mbc with --believe expected may send, over those of a channel without losses.
     relaxed_error
         Tracking error that calls for a message of the relaxed policies in thin traffic [m]; where not given,
         1 cm, or the sensor's white position noise where that is more.
@@ -147,6 +154,8 @@ def network(
         threads=threads,
         thresholds_m=tuple(threshold),
         keep_alive_s=keep_alive,
+        believe=believe,
+        budget=budget,
         relaxed_error_m=relaxed_error,
         sensor=sensor,
     )

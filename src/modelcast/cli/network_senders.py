@@ -81,6 +81,8 @@ def sender_of(
             selector=selector,
             threshold_m=threshold_m if isfinite(threshold_m) else plan.thresholds_m[0],
             keep_alive_s=plan.keep_alive_s,
+            believe=plan.believe,
+            budget=plan.budget,
             relaxed_error_m=plan.relaxed_error_m,
             motion=motion,
             stack=Stack(plan.certificates),

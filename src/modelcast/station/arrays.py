@@ -116,9 +116,9 @@ class LaneRules(NamedTuple):
     that call for a message; ``start`` and ``identify`` (L,) codes of the rules; ``costs`` (L, C) as
     `CostTable.packed`, ``selector`` (L, K) constants of the selector at each threshold; ``only`` (L,) the one
     member that a lane may use, -1 for all; ``free`` and ``alone`` (L,) for a guarded lane the lanes before it
-    that run the same bank unguarded and the guard alone, else -1. ``expects`` (L,) says which measure the error
-    expected over all that remotes may hold, ``loss`` (L,) which share of their messages they believe lost at
-    first, and ``budget`` (L,) how many times the messages of a channel without losses they may send.
+    that run the same bank unguarded and the guard alone, else -1. ``expects`` (L,) says which measure the
+    error expected over all that remotes may hold, ``loss`` (L,) which share of their messages they believe
+    lost at first, and ``budget`` (L,) how many times the messages of a channel without losses they may send.
     ``within_m`` is the resolution below which
     recent errors are equal [m].
     """

@@ -204,9 +204,7 @@ class LossRuns:
         yield self.walked(
             self._baseline, matched, Contender("baseline-matched", name, basis, policy.threshold_m)
         )
-        sent = [
-            [self._periodic(messages, run) for run in range(self._settings.seeds)] for messages in counts
-        ]
+        sent = [[self._periodic(messages, run) for run in range(self._settings.seeds)] for messages in counts]
         at = [np.flatnonzero(one.kind) for each in sent for one in each]
         self._baseline.fit_at(np.unique(np.concatenate(at)))
         yield self._replay(

@@ -234,8 +234,10 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
             np.ascontiguousarray(inputs.age_s, dtype=np.float64),
             np.ascontiguousarray(inputs.silence_s, dtype=np.float64),
         )
-        threshold_m, *more = self.codes
+        threshold_m, longest_s, identify, costs = self.codes
         if self.expects:
             threshold_m *= believed_loss_kernels.error_growth(self.believed_loss, self.budget)
-        kernels.step_each(seen, first_failure_s, self.start_code, threshold_m, *more, kind, in_use)
+        kernels.step_each(
+            seen, first_failure_s, self.start_code, threshold_m, longest_s, identify, costs, kind, in_use
+        )
         return Decisions.at_once(kind, in_use, inputs.t_s), ErrorDrivenState(in_use, first_failure_s)

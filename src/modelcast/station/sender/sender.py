@@ -29,7 +29,7 @@ from modelcast.station.banks import BASELINE_BANK, rules_of
 from modelcast.station.policy.base import AbstractTransmitPolicy
 from modelcast.station.policy.cam import CooperativeAwareness
 from modelcast.station.policy.costs import CostTable
-from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.policy.error_driven import LOSS_BUDGET, ErrorDriven
 from modelcast.station.policy.guard import unguarded
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.policy.j2945_parameters import (
@@ -38,7 +38,7 @@ from modelcast.station.policy.j2945_parameters import (
     j2945_relaxed_parameters,
 )
 from modelcast.station.policy.periodic import Periodic
-from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
 from modelcast.station.sender.lane_rules import check_rules
 from modelcast.station.sensing.motion_filter import MotionFilter
 
@@ -215,6 +215,8 @@ def named_sender(
     selector: Selector | None = None,
     threshold_m: float = 0.2,
     keep_alive_s: float = 2.0,
+    believe: BelieveRule = "sent",
+    budget: float = LOSS_BUDGET,
     parameters: J2945Parameters | None = None,
     relaxed_error_m: float | None = None,
     motion: MotionFilter | None = None,
@@ -236,6 +238,8 @@ def named_sender(
         What ``cheapest`` and ``predicted`` need.
     threshold_m, keep_alive_s
         Of the error-driven ones [m], [s].
+    believe, budget
+        Of the error-driven one that sends models, as in `ErrorDriven`.
     parameters
         Constants of J2945/1; None for `engine_parameters`.
     relaxed_error_m
@@ -275,7 +279,15 @@ def named_sender(
         policy = ErrorDriven(threshold_m, identify="never", max_inter_transmit_time_s=keep_alive_s)
     elif name == "mbc":
         rules = rules_of(chosen)
-        policy = ErrorDriven(threshold_m, start or rules[0], identify or rules[1], keep_alive_s, costs)
+        policy = ErrorDriven(
+            threshold_m,
+            start or rules[0],
+            identify or rules[1],
+            keep_alive_s,
+            costs,
+            believe=believe,
+            budget=budget,
+        )
     elif sends_models:
         first = unguarded(start or "recent")
         if identify not in {None, "never"}:
