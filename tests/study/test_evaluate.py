@@ -267,7 +267,7 @@ def test_settings_name_everything_that_changes_the_numbers(
             residual_life_s=np.ones((1, len(base.bank.members), 1, 1)),
         ),
         "keep_alive_s": None,
-        "believe": "expected",
+        "believe": "sent",
         "budget": 2.0,
         "mean_burst_s": 1.0,
         "delay_s": 0.1,

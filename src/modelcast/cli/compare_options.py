@@ -113,7 +113,7 @@ class CompareOptions:
     rate_basis: RateBasis = "total"
     velocity: VelocityRule = "auto"
     keep_alive: float = 2.0
-    believe: BelieveRule = "sent"
+    believe: BelieveRule | None = None
     budget: float = 4.0 / 3.0
     references: bool = True
     quantised: bool = True

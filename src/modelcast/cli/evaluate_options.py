@@ -66,7 +66,8 @@ class EvaluateOptions:
     believe
         What model-based senders take their remotes to hold in loss runs: whatever they sent, or each of their
         last messages with its probability at the run's packet error ratio (expected), so that they send more
-        where losses cost more; needs --identify never, or a bank of one.
+        where losses cost more; needs --identify never, or a bank of one. Where not given, expected for the
+        rules of a profile's bank (start guarded, hindsight or predicted, identify never), sent for others.
     budget
         Messages that a sender with --believe expected may send, over those of a channel without losses.
     burst
@@ -111,7 +112,7 @@ class EvaluateOptions:
     identify: IdentifyRule | None = None
     cost: CostUnit = "bytes"
     keep_alive: float = 2.0
-    believe: BelieveRule = "sent"
+    believe: BelieveRule | None = None
     budget: float = 4.0 / 3.0
     burst: float = 0.0
     delay: float = 0.0

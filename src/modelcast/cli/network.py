@@ -36,8 +36,9 @@ def network(
     cost: CostUnit = "bytes",
     threshold: Numbers = (0.2,),
     keep_alive: float = 2.0,
-    believe: BelieveRule = "sent",
+    believe: BelieveRule | None = None,
     budget: float = 4.0 / 3.0,
+    approach: float = 30.0,
     relaxed_error: float | None = None,
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
     out: Path = Path("out/network"),
@@ -104,9 +105,12 @@ def network(
         Longest silence of baseline and mbc [s].
     believe
         What mbc takes its remotes to hold: whatever it sent, or each of its last messages with its
-        probability at the packet error ratio it observes (expected).
+        probability at the packet error ratio it observes (expected); that where not given, for the
+        rules of a profile's bank.
     budget
         Messages that mbc with --believe expected may send, over those of a channel without losses.
+    approach
+        Way that two vehicles may come closer between two messages of baseline and mbc [m]; 0 for none.
     relaxed_error
         Tracking error that calls for a message of the relaxed policies in thin traffic [m]; where not given,
         1 cm, or the sensor's white position noise where that is more.
@@ -156,6 +160,7 @@ def network(
         keep_alive_s=keep_alive,
         believe=believe,
         budget=budget,
+        approach_m=approach,
         relaxed_error_m=relaxed_error,
         sensor=sensor,
     )

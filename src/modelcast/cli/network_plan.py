@@ -52,6 +52,8 @@ class NetworkPlan:
         Of error-driven senders; each run has one of the thresholds [m], [s].
     believe, budget
         Of error-driven senders of models.
+    approach_m
+        Of error-driven senders; 0 for none [m].
     relaxed_error_m
         Of relaxed senders [m]; None for what fits the sensors.
     sensor
@@ -77,8 +79,9 @@ class NetworkPlan:
     threads: int
     thresholds_m: tuple[float, ...]
     keep_alive_s: float
-    believe: BelieveRule
+    believe: BelieveRule | None
     budget: float
+    approach_m: float
     relaxed_error_m: float | None
     sensor: SensorOptions
     trips: tuple[str, ...] = ()

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from itertools import product
-from math import isfinite
+from math import inf, isfinite
 
 from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
@@ -83,6 +83,7 @@ def sender_of(
             keep_alive_s=plan.keep_alive_s,
             believe=plan.believe,
             budget=plan.budget,
+            approach_m=plan.approach_m or inf,
             relaxed_error_m=plan.relaxed_error_m,
             motion=motion,
             stack=Stack(plan.certificates),

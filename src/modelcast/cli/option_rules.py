@@ -59,7 +59,7 @@ OPTIONS = Keys(
     {
         "sensor": Maybe(Text(choices=tuple(SENSORS))),
         "velocity": _word(VelocityRule),
-        "believe": _word(BelieveRule),
+        "believe": Maybe(_word(BelieveRule)),
         "budget": Number(0.0, 1000.0, over=True),
     },
 )

@@ -119,6 +119,7 @@ class LaneRules(NamedTuple):
     that run the same bank unguarded and the guard alone, else -1. ``expects`` (L,) says which measure the
     error expected over all that remotes may hold, ``loss`` (L,) which share of their messages they believe
     lost at first, and ``budget`` (L,) how many times the messages of a channel without losses they may send.
+    ``approach_m`` (L,) is the way that two vehicles may come closer between two messages.
     ``within_m`` is the resolution below which
     recent errors are equal [m].
     """
@@ -136,6 +137,7 @@ class LaneRules(NamedTuple):
     expects: BoolVector
     loss: FloatVector
     budget: FloatVector
+    approach_m: FloatVector
     within_m: float
 
 

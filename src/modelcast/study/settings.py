@@ -13,7 +13,7 @@ from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.models.profile import default_profile
-from modelcast.station.banks import rules_of
+from modelcast.station.banks import believe_of, rules_of
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import LOSS_BUDGET, ErrorDriven
 from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
@@ -55,7 +55,8 @@ class EvaluationSettings:
     believe
         What model-based senders take their remotes to hold in loss runs, as in `ErrorDriven`: whatever they
         ``sent``, or what is ``expected`` at the run's own loss ratio, which they are taken to have observed.
-        The paper's baselines believe in what they sent.
+        Where None, as `modelcast.station.banks.believe_of` says of the rules. The paper's baselines believe
+        in what they sent.
     budget
         Messages that a sender which expects losses may send, over those of a channel without.
     mean_burst_s
@@ -106,7 +107,7 @@ class EvaluationSettings:
     selector: Selector | None = None
     costs: CostTable | None = None
     keep_alive_s: float | None = 2.0
-    believe: BelieveRule = "sent"
+    believe: BelieveRule | None = None
     budget: float = LOSS_BUDGET
     mean_burst_s: float | None = None
     delay_s: float = 0.0
@@ -139,7 +140,7 @@ class EvaluationSettings:
             raise ValueError(f"expiry_s must be positive or None, got {self.expiry_s}")
         if not self.budget > 0:
             raise ValueError(f"budget must be positive, got {self.budget}")
-        _require_known("believe", self.believe, get_args(BelieveRule))
+        _require_known("believe", self.belief, get_args(BelieveRule))
         _require_known("protocol", self.protocol, ("auto", "recorded", "sensor"))
         _require_known("velocity", self.velocity, get_args(VelocityRule))
         _require_known("keep_samples", self.keep_samples, ("first", "all", "none"))
@@ -157,9 +158,14 @@ class EvaluationSettings:
     def under_loss(self, threshold_m: float, ratio: float) -> ErrorDriven:
         """The error-driven policy of the loss runs at a threshold and a loss ratio."""
         policy = self.policy(threshold_m, keep_alive=True)
-        if self.believe == "sent":
+        if self.belief == "sent":
             return policy
-        return replace(policy, believe=self.believe, packet_error_ratio=ratio, budget=self.budget)
+        return replace(policy, believe=self.belief, packet_error_ratio=ratio, budget=self.budget)
+
+    @property
+    def belief(self) -> BelieveRule:
+        """What senders take their remotes to hold, filled in where not given."""
+        return self.believe or believe_of(*self.rules)
 
     @property
     def rules(self) -> tuple[StartRule, IdentifyRule]:
@@ -202,7 +208,7 @@ class EvaluationSettings:
             "selector": None if self.selector is None else self.selector.summary,
             "costs": None if self.costs is None else self.costs.as_plain(),
             "keep_alive_s": self.keep_alive_s,
-            "believe": self.believe,
+            "believe": self.belief,
             "budget": self.budget,
             "mean_burst_s": self.mean_burst_s,
             "delay_s": self.delay_s,

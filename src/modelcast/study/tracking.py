@@ -144,7 +144,7 @@ def walks_under_loss(
     threshold_m
         Threshold [m].
     """
-    ratios = settings.packet_error_ratios if settings.believe == "expected" else ()
+    ratios = settings.packet_error_ratios if settings.belief == "expected" else ()
     return ready.run_each([settings.under_loss(threshold_m, ratio) for ratio in ratios or (0.0,)])
 
 

@@ -133,6 +133,7 @@ def speaking_lanes(
         expects=np.array([lane.policy.expects for lane in lanes], dtype=np.bool_),
         loss=np.array([lane.policy.believed_loss for lane in lanes]),
         budget=np.array([lane.policy.budget for lane in lanes]),
+        approach_m=np.array([lane.policy.approach_m for lane in lanes], dtype=np.float64),
         within_m=within_m,
     )
     return SpeakingLanes(rules, np.array(speaks, dtype=np.int64))

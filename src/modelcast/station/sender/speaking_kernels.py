@@ -4,10 +4,13 @@ A guarded lane follows the lane that runs its bank unguarded until the guard act
 on its own from then on (`modelcast.station.policy.guard`).
 """
 
+from math import hypot
+
 import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatVector, IntMatrix
+from modelcast.models.point_kernels import VELOCITY_EAST, VELOCITY_NORTH
 from modelcast.station.arrays import OLDER_HEAD, Fits, LaneRules, Lanes, Sensed
 from modelcast.station.policy.believed_loss_kernels import error_growth, share_held
 from modelcast.station.policy.error_driven_kernels import (
@@ -17,6 +20,7 @@ from modelcast.station.policy.error_driven_kernels import (
     START_RECENT,
     START_SURVIVOR,
     UPDATE,
+    longest_silence_s,
     step,
 )
 from modelcast.station.policy.guard_kernels import falls_back
@@ -86,6 +90,16 @@ def _expected_error(
 
 
 @kernel(inlined=True)
+def _longest_s(s: Sensed, rules: LaneRules, b: int, at: int) -> float:
+    """Longest silence of a lane at its speed."""
+    if rules.approach_m[b] == np.inf:
+        return float(rules.silence_s[b])
+    sample = s.samples[rules.vehicle[b], at]
+    speed = hypot(sample[VELOCITY_EAST], sample[VELOCITY_NORTH])
+    return longest_silence_s(rules.silence_s[b], rules.approach_m[b], speed)
+
+
+@kernel(inlined=True)
 def _ask(
     models: SenderModels, s: Sensed, rules: LaneRules, lanes: Lanes, b: int, at: int, scratch: FloatVector
 ) -> int:
@@ -97,7 +111,7 @@ def _ask(
         error_m = _expected_error(models, s, rules, lanes, b, at, scratch)
         if not error_m < growth * rules.threshold_m[b]:
             return UPDATE
-        silent = t_s - lanes.message_s[b] >= rules.silence_s[b] - _TIME_SLACK_S
+        silent = t_s - lanes.message_s[b] >= _longest_s(s, rules, b, at) - _TIME_SLACK_S
         return KEEP_ALIVE if silent else NOTHING
     for m in range(models.members.windows.size):
         lanes.errors[b, m] = _error(models, s, rules, lanes, b, at, m, scratch)
@@ -108,7 +122,7 @@ def _ask(
         t_s - lanes.origin[b, 0],
         t_s - lanes.message_s[b],
         rules.threshold_m[b],
-        rules.silence_s[b],
+        _longest_s(s, rules, b, at),
         rules.identify[b],
         rules.costs[b],
     )
