@@ -35,10 +35,10 @@ def network(
     identify: IdentifyRule | None = None,
     cost: CostUnit = "bytes",
     threshold: Numbers = (0.2,),
-    keep_alive: float = 2.0,
+    keep_alive: float = 1.0,
     believe: BelieveRule | None = None,
     budget: float = 4.0 / 3.0,
-    approach: float = 30.0,
+    approach: float = 20.0,
     relaxed_error: float | None = None,
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
     out: Path = Path("out/network"),

@@ -32,9 +32,9 @@ LOSS_BUDGET = 4.0 / 3.0
 """Messages that a sender which believes in losses may send, over those without losses: about what constant
 velocity sends over the free model (`docs/loss.md`)."""
 
-APPROACH_M = 30.0
+APPROACH_M = 20.0
 """Way that two vehicles may come closer between two messages, of senders on the air [m]: a remote that comes
-from 350 m to 150 m is sent seven, and misses all where half are lost with probability 1 %."""
+from 350 m to 150 m is sent ten, and misses all with probability 1 % where 63 % are lost."""
 
 _STARTS = {
     "order": kernels.START_ORDER,

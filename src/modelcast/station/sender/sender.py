@@ -214,7 +214,7 @@ def named_sender(
     costs: CostTable | None = None,
     selector: Selector | None = None,
     threshold_m: float = 0.2,
-    keep_alive_s: float = 2.0,
+    keep_alive_s: float = 1.0,
     believe: BelieveRule | None = None,
     budget: float = LOSS_BUDGET,
     approach_m: float = APPROACH_M,
