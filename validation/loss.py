@@ -14,7 +14,7 @@ import os
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import islice, product
 from pathlib import Path
 
 import numpy as np
@@ -48,7 +48,8 @@ SOURCES = {
 FREE = ConstantTurnRateAcceleration()
 HORIZON_S, TURN_S = 1.0, 1.0
 
-_RIVALS = (("cv", ("matched", "periodic")), ("free", ("matched",)))
+RIVALS = {"cv": ("baseline-matched", "baseline-periodic"), "free": ("baseline-matched",)}
+"""Who is held against a sender, and in which readings of its number of messages."""
 
 
 def trusts() -> dict[str, tuple[Bank, dict[str, object]]]:
@@ -106,24 +107,33 @@ class Pool:
         )
 
 
-def pooled(cases: Sequence[TripCase], bank: Bank, settings: EvaluationSettings) -> Pool:
+class Staged:
+    """A trip, and who is held against the sender over it: constant velocity, and free beside it."""
+
+    def __init__(self, case: TripCase, settings: EvaluationSettings) -> None:
+        free = Bank((Trusted(FREE, HORIZON_S, TURN_S),))
+        self.case = case
+        self.rivals = {
+            name: LossRuns(case, TripRuntime(case.seen, bank, case.estimator, quantised=True), settings)
+            for name, bank in (("cv", BASELINE_BANK), ("free", free))
+        }
+
+
+def pooled(staged: Sequence[Staged], bank: Bank, settings: EvaluationSettings) -> Pool:
     """The errors of a sender over trips, and of its rivals at its number of messages."""
     pool = Pool()
-    free = Bank((Trusted(FREE, HORIZON_S, TURN_S),))
-    for case in cases:
+    for trip in staged:
+        case = trip.case
         ready = TripRuntime(case.seen, bank, case.estimator, quantised=True)
-        rivals = {
-            name: LossRuns(case, TripRuntime(case.seen, rival, case.estimator, quantised=True), settings)
-            for name, rival in (("cv", BASELINE_BANK), ("free", free))
-        }
         for threshold_m in THRESHOLDS_M:
             walks = walks_under_loss(ready, settings, threshold_m)
-            own = rivals["cv"].walked(ready, walks, Contender("own", bank.name, None, threshold_m))
+            own = trip.rivals["cv"].walked(ready, walks, Contender("own", bank.name, None, threshold_m))
             pool.messages += sum(own.messages)
             pool.add("own", threshold_m, own, case.truth.dt_s)
             plain = replace(settings, keep_alive_s=2.0).policy(threshold_m, keep_alive=True)
-            for name, runs in rivals.items():
-                for run in runs.equal_rate(plain, walks, "total"):
+            for name, readings in RIVALS.items():
+                runs = trip.rivals[name].equal_rate(plain, walks, "total")
+                for run in islice(runs, len(readings)):
                     pool.add(f"{name} {run.contender.policy}", threshold_m, run, case.truth.dt_s)
     return pool
 
@@ -151,12 +161,15 @@ def main() -> None:
         )
         path = Path(os.environ["MODELCAST_DATA"]) / place
         files = sorted(path.glob("*.csv")) if source == "openacc" else [path]
-        cases = [make_case(trip, settings) for trip in read_trips(files)]
+        staged = [Staged(make_case(trip, settings), settings) for trip in read_trips(files)]
         first = 0.0
         for name, (bank, changes) in variants.items():
-            pool = pooled(cases, bank, replace(settings, bank=bank, **changes))
+            pool = pooled(staged, bank, replace(settings, bank=bank, **changes))
             first = first or pool.messages
-            rows = [pool.over([f"{rival} baseline-{kind}" for kind in kinds]) for rival, kinds in _RIVALS]
+            rows = [
+                pool.over([f"{rival} {reading}" for reading in readings])
+                for rival, readings in RIVALS.items()
+            ]
             over[name].append(np.concatenate(rows, axis=1))
             cells = " | ".join(cell(row) for row in rows)
             print(f"| {source} | {protocol} | {name} | {cells} | {pool.messages / first:.2f} |", flush=True)
