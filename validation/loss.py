@@ -46,7 +46,7 @@ SOURCES = {
 """Place in the data folder, and runs drawn: the fewer the longer the source."""
 
 FREE = ConstantTurnRateAcceleration()
-HORIZON_S, TURN_S = 1.0, 1.0
+HORIZON_S, TURN_S = 1.5, 1.0
 
 RIVALS = {"cv": ("baseline-matched", "baseline-periodic"), "free": ("baseline-matched",)}
 """Who is held against a sender, and in which readings of its number of messages."""

@@ -1,5 +1,6 @@
 """Claims about senders that expect losses: against their words in plain Python, and in closed form."""
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -165,30 +166,68 @@ def test_the_budget_holds_where_errors_grow_with_the_square_of_their_age(
     assert float(np.diff(at).mean()) * 0.1 == pytest.approx(wanted_s, rel=share)
 
 
+def expected_m(runtime: TripRuntime, walk: TripMessages, loss: float) -> FloatArray:
+    """The mean error over what a remote may hold before each sample's message, by what was sent (T,) [m]."""
+    trip, bank = runtime.trip, runtime.bank
+    found, sent = np.full(len(trip), np.inf), list[tuple[int, int]]()
+    for at in range(len(trip)):
+        held = sent[::-1][:DEPTH]
+        shares = [share_held(loss, k, k + 1 == len(held)) for k in range(len(held))]
+        errors: list[float] = []
+        for of, m in held:
+            own = runtime.parameters[of : of + 1, bank.offsets[m] : bank.offsets[m + 1]]
+            age_s = np.array([trip.t_s[at] - runtime.stated_s[of]])
+            moved = bank.members[m].predict(own, age_s, dt_s=trip.dt_s)[0, 0]
+            errors.append(float(np.hypot(*(runtime.stated_m[of] + moved - trip.position_m[at]))))
+        if held:
+            found[at] = np.dot(shares, errors)
+        if walk.transmits[at]:
+            sent.append((at, int(walk.in_use[at])))
+    return found
+
+
 def test_the_older_messages_that_remotes_may_hold_are_those_before_the_last() -> None:
     """Two members take turns: what is remembered is the member that was sent, with its own parameters."""
     runtime = TripRuntime(swerving(5), Bank((CA, CV)), REPORTED)
     policy = ErrorDriven(0.2, "hindsight", "never", believe="expected", packet_error_ratio=0.3)
     walk = runtime.run(policy)
     assert set(walk.in_use[walk.transmits].tolist()) == {0, 1}
-    growth = error_growth(0.3, policy.budget)
-    sent: list[tuple[int, int]] = []
-    for at in range(len(runtime.trip)):
-        if sent:
-            held = sent[::-1][:DEPTH]
-            shares = [share_held(0.3, k, k + 1 == len(held)) for k in range(len(held))]
-            errors: list[float] = []
-            for of, m in held:
-                first, end = runtime.bank.offsets[m : m + 2]
-                own = runtime.parameters[of : of + 1, first:end]
-                age_s = np.array([runtime.trip.t_s[at] - runtime.stated_s[of]])
-                moved = runtime.bank.members[m].predict(own, age_s, dt_s=0.1)[0, 0]
-                errors.append(float(np.hypot(*(runtime.stated_m[of] + moved - runtime.trip.position_m[at]))))
-            expected_m = float(np.dot(shares, errors))
-            assert abs(expected_m - growth * 0.2) >= MARGIN_M
-            assert bool(walk.transmits[at]) == (expected_m >= growth * 0.2)
-        if walk.transmits[at]:
-            sent.append((at, int(walk.in_use[at])))
+    limit_m = error_growth(0.3, policy.budget) * 0.2
+    errors_m = expected_m(runtime, walk, 0.3)
+    assert np.abs(errors_m - limit_m).min() >= MARGIN_M
+    assert walk.transmits.tolist() == (errors_m >= limit_m).tolist()
+
+
+def jerking(seed: int) -> Trajectory:
+    """A car whose acceleration turns round three times a second: what it did last it does not do next."""
+    rng = np.random.default_rng(seed)
+    signs = np.repeat((-1.0) ** np.arange(67), 3)[:200]
+    speed = 15.0 + np.cumsum(3.0 * signs * rng.uniform(0.6, 1.4, 200)) * 0.1
+    return build_trajectory(
+        "made/jerks",
+        np.round(0.1 * np.arange(200), 6),
+        np.stack([np.cumsum(speed) * 0.1, np.zeros(200)], axis=1),
+        speed_mps=speed,
+        heading_rad=np.full(200, np.pi / 2),
+        acceleration_mps2=np.gradient(speed, 0.1),
+        yaw_rate_radps=np.zeros(200),
+    )
+
+
+def test_a_guarded_sender_remembers_what_it_sent_itself() -> None:
+    """What its own memory calls for it sends; beyond that it sends only in step with constant velocity."""
+    acted = 0
+    for seed in range(6):
+        runtime = TripRuntime(jerking(seed), Bank((CA, CV)), REPORTED)
+        policy = ErrorDriven(0.2, "guarded", "never", believe="expected", packet_error_ratio=0.4, budget=2.0)
+        walk = runtime.run(policy)
+        alone = TripRuntime(jerking(seed), Bank((CV,)), REPORTED).run(policy.alone)
+        free = runtime.run(replace(policy, start="hindsight"))
+        acted += int(events(walk) != events(free))
+        due = expected_m(runtime, walk, 0.4) >= error_growth(0.4, 2.0) * 0.2
+        assert not (due & ~walk.transmits).any()
+        assert not (walk.transmits & ~due & ~alone.transmits).any()
+    assert acted >= 3
 
 
 @given(st.floats(0.0, MOST_LOST), st.integers(1, 2 * DEPTH))

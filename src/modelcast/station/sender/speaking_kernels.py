@@ -234,10 +234,10 @@ def compose(
 
 
 @kernel(inlined=True)
-def _follow(lanes: Lanes, b: int, free: int) -> None:
-    """Let a lane be where the one it follows is."""
+def _follow(lanes: Lanes, b: int, free: int, number: int) -> None:
+    """Let a lane be where the one it follows is, but for an update of this sample: it sends its own."""
     lanes.update[b], lanes.in_use[b], lanes.message_s[b] = (
-        lanes.update[free],
+        lanes.update[free] if lanes.update[free] != number else -1,
         lanes.in_use[free],
         lanes.message_s[free],
     )
@@ -286,7 +286,7 @@ def speak(
     if kind in (UPDATE, KEEP_ALIVE):
         guards = guards or (free >= 0 and falls_back(lanes.behind[b], lanes.lead[b]))
         if following and guards:
-            _follow(lanes, b, free)
+            _follow(lanes, b, free, number)
             following = False
         if not following:
             member = compose(models, s, fits, rules, lanes, b, number, scratch)
