@@ -6,7 +6,8 @@ periodic). ``loss.py rules`` compares beliefs, budgets and keep-alives of one ho
 same sender that believes in what it sent at the same number of messages, and constant velocity with the rule.
 
 Every row has a source and a protocol: the mean of the ratios over the thresholds 0.2, 0.3, 0.4 and 0.5 m
-(geometric), the worst of them behind it, then messages over those of the first row. ``--sources`` names some.
+(geometric), the worst of them behind it, then messages over those of the first row. ``--sources``,
+``--protocols`` and ``--senders`` name some.
 """
 
 import argparse
@@ -34,6 +35,7 @@ from modelcast.study.tracking import Contender, LossRuns, TrackingRun, walks_und
 
 PACKET_ERROR_RATIO = 0.4
 THRESHOLDS_M = (0.2, 0.3, 0.4, 0.5)
+PROTOCOLS = ("recorded", "sensor")
 SOURCES = {
     "openacc": ("openacc_zalazone", 1),
     "tampa": ("roads/tampa_dev.parquet", 1),
@@ -149,12 +151,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("table", choices=("trust", "rules"))
     parser.add_argument("--sources", nargs="+", choices=tuple(SOURCES), default=tuple(SOURCES))
+    parser.add_argument("--senders", nargs="+", help="rows to print, by their names; all where not given")
+    parser.add_argument("--protocols", nargs="+", choices=PROTOCOLS, default=PROTOCOLS)
     given = parser.parse_args()
     variants = trusts() if given.table == "trust" else rules()
+    if given.senders:
+        variants = {name: variants[name] for name in given.senders}
     over: dict[str, list[FloatArray]] = defaultdict(list)
     print("| source | protocol | sender | over cv: p90/p99 (worst) | over free, sent | messages |")
     print("|---|---|---|---|---|---|")
-    for source, protocol in product(given.sources, ("recorded", "sensor")):
+    for source, protocol in product(given.sources, given.protocols):
         place, seeds = SOURCES[source]
         settings = EvaluationSettings(
             THRESHOLDS_M, (PACKET_ERROR_RATIO,), seeds=seeds, protocol=protocol, believe="sent"
