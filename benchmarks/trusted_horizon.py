@@ -62,7 +62,7 @@ def ratios(
         for run in run_tracking(case, mbc, baseline, settings):
             who = run.contender
             if who.policy == "mbc":
-                messages[who.threshold_m] += run.messages
+                messages[who.threshold_m] += run.messages[0]
             if who.policy == "mbc" or who.rate_basis == "total":
                 errors[who.policy, who.threshold_m].append(run.after_m.ravel())
     rows = []

@@ -126,6 +126,9 @@ def plan(*banks: str, start: StartRule | None = None, identify: IdentifyRule | N
         threads=1,
         thresholds_m=(0.2,),
         keep_alive_s=2.0,
+        believe=None,
+        budget=4.0 / 3.0,
+        approach_m=20.0,
         relaxed_error_m=None,
         sensor=SensorOptions(),
     )

@@ -14,6 +14,7 @@ SENDERS = [("baseline", "none"), ("mbc", "paper")]
 
 def words(out: Path, thresholds: str, more: str = "") -> list[str]:
     line = f"""network --density 30 --length 400 --duration 4 --warm-up 1 --seeds 1 --jobs 1 --bank paper
+        --keep-alive 2 --approach 0
         --policy j2945 baseline mbc --threshold {thresholds} {more}"""
     return [*line.split(), "--out", str(out)]
 

@@ -130,7 +130,15 @@ def drive(carry: Carry, sender: Sender) -> Drive:
 
 def a_sender(name: str) -> Sender:
     paper = named_bank("paper")
-    return named_sender(name, bank=paper.bank, start=paper.start, identify=paper.identify, threshold_m=0.2)
+    return named_sender(
+        name,
+        bank=paper.bank,
+        start=paper.start,
+        identify=paper.identify,
+        threshold_m=0.2,
+        keep_alive_s=2.0,
+        approach_m=np.inf,
+    )
 
 
 @pytest.fixture(scope="module", params=["mbc", "baseline"])

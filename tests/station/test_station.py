@@ -131,9 +131,9 @@ def test_a_new_id_begins_with_an_update() -> None:
             heading_rad=np.array([np.pi / 2]),
         )
 
-    assert [one.kind for k in range(15) for one in step(k, 5)] == [MessageKind.UPDATE]
+    assert [one.kind for k in range(6) for one in step(k, 5)] == [MessageKind.UPDATE]
     fleet.rename(5, 6)
-    after = step(15, 6)
+    after = step(6, 6)
     assert [(one.vehicle, one.kind) for one in after] == [(6, MessageKind.UPDATE)]
 
 

@@ -11,7 +11,7 @@ from modelcast.cli.context_options import road_files
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import Numbers, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
-from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 from modelcast.station.sensing.rules import VelocityRule
 from modelcast.study.rules import RateBasis
 
@@ -83,6 +83,8 @@ class CompareOptions:
         As in 'modelcast evaluate'.
     keep_alive
         Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
+    believe, budget
+        As in 'modelcast evaluate'.
     references
         Count the references too: the fewest messages of a sender that knows the future, and the rules of
         cooperative awareness messages.
@@ -117,6 +119,8 @@ class CompareOptions:
     rate_basis: RateBasis = "total"
     velocity: VelocityRule = "auto"
     keep_alive: float = 2.0
+    believe: BelieveRule | None = None
+    budget: float = 4.0 / 3.0
     references: bool = True
     quantised: bool = True
     road: str = "own"
@@ -153,6 +157,8 @@ class CompareOptions:
             seeds=self.seeds,
             seed=self.seed,
             keep_alive=self.keep_alive,
+            believe=self.believe,
+            budget=self.budget,
             velocity=self.velocity,
             references=self.references,
             quantised=self.quantised,

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from modelcast.cli.context_options import context_settings, road_files
 from modelcast.cli.options import Numbers, SensorOptions
 from modelcast.messages.rules import CertificateRule
-from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 from modelcast.station.sensing.rules import VelocityRule
 
 if TYPE_CHECKING:
@@ -65,6 +65,13 @@ class EvaluateOptions:
         What the rule cheapest counts: messages, bytes or airtime.
     keep_alive
         Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
+    believe
+        What model-based senders take their remotes to hold in loss runs: whatever they sent, or each of their
+        last messages with its probability at the run's packet error ratio (expected), so that they send more
+        where losses cost more; needs --identify never, or a bank of one. Where not given, expected for the
+        rules of a profile's bank (start guarded, hindsight or predicted, identify never), sent for others.
+    budget
+        Messages that a sender with --believe expected may send, over those of a channel without losses.
     burst
         Mean length of loss bursts [s] (Gilbert-Elliott); 0 for independent losses.
     delay
@@ -112,6 +119,8 @@ class EvaluateOptions:
     identify: IdentifyRule | None = None
     cost: CostUnit = "bytes"
     keep_alive: float = 2.0
+    believe: BelieveRule | None = None
+    budget: float = 4.0 / 3.0
     burst: float = 0.0
     delay: float = 0.0
     expiry: float = 0.0
@@ -198,6 +207,8 @@ class EvaluateOptions:
                 selector=named.selector if start == "predicted" else None,
                 costs=named.costs(self.cost) if identify == "cheapest" else None,
                 keep_alive_s=self.keep_alive or None,
+                believe=self.believe,
+                budget=self.budget,
                 mean_burst_s=self.burst or None,
                 delay_s=self.delay,
                 expiry_s=self.expiry or None,

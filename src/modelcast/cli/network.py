@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from modelcast.cli.options import Numbers, Paths, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
-from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 
 if TYPE_CHECKING:
     from modelcast.cli.network_plan import NetworkPlan
@@ -35,7 +35,10 @@ def network(
     identify: IdentifyRule | None = None,
     cost: CostUnit = "bytes",
     threshold: Numbers = (0.2,),
-    keep_alive: float = 2.0,
+    keep_alive: float = 1.0,
+    believe: BelieveRule | None = None,
+    budget: float = 4.0 / 3.0,
+    approach: float = 20.0,
     relaxed_error: float | None = None,
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
     out: Path = Path("out/network"),
@@ -101,6 +104,14 @@ def network(
         is run once, not once a threshold [m].
     keep_alive
         Longest silence of baseline, free and mbc [s].
+    believe
+        What mbc takes its remotes to hold: whatever it sent, or each of its last messages with its
+        probability at the packet error ratio it observes (expected); that where not given, for the
+        rules of a profile's bank.
+    budget
+        Messages that mbc with --believe expected may send, over those of a channel without losses.
+    approach
+        Way that two vehicles may come closer between two messages of baseline, free and mbc [m]; 0 for none.
     relaxed_error
         Tracking error that calls for a message of the relaxed policies in thin traffic [m]; where not given,
         1 cm, or the sensor's white position noise where that is more.
@@ -148,6 +159,9 @@ def network(
         threads=threads,
         thresholds_m=tuple(threshold),
         keep_alive_s=keep_alive,
+        believe=believe,
+        budget=budget,
+        approach_m=approach,
         relaxed_error_m=relaxed_error,
         sensor=sensor,
     )

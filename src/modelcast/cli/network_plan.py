@@ -12,7 +12,7 @@ from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.network_runs import RunKey
 from modelcast.messages.rules import CertificateRule
 from modelcast.runtime.fleet.settings import NetworkSettings
-from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 from modelcast.station.sender.sender import ERROR_SENDERS, MODEL_SENDERS, THRESHOLD_STARTS
 from modelcast.study.network.rows import NO_THRESHOLD
 
@@ -50,6 +50,10 @@ class NetworkPlan:
         Threads of each run.
     thresholds_m, keep_alive_s
         Of error-driven senders; each run has one of the thresholds [m], [s].
+    believe, budget
+        Of error-driven senders of models.
+    approach_m
+        Of error-driven senders; 0 for none [m].
     relaxed_error_m
         Of relaxed senders [m]; None for what fits the sensors.
     sensor
@@ -75,6 +79,9 @@ class NetworkPlan:
     threads: int
     thresholds_m: tuple[float, ...]
     keep_alive_s: float
+    believe: BelieveRule | None
+    budget: float
+    approach_m: float
     relaxed_error_m: float | None
     sensor: SensorOptions
     trips: tuple[str, ...] = ()

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from itertools import product
-from math import isfinite
+from math import inf, isfinite
 
 from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
@@ -84,6 +84,9 @@ def sender_of(
             selector=selector,
             threshold_m=threshold_m if isfinite(threshold_m) else plan.thresholds_m[0],
             keep_alive_s=plan.keep_alive_s,
+            believe=plan.believe,
+            budget=plan.budget,
+            approach_m=plan.approach_m or inf,
             relaxed_error_m=plan.relaxed_error_m,
             motion=motion,
             stack=Stack(plan.certificates),

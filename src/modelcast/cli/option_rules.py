@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from modelcast.core.rules import AbstractRule, Each, Flag, Keys, Maybe, Number, Text, Whole
 from modelcast.messages.rules import CertificateRule
-from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 from modelcast.station.sensing.rules import VelocityRule
 from modelcast.world.named_sensors import SENSORS
 
@@ -61,9 +61,12 @@ OPTIONS = Keys(
         "velocity": _word(VelocityRule),
         "road": Text(LONGEST_PATH),
         "leader": Flag(),
+        "believe": Maybe(_word(BelieveRule)),
+        "budget": Number(0.0, 1000.0, over=True),
     },
 )
 """Of all options by name, as `modelcast.cli.evaluate_options.EvaluateOptions.as_plain` writes them.
 
-Runs from before sensors had names, or velocities, or context, do not say which; theirs is the default.
+Runs from before sensors had names, or velocities, context or beliefs, do not say which; theirs is the
+default.
 """

@@ -58,6 +58,9 @@ def network_plan(plan: TrafficPlan) -> NetworkPlan:
         threads=1,
         thresholds_m=plan.thresholds_m,
         keep_alive_s=2.0,
+        believe=None,
+        budget=4.0 / 3.0,
+        approach_m=0.0,
         relaxed_error_m=None,
         sensor=SensorOptions(),
     )

@@ -22,7 +22,10 @@ from modelcast.core.kernel_types import (
 )
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
 
-__all__ = ["MEASURED", "Fits", "LaneRules", "Lanes", "Sensed", "fits", "lanes", "sensed"]
+__all__ = ["MEASURED", "OLDER_HEAD", "Fits", "LaneRules", "Lanes", "Sensed", "fits", "lanes", "sensed"]
+
+OLDER_HEAD = 4
+"""Columns of an older message before the parameters: member, instant, position."""
 
 MEASURED = 6
 """Columns of a measurement: east, north [m], speed [m/s], heading [rad], acceleration along the course
@@ -76,7 +79,10 @@ class Lanes(NamedTuple):
 
     ``last`` (L, P), ``last_usable`` (L, M) and ``last_origin`` (L, 3) are those of the last message, whether
     it is believed received or not, and ``scores`` (L, M) the recent errors of each member's. ``behind`` and
-    ``lead`` (L,) are the guard's counts, ``follows`` (L,) whether it has not acted yet. ``errors`` (L, M),
+    ``lead`` (L,) are the guard's counts, ``follows`` (L,) whether it has not acted yet. ``loss`` (L,) is the
+    share of messages believed lost; ``older`` (L, D, 4 + P) what the messages before the newest one gave
+    remotes to hold, newest first, where the rules ask for it: member, instant [s], position [m] and the
+    member's parameters; ``olders`` (L,) how many there are. ``errors`` (L, M),
     ``chances`` (L, M) and ``available`` (L, M) are overwritten.
     """
 
@@ -95,6 +101,9 @@ class Lanes(NamedTuple):
     behind: IntVector
     lead: IntVector
     follows: BoolVector
+    loss: FloatVector
+    older: FloatCube
+    olders: IntVector
     errors: FloatMatrix
     chances: FloatMatrix
     available: BoolMatrix
@@ -107,7 +116,11 @@ class LaneRules(NamedTuple):
     that call for a message; ``start`` and ``identify`` (L,) codes of the rules; ``costs`` (L, C) as
     `CostTable.packed`, ``selector`` (L, K) constants of the selector at each threshold; ``only`` (L,) the one
     member that a lane may use, -1 for all; ``free`` and ``alone`` (L,) for a guarded lane the lanes before it
-    that run the same bank unguarded and the guard alone, else -1. ``within_m`` is the resolution below which
+    that run the same bank unguarded and the guard alone, else -1. ``expects`` (L,) says which measure the
+    error expected over all that remotes may hold, ``loss`` (L,) which share of their messages they believe
+    lost at first, and ``budget`` (L,) how many times the messages of a channel without losses they may send.
+    ``approach_m`` (L,) is the way that two vehicles may come closer between two messages.
+    ``within_m`` is the resolution below which
     recent errors are equal [m].
     """
 
@@ -121,6 +134,10 @@ class LaneRules(NamedTuple):
     only: IntVector
     free: IntVector
     alone: IntVector
+    expects: BoolVector
+    loss: FloatVector
+    budget: FloatVector
+    approach_m: FloatVector
     within_m: float
 
 
@@ -165,7 +182,7 @@ def fits(vehicles: int, ring: int, *, members: int, parameters: int) -> Fits:
     )
 
 
-def lanes(count: int, *, members: int, parameters: int) -> Lanes:
+def lanes(count: int, *, members: int, parameters: int, older: int = 0) -> Lanes:
     """Return senders that have sent nothing.
 
     Parameters
@@ -174,6 +191,8 @@ def lanes(count: int, *, members: int, parameters: int) -> Lanes:
         L.
     members, parameters
         M, and P of all together.
+    older
+        D, messages that each remembers beside the newest.
     """
     return Lanes(
         update=np.full(count, -1, dtype=np.int64),
@@ -191,6 +210,9 @@ def lanes(count: int, *, members: int, parameters: int) -> Lanes:
         behind=np.zeros(count, dtype=np.int64),
         lead=np.zeros(count, dtype=np.int64),
         follows=np.ones(count, dtype=np.bool_),
+        loss=np.zeros(count),
+        older=np.zeros((count, older, OLDER_HEAD + parameters)),
+        olders=np.zeros(count, dtype=np.int64),
         errors=np.zeros((count, members)),
         chances=np.zeros((count, members)),
         available=np.zeros((count, members), dtype=np.bool_),

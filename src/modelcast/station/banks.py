@@ -29,7 +29,7 @@ from modelcast.models.reserved import EXPRESSION, KINEMATIC, UNTRAINED
 from modelcast.models.trusted import Trusted
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.guard import unguarded
-from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
+from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 
 __all__ = [
     "BASELINE_BANK",
@@ -37,6 +37,7 @@ __all__ = [
     "PAPER_NOISE_FLOOR_M",
     "NamedBank",
     "bank_from_text",
+    "believe_of",
     "calibrations_of",
     "free_bank",
     "member_names",
@@ -95,6 +96,19 @@ def rules_of(bank: Bank) -> tuple[StartRule, IdentifyRule]:
     if bank == profile.bank:
         return cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
     return "order", "on-failure"
+
+
+def believe_of(start: StartRule, identify: IdentifyRule) -> BelieveRule:
+    """What senders take their remotes to hold where nobody says otherwise.
+
+    Parameters
+    ----------
+    start, identify
+        The rules in use. Senders that choose by a threshold and name nobody without an update, as those of a
+        profile's bank, expect losses; those of the paper believe in what they sent.
+    """
+    chooses = start in {"guarded", "hindsight", "predicted"}
+    return "expected" if chooses and identify == "never" else "sent"
 
 
 def calibrations_of(bank: Bank) -> Mapping[str, Calibration]:

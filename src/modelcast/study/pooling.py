@@ -66,7 +66,7 @@ class TrackingPool:
         rows = sorted_errors(run, ratio)
         self.by_seed_m = [[row] for row in rows]
         seen = sum(row.size for row in rows)
-        self.own_threshold_m = run.own_threshold_m
+        self.own_threshold_m = run.own_threshold_m[ratio]
         self.weights_s = [dt_s]
         self.samples = seen
         self.excluded = run.after_m[ratio].size - seen

@@ -1,7 +1,7 @@
 """What an evaluation is asked to do."""
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, asdict, dataclass, field
+from dataclasses import KW_ONLY, asdict, dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -14,10 +14,10 @@ from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.models.profile import default_profile
 from modelcast.runtime.trip.context import ContextSettings
-from modelcast.station.banks import rules_of
+from modelcast.station.banks import believe_of, rules_of
 from modelcast.station.policy.costs import CostTable
-from modelcast.station.policy.error_driven import ErrorDriven
-from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.error_driven import LOSS_BUDGET, ErrorDriven
+from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
 from modelcast.station.sender.lane_rules import check_rules
 from modelcast.station.sensing.rules import VelocityRule
 from modelcast.world.sensors import SensorModel
@@ -53,6 +53,13 @@ class EvaluationSettings:
         What messages cost and how long they serve; needed for ``identify`` ``cheapest``.
     keep_alive_s
         Longest silence in the loss runs, for every error-driven policy [s]; rate runs have none.
+    believe
+        What model-based senders take their remotes to hold in loss runs, as in `ErrorDriven`: whatever they
+        ``sent``, or what is ``expected`` at the run's own loss ratio, which they are taken to have observed.
+        Where None, as `modelcast.station.banks.believe_of` says of the rules. The paper's baselines believe
+        in what they sent.
+    budget
+        Messages that a sender which expects losses may send, over those of a channel without.
     mean_burst_s
         Mean length of loss bursts [s]; None for independent losses.
     delay_s
@@ -104,6 +111,8 @@ class EvaluationSettings:
     selector: Selector | None = None
     costs: CostTable | None = None
     keep_alive_s: float | None = 2.0
+    believe: BelieveRule | None = None
+    budget: float = LOSS_BUDGET
     mean_burst_s: float | None = None
     delay_s: float = 0.0
     expiry_s: float | None = None
@@ -134,11 +143,14 @@ class EvaluationSettings:
             raise ValueError(f"delay_s must be finite and not negative, got {self.delay_s}")
         if self.expiry_s is not None and not self.expiry_s > 0:
             raise ValueError(f"expiry_s must be positive or None, got {self.expiry_s}")
+        if not self.budget > 0:
+            raise ValueError(f"budget must be positive, got {self.budget}")
+        _require_known("believe", self.belief, get_args(BelieveRule))
         _require_known("protocol", self.protocol, ("auto", "recorded", "sensor"))
         _require_known("velocity", self.velocity, get_args(VelocityRule))
         _require_known("keep_samples", self.keep_samples, ("first", "all", "none"))
         for threshold_m in self.thresholds_m:
-            check_rules(self.policy(threshold_m, keep_alive=True), self.bank, self.selector)
+            check_rules(self.under_loss(threshold_m, 0.0), self.bank, self.selector)
         for ratio in self.packet_error_ratios:
             self.channel(ratio)
 
@@ -147,6 +159,18 @@ class EvaluationSettings:
         longest = self.keep_alive_s if keep_alive else None
         start, identify = self.rules
         return ErrorDriven(threshold_m, start, identify, longest, self.costs)
+
+    def under_loss(self, threshold_m: float, ratio: float) -> ErrorDriven:
+        """The error-driven policy of the loss runs at a threshold and a loss ratio."""
+        policy = self.policy(threshold_m, keep_alive=True)
+        if self.belief == "sent":
+            return policy
+        return replace(policy, believe=self.belief, packet_error_ratio=ratio, budget=self.budget)
+
+    @property
+    def belief(self) -> BelieveRule:
+        """What senders take their remotes to hold, filled in where not given."""
+        return self.believe or believe_of(*self.rules)
 
     @property
     def rules(self) -> tuple[StartRule, IdentifyRule]:
@@ -189,6 +213,8 @@ class EvaluationSettings:
             "selector": None if self.selector is None else self.selector.summary,
             "costs": None if self.costs is None else self.costs.as_plain(),
             "keep_alive_s": self.keep_alive_s,
+            "believe": self.belief,
+            "budget": self.budget,
             "mean_burst_s": self.mean_burst_s,
             "delay_s": self.delay_s,
             "expiry_s": self.expiry_s,

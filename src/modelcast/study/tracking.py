@@ -23,7 +23,7 @@ from modelcast.study.rules import RATE_BASES, RateBasis
 from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.jumps import jumps_between
 
-__all__ = ["Contender", "LossRuns", "TrackingRun", "draw_losses", "run_tracking"]
+__all__ = ["Contender", "LossRuns", "TrackingRun", "draw_losses", "run_tracking", "walks_under_loss"]
 
 _BISECTIONS = 24
 _WIDEST_THRESHOLD_M = 64.0
@@ -58,9 +58,9 @@ class TrackingRun:
     contender
         Whose errors.
     own_threshold_m
-        Threshold the policy ran at [m]; None where it has none.
+        Threshold the policy ran at by loss ratio, (L,) [m]; None where it has none.
     messages
-        Messages sent at each loss ratio, means over the seeds, L of them.
+        Messages sent by loss ratio, means over the seeds, (L,).
     after_m, before_m, along_m, cross_m, age_s
         Errors after and before the instant's message, their parts along and across the track [m] and the age
         of the model held [s]; NaN where the host held nothing, (L, K, T).
@@ -69,7 +69,7 @@ class TrackingRun:
     """
 
     contender: Contender
-    own_threshold_m: float | None
+    own_threshold_m: tuple[float | None, ...]
     _: KW_ONLY
     messages: tuple[float, ...]
     after_m: SingleArray
@@ -86,16 +86,15 @@ class TrackingRun:
         Parameters
         ----------
         runs
-            In the order of the ratios. Where their own thresholds differ, the whole has none.
+            In the order of the ratios.
         """
-        own = {run.own_threshold_m for run in runs}
         errors = {
             name: np.concatenate([getattr(run, name) for run in runs])
             for name in ("after_m", "before_m", "along_m", "cross_m", "age_s")
         }
         return cls(
             runs[0].contender,
-            own.pop() if len(own) == 1 else None,
+            tuple(own_m for run in runs for own_m in run.own_threshold_m),
             messages=tuple(count for run in runs for count in run.messages),
             gaps_s=tuple(gaps for run in runs for gaps in run.gaps_s),
             **errors,
@@ -145,12 +144,30 @@ def run_tracking(
     runs = LossRuns(case, baseline, settings)
     for threshold_m in settings.thresholds_m:
         policy = settings.policy(threshold_m, keep_alive=True)
-        own, *rivals = runs.contended(mbc, policy, RATE_BASES)
+        own, *rivals = runs.contended(mbc, threshold_m, RATE_BASES)
         yield own
         yield runs.walked(
-            baseline, baseline.run(policy), Contender("baseline", baseline.bank.name, None, threshold_m)
+            baseline, [baseline.run(policy)], Contender("baseline", baseline.bank.name, None, threshold_m)
         )
         yield from rivals
+
+
+def walks_under_loss(
+    ready: TripRuntime, settings: EvaluationSettings, threshold_m: float
+) -> list[TripMessages]:
+    """Drive the trip as the loss runs do: one walk that serves all loss ratios, or one a ratio.
+
+    Parameters
+    ----------
+    ready
+        The bank.
+    settings
+        Rules and loss ratios.
+    threshold_m
+        Threshold [m].
+    """
+    ratios = settings.packet_error_ratios if settings.belief == "expected" else ()
+    return ready.run_each([settings.under_loss(threshold_m, ratio) for ratio in ratios or (0.0,)])
 
 
 class LossRuns:
@@ -175,7 +192,7 @@ class LossRuns:
         self._parts: dict[int, LossRuns] = {}
 
     def contended(
-        self, each: Sequence[TripRuntime], policy: ErrorDriven, bases: Sequence[RateBasis]
+        self, each: Sequence[TripRuntime], threshold_m: float, bases: Sequence[RateBasis]
     ) -> list[TrackingRun]:
         """The errors of one sender, then for each basis those of both readings of its equal-rate baseline.
 
@@ -184,18 +201,18 @@ class LossRuns:
         each
             Its bank, ready for what it sees: once for all loss ratios, or once for each where loss changes
             what it knows. Then the baselines are at equal rate ratio by ratio.
-        policy
-            Its rules.
+        threshold_m
+            Its threshold [m].
         bases
             As for `equal_rate`.
         """
         if len(each) > 1:
-            parts = [self._part(at).contended([one], policy, bases) for at, one in enumerate(each)]
+            parts = [self._part(at).contended([one], threshold_m, bases) for at, one in enumerate(each)]
             return [TrackingRun.stacked(runs) for runs in zip(*parts, strict=True)]
-        ready = each[0]
-        walk = ready.run(policy)
-        own = self.walked(ready, walk, Contender("mbc", ready.bank.name, None, policy.threshold_m))
-        return [own, *(run for basis in bases for run in self.equal_rate(policy, walk, basis))]
+        ready, policy = each[0], self._settings.policy(threshold_m, keep_alive=True)
+        walks = walks_under_loss(ready, self._settings, threshold_m)
+        own = self.walked(ready, walks, Contender("mbc", ready.bank.name, None, threshold_m))
+        return [own, *(run for basis in bases for run in self.equal_rate(policy, walks, basis))]
 
     def _part(self, at: int) -> "LossRuns":
         """The runs of one loss ratio alone; their losses are the same."""
@@ -205,46 +222,50 @@ class LossRuns:
             self._parts[at] = LossRuns(self._case, self._baseline, alone)
         return self._parts[at]
 
-    def walked(self, ready: TripRuntime, walk: TripMessages, shown_as: Contender) -> TrackingRun:
+    def walked(self, ready: TripRuntime, walks: Sequence[TripMessages], shown_as: Contender) -> TrackingRun:
         """The errors of one sender that walked the trip.
 
         Parameters
         ----------
         ready
             Its bank.
-        walk
-            What it sent.
+        walks
+            What it sent: one that serves all loss ratios, or one a ratio.
         shown_as
             Whose errors these are.
         """
-        sent = [Sent(walk.kind, walk.in_use, walk.update_index)]
-        return self._replay(ready, sent, shown_as=shown_as, own_threshold_m=walk.policy.threshold_m)
+        sent = [[Sent(walk.kind, walk.in_use, walk.update_index)] for walk in walks]
+        own = [walk.policy.threshold_m for walk in walks]
+        return self._replay(ready, sent, shown_as=shown_as, own_threshold_m=own)
 
-    def equal_rate(self, policy: ErrorDriven, walk: TripMessages, basis: RateBasis) -> Iterator[TrackingRun]:
+    def equal_rate(
+        self, policy: ErrorDriven, walks: Sequence[TripMessages], basis: RateBasis
+    ) -> Iterator[TrackingRun]:
         """Yield the errors of both readings of the equal-rate baseline: matched, then periodic.
 
         Parameters
         ----------
         policy
             Its threshold names the comparison, its keep-alive holds for the matched baseline too.
-        walk
-            What MBC sent: they are to send as many.
+        walks
+            What MBC sent, as in `walked`: they are to send as many.
         basis
             Which of its messages count.
         """
-        messages = walk.updates + (walk.identifications if basis == "total" else 0)
+        counts = [walk.updates + (walk.identifications if basis == "total" else 0) for walk in walks]
         name = self._baseline.bank.name
-        matched = self._matched(policy.max_inter_transmit_time_s, messages)
+        matched = [self._matched(policy.max_inter_transmit_time_s, messages) for messages in counts]
         yield self.walked(
             self._baseline, matched, Contender("baseline-matched", name, basis, policy.threshold_m)
         )
-        sent = [self._periodic(messages, run) for run in range(self._settings.seeds)]
-        self._baseline.fit_at(np.unique(np.concatenate([np.flatnonzero(one.kind) for one in sent])))
+        sent = [[self._periodic(messages, run) for run in range(self._settings.seeds)] for messages in counts]
+        at = [np.flatnonzero(one.kind) for each in sent for one in each]
+        self._baseline.fit_at(np.unique(np.concatenate(at)))
         yield self._replay(
             self._baseline,
             sent,
             shown_as=Contender("baseline-periodic", name, basis, policy.threshold_m),
-            own_threshold_m=None,
+            own_threshold_m=[None],
         )
 
     def _periodic(self, messages: int, run: int) -> Sent:
@@ -284,19 +305,27 @@ class LossRuns:
     def _replay(
         self,
         ready: TripRuntime,
-        sent: list[Sent],
+        sent: Sequence[Sequence[Sent]],
         *,
         shown_as: Contender,
-        own_threshold_m: float | None,
+        own_threshold_m: Sequence[float | None],
     ) -> TrackingRun:
-        """Replay the host over all losses; one schedule serves every seed, or each seed has its own."""
+        """Replay the host over all losses.
+
+        ``sent`` has one row that serves every loss ratio, or one a ratio; a row has one schedule that serves
+        every seed, or one a seed.
+        """
         case, lost, settings = self._case, self._lost, self._settings
         ratios, seeds, count = lost.shape
         runs = ratios * seeds
+        rows = list(sent) * (ratios // len(sent))
+        # The replay repeats schedules over the runs: of one ratio where all share them, else of every run.
+        each = 1 if len(sent) == 1 else seeds // len(sent[0])
+        own = [one for row in sent for one in row for _ in range(each)]
         errors = np.empty((5, runs, count))
         gaps_s = np.empty((runs, count))
         gap_count = np.empty(runs, dtype=np.int64)
-        kind = np.stack([one.kind for one in sent])
+        kind = np.stack([one.kind for one in own])
         believed_kernels.replay(
             ready.own.ready.members,
             believed_kernels.SentTrip(
@@ -309,8 +338,8 @@ class LossRuns:
             ),
             believed_kernels.Schedules(
                 kind,
-                np.stack([one.in_use for one in sent]),
-                np.stack([one.update_index for one in sent]),
+                np.stack([one.in_use for one in own]),
+                np.stack([one.update_index for one in own]),
             ),
             lost.reshape(runs, count),
             settings.delay_s,
@@ -327,8 +356,8 @@ class LossRuns:
         )
         return TrackingRun(
             shown_as,
-            own_threshold_m,
-            messages=(float(np.count_nonzero(kind)) / len(sent),) * ratios,
+            tuple(own_threshold_m) * (ratios // len(own_threshold_m)),
+            messages=tuple(sum(int(np.count_nonzero(one.kind)) for one in row) / len(row) for row in rows),
             after_m=after_m,
             before_m=before_m,
             along_m=along_m,

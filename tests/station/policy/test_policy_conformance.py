@@ -35,6 +35,9 @@ POLICIES: dict[str, AbstractTransmitPolicy[Any]] = {
     "periodic": Periodic(3.3),
     "error-driven": ErrorDriven(0.3),
     "error-driven-keep-alive": ErrorDriven(0.3, "survivor", "best", max_inter_transmit_time_s=1.0),
+    "error-driven-expecting": ErrorDriven(
+        0.3, identify="never", believe="expected", packet_error_ratio=0.3, approach_m=20.0
+    ),
     "j2945": J2945(phase_ratio=PHASE_RATIO),
     "j2945-other-readings": J2945(
         J2945Parameters(

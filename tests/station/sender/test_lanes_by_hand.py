@@ -123,6 +123,9 @@ def bench(
         "only": -1,
         "free": -1,
         "alone": -1,
+        "loss": 0.0,
+        "budget": 1.0,
+        "approach_m": inf,
     }
     rows = {name: np.zeros(count, type(one)) + columns.get(name, one) for name, one in default.items()}
     return Bench(
@@ -142,6 +145,7 @@ def bench(
             costs=np.zeros((count, 1)),
             selector=columns.get("constants", np.zeros((count, 1))),
             within_m=within_m,
+            expects=np.zeros(count, dtype=np.bool_),
             **rows,
         ),
         lanes(count, members=3, parameters=9),

@@ -95,7 +95,7 @@ def test_plain_senders_have_the_policy_of_their_name() -> None:
     assert named_sender("bsm-10hz").policy == Periodic(10.0)
     assert named_sender("cam").policy == CooperativeAwareness()
     assert named_sender("baseline", threshold_m=0.4, keep_alive_s=3.0).policy == ErrorDriven(
-        0.4, "order", "never", 3.0
+        0.4, "order", "never", 3.0, approach_m=20.0
     )
     assert named_sender("j2945").policy == J2945(engine_parameters())
     for name in ("bsm-10hz", "cam", "baseline", "mbc"):

@@ -18,6 +18,7 @@ from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.runtime.trip import errors_kernels
 from modelcast.station.arrays import Sensed, fits, lanes
 from modelcast.station.policy.base import MessageKind
+from modelcast.station.policy.believed_loss_kernels import DEPTH
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sender import fitting_kernels, speaking_kernels
 from modelcast.station.sender.bank import SenderBank
@@ -188,7 +189,9 @@ class TripRuntime:
             rules, [0] * len(rules), guard=guard, dt_s=self.trip.dt_s, selector=self.own.selector
         )
         count = spoken.rules.vehicle.size
-        state = lanes(count, members=members, parameters=int(self.bank.offsets[-1]))
+        older = DEPTH - 1 if spoken.rules.expects.any() else 0
+        state = lanes(count, members=members, parameters=int(self.bank.offsets[-1]), older=older)
+        state.loss[:] = spoken.rules.loss
         kind, in_use, update_index = (np.empty((count, len(self.trip)), dtype=np.int64) for _ in range(3))
         speaking_kernels.speak_through(
             self.own.models(guard), self.sensed, self.fits, spoken.rules, state, kind, in_use, update_index

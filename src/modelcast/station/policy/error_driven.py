@@ -12,19 +12,29 @@ An error equal to the threshold counts as failed. The baseline is the same polic
 velocity alone, which never needs an identification.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray, owned
-from modelcast.station.policy import dcc_kernels
+from modelcast.station.policy import believed_loss_kernels, dcc_kernels
 from modelcast.station.policy import error_driven_kernels as kernels
-from modelcast.station.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs
+from modelcast.station.policy.base import AbstractTransmitPolicy, Decisions, TransmitInputs, required
 from modelcast.station.policy.costs import CostTable
+from modelcast.station.policy.j2945_parameters import J2945Parameters
 from modelcast.station.policy.policy_numbers import RULE_ERROR_DRIVEN, PolicyNumbers
-from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
 
-__all__ = ["ErrorDriven", "ErrorDrivenState"]
+__all__ = ["APPROACH_M", "LOSS_BUDGET", "ErrorDriven", "ErrorDrivenState"]
+
+LOSS_BUDGET = 4.0 / 3.0
+"""Messages that a sender which believes in losses may send, over those without losses: about what constant
+velocity sends over the free model (`docs/loss.md`)."""
+
+APPROACH_M = 20.0
+"""Way that two vehicles may come closer between two messages, of senders on the air [m]: a remote that comes
+from 350 m to 150 m is sent ten, and misses all with probability 1 % where 63 % are lost."""
 
 _STARTS = {
     "order": kernels.START_ORDER,
@@ -44,6 +54,10 @@ _IDENTIFIES = {
 }
 
 _NO_COSTS = np.zeros(kernels.COST_HEADER)
+
+
+LOSS_SURVEY = J2945Parameters(max_packet_error_ratio=believed_loss_kernels.MOST_LOST)
+"""How a station on the air observes losses: as SAE J2945/1 has it, with a higher cap than its 0.3."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,11 +107,34 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         Longest silence before a keep-alive [s]; None for no limit.
     costs
         What messages cost and how long they serve; needed for ``cheapest``, unused otherwise.
+    believe
+        What the sender takes its remotes to hold. ``sent`` (the paper): whatever it sent last. ``expected``:
+        each of its last messages with the probability that it is the newest not lost; the mean of their
+        errors calls for a message. Nobody is then named without an update, and the keep-alive stays.
+    packet_error_ratio
+        Share of its messages that the sender believes lost, 0..1, for ``expected`` over recorded trips. A
+        station on the air takes what it observes instead (`modelcast.station.policy.neighbours`).
+    budget
+        How many times the messages of a channel without losses a sender that expects may send
+        (`believed_loss_kernels.error_growth`); infinite to hold the expected error under the threshold
+        whatever it costs.
+    approach_m
+        Way that two vehicles, both as fast as this one, may come closer between two messages [m]: the keep-
+        alive of a fast one is shorter, so that those who come towards it know it in time. Infinite for
+        none.
 
     Raises
     ------
     ValueError
-        Where a threshold or time is not positive, a rule is unknown, or ``cheapest`` has no costs.
+        Where a threshold, time, way or budget is not positive, a ratio no share, a rule unknown, ``cheapest``
+        has no costs, or ``expected`` starts with the survivor.
+
+    Notes
+    -----
+    With p the share lost, e_k the error now of the message k before the newest, and n remembered:
+    ``E = Σ (1 - p)·p^k·e_k``, the oldest standing for all before it. A message is sent when E reaches
+    ``max(1, (1 + p)/((1 - p)²·m²))`` thresholds, m being the budget. At p = 0 this is Algorithm 1. SAE
+    J2945/1 (6.3.8.5) draws for each message whether remotes hold it (`modelcast.station.policy.j2945`).
 
     Examples
     --------
@@ -110,6 +147,10 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
     identify: IdentifyRule = "on-failure"
     max_inter_transmit_time_s: float | None = None
     costs: CostTable | None = None
+    believe: BelieveRule = "sent"
+    packet_error_ratio: float = 0.0
+    budget: float = LOSS_BUDGET
+    approach_m: float = np.inf
 
     def __post_init__(self) -> None:
         if not self.threshold_m > 0:
@@ -123,11 +164,34 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
             raise ValueError(f"max_inter_transmit_time_s must be positive or None, got {longest}")
         if self.identify == "cheapest" and self.costs is None:
             raise ValueError("identify 'cheapest' needs costs: train a CostTable, or take another rule")
+        self._check_belief()
+
+    def _check_belief(self) -> None:
+        if self.believe not in get_args(BelieveRule):
+            known = ", ".join(get_args(BelieveRule))
+            raise ValueError(f"believe must be one of {known}, got {self.believe!r}")
+        if not 0.0 <= self.packet_error_ratio <= 1.0:
+            raise ValueError(f"packet_error_ratio must be a share, 0 to 1, got {self.packet_error_ratio}")
+        for name, value in (("budget", self.budget), ("approach_m", self.approach_m)):
+            if not value > 0:
+                raise ValueError(f"{name} must be positive, got {value}")
+        if self.expects and self.start == "survivor":
+            raise ValueError("believe 'expected' does not ask when each failed: start must not be 'survivor'")
 
     @property
     def alone(self) -> "ErrorDriven":
         """The same over a bank of one, which has nothing to select from."""
-        return ErrorDriven(self.threshold_m, max_inter_transmit_time_s=self.max_inter_transmit_time_s)
+        return replace(self, start="order", identify="on-failure", costs=None)
+
+    @property
+    def expects(self) -> bool:
+        """Whether the error expected over all that remotes may hold calls for messages."""
+        return self.believe == "expected"
+
+    @property
+    def believed_loss(self) -> float:
+        """Share of messages believed lost at first."""
+        return believed_loss_kernels.believed_loss(self.packet_error_ratio) if self.expects else 0.0
 
     @property
     def codes(self) -> tuple[float, float, int, FloatArray]:
@@ -143,9 +207,10 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
 
     @property
     def numbers(self) -> PolicyNumbers:
-        """The rules of its lanes are `modelcast.station.sender.lane_rules`'."""
+        """How a station on the air observes losses; its lanes' rules are those of `sender.lane_rules`."""
         nothing = np.zeros(1)
-        return PolicyNumbers(RULE_ERROR_DRIVEN, nothing, dcc_kernels.NONE, nothing, 0.0, 0.0, np.inf)
+        own = LOSS_SURVEY.constants() if self.expects else nothing
+        return PolicyNumbers(RULE_ERROR_DRIVEN, own, dcc_kernels.NONE, nothing, 0.0, 0.0, np.inf)
 
     @property
     def longest_silence_s(self) -> float:
@@ -164,13 +229,20 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         inputs: TransmitInputs,
         rng: np.random.Generator,  # noqa: ARG002 - this policy draws nothing
     ) -> tuple[Decisions, ErrorDrivenState]:
-        """Run the compiled steps for every vehicle; the message leaves at once."""
+        """Run the compiled steps for every vehicle; the message leaves at once.
+
+        Who makes the inputs of a policy that expects gives the expected error in place of each sub-model's.
+        `approach_m` needs `TransmitInputs.motion`.
+        """
         if self.costs is not None and self.identify == "cheapest":
             self.costs.check_members(state.first_failure_s.shape[1])
         kind = np.empty_like(state.in_use)
         in_use = np.empty_like(state.in_use)
         first_failure_s = state.first_failure_s.copy()
         scores = inputs.predicted_life
+        speed_mps = np.zeros(kind.size)
+        if self.approach_m < np.inf:
+            speed_mps = required(inputs.motion, "motion", "ErrorDriven").speed_mps
         seen = kernels.Vehicles(
             np.ascontiguousarray(inputs.tracking_error_m, dtype=np.float64),
             np.ascontiguousarray(inputs.available),
@@ -178,6 +250,21 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
             state.in_use,
             np.ascontiguousarray(inputs.age_s, dtype=np.float64),
             np.ascontiguousarray(inputs.silence_s, dtype=np.float64),
+            owned(speed_mps),
         )
-        kernels.step_each(seen, first_failure_s, self.start_code, *self.codes, kind, in_use)
+        threshold_m, longest_s, identify, costs = self.codes
+        if self.expects:
+            threshold_m *= believed_loss_kernels.error_growth(self.believed_loss, self.budget)
+        kernels.step_each(
+            seen,
+            first_failure_s,
+            self.start_code,
+            threshold_m,
+            longest_s,
+            self.approach_m,
+            identify,
+            costs,
+            kind,
+            in_use,
+        )
         return Decisions.at_once(kind, in_use, inputs.t_s), ErrorDrivenState(in_use, first_failure_s)

@@ -28,6 +28,7 @@ __all__ = [
     "UPDATE",
     "Vehicles",
     "class_of",
+    "longest_silence_s",
     "residual_life_s",
     "start_member",
     "step",
@@ -49,6 +50,14 @@ COST_HEADER = 4
 
 _TIME_SLACK_S = 1e-9
 """Sums of sampling steps may fall short of a whole number of seconds by rounding."""
+
+
+@kernel(inlined=True)
+def longest_silence_s(silence_s: float, approach_m: float, speed_mps: float) -> float:
+    """Longest silence at a speed: two vehicles that meet come closer by no more than ``approach_m``."""
+    if 2.0 * speed_mps * silence_s <= approach_m:
+        return silence_s
+    return 0.5 * approach_m / speed_mps
 
 
 @kernel
@@ -158,7 +167,10 @@ def step(
 
 
 class Vehicles(NamedTuple):
-    """B vehicles with a bank of M: what each sub-model does, (B, M), and what is in use since when, (B,)."""
+    """B vehicles with a bank of M: what each sub-model does, (B, M), and what is in use since when, (B,).
+
+    ``speed_mps`` (B,) bears on the longest silence alone.
+    """
 
     tracking_error_m: FloatMatrix
     available: BoolMatrix
@@ -166,6 +178,7 @@ class Vehicles(NamedTuple):
     in_use: IntVector
     age_s: FloatVector
     silence_s: FloatVector
+    speed_mps: FloatVector
 
 
 @kernel
@@ -174,7 +187,8 @@ def step_each(
     first_failure_s: FloatMatrix,
     start: int,
     threshold_m: float,
-    max_inter_transmit_time_s: float,
+    silence_s: float,
+    approach_m: float,
     identify: int,
     costs: FloatVector,
     out_kind: IntVector,
@@ -189,7 +203,7 @@ def step_each(
             seen.age_s[row],
             seen.silence_s[row],
             threshold_m,
-            max_inter_transmit_time_s,
+            longest_silence_s(silence_s, approach_m, seen.speed_mps[row]),
             identify,
             costs,
         )

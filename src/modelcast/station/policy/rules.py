@@ -2,7 +2,10 @@
 
 from typing import Literal
 
-__all__ = ["CostUnit", "IdentifyRule", "StartRule"]
+__all__ = ["BelieveRule", "CostUnit", "IdentifyRule", "StartRule"]
+
+BelieveRule = Literal["sent", "expected"]
+"""What a sender takes its remotes to hold, as `modelcast.station.policy.error_driven.ErrorDriven` has it."""
 
 CostUnit = Literal["messages", "bytes", "airtime"]
 """What the rule ``cheapest`` counts."""

@@ -30,7 +30,8 @@ def check_rules(policy: ErrorDriven, bank: Bank, selector: Selector | None) -> N
     Raises
     ------
     ValueError
-        Where the bank lacks the guard's sub-model, or the selector or the costs do not fit it.
+        Where the bank lacks the guard's sub-model, the selector or the costs do not fit it, or the policy
+        expects losses and yet identifies.
     """
     own = tuple(member.name for member in bank.members)
     names = tuple(member.name for member in bank.complete().members)
@@ -42,6 +43,11 @@ def check_rules(policy: ErrorDriven, bank: Bank, selector: Selector | None) -> N
         raise ValueError(f"start 'guarded' needs {GUARD} in the bank, got {', '.join(own)}: add it")
     if policy.identify == "cheapest" and policy.costs is not None:
         policy.costs.check_members(len(names))
+    if policy.expects and len(names) > 1 and policy.identify != "never":
+        raise ValueError(
+            f"believe 'expected' goes with identify 'never' (a lost identification names nothing), got "
+            f"{policy.identify!r}"
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +130,10 @@ def speaking_lanes(
         only=np.array([lane.only for lane in lanes], dtype=np.int64),
         free=np.where(watched, numbers - 2, -1).astype(np.int64),
         alone=np.where(watched, numbers - 1, -1).astype(np.int64),
+        expects=np.array([lane.policy.expects for lane in lanes], dtype=np.bool_),
+        loss=np.array([lane.policy.believed_loss for lane in lanes]),
+        budget=np.array([lane.policy.budget for lane in lanes]),
+        approach_m=np.array([lane.policy.approach_m for lane in lanes], dtype=np.float64),
         within_m=within_m,
     )
     return SpeakingLanes(rules, np.array(speaks, dtype=np.int64))

@@ -28,11 +28,11 @@ from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.models.profile import default_profile
-from modelcast.station.banks import BASELINE_BANK, free_bank, rules_of
+from modelcast.station.banks import BASELINE_BANK, believe_of, free_bank, rules_of
 from modelcast.station.policy.base import AbstractTransmitPolicy
 from modelcast.station.policy.cam import CooperativeAwareness
 from modelcast.station.policy.costs import CostTable
-from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.policy.error_driven import APPROACH_M, LOSS_BUDGET, ErrorDriven
 from modelcast.station.policy.guard import unguarded
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.policy.j2945_parameters import (
@@ -41,7 +41,7 @@ from modelcast.station.policy.j2945_parameters import (
     j2945_relaxed_parameters,
 )
 from modelcast.station.policy.periodic import Periodic
-from modelcast.station.policy.rules import IdentifyRule, StartRule
+from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
 from modelcast.station.sender.lane_rules import check_rules
 from modelcast.station.sensing.motion_filter import MotionFilter
 
@@ -244,7 +244,10 @@ def named_sender(
     costs: CostTable | None = None,
     selector: Selector | None = None,
     threshold_m: float = 0.2,
-    keep_alive_s: float = 2.0,
+    keep_alive_s: float = 1.0,
+    believe: BelieveRule | None = None,
+    budget: float = LOSS_BUDGET,
+    approach_m: float = APPROACH_M,
     parameters: J2945Parameters | None = None,
     relaxed_error_m: float | None = None,
     motion: MotionFilter | None = None,
@@ -267,6 +270,11 @@ def named_sender(
         What ``cheapest`` and ``predicted`` need.
     threshold_m, keep_alive_s
         Of the error-driven ones [m], [s].
+    believe, budget
+        Of the error-driven one that sends models, as in `ErrorDriven`. Where None, what
+        `believe_of` says of its rules.
+    approach_m
+        Of the error-driven ones [m].
     parameters
         Constants of J2945/1; None for `engine_parameters`.
     relaxed_error_m
@@ -303,10 +311,21 @@ def named_sender(
     elif name == "cam":
         policy = CooperativeAwareness()
     elif name in {"baseline", "free"}:
-        policy = ErrorDriven(threshold_m, identify="never", max_inter_transmit_time_s=keep_alive_s)
+        policy = ErrorDriven(
+            threshold_m, identify="never", max_inter_transmit_time_s=keep_alive_s, approach_m=approach_m
+        )
     elif name == "mbc":
         rules = rules_of(chosen)
-        policy = ErrorDriven(threshold_m, start or rules[0], identify or rules[1], keep_alive_s, costs)
+        policy = ErrorDriven(
+            threshold_m,
+            start or rules[0],
+            identify or rules[1],
+            keep_alive_s,
+            costs,
+            believe=believe or believe_of(start or rules[0], identify or rules[1]),
+            budget=budget,
+            approach_m=approach_m,
+        )
     elif sends_models:
         first = unguarded(start or "recent")
         if identify not in {None, "never"}:

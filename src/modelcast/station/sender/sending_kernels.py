@@ -45,7 +45,15 @@ from modelcast.station.sender.message_arrays import (
     SentTally,
 )
 from modelcast.station.sender.speaking_kernels import SCRATCH, compose, forget_lane, hold, speak
-from modelcast.station.sender.timed_kernels import LOCAL, Timers, ask_cam, ask_j2945, ask_periodic, start
+from modelcast.station.sender.timed_kernels import (
+    LOCAL,
+    Timers,
+    ask_cam,
+    ask_j2945,
+    ask_periodic,
+    observe_loss,
+    start,
+)
 
 __all__ = ["SendingStations", "StepInputs", "send_each"]
 
@@ -233,6 +241,7 @@ def _send_otherwise(
     f: SendingStations,
     v: int,
     x: StepInputs,
+    tables: NeighbourTables,
     contents: Contents,
     out: Outbox,
     tally: SentTally,
@@ -245,8 +254,11 @@ def _send_otherwise(
     ask_s = x.t_s + f.timers.phase[v] * (x.dt_s - n.jitter_s)
     how = (ask_s + n.jitter_s * x.uniforms[v, 1], n.power_dbm, True, CAUSE_TIME)
     if f.policy.rule == RULE_ERROR_DRIVEN:
-        number, kind = f.sensed.taken[v] - 1, NOTHING
+        number, kind, loss = f.sensed.taken[v] - 1, NOTHING, 0.0
+        if f.rules.expects[b]:
+            loss = observe_loss(f.sensed, f.timers, f.policy, v, ask_s, tables)
         for lane in range(v * each, b + 1):
+            f.lanes.loss[lane] = loss
             kind = speak(f.models, f.sensed, f.fits, f.rules, f.lanes, lane, number, scratch)
             f.lanes.kind[lane] = kind
         if kind != NOTHING:
@@ -292,7 +304,7 @@ def _send_all(
         if f.policy.rule == RULE_J2945:
             _send_j2945(f, v, (v + 1) * each - 1, x, tables, contents, out, tally, scratch)
         else:
-            _send_otherwise(f, v, x, contents, out, tally, scratch)
+            _send_otherwise(f, v, x, tables, contents, out, tally, scratch)
 
 
 @kernel

@@ -4,12 +4,16 @@ A guarded lane follows the lane that runs its bank unguarded until the guard act
 on its own from then on (`modelcast.station.policy.guard`).
 """
 
+from math import hypot
+
 import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatVector, IntMatrix
 from modelcast.models.member_kernels import absorb_member
-from modelcast.station.arrays import Fits, LaneRules, Lanes, Sensed
+from modelcast.models.point_kernels import VELOCITY_EAST, VELOCITY_NORTH
+from modelcast.station.arrays import OLDER_HEAD, Fits, LaneRules, Lanes, Sensed
+from modelcast.station.policy.believed_loss_kernels import error_growth, share_held
 from modelcast.station.policy.error_driven_kernels import (
     IDENTIFY_NEVER,
     KEEP_ALIVE,
@@ -17,6 +21,7 @@ from modelcast.station.policy.error_driven_kernels import (
     START_RECENT,
     START_SURVIVOR,
     UPDATE,
+    longest_silence_s,
     step,
 )
 from modelcast.station.policy.guard_kernels import falls_back
@@ -39,6 +44,7 @@ def forget_lane(lanes: Lanes, b: int) -> None:
     lanes.kind[b] = NOTHING
     lanes.behind[b] = lanes.lead[b] = 0
     lanes.follows[b] = True
+    lanes.loss[b], lanes.olders[b] = 0.0, 0
     for m in range(lanes.usable.shape[1]):
         lanes.usable[b, m] = lanes.last_usable[b, m] = False
         lanes.failed_s[b, m] = np.inf
@@ -65,16 +71,48 @@ def _error(
 
 
 @kernel(inlined=True)
+def _expected_error(
+    models: SenderModels, s: Sensed, rules: LaneRules, lanes: Lanes, b: int, at: int, scratch: FloatVector
+) -> float:
+    """Mean tracking error over what a remote may hold, each of the last messages by its probability."""
+    newest = _error(models, s, rules, lanes, b, at, lanes.in_use[b], scratch)
+    loss, olders = float(lanes.loss[b]), lanes.olders[b]
+    if loss <= 0.0 or olders == 0:
+        return newest
+    v, offsets = rules.vehicle[b], models.members.offsets
+    mean = share_held(loss, 0, False) * newest
+    for k in range(olders):
+        m = int(lanes.older[b, k, 0])
+        own = lanes.older[b, k, OLDER_HEAD : OLDER_HEAD + offsets[m + 1] - offsets[m]]
+        origin = lanes.older[b, k, 1:OLDER_HEAD]
+        error_m = distance_to(models, m, own, origin, s.t_s[v, at], s.samples[v, at], scratch)
+        mean += share_held(loss, k + 1, k + 1 == olders) * error_m
+    return mean
+
+
+@kernel(inlined=True)
+def _longest_s(s: Sensed, rules: LaneRules, b: int, at: int) -> float:
+    """Longest silence of a lane at its speed."""
+    if rules.approach_m[b] == np.inf:
+        return float(rules.silence_s[b])
+    sample = s.samples[rules.vehicle[b], at]
+    speed = hypot(sample[VELOCITY_EAST], sample[VELOCITY_NORTH])
+    return longest_silence_s(rules.silence_s[b], rules.approach_m[b], speed)
+
+
+@kernel(inlined=True)
 def _ask(
     models: SenderModels, s: Sensed, rules: LaneRules, lanes: Lanes, b: int, at: int, scratch: FloatVector
 ) -> int:
     """Ask Algorithm 1 what a lane sends that sent before; an identification changes ``lanes.in_use``."""
     t_s = s.t_s[rules.vehicle[b], at]
-    if rules.identify[b] == IDENTIFY_NEVER and rules.start[b] != START_SURVIVOR:
+    if rules.expects[b] or (rules.identify[b] == IDENTIFY_NEVER and rules.start[b] != START_SURVIVOR):
         # Whether others hold changes nothing, and nobody asks when they failed.
-        if not _error(models, s, rules, lanes, b, at, lanes.in_use[b], scratch) < rules.threshold_m[b]:
+        growth = error_growth(lanes.loss[b], rules.budget[b]) if rules.expects[b] else 1.0
+        error_m = _expected_error(models, s, rules, lanes, b, at, scratch)
+        if not error_m < growth * rules.threshold_m[b]:
             return UPDATE
-        silent = t_s - lanes.message_s[b] >= rules.silence_s[b] - _TIME_SLACK_S
+        silent = t_s - lanes.message_s[b] >= _longest_s(s, rules, b, at) - _TIME_SLACK_S
         return KEEP_ALIVE if silent else NOTHING
     for m in range(models.members.windows.size):
         lanes.errors[b, m] = _error(models, s, rules, lanes, b, at, m, scratch)
@@ -85,11 +123,29 @@ def _ask(
         t_s - lanes.origin[b, 0],
         t_s - lanes.message_s[b],
         rules.threshold_m[b],
-        rules.silence_s[b],
+        _longest_s(s, rules, b, at),
         rules.identify[b],
         rules.costs[b],
     )
     return kind
+
+
+@kernel(inlined=True)
+def _keep_older(models: SenderModels, lanes: Lanes, b: int) -> None:
+    """Remember what the newest message gave remotes to hold: the next one may be lost."""
+    m = lanes.in_use[b]
+    if lanes.older.shape[1] == 0 or lanes.update[b] < 0 or not lanes.usable[b, m]:
+        return
+    lanes.olders[b] = min(lanes.olders[b] + 1, lanes.older.shape[1])
+    for k in range(lanes.olders[b] - 1, 0, -1):
+        for i in range(lanes.older.shape[2]):
+            lanes.older[b, k, i] = lanes.older[b, k - 1, i]
+    lanes.older[b, 0, 0] = m
+    for i in range(3):
+        lanes.older[b, 0, 1 + i] = lanes.origin[b, i]
+    first = models.members.offsets[m]
+    for i in range(models.members.offsets[m + 1] - first):
+        lanes.older[b, 0, OLDER_HEAD + i] = lanes.held[b, first + i]
 
 
 @kernel(inlined=True)
@@ -106,6 +162,7 @@ def hold(
     """Take what a lane says at a sample for what its remotes hold from now on."""
     v, ring = rules.vehicle[b], s.stated_m.shape[1]
     place, offsets = number % fits.parameters.shape[1], models.members.offsets
+    _keep_older(models, lanes, b)
     stated_s = s.stated_s[v, number % ring]
     east_m, north_m = s.stated_m[v, number % ring, 0], s.stated_m[v, number % ring, 1]
     lanes.origin[b, 0] = stated_s - lanes.origin[b, 0]
@@ -184,10 +241,10 @@ def compose(
 
 
 @kernel(inlined=True)
-def _follow(lanes: Lanes, b: int, free: int) -> None:
-    """Let a lane be where the one it follows is."""
+def _follow(lanes: Lanes, b: int, free: int, number: int) -> None:
+    """Let a lane be where the one it follows is, but for an update of this sample: it sends its own."""
     lanes.update[b], lanes.in_use[b], lanes.message_s[b] = (
-        lanes.update[free],
+        lanes.update[free] if lanes.update[free] != number else -1,
         lanes.in_use[free],
         lanes.message_s[free],
     )
@@ -197,6 +254,10 @@ def _follow(lanes: Lanes, b: int, free: int) -> None:
         lanes.held[b, i] = lanes.held[free, i]
     for m in range(lanes.usable.shape[1]):
         lanes.usable[b, m], lanes.failed_s[b, m] = lanes.usable[free, m], lanes.failed_s[free, m]
+    lanes.olders[b] = lanes.olders[free]
+    for k in range(lanes.olders[free]):
+        for i in range(lanes.older.shape[2]):
+            lanes.older[b, k, i] = lanes.older[free, k, i]
     lanes.follows[b] = False
 
 
@@ -232,7 +293,7 @@ def speak(
     if kind in (UPDATE, KEEP_ALIVE):
         guards = guards or (free >= 0 and falls_back(lanes.behind[b], lanes.lead[b]))
         if following and guards:
-            _follow(lanes, b, free)
+            _follow(lanes, b, free, number)
             following = False
         if not following:
             member = compose(models, s, fits, rules, lanes, b, number, scratch)

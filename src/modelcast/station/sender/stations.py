@@ -4,6 +4,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.station.arrays import fits, lanes, sensed
+from modelcast.station.policy.believed_loss_kernels import DEPTH
 from modelcast.station.policy.hindsight_kernels import LAGS_S
 from modelcast.station.sender.bank import SenderBank
 from modelcast.station.sender.lane_rules import speaking_lanes
@@ -72,7 +73,12 @@ def sending_stations(
         sensed=sensed(vehicles, max(window + back, own.memory(dt_s)), bank.ready.sample_columns),
         fits=fits(vehicles, back, members=members, parameters=parameters),
         rules=spoken.rules,
-        lanes=lanes(spoken.rules.vehicle.size, members=members, parameters=parameters),
+        lanes=lanes(
+            spoken.rules.vehicle.size,
+            members=members,
+            parameters=parameters,
+            older=DEPTH - 1 if rule.expects else 0,
+        ),
         policy=sender.policy.numbers,
         timers=timers(phase),
         senders=senders(vehicles),

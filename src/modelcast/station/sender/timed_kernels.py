@@ -10,12 +10,18 @@ from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector
 from modelcast.models.point_kernels import EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH
 from modelcast.station.arrays import LaneRules, Lanes, Sensed
 from modelcast.station.policy import cam_kernels, dcc_kernels, j2945_kernels, periodic_kernels
+from modelcast.station.policy.believed_loss_kernels import believed_loss
 from modelcast.station.policy.neighbours_kernels import NeighbourTables, count, survey
-from modelcast.station.policy.policy_numbers import RULE_CAM, RULE_J2945, PolicyNumbers
+from modelcast.station.policy.policy_numbers import (
+    RULE_CAM,
+    RULE_ERROR_DRIVEN,
+    RULE_J2945,
+    PolicyNumbers,
+)
 from modelcast.station.policy.tracking_error_kernels import LOCAL_COLUMNS, tracking_error_of_model
 from modelcast.station.sender.fitting_kernels import SenderModels
 
-__all__ = ["LOCAL", "Timers", "ask_cam", "ask_j2945", "ask_periodic", "start", "timers"]
+__all__ = ["LOCAL", "Timers", "ask_cam", "ask_j2945", "ask_periodic", "observe_loss", "start", "timers"]
 
 LOCAL = LOCAL_COLUMNS
 """Numbers of a vehicle's own estimate, that `ask_j2945` overwrites."""
@@ -59,7 +65,7 @@ def start(timers: Timers, policy: PolicyNumbers, v: int, t_s: float) -> None:
     timers.due_s[v] = -np.inf
     for column in range(4):
         timers.pending[v, column] = np.inf
-    if policy.rule == RULE_J2945:
+    if policy.rule == RULE_J2945 or (policy.rule == RULE_ERROR_DRIVEN and policy.constants.size > 1):
         j2945_kernels.start(timers.rows[v], t_s, timers.phase[v], policy.constants)
     elif policy.rule == RULE_CAM:
         cam_kernels.start(timers.rows[v, : cam_kernels.STATE_COLUMNS], policy.constants)
@@ -122,6 +128,25 @@ def ask_j2945(
             tables.hosts, tables.slots, v, ask_s, sample[EAST], sample[NORTH], sub_interval_s, range_m
         )
     return j2945_kernels.step(row, ask_s, until_s, error_m, busy_ratio, near, ratio, event, uniforms, c)
+
+
+@kernel(inlined=True)
+def observe_loss(
+    s: Sensed, timers: Timers, policy: PolicyNumbers, v: int, ask_s: float, tables: NeighbourTables
+) -> float:
+    """Share of its messages that a station believes lost, from the remotes that it hears.
+
+    It is the mean packet error ratio of the remotes in range, as the channel quality of SAE J2945/1 is.
+    """
+    row, c = timers.rows[v], policy.constants
+    if ask_s + c[j2945_kernels.TIME_ACCURACY_S] >= row[j2945_kernels.SURVEY_S]:
+        sample = s.samples[v, (s.taken[v] - 1) % s.stated_m.shape[1]]
+        _, ratio = survey(
+            tables.hosts, tables.slots, v, ask_s, sample[EAST], sample[NORTH],
+            c[j2945_kernels.PER_SUB_INTERVAL_S], c[j2945_kernels.PER_RANGE_M],
+        )  # fmt: skip
+        j2945_kernels.survey(row, ask_s, ratio, c)
+    return believed_loss(row[j2945_kernels.CHANNEL_QUALITY])
 
 
 @kernel(inlined=True)

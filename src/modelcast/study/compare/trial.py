@@ -229,8 +229,7 @@ def _add_errors(
         return
     groups = iter(trial.groups)
     for threshold_m in settings.thresholds_m:
-        policy = settings.policy(threshold_m, keep_alive=True)
-        own, *rivals = trip.losses.contended(each, policy, bases)
+        own, *rivals = trip.losses.contended(each, threshold_m, bases)
         for at in range(len(bases)):
             runs = [own, *rivals[len(RIVALS) * at : len(RIVALS) * (at + 1)]]
             for row in range(len(settings.packet_error_ratios)):
