@@ -144,7 +144,7 @@ def run_tracking(
     runs = LossRuns(case, baseline, settings)
     for threshold_m in settings.thresholds_m:
         policy = settings.policy(threshold_m, keep_alive=True)
-        own, *rivals = runs.contended(mbc, threshold_m, RATE_BASES)
+        own, *rivals = runs.contended(mbc, settings, threshold_m, RATE_BASES)
         yield own
         yield runs.walked(
             baseline, [baseline.run(policy)], Contender("baseline", baseline.bank.name, None, threshold_m)
@@ -192,7 +192,11 @@ class LossRuns:
         self._parts: dict[int, LossRuns] = {}
 
     def contended(
-        self, each: Sequence[TripRuntime], threshold_m: float, bases: Sequence[RateBasis]
+        self,
+        each: Sequence[TripRuntime],
+        settings: EvaluationSettings,
+        threshold_m: float,
+        bases: Sequence[RateBasis],
     ) -> list[TrackingRun]:
         """The errors of one sender, then for each basis those of both readings of its equal-rate baseline.
 
@@ -201,16 +205,21 @@ class LossRuns:
         each
             Its bank, ready for what it sees: once for all loss ratios, or once for each where loss changes
             what it knows. Then the baselines are at equal rate ratio by ratio.
+        settings
+            Its rules.
         threshold_m
             Its threshold [m].
         bases
             As for `equal_rate`.
         """
         if len(each) > 1:
-            parts = [self._part(at).contended([one], threshold_m, bases) for at, one in enumerate(each)]
+            parts: list[list[TrackingRun]] = []
+            for at, one in enumerate(each):
+                alone = replace(settings, packet_error_ratios=(settings.packet_error_ratios[at],))
+                parts.append(self._part(at).contended([one], alone, threshold_m, bases))
             return [TrackingRun.stacked(runs) for runs in zip(*parts, strict=True)]
-        ready, policy = each[0], self._settings.policy(threshold_m, keep_alive=True)
-        walks = walks_under_loss(ready, self._settings, threshold_m)
+        ready, policy = each[0], settings.policy(threshold_m, keep_alive=True)
+        walks = walks_under_loss(ready, settings, threshold_m)
         own = self.walked(ready, walks, Contender("mbc", ready.bank.name, None, threshold_m))
         return [own, *(run for basis in bases for run in self.equal_rate(policy, walks, basis))]
 

@@ -229,7 +229,7 @@ def _add_errors(
         return
     groups = iter(trial.groups)
     for threshold_m in settings.thresholds_m:
-        own, *rivals = trip.losses.contended(each, threshold_m, bases)
+        own, *rivals = trip.losses.contended(each, settings, threshold_m, bases)
         for at in range(len(bases)):
             runs = [own, *rivals[len(RIVALS) * at : len(RIVALS) * (at + 1)]]
             for row in range(len(settings.packet_error_ratios)):
