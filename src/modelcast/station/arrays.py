@@ -2,7 +2,8 @@
 
 V vehicles measure (`Sensed`) and fit sub-models (`Fits`). L *lanes* decide: each is one sender of one
 vehicle, by one rule at one threshold, so that all that decide over the same samples share the fits. A vehicle
-on the road has one lane; an evaluation has one a threshold; a guarded sender has two more, which stay silent.
+on the road has one lane; an evaluation has one a threshold; a guarded sender has two or three more,
+which stay silent.
 Samples of a vehicle are numbered from 0; the rings hold them at their number modulo the ring's length.
 """
 
@@ -12,7 +13,6 @@ import numpy as np
 
 from modelcast.core.kernel_types import (
     BoolMatrix,
-    BoolVector,
     FloatCube,
     FloatMatrix,
     FloatVector,
@@ -21,6 +21,7 @@ from modelcast.core.kernel_types import (
     IntVector,
 )
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
+from modelcast.station.policy.guard_kernels import Guarding, guarding
 
 __all__ = ["MEASURED", "Fits", "LaneRules", "Lanes", "Sensed", "fits", "lanes", "sensed"]
 
@@ -75,9 +76,9 @@ class Lanes(NamedTuple):
     decided last.
 
     ``last`` (L, P), ``last_usable`` (L, M) and ``last_origin`` (L, 3) are those of the last message, whether
-    it is believed received or not, and ``scores`` (L, M) the recent errors of each member's. ``behind`` and
-    ``lead`` (L,) are the guard's counts, ``follows`` (L,) whether it has not acted yet. ``errors`` (L, M),
-    ``chances`` (L, M) and ``available`` (L, M) are overwritten.
+    it is believed received or not, and ``scores`` (L, M) the recent errors of each member's. ``guarded`` is
+    what guarded lanes know of their guards. ``errors`` (L, M), ``chances`` (L, M) and ``available`` (L, M)
+    are overwritten.
     """
 
     update: IntVector
@@ -92,9 +93,7 @@ class Lanes(NamedTuple):
     last_usable: BoolMatrix
     last_origin: FloatMatrix
     scores: FloatMatrix
-    behind: IntVector
-    lead: IntVector
-    follows: BoolVector
+    guarded: Guarding
     errors: FloatMatrix
     chances: FloatMatrix
     available: BoolMatrix
@@ -106,9 +105,10 @@ class LaneRules(NamedTuple):
     ``vehicle`` (L,) whose samples each decides over; ``threshold_m`` and ``silence_s`` (L,) error and silence
     that call for a message; ``start`` and ``identify`` (L,) codes of the rules; ``costs`` (L, C) as
     `CostTable.packed`, ``selector`` (L, K) constants of the selector at each threshold; ``only`` (L,) the one
-    member that a lane may use, -1 for all; ``free`` and ``alone`` (L,) for a guarded lane the lanes before it
-    that run the same bank unguarded and the guard alone, else -1. ``within_m`` is the resolution below which
-    recent errors are equal [m].
+    member that a lane may use, and constant velocity while that has no full window, -1 for all; for a guarded
+    lane ``bank`` (L,) and ``guards`` (L, 2) the lanes before it that run the same bank unguarded and each
+    guard alone, else -1; for its bank's lane ``speaker`` (L,) that guarded lane, else -1. ``within_m`` is the
+    resolution below which recent errors are equal [m].
     """
 
     vehicle: IntVector
@@ -119,8 +119,9 @@ class LaneRules(NamedTuple):
     costs: FloatMatrix
     selector: FloatMatrix
     only: IntVector
-    free: IntVector
-    alone: IntVector
+    speaker: IntVector
+    bank: IntVector
+    guards: IntMatrix
     within_m: float
 
 
@@ -188,9 +189,7 @@ def lanes(count: int, *, members: int, parameters: int) -> Lanes:
         last_usable=np.zeros((count, members), dtype=np.bool_),
         last_origin=np.zeros((count, 3)),
         scores=np.full((count, members), -1.0),
-        behind=np.zeros(count, dtype=np.int64),
-        lead=np.zeros(count, dtype=np.int64),
-        follows=np.ones(count, dtype=np.bool_),
+        guarded=guarding(count),
         errors=np.zeros((count, members)),
         chances=np.zeros((count, members)),
         available=np.zeros((count, members), dtype=np.bool_),
