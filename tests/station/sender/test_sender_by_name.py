@@ -173,7 +173,7 @@ def test_a_guarded_sender_has_two_silent_lanes_before_its_own() -> None:
         assert rules.alone.tolist() == [-1, -1, 1, -1, -1, -1, 5]
         assert rules.selector.tolist() == [[0.0]] * 7
         assert rules.within_m == 0.25
-    alone = speaking_lanes([guarded, keep], [0, 1], guard=-1, dt_s=0.1)
+    alone = speaking_lanes([guarded, keep], [0, 1], guards=(), dt_s=0.1)
     assert alone.speaks.tolist() == [0, 1]
     assert alone.rules.start.tolist() == [ErrorDriven(0.4).start_code, keep.start_code]
     assert alone.rules.free.tolist() == alone.rules.alone.tolist() == alone.rules.only.tolist() == [-1, -1]
@@ -182,7 +182,7 @@ def test_a_guarded_sender_has_two_silent_lanes_before_its_own() -> None:
 def test_costs_of_every_lane_stand_in_a_row_and_zeros_behind_the_short_ones() -> None:
     policies = [ErrorDriven(0.1, identify="cheapest", costs=costs(2, ages)) for ages in (1, 4, 2)]
     packed = [one.codes[3] for one in policies]
-    found = speaking_lanes(policies, [0, 1, 2], guard=-1, dt_s=0.1).rules.costs
+    found = speaking_lanes(policies, [0, 1, 2], guards=(), dt_s=0.1).rules.costs
     assert found.shape == (3, max(one.size for one in packed))
     for row, one in zip(found, packed, strict=True):
         assert row[: one.size].tolist() == one.tolist()
@@ -193,7 +193,7 @@ def test_there_is_one_policy_a_vehicle() -> None:
     keep = ErrorDriven(0.2)
     for policies, vehicles in (([keep], [0, 1]), ([keep, keep], [0])):
         with pytest.raises(ValueError, match=r"shorter|longer"):
-            speaking_lanes(policies, vehicles, guard=-1, dt_s=0.1)
+            speaking_lanes(policies, vehicles, guards=(), dt_s=0.1)
 
 
 def test_a_bank_says_what_was_added_to_it_and_what_guards_it() -> None:

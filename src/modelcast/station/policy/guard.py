@@ -9,7 +9,8 @@ nothing on the air.
    constant velocity, 4 and 0.03 for the other. What it is beyond that is its *overrun* o, the larger of both.
 2. Where the overrun has reached what is granted, 0 at first, and the guard that has sent fewest sends, the
    sender sends with it, and is in step with it from then on: both send the same at the same instants, and
-   the sender falls no further behind. Until that guard sends, the bank serves on.
+   the sender falls no further behind. Until that guard sends, the bank serves on; but once it has lost one
+   message more, its messages carry that guard's sub-model.
 3. In step, where the other guard has sent two messages fewer and sends, the sender changes guards.
 4. In step, the virtual bank's lead over that guard is counted, from its lowest on. Where it reaches
    ``4·4^max(o, 0)``, the bank starts anew with the guard's next message, which costs nothing, and is granted
@@ -110,7 +111,7 @@ def steered(bank: BoolArray, guards: BoolArray) -> Steered:
     """
     if bank.ndim != 1 or guards.shape not in ((bank.size, 1), (bank.size, kernels.GUARDS)):
         raise ValueError(
-            f"bank must be (T,) and guards (T, 1) or (T, {kernels.GUARDS}), got {bank.shape} and {guards.shape}"
+            f"bank must be (T,) and guards (T, 1) or (T, {kernels.GUARDS}), got {bank.shape}, {guards.shape}"
         )
     step, restarts = np.empty(bank.size, dtype=np.int64), np.empty(bank.size, dtype=np.bool_)
     kernels.steer_through(

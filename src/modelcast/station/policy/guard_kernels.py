@@ -19,6 +19,7 @@ __all__ = [
     "GROWTH",
     "GUARDS",
     "OWN",
+    "PATIENCE",
     "SHARE",
     "WORSE",
     "Guarding",
@@ -55,18 +56,24 @@ WORSE = 2
 """Messages more than the other guard's at which the sender changes guards."""
 
 
+PATIENCE = 1.0
+"""Messages beyond what is granted that the bank may lose by sub-models of its own choice."""
+
+
 class Guarding(NamedTuple):
     """What L lanes know of their guards.
 
     ``counts`` (L, GUARDS + 1) messages of each guard and, last, of the lane; ``lead`` (L,) of the bank over
     the guard in step, since it was last none; ``step`` (L,) the guard in step, `BANK` for none; ``granted``
-    (L,) how far beyond the allowance the lane may be before a guard serves.
+    (L,) how far beyond the allowance the lane may be before a guard serves; ``stand_in`` (L,) the guard whose
+    sub-model the bank's lane carries while the sender waits for it, `BANK` for its own choice.
     """
 
     counts: IntMatrix
     lead: IntVector
     step: IntVector
     granted: FloatVector
+    stand_in: IntVector
 
 
 def guarding(count: int) -> Guarding:
@@ -82,6 +89,7 @@ def guarding(count: int) -> Guarding:
         np.zeros(count, dtype=np.int64),
         np.full(count, BANK, dtype=np.int64),
         np.zeros(count),
+        np.full(count, BANK, dtype=np.int64),
     )
 
 
@@ -90,7 +98,8 @@ def forget_guard(g: Guarding, b: int) -> None:
     """Let a lane have sent nothing."""
     for i in range(GUARDS + 1):
         g.counts[b, i] = 0
-    g.lead[b], g.step[b], g.granted[b] = 0, BANK, 0.0
+    g.lead[b], g.granted[b] = 0, 0.0
+    g.step[b] = g.stand_in[b] = BANK
 
 
 @kernel
@@ -112,7 +121,7 @@ def steer(g: Guarding, b: int, bank: bool, guards: tuple[bool, bool], count: int
     The first ``count`` of ``guards`` are there. Afterwards ``g.step[b]`` says whom the lane is with, at this
     sample too; where the bank restarts its lane must update now, as the guard that it takes over from does.
     """
-    step = g.step[b]
+    step = int(g.step[b])
     best = 0 if count == 1 or g.counts[b, 0] < g.counts[b, 1] else 1
     apart = g.counts[b, step] - g.counts[b, 1 - step] if step != BANK and count > 1 else 0
     for i in range(count):
@@ -133,7 +142,9 @@ def steer(g: Guarding, b: int, bank: bool, guards: tuple[bool, bool], count: int
         elif guards[step] and g.lead[b] >= needed_lead(over):
             g.step[b], g.granted[b] = BANK, max(over + 1.0, 0.0)
             restarts = True
-    now = g.step[b]
+    waits = bool(g.step[b] == BANK) and not restarts and over >= g.granted[b] + PATIENCE
+    g.stand_in[b] = best if waits else BANK
+    now = int(g.step[b])
     g.counts[b, OWN] += int((bank or restarts) if now == BANK else guards[now])
     return restarts
 

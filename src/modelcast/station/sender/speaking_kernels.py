@@ -197,6 +197,27 @@ def _steered(rules: LaneRules, lanes: Lanes, a: int, kind: int) -> int:
 
 
 @kernel(inlined=True)
+def _stand_in(
+    models: SenderModels,
+    s: Sensed,
+    fits: Fits,
+    rules: LaneRules,
+    lanes: Lanes,
+    a: int,
+    number: int,
+    member: int,
+) -> int:
+    """Return the sub-model of the guard that a bank's lane stands in for; its own where that has none."""
+    b, v = rules.speaker[a], rules.vehicle[a]
+    guard = int(rules.only[rules.guards[b, lanes.guarded.stand_in[b]]])
+    history = s.history[v, number % s.history.shape[1]]
+    if history < models.members.windows[guard] or not fit(models, s, fits, v, number, guard):
+        return member
+    lanes.available[a, guard] = True
+    return guard
+
+
+@kernel(inlined=True)
 def speak(
     models: SenderModels,
     s: Sensed,
@@ -222,6 +243,8 @@ def speak(
             kind = _steered(rules, lanes, b, kind)
         if kind in (UPDATE, KEEP_ALIVE):
             member = compose(models, s, fits, rules, lanes, b, number, scratch)
+            if rules.speaker[b] >= 0 and lanes.guarded.stand_in[rules.speaker[b]] != BANK:
+                member = _stand_in(models, s, fits, rules, lanes, b, number, member)
             hold(models, s, fits, rules, lanes, b, number, member)
     if kind != NOTHING:
         lanes.message_s[b] = s.t_s[v, at]
