@@ -192,7 +192,7 @@ class Steering:
     stands_in: int | None = None
     """Guard whose sub-model the bank's next message carries, this sample's too."""
 
-    def take(self, now: int, bank: bool) -> bool:  # noqa: FBT001 - whether the bank sends
+    def take(self, now: int, bank: bool) -> bool:
         """Take in a sample; whether the bank starts anew."""
         says = {place: now in messages for place, messages in self.guards.items()}
         before = {place: self.sent.get(place, 0) for place in self.guards}

@@ -28,7 +28,7 @@ def available(models: SenderModels, s: Sensed, rules: LaneRules, lanes: Lanes, b
     members, v = models.members, rules.vehicle[b]
     history = s.history[v, number % s.history.shape[1]]
     served, only = False, rules.only[b]
-    if only >= 0 and history < members.windows[only]:
+    if only >= 0 and models.guard >= 0 and history < members.windows[only]:
         only = models.guard  # as constant velocity completes a bank of that member alone
     for m in range(members.windows.size):
         found = history >= members.windows[m] and (only < 0 or only == m)
