@@ -6,7 +6,8 @@ four thresholds, the messages of constant velocity alone (``cv``), of the bank's
 ``PYTHONPATH=OTHER/src`` counts by an older checkout. ``guard.py table FILE ...`` prints a line a source and
 file: messages over those of the bank without a guard, of cv and of free, and at how many trips and
 thresholds the bank sends more than max(1.02 cv, cv + 3) and than max(1.05 free, free + 5), with the most
-messages beyond; first of all the bank without a guard, by the first file. ``--worst N`` adds the worst trips of each file.
+messages beyond; first of all the bank without a guard, by the first file. ``--worst N`` adds the worst
+trips of each file.
 """
 
 import argparse
