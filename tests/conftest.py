@@ -5,7 +5,7 @@ import inspect
 import os
 import pkgutil
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -176,40 +176,80 @@ def named(
     return best if identify == "best" or errors[used] >= threshold_m else used
 
 
-@dataclass(frozen=True)
-class VirtualSenders:
-    """Samples at which the bank without a guard, and constant velocity alone, would have sent."""
+@dataclass
+class Steering:
+    """The guard's rule in plain Python: whom a sender is with, a guard's place or None for the bank."""
 
-    free: list[int]
-    alone: list[int]
-    place: int
+    guards: dict[int, dict[int, str]]
+    """What each guard sends at which samples, constant velocity first."""
 
-    def serves(self, sent: int, now: int) -> bool:
-        """Whether constant velocity serves a sender that has sent so many messages by now."""
-        if self.place < 0:
-            return False
-        alone = sum(at <= now for at in self.alone)
-        behind = sent - alone
-        return behind >= 2 and alone - sum(at <= now for at in self.free) < 2**behind
+    sent: dict[int, int] = field(default_factory=dict[int, int])
+    own: int = 0
+    lead: int = 0
+    granted: float = 0.0
+    now_with: int | None = None
+    past: list[int | None] = field(default_factory=list[int | None])
+    stands_in: int | None = None
+    """Guard whose sub-model the bank's next message carries, this sample's too."""
 
-    def calls(self, sent: int, now: int, used: int) -> bool:
-        """Whether a sender that uses constant velocity sends to keep in step."""
-        return now in self.alone and used == self.place and self.serves(sent, now - 1)
+    def take(self, now: int, bank: bool) -> bool:
+        """Take in a sample; whether the bank starts anew."""
+        says = {place: now in messages for place, messages in self.guards.items()}
+        before = {place: self.sent.get(place, 0) for place in self.guards}
+        self.sent = {place: before[place] + says[place] for place in self.guards}
+        sends = bank if self.now_with is None else says[self.now_with]
+        allowed = dict(zip(self.guards, ((2, 0.01), (4, 0.03)), strict=False))
+        overrun = max(
+            self.own + sends - self.sent[place] - max(least, share * self.sent[place] - 1)
+            for place, (least, share) in allowed.items()
+        )
+        anew = False
+        fewest = min(reversed(list(self.guards)), key=lambda place: before[place])
+        if self.now_with is None:
+            self.granted = min(self.granted, max(overrun + 1, 0))
+            if overrun >= self.granted and says[fewest]:
+                self.now_with, self.lead, sends = fewest, 0, True
+        else:
+            own, others = self.now_with, [place for place in self.guards if place != self.now_with]
+            self.lead = max(self.lead + says[own] - bank, 0)
+            better = [place for place in others if before[own] - before[place] >= 2 and says[place]]
+            if better:
+                self.now_with, self.lead, sends = better[0], 0, True
+            elif says[own] and self.lead >= 4 * 4 ** max(overrun, 0):
+                self.now_with, self.granted, anew = None, max(overrun + 1, 0), True
+        waits = self.now_with is None and not anew and overrun >= self.granted + 1
+        self.stands_in = fewest if waits else None
+        self.own += sends
+        self.past.append(self.now_with)
+        return anew
 
 
-def virtual_senders(
-    sender: Replica, *, threshold_m: float, identify: str, longest_s: float
-) -> tuple[VirtualSenders, float]:
-    """The virtual senders of a guarded bank, and the least margin of either."""
-    place = [member.name for member in sender.bank.members].index("cv")
-    lone = Replica(sender.trip, Bank((sender.bank.members[place],)))
-
-    def sends(one: Replica, start: str) -> tuple[Events, float]:
-        return algorithm_1(one, threshold_m=threshold_m, start=start, identify=identify, longest_s=longest_s)
-
-    free, margin = sends(sender, "hindsight")
-    alone, other = sends(lone, "order")
-    return VirtualSenders([at for at, *_ in free], [at for at, *_ in alone], place), min(margin, other)
+def guarded(sender: Replica, *, threshold_m: float, identify: str, longest_s: float) -> tuple[Events, float]:
+    """What a guarded sender sends, and the least margin of it and its guards."""
+    names = [member.name for member in sender.bank.members]
+    places = [names.index(name) for name in ("cv", "ctra") if name in names]
+    alone: dict[int, Events] = {}
+    margins: list[float] = []
+    for place in places:
+        lone = Replica(sender.trip, Bank((sender.bank.members[place],)))
+        alone[place], margin = algorithm_1(
+            lone, threshold_m=threshold_m, start="order", identify=identify, longest_s=longest_s
+        )
+        margins.append(margin)
+    steering = Steering({place: {now: kind for now, kind, _ in events} for place, events in alone.items()})
+    bank, margin = algorithm_1(
+        sender,
+        threshold_m=threshold_m,
+        start="hindsight",
+        identify=identify,
+        longest_s=longest_s,
+        steering=steering,
+    )
+    said: dict[int | None, Events] = {None: bank} | {
+        place: [(now, kind, place) for now, kind, _ in events] for place, events in alone.items()
+    }
+    events = [one for whom, own in said.items() for one in own if steering.past[one[0]] == whom]
+    return sorted(events), min(margin, *margins)
 
 
 def first_choice(
@@ -227,14 +267,20 @@ def first_choice(
         return used
     if start == "survivor":
         return max(ready, key=lambda m: lasted_s.get(m, np.inf))
-    if start in ("hindsight", "guarded"):
+    if start == "hindsight":
         lives = lives_in_hindsight(sender, now, ready, threshold_m)
         return max(ready, key=lambda m: lives.get(m, 0.0))
     return ready[0]
 
 
 def algorithm_1(
-    sender: Replica, *, threshold_m: float, start: str, identify: str, longest_s: float
+    sender: Replica,
+    *,
+    threshold_m: float,
+    start: str,
+    identify: str,
+    longest_s: float,
+    steering: Steering | None = None,
 ) -> tuple[Events, float]:
     """Algorithm 1 from the paper's text, in dictionaries: (sample, message, sub-model), and the least margin.
 
@@ -242,21 +288,19 @@ def algorithm_1(
     """
     t_s = sender.trip.t_s
     members = range(len(sender.bank.members))
-    virtual, margin = VirtualSenders([], [], -1), np.inf
     if start == "guarded":
-        virtual, margin = virtual_senders(
-            sender, threshold_m=threshold_m, identify=identify, longest_s=longest_s
-        )
+        return guarded(sender, threshold_m=threshold_m, identify=identify, longest_s=longest_s)
     events: Events = []
+    margin = np.inf
 
     def starter(now: int, used: int | None, lasted_s: dict[int, float]) -> int:
-        if virtual.serves(len(events) + 1, now):
-            return virtual.place
         return first_choice(sender, now, used, lasted_s, start=start, threshold_m=threshold_m)
 
     lasted_s: dict[int, float] = {}
     used = starter(0, None, lasted_s)
     events.append((0, "update", used))
+    if steering is not None:
+        steering.take(0, bank=True)
     origin = spoken = 0
     for now in range(1, len(t_s)):
         errors = {m: sender.tracking_error_m(origin, now, m) for m in members}
@@ -267,9 +311,13 @@ def algorithm_1(
         holding = serving(identify, used, errors, lasted_s, threshold_m)
         overdue = bool(holding) and t_s[now] - t_s[spoken] >= longest_s - 1e-9
         other = named(identify, used, errors, holding, threshold_m)
-        if not holding or overdue or (other == used and virtual.calls(len(events), now, used)):
+        sends = not holding or overdue or other != used
+        anew = steering is not None and steering.take(now, sends)
+        if not holding or overdue or anew:
             used = starter(now, used, lasted_s)
-            events.append((now, "keep-alive" if overdue else "update", used))
+            if steering is not None and steering.stands_in is not None:
+                used = steering.stands_in
+            events.append((now, "keep-alive" if overdue and not anew else "update", used))
             origin = spoken = now
             lasted_s = {}
         elif other != used:
@@ -283,3 +331,9 @@ def algorithm_1(
 def _algorithm_1() -> Callable[..., tuple[Events, float]]:
     """Run the plain reference of the error-driven policy."""
     return algorithm_1
+
+
+@pytest.fixture(scope="session")
+def steering() -> type[Steering]:
+    """The guard's rule in plain Python."""
+    return Steering

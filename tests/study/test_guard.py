@@ -8,17 +8,22 @@ import pytest
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import derivative_process, vehicle_process
-from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
+from modelcast.models.kinematic import (
+    ConstantAcceleration,
+    ConstantTurnRateAcceleration,
+    ConstantTurnRateVelocity,
+)
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.banks import BASELINE_BANK
 from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
-from modelcast.station.policy.guard import ALLOWED, falls_back
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 
-BANK = Bank((ConstantAcceleration(), ConstantTurnRateAcceleration(), ConstantVelocity()))
+CTRA = ConstantTurnRateAcceleration()
+BANK = Bank((ConstantAcceleration(), CTRA, ConstantVelocity()))
+ONE_GUARD = Bank((ConstantAcceleration(), ConstantTurnRateVelocity(), ConstantVelocity()))
 
 
 def walked(trip: Trajectory, bank: Bank, start: str, threshold_m: float = 0.3) -> TripMessages:
@@ -44,44 +49,50 @@ def jerking(seed: int, hold: int) -> Trajectory:
 def test_a_bank_that_always_comes_too_late_costs_a_few_messages_at_most(
     seed: int, hold: int, threshold_m: float
 ) -> None:
+    """Six by one guard; by two, which may take turns in being the better one, ten of the better."""
     trip = jerking(seed, hold)
-    baseline = walked(trip, BASELINE_BANK, "order", threshold_m)
-    guarded = walked(trip, BANK, "guarded", threshold_m)
-    assert guarded.updates <= baseline.updates + ALLOWED + 4
+    alone = [walked(trip, bank, "order", threshold_m).updates for bank in (BASELINE_BANK, Bank((CTRA,)))]
+    assert walked(trip, ONE_GUARD, "guarded", threshold_m).updates <= alone[0] + 6
+    assert walked(trip, BANK, "guarded", threshold_m).updates <= min(alone) + 10
 
 
 def test_unguarded_it_costs_many_times_as_much() -> None:
     trip = jerking(3, 4)
     baseline = walked(trip, BASELINE_BANK, "order").updates
-    assert walked(trip, BANK, "hindsight").updates >= baseline + 40
-    assert walked(trip, BANK, "guarded").updates <= baseline + 5
+    for bank, most in ((BANK, 10), (ONE_GUARD, 5)):
+        assert walked(trip, bank, "hindsight").updates >= baseline + 40
+        assert walked(trip, bank, "guarded").updates <= baseline + most
 
 
 def test_once_in_step_the_sender_sends_with_constant_velocity() -> None:
     trip = jerking(1, 4)
-    alone, guarded = walked(trip, BASELINE_BANK, "order"), walked(trip, BANK, "guarded")
+    alone, guarded = walked(trip, BASELINE_BANK, "order"), walked(trip, ONE_GUARD, "guarded")
     behind = np.cumsum(guarded.transmits) - np.cumsum(alone.transmits)
     last = int(np.flatnonzero(np.diff(behind))[-1])  # from then on nothing is lost or gained
     assert last < len(trip) // 2
     assert guarded.kind[last + 2 :].tolist() == alone.kind[last + 2 :].tolist()
     assert set(guarded.in_use[last + 2 :]) == {2}
+    both = last + 1 + int(np.argmax(alone.transmits[last + 1 :]))
+    assert guarded.update_index[both:].tolist() == alone.update_index[both:].tolist()
+
+
+def test_once_in_step_with_a_plain_sub_model_the_sender_sends_as_that_does_alone() -> None:
+    trip = jerking(0, 6)
+    alone, guarded = walked(trip, Bank((CTRA,)), "order"), walked(trip, BANK, "guarded")
+    behind = np.cumsum(guarded.transmits) - np.cumsum(alone.transmits)
+    last = int(np.flatnonzero(np.diff(behind))[-1])
+    assert last < len(trip) // 2
+    assert guarded.kind[last + 2 :].tolist() == alone.kind[last + 2 :].tolist()
+    assert set(guarded.in_use[last + 2 :]) == {1}
 
 
 def test_a_bank_that_never_falls_behind_is_not_guarded(drive: Trajectory) -> None:
     free, guarded = walked(drive, BANK, "hindsight"), walked(drive, BANK, "guarded")
     alone = walked(drive, BASELINE_BANK, "order")
-    assert (np.cumsum(free.transmits) - np.cumsum(alone.transmits)).max() < ALLOWED
+    assert (np.cumsum(free.transmits) - np.cumsum(alone.transmits)).max() < 2
     assert guarded.kind.tolist() == free.kind.tolist()
     assert guarded.in_use.tolist() == free.in_use.tolist()
     assert MessageKind.IDENTIFICATION not in guarded.kind
-
-
-@pytest.mark.parametrize("behind", range(2, 8))
-def test_each_message_lost_doubles_the_lead_it_takes(behind: int) -> None:
-    leads = np.arange(300)
-    serves = falls_back(np.full(300, behind), leads)
-    assert leads[~serves].min() == 2**behind
-    assert not falls_back(np.array([ALLOWED - 1]), np.array([-5])).any()
 
 
 def test_one_sub_model_and_what_stands_in_for_it_have_nothing_to_guard(drive: Trajectory) -> None:
@@ -100,5 +111,3 @@ def test_a_guarded_bank_needs_constant_velocity() -> None:
         EvaluationSettings(bank=bank, start="guarded", identify="never")
     with pytest.raises(ValueError, match="the bank has no cv, only ca, ctra"):
         walked(jerking(0, 5), bank, "guarded")
-    with pytest.raises(ValueError, match="must have one shape"):
-        falls_back(np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64))

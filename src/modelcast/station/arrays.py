@@ -2,7 +2,8 @@
 
 V vehicles measure (`Sensed`) and fit sub-models (`Fits`). L *lanes* decide: each is one sender of one
 vehicle, by one rule at one threshold, so that all that decide over the same samples share the fits. A vehicle
-on the road has one lane; an evaluation has one a threshold; a guarded sender has two more, which stay silent.
+on the road has one lane; an evaluation has one a threshold; a guarded sender has two or three more,
+which stay silent.
 Samples of a vehicle are numbered from 0; the rings hold them at their number modulo the ring's length.
 """
 
@@ -21,6 +22,7 @@ from modelcast.core.kernel_types import (
     IntVector,
 )
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
+from modelcast.station.policy.guard_kernels import Guarding, guarding
 
 __all__ = ["MEASURED", "OLDER_HEAD", "Fits", "LaneRules", "Lanes", "Sensed", "fits", "lanes", "sensed"]
 
@@ -78,12 +80,11 @@ class Lanes(NamedTuple):
     decided last.
 
     ``last`` (L, P), ``last_usable`` (L, M) and ``last_origin`` (L, 3) are those of the last message, whether
-    it is believed received or not, and ``scores`` (L, M) the recent errors of each member's. ``behind`` and
-    ``lead`` (L,) are the guard's counts, ``follows`` (L,) whether it has not acted yet. ``loss`` (L,) is the
-    share of messages believed lost; ``older`` (L, D, 4 + P) what the messages before the newest one gave
-    remotes to hold, newest first, where the rules ask for it: member, instant [s], position [m] and the
-    member's parameters; ``olders`` (L,) how many there are. ``errors`` (L, M),
-    ``chances`` (L, M) and ``available`` (L, M) are overwritten.
+    it is believed received or not, and ``scores`` (L, M) the recent errors of each member's. ``guarded`` is
+    what guarded lanes know of their guards. ``loss`` (L,) is the share of messages believed lost; ``older``
+    (L, D, 4 + P) what the messages before the newest one gave remotes to hold, newest first, where the rules
+    ask for it: member, instant [s], position [m] and the member's parameters; ``olders`` (L,) how many there
+    are. ``errors`` (L, M), ``chances`` (L, M) and ``available`` (L, M) are overwritten.
     """
 
     update: IntVector
@@ -98,9 +99,7 @@ class Lanes(NamedTuple):
     last_usable: BoolMatrix
     last_origin: FloatMatrix
     scores: FloatMatrix
-    behind: IntVector
-    lead: IntVector
-    follows: BoolVector
+    guarded: Guarding
     loss: FloatVector
     older: FloatCube
     olders: IntVector
@@ -115,13 +114,13 @@ class LaneRules(NamedTuple):
     ``vehicle`` (L,) whose samples each decides over; ``threshold_m`` and ``silence_s`` (L,) error and silence
     that call for a message; ``start`` and ``identify`` (L,) codes of the rules; ``costs`` (L, C) as
     `CostTable.packed`, ``selector`` (L, K) constants of the selector at each threshold; ``only`` (L,) the one
-    member that a lane may use, -1 for all; ``free`` and ``alone`` (L,) for a guarded lane the lanes before it
-    that run the same bank unguarded and the guard alone, else -1. ``expects`` (L,) says which measure the
-    error expected over all that remotes may hold, ``loss`` (L,) which share of their messages they believe
-    lost at first, and ``budget`` (L,) how many times the messages of a channel without losses they may send.
-    ``approach_m`` (L,) is the way that two vehicles may come closer between two messages.
-    ``within_m`` is the resolution below which
-    recent errors are equal [m].
+    member that a lane may use, and constant velocity while that has no full window, -1 for all; for a guarded
+    lane ``bank`` (L,) and ``guards`` (L, 2) the lanes before it that run the same bank unguarded and each
+    guard alone, else -1; for its bank's lane ``speaker`` (L,) that guarded lane, else -1. ``expects`` (L,)
+    says which measure the error expected over all that remotes may hold, ``loss`` (L,) which share of their
+    messages they believe lost at first, and ``budget`` (L,) how many times the messages of a channel without
+    losses they may send. ``approach_m`` (L,) is the way that two vehicles may come closer between two
+    messages. ``within_m`` is the resolution below which recent errors are equal [m].
     """
 
     vehicle: IntVector
@@ -132,8 +131,9 @@ class LaneRules(NamedTuple):
     costs: FloatMatrix
     selector: FloatMatrix
     only: IntVector
-    free: IntVector
-    alone: IntVector
+    speaker: IntVector
+    bank: IntVector
+    guards: IntMatrix
     expects: BoolVector
     loss: FloatVector
     budget: FloatVector
@@ -207,9 +207,7 @@ def lanes(count: int, *, members: int, parameters: int, older: int = 0) -> Lanes
         last_usable=np.zeros((count, members), dtype=np.bool_),
         last_origin=np.zeros((count, 3)),
         scores=np.full((count, members), -1.0),
-        behind=np.zeros(count, dtype=np.int64),
-        lead=np.zeros(count, dtype=np.int64),
-        follows=np.ones(count, dtype=np.bool_),
+        guarded=guarding(count),
         loss=np.zeros(count),
         older=np.zeros((count, older, OLDER_HEAD + parameters)),
         olders=np.zeros(count, dtype=np.int64),

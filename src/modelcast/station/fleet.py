@@ -23,7 +23,7 @@ from modelcast.station.sender.message_arrays import MESSAGES_KEPT, SENDER_BITS, 
 from modelcast.station.sender.octets import StationOctets, messages_of
 from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.station.sender.sending_kernels import StepInputs, send_each
-from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
+from modelcast.station.sender.stations import guards_of, sender_bank, sending_stations, widest
 from modelcast.station.sensing.sensing import NOWHERE, Sensing
 from modelcast.station.sensing.sensing_kernels import forget_each, sense
 from modelcast.station.sensing.streaming import observe_newest
@@ -140,7 +140,7 @@ class Fleet:
         self._rng = np.random.default_rng(seed)
         self._phase = self._rng.random(slots) if slots > 1 else np.zeros(slots)
         self._bank = sender_bank(self.sender, dt_s)
-        self._guard = guard_of(self.sender, self._bank)
+        self._guards = guards_of(self.sender, self._bank)
         self._spread_s, self._minute_s = spread_s, minute_s
         self._writer = StationOctets.of(
             self._bank.bank,
@@ -202,7 +202,7 @@ class Fleet:
         columns = (speed_mps, heading_rad, acceleration_mps2, yaw_rate_radps)
         measured = self._measured(t_s, vehicle, position_m, columns)
         slot, started = self._slots(vehicle)
-        stations = self._stations._replace(models=self._bank.models(self._guard))
+        stations = self._stations._replace(models=self._bank.models(self._guards))
         stations.senders.vehicle[:] = np.where(self._measures, self._vehicle, -1)
         forget_each(stations.sensed, started)
         fresh = np.zeros(slot.size, dtype=np.bool_) if begins is None else np.ascontiguousarray(begins)

@@ -38,7 +38,7 @@ from modelcast.station.policy.error_driven_kernels import (
     UPDATE,
 )
 from modelcast.station.sender.fitting_kernels import SenderModels
-from modelcast.station.sender.speaking_kernels import SCRATCH, forget_lane, speak
+from modelcast.station.sender.speaking_kernels import SCRATCH, followed, forget_lane, speak
 from modelcast.station.sender.starting_kernels import available, chosen
 
 CA, CV, CTRA = range(3)
@@ -121,8 +121,8 @@ def bench(
         "start": START_ORDER,
         "identify": IDENTIFY_NEVER,
         "only": -1,
-        "free": -1,
-        "alone": -1,
+        "speaker": -1,
+        "bank": -1,
         "loss": 0.0,
         "budget": 1.0,
         "approach_m": inf,
@@ -144,6 +144,7 @@ def bench(
             vehicle=np.array(vehicle),
             costs=np.zeros((count, 1)),
             selector=columns.get("constants", np.zeros((count, 1))),
+            guards=columns.get("guards", np.full((count, 2), -1)),
             within_m=within_m,
             expects=np.zeros(count, dtype=np.bool_),
             **rows,
@@ -157,17 +158,16 @@ def bench(
 
 def test_a_lane_forgets_all_it_said_and_no_other_lane_does() -> None:
     fresh, state = lanes(3, members=3, parameters=9), lanes(3, members=3, parameters=9)
-    told = ("update", "in_use", "message_s", "kind", "behind", "lead", "follows")
-    told += ("usable", "last_usable", "failed_s", "scores")
-    for name in told:
-        column = getattr(state, name)
-        column[:] = False if name == "follows" else True if column.dtype == np.bool_ else 7
+    told = ("update", "in_use", "message_s", "kind", "usable", "last_usable", "failed_s", "scores")
+    columns = [(getattr(state, name), getattr(fresh, name)) for name in told]
+    columns += list(zip(state.guarded, fresh.guarded, strict=True))
+    for column, _ in columns:
+        column[:] = True if column.dtype == np.bool_ else 7
     forget_lane(state, 1)
-    for name in told:
-        column, new = getattr(state, name), getattr(fresh, name)
-        assert np.array_equal(column[1], new[1]), name
+    for column, new in columns:
+        assert np.array_equal(column[1], new[1])
         for other in (0, 2):
-            assert not np.any(column[other] == new[other]), name
+            assert not np.any(column[other] == new[other])
 
 
 @pytest.mark.parametrize(
@@ -337,144 +337,97 @@ def test_every_number_of_the_scratch_is_overwritten() -> None:
 # Guarded lanes ------------------------------------------------------------------------------------------
 
 
-def guarded(
-    first: int,
-    kinds: tuple[int, int],
-    counts: tuple[int, int],
-    in_use: tuple[int, int],
-    *,
-    follows: bool,
-    start: int = START_GUARDED,
-) -> Bench:
-    """Three lanes from ``first`` on: free, alone and guarded; what the first two just decided is given.
+def guarded(first: int, kinds: tuple[int, int], **given: Any) -> Bench:
+    """Four lanes from ``first`` on: CV alone, CTRA alone, the bank (CA first), and the one that speaks.
 
-    The guarded one, that holds what CV says where it has gone its own way, is at the second place of
-    ``in_use``. A new fit is of 6 m/s.
+    What the guards just decided is ``kinds``. All hold what they say from a place of their own; CA and CV of
+    the bank's lane hold still at the sample, and a new fit is of 6 m/s.
     """
-    count = first + 4
-    free, alone = np.full(count, -1), np.full(count, -1)
-    free[first + 2], alone[first + 2] = first, first + 1
-    made = bench([1] * count, guard=CV, free=free, alone=alone, start=start)
+    count = first + 5
+    columns = {name: np.full(count, -1) for name in ("speaker", "bank", "only")}
+    columns["speaker"][first + 2], columns["bank"][first + 3] = first + 3, first + 2
+    columns["only"][first : first + 2] = CV, CTRA
+    guards = np.full((count, 2), -1)
+    guards[first + 3] = first, first + 1
+    made = bench([1] * count, guard=CV, guards=guards, **columns, **given)
     made.measure(1, NOW, 8.5, (1.0, 0.0), velocity=(6.0, 0.0))
-    made.believe(first, 41, in_use[0], (8.125, 9.0, 9.0))
-    made.believe(first + 1, 39, CV, (7.75, 9.0, 9.0))
-    made.believe(first + 2, 40, in_use[1], (8.0, 0.0, 0.0))
+    made.believe(first, 39, CV, (7.75, 9.0, 9.0))
+    made.believe(first + 1, 38, CTRA, (7.5, 9.0, 9.0))
+    made.believe(first + 2, 41, CV, (8.0, 0.0, 0.0))
     made.lanes.kind[first : first + 2] = kinds
-    made.lanes.behind[first + 2], made.lanes.lead[first + 2] = counts
-    made.lanes.follows[first + 2] = follows
     return made
 
 
-@pytest.mark.parametrize("first", [0, 4])
+@pytest.mark.parametrize("first", [0, 5])
 @pytest.mark.parametrize(
-    ("kinds", "counts", "in_use", "kind", "after", "acts"),
+    ("step", "kinds", "kind", "held"),
     [
-        # The guard alone speaks, and this one holds what it does: in step with it, if it is behind enough.
-        ((NOTHING, UPDATE), (2, 2), CV, UPDATE, (2, 3), CV),
-        ((NOTHING, UPDATE), (2, 3), CV, UPDATE, (2, 4), CA),
-        ((NOTHING, UPDATE), (2, 4), CV, NOTHING, (1, 5), None),
-        ((NOTHING, UPDATE), (1, 0), CV, NOTHING, (0, 1), None),
-        ((NOTHING, UPDATE), (2, 2), CA, NOTHING, (1, 3), None),
-        ((NOTHING, KEEP_ALIVE), (3, 0), CV, UPDATE, (3, 1), CV),
-        # Nobody speaks.
-        ((NOTHING, NOTHING), (2, 2), CV, NOTHING, (2, 2), None),
-        # The free one speaks.
-        ((UPDATE, NOTHING), (0, 0), CV, UPDATE, (1, -1), None),
-        ((UPDATE, NOTHING), (1, 0), CV, UPDATE, (2, -1), CV),
-        ((UPDATE, NOTHING), (1, 4), CV, UPDATE, (2, 3), CV),
-        ((UPDATE, NOTHING), (1, 5), CV, UPDATE, (2, 4), None),
-        ((UPDATE, UPDATE), (1, 0), CV, UPDATE, (1, 0), None),
-        ((UPDATE, UPDATE), (2, 0), CTRA, UPDATE, (2, 0), CV),
-        ((KEEP_ALIVE, UPDATE), (2, 3), CTRA, UPDATE + 2, (2, 3), CV),
-        ((IDENTIFICATION, NOTHING), (5, 0), CTRA, IDENTIFICATION, (6, -1), None),
+        (-1, (NOTHING, UPDATE), NOTHING, (41, CV)),
+        (0, (NOTHING, UPDATE), NOTHING, (39, CV)),
+        (0, (KEEP_ALIVE, NOTHING), KEEP_ALIVE, (39, CV)),
+        (1, (UPDATE, NOTHING), NOTHING, (38, CTRA)),
+        (1, (NOTHING, UPDATE), UPDATE, (38, CTRA)),
     ],
 )
-def test_a_lane_follows_the_free_one_until_its_guard_acts(
-    *,
-    first: int,
-    kinds: tuple[int, int],
-    counts: tuple[int, int],
-    in_use: int,
-    kind: int,
-    after: tuple[int, int],
-    acts: int | None,
+def test_a_guarded_lane_says_what_the_one_says_that_it_is_with(
+    *, first: int, step: int, kinds: tuple[int, int], kind: int, held: tuple[int, int]
 ) -> None:
-    """It acts two messages behind the guard, while the bank leads by under four of them."""
-    made, b = guarded(first, kinds, counts, (in_use, CTRA), follows=True), first + 2
-    state = made.lanes
-    assert made.speak(b, NOW) == kind == state.kind[b]
-    assert (state.behind[b], state.lead[b]) == after
-    assert state.follows[b] == (acts is None)
-    assert state.message_s[b] == (8.0 if kind == NOTHING else 8.5)
-    if acts is None:
-        assert (state.update[b], state.in_use[b], state.origin[b, 1]) == (41, in_use, 0.0)
-    else:
-        assert (state.update[b], state.in_use[b]) == (NOW, acts)
-        assert state.origin[b].tolist() == [8.5, 1.0, 0.0]
-        assert state.held[b, PARAMETERS[acts]][0] == 6.0
-    assert (state.update[first], state.in_use[first], state.behind[first]) == (41, in_use, 0)
+    made, b = guarded(first, kinds), first + 3
+    made.lanes.guarded.step[b] = step
+    made.lanes.message_s[b] = 8.0
+    assert made.speak(first + 2, NOW) == NOTHING  # the bank's CV holds, whatever the guards do
+    assert made.speak(b, NOW) == kind == made.lanes.kind[b]
+    assert (made.lanes.update[b], made.lanes.in_use[b]) == held
+    assert made.lanes.message_s[b] == (8.0 if kind == NOTHING else 8.5)
+    assert followed(made.rules, made.lanes, b) == (first + 2 if step < 0 else first + step)
+    assert followed(made.rules, made.lanes, first + 4) == first + 4
 
 
-@pytest.mark.parametrize("first", [0, 4])
-@pytest.mark.parametrize(
-    ("kinds", "counts", "in_use", "kind", "after", "held"),
-    [
-        # CV, its own, holds: in step with the guard alone, whatever the free one does.
-        ((NOTHING, UPDATE), (2, 2), (CA, CV), UPDATE, (2, 3), CV),
-        ((UPDATE, UPDATE), (2, 3), (CA, CV), UPDATE, (2, 3), CV),
-        ((NOTHING, UPDATE), (2, 3), (CTRA, CV), UPDATE, (2, 4), CA),
-        ((NOTHING, UPDATE), (1, 0), (CA, CV), NOTHING, (0, 1), CV),
-        ((UPDATE, NOTHING), (2, 0), (CA, CV), NOTHING, (2, -1), CV),
-        ((IDENTIFICATION, NOTHING), (0, 0), (CA, CV), NOTHING, (0, -1), CV),
-        # CTRA, its own, is a metre off.
-        ((NOTHING, UPDATE), (0, 0), (CV, CTRA), UPDATE, (0, 1), CA),
-        ((NOTHING, NOTHING), (0, 7), (CV, CTRA), UPDATE, (1, 7), CA),
-        ((NOTHING, NOTHING), (1, 4), (CV, CTRA), UPDATE, (2, 4), CA),
-        ((NOTHING, NOTHING), (1, 3), (CV, CTRA), UPDATE, (2, 3), CV),
-    ],
-)
-def test_a_lane_whose_guard_has_acted_goes_its_own_way(
-    *,
-    first: int,
-    kinds: tuple[int, int],
-    counts: tuple[int, int],
-    in_use: tuple[int, int],
-    kind: int,
-    after: tuple[int, int],
-    held: int,
-) -> None:
-    made, b = guarded(first, kinds, counts, in_use, follows=False), first + 2
-    state = made.lanes
-    assert made.speak(b, NOW) == kind == state.kind[b]
-    assert (state.behind[b], state.lead[b]) == after
-    assert (state.update[b], state.in_use[b]) == ((40, CV) if kind == NOTHING else (NOW, held))
-    assert not state.follows[b]
+@pytest.mark.parametrize("first", [0, 5])
+def test_a_bank_comes_back_with_its_guards_message_though_its_own_still_holds(first: int) -> None:
+    made, b = guarded(first, (UPDATE, NOTHING)), first + 3
+    made.lanes.guarded.step[b], made.lanes.guarded.lead[b] = 0, 3
+    assert made.speak(first + 2, NOW) == UPDATE
+    assert made.speak(b, NOW) == UPDATE
+    assert (made.lanes.update[b], made.lanes.in_use[b], made.lanes.guarded.step[b]) == (NOW, CA, -1)
+    assert made.lanes.held[first + 2, PARAMETERS[CA]][0] == 6.0
 
 
-def test_a_lane_that_leaves_the_free_one_starts_where_that_is() -> None:
-    """So a rule that keeps the member in use, or looks at failures, goes on from the free lane's."""
-    for start, expected in ((START_KEEP, CV), (START_SURVIVOR, CTRA), (START_ORDER, CA)):
-        made = guarded(0, (NOTHING, UPDATE), (2, 3), (CV, CA), follows=True, start=start)
-        made.lanes.failed_s[0] = [0.125, 0.25, 0.375]
-        made.lanes.held[0, PARAMETERS[CTRA]] = 11.0
-        assert made.speak(2, NOW) == UPDATE
-        assert made.lanes.in_use[2] == expected
-        if start == START_KEEP:  # CTRA is not fitted anew
-            assert made.lanes.held[2].tolist() == [1.0, 0.0, 0.0, 6.0, 0.0, 11.0, 11.0, 11.0, 11.0]
+@pytest.mark.parametrize("first", [0, 5])
+@pytest.mark.parametrize(("lost", "member"), [(2, CA), (3, CTRA)])
+def test_a_bank_that_goes_on_losing_carries_its_guards_sub_model(first: int, lost: int, member: int) -> None:
+    """Of two that have sent as much the second; the message in hand is the one more that is lost."""
+    made, b = guarded(first, (NOTHING, NOTHING)), first + 3
+    made.believe(first + 2, 41, CTRA, (8.0, 0.0, 0.0))  # a metre off
+    made.lanes.guarded.counts[b] = (7, 7, 7 + lost - 1)
+    assert made.speak(first + 2, NOW) == UPDATE
+    assert (made.lanes.update[first + 2], made.lanes.in_use[first + 2]) == (NOW, member)
+    assert made.lanes.usable[first + 2, member]
 
 
-def test_a_lane_on_its_own_never_goes_back_to_the_free_one() -> None:
-    made = guarded(0, (NOTHING, UPDATE), (2, 3), (CTRA, CV), follows=False, start=START_KEEP)
+def test_a_guard_without_a_full_window_does_not_stand_in() -> None:
+    made, b = guarded(0, (NOTHING, NOTHING), windows=(1, 1, 3)), 3
+    made.believe(2, 41, CTRA, (8.0, 0.0, 0.0))
+    made.lanes.guarded.counts[b] = (7, 7, 12)
     assert made.speak(2, NOW) == UPDATE
-    assert made.lanes.in_use[2] == CV
+    assert made.lanes.in_use[2] == CA
 
 
-def test_a_lane_without_a_guard_counts_nothing_and_never_falls_back() -> None:
-    made = bench([0, 0, 0], guard=CV)
-    made.measure(0, NOW, 8.5, velocity=(6.0, 0.0))
-    made.lanes.behind[:], made.lanes.lead[:], made.lanes.kind[:] = 5, 1, UPDATE
+@pytest.mark.parametrize(("history", "member"), [(2, CV), (3, CTRA)])
+def test_constant_velocity_stands_in_for_a_guard_without_a_full_window(history: int, member: int) -> None:
+    """So a guard alone is what a bank of it alone is, completed by constant velocity."""
+    made = guarded(0, (NOTHING, NOTHING), windows=(1, 1, 3))
+    made.measure(1, NOW, 8.5, (1.0, 0.0), velocity=(6.0, 0.0), history=history)
     assert made.speak(1, NOW) == UPDATE
-    assert (made.lanes.in_use[1], made.lanes.behind[1], made.lanes.lead[1]) == (CA, 5, 1)
+    assert made.lanes.in_use[1] == member
+    assert made.lanes.usable[1].tolist() == [m == member for m in range(3)]
+
+
+def test_a_lane_without_a_guard_counts_nothing() -> None:
+    made = guarded(0, (UPDATE, UPDATE))
+    assert made.speak(4, NOW) == UPDATE
+    assert made.lanes.in_use[4] == CA
+    assert not made.lanes.guarded.counts.any()
 
 
 # Which sub-model is chosen ------------------------------------------------------------------------------

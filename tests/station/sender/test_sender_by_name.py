@@ -31,7 +31,7 @@ from modelcast.station.sender.sender import (
     engine_parameters,
     named_sender,
 )
-from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
+from modelcast.station.sender.stations import guards_of, sender_bank, sending_stations, widest
 from modelcast.station.sender.timed_kernels import timers
 from modelcast.station.sensing.motion_filter import MotionFilter
 
@@ -155,35 +155,46 @@ def test_costs_must_fit_the_bank_only_where_they_are_counted() -> None:
         check_rules(ErrorDriven(0.2, identify="cheapest", costs=costs(3)), bank, None)
 
 
-def test_a_guarded_sender_has_two_silent_lanes_before_its_own() -> None:
-    """Whose bank runs unguarded, and whose guard alone; without a guard it is one lane in order."""
+@pytest.mark.parametrize("guards", [(0,), (1,), (1, 0)])
+def test_a_guarded_sender_has_silent_lanes_before_its_own(guards: tuple[int, ...]) -> None:
+    """One a guard alone, then its bank's; without a guard it is one lane in order."""
     keep, guarded = ErrorDriven(0.2, "keep", "best", 3.0), ErrorDriven(0.4, "guarded", "final")
-    for guard in (0, 1):
-        lanes = speaking_lanes([guarded, keep, guarded], [7, 3, 5], guard=guard, dt_s=0.1, within_m=0.25)
-        rules = lanes.rules
-        assert lanes.speaks.tolist() == [2, 3, 6]
-        assert rules.vehicle.tolist() == [7, 7, 7, 3, 5, 5, 5]
-        assert rules.threshold_m.tolist() == [0.4] * 3 + [0.2] + [0.4] * 3
-        assert rules.silence_s.tolist() == [np.inf] * 3 + [3.0] + [np.inf] * 3
-        hindsight, order = replace(guarded, start="hindsight"), ErrorDriven(0.4)
-        policies = [hindsight, order, guarded, keep, hindsight, order, guarded]
-        assert rules.start.tolist() == [one.start_code for one in policies]
-        assert rules.identify.tolist() == [one.codes[2] for one in policies]
-        assert rules.only.tolist() == [-1, guard, -1, -1, -1, guard, -1]
-        assert rules.free.tolist() == [-1, -1, 0, -1, -1, -1, 4]
-        assert rules.alone.tolist() == [-1, -1, 1, -1, -1, -1, 5]
-        assert rules.selector.tolist() == [[0.0]] * 7
-        assert rules.within_m == 0.25
-    alone = speaking_lanes([guarded, keep], [0, 1], guard=-1, dt_s=0.1)
+    lanes = speaking_lanes([guarded, keep, guarded], [7, 3, 5], guards=guards, dt_s=0.1, within_m=0.25)
+    rules, own, count = lanes.rules, len(guards) + 2, 2 * len(guards) + 5
+    assert lanes.speaks.tolist() == [own - 1, own, 2 * own]
+    assert rules.vehicle.tolist() == [7] * own + [3] + [5] * own
+    assert rules.threshold_m.tolist() == [0.4] * own + [0.2] + [0.4] * own
+    assert rules.silence_s.tolist() == [np.inf] * own + [3.0] + [np.inf] * own
+    group = [*[ErrorDriven(0.4)] * len(guards), replace(guarded, start="hindsight"), guarded]
+    policies = [*group, keep, *group]
+    assert rules.start.tolist() == [one.start_code for one in policies]
+    assert rules.identify.tolist() == [one.codes[2] for one in policies]
+    assert rules.only.tolist() == [*guards, -1, -1, -1, *guards, -1, -1]
+    bank, speaker, of_guards = np.full(count, -1), np.full(count, -1), np.full((count, 2), -1)
+    for first in (0, own + 1):
+        at = first + len(guards)
+        bank[at + 1], speaker[at] = at, at + 1
+        of_guards[at + 1, : len(guards)] = np.arange(first, at)
+    assert rules.bank.tolist() == bank.tolist()
+    assert rules.speaker.tolist() == speaker.tolist()
+    assert rules.guards.tolist() == of_guards.tolist()
+    assert rules.selector.tolist() == [[0.0]] * count
+    assert rules.within_m == 0.25
+
+
+def test_without_a_guard_a_guarded_sender_is_one_lane_in_order() -> None:
+    keep, guarded = ErrorDriven(0.2, "keep", "best", 3.0), ErrorDriven(0.4, "guarded", "final")
+    alone = speaking_lanes([guarded, keep], [0, 1], guards=(), dt_s=0.1)
     assert alone.speaks.tolist() == [0, 1]
     assert alone.rules.start.tolist() == [ErrorDriven(0.4).start_code, keep.start_code]
-    assert alone.rules.free.tolist() == alone.rules.alone.tolist() == alone.rules.only.tolist() == [-1, -1]
+    for column in (alone.rules.bank, alone.rules.speaker, alone.rules.only):
+        assert column.tolist() == [-1, -1]
 
 
 def test_costs_of_every_lane_stand_in_a_row_and_zeros_behind_the_short_ones() -> None:
     policies = [ErrorDriven(0.1, identify="cheapest", costs=costs(2, ages)) for ages in (1, 4, 2)]
     packed = [one.codes[3] for one in policies]
-    found = speaking_lanes(policies, [0, 1, 2], guard=-1, dt_s=0.1).rules.costs
+    found = speaking_lanes(policies, [0, 1, 2], guards=(), dt_s=0.1).rules.costs
     assert found.shape == (3, max(one.size for one in packed))
     for row, one in zip(found, packed, strict=True):
         assert row[: one.size].tolist() == one.tolist()
@@ -194,37 +205,38 @@ def test_there_is_one_policy_a_vehicle() -> None:
     keep = ErrorDriven(0.2)
     for policies, vehicles in (([keep], [0, 1]), ([keep, keep], [0])):
         with pytest.raises(ValueError, match=r"shorter|longer"):
-            speaking_lanes(policies, vehicles, guard=-1, dt_s=0.1)
+            speaking_lanes(policies, vehicles, guards=(), dt_s=0.1)
 
 
 def test_a_bank_says_what_was_added_to_it_and_what_guards_it() -> None:
     """Constant velocity stands in where all members need more than one sample."""
-    for bank, members, fallback, guard in (
-        (PLAIN, ["cv"], -1, -1),
-        (Bank((CA,)), ["ca"], -1, -1),
-        (Bank((GP,)), ["gp-intercept", "cv"], 1, -1),
-        (Bank((CA, CV)), ["ca", "cv"], -1, 1),
-        (Bank((CV, GP, CA)), ["cv", "gp-intercept", "ca"], -1, 0),
+    for bank, members, fallback, guards in (
+        (PLAIN, ["cv"], -1, ()),
+        (Bank((CA,)), ["ca"], -1, ()),
+        (Bank((GP,)), ["gp-intercept", "cv"], 1, ()),
+        (Bank((CA, CV)), ["ca", "cv"], -1, (1,)),
+        (Bank((CV, GP, CA)), ["cv", "gp-intercept", "ca"], -1, (0,)),
+        (Bank((CTRA, CA, CV)), ["ctra", "ca", "cv"], -1, (2, 0)),
     ):
         ready = SenderBank.of(bank, 0.1)
         assert [one.name for one in ready.bank.members] == members
-        assert (ready.fallback, ready.guard) == (fallback, guard)
-        models = ready.models(guard)
-        assert (models.fallback, models.guard, models.dt_s) == (fallback, guard, 0.1)
+        assert (ready.fallback, ready.guards) == (fallback, guards)
+        models = ready.models(guards)
+        assert (models.fallback, models.guard, models.dt_s) == (fallback, (*guards, -1)[0], 0.1)
         assert (models.selector, models.selector_window) == (0, 1)
         assert ready.models().guard == -1
 
 
 def test_a_guard_is_one_where_the_start_rule_asks_for_it() -> None:
-    for start, bank, guard in (
-        ("guarded", Bank((CA, CV)), 1),
-        ("guarded", Bank((CV, CA)), 0),
-        ("hindsight", Bank((CA, CV)), -1),
-        ("order", Bank((CA, CV)), -1),
-        ("guarded", PLAIN, -1),
+    for start, bank, guards in (
+        ("guarded", Bank((CA, CV)), (1,)),
+        ("guarded", Bank((CV, CTRA)), (0, 1)),
+        ("hindsight", Bank((CA, CV)), ()),
+        ("order", Bank((CA, CV)), ()),
+        ("guarded", PLAIN, ()),
     ):
         own = sender(ErrorDriven(0.2, start, "never"), bank)  # pyright: ignore[reportArgumentType]
-        assert guard_of(own, sender_bank(own, 0.1)) == guard
+        assert guards_of(own, sender_bank(own, 0.1)) == guards
 
 
 @pytest.mark.parametrize("dt_s", [0.1, 0.05, 0.08])

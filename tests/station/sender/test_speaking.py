@@ -90,31 +90,43 @@ def test_the_drives_tell_the_rules_apart() -> None:
 
 
 def jerking(seed: int, hold: int) -> Trajectory:
-    """A car whose acceleration turns round every so many samples: what it did last it does not do next."""
+    """A car whose acceleration turns round every so many samples: what it did last it does not do next.
+
+    After 15 s it does so every 3 s, which a sub-model can tell.
+    """
     rng = np.random.default_rng(seed)
-    signs = np.repeat((-1.0) ** np.arange(120 // hold + 1), hold)[:120]
-    acceleration = 3.0 * signs * rng.uniform(0.6, 1.4, 120)
+    signs = np.concatenate([(-1.0) ** (np.arange(150) // hold), (-1.0) ** (np.arange(150) // 30)])
+    acceleration = 3.0 * signs * rng.uniform(0.6, 1.4, 300)
     speed = 15.0 + np.cumsum(acceleration) * 0.1
     along = np.cumsum(speed) * 0.1
     return build_trajectory(
         "made/jerks",
-        0.1 * np.arange(120),
-        np.stack([along, np.zeros(120)], axis=1),
+        0.1 * np.arange(300),
+        np.stack([along, np.zeros(300)], axis=1),
         speed_mps=speed,
-        heading_rad=np.full(120, np.pi / 2),
+        heading_rad=np.full(300, np.pi / 2),
         acceleration_mps2=acceleration,
-        yaw_rate_radps=np.zeros(120),
+        yaw_rate_radps=np.zeros(300),
     )
 
 
+@pytest.mark.parametrize("members", ["ca cv", "ca ctra cv"])
 @pytest.mark.parametrize(
     ("seed", "hold", "threshold_m"),
-    [(0, 3, 0.2), (0, 3, 0.3), (2, 3, 0.2), (3, 3, 0.2), (5, 4, 0.2), (6, 4, 0.2)],
+    [(0, 4, 0.2), (1, 3, 0.2), (3, 5, 0.2), (3, 6, 0.2), (7, 6, 0.3), (7, 8, 0.5)],
 )
-def test_a_guarded_lane_counts_both_virtual_senders(
-    seed: int, hold: int, threshold_m: float, replica: Callable[..., Any], algorithm_1: Callable[..., Any]
+def test_a_guarded_lane_is_steered_by_its_virtual_senders(
+    *,
+    seed: int,
+    hold: int,
+    threshold_m: float,
+    members: str,
+    replica: Callable[..., Any],
+    algorithm_1: Callable[..., Any],
 ) -> None:
-    bank, trip = Bank((CA, CV)), jerking(seed, hold)
+    """On these drives guards serve, change and give way to the bank again."""
+    trip = jerking(seed, hold)
+    bank = Bank(tuple({"ca": CA, "ctra": CTRA, "cv": CV}[name] for name in members.split()))
     runtime, plain = TripRuntime(trip, bank, REPORTED), replica(trip, bank)
     for identify, longest_s in product(("never", "on-failure"), (None, 0.8)):
         expected, margin_m = algorithm_1(
@@ -141,7 +153,7 @@ def spoken(
     """Updates of a lane, sample and sub-model, and the lane afterwards."""
     runtime = TripRuntime(trip, bank, REPORTED, selector)
     rules = speaking_lanes(
-        [policy], [0], guard=-1, dt_s=trip.dt_s, selector=selector, within_m=within_m
+        [policy], [0], guards=(), dt_s=trip.dt_s, selector=selector, within_m=within_m
     ).rules
     members, parameters = len(runtime.bank.members), int(runtime.bank.offsets[-1])
     state = lanes(1, members=members, parameters=parameters)

@@ -52,7 +52,7 @@ from modelcast.station.sender.message_arrays import (
 from modelcast.station.sender.octets import SentMessages, messages_of
 from modelcast.station.sender.sender import Sender
 from modelcast.station.sender.sending_kernels import StepInputs
-from modelcast.station.sender.stations import guard_of, sender_bank, sending_stations, widest
+from modelcast.station.sender.stations import guards_of, sender_bank, sending_stations, widest
 from modelcast.station.sensing.sensing import NOWHERE, Sensing
 from modelcast.station.sensing.sensing_kernels import forget_each, sense
 from modelcast.station.sensing.streaming import observe_newest
@@ -127,7 +127,7 @@ class FleetLoop:
         if not np.isfinite(self.expiry_s):
             self.expiry_s = np.inf
         self._bank = sender_bank(sender, settings.dt_s)
-        self._guard = guard_of(sender, self._bank)
+        self._guards = guards_of(sender, self._bank)
         self.stations = sending_stations(sender, self._bank, phase, sensing=sensing)
         self.contents = contents(vehicles, widest(sender, self._bank))
         capacity = _capacity(first, settings)
@@ -180,7 +180,7 @@ class FleetLoop:
             )
         # The radio's clock counts steps, so that both ends of every interval are the same numbers.
         now_s, until_s = round(self.number * dt_s, 6), round((self.number + 1) * dt_s, 6)
-        self.stations = self.stations._replace(models=self._bank.models(self._guard))
+        self.stations = self.stations._replace(models=self._bank.models(self._guards))
         seen = frame
         if self._sensor is not None and self._sensor_state is not None:
             seen, self._sensor_state = self._sensor.sense(self._sensor_state, frame)

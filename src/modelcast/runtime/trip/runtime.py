@@ -184,9 +184,9 @@ class TripRuntime:
         for rule in rules:
             if rule.costs is not None and rule.identify == "cheapest":
                 rule.costs.check_members(members)
-        guard = self.own.guard if any(rule.start == "guarded" for rule in rules) else -1
+        guards = self.own.guards if any(rule.start == "guarded" for rule in rules) else ()
         spoken = speaking_lanes(
-            rules, [0] * len(rules), guard=guard, dt_s=self.trip.dt_s, selector=self.own.selector
+            rules, [0] * len(rules), guards=guards, dt_s=self.trip.dt_s, selector=self.own.selector
         )
         count = spoken.rules.vehicle.size
         older = DEPTH - 1 if spoken.rules.expects.any() else 0
@@ -194,7 +194,7 @@ class TripRuntime:
         state.loss[:] = spoken.rules.loss
         kind, in_use, update_index = (np.empty((count, len(self.trip)), dtype=np.int64) for _ in range(3))
         speaking_kernels.speak_through(
-            self.own.models(guard), self.sensed, self.fits, spoken.rules, state, kind, in_use, update_index
+            self.own.models(guards), self.sensed, self.fits, spoken.rules, state, kind, in_use, update_index
         )
         return [
             TripMessages(policy, kind[lane], in_use=in_use[lane], update_index=update_index[lane])

@@ -91,7 +91,7 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         inputs say (`TransmitInputs.predicted_life`), in order where they say nothing. Who makes the inputs
         takes them from a selector (``predicted``, `modelcast.models.learned.Selector`) or from how
         predictions of the last two seconds did (``hindsight``, `modelcast.station.policy.hindsight`;
-        ``guarded``, the same, and constant velocity while the bank has fallen behind it,
+        ``guarded``, the same, and in a station a plain sub-model while the bank has fallen behind it,
         `modelcast.station.policy.guard`), or the smallest of those that erred least from one message to the
         next, older messages counting less and less (``recent``).
     identify

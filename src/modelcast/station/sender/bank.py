@@ -1,5 +1,6 @@
 """A sender's bank made ready: point functions, codes and sizes as compiled steps take them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.models.members import ReadyBank
-from modelcast.station.policy.guard import GUARD
+from modelcast.station.policy.guard import FREE_GUARDS, GUARD
 from modelcast.station.sender.fitting_kernels import SenderModels
 
 __all__ = ["SenderBank"]
@@ -99,28 +100,29 @@ class SenderBank:
         )
 
     @property
-    def guard(self) -> int:
-        """The member that a guarded sender falls back on, -1 where the bank has none of its own to guard.
+    def guards(self) -> tuple[int, ...]:
+        """The members that guard a sender, constant velocity first; empty where the bank has none of its own.
 
         Raises
         ------
         ValueError
-            Where a bank of several lacks it.
+            Where a bank of several lacks constant velocity.
         """
         if len(self.bank.members) == 1 or self.fallback == 1:
-            return -1  # one sub-model and what stands in for it: nothing to guard
+            return ()  # one sub-model and what stands in for it: nothing to guard
         place = self.bank.place_of(GUARD)
         if place == self.fallback:
             raise ValueError(f"start 'guarded' needs {GUARD} as a member of its own: add it")
-        return place
+        names = [member.name for member in self.bank.members]
+        return (place, *[names.index(name) for name in FREE_GUARDS if name in names][:1])
 
-    def models(self, guard: int = -1) -> SenderModels:
+    def models(self, guards: Sequence[int] = ()) -> SenderModels:
         """What compiled steps take; it means something in this process alone.
 
         Parameters
         ----------
-        guard
-            The member that guarded lanes fall back on.
+        guards
+            The members that guard lanes.
         """
         selector = self.selector
         return SenderModels(
@@ -128,7 +130,7 @@ class SenderBank:
             self.table,
             self.sizes,
             self.fallback,
-            guard,
+            guards[0] if guards else -1,
             0 if selector is None else selector.address,
             1 if selector is None else selector.window_at(self.dt_s),
             self.dt_s,

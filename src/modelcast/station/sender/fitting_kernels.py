@@ -19,8 +19,8 @@ class SenderModels(NamedTuple):
 
     ``members`` (M); ``table`` (P, `codes_kernels.COLUMNS`) of what a message can say of their parameters,
     empty where receivers hold them as they were fitted; ``sizes`` (M,) of an update by the one in use
-    [bytes]. ``fallback`` is the member that serves only for want of another, ``guard`` the one that serves
-    where the bank has fallen behind it; -1 for none. ``selector`` is the address of the function that
+    [bytes]. ``fallback`` is the member that serves only for want of another, ``guard`` constant
+    velocity where lanes are guarded; -1 for none. ``selector`` is the address of the function that
     predicts which member lasts, 0 for none, and ``selector_window`` the samples it looks at. ``dt_s`` is the
     sampling interval.
     """

@@ -72,14 +72,16 @@ class _Lane:
 
     policy: ErrorDriven
     only: int = -1
-    guarded: bool = False
+    speaker: int = -1
+    bank: int = -1
+    guards: tuple[int, int] = (-1, -1)
 
 
 def speaking_lanes(
     policies: Sequence[ErrorDriven],
     vehicles: Sequence[int],
     *,
-    guard: int,
+    guards: Sequence[int],
     dt_s: float,
     selector: Selector | None = None,
     within_m: float = 0.0,
@@ -90,8 +92,8 @@ def speaking_lanes(
     ----------
     policies, vehicles
         Of each sender, B.
-    guard
-        Member that a guarded sender falls back on, -1 where there is none to guard.
+    guards
+        Members that guard a guarded sender, constant velocity first; empty where there is nothing to guard.
     dt_s
         Sampling interval [s].
     selector
@@ -109,16 +111,16 @@ def speaking_lanes(
     speaks: list[int] = []
     for policy, own in zip(policies, vehicles, strict=True):
         guarded = policy.start == "guarded"
-        if guarded and guard >= 0:
-            lanes += [_Lane(replace(policy, start=unguarded(policy.start))), _Lane(policy.alone, only=guard)]
-            lanes.append(_Lane(policy, guarded=True))
+        if guarded and len(guards) > 0:
+            first, bank = len(lanes), len(lanes) + len(guards)
+            lanes += [_Lane(policy.alone, only=member) for member in guards]
+            lanes.append(_Lane(replace(policy, start=unguarded(policy.start)), speaker=bank + 1))
+            lanes.append(_Lane(policy, bank=bank, guards=(first, bank - 1 if len(guards) > 1 else -1)))
         else:
             lanes.append(_Lane(replace(policy, start="order") if guarded else policy))
         vehicle += [own] * (len(lanes) - len(vehicle))
         speaks.append(len(lanes) - 1)
     codes = [lane.policy.codes for lane in lanes]
-    numbers = np.arange(len(lanes))
-    watched = np.array([lane.guarded for lane in lanes], dtype=np.bool_)
     rules = LaneRules(
         vehicle=np.array(vehicle, dtype=np.int64),
         threshold_m=np.array([code[0] for code in codes]),
@@ -128,8 +130,9 @@ def speaking_lanes(
         costs=_rows([code[3] for code in codes]),
         selector=_rows([_selecting(lane.policy, selector, dt_s) for lane in lanes]),
         only=np.array([lane.only for lane in lanes], dtype=np.int64),
-        free=np.where(watched, numbers - 2, -1).astype(np.int64),
-        alone=np.where(watched, numbers - 1, -1).astype(np.int64),
+        speaker=np.array([lane.speaker for lane in lanes], dtype=np.int64),
+        bank=np.array([lane.bank for lane in lanes], dtype=np.int64),
+        guards=np.array([lane.guards for lane in lanes], dtype=np.int64),
         expects=np.array([lane.policy.expects for lane in lanes], dtype=np.bool_),
         loss=np.array([lane.policy.believed_loss for lane in lanes]),
         budget=np.array([lane.policy.budget for lane in lanes]),

@@ -44,7 +44,7 @@ from modelcast.station.sender.message_arrays import (
     Senders,
     SentTally,
 )
-from modelcast.station.sender.speaking_kernels import SCRATCH, compose, forget_lane, hold, speak
+from modelcast.station.sender.speaking_kernels import SCRATCH, compose, followed, forget_lane, hold, speak
 from modelcast.station.sender.timed_kernels import (
     LOCAL,
     Timers,
@@ -102,8 +102,7 @@ def _write(
     row[CONTENT_NAMED_S] = f.sensed.t_s[v, sample % ring]
     if kind == IDENTIFICATION:
         row[CONTENT_UPDATE], row[CONTENT_BYTES] = f.senders.update[v], f.numbers.identification_bytes
-        # A guarded lane that follows another holds what that one does.
-        holds = f.rules.free[b] if f.rules.free[b] >= 0 and f.lanes.follows[b] else b
+        holds = followed(f.rules, f.lanes, b)
         row[CONTENT_FIT_S] = f.lanes.origin[holds, 0]
         row[CONTENT_EAST_M], row[CONTENT_NORTH_M] = f.lanes.origin[holds, 1], f.lanes.origin[holds, 2]
         for m in range(offsets.size - 1):

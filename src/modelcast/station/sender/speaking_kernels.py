@@ -1,7 +1,7 @@
 """Compiled error-driven sending: what every lane does at a sample, for trips, fleets and the road alike.
 
-A guarded lane follows the lane that runs its bank unguarded until the guard acts for the first time, and is
-on its own from then on (`modelcast.station.policy.guard`).
+A guarded lane holds nothing itself: it says what the lane of its bank says, or that of one of its guards
+(`modelcast.station.policy.guard`). Those stand before it and have decided.
 """
 
 from math import hypot
@@ -24,11 +24,11 @@ from modelcast.station.policy.error_driven_kernels import (
     longest_silence_s,
     step,
 )
-from modelcast.station.policy.guard_kernels import falls_back
+from modelcast.station.policy.guard_kernels import BANK, forget_guard, steer
 from modelcast.station.sender.fitting_kernels import SenderModels, distance_to, fit
 from modelcast.station.sender.starting_kernels import available, chosen
 
-__all__ = ["SCRATCH", "compose", "forget_lane", "hold", "speak", "speak_through"]
+__all__ = ["SCRATCH", "compose", "followed", "forget_lane", "hold", "speak", "speak_through"]
 
 SCRATCH = 5
 """Numbers that these steps overwrite."""
@@ -42,8 +42,7 @@ def forget_lane(lanes: Lanes, b: int) -> None:
     lanes.update[b] = lanes.in_use[b] = -1
     lanes.message_s[b] = -np.inf
     lanes.kind[b] = NOTHING
-    lanes.behind[b] = lanes.lead[b] = 0
-    lanes.follows[b] = True
+    forget_guard(lanes.guarded, b)
     lanes.loss[b], lanes.olders[b] = 0.0, 0
     for m in range(lanes.usable.shape[1]):
         lanes.usable[b, m] = lanes.last_usable[b, m] = False
@@ -241,24 +240,45 @@ def compose(
 
 
 @kernel(inlined=True)
-def _follow(lanes: Lanes, b: int, free: int, number: int) -> None:
-    """Let a lane be where the one it follows is, but for an update of this sample: it sends its own."""
-    lanes.update[b], lanes.in_use[b], lanes.message_s[b] = (
-        lanes.update[free] if lanes.update[free] != number else -1,
-        lanes.in_use[free],
-        lanes.message_s[free],
+def followed(rules: LaneRules, lanes: Lanes, b: int) -> int:
+    """Return the lane that holds what remotes hold of this one: itself where it has no guard."""
+    if rules.bank[b] < 0:
+        return b
+    step = lanes.guarded.step[b]
+    return int(rules.bank[b] if step == BANK else rules.guards[b, step])
+
+
+@kernel(inlined=True)
+def _steered(rules: LaneRules, lanes: Lanes, a: int, kind: int) -> int:
+    """Ask the guard of the lane that speaks for a bank's lane; what that one sends: an update to restart."""
+    b = rules.speaker[a]
+    first, second = rules.guards[b, 0], rules.guards[b, 1]
+    said = (
+        bool(lanes.kind[first] != NOTHING),
+        bool(second >= 0 and lanes.kind[second] != NOTHING),
     )
-    for i in range(3):
-        lanes.origin[b, i] = lanes.origin[free, i]
-    for i in range(lanes.held.shape[1]):
-        lanes.held[b, i] = lanes.held[free, i]
-    for m in range(lanes.usable.shape[1]):
-        lanes.usable[b, m], lanes.failed_s[b, m] = lanes.usable[free, m], lanes.failed_s[free, m]
-    lanes.olders[b] = lanes.olders[free]
-    for k in range(lanes.olders[free]):
-        for i in range(lanes.older.shape[2]):
-            lanes.older[b, k, i] = lanes.older[free, k, i]
-    lanes.follows[b] = False
+    return UPDATE if steer(lanes.guarded, b, kind != NOTHING, said, 2 if second >= 0 else 1) else kind
+
+
+@kernel(inlined=True)
+def _stand_in(
+    models: SenderModels,
+    s: Sensed,
+    fits: Fits,
+    rules: LaneRules,
+    lanes: Lanes,
+    a: int,
+    number: int,
+    member: int,
+) -> int:
+    """Return the sub-model of the guard that a bank's lane stands in for; its own where that has none."""
+    b, v = rules.speaker[a], rules.vehicle[a]
+    guard = int(rules.only[rules.guards[b, lanes.guarded.stand_in[b]]])
+    history = s.history[v, number % s.history.shape[1]]
+    if history < models.members.windows[guard] or not fit(models, s, fits, v, number, guard):
+        return member
+    lanes.available[a, guard] = True
+    return guard
 
 
 @kernel(inlined=True)
@@ -275,34 +295,21 @@ def speak(
     """Let a lane decide at a sample: what it sends; its state is written. ``scratch`` (`SCRATCH`,)."""
     v, ring = rules.vehicle[b], s.stated_m.shape[1]
     at = number % ring + ring
-    free, alone = rules.free[b], rules.alone[b]
-    following = free >= 0 and lanes.follows[b]
     kind = UPDATE
-    if following:
-        kind = int(lanes.kind[free])
-    elif lanes.update[b] >= 0:
-        kind = _ask(models, s, rules, lanes, b, at, scratch)
-    guards = False
-    if free >= 0:
-        held = lanes.in_use[free] if following else lanes.in_use[b]
-        asked = lanes.kind[alone] != NOTHING and kind == NOTHING and held == models.guard
-        if asked and falls_back(lanes.behind[b], lanes.lead[b]):
-            guards, kind = True, UPDATE  # in step with it from now on
-        lanes.behind[b] += int(kind != NOTHING) - int(lanes.kind[alone] != NOTHING)
-        lanes.lead[b] += int(lanes.kind[alone] != NOTHING) - int(lanes.kind[free] != NOTHING)
-    if kind in (UPDATE, KEEP_ALIVE):
-        guards = guards or (free >= 0 and falls_back(lanes.behind[b], lanes.lead[b]))
-        if following and guards:
-            _follow(lanes, b, free, number)
-            following = False
-        if not following:
+    if rules.bank[b] >= 0:
+        whom = followed(rules, lanes, b)
+        kind = int(lanes.kind[whom])
+        lanes.update[b], lanes.in_use[b] = lanes.update[whom], lanes.in_use[whom]
+    else:
+        if lanes.update[b] >= 0:
+            kind = _ask(models, s, rules, lanes, b, at, scratch)
+        if rules.speaker[b] >= 0:
+            kind = _steered(rules, lanes, b, kind)
+        if kind in (UPDATE, KEEP_ALIVE):
             member = compose(models, s, fits, rules, lanes, b, number, scratch)
-            back = free >= 0 and falls_back(lanes.behind[b], lanes.lead[b])
-            if back and fit(models, s, fits, v, number, models.guard):
-                member = models.guard
+            if rules.speaker[b] >= 0 and lanes.guarded.stand_in[rules.speaker[b]] != BANK:
+                member = _stand_in(models, s, fits, rules, lanes, b, number, member)
             hold(models, s, fits, rules, lanes, b, number, member)
-    if following:
-        lanes.update[b], lanes.in_use[b] = lanes.update[free], lanes.in_use[free]
     if kind != NOTHING:
         lanes.message_s[b] = s.t_s[v, at]
     lanes.kind[b] = kind

@@ -27,9 +27,11 @@ def available(models: SenderModels, s: Sensed, rules: LaneRules, lanes: Lanes, b
     """Write which members a lane may use at a sample, ``lanes.available``."""
     members, v = models.members, rules.vehicle[b]
     history = s.history[v, number % s.history.shape[1]]
-    served = False
+    served, only = False, rules.only[b]
+    if only >= 0 and models.guard >= 0 and history < members.windows[only]:
+        only = models.guard  # as constant velocity completes a bank of that member alone
     for m in range(members.windows.size):
-        found = history >= members.windows[m] and (rules.only[b] < 0 or rules.only[b] == m)
+        found = history >= members.windows[m] and (only < 0 or only == m)
         found = found and not (m == models.fallback and served)
         lanes.available[b, m] = found
         served = served or found

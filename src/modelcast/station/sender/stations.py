@@ -14,7 +14,7 @@ from modelcast.station.sender.sending_kernels import SendingStations
 from modelcast.station.sender.timed_kernels import timers
 from modelcast.station.sensing.sensing import Sensing
 
-__all__ = ["guard_of", "sender_bank", "sending_stations", "widest"]
+__all__ = ["guards_of", "sender_bank", "sending_stations", "widest"]
 
 
 def sender_bank(sender: Sender, dt_s: float) -> SenderBank:
@@ -24,9 +24,9 @@ def sender_bank(sender: Sender, dt_s: float) -> SenderBank:
     )
 
 
-def guard_of(sender: Sender, bank: SenderBank) -> int:
-    """Return the member that guards a sender, -1 for none."""
-    return bank.guard if sender.lanes.start == "guarded" else -1
+def guards_of(sender: Sender, bank: SenderBank) -> tuple[int, ...]:
+    """Return the members that guard a sender; empty for none."""
+    return bank.guards if sender.lanes.start == "guarded" else ()
 
 
 def widest(sender: Sender, bank: SenderBank) -> int:
@@ -52,11 +52,11 @@ def sending_stations(
         How they read their measurements; None for all columns measured.
     """
     vehicles, dt_s = phase.size, bank.dt_s
-    rule, guard = sender.lanes, guard_of(sender, bank)
+    rule, guards = sender.lanes, guards_of(sender, bank)
     spoken = speaking_lanes(
         [rule] * vehicles,
         range(vehicles),
-        guard=guard,
+        guards=guards,
         dt_s=dt_s,
         selector=sender.selector,
         within_m=sender.within_m,
@@ -69,7 +69,7 @@ def sending_stations(
     own = Sensing(motion=sender.motion) if sensing is None else sensing
     members, parameters = len(bank.bank.members), int(bank.bank.offsets[-1])
     return SendingStations(
-        models=bank.models(guard),
+        models=bank.models(guards),
         sensed=sensed(vehicles, max(window + back, own.memory(dt_s)), bank.ready.sample_columns),
         fits=fits(vehicles, back, members=members, parameters=parameters),
         rules=spoken.rules,
