@@ -2,11 +2,18 @@
 
 import inspect
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from modelcast.cli.options import Columns, Format
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from modelcast.models.profile import Profile
+    from modelcast.study.training.profile import ProfileSettings
+    from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["train"]
 
@@ -61,9 +68,11 @@ def train(
         Linear modes of the stochastic hybrid system, shs, 1 to 10; those of hdp-hmm are found, up to 10. 0
         for neither.
     add
-        Train these sub-models alone, shs, hdp-hmm or both, and write --profile with them beside its others,
-        which stay as they are. Options of a full training (bank, validate, hidden, coefficients, steps,
-        regimes) and --modes 0 are refused beside it.
+        Train these sub-models alone, of free, shs and hdp-hmm, and write --profile with them beside its
+        others, which stay as they are. free stands for the three that plain messages carry: free,
+        free-predictive and free-context. Options of a full training (bank, validate, coefficients, regimes)
+        are refused beside it; --hidden and --steps are for free, and --modes 0 is refused beside shs and
+        hdp-hmm.
     profile
         The profile that --add adds to; the shipped one where not given.
     seed
@@ -95,7 +104,7 @@ def train(
     from modelcast.study.training.learned import LearnedSettings
     from modelcast.study.training.processes import ProcessSettings
     from modelcast.study.training.profile import ProfileSettings, train_profile
-    from modelcast.study.training.switching import FitSettings, SwitchingSettings, add_switching
+    from modelcast.study.training.switching import FitSettings, SwitchingSettings
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast train --help)")
@@ -105,10 +114,9 @@ def train(
         modes,
         bank=bank,
         validate=validate,
-        hidden=hidden,
         coefficients=coefficients,
-        steps=steps,
         regimes=regimes,
+        **({} if "free" in add else {"hidden": hidden, "steps": steps}),
     )
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     silent = quiet or json
@@ -134,9 +142,7 @@ def train(
                 if given is None:
                     trained = train_profile(trips, settings, progress=progress)
                 else:
-                    trained = add_switching(
-                        given, trips, settings.switching, names=add, seed=seed, progress=progress
-                    )
+                    trained = _added(given, trips, add, settings, progress)
             file.write(trained.text.encode("utf-8"))
     except ValueError as error:
         raise ConfigError(str(error)) from error
@@ -151,20 +157,43 @@ def train(
     return source.exit_code
 
 
+def _added(
+    profile: "Profile",
+    trips: "list[Trajectory]",
+    add: tuple[str, ...],
+    settings: "ProfileSettings",
+    progress: "Callable[[str, int, int], None]",
+) -> "Profile":
+    """Train what --add names, and add it."""
+    from modelcast.study.training.free import FreeSettings
+    from modelcast.study.training.free_members import FreeMembersSettings, add_free
+    from modelcast.study.training.switching import add_switching
+
+    switching = tuple(name for name in add if name != "free")
+    if switching:
+        profile = add_switching(
+            profile, trips, settings.switching, names=switching, seed=settings.seed, progress=progress
+        )
+    if "free" in add:
+        free = FreeMembersSettings(FreeSettings(descent=settings.learned.descent, seed=settings.seed))
+        profile = add_free(profile, trips, free, progress=progress)
+    return profile
+
+
 def _require_addable(add: tuple[str, ...], profile: Path | None, modes: int, **unused: object) -> None:
     """Refuse --profile without --add, and beside --add what it leaves unused and is not at its default."""
     from modelcast.core.exceptions import ConfigError
 
     if not add:
         if profile is not None:
-            raise ConfigError("--profile is what --add adds to: name shs, hdp-hmm or both behind --add")
+            raise ConfigError("--profile is what --add adds to: name free, shs or hdp-hmm behind --add")
         return
-    if modes == 0:
+    if modes == 0 and set(add) != {"free"}:
         raise ConfigError("--modes 0 trains neither shs nor hdp-hmm: leave it out, or leave out --add")
     defaults = inspect.signature(train).parameters
     for name, value in unused.items():
         if value != defaults[name].default:
-            raise ConfigError(f"--{name} is for a full training: --add trains shs and hdp-hmm alone")
+            raise ConfigError(f"--{name} is for a full training: --add trains {', '.join(add)} alone")
 
 
 def _require_trainable(names: tuple[str, ...]) -> None:

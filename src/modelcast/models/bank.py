@@ -121,14 +121,16 @@ class Bank(AbstractMotionModel):
         return tuple(is_free(member) and same_receiver(member, meaning) for member in self.members)
 
     def complete(self) -> "Bank":
-        """The bank itself, or with constant velocity added last where no member does with one sample.
+        """The bank itself, or with one more member added last where none does with one sample.
 
-        A sender must have something to say at a start and after a gap. Constant velocity added here serves
-        only there: a sender uses it where no other member has a full window.
+        A sender must have something to say at a start and after a gap. What is added serves only there: a
+        sender uses it where no other member has a full window. It is the starter of the member that a plain
+        message is coasted by, where that has one, else constant velocity.
         """
         if self.window == 1:
             return self
-        return Bank((*self.members, ConstantVelocity()), self.name, self.plain)
+        starter = self.members[self.plain_place].starter if self.plain_place >= 0 else None
+        return Bank((*self.members, starter or ConstantVelocity()), self.name, self.plain)
 
     def carried(self) -> "Bank":
         """The bank in the forms that messages carry, not rounded: what a receiver predicts with.

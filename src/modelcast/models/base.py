@@ -367,6 +367,11 @@ class AbstractSubModel(AbstractMotionModel):
         return PayloadLayout() if self.payload_parameters == 0 else None
 
     @property
+    def starter(self) -> "AbstractSubModel | None":
+        """What says the same to a receiver and needs a single sample; None where constant velocity starts."""
+        return None
+
+    @property
     def held_parameters(self) -> tuple[str, ...]:
         """Parameters that no message carries: receivers work them out (`PointFunctions.absorb`).
 

@@ -3,10 +3,13 @@
 from dataclasses import KW_ONLY, dataclass
 from typing import Annotated
 
+import numpy as np
+
+from modelcast.core.arrays import FloatArray
 from modelcast.core.rules import AbstractRule, FieldError, Fixed, Number, Text, Whole, check_fields
 from modelcast.models.learned.features import FeatureMap
 
-__all__ = ["COLUMNS", "Estimates", "Window", "map_of"]
+__all__ = ["COLUMNS", "Estimates", "Window", "levels_of", "map_of"]
 
 Window = tuple[str, int, int]
 """What a polynomial is fitted to (`COLUMNS`), its length in tenths of a second, and its degree."""
@@ -23,8 +26,10 @@ class Estimates:
 
     Parameters
     ----------
-    up_to_noise_m
-        It serves vehicles whose positions are at most so noisy; infinite for any [m].
+    up_to_noise_m, up_to_roughness_mps
+        It serves vehicles whose positions are at most so noisy [m], and their velocities along the course at
+        most so rough [m/s]; infinite for any. A velocity made from positions of a centimetre is rough, one of
+        a wheel sensor is not.
     speed
         Speed along the course: the slope of positions, or the value of velocities or of reported speeds.
     course
@@ -48,6 +53,7 @@ class Estimates:
 
     up_to_noise_m: Annotated[float, Number(0.0, 1000.0, over=True, infinite=True)]
     _: KW_ONLY
+    up_to_roughness_mps: Annotated[float, Number(0.0, 1000.0, over=True, infinite=True)] = np.inf
     speed: Annotated[Window, _WINDOW] = ("newest", 0, 0)
     course: Annotated[Window, _WINDOW] = ("newest", 0, 0)
     acceleration: Annotated[Window, _WINDOW] = ("newest", 0, 0)
@@ -106,6 +112,20 @@ class Estimates:
 def _derivative(name: str, column: str) -> int:
     """Which derivative of a column an estimate is."""
     return (1 if column == "position" else 0) + (name in ("acceleration", "yaw_rate"))
+
+
+def levels_of(estimates: tuple[Estimates, ...], features: FeatureMap) -> FloatArray:
+    """Ranges of noise and places among the inputs, as the compiled estimates take them, (L x 6,).
+
+    Parameters
+    ----------
+    estimates
+        L of them.
+    features
+        A map that has their polynomials.
+    """
+    rows = [[one.up_to_noise_m, one.up_to_roughness_mps, *one.places(features)] for one in estimates]
+    return np.array(rows, dtype=np.float64).ravel()
 
 
 def map_of(estimates: tuple[Estimates, ...], lags: int, beside: FeatureMap | None = None) -> FeatureMap:

@@ -1,6 +1,6 @@
 """Compiled estimates of Part I, and the network that moves them within limits."""
 
-from math import atan2, cos, hypot, sin, tanh
+from math import atan2, cos, exp, hypot, sin, tanh
 
 import numpy as np
 
@@ -20,36 +20,55 @@ __all__ = ["LEVEL", "VALUES", "estimates_each", "estimates_of", "fit"]
 VALUES = 4
 """Speed, angle of the course to the left of the newest velocity, acceleration, yaw rate to the left."""
 
-LEVEL = 1 + VALUES
-"""Numbers of one range of noise: up to which noise, and the place of each estimate among the inputs."""
+LEVEL = 2 + VALUES
+"""Numbers of one range of noise: up to which noise and which roughness, and the place of each estimate among
+the inputs."""
+
+_PLACES = 2
+_ROUGHNESS = 3
+"""Place of the velocity's roughness along the course, from the last input backwards, as a logarithm."""
 
 _SLOWEST_MPS = 0.1
 
 
 @kernel
-def estimates_of(inputs: FloatVector, places: FloatVector, out: FloatVector) -> None:
+def _level_of(noise: float, inputs: FloatVector, levels: FloatVector) -> int:
+    """Return where the first range begins that reaches a noise and the inputs' roughness; else the last."""
+    roughness = exp(inputs[inputs.size - _ROUGHNESS])
+    count = levels.size // LEVEL
+    for level in range(count):
+        at = level * LEVEL
+        if noise <= levels[at] and roughness <= levels[at + 1]:
+            return at
+    return (count - 1) * LEVEL
+
+
+@kernel
+def estimates_of(noise: float, inputs: FloatVector, levels: FloatVector, out: FloatVector) -> None:
     """Write the four values (`VALUES`,) that a moving vehicle's inputs give.
 
-    ``places`` (`LEVEL`,) begins with a noise; -1 stands for the newest sample's own value.
+    ``levels`` (L x `LEVEL`,) are the ranges of noise in turn; -1 stands for the newest sample's own value.
     """
+    first = _level_of(noise, inputs, levels) + _PLACES
+    places = levels[first : first + VALUES]
     along, left = inputs[0], 0.0
+    if places[0] >= 0.0:
+        along += inputs[int(places[0])]
     if places[1] >= 0.0:
-        along += inputs[int(places[1])]
-    if places[2] >= 0.0:
-        left = inputs[int(places[2])]
+        left = inputs[int(places[1])]
     along = max(along, _SLOWEST_MPS)
     out[0] = hypot(along, left)
     out[1] = atan2(left, along)
-    out[2] = inputs[int(places[3])] if places[3] >= 0.0 else inputs[1]
-    toward = inputs[int(places[4])] if places[4] >= 0.0 else -inputs[2]
+    out[2] = inputs[int(places[2])] if places[2] >= 0.0 else inputs[1]
+    toward = inputs[int(places[3])] if places[3] >= 0.0 else -inputs[2]
     out[3] = toward / out[0]
 
 
 @kernel
-def estimates_each(inputs: FloatMatrix, places: FloatVector, out: FloatMatrix) -> None:
-    """Write `estimates_of` of many windows, inputs (B, I), into (B, `VALUES`)."""
+def estimates_each(noise: FloatVector, inputs: FloatMatrix, levels: FloatVector, out: FloatMatrix) -> None:
+    """Write `estimates_of` of many windows, noises (B,) and inputs (B, I), into (B, `VALUES`)."""
     for row in range(inputs.shape[0]):
-        estimates_of(inputs[row], places, out[row])
+        estimates_of(noise[row], inputs[row], levels, out[row])
 
 
 @kernel
@@ -94,13 +113,8 @@ def fit(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     levels = int(constants[at])
     at += 1
     noise = newest[POSITION_NOISE]
-    chosen = at
-    for level in range(levels):
-        chosen = at + level * LEVEL
-        if noise <= constants[chosen]:
-            break
     values = np.empty(VALUES)
-    estimates_of(inputs, constants[chosen : chosen + LEVEL], values)
+    estimates_of(noise, inputs, constants[at : at + levels * LEVEL], values)
     at += levels * LEVEL
     if networks > 0:
         _moved(noise, inputs, constants[at : at + VALUES], constants[at + VALUES :], networks, values)

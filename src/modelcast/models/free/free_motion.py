@@ -10,14 +10,14 @@ from modelcast.core.rules import Each, FieldError, Number, One, Text, check_fiel
 from modelcast.models import kinematic_kernels
 from modelcast.models.base import AbstractSubModel, PointFunctions
 from modelcast.models.free import free_kernels
-from modelcast.models.free.estimates import Estimates
+from modelcast.models.free.estimates import Estimates, levels_of
 from modelcast.models.free.limits import Limits
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned.features import FeatureMap
 from modelcast.models.learned.learned_kernels import CONTEXT_AT
 from modelcast.models.learned.learned_trajectory import feature_constants, require_sizes
 from modelcast.models.learned.perceptron import Perceptron
-from modelcast.models.trusted import LONGEST_TIME_S, SHORTEST_HORIZON_S
+from modelcast.models.trusted import LONGEST_TIME_S, SHORTEST_HORIZON_S, Trusted
 
 __all__ = ["FreeMotion"]
 
@@ -31,12 +31,12 @@ class FreeMotion(AbstractSubModel):
     Parameters
     ----------
     estimates
-        By rising noise: the first whose ``up_to_noise_m`` reaches the window's position noise serves, the
-        last serves all others.
+        The first whose ``up_to_noise_m`` reaches the window's position noise, and whose
+        ``up_to_roughness_mps`` its velocity's roughness, serves; the last serves all others.
     networks
-        The same for networks; none for the estimates as they are. A network's outputs are speed, angle of the
-        course to the left, acceleration and yaw rate to the left, each in units of its limit and squashed by
-        the hyperbolic tangent.
+        By rising noise likewise; none for the estimates as they are. A network's outputs are speed, angle of
+        the course to the left, acceleration and yaw rate to the left, each in units of its limit and squashed
+        by the hyperbolic tangent.
     limits
         How far a network may move an estimate; all 0 for not at all.
     features
@@ -50,7 +50,8 @@ class FreeMotion(AbstractSubModel):
     Raises
     ------
     ValueError
-        Where noises do not rise, a network has other inputs or outputs, or the map lacks an estimate.
+        Where the networks' noises do not rise, a network has other inputs or outputs, or the map lacks an
+        estimate.
 
     Notes
     -----
@@ -74,7 +75,7 @@ class FreeMotion(AbstractSubModel):
     0
     """
 
-    estimates: Annotated[tuple[Estimates, ...], Each(One((Estimates,), "estimates"), 1, 16)]
+    estimates: Annotated[tuple[Estimates, ...], Each(One((Estimates,), "estimates"), 1, 64)]
     networks: Annotated[tuple[Perceptron, ...], Each(One((Perceptron,), "a network"), 0, 16)] = ()
     _: KW_ONLY
     limits: Annotated[Limits, One((Limits,), "limits")] = field(default_factory=Limits)
@@ -85,12 +86,9 @@ class FreeMotion(AbstractSubModel):
 
     def __post_init__(self) -> None:
         check_fields(self)
-        for name, edges in (
-            ("estimates", [one.up_to_noise_m for one in self.estimates]),
-            ("networks", [one.up_to_noise_m for one in self.networks]),
-        ):
-            if sorted(set(edges)) != edges:
-                raise FieldError(name, edges, f"{name} whose up_to_noise_m rise")
+        edges = [network.up_to_noise_m for network in self.networks]
+        if sorted(set(edges)) != edges:
+            raise FieldError("networks", edges, "networks whose up_to_noise_m rise")
         require_sizes(self.networks, inputs=self.features.inputs, outputs=free_kernels.VALUES)
         for at, one in enumerate(self.estimates):
             try:
@@ -129,18 +127,23 @@ class FreeMotion(AbstractSubModel):
         return self.turn_s
 
     @property
+    def starter(self) -> AbstractSubModel:
+        """Constant turn rate and acceleration of the newest sample, with the same horizons."""
+        return Trusted(_KINEMATIC, self.horizon_s, self.turn_s)
+
+    @property
     def predicts_by_parameters(self) -> bool:
         """Windows, networks and limits are the sender's affair."""
         return True
 
     def point_functions(self, dt_s: float) -> PointFunctions:
         """Return the compiled functions, the places of the estimates and all weights."""
-        levels = [[one.up_to_noise_m, *one.places(self.features)] for one in self.estimates]
+        levels = levels_of(self.estimates, self.features)
         constants = np.concatenate(
             [
                 feature_constants(self.features, dt_s, networks=len(self.networks)),
-                [len(levels)],
-                np.array(levels, dtype=np.float64).ravel(),
+                [len(self.estimates)],
+                levels,
                 self.limits.values,
                 *(network.packed() for network in self.networks),
             ]

@@ -9,6 +9,7 @@ hidden at random, so that it does with either, both or none.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, owned
 from modelcast.core.chance import child_generator
 from modelcast.models.free import Estimates, FreeMotion, Limits
-from modelcast.models.free.estimates import Window, map_of
+from modelcast.models.free.estimates import Window, levels_of, map_of
 from modelcast.models.free.free_kernels import VALUES, estimates_each
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned.features import LEADER_INPUTS, ROAD_INPUTS, FeatureMap
@@ -30,6 +31,7 @@ __all__ = [
     "EDGES_M",
     "HORIZONS_S",
     "NETWORK_FEATURES",
+    "ROUGHNESS_MPS",
     "FreeSettings",
     "estimated",
     "mean_log_life",
@@ -41,6 +43,9 @@ __all__ = [
 EDGES_M = (0.0025, 0.0075, 0.018, np.inf)
 """Ranges of position noise that have estimates and a network of their own, up to each [m]."""
 
+ROUGHNESS_MPS = (0.02, 0.08, np.inf)
+"""Ranges of a velocity's roughness along the course that have estimates of their own, up to each [m/s]."""
+
 NETWORK_FEATURES = FeatureMap(20, speed_fits=((2, 1), (5, 1), (10, 1), (10, 2), (20, 1), (20, 2)))
 """What a network looks at."""
 
@@ -50,6 +55,8 @@ HORIZONS_S: FloatArray = np.arange(1, 81, dtype=np.float64) * 0.1
 _LINES = tuple((length, 1) for length in (2, 3, 4, 5, 6, 8, 10))
 _PARABOLAS = tuple((length, 2) for length in (4, 6, 8, 10, 12, 16, 20))
 _OVERLAP = 1.35
+_ROUGHNESS = 3  # from the last input backwards
+_FEWEST = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +74,7 @@ class FreeSettings:
     descent
         Loss and optimiser.
     searched
-        Windows that estimates are searched on, at most, for one range of noise.
+        Windows that estimates are searched on, at most, for one range of noise and roughness.
     seed
         Of all random numbers.
     """
@@ -89,22 +96,21 @@ def _within(rows: FreeRows, low_m: float, high_m: float) -> FreeRows:
 
 
 def _ranges() -> list[tuple[float, float]]:
-    return list(zip((0.0, *EDGES_M[:-1]), EDGES_M, strict=True))
+    return list(pairwise((0.0, *EDGES_M)))
 
 
-def estimated(inputs: FloatArray, estimates: Estimates, features: FeatureMap) -> FloatArray:
+def estimated(rows: FreeRows, estimates: tuple[Estimates, ...], features: FeatureMap) -> FloatArray:
     """The four values of some windows, as the compiled sender estimates them, (B, 4).
 
     Parameters
     ----------
-    inputs
-        (B, I).
+    rows
+        The windows.
     estimates, features
         Which, and the map that says where they stand.
     """
-    places = np.array([estimates.up_to_noise_m, *estimates.places(features)])
-    out = np.empty((len(inputs), VALUES))
-    estimates_each(owned(inputs), places, out)
+    out = np.empty((len(rows.inputs), VALUES))
+    estimates_each(owned(rows.noise_m), owned(rows.inputs), levels_of(estimates, features), out)
     return out
 
 
@@ -137,7 +143,7 @@ def mean_log_life(values: FloatArray, rows: FreeRows, settings: FreeSettings) ->
 def search_estimates(
     rows: FreeRows, features: FeatureMap, settings: FreeSettings, step: Callable[[], None]
 ) -> tuple[Estimates, ...]:
-    """For each range of noise the windows whose values predict longest.
+    """For each range of noise and roughness the windows whose values predict longest.
 
     Parameters
     ----------
@@ -151,19 +157,21 @@ def search_estimates(
         Called once a range.
     """
     found: list[Estimates] = []
+    roughness = np.exp(rows.inputs[:, -_ROUGHNESS])
+    best = Estimates(np.inf)
     for low_m, high_m in _ranges():
-        own = _within(rows, low_m, high_m)
-        if len(own.inputs):
-            rng = child_generator(settings.seed, "search", str(high_m))
-            shares = own.shares / own.shares.sum()
-            few = min(settings.searched, len(own.inputs))
-            own = own.taken(rng.choice(len(own.inputs), few, replace=False, p=shares))
-            own = FreeRows(own.inputs, own.paths_m, own.known, own.noise_m, np.ones(few))
-            best = found[-1] if found else Estimates(high_m)
-            found.append(_searched(replace(best, up_to_noise_m=high_m), own, features, settings))
-        else:
-            found.append(replace(found[-1], up_to_noise_m=high_m) if found else Estimates(high_m))
-        step()
+        for smooth, rough in pairwise((0.0, *ROUGHNESS_MPS)):
+            best = replace(best, up_to_noise_m=high_m, up_to_roughness_mps=rough)
+            inside = (rows.noise_m > low_m / _OVERLAP) & (rows.noise_m <= high_m * _OVERLAP)
+            inside &= (roughness > smooth / _OVERLAP) & (roughness <= rough * _OVERLAP)
+            own = np.flatnonzero(inside)
+            if own.size >= _FEWEST:
+                rng = child_generator(settings.seed, "search", str(high_m), str(rough))
+                shares = rows.shares[own] / rows.shares[own].sum()
+                few = rows.taken(rng.choice(own, min(settings.searched, own.size), replace=False, p=shares))
+                best = _searched(best, replace(few, shares=np.ones(len(few.inputs))), features, settings)
+            found.append(best)
+            step()
     return tuple(found)
 
 
@@ -171,7 +179,7 @@ def _searched(best: Estimates, rows: FreeRows, features: FeatureMap, settings: F
     """Change one estimate at a time while that predicts longer, twice through all."""
 
     def score(one: Estimates) -> float:
-        return mean_log_life(estimated(rows.inputs, one, features), rows, settings)
+        return mean_log_life(estimated(rows, (one,), features), rows, settings)
 
     reached = score(best)
     for _ in range(2):
@@ -253,7 +261,7 @@ def train_free(
             step(at * settings.descent.reports + done)
 
         centre, width = squashing(own.inputs, features.mirrors)
-        begun = estimated(own.inputs, estimates[at], features)
+        begun = estimated(own, estimates, features)
         lesson = _Lesson(own, begun, features, f"{label} {high_m}", centre, width)
         networks.append(_rounded(high_m, centre, width, _train_network(lesson, settings, told)))
     if networks and not np.isinf(networks[-1].up_to_noise_m):

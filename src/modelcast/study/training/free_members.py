@@ -1,7 +1,8 @@
 """The free sub-models of a profile, trained on trips: estimates, and networks with and without context."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -9,11 +10,14 @@ from modelcast.core.arrays import FloatArray
 from modelcast.models.free import FreeMotion
 from modelcast.models.free.estimates import map_of
 from modelcast.models.learned.features import FeatureMap
+from modelcast.models.profile import Profile
 from modelcast.runtime.trip.context import ContextSettings, TripContexts
 from modelcast.study.routes import routes
+from modelcast.study.training.adding import with_added
 from modelcast.study.training.free import (
     EDGES_M,
     HORIZONS_S,
+    ROUGHNESS_MPS,
     FreeSettings,
     search_estimates,
     searched_features,
@@ -24,7 +28,14 @@ from modelcast.study.training.playback import AS_RECORDED, Playback
 from modelcast.study.training.views import PlayedTrip, SenderView, played_trips
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["DEFAULT_VIEWS", "FREE_PLAYBACKS", "FreeMembers", "FreeMembersSettings", "train_free_members"]
+__all__ = [
+    "DEFAULT_VIEWS",
+    "FREE_PLAYBACKS",
+    "FreeMembers",
+    "FreeMembersSettings",
+    "add_free",
+    "train_free_members",
+]
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, steps done and steps to do."""
@@ -93,11 +104,15 @@ class FreeMembers:
         A network chooses what is stated.
     context
         The same, which also knows the vehicle ahead and the road.
+    record
+        How they were trained. Plain values.
     """
 
     free: FreeMotion
     predictive: FreeMotion
     context: FreeMotion
+
+    record: Mapping[str, Any]
 
     @property
     def members(self) -> tuple[FreeMotion, ...]:
@@ -153,7 +168,7 @@ def train_free_members(
     def searched() -> None:
         nonlocal done
         done += 1
-        progress("windows", done, len(EDGES_M))
+        progress("windows", done, len(EDGES_M) * len(ROUGHNESS_MPS))
 
     features = searched_features(free.features.lags)
     estimates = search_estimates(cut(features), features, free, searched)
@@ -174,7 +189,49 @@ def train_free_members(
 
         rows = cut(map_of(estimates, own.features.lags, own.features))
         found.append(train_free(rows, estimates, own, label=name, step=told))
-    return FreeMembers(alone, found[0], found[1])
+    return FreeMembers(alone, found[0], found[1], _record(trips, settings))
+
+
+def add_free(
+    profile: Profile,
+    trips: Sequence[Trajectory],
+    settings: FreeMembersSettings | None = None,
+    *,
+    progress: Progress,
+) -> Profile:
+    """A profile with the free sub-models added; all else in it stays as it is, its identity too.
+
+    Parameters
+    ----------
+    profile
+        Any profile.
+    trips, settings, progress
+        As for `train_free_members`.
+
+    Raises
+    ------
+    MissingExtraError, ValueError
+        As for `train_free_members`; also where the profile was itself trained with a sub-model of the name.
+    """
+    found = train_free_members(trips, settings, progress=progress)
+    return with_added(profile, found.members, {"free": found.record}, trips)
+
+
+def _record(trips: Sequence[Trajectory], settings: FreeMembersSettings) -> dict[str, Any]:
+    """What a profile says of the free sub-models' making."""
+    free = settings.free
+    return {
+        "seed": free.seed,
+        "trips": len(trips),
+        "duration_s": round(sum(trip.duration_s for trip in trips), 3),
+        "views": [[view.name, weight] for view, weight in settings.views],
+        "playbacks": [how.name or "as recorded" for how in settings.playbacks],
+        "windows": settings.rows,
+        "hidden": list(free.descent.hidden),
+        "steps": free.descent.steps,
+        "loss_thresholds_m": list(free.descent.thresholds_m),
+        "limits": free.limits.values.tolist(),
+    }
 
 
 def _groups(

@@ -1,7 +1,7 @@
 """Training of both switching sub-models: their data, the two searches, and what a profile gets of them."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,10 +10,10 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.chance import child_generator
 from modelcast.models.profile import Profile
 from modelcast.models.switching import LinearMode, StochasticHybridSystem
+from modelcast.study.training.adding import with_added
 from modelcast.study.training.switching.expectation import FitSettings, fit_modes
 from modelcast.study.training.switching.sampler import SamplerSettings, sample_modes
 from modelcast.study.training.switching.sequences import Sequences, sequences_of
-from modelcast.trips.fingerprint import fingerprint
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["SWITCHING_NAMES", "SwitchingSettings", "TrainedSwitching", "add_switching", "train_switching"]
@@ -151,15 +151,7 @@ def add_switching(
         As for `train_switching`, or where the profile was itself trained with a sub-model of the name.
     """
     found = train_switching(trips, settings, names=names, seed=seed, progress=progress)
-    new = {model.name for model in found.models}
-    own = tuple(fingerprint(trip) for trip in trips)
-    known = set(profile.training_trips)
-    return replace(
-        profile,
-        added=(*(model for model in profile.added if model.name not in new), *found.models),
-        added_record={**profile.added_record, **found.record},
-        training_trips=(*profile.training_trips, *(one for one in own if one not in known)),
-    )
+    return with_added(profile, found.models, found.record, trips)
 
 
 def _common(data: Sequences) -> dict[str, Any]:
