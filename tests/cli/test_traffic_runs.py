@@ -18,7 +18,7 @@ SMALL = TrafficPlan(
     length_m=400.0,
 )
 SAME = """network --density 30 --radio dsrc sidelink --policy baseline mbc --bank paper --threshold 0.05 0.2
-    --duration 4 --warm-up 1 --length 400 --jobs 1 --quiet"""
+    --keep-alive 2 --approach 0 --duration 4 --warm-up 1 --length 400 --jobs 1 --quiet"""
 
 
 @pytest.fixture(scope="module")

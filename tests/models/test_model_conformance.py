@@ -108,7 +108,7 @@ MODELS: dict[str, AbstractMotionModel] = {
         )
     ),
     "regimes": _regimes(),
-    "free": FreeMotion((Estimates(np.inf),), features=FeatureMap(4)),
+    "free": FreeMotion((Estimates(np.inf),), features=FeatureMap(10, ((3, 2),), ((5, 1),))),
     "free-predictive": _free(context=False),
     "free-context": _free(context=True),
     "learned": _shipped("learned"),

@@ -236,7 +236,7 @@ def named_bank(
             trusted_horizon_s=trusted_horizon_s,
             profile=profile,
         )
-        rules = (unguarded(rules[0]), rules[1]) if text == REGIME_BANK else rules_of(bank)
+        rules = (unguarded(rules[0]), rules[1]) if text in (REGIME_BANK, FREE) else rules_of(bank)
         trained = any(not _is_untrained(member.name) for member in bank.members)
         return NamedBank(bank, *rules, trained_on=frozenset(profile.training_trips if trained else ()))
     if noise_floor_m is not None or trusted_horizon_s is not None or window != _DEFAULT_WINDOW:

@@ -70,7 +70,7 @@ class FreeMotion(AbstractSubModel):
     >>> window = np.zeros((1, 11, 7))
     >>> window[0, :, 0], window[0, :, 2] = 10.0 * t + t**2, 10.0 + 2.0 * t
     >>> model.fit(Windows(window, dt_s=0.1)).round(6)
-    array([[10.,  0.,  2.,  0.]])
+    array([[10.,  0.,  2., -0.]])
     >>> model.payload_layout.bits
     0
     """

@@ -312,7 +312,12 @@ def named_sender(
         policy = CooperativeAwareness()
     elif name in {"baseline", "free"}:
         policy = ErrorDriven(
-            threshold_m, identify="never", max_inter_transmit_time_s=keep_alive_s, approach_m=approach_m
+            threshold_m,
+            identify="never",
+            max_inter_transmit_time_s=keep_alive_s,
+            believe="sent" if name == "baseline" else believe or "expected",
+            budget=budget,
+            approach_m=approach_m,
         )
     elif name == "mbc":
         rules = rules_of(chosen)
