@@ -215,7 +215,7 @@ def jerking(seed: int) -> Trajectory:
 
 
 def test_a_guarded_sender_expects_by_the_memory_of_whom_it_follows() -> None:
-    """While its bank serves, what it sent itself; in step with constant velocity, what that alone had sent."""
+    """While its bank serves, what it sent itself; in step with constant velocity, what that had sent."""
     acted = 0
     for seed in range(6):
         runtime = TripRuntime(jerking(seed), Bank((CA, CV)), REPORTED)
