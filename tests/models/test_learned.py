@@ -57,7 +57,7 @@ def inputs_of(given: Windows) -> FloatArray:
 
 def mirrored(given: Windows) -> Windows:
     """The same windows with east for west: turns change their sign."""
-    return replace(given, samples=given.samples * np.array([-1.0, 1.0, -1.0, 1.0, 1.0, -1.0, 1.0, 1.0]))
+    return replace(given, samples=given.samples * np.array([-1.0, 1.0, -1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0]))
 
 
 def test_a_mirrored_window_has_the_inputs_times_their_signs() -> None:

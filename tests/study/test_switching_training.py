@@ -385,7 +385,7 @@ def test_the_command_prints_what_was_added(
     assert printed["sha256"] == found.identity
 
 
-ALONE = "for a full training: --add trains shs and hdp-hmm alone"
+ALONE = "for a full training: --add trains shs alone"
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,7 @@ def cut(count: int = 300, *, trip: Trajectory | None = None, samples: int = 10) 
 def test_windows_are_followed_by_their_own_future() -> None:
     trip = weaving(noise_m=0.0)
     training = cut(50, trip=trip)
-    assert training.samples.shape == (50, 10, 8)
+    assert training.samples.shape == (50, 10, 9)
     assert training.future_m.shape == (50, 40, 2)
     for window, future in zip(training.samples, training.future_m, strict=True):
         at = int(np.flatnonzero((trip.position_m == window[-1, :2]).all(axis=1))[0])

@@ -40,9 +40,9 @@ class Windows:
         (B, n, 7): east, north [m]; the east, north velocity [m/s], the acceleration along the course [m/s²],
         the yaw rate, clockwise [rad/s], and the standard deviation of the white position noise an axis [m],
         that one named causal estimator each gives at each sample; a noise of 0 says that it is not known.
-        Row -1 is the newest. Or (B, n, 8), with the speed that the vehicle reports [m/s], which is that of
-        the velocity where it is left out; or (B, n, 21), with the columns of
-        `modelcast.models.context_columns` behind. What is kept has the speed.
+        Row -1 is the newest. Or (B, n, 9), with the speed that the vehicle reports [m/s] and how much it
+        reports (`point_kernels.REPORTS`), which are that of the velocity and 0 where they are left out; or
+        (B, n, 22), with the columns of `modelcast.models.context_columns` behind. What is kept has both.
     dt_s
         Sampling interval [s].
 
@@ -58,15 +58,17 @@ class Windows:
 
     def __post_init__(self) -> None:
         bare, whole = point_kernels.SAMPLE_COLUMNS, point_kernels.SAMPLE_COLUMNS + CONTEXT_COLUMNS
-        if self.samples.ndim != 3 or self.samples.shape[2] not in (bare - 1, bare, whole):
+        least = point_kernels.SPEED
+        if self.samples.ndim != 3 or self.samples.shape[2] not in (least, bare, whole):
             raise ValueError(
-                f"samples must be (B, n, {bare - 1}) or, with the speed, (B, n, {bare}), or (B, n, {whole}) "
-                f"with context, got {self.samples.shape}"
+                f"samples must be (B, n, {least}), or (B, n, {bare}) with what is reported, "
+                f"or (B, n, {whole}) with context, got {self.samples.shape}"
             )
         if self.samples.shape[2] < bare:
             east, north = point_kernels.VELOCITY_EAST, point_kernels.VELOCITY_NORTH
             speed = np.hypot(self.samples[..., east], self.samples[..., north])
-            object.__setattr__(self, "samples", np.concatenate([self.samples, speed[..., None]], axis=2))
+            added = np.stack([speed, np.zeros_like(speed)], axis=-1)
+            object.__setattr__(self, "samples", np.concatenate([self.samples, added], axis=2))
         if not np.isfinite(self.samples).all():
             raise ValueError("samples must be finite: skip a vehicle without a full window")
         if not (self.dt_s > 0 and np.isfinite(self.dt_s)):

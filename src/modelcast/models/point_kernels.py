@@ -10,6 +10,7 @@ __all__ = [
     "EAST",
     "NORTH",
     "POSITION_NOISE",
+    "REPORTS",
     "SAMPLE_COLUMNS",
     "SPEED",
     "VELOCITY_EAST",
@@ -20,11 +21,12 @@ __all__ = [
     "predict_each",
 ]
 
-EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH, ACCELERATION, YAW_RATE, POSITION_NOISE, SPEED = range(8)
-"""Columns of a window's samples: [m], [m/s], along the course [m/s²], clockwise [rad/s], an axis [m], and the
-speed that the vehicle reports, that of its velocity where it reports none [m/s]."""
+EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH, ACCELERATION, YAW_RATE, POSITION_NOISE, SPEED, REPORTS = range(9)
+"""Columns of a window's samples: [m], [m/s], along the course [m/s²], clockwise [rad/s], an axis [m]; the
+speed that the vehicle reports, that of its velocity where it reports none [m/s]; and how much it reports
+beside positions: 0 for nothing, 1 for speed, 2 for heading too, 3 for acceleration and yaw rate too."""
 
-SAMPLE_COLUMNS = 8
+SAMPLE_COLUMNS = 9
 """How many columns a window's samples have."""
 
 

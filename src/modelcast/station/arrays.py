@@ -38,10 +38,10 @@ rate, clockwise [rad/s]; not a number where there is none."""
 class Sensed(NamedTuple):
     """What V vehicles measured, in rings of R samples.
 
-    ``t_s`` (V, 2R) and ``samples`` (V, 2R, 7 + S): every sample stands twice, R apart, so that each window
-    lies in one piece; behind its seven columns stands the state that sub-models carry from sample to sample,
-    if any. ``stated_s`` (V, R) and ``stated_m`` (V, R, 2) are the instant and the position that a message
-    states; ``history`` (V, R) samples of its gapless part up to each; ``taken`` (V,) samples so far;
+    ``t_s`` (V, 2R) and ``samples`` (V, 2R, 9 + S): every sample stands twice, R apart, so that each window
+    lies in one piece; behind its measured columns stands the state that sub-models carry from sample to
+    sample, if any. ``stated_s`` (V, R) and ``stated_m`` (V, R, 2) are the instant and the position that a
+    message states; ``history`` (V, R) samples of its gapless part up to each; ``taken`` (V,) samples so far;
     ``noise`` (V, 2) running mean of squares, and how many; ``shown`` (V, 6) the newest measurement, filtered
     where there is a filter, whose ``states`` (V, 6) and ``spreads`` (V, 6, 6) follow.
     """

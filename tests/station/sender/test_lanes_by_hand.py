@@ -78,7 +78,7 @@ class Bench:
         place = number % RING
         for twice in (place, place + RING):
             self.sensed.t_s[v, twice] = t_s
-            self.sensed.samples[v, twice] = [*at_m, *velocity, acceleration, 0.0, 0.0, 0.0]
+            self.sensed.samples[v, twice] = [*at_m, *velocity, acceleration, *[0.0] * 4]
         own = (t_s, *at_m) if stated is None else stated
         self.sensed.stated_s[v, place] = own[0]
         self.sensed.stated_m[v, place] = own[1:]

@@ -26,10 +26,11 @@ class Estimates:
 
     Parameters
     ----------
-    up_to_noise_m, up_to_roughness_mps
-        It serves vehicles whose positions are at most so noisy [m], and their velocities along the course at
-        most so rough [m/s]; infinite for any. A velocity made from positions of a centimetre is rough, one of
-        a wheel sensor is not.
+    up_to_noise_m
+        It serves vehicles whose positions are at most so noisy; infinite for any [m].
+    reports
+        And that report so much (`modelcast.models.point_kernels.REPORTS`); -1 for any. A velocity made from
+        positions wants other windows than one of a wheel sensor.
     speed
         Speed along the course: the slope of positions, or the value of velocities or of reported speeds.
     course
@@ -53,7 +54,7 @@ class Estimates:
 
     up_to_noise_m: Annotated[float, Number(0.0, 1000.0, over=True, infinite=True)]
     _: KW_ONLY
-    up_to_roughness_mps: Annotated[float, Number(0.0, 1000.0, over=True, infinite=True)] = np.inf
+    reports: Annotated[int, Whole(-1, 3)] = -1
     speed: Annotated[Window, _WINDOW] = ("newest", 0, 0)
     course: Annotated[Window, _WINDOW] = ("newest", 0, 0)
     acceleration: Annotated[Window, _WINDOW] = ("newest", 0, 0)
@@ -115,7 +116,7 @@ def _derivative(name: str, column: str) -> int:
 
 
 def levels_of(estimates: tuple[Estimates, ...], features: FeatureMap) -> FloatArray:
-    """Ranges of noise and places among the inputs, as the compiled estimates take them, (L x 6,).
+    """Ranges of noise, reports and places among the inputs, as the compiled estimates take them, (L x 6,).
 
     Parameters
     ----------
@@ -124,7 +125,7 @@ def levels_of(estimates: tuple[Estimates, ...], features: FeatureMap) -> FloatAr
     features
         A map that has their polynomials.
     """
-    rows = [[one.up_to_noise_m, one.up_to_roughness_mps, *one.places(features)] for one in estimates]
+    rows = [[one.up_to_noise_m, one.reports, *one.places(features)] for one in estimates]
     return np.array(rows, dtype=np.float64).ravel()
 
 

@@ -1,6 +1,6 @@
 """Compiled estimates of Part I, and the network that moves them within limits."""
 
-from math import atan2, cos, exp, hypot, sin, tanh
+from math import atan2, cos, hypot, sin, tanh
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from modelcast.models.learned.learned_kernels import FRAME_MPS, HEADER, run_netw
 from modelcast.models.point_kernels import (
     ACCELERATION,
     POSITION_NOISE,
+    REPORTS,
     VELOCITY_EAST,
     VELOCITY_NORTH,
     YAW_RATE,
@@ -21,35 +22,34 @@ VALUES = 4
 """Speed, angle of the course to the left of the newest velocity, acceleration, yaw rate to the left."""
 
 LEVEL = 2 + VALUES
-"""Numbers of one range of noise: up to which noise and which roughness, and the place of each estimate among
-the inputs."""
+"""Numbers of one set of estimates: up to which noise and for which reports, and the place of each estimate
+among the inputs."""
 
 _PLACES = 2
-_ROUGHNESS = 3
-"""Place of the velocity's roughness along the course, from the last input backwards, as a logarithm."""
 
 _SLOWEST_MPS = 0.1
 
 
 @kernel
-def _level_of(noise: float, inputs: FloatVector, levels: FloatVector) -> int:
-    """Return where the first range begins that reaches a noise and the inputs' roughness; else the last."""
-    roughness = exp(inputs[inputs.size - _ROUGHNESS])
+def _level_of(noise: float, reports: float, levels: FloatVector) -> int:
+    """Return where the first set begins that serves a noise and what is reported; else the last."""
     count = levels.size // LEVEL
     for level in range(count):
         at = level * LEVEL
-        if noise <= levels[at] and roughness <= levels[at + 1]:
+        if noise <= levels[at] and (levels[at + 1] < 0.0 or levels[at + 1] == reports):
             return at
     return (count - 1) * LEVEL
 
 
 @kernel
-def estimates_of(noise: float, inputs: FloatVector, levels: FloatVector, out: FloatVector) -> None:
+def estimates_of(
+    noise: float, reports: float, inputs: FloatVector, levels: FloatVector, out: FloatVector
+) -> None:
     """Write the four values (`VALUES`,) that a moving vehicle's inputs give.
 
-    ``levels`` (L x `LEVEL`,) are the ranges of noise in turn; -1 stands for the newest sample's own value.
+    ``levels`` (L x `LEVEL`,) are all sets of estimates; -1 stands for the newest sample's own value.
     """
-    first = _level_of(noise, inputs, levels) + _PLACES
+    first = _level_of(noise, reports, levels) + _PLACES
     places = levels[first : first + VALUES]
     along, left = inputs[0], 0.0
     if places[0] >= 0.0:
@@ -65,10 +65,12 @@ def estimates_of(noise: float, inputs: FloatVector, levels: FloatVector, out: Fl
 
 
 @kernel
-def estimates_each(noise: FloatVector, inputs: FloatMatrix, levels: FloatVector, out: FloatMatrix) -> None:
-    """Write `estimates_of` of many windows, noises (B,) and inputs (B, I), into (B, `VALUES`)."""
+def estimates_each(
+    noise: FloatVector, reports: FloatVector, inputs: FloatMatrix, levels: FloatVector, out: FloatMatrix
+) -> None:
+    """Write `estimates_of` of many windows, (B,), (B,) and inputs (B, I), into (B, `VALUES`)."""
     for row in range(inputs.shape[0]):
-        estimates_of(noise[row], inputs[row], levels, out[row])
+        estimates_of(noise[row], reports[row], inputs[row], levels, out[row])
 
 
 @kernel
@@ -114,7 +116,7 @@ def fit(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     at += 1
     noise = newest[POSITION_NOISE]
     values = np.empty(VALUES)
-    estimates_of(noise, inputs, constants[at : at + levels * LEVEL], values)
+    estimates_of(noise, newest[REPORTS], inputs, constants[at : at + levels * LEVEL], values)
     at += levels * LEVEL
     if networks > 0:
         _moved(noise, inputs, constants[at : at + VALUES], constants[at + VALUES :], networks, values)

@@ -31,8 +31,8 @@ class FreeMotion(AbstractSubModel):
     Parameters
     ----------
     estimates
-        The first whose ``up_to_noise_m`` reaches the window's position noise, and whose
-        ``up_to_roughness_mps`` its velocity's roughness, serves; the last serves all others.
+        The first whose ``up_to_noise_m`` reaches the window's position noise, and whose ``reports`` are what
+        the vehicle reports, serves; the last serves all others.
     networks
         By rising noise likewise; none for the estimates as they are. A network's outputs are speed, angle of
         the course to the left, acceleration and yaw rate to the left, each in units of its limit and squashed

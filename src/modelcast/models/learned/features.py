@@ -77,7 +77,7 @@ class FeatureMap:
         Polynomials of positions and velocities; longer ones than the window are left out.
     speed_fits
         Polynomials of the reported speed less that of the newest velocity; where there is one, its value
-        now and its roughness are inputs too.
+        now, its roughness and how much is reported are inputs too.
     context
         Whether the vehicle ahead and the road are inputs.
 
@@ -91,7 +91,7 @@ class FeatureMap:
     >>> FeatureMap(20).inputs
     88
     >>> FeatureMap(20, speed_fits=((5, 1),), context=True).inputs
-    105
+    108
     """
 
     lags: Annotated[int, LAGS] = 20
@@ -140,7 +140,7 @@ class FeatureMap:
     @property
     def fixed(self) -> int:
         """How many of the last inputs no mirror and no larger road changes: what is known, and noise."""
-        return _NOISES + (1 if self.speed_fits else 0) + (2 if self.context else 0)
+        return _NOISES + (4 if self.speed_fits else 0) + (2 if self.context else 0)
 
     @property
     def _after_velocities(self) -> int:

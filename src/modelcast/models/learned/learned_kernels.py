@@ -25,6 +25,7 @@ from modelcast.models.point_kernels import (
     EAST,
     NORTH,
     POSITION_NOISE,
+    REPORTS,
     SPEED,
     VELOCITY_EAST,
     VELOCITY_NORTH,
@@ -170,6 +171,9 @@ def window_features(window: FloatMatrix, constants: FloatVector, out: FloatVecto
         _context(window[last], int(constants[CONTEXT_AT]), speed, out, at, flags)
         at = flags + 2
     if speed_rows > 0:
+        for much in range(1, 4):
+            out[at] = 1.0 if window[last, REPORTS] >= much else 0.0
+            at += 1
         out[at] = _roughness(path[4])
         at += 1
     out[at], out[at + 1] = _roughness(path[2]), _roughness(path[3])

@@ -12,6 +12,7 @@ from modelcast.models.point_kernels import (
     EAST,
     NORTH,
     POSITION_NOISE,
+    REPORTS,
     SPEED,
     VELOCITY_EAST,
     VELOCITY_NORTH,
@@ -133,9 +134,12 @@ def _take(s: Sensed, v: int, t_s: float, fresh: bool, c: SensingNumbers) -> None
         )
     s.samples[v, at, POSITION_NOISE] = sqrt(s.noise[v, 0] / n.share)
     speed = s.shown[v, _SPEED]
+    reports = 2.0 if c.velocity_window == 0 else 1.0
     if isnan(speed):
         speed = hypot(s.samples[v, at, VELOCITY_EAST], s.samples[v, at, VELOCITY_NORTH])
+        reports = 0.0
     s.samples[v, at, SPEED] = speed
+    s.samples[v, at, REPORTS] = 3.0 if c.has_acceleration and c.has_yaw_rate else reports
     for column in range(s.samples.shape[2]):
         s.samples[v, place, column] = s.samples[v, at, column]
     east, north, instant_s = s.samples[v, at, EAST], s.samples[v, at, NORTH], t_s

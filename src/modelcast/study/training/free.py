@@ -31,7 +31,7 @@ __all__ = [
     "EDGES_M",
     "HORIZONS_S",
     "NETWORK_FEATURES",
-    "ROUGHNESS_MPS",
+    "REPORTS_KNOWN",
     "FreeSettings",
     "estimated",
     "mean_log_life",
@@ -43,8 +43,8 @@ __all__ = [
 EDGES_M = (0.0025, 0.0075, 0.018, np.inf)
 """Ranges of position noise that have estimates and a network of their own, up to each [m]."""
 
-ROUGHNESS_MPS = (0.02, 0.08, np.inf)
-"""Ranges of a velocity's roughness along the course that have estimates of their own, up to each [m/s]."""
+REPORTS_KNOWN = (0, 1, 2, 3)
+"""How much a vehicle may report beside positions; each has estimates of its own."""
 
 NETWORK_FEATURES = FeatureMap(20, speed_fits=((2, 1), (5, 1), (10, 1), (10, 2), (20, 1), (20, 2)))
 """What a network looks at."""
@@ -55,7 +55,6 @@ HORIZONS_S: FloatArray = np.arange(1, 81, dtype=np.float64) * 0.1
 _LINES = tuple((length, 1) for length in (2, 3, 4, 5, 6, 8, 10))
 _PARABOLAS = tuple((length, 2) for length in (4, 6, 8, 10, 12, 16, 20))
 _OVERLAP = 1.35
-_ROUGHNESS = 3  # from the last input backwards
 _FEWEST = 200
 
 
@@ -74,7 +73,7 @@ class FreeSettings:
     descent
         Loss and optimiser.
     searched
-        Windows that estimates are searched on, at most, for one range of noise and roughness.
+        Windows that estimates are searched on, at most, for one range of noise and what is reported.
     seed
         Of all random numbers.
     """
@@ -110,7 +109,9 @@ def estimated(rows: FreeRows, estimates: tuple[Estimates, ...], features: Featur
         Which, and the map that says where they stand.
     """
     out = np.empty((len(rows.inputs), VALUES))
-    estimates_each(owned(rows.noise_m), owned(rows.inputs), levels_of(estimates, features), out)
+    estimates_each(
+        owned(rows.noise_m), owned(rows.reports), owned(rows.inputs), levels_of(estimates, features), out
+    )
     return out
 
 
@@ -143,7 +144,7 @@ def mean_log_life(values: FloatArray, rows: FreeRows, settings: FreeSettings) ->
 def search_estimates(
     rows: FreeRows, features: FeatureMap, settings: FreeSettings, step: Callable[[], None]
 ) -> tuple[Estimates, ...]:
-    """For each range of noise and roughness the windows whose values predict longest.
+    """For each range of noise, and what is reported, the windows whose values predict longest.
 
     Parameters
     ----------
@@ -157,16 +158,14 @@ def search_estimates(
         Called once a range.
     """
     found: list[Estimates] = []
-    roughness = np.exp(rows.inputs[:, -_ROUGHNESS])
-    best = Estimates(np.inf)
-    for low_m, high_m in _ranges():
-        for smooth, rough in pairwise((0.0, *ROUGHNESS_MPS)):
-            best = replace(best, up_to_noise_m=high_m, up_to_roughness_mps=rough)
+    for reports in REPORTS_KNOWN:
+        best = Estimates(np.inf)
+        for low_m, high_m in _ranges():
+            best = replace(best, up_to_noise_m=high_m, reports=reports)
             inside = (rows.noise_m > low_m / _OVERLAP) & (rows.noise_m <= high_m * _OVERLAP)
-            inside &= (roughness > smooth / _OVERLAP) & (roughness <= rough * _OVERLAP)
-            own = np.flatnonzero(inside)
+            own = np.flatnonzero(inside & (rows.reports == reports))
             if own.size >= _FEWEST:
-                rng = child_generator(settings.seed, "search", str(high_m), str(rough))
+                rng = child_generator(settings.seed, "search", str(high_m), reports)
                 shares = rows.shares[own] / rows.shares[own].sum()
                 few = rows.taken(rng.choice(own, min(settings.searched, own.size), replace=False, p=shares))
                 best = _searched(best, replace(few, shares=np.ones(len(few.inputs))), features, settings)

@@ -17,7 +17,7 @@ from modelcast.study.training.adding import with_added
 from modelcast.study.training.free import (
     EDGES_M,
     HORIZONS_S,
-    ROUGHNESS_MPS,
+    REPORTS_KNOWN,
     FreeSettings,
     search_estimates,
     searched_features,
@@ -168,7 +168,7 @@ def train_free_members(
     def searched() -> None:
         nonlocal done
         done += 1
-        progress("windows", done, len(EDGES_M) * len(ROUGHNESS_MPS))
+        progress("windows", done, len(EDGES_M) * len(REPORTS_KNOWN))
 
     features = searched_features(free.features.lags)
     estimates = search_estimates(cut(features), features, free, searched)

@@ -1,7 +1,7 @@
 """Windows that free sub-models learn from: what senders of every kind see, and the path that followed."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.chance import child_generator
 from modelcast.models.learned.features import LAG_STEP_S, SHORTEST_SPAN, FeatureMap
 from modelcast.models.learned.learned_kernels import FRAME_MPS
-from modelcast.models.point_kernels import POSITION_NOISE, VELOCITY_EAST, VELOCITY_NORTH
+from modelcast.models.point_kernels import POSITION_NOISE, REPORTS, VELOCITY_EAST, VELOCITY_NORTH
 from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.study.training.inputs import window_inputs
@@ -33,6 +33,8 @@ class FreeRows:
         Whether the trip goes on so long, (B, H).
     noise_m
         Position noise that the sender estimates, (B,) [m].
+    reports
+        How much it reports (`modelcast.models.point_kernels.REPORTS`), (B,).
     shares
         How often each is drawn, (B,): kinds of senders and groups of trips count alike.
     """
@@ -41,6 +43,7 @@ class FreeRows:
     paths_m: FloatArray
     known: BoolArray
     noise_m: FloatArray
+    reports: FloatArray
     shares: FloatArray
 
     def taken(self, rows: IntArray) -> "FreeRows":
@@ -52,7 +55,12 @@ class FreeRows:
             Which, (K,).
         """
         return FreeRows(
-            self.inputs[rows], self.paths_m[rows], self.known[rows], self.noise_m[rows], self.shares[rows]
+            self.inputs[rows],
+            self.paths_m[rows],
+            self.known[rows],
+            self.noise_m[rows],
+            self.reports[rows],
+            self.shares[rows],
         )
 
 
@@ -69,6 +77,7 @@ def joined_rows(parts: Sequence[FreeRows]) -> FreeRows:
         np.concatenate([one.paths_m for one in parts]),
         np.concatenate([one.known for one in parts]),
         np.concatenate([one.noise_m for one in parts]),
+        np.concatenate([one.reports for one in parts]),
         np.concatenate([one.shares for one in parts]),
     )
 
@@ -122,7 +131,7 @@ def free_rows(
         if count:
             part = joined_rows(parts)
             shares = np.full(count, weight / count)
-            found.append(FreeRows(part.inputs, part.paths_m, part.known, part.noise_m, shares))
+            found.append(replace(part, shares=shares))
     return found
 
 
@@ -159,5 +168,6 @@ def _cut(
         np.stack([along, left], axis=-1),
         at_s <= last_s[:, None] + 1e-6,
         samples[rows, POSITION_NOISE],
+        samples[rows, REPORTS],
         np.zeros(rows.size),
     )
