@@ -15,8 +15,9 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import MissingExtraError
+from modelcast.models.learned.perceptron import Perceptron
 
-__all__ = ["Descent", "Weights", "batches", "descend", "numerics", "squashing"]
+__all__ = ["Descent", "Weights", "batches", "descend", "numerics", "perceptron_of", "squashing"]
 
 _ONE_THREAD = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 _FIRST_OUTPUTS = 0.05
@@ -121,6 +122,25 @@ def squashing(inputs: FloatArray, mirrors: FloatArray) -> tuple[FloatArray, Floa
     """
     centre = np.where(mirrors > 0, np.median(inputs, axis=0), 0.0)
     return centre, np.maximum(2.0 * np.median(np.abs(inputs), axis=0), 2e-3)
+
+
+def perceptron_of(
+    weights: Weights, centre: FloatArray, width: FloatArray, *, up_to_noise_m: float = np.inf
+) -> Perceptron:
+    """The network as a profile keeps it: in 32 bits.
+
+    Parameters
+    ----------
+    weights
+        Of its layers.
+    centre, width
+        By which its inputs are squashed, (I,).
+    up_to_noise_m
+        It serves windows whose position noise is at most this [m].
+    """
+    kept = [one.astype(np.float32).astype(np.float64) for one in (centre, width, *weights)]
+    layers = dict(zip(Weights._fields, kept[2:], strict=True))
+    return Perceptron(up_to_noise_m, centre=kept[0], width=kept[1], **layers)
 
 
 def batches(shares: FloatArray, how: Descent, rng: np.random.Generator) -> Iterator[IntArray]:

@@ -23,7 +23,15 @@ from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned.features import LEADER_INPUTS, ROAD_INPUTS, FeatureMap
 from modelcast.models.learned.perceptron import Perceptron
 from modelcast.models.trusted import Trusted
-from modelcast.study.training.descent import Descent, Weights, batches, descend, numerics, squashing
+from modelcast.study.training.descent import (
+    Descent,
+    Weights,
+    batches,
+    descend,
+    numerics,
+    perceptron_of,
+    squashing,
+)
 from modelcast.study.training.free_rows import FreeRows
 from modelcast.study.training.survival import FORGIVEN_S, survival_cost
 
@@ -262,7 +270,8 @@ def train_free(
         centre, width = squashing(own.inputs, features.mirrors)
         begun = estimated(own, estimates, features)
         lesson = _Lesson(own, begun, features, f"{label} {high_m}", centre, width)
-        networks.append(_rounded(high_m, centre, width, _train_network(lesson, settings, told)))
+        weights = _train_network(lesson, settings, told)
+        networks.append(perceptron_of(weights, centre, width, up_to_noise_m=high_m))
     if networks and not np.isinf(networks[-1].up_to_noise_m):
         networks[-1] = replace(networks[-1], up_to_noise_m=np.inf)
     return FreeMotion(
@@ -343,19 +352,3 @@ def _hide(inputs: FloatArray, features: FeatureMap, rng: np.random.Generator) ->
         hidden = rng.random(len(inputs)) < 0.25
         inputs[hidden, columns] = 0.0
         inputs[hidden, flag] = 0.0
-
-
-def _rounded(up_to_noise_m: float, centre: FloatArray, width: FloatArray, weights: Weights) -> Perceptron:
-    """The network as a profile keeps it: in 32 bits."""
-    kept = [one.astype(np.float32).astype(np.float64) for one in (centre, width, *weights)]
-    return Perceptron(
-        up_to_noise_m,
-        centre=kept[0],
-        width=kept[1],
-        weights_1=kept[2],
-        bias_1=kept[3],
-        weights_2=kept[4],
-        bias_2=kept[5],
-        weights_3=kept[6],
-        bias_3=kept[7],
-    )

@@ -31,7 +31,14 @@ from modelcast.models.point_kernels import (
 )
 from modelcast.station.sensing.sensing import position_noise_m, sample_matrix
 from modelcast.station.sensing.velocity import velocity_estimator_for
-from modelcast.study.training.descent import Descent, batches, descend, numerics, squashing
+from modelcast.study.training.descent import (
+    Descent,
+    batches,
+    descend,
+    numerics,
+    perceptron_of,
+    squashing,
+)
 from modelcast.study.training.inputs import window_inputs
 from modelcast.study.training.playback import DEFAULT_PLAYBACKS, Playback
 from modelcast.study.training.survival import survival_cost
@@ -298,17 +305,8 @@ def _train_network(
         step=step,
     )
     back = np.kron(np.eye(2), np.linalg.inv(r)).T
-    return Perceptron(
-        up_to_noise_m,
-        centre=_rounded(centre),
-        width=_rounded(width),
-        weights_1=_rounded(weights.weights_1),
-        bias_1=_rounded(weights.bias_1),
-        weights_2=_rounded(weights.weights_2),
-        bias_2=_rounded(weights.bias_2),
-        weights_3=_rounded(weights.weights_3 @ back),
-        bias_3=_rounded(weights.bias_3 @ back),
-    )
+    weights = weights._replace(weights_3=weights.weights_3 @ back, bias_3=weights.bias_3 @ back)
+    return perceptron_of(weights, centre, width, up_to_noise_m=up_to_noise_m)
 
 
 def _batches(
@@ -326,8 +324,3 @@ def _batches(
         errors_m = rows.errors_m[chosen] * size[:, None, None]
         errors_m[mirrored, :, 1] *= -1.0
         yield np.arcsinh((inputs - centre) / width), [errors_m]
-
-
-def _rounded(array: FloatArray) -> FloatArray:
-    """As a profile keeps it: in 32 bits."""
-    return array.astype(np.float32).astype(np.float64)

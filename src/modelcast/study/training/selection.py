@@ -17,7 +17,7 @@ from modelcast.models.learned import FeatureMap, Perceptron, Selector
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.case import TripCase
 from modelcast.study.training import selection_kernels
-from modelcast.study.training.descent import Descent, Weights, batches, descend, squashing
+from modelcast.study.training.descent import Descent, Weights, batches, descend, perceptron_of, squashing
 from modelcast.study.training.inputs import window_inputs
 
 __all__ = ["SelectorSettings", "member_lives_s", "train_selector"]
@@ -109,20 +109,7 @@ def train_selector(
     networks: list[Perceptron] = []
     for at in range(settings.networks):
         weights = _descend(squashed, targets, signs, settings, settings.seed + at)
-        rounded = [np.array([float(f"{x:.6g}") for x in one.ravel()]).reshape(one.shape) for one in weights]
-        networks.append(
-            Perceptron(
-                np.inf,
-                centre=centre,
-                width=width,
-                weights_1=rounded[0],
-                bias_1=rounded[1],
-                weights_2=rounded[2],
-                bias_2=rounded[3],
-                weights_3=rounded[4],
-                bias_3=rounded[5],
-            )
-        )
+        networks.append(perceptron_of(weights, centre, width))
         if progress is not None:
             progress(at + 1, settings.networks)
     return Selector(
