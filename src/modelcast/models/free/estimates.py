@@ -9,7 +9,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.rules import AbstractRule, FieldError, Fixed, Number, Text, Whole, check_fields
 from modelcast.models.learned.features import FeatureMap
 
-__all__ = ["COLUMNS", "Estimates", "Window", "levels_of", "map_of"]
+__all__ = ["COLUMNS", "Estimates", "Window", "derivative_of", "levels_of", "map_of"]
 
 Window = tuple[str, int, int]
 """What a polynomial is fitted to (`COLUMNS`), its length in tenths of a second, and its degree."""
@@ -48,7 +48,7 @@ class Estimates:
     Examples
     --------
     >>> short = Estimates(0.01, speed=("speed", 3, 1), course=("position", 8, 2))
-    >>> short.places(short.features(12))
+    >>> short.places(map_of((short,), 12))
     (9, 6, -1, -1)
     """
 
@@ -69,7 +69,7 @@ class Estimates:
                 continue
             if column == "speed" and name in ("course", "yaw_rate"):
                 raise FieldError(name, column, "position, velocity or newest: a speed has no direction")
-            needed = _derivative(name, column)
+            needed = derivative_of(name, column)
             if not needed <= degree <= length:
                 raise FieldError(name, (column, length, degree), f"a degree from {needed} to the length")
 
@@ -82,10 +82,6 @@ class Estimates:
             "acceleration": self.acceleration,
             "yaw_rate": self.yaw_rate,
         }
-
-    def features(self, lags: int) -> FeatureMap:
-        """The map of inputs that holds just these estimates."""
-        return map_of((self,), lags)
 
     def places(self, features: FeatureMap) -> tuple[int, ...]:
         """Index of each estimate among the inputs, -1 for the newest sample's own.
@@ -105,13 +101,19 @@ class Estimates:
             if column == "newest":
                 found.append(-1)
                 continue
-            place = features.place_of(column, (length, degree), _derivative(name, column))
+            place = features.place_of(column, (length, degree), derivative_of(name, column))
             found.append(place + (name in ("course", "yaw_rate")))
         return tuple(found)
 
 
-def _derivative(name: str, column: str) -> int:
-    """Which derivative of a column an estimate is."""
+def derivative_of(name: str, column: str) -> int:
+    """Which derivative of a column an estimate is.
+
+    Parameters
+    ----------
+    name, column
+        One of `Estimates.windows`, and what its polynomial is fitted to.
+    """
     return (1 if column == "position" else 0) + (name in ("acceleration", "yaw_rate"))
 
 
@@ -141,11 +143,8 @@ def map_of(estimates: tuple[Estimates, ...], lags: int, beside: FeatureMap | Non
     beside
         A map whose inputs are wanted too.
     """
-    fits: dict[str, list[tuple[int, int]]] = {"position": [], "velocity": [], "speed": []}
-    if beside is not None:
-        fits["position"] += beside.position_fits
-        fits["velocity"] += beside.velocity_fits
-        fits["speed"] += beside.speed_fits
+    wanted = FeatureMap(lags, (), ()) if beside is None else beside
+    fits = {column: list(known) for column, known in wanted.fits.items()}
     for one in estimates:
         for column, length, degree in one.windows.values():
             if column != "newest" and (length, degree) not in fits[column]:
@@ -155,5 +154,5 @@ def map_of(estimates: tuple[Estimates, ...], lags: int, beside: FeatureMap | Non
         tuple(fits["position"]),
         tuple(fits["velocity"]),
         tuple(fits["speed"]),
-        beside is not None and beside.context,
+        wanted.context,
     )

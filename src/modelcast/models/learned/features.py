@@ -154,13 +154,18 @@ class FeatureMap:
     def _context_inputs(self) -> int:
         return LEADER_INPUTS + ROAD_INPUTS if self.context else 0
 
+    @property
+    def fits(self) -> dict[str, tuple[Fit, ...]]:
+        """Polynomials by what they are fitted to: ``position``, ``velocity`` and ``speed``."""
+        return {"position": self.position_fits, "velocity": self.velocity_fits, "speed": self.speed_fits}
+
     def place_of(self, column: str, fit: Fit, derivative: int) -> int:
         """Index of an input; of positions and velocities the part along, that to the left stands behind it.
 
         Parameters
         ----------
         column
-            ``position``, ``velocity`` or ``speed``.
+            One of `fits`.
         fit
             One of its polynomials.
         derivative
@@ -171,10 +176,9 @@ class FeatureMap:
         ValueError
             Where the map has no such input.
         """
-        fits = {"position": self.position_fits, "velocity": self.velocity_fits, "speed": self.speed_fits}
-        if column not in fits:
+        if column not in self.fits:
             raise ValueError(f"column must be position, velocity or speed, got {column!r}")
-        known = [one for one in fits[column] if one[0] <= self.lags]
+        known = [one for one in self.fits[column] if one[0] <= self.lags]
         if fit not in known or not 0 <= derivative <= fit[1]:
             raise ValueError(f"the map has no derivative {derivative} of {column} by a polynomial of {fit}")
         row = sum(one[1] + 1 for one in known[: known.index(fit)]) + derivative

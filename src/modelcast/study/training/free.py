@@ -17,7 +17,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, owned
 from modelcast.core.chance import child_generator
 from modelcast.models.free import Estimates, FreeMotion, Limits
-from modelcast.models.free.estimates import Window, levels_of, map_of
+from modelcast.models.free.estimates import Window, derivative_of, levels_of, map_of
 from modelcast.models.free.free_kernels import VALUES, estimates_each
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned.features import LEADER_INPUTS, ROAD_INPUTS, FeatureMap
@@ -33,6 +33,7 @@ from modelcast.study.training.descent import (
     squashing,
 )
 from modelcast.study.training.free_rows import FreeRows
+from modelcast.study.training.inputs import varied
 from modelcast.study.training.survival import FORGIVEN_S, survival_cost
 
 __all__ = [
@@ -205,15 +206,10 @@ def _searched(best: Estimates, rows: FreeRows, features: FeatureMap, settings: F
 def _candidates(name: str, features: FeatureMap) -> list[Window]:
     """Windows that can give an estimate."""
     columns = ["position", "velocity"] + (["speed"] if name in ("speed", "acceleration") else [])
-    fits = {
-        "position": features.position_fits,
-        "velocity": features.velocity_fits,
-        "speed": features.speed_fits,
-    }
     found: list[Window] = [("newest", 0, 0)]
     for column in columns:
-        needed = (1 if column == "position" else 0) + (name in ("acceleration", "yaw_rate"))
-        found += [(column, *fit) for fit in fits[column] if fit[1] >= needed and fit[0] <= features.lags]
+        needed, fits = derivative_of(name, column), features.fits[column]
+        found += [(column, *fit) for fit in fits if fit[1] >= needed and fit[0] <= features.lags]
     return found
 
 
@@ -329,13 +325,9 @@ def _batches(lesson: _Lesson, settings: FreeSettings) -> Iterator[tuple[FloatArr
     rows, features, how = lesson.rows, lesson.features, settings.descent
     rng = child_generator(settings.seed, "batches", lesson.key)
     for chosen in batches(rows.shares / rows.shares.sum(), how, rng):
-        mirrored = rng.random(chosen.size) < 0.5
-        size = np.exp(how.resize * rng.uniform(-1.0, 1.0, chosen.size))
-        inputs = np.where(mirrored[:, None], rows.inputs[chosen] * features.mirrors, rows.inputs[chosen])
-        inputs[:, : -features.fixed] *= size[:, None]
+        inputs, turned, size = varied(rows.inputs[chosen], features, how.resize, rng)
         if features.context:
             _hide(inputs, features, rng)
-        turned = np.where(mirrored, -1.0, 1.0)
         begun = lesson.begun[chosen] * np.column_stack([size, turned, size, turned])
         paths_m = rows.paths_m[chosen] * size[:, None, None]
         paths_m[..., 1] *= turned[:, None]

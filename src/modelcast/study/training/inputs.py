@@ -1,4 +1,4 @@
-"""Inputs of the networks, cut from the samples of one trip."""
+"""Inputs of the networks: cut from the samples of one trip, and varied for each batch."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from modelcast.models.learned.features import FeatureMap
 from modelcast.models.learned.learned_trajectory import feature_constants
 from modelcast.study.training.cut_kernels import trip_features
 
-__all__ = ["window_inputs"]
+__all__ = ["varied", "window_inputs"]
 
 
 def window_inputs(
@@ -38,3 +38,32 @@ def window_inputs(
     if short >= 0:
         raise ValueError(f"the window of {window} samples that ends at sample {short} is too short")
     return out
+
+
+def varied(
+    inputs: FloatArray, features: FeatureMap, resize: float, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Half the windows mirrored, each on a road somewhat larger or smaller.
+
+    Parameters
+    ----------
+    inputs
+        (B, I); they stay as they are.
+    features
+        The map they are of.
+    resize
+        Greatest logarithm of the factor by which a road is resized.
+    rng
+        What draws.
+
+    Returns
+    -------
+    tuple
+        The inputs (B, I); -1 for a window that was mirrored and 1 for the others, and the factor of its road,
+        (B,) both.
+    """
+    mirrored = rng.random(len(inputs)) < 0.5
+    size = np.exp(resize * rng.uniform(-1.0, 1.0, len(inputs)))
+    out = np.where(mirrored[:, None], inputs * features.mirrors, inputs)
+    out[:, : -features.fixed] *= size[:, None]
+    return out, np.where(mirrored, -1.0, 1.0), size

@@ -39,7 +39,7 @@ from modelcast.study.training.descent import (
     perceptron_of,
     squashing,
 )
-from modelcast.study.training.inputs import window_inputs
+from modelcast.study.training.inputs import varied, window_inputs
 from modelcast.study.training.playback import DEFAULT_PLAYBACKS, Playback
 from modelcast.study.training.survival import survival_cost
 from modelcast.study.training.views import PlayedTrip, SenderView, Viewed, played_trips, view_trips
@@ -317,10 +317,7 @@ def _batches(
     how, features = settings.descent, settings.features
     shares = np.full(len(rows.inputs), 1.0 / len(rows.inputs))
     for chosen in batches(shares, how, rng):
-        mirrored = rng.random(chosen.size) < 0.5
-        inputs = np.where(mirrored[:, None], rows.inputs[chosen] * features.mirrors, rows.inputs[chosen])
-        size = np.exp(how.resize * rng.uniform(-1.0, 1.0, chosen.size))
-        inputs[:, : -features.fixed] *= size[:, None]
+        inputs, turned, size = varied(rows.inputs[chosen], features, how.resize, rng)
         errors_m = rows.errors_m[chosen] * size[:, None, None]
-        errors_m[mirrored, :, 1] *= -1.0
+        errors_m[..., 1] *= turned[:, None]
         yield np.arcsinh((inputs - centre) / width), [errors_m]
