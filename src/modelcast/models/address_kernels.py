@@ -27,7 +27,7 @@ __all__ = [
 ]
 
 FIT_TYPES = (FloatMatrix, FloatVector, FloatVector)
-"""``fit(window (n, 7), constants (K,), out_parameters (P,)) -> None``."""
+"""``fit(window (n, 9), constants (K,), out_parameters (P,)) -> None``."""
 
 PREDICT_TYPES = (FloatVector, float, FloatVector, FloatVector)
 """``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,)) -> None``."""

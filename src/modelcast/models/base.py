@@ -136,7 +136,7 @@ class PointFunctions:
     Parameters
     ----------
     fit
-        ``fit(window (n, 7), constants (K,), out_parameters (P,))``, a kernel of `FIT_TYPES`.
+        ``fit(window (n, 9), constants (K,), out_parameters (P,))``, a kernel of `FIT_TYPES`.
     predict
         ``predict(parameters (P,), horizon_s, constants (K,), out_displacement (2,))``, a kernel of
         `PREDICT_TYPES`.

@@ -46,7 +46,7 @@ class Members(NamedTuple):
 
 @kernel(inlined=True)
 def fit_member(members: Members, m: int, window: FloatMatrix, out: FloatVector) -> None:
-    """Fit member ``m`` to a window (n, 7) of its length, into ``out`` (P,)."""
+    """Fit member ``m`` to a window (n, 9) of its length, into ``out`` (P,)."""
     fit_at(members.fits[m], window, members.constants[members.bounds[m] : members.bounds[m + 1]], out)
 
 

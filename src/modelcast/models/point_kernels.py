@@ -32,7 +32,7 @@ SAMPLE_COLUMNS = 9
 
 @kernel
 def fit_batch(fit: int, samples: FloatCube, constants: FloatVector, out: FloatMatrix) -> None:
-    """Fit (B, n, 7) windows one by one into ``out`` (B, P)."""
+    """Fit (B, n, 9) windows one by one into ``out`` (B, P)."""
     for row in range(samples.shape[0]):
         fit_at(fit, samples[row], constants, out[row])
 

@@ -89,7 +89,7 @@ class Regimes:
         Parameters
         ----------
         samples
-            Windows, (B, n, 7).
+            Windows, (B, n, 9).
         """
         scales = np.array(self.scales)
         return nearest_centre(regime_features(samples) / scales, np.array(self.centres) / scales)
@@ -101,7 +101,7 @@ def regime_features(samples: FloatArray) -> FloatArray:
     Parameters
     ----------
     samples
-        Windows, (B, n, 7).
+        Windows, (B, n, 9).
     """
     last = samples[:, -1]
     speed = np.hypot(last[:, VELOCITY_EAST], last[:, VELOCITY_NORTH])

@@ -197,7 +197,7 @@ def measured(samples: FloatArray, *, velocities: bool) -> FloatArray:
     Parameters
     ----------
     samples
-        Windows, (B, n, 7).
+        Windows, (B, n, 9).
     velocities
         Whether velocities follow the positions.
     """

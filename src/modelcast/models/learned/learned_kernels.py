@@ -113,7 +113,7 @@ def _context(sample: FloatVector, column: int, speed: float, out: FloatVector, a
 
 @kernel
 def window_features(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> bool:
-    """Write the inputs (I,) of a window (n, 7); False where it does not reach back far enough."""
+    """Write the inputs (I,) of a window (n, 9); False where it does not reach back far enough."""
     dt_s, lags = constants[0], int(constants[1])
     position_rows, velocity_rows = int(constants[2]), int(constants[3])
     last = window.shape[0] - 1

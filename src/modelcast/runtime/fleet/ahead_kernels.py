@@ -71,7 +71,7 @@ def follow_each(
     samples: FloatMatrix,
     out: FloatMatrix,
 ) -> None:
-    """Write the leader's columns of K hosts' contexts (K, 13), from their newest samples (K, 7)."""
+    """Write the leader's columns of K hosts' contexts (K, 13), from their newest samples (K, 9)."""
     motion = np.empty((tracks.shape[1], BELIEF_COLUMNS))
     who = np.empty(tracks.shape[1], dtype=np.int64)
     for k in range(host.size):

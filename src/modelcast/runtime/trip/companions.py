@@ -39,7 +39,7 @@ class Told:
     stated_m
         Place it states, (K, 2) [m].
     motion
-        The sample's columns, (K, 7).
+        The sample's columns, (K, 9).
     parameters
         As decoded, (K, P).
     in_use
@@ -126,7 +126,7 @@ def hearing(
     told
         What arrives of each.
     trip, samples
-        The host's trip and its samples, (T, 7).
+        The host's trip and its samples, (T, 9).
     bank
         What companions send.
     delay_s

@@ -168,7 +168,7 @@ class TripContexts:
         return out
 
     def _sampled(self, which: int) -> FloatArray:
-        """Samples of a trip, (T, 7)."""
+        """Samples of a trip, (T, 9)."""
         if which not in self._samples:
             found = sample_matrix(self.trips[which], self._estimators[which])
             self._samples[which] = owned(found[:, :SAMPLE_COLUMNS])

@@ -137,7 +137,7 @@ class TripRuntime:
 
     @property
     def samples(self) -> FloatArray:
-        """What windows are cut from, (T, 7)."""
+        """What windows are cut from, (T, 9)."""
         return np.ascontiguousarray(self.sensed.samples[0, : len(self.trip), :SAMPLE_COLUMNS])
 
     @property

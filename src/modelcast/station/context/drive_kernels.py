@@ -152,7 +152,7 @@ def drive_each(
     samples: FloatMatrix,
     out: FloatMatrix,
 ) -> None:
-    """Take in K vehicles' newest samples (K, 7), and write the road's columns of their context (K, 13).
+    """Take in K vehicles' newest samples (K, 9), and write the road's columns of their context (K, 13).
 
     Vehicle ``v`` remembers in memory ``v`` of ``own``.
     """
@@ -172,7 +172,7 @@ def drive_each(
 def drive_through(
     drives: Drives, own: Roads, shared: Roads, t_s: FloatVector, samples: FloatMatrix, out: FloatMatrix
 ) -> None:
-    """Take vehicle 0 through T samples (T, 7), each with its context's road columns into ``out`` (T, 13)."""
+    """Take vehicle 0 through T samples (T, 9), each with its context's road columns into ``out`` (T, 13)."""
     vehicle = np.zeros(1, dtype=np.int64)
     for j in range(t_s.size):
         drive_each(drives, own, shared, vehicle, t_s[j], samples[j : j + 1], out[j : j + 1])

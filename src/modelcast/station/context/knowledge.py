@@ -53,7 +53,7 @@ class Knowledge:
         self._own.filled[whose] = 0
 
     def newest(self, sensed: Sensed, vehicle: IntArray) -> FloatArray:
-        """Newest samples of some stations, (K, 7).
+        """Newest samples of some stations, (K, 9).
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class Knowledge:
         t_s
             Now [s].
         vehicle, samples
-            Whose, (K,), and the samples, (K, 7).
+            Whose, (K,), and the samples, (K, 9).
         """
         rows = np.zeros((vehicle.size, CONTEXT_COLUMNS))
         drive_kernels.drive_each(self._drives, self._own, self._shared, vehicle, t_s, samples, rows)

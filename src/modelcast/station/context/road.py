@@ -158,7 +158,7 @@ def road_columns(
     t_s
         Times, (T,) [s].
     samples
-        What was sensed, (T, 7) as `modelcast.models.base.Windows` has them.
+        What was sensed, (T, 9) as `modelcast.models.base.Windows` has them.
     shared
         Memory of other drives, all before this one.
     most

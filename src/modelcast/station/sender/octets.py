@@ -46,7 +46,7 @@ class SentMessages:
     t_s
         Instant of the sample it was decided at, (N,) [s].
     sample
-        That sample, (N, 7).
+        That sample, (N, 9).
     stated_m
         Position that the update states, or the update that is named, (N, 2) [m].
     in_use

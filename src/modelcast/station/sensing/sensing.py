@@ -197,10 +197,10 @@ def sensed_trip(trip: Trajectory, sensing: Sensing) -> Sensed:
 def sample_matrix(
     trip: Trajectory, velocity: VelocityEstimator, *, rates: RateEstimator = RATES_FROM_VELOCITY
 ) -> FloatArray:
-    """What windows are cut from, (T, 7), each row from its sample and earlier ones.
+    """What windows are cut from, (T, 9), each row from its sample and earlier ones.
 
     East, north [m], their velocities [m/s], acceleration along the course [m/s²], yaw rate, clockwise
-    [rad/s], and position noise an axis [m].
+    [rad/s], position noise an axis [m], speed [m/s], and how much is reported (`point_kernels.REPORTS`).
 
     Parameters
     ----------

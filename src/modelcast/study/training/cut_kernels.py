@@ -11,7 +11,7 @@ __all__ = ["trip_features"]
 def trip_features(
     samples: FloatMatrix, rows: IntVector, window: int, constants: FloatVector, out: FloatMatrix
 ) -> int:
-    """Write inputs (B, I) of the windows that end at these rows of a trip's samples (T, 7).
+    """Write inputs (B, I) of the windows that end at these rows of a trip's samples (T, 9).
 
     Returns the first row whose window does not reach back far enough, -1 where all do.
     """

@@ -18,7 +18,7 @@ def window_inputs(
     Parameters
     ----------
     samples
-        Of the trip, (T, 7).
+        Of the trip, (T, 9).
     rows
         Where windows end, (B,).
     window

@@ -22,7 +22,7 @@ class TrainingWindows:
     Parameters
     ----------
     samples
-        Windows, (B, n, 7), as in `Windows`.
+        Windows, (B, n, 9), as in `Windows`.
     future_m
         Displacement from each window's last sample, as the sender measured it, (B, H, 2) [m].
     horizons_s
