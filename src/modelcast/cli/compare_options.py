@@ -200,7 +200,7 @@ class CompareOptions:
         found: list[AbstractCandidate] = []
         profile = profile_in_use(self.profile)
         regimes = () if profile.regimes is None else (REGIME_BANK,)
-        train = _trainer(profile)
+        train = _trainer(profile, self.bank or ())
         for text in self.bank or (*member_names(profile), *regimes, "paper", "default"):
             if text.partition(":")[0] == "trained":
                 found.append(_trained_candidate(text, train))
@@ -253,14 +253,22 @@ class CompareOptions:
         return distinct
 
 
-def _trainer(profile: "Profile") -> "Callable[[Sequence[Trajectory]], Profile]":
-    """What trains a profile whose bank has this one's members; once for all candidates on the same trips."""
+def _trainer(profile: "Profile", texts: "Sequence[str]") -> "Callable[[Sequence[Trajectory]], Profile]":
+    """What trains a profile whose bank has this one's members; once for all candidates on the same trips.
+
+    It also has what the texts name behind a colon.
+    """
+    from modelcast.station.banks import parts_of
+
     made: dict[tuple[str, ...], Profile] = {}
 
     def train(trips: "Sequence[Trajectory]") -> "Profile":
-        from modelcast.study.training.profile import ProfileSettings, train_profile
+        from modelcast.study.training.profile import ProfileSettings, families_of, train_profile
 
-        settings = ProfileSettings(names=tuple(member.name for member in profile.bank.members))
+        named = {name for text in texts if text.startswith("trained:") for name in parts_of(text[8:])}
+        settings = ProfileSettings(
+            names=tuple(member.name for member in profile.bank.members), also=families_of(named)
+        )
         key = tuple(trip.trip_id for trip in trips)
         if key not in made:
             made[key] = train_profile(trips, settings)

@@ -1,6 +1,7 @@
 """``modelcast train``: what all vehicles share, learned from trips."""
 
 import inspect
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -25,9 +26,10 @@ def train(
     validate: bool = False,
     hidden: Annotated[tuple[int, int], Parameter(consume_multiple=True)] = (96, 96),
     coefficients: int = 3,
-    steps: int = 2500,
+    steps: int | None = None,
     regimes: int = 3,
     modes: int = 4,
+    also: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = (),
     add: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = (),
     profile: Path | None = None,
     seed: int = 0,
@@ -37,10 +39,12 @@ def train(
     json: bool = False,
     quiet: bool = False,
 ) -> int:
-    """Train a profile: the learned sub-model, the Gaussian processes, calibrations, and the bank's order.
+    """Train a profile: the sub-models of its bank, calibrations, and how often each would speak.
 
-    The file is canonical JSON; its SHA-256 is the profile's identity. Use it with --bank FILE. Needs the
-    extra train (JAX and optax). The same trips, options and package versions give the same bytes.
+    The bank is free-predictive, which states in a plain message what predicts longest, and free, where not
+    said otherwise. The file is canonical JSON; its SHA-256 is the profile's identity. Use it with --bank
+    FILE. Needs the extra train (JAX and optax). The same trips, options and package versions give the same
+    bytes.
 
     Parameters
     ----------
@@ -49,10 +53,11 @@ def train(
     out
         The profile's file; its folder must exist.
     bank
-        Members of the bank in order, joined by '+', among learned, gp-vehicle, gp-derivative, gp-trained,
-        shs, hdp-hmm, gp-regime-1 and so on, ctra, ctrv, ca and cv. Where not given, with --validate chosen
-        among all but gp-trained, shs, hdp-hmm and the regimes' by the messages they save; else learned, ctra
-        and gp-vehicle. cv joins as guard.
+        Members of the bank in order, joined by '+', among free, free-predictive, free-context, learned,
+        gp-vehicle, gp-derivative, gp-trained, shs, hdp-hmm, gp-regime-1 and so on, ctra, ctrv, ca and cv;
+        their families are trained. Where not given, with --validate chosen among what is trained, but for
+        free-context, gp-trained, shs, hdp-hmm and the regimes', by the messages they save; else
+        free-predictive and free. cv joins as guard.
     validate
         Train once more without each route and count messages there: the record then holds honest figures, and
         the bank's members follow from them. Takes that many times longer.
@@ -61,20 +66,24 @@ def train(
     coefficients
         Coefficients of the learned path on each axis: its payload is twice as many numbers.
     steps
-        Batches each network is trained on.
+        Batches each network is trained on; where not given, 1000 for the free sub-models, 2500 for learned.
     regimes
         Driving regimes that get a Gaussian process of their own, for the bank 'regimes'; 0 for none.
     modes
         Linear modes of the stochastic hybrid system, shs, 1 to 10; those of hdp-hmm are found, up to 10. 0
         for neither.
+    also
+        Families to train beside those the bank names, for banks of one's own: free, learned, processes (the
+        gp- ones) and switching (shs and hdp-hmm).
     add
         Train these sub-models alone, of free, shs and hdp-hmm, and write --profile with them beside its
         others, which stay as they are. free stands for the three that plain messages carry: free,
-        free-predictive and free-context. Options of a full training (bank, validate, coefficients, regimes)
-        are refused beside it; --hidden and --steps are for free, and --modes 0 is refused beside shs and
-        hdp-hmm.
+        free-predictive and free-context. Options of a full training (bank, also, validate, coefficients,
+        regimes) are refused beside it; --hidden and --steps are for free, and --modes 0 is refused beside
+        shs and hdp-hmm.
     profile
-        The profile that --add adds to; the shipped one where not given.
+        With --add, the profile that it adds to; the shipped one where not given. Without, a profile whose
+        sub-models of other families go to the new one's shelf as they are; none where not given.
     seed
         Seed of all random numbers.
     format
@@ -91,7 +100,6 @@ def train(
     import json as json_format
     import sys
 
-    from modelcast.cli.banks import profile_in_use
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import staged, watched
     from modelcast.cli.reading import TripSource
@@ -101,18 +109,20 @@ def train(
     from modelcast.report.training import training_report
     from modelcast.station.banks import parts_of
     from modelcast.study.training.descent import Descent
+    from modelcast.study.training.free import FREE_STEPS, FreeSettings
+    from modelcast.study.training.free_members import FreeMembersSettings
     from modelcast.study.training.learned import LearnedSettings
     from modelcast.study.training.processes import ProcessSettings
-    from modelcast.study.training.profile import ProfileSettings, train_profile
+    from modelcast.study.training.profile import ProfileSettings
     from modelcast.study.training.switching import FitSettings, SwitchingSettings
 
     if not paths:
         raise ConfigError("name at least one trip file or folder (modelcast train --help)")
     _require_addable(
         add,
-        profile,
         modes,
         bank=bank,
+        also=also,
         validate=validate,
         coefficients=coefficients,
         regimes=regimes,
@@ -123,26 +133,26 @@ def train(
     try:
         names = tuple(parts_of(bank)) if bank else ()
         _require_trainable(names)
-        descent = Descent(hidden=hidden, steps=steps)
+        descent = Descent(hidden=hidden, steps=Descent().steps if steps is None else steps)
         settings = ProfileSettings(
             LearnedSettings(coefficients=coefficients, descent=descent),
+            free=FreeMembersSettings(
+                FreeSettings(descent=replace(descent, steps=FREE_STEPS if steps is None else steps))
+            ),
             processes=ProcessSettings(regimes=regimes),
             switching=SwitchingSettings(FitSettings(modes)) if modes else None,
             names=names,
+            also=also,
             validate=validate,
             seed=seed,
         )
-        given = None if not add else profile_in_use(profile)
         with atomic_file(out, inputs=paths, shown=f"--out {out}") as file:
             with watched(source, quiet=silent) as shown:
                 trips = list(shown)
             if not trips:
                 raise ConfigError("no usable trip")
             with staged(quiet=silent) as progress:
-                if given is None:
-                    trained = train_profile(trips, settings, progress=progress)
-                else:
-                    trained = _added(given, trips, add, settings, progress)
+                trained = _trained(profile, trips, add, settings, progress)
             file.write(trained.text.encode("utf-8"))
     except ValueError as error:
         raise ConfigError(str(error)) from error
@@ -157,6 +167,23 @@ def train(
     return source.exit_code
 
 
+def _trained(
+    given: Path | None,
+    trips: "list[Trajectory]",
+    add: tuple[str, ...],
+    settings: "ProfileSettings",
+    progress: "Callable[[str, int, int], None]",
+) -> "Profile":
+    """Train a profile, or what --add names."""
+    from modelcast.cli.banks import profile_in_use
+    from modelcast.study.training.profile import train_profile
+
+    if add:
+        return _added(profile_in_use(given), trips, add, settings, progress)
+    beside = None if given is None else profile_in_use(given)
+    return train_profile(trips, settings, beside=beside, progress=progress)
+
+
 def _added(
     profile: "Profile",
     trips: "list[Trajectory]",
@@ -165,8 +192,7 @@ def _added(
     progress: "Callable[[str, int, int], None]",
 ) -> "Profile":
     """Train what --add names, and add it."""
-    from modelcast.study.training.free import FreeSettings
-    from modelcast.study.training.free_members import FreeMembersSettings, add_free
+    from modelcast.study.training.free_members import add_free
     from modelcast.study.training.switching import add_switching
 
     switching = tuple(name for name in add if name != "free")
@@ -175,18 +201,16 @@ def _added(
             profile, trips, settings.switching, names=switching, seed=settings.seed, progress=progress
         )
     if "free" in add:
-        free = FreeMembersSettings(FreeSettings(descent=settings.learned.descent, seed=settings.seed))
+        free = replace(settings.free, free=replace(settings.free.free, seed=settings.seed))
         profile = add_free(profile, trips, free, progress=progress)
     return profile
 
 
-def _require_addable(add: tuple[str, ...], profile: Path | None, modes: int, **unused: object) -> None:
-    """Refuse --profile without --add, and beside --add what it leaves unused and is not at its default."""
+def _require_addable(add: tuple[str, ...], modes: int, **unused: object) -> None:
+    """Refuse beside --add what it leaves unused and is not at its default."""
     from modelcast.core.exceptions import ConfigError
 
     if not add:
-        if profile is not None:
-            raise ConfigError("--profile is what --add adds to: name free, shs or hdp-hmm behind --add")
         return
     if modes == 0 and set(add) != {"free"}:
         raise ConfigError("--modes 0 trains neither shs nor hdp-hmm: leave it out, or leave out --add")

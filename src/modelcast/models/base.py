@@ -40,7 +40,7 @@ class Windows:
         (B, n, 7): east, north [m]; the east, north velocity [m/s], the acceleration along the course [m/s²],
         the yaw rate, clockwise [rad/s], and the standard deviation of the white position noise an axis [m],
         that one named causal estimator each gives at each sample; a noise of 0 says that it is not known.
-        Row -1 is the newest. Or (B, n, 9), with the speed that the vehicle reports [m/s] and how much it
+        Row -1 is the newest. Or (B, n, 9), with the speed that the vehicle reports [m/s] and what it
         reports (`point_kernels.REPORTS`), which are that of the velocity and 0 where they are left out; or
         (B, n, 22), with the columns of `modelcast.models.context_columns` behind. What is kept has both.
     dt_s

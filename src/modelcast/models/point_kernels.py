@@ -11,6 +11,10 @@ __all__ = [
     "NORTH",
     "POSITION_NOISE",
     "REPORTS",
+    "REPORTS_ACCELERATION",
+    "REPORTS_HEADING",
+    "REPORTS_SPEED",
+    "REPORTS_YAW_RATE",
     "SAMPLE_COLUMNS",
     "SPEED",
     "VELOCITY_EAST",
@@ -23,8 +27,10 @@ __all__ = [
 
 EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH, ACCELERATION, YAW_RATE, POSITION_NOISE, SPEED, REPORTS = range(9)
 """Columns of a window's samples: [m], [m/s], along the course [m/s²], clockwise [rad/s], an axis [m]; the
-speed that the vehicle reports, that of its velocity where it reports none [m/s]; and how much it reports
-beside positions: 0 for nothing, 1 for speed, 2 for heading too, 3 for acceleration and yaw rate too."""
+speed that the vehicle reports, that of its velocity where it reports none [m/s]; and what it reports beside
+positions, the sum of `REPORTS_SPEED` and so on."""
+
+REPORTS_SPEED, REPORTS_HEADING, REPORTS_ACCELERATION, REPORTS_YAW_RATE = 1.0, 2.0, 4.0, 8.0
 
 SAMPLE_COLUMNS = 9
 """How many columns a window's samples have."""

@@ -57,11 +57,11 @@ def _counted(profile: Profile) -> list[RenderableType]:
             for protocol, own in rows.items()
         ]
         table.add_row(literal(name), *cells)
-    kept = ", ".join(f"{name} by {found['kept']}" for name, found in record["processes"].items())
+    kept = ", ".join(f"{name} by {found['kept']}" for name, found in record.get("processes", {}).items())
     return [
         table,
         literal(f"bank: {profile.bank.name}, {profile.start}/{profile.identify}"),
-        literal(f"hyper-parameters: {kept}"),
+        *([literal(f"hyper-parameters: {kept}")] if kept else []),
     ]
 
 

@@ -59,6 +59,15 @@ PAPER_BANK = Bank(
 BASELINE_BANK = Bank((ConstantVelocity(),), "cv")
 """Raw basic safety messages: the receiver coasts at constant velocity."""
 
+DEFAULT = "default"
+"""The bank of the profile in use."""
+
+CONTEXT = "free-context"
+"""Name of the sub-model that also knows the vehicle ahead and the road."""
+
+WITH_CONTEXT = "default+context"
+"""The bank of the profile in use with that sub-model before its own."""
+
 FREE = "free"
 """Name of the sub-model, and of the bank of it alone, that a plain message is best coasted by."""
 
@@ -212,7 +221,8 @@ def named_bank(
     Parameters
     ----------
     text
-        ``default`` (the bank of the profile in use), or anything that `bank_from_text` takes.
+        ``default`` (the bank of the profile in use), ``default+context`` (the same, with the sub-model that
+        knows the vehicle ahead and the road before its own), or anything that `bank_from_text` takes.
     noise_floor_m, window, trusted_horizon_s
         As for `bank_from_text`; a profile's bank has its own.
     profile
@@ -228,7 +238,7 @@ def named_bank(
     """
     profile = default_profile() if profile is None else profile
     rules = cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
-    if text != "default":
+    if text not in (DEFAULT, WITH_CONTEXT):
         bank = bank_from_text(
             text,
             noise_floor_m=noise_floor_m,
@@ -244,7 +254,22 @@ def named_bank(
             f"--bank {label or text}: a profile's bank has its own windows, noise floor and trusted "
             "horizons; leave out --window, --noise-floor and --trusted-horizon, or name the sub-models"
         )
-    return NamedBank(profile.bank, *rules, profile, frozenset(profile.training_trips))
+    trained_on = frozenset(profile.training_trips)
+    if text == WITH_CONTEXT:
+        return NamedBank(_with_context(profile), *rules, trained_on=trained_on)
+    return NamedBank(profile.bank, *rules, profile, trained_on)
+
+
+def _with_context(profile: Profile) -> Bank:
+    """The profile's bank with the sub-model that knows the vehicle ahead and the road before all others."""
+    found = profile.sub_model(CONTEXT)
+    if found is None:
+        raise ConfigError(
+            f"--bank {WITH_CONTEXT}: the profile has no sub-model {CONTEXT}; train one with 'modelcast train'"
+        )
+    bank = profile.bank
+    others = tuple(member for member in bank.members if member.name != CONTEXT)
+    return Bank((found, *others), WITH_CONTEXT, bank.plain)
 
 
 def bank_from_text(

@@ -17,7 +17,7 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import enu_to_surface
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["CELL_M", "SHARED_RATIO", "RouteRule", "route_names", "routes"]
+__all__ = ["CELL_M", "SHARED_RATIO", "RouteRule", "ground_cells", "route_names", "routes"]
 
 RouteRule = Literal["auto", "file", "trip"]
 
@@ -103,6 +103,35 @@ def route_names(trips: Sequence[Trajectory], route: IntArray) -> list[str]:
     return names
 
 
+def ground_cells(trips: Sequence[Trajectory]) -> int:
+    """How many cells of ground some trips drive over, each counted once.
+
+    Parameters
+    ----------
+    trips
+        Of one route. Those without an origin lie together where one file holds them.
+
+    Examples
+    --------
+    >>> from modelcast.world.drive import generate_drive
+    >>> once = generate_drive(1, 90.0).truth
+    >>> ground_cells([once]) == ground_cells([once, once])
+    True
+    """
+    placed = [_cells(_surface(trip)) for trip in trips if trip.origin is not None]
+    count = len(np.unique(np.concatenate(placed), axis=0)) if placed else 0
+    by_file: dict[str, list[IntArray]] = {}
+    for trip in trips:
+        if trip.origin is None:
+            by_file.setdefault(trip.trip_id.partition("/")[0], []).append(_cells(trip.position_m))
+    return count + sum(len(np.unique(np.concatenate(own), axis=0)) for own in by_file.values())
+
+
+def _cells(points: FloatArray) -> IntArray:
+    """The cells that points lie in, each once, (C, 2 or 3)."""
+    return np.unique(np.floor(points / CELL_M).astype(np.int64), axis=0)
+
+
 def _surface(trip: Trajectory) -> FloatArray:
     """Earth-centred points under a trip, (T, 3) [m]."""
     assert trip.origin is not None  # noqa: S101 - the caller picked trips with one
@@ -131,7 +160,7 @@ def _bounds_meet(surfaces: Sequence[FloatArray]) -> BoolArray:
 
 def _same_ground(surfaces: Sequence[FloatArray]) -> BoolArray:
     """Which pairs share ground, (K, K)."""
-    own = [np.unique(np.floor(points / CELL_M).astype(np.int64), axis=0) for points in surfaces]
+    own = [_cells(points) for points in surfaces]
     wide = [np.unique(_packed((cells[:, None] + _NEIGHBOURS).reshape(-1, 3))) for cells in own]
     packed = [_packed(cells) for cells in own]
     shared = np.asarray((_incidence(packed, wide) @ _incidence(wide, wide).T).todense())

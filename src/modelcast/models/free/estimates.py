@@ -29,8 +29,8 @@ class Estimates:
     up_to_noise_m
         It serves vehicles whose positions are at most so noisy; infinite for any [m].
     reports
-        And that report so much (`modelcast.models.point_kernels.REPORTS`); -1 for any. A velocity made from
-        positions wants other windows than one of a wheel sensor.
+        And that report all of this: the sum of 1 for speed, 2 for heading, 4 for acceleration and 8 for yaw
+        rate. A velocity made from positions wants other windows than one of a wheel sensor.
     speed
         Speed along the course: the slope of positions, or the value of velocities or of reported speeds.
     course
@@ -54,7 +54,7 @@ class Estimates:
 
     up_to_noise_m: Annotated[float, Number(0.0, 1000.0, over=True, infinite=True)]
     _: KW_ONLY
-    reports: Annotated[int, Whole(-1, 3)] = -1
+    reports: Annotated[int, Whole(0, 15)] = 0
     speed: Annotated[Window, _WINDOW] = ("newest", 0, 0)
     course: Annotated[Window, _WINDOW] = ("newest", 0, 0)
     acceleration: Annotated[Window, _WINDOW] = ("newest", 0, 0)

@@ -22,7 +22,7 @@ VALUES = 4
 """Speed, angle of the course to the left of the newest velocity, acceleration, yaw rate to the left."""
 
 LEVEL = 2 + VALUES
-"""Numbers of one set of estimates: up to which noise and for which reports, and the place of each estimate
+"""Numbers of one set of estimates: up to which noise, what must be reported, and the place of each estimate
 among the inputs."""
 
 _PLACES = 2
@@ -33,10 +33,11 @@ _SLOWEST_MPS = 0.1
 @kernel
 def _level_of(noise: float, reports: float, levels: FloatVector) -> int:
     """Return where the first set begins that serves a noise and what is reported; else the last."""
-    count = levels.size // LEVEL
+    count, reported = levels.size // LEVEL, int(reports)
     for level in range(count):
         at = level * LEVEL
-        if noise <= levels[at] and (levels[at + 1] < 0.0 or levels[at + 1] == reports):
+        needed = int(levels[at + 1])
+        if noise <= levels[at] and (needed & reported) == needed:
             return at
     return (count - 1) * LEVEL
 

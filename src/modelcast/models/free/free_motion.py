@@ -31,7 +31,7 @@ class FreeMotion(AbstractSubModel):
     Parameters
     ----------
     estimates
-        The first whose ``up_to_noise_m`` reaches the window's position noise, and whose ``reports`` are what
+        The first whose ``up_to_noise_m`` reaches the window's position noise, and all of whose ``reports``
         the vehicle reports, serves; the last serves all others.
     networks
         By rising noise likewise; none for the estimates as they are. A network's outputs are speed, angle of

@@ -28,6 +28,7 @@ __all__ = [
     "LAGS",
     "LAG_STEP_S",
     "LEADER_INPUTS",
+    "REPORTED",
     "ROAD_INPUTS",
     "SHORTEST_SPAN",
     "FeatureMap",
@@ -60,6 +61,9 @@ ALONE = 3
 _NOISES = 3
 """The last inputs: logarithms of noise, which neither a mirror nor a larger road changes."""
 
+REPORTED = 4
+"""Values that a vehicle may report: speed, heading, acceleration and yaw rate."""
+
 LEADER_INPUTS, ROAD_INPUTS = 4, ROAD_TURN_HORIZONS + 1
 """Gap, relative speed, acceleration now and before; lateral accelerations of the road, and how fast the
 course leaves it."""
@@ -77,7 +81,7 @@ class FeatureMap:
         Polynomials of positions and velocities; longer ones than the window are left out.
     speed_fits
         Polynomials of the reported speed less that of the newest velocity; where there is one, its value
-        now, its roughness and how much is reported are inputs too.
+        now, its roughness and what is reported are inputs too.
     context
         Whether the vehicle ahead and the road are inputs.
 
@@ -91,7 +95,7 @@ class FeatureMap:
     >>> FeatureMap(20).inputs
     88
     >>> FeatureMap(20, speed_fits=((5, 1),), context=True).inputs
-    108
+    109
     """
 
     lags: Annotated[int, LAGS] = 20
@@ -140,7 +144,7 @@ class FeatureMap:
     @property
     def fixed(self) -> int:
         """How many of the last inputs no mirror and no larger road changes: what is known, and noise."""
-        return _NOISES + (4 if self.speed_fits else 0) + (2 if self.context else 0)
+        return _NOISES + (REPORTED + 1 if self.speed_fits else 0) + (2 if self.context else 0)
 
     @property
     def _after_velocities(self) -> int:

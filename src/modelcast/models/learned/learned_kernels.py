@@ -19,7 +19,7 @@ from modelcast.models.context_columns import (
     ROAD_TURN_HORIZONS,
 )
 from modelcast.models.kinematic_kernels import predict_acceleration_and_turn
-from modelcast.models.learned.features import LAG_STEP_S, LEADER_INPUTS, ROAD_INPUTS, SHORTEST_SPAN
+from modelcast.models.learned.features import LAG_STEP_S, LEADER_INPUTS, REPORTED, ROAD_INPUTS, SHORTEST_SPAN
 from modelcast.models.point_kernels import (
     ACCELERATION,
     EAST,
@@ -171,8 +171,9 @@ def window_features(window: FloatMatrix, constants: FloatVector, out: FloatVecto
         _context(window[last], int(constants[CONTEXT_AT]), speed, out, at, flags)
         at = flags + 2
     if speed_rows > 0:
-        for much in range(1, 4):
-            out[at] = 1.0 if window[last, REPORTS] >= much else 0.0
+        reports = int(window[last, REPORTS])
+        for value in range(REPORTED):
+            out[at] = float((reports >> value) & 1)
             at += 1
         out[at] = _roughness(path[4])
         at += 1

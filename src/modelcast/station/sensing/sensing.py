@@ -200,7 +200,7 @@ def sample_matrix(
     """What windows are cut from, (T, 9), each row from its sample and earlier ones.
 
     East, north [m], their velocities [m/s], acceleration along the course [m/s²], yaw rate, clockwise
-    [rad/s], position noise an axis [m], speed [m/s], and how much is reported (`point_kernels.REPORTS`).
+    [rad/s], position noise an axis [m], speed [m/s], and what is reported (`point_kernels.REPORTS`).
 
     Parameters
     ----------

@@ -13,6 +13,10 @@ from modelcast.models.point_kernels import (
     NORTH,
     POSITION_NOISE,
     REPORTS,
+    REPORTS_ACCELERATION,
+    REPORTS_HEADING,
+    REPORTS_SPEED,
+    REPORTS_YAW_RATE,
     SPEED,
     VELOCITY_EAST,
     VELOCITY_NORTH,
@@ -134,12 +138,16 @@ def _take(s: Sensed, v: int, t_s: float, fresh: bool, c: SensingNumbers) -> None
         )
     s.samples[v, at, POSITION_NOISE] = sqrt(s.noise[v, 0] / n.share)
     speed = s.shown[v, _SPEED]
-    reports = 2.0 if c.velocity_window == 0 else 1.0
+    reports = REPORTS_HEADING if c.velocity_window == 0 else 0.0
     if isnan(speed):
         speed = hypot(s.samples[v, at, VELOCITY_EAST], s.samples[v, at, VELOCITY_NORTH])
-        reports = 0.0
-    s.samples[v, at, SPEED] = speed
-    s.samples[v, at, REPORTS] = 3.0 if c.has_acceleration and c.has_yaw_rate else reports
+    else:
+        reports += REPORTS_SPEED
+    if c.has_acceleration:
+        reports += REPORTS_ACCELERATION
+    if c.has_yaw_rate:
+        reports += REPORTS_YAW_RATE
+    s.samples[v, at, SPEED], s.samples[v, at, REPORTS] = speed, reports
     for column in range(s.samples.shape[2]):
         s.samples[v, place, column] = s.samples[v, at, column]
     east, north, instant_s = s.samples[v, at, EAST], s.samples[v, at, NORTH], t_s

@@ -22,7 +22,6 @@ from modelcast.models.free.free_kernels import VALUES, estimates_each
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned.features import LEADER_INPUTS, ROAD_INPUTS, FeatureMap
 from modelcast.models.learned.perceptron import Perceptron
-from modelcast.models.trusted import Trusted
 from modelcast.study.training.descent import (
     Descent,
     Weights,
@@ -33,11 +32,13 @@ from modelcast.study.training.descent import (
     squashing,
 )
 from modelcast.study.training.free_rows import FreeRows
+from modelcast.study.training.hold_kernels import holds_each
 from modelcast.study.training.inputs import varied
 from modelcast.study.training.survival import FORGIVEN_S, survival_cost
 
 __all__ = [
     "EDGES_M",
+    "FREE_STEPS",
     "HORIZONS_S",
     "NETWORK_FEATURES",
     "REPORTS_KNOWN",
@@ -52,14 +53,20 @@ __all__ = [
 EDGES_M = (0.0025, 0.0075, 0.018, np.inf)
 """Ranges of position noise that have estimates and a network of their own, up to each [m]."""
 
-REPORTS_KNOWN = (0, 1, 2, 3)
-"""How much a vehicle may report beside positions; each has estimates of its own."""
+REPORTS_KNOWN = (15, 11, 7, 3, 1, 0)
+"""What a vehicle may report beside positions (`Estimates.reports`), the most first; each has estimates of its
+own, and serves who reports something that none is for."""
 
 NETWORK_FEATURES = FeatureMap(20, speed_fits=((2, 1), (5, 1), (10, 1), (10, 2), (20, 1), (20, 2)))
 """What a network looks at."""
 
-HORIZONS_S: FloatArray = np.arange(1, 81, dtype=np.float64) * 0.1
+_STEP_S = 0.1
+
+HORIZONS_S: FloatArray = np.arange(1, 81, dtype=np.float64) * _STEP_S
 """Times at which paths are held against the truth [s]."""
+
+FREE_STEPS = 1000
+"""Batches each network is trained on: more fit the training roads and predict no longer on others."""
 
 _LINES = tuple((length, 1) for length in (2, 3, 4, 5, 6, 8, 10))
 _PARABOLAS = tuple((length, 2) for length in (4, 6, 8, 10, 12, 16, 20))
@@ -81,6 +88,8 @@ class FreeSettings:
         Trusted horizon, and how long the vehicle goes on turning beyond it [s].
     descent
         Loss and optimiser.
+    searched_lags
+        Length of the longest polynomial that estimates may have, in tenths of a second.
     searched
         Windows that estimates are searched on, at most, for one range of noise and what is reported.
     seed
@@ -92,7 +101,8 @@ class FreeSettings:
     limits: Limits = field(default_factory=Limits)
     horizon_s: float = 1.5
     turn_s: float = 1.0
-    descent: Descent = field(default_factory=Descent)
+    descent: Descent = field(default_factory=lambda: Descent(steps=FREE_STEPS))
+    searched_lags: int = 12
     searched: int = 2500
     seed: int = 0
 
@@ -136,18 +146,26 @@ def mean_log_life(values: FloatArray, rows: FreeRows, settings: FreeSettings) ->
     settings
         Horizons of what receivers coast by, and thresholds.
     """
-    receiver = Trusted(ConstantTurnRateAcceleration(), settings.horizon_s, settings.turn_s)
+    receiver = ConstantTurnRateAcceleration().point_functions(_STEP_S)
     along, left = values[:, 0] * np.cos(values[:, 1]), values[:, 0] * np.sin(values[:, 1])
     # A frame whose north is the newest course: east is to the right.
     stated = np.column_stack([-left, along, values[:, 2], -values[:, 3]])
-    path = receiver.predict(stated, HORIZONS_S, dt_s=0.1)
-    off = np.hypot(path[..., 1] - rows.paths_m[..., 0], path[..., 0] + rows.paths_m[..., 1])
-    worst = np.maximum.accumulate(np.where(rows.known, off, 0.0), axis=1)
-    total = 0.0
-    for threshold_m in settings.descent.thresholds_m:
-        lives_s = 0.1 * ((worst < threshold_m) & rows.known).sum(axis=1)
-        total += float(np.average(np.log(lives_s + FORGIVEN_S), weights=rows.shares))
-    return total / len(settings.descent.thresholds_m)
+    thresholds_m = np.sort(np.array(settings.descent.thresholds_m))
+    held = np.empty((len(stated), thresholds_m.size))
+    holds_each(
+        receiver.predict_address,
+        stated,
+        HORIZONS_S,
+        receiver.addressed,
+        settings.horizon_s,
+        settings.turn_s,
+        np.stack([-rows.paths_m[..., 1], rows.paths_m[..., 0]], axis=-1),
+        rows.known,
+        thresholds_m,
+        held,
+    )
+    logs = np.log(_STEP_S * held + FORGIVEN_S).mean(axis=1)
+    return float(np.average(logs, weights=rows.shares))
 
 
 def search_estimates(
@@ -213,7 +231,7 @@ def _candidates(name: str, features: FeatureMap) -> list[Window]:
     return found
 
 
-def searched_features(lags: int = 20) -> FeatureMap:
+def searched_features(lags: int) -> FeatureMap:
     """All polynomials that the search tries.
 
     Parameters

@@ -12,7 +12,7 @@ from modelcast.models.free.estimates import map_of
 from modelcast.models.learned.features import FeatureMap
 from modelcast.models.profile import Profile
 from modelcast.runtime.trip.context import ContextSettings, TripContexts
-from modelcast.study.routes import routes
+from modelcast.study.routes import ground_cells, routes
 from modelcast.study.training.adding import with_added
 from modelcast.study.training.free import (
     EDGES_M,
@@ -58,6 +58,15 @@ DEFAULT_VIEWS = (
     (SenderView("motion", 0.05), 1.0),
     (SenderView("rates", 0.01), 1.0),
     (SenderView("rates", 0.04), 1.0),
+    (SenderView("speed", 0.005), 0.5),
+    (SenderView("speed", 0.03), 0.5),
+    (SenderView("acceleration", 0.01), 0.5),
+    (SenderView("acceleration", 0.04), 0.5),
+    (SenderView("yaw rate", 0.01), 0.5),
+    (SenderView("yaw rate", 0.04), 0.5),
+    (SenderView("positions", 0.005, every=2), 0.5),
+    (SenderView("motion", 0.01, every=2), 1.0),
+    (SenderView("rates", 0.01, every=2), 0.5),
     (SenderView("motion", 0.08, speed_noise_mps=0.1, heading_noise_rad=0.5 * _DEGREE), 1.0),
 )
 """Kinds of senders, from none to 8 cm of position noise, and how much each counts."""
@@ -128,7 +137,8 @@ def train_free_members(
     Parameters
     ----------
     trips
-        As read. Trips of one route are a group; a group counts by the square root of its duration.
+        As read. Trips of one route are a group; a group counts by the square root of the ground it covers:
+        laps of one course teach less than as many minutes of roads.
     settings
         How.
     progress
@@ -170,12 +180,13 @@ def train_free_members(
         done += 1
         progress("windows", done, len(EDGES_M) * len(REPORTS_KNOWN))
 
-    features = searched_features(free.features.lags)
+    longest = min(free.searched_lags, free.features.lags)
+    features = searched_features(longest)
     estimates = search_estimates(cut(features), features, free, searched)
     alone = FreeMotion(
         estimates,
         limits=free.limits,
-        features=map_of(estimates, free.features.lags),
+        features=map_of(estimates, longest),
         horizon_s=free.horizon_s,
         turn_s=free.turn_s,
     )
@@ -242,9 +253,7 @@ def _groups(
     found: list[tuple[list[PlayedTrip], float]] = []
     for number in range(int(route.max()) + 1):
         own = [trip for trip, at in zip(trips, route, strict=True) if at == number]
-        found.append(
-            (played_trips(own, settings.playbacks), float(np.sqrt(sum(one.duration_s for one in own))))
-        )
+        found.append((played_trips(own, settings.playbacks), float(np.sqrt(ground_cells(own)))))
     total = sum(share for _, share in found)
     return [(group, share / total) for group, share in found]
 

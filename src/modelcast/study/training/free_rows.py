@@ -34,7 +34,7 @@ class FreeRows:
     noise_m
         Position noise that the sender estimates, (B,) [m].
     reports
-        How much it reports (`modelcast.models.point_kernels.REPORTS`), (B,).
+        What it reports (`modelcast.models.point_kernels.REPORTS`), (B,).
     shares
         How often each is drawn, (B,): kinds of senders and groups of trips count alike.
     """
@@ -154,7 +154,7 @@ def _cut(
     velocity = samples[:, [VELOCITY_EAST, VELOCITY_NORTH]]
     rows = rows[np.hypot(*velocity[rows].T) >= FRAME_MPS]
     if features.context and context is not None:
-        samples = np.concatenate([samples, context], axis=1)
+        samples = np.concatenate([samples, context[viewed.kept]], axis=1)
     inputs = window_inputs(samples, rows, features.window_at(seen.dt_s), features, seen.dt_s)
     at_s = seen.t_s[rows][:, None] + horizons_s
     last_s = seen.t_s[np.repeat(seen.segments[1:] - 1, np.diff(seen.segments))][rows]

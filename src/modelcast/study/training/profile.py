@@ -1,5 +1,8 @@
 """Training of a whole profile: networks, hyper-parameters, calibrations, the bank's order, and the record.
 
+Sub-models come in families that are trained together (`FAMILIES`); those are trained that the bank names, or
+that are asked for beside it. A profile trained before lends those that are not.
+
 With ``validate`` everything is also trained without each route, and counted and calibrated on it. The bank's
 members are chosen there: first the sub-model that sends the fewest messages alone, then others while they
 save some beside it (`members`). Without it the bank is `DEFAULT_NAMES`, and the figures are of the training
@@ -7,7 +10,7 @@ trips themselves, which favours what was fitted to them; the record says which. 
 single sample stands last, for starts and gaps; where the start rule is ``guarded``, constant velocity.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import Any, Literal, cast
 
@@ -20,7 +23,7 @@ from modelcast.models.kinematic import (
     ConstantTurnRateAcceleration,
     ConstantTurnRateVelocity,
 )
-from modelcast.models.learned import Selector
+from modelcast.models.learned import LearnedTrajectory, Selector
 from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.profile import MOST_MEMBERS, Profile
 from modelcast.models.regimes import REGIME_BANK, Regimes
@@ -35,10 +38,10 @@ from modelcast.study.routes import routes
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.training.calibration import pooled_calibrations
 from modelcast.study.training.costs import train_costs
-from modelcast.study.training.hyperparameters import TrainedPair
+from modelcast.study.training.free_members import FreeMembers, FreeMembersSettings, train_free_members
 from modelcast.study.training.learned import LearnedSettings, train_learned
 from modelcast.study.training.members import Fold, MemberSettings, choose_names
-from modelcast.study.training.processes import ProcessSettings, train_processes
+from modelcast.study.training.processes import ProcessSettings, TrainedProcesses, train_processes
 from modelcast.study.training.selection import SelectorSettings, train_selector
 from modelcast.study.training.switching import SwitchingSettings, TrainedSwitching, train_switching
 from modelcast.trips.fingerprint import fingerprint
@@ -46,9 +49,11 @@ from modelcast.trips.trajectory import Trajectory
 
 __all__ = [
     "DEFAULT_NAMES",
+    "FAMILIES",
     "LONGEST_WINDOW",
     "MOST_NAMES",
     "ProfileSettings",
+    "families_of",
     "named_training_trips",
     "train_profile",
 ]
@@ -63,15 +68,24 @@ Protocol = Literal["recorded", "sensor"]
 
 _PROTOCOLS: tuple[Protocol, ...] = ("recorded", "sensor")
 
-DEFAULT_NAMES = ("learned", "ctra", "gp-vehicle")
+DEFAULT_NAMES = ("free-predictive", "free")
+"""Members where they are not chosen: on its own training trips a learned one looks better than it is."""
 
-"""Members where they are not chosen: on its own training trips the learned one looks better than it is."""
+FAMILIES: dict[str, tuple[str, ...]] = {
+    "free": ("free", "free-predictive", "free-context"),
+    "learned": ("learned",),
+    "processes": ("gp-vehicle", "gp-derivative", "gp-trained"),
+    "switching": ("shs", "hdp-hmm"),
+}
+"""What is trained together, and the names of its sub-models; ``processes`` has those of the regimes too."""
+
+_REGIME = "gp-regime-"
 
 MOST_NAMES = MOST_MEMBERS - 2
 """Members that may be named: a starter and the guard may join them in the profile."""
 
-_STARTER = Trusted(ConstantTurnRateAcceleration(), 1.5)
-"""The horizon is that of decision 010: what must end is the acceleration."""
+_STARTER = Trusted(ConstantTurnRateAcceleration(), 1.5, 1.0)
+"""The horizon is that of decision 010: what must end is the acceleration; the turn that of decision 028."""
 
 _KINEMATIC: tuple[AbstractSubModel, ...] = (
     _STARTER,
@@ -79,6 +93,26 @@ _KINEMATIC: tuple[AbstractSubModel, ...] = (
     ConstantAcceleration(),
     ConstantVelocity(),
 )
+
+
+def families_of(names: Iterable[str]) -> tuple[str, ...]:
+    """Families that must be trained for some sub-models, in the order of `FAMILIES`.
+
+    Parameters
+    ----------
+    names
+        Of sub-models, or of the bank of the regimes; those that need no training belong to none.
+
+    Examples
+    --------
+    >>> families_of(["ctra", "gp-regime-1", "free"])
+    ('free', 'processes')
+    """
+    wanted = set(names)
+    regimes = any(name == REGIME_BANK or name.startswith(_REGIME) for name in wanted)
+    return tuple(
+        family for family, own in FAMILIES.items() if wanted & set(own) or (family == "processes" and regimes)
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +123,8 @@ class ProfileSettings:
     ----------
     learned
         Of the learned sub-model.
+    free
+        Of the free sub-models.
     processes
         Of the Gaussian processes.
     switching
@@ -99,6 +135,8 @@ class ProfileSettings:
         How the bank's members are chosen, and its rules.
     names
         The bank's members in order; where empty, chosen with ``validate``, `DEFAULT_NAMES` without.
+    also
+        `FAMILIES` that are trained beside those that the bank names.
     selector
         Of what the start rule ``predicted`` asks.
     validate
@@ -109,16 +147,18 @@ class ProfileSettings:
     Raises
     ------
     ValueError
-        Where there is no threshold.
+        Where there is no threshold, or a family is unknown.
     """
 
     learned: LearnedSettings = field(default_factory=LearnedSettings)
     _: KW_ONLY
+    free: FreeMembersSettings = field(default_factory=FreeMembersSettings)
     processes: ProcessSettings = field(default_factory=ProcessSettings)
     switching: SwitchingSettings | None = field(default_factory=SwitchingSettings)
     thresholds_m: tuple[float, ...] = (0.2, 0.3, 0.4, 0.5)
     members: MemberSettings = field(default_factory=lambda: MemberSettings((0.2, 0.5)))
     names: tuple[str, ...] = ()
+    also: tuple[str, ...] = ()
     selector: SelectorSettings = field(default_factory=SelectorSettings)
     validate: bool = False
     seed: int = 0
@@ -126,6 +166,15 @@ class ProfileSettings:
     def __post_init__(self) -> None:
         if not self.thresholds_m:
             raise ValueError("thresholds_m must hold at least one")
+        unknown = [family for family in self.also if family not in FAMILIES]
+        if unknown:
+            raise ValueError(f"also names families, {', '.join(FAMILIES)}, not {unknown[0]!r}")
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """What is trained, in the order of `FAMILIES`."""
+        wanted = {*self.also, *families_of(self.names or DEFAULT_NAMES)}
+        return tuple(family for family in FAMILIES if family in wanted)
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,13 +192,36 @@ class _Judged:
 
 @dataclass(frozen=True, slots=True)
 class _Shelf:
-    """All sub-models that training trips taught, and the Gaussian processes' searches."""
+    """All sub-models that training trips taught, and how."""
 
-    candidates: tuple[AbstractSubModel, ...]
-    aside: tuple[AbstractSubModel, ...]
-    regimes: Regimes | None
-    processes: dict[str, TrainedPair]
+    free: FreeMembers | None
+    learned: LearnedTrajectory | None
+    processes: TrainedProcesses | None
     switching: TrainedSwitching | None
+
+    @property
+    def candidates(self) -> tuple[AbstractSubModel, ...]:
+        """What a bank is chosen from; a sub-model that asks for context is not, since few have any."""
+        return (
+            *(() if self.free is None else (self.free.free, self.free.predictive)),
+            *(() if self.learned is None else (self.learned,)),
+            *(() if self.processes is None else self.processes.candidates),
+            *_KINEMATIC,
+        )
+
+    @property
+    def aside(self) -> tuple[AbstractSubModel, ...]:
+        """What a bank may be made of by name only."""
+        return (
+            *(() if self.free is None else (self.free.context,)),
+            *(() if self.processes is None else (self.processes.fixed,)),
+            *(() if self.switching is None else self.switching.models),
+        )
+
+    @property
+    def regimes(self) -> Regimes | None:
+        """Driving regimes, where Gaussian processes were trained."""
+        return None if self.processes is None else self.processes.regimes
 
     @property
     def members(self) -> tuple[AbstractSubModel, ...]:
@@ -166,7 +238,11 @@ class _Shelf:
 
 
 def train_profile(
-    trips: Sequence[Trajectory], settings: ProfileSettings | None = None, *, progress: Progress | None = None
+    trips: Sequence[Trajectory],
+    settings: ProfileSettings | None = None,
+    *,
+    beside: Profile | None = None,
+    progress: Progress | None = None,
 ) -> Profile:
     """Train everything that vehicles share.
 
@@ -176,13 +252,15 @@ def train_profile(
         As read.
     settings
         How.
+    beside
+        A profile trained before: its sub-models of families that are not trained now go to the shelf.
     progress
         Called as the work goes on.
 
     Raises
     ------
     MissingExtraError
-        Where scikit-learn, which the extra ``train`` brings, is not installed.
+        Where JAX and optax, which the extra ``train`` brings, is not installed.
     ValueError
         Where the trips are too short to learn from, or ``validate`` finds a single route only.
     """
@@ -204,7 +282,7 @@ def train_profile(
         names = DEFAULT_NAMES
     bank = shelf.bank(names)
     if bank.window > 1:
-        names = (*names, _STARTER.name)
+        names = (*names, _starter(bank).name)
     if settings.members.start == "guarded" and GUARD not in names:
         names = (*names, GUARD)
     bank = shelf.bank(names)
@@ -218,21 +296,67 @@ def train_profile(
     )
     figures = _figures(folds, names, settings)
     selector, costs = _selection(folds, names, settings, progress)
+    kept = _Kept(()) if beside is None else _kept(beside, settings.families)
     return Profile(
         bank,
         shelf=tuple(
             member
-            for member in (*shelf.candidates, *shelf.aside)
+            for member in (*shelf.candidates, *shelf.aside, *kept.members)
             if member not in (*bank.members, *_KINEMATIC)
         ),
-        regimes=shelf.regimes,
+        regimes=shelf.regimes or kept.regimes,
         start=settings.members.start,
         identify=settings.members.identify,
         selector=selector,
         costs=costs.as_plain(),
         calibrations=calibrations,
-        record=_record(trips, settings, shelf, {**figures, "steps": list(steps)}),
-        training_trips=tuple(fingerprint(trip) for trip in trips),
+        record=_record(trips, settings, shelf, {**figures, "steps": list(steps)}, kept),
+        training_trips=tuple(dict.fromkeys((*map(fingerprint, trips), *kept.training_trips))),
+    )
+
+
+def _starter(bank: Bank) -> AbstractSubModel:
+    """What serves where no member of a bank has a full window."""
+    found = bank.members[bank.plain_place].starter if bank.plain_place >= 0 else None
+    return _STARTER if found is None else found
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """What stays of a profile trained before: sub-models, regimes, how they were trained, and on what."""
+
+    members: tuple[AbstractSubModel, ...]
+    _: KW_ONLY
+    regimes: Regimes | None = None
+    record: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    trips: tuple[dict[str, Any], ...] = ()
+    training_trips: tuple[str, ...] = ()
+
+
+def _kept(profile: Profile, families: Sequence[str]) -> _Kept:
+    """What a profile has of the families that are not trained now."""
+    anew = {name for family in families for name in FAMILIES[family]} | {one.name for one in _KINEMATIC}
+    regimes = None if profile.regimes is None or "processes" in families else profile.regimes
+    apart = () if profile.regimes is None else profile.regimes.members
+    members = tuple(one for one in profile.sub_models if one.name not in anew and one not in apart)
+    if not members and regimes is None:
+        return _Kept(())
+    before: dict[str, Any] = {**profile.record, **profile.added_record}
+    switching = {**before.get("switching", {}), **before}
+    record: dict[str, Any] = {
+        "networks": {} if "learned" in families else before.get("networks"),
+        "processes": {} if "processes" in families else before.get("processes"),
+        "switching": {name: switching[name] for name in FAMILIES["switching"] if name in switching},
+        "free": {} if "free" in families else before.get("free"),
+    }
+    if "switching" in families:
+        record["switching"] = {}
+    return _Kept(
+        members,
+        regimes=regimes,
+        record={key: value for key, value in record.items() if value},
+        trips=tuple(profile.record.get("trips", ())),
+        training_trips=profile.training_trips,
     )
 
 
@@ -276,23 +400,21 @@ def _train(
 
         return tell
 
-    learned = train_learned(trips, replace(settings.learned, seed=settings.seed), progress=told("networks"))
-    found = train_processes(
-        trips,
-        settings.processes,
-        seed=settings.seed,
-        progress=lambda what, done, to_do: told(what)(done, to_do),
-    )
-    switching = None
-    if settings.switching is not None:
-        switching = train_switching(
-            trips,
-            settings.switching,
-            seed=settings.seed,
-            progress=lambda what, done, to_do: told(what)(done, to_do),
-        )
-    aside = (found.fixed, *(() if switching is None else switching.models))
-    return _Shelf((learned, *found.candidates, *_KINEMATIC), aside, found.regimes, found.pairs, switching)
+    def tell(what: str, done: int, to_do: int) -> None:
+        told(what)(done, to_do)
+
+    seed, families = settings.seed, settings.families
+    free = learned = processes = switching = None
+    if "free" in families:
+        how = replace(settings.free, free=replace(settings.free.free, seed=seed))
+        free = train_free_members(trips, how, progress=tell)
+    if "learned" in families:
+        learned = train_learned(trips, replace(settings.learned, seed=seed), progress=told("networks"))
+    if "processes" in families:
+        processes = train_processes(trips, settings.processes, seed=seed, progress=tell)
+    if "switching" in families and settings.switching is not None:
+        switching = train_switching(trips, settings.switching, seed=seed, progress=tell)
+    return _Shelf(free, learned, processes, switching)
 
 
 def _cases(trips: Sequence[Trajectory], seed: int) -> dict[str, list[TripCase]]:
@@ -376,16 +498,29 @@ def _record(
     settings: ProfileSettings,
     shelf: _Shelf,
     figures: dict[str, Any],
+    kept: _Kept,
 ) -> dict[str, Any]:
-    """What the profile says of its own making."""
-    learned = settings.learned
+    """What the profile says of its own making, and of what it keeps."""
+    own = [
+        {"trip": trip.trip_id, "format": trip.source, "duration_s": round(trip.duration_s, 3)}
+        for trip in trips
+    ]
     return {
+        **kept.record,
         "modelcast": package_version(),
         "seed": settings.seed,
-        "trips": [
-            {"trip": trip.trip_id, "format": trip.source, "duration_s": round(trip.duration_s, 3)}
-            for trip in trips
-        ],
+        "trips": [*own, *(row for row in kept.trips if row not in own)],
+        **({} if shelf.free is None else {"free": shelf.free.record}),
+        **({} if shelf.learned is None else _networks_record(settings.learned)),
+        **({} if shelf.processes is None else _processes_record(shelf.processes)),
+        **({} if shelf.switching is None else {"switching": shelf.switching.record}),
+        "figures": figures,
+    }
+
+
+def _networks_record(learned: LearnedSettings) -> dict[str, Any]:
+    """How the learned sub-model was trained."""
+    return {
         "networks": {
             "hidden": list(learned.descent.hidden),
             "coefficients": learned.coefficients,
@@ -401,7 +536,13 @@ def _record(
                 }
                 for stage in learned.stages
             ],
-        },
+        }
+    }
+
+
+def _processes_record(processes: TrainedProcesses) -> dict[str, Any]:
+    """What the searches of the Gaussian processes found."""
+    return {
         "processes": {
             name: {
                 "kept": pair.better.by,
@@ -414,8 +555,6 @@ def _record(
                     for one in (pair.likelihood, pair.survival)
                 },
             }
-            for name, pair in shelf.processes.items()
-        },
-        **({} if shelf.switching is None else {"switching": shelf.switching.record}),
-        "figures": figures,
+            for name, pair in processes.pairs.items()
+        }
     }

@@ -24,6 +24,15 @@ __all__ = ["PlayedTrip", "SenderView", "Viewed", "played_trips", "view_trips"]
 
 _FASTEST_TURN_RADPS = 1.0
 
+_MOVING = {
+    "speed": ("heading_rad", "acceleration_mps2", "yaw_rate_radps"),
+    "motion": ("acceleration_mps2", "yaw_rate_radps"),
+    "acceleration": ("yaw_rate_radps",),
+    "yaw rate": ("acceleration_mps2",),
+    "rates": (),
+}
+"""Columns with a speed, and what such a sender does not see."""
+
 
 @dataclass(frozen=True, slots=True)
 class SenderView:
@@ -33,7 +42,8 @@ class SenderView:
     ----------
     columns
         ``recorded``: what the log holds, noise added to the positions. ``positions``: nothing but positions.
-        ``motion``: speed and heading too. ``rates``: acceleration and yaw rate as well.
+        ``speed``: speed too. ``motion``: speed and heading too; ``acceleration``, ``yaw rate`` and ``rates``:
+        one of these or both as well.
     position_noise_m
         White noise added to each axis [m].
     speed_noise_mps, heading_noise_rad
@@ -55,8 +65,9 @@ class SenderView:
     every: int = 1
 
     def __post_init__(self) -> None:
-        if self.columns not in ("recorded", "positions", "motion", "rates"):
-            raise ValueError(f"columns must be recorded, positions, motion or rates, got {self.columns!r}")
+        if self.columns not in ("recorded", "positions", *_MOVING):
+            known = ", ".join(("recorded", "positions", *_MOVING))
+            raise ValueError(f"columns must be one of {known}, got {self.columns!r}")
         if self.every < 1:
             raise ValueError(f"every must be at least 1, got {self.every}")
 
@@ -65,17 +76,18 @@ class SenderView:
         """As in the training record."""
         thinned = "" if self.every == 1 else f" 1/{self.every}"
         found = f"{self.columns} {1000 * self.position_noise_m:g} mm{thinned}"
-        if self.columns in ("motion", "rates"):
+        if self.columns in _MOVING:
             found += f", {self.speed_noise_mps:g} m/s, {np.rad2deg(self.heading_noise_rad):.2g} deg"
         return found
 
 
 @dataclass(frozen=True, slots=True)
 class Viewed:
-    """Truth and what a sender sees of it, sample by sample."""
+    """Truth and what a sender sees, by sample, and which samples of the played trip these are."""
 
     truth: Trajectory
     seen: Trajectory
+    kept: IntArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,9 +136,9 @@ def view_trips(played: Sequence[PlayedTrip], view: SenderView, *, seed: int) -> 
     for one in played:
         if one.coarse and view.columns == "recorded":
             continue
-        truth = _thinned(one.truth, view.every)
+        truth, kept = _thinned(one.truth, view.every)
         rng = child_generator(seed, truth.trip_id, "view", view.name)
-        yield Viewed(truth, _seen(truth, view, rng))
+        yield Viewed(truth, _seen(truth, view, rng), kept)
 
 
 def _seen(truth: Trajectory, view: SenderView, rng: np.random.Generator) -> Trajectory:
@@ -141,10 +153,8 @@ def _seen(truth: Trajectory, view: SenderView, rng: np.random.Generator) -> Traj
         speed_noise_mps=view.speed_noise_mps,
         heading_noise_rad=view.heading_noise_rad,
     )
-    moving = with_motion(truth)
-    if view.columns == "rates":
-        return sense(_with_rates(moving), sensor, rng)
-    return sense(replace(moving, acceleration_mps2=None, yaw_rate_radps=None), sensor, rng)
+    unseen = dict.fromkeys(_MOVING[view.columns])
+    return replace(sense(_with_rates(with_motion(truth)), sensor, rng), **unseen)
 
 
 def _with_rates(trip: Trajectory) -> Trajectory:
@@ -166,10 +176,10 @@ def _slope(trip: Trajectory, column: FloatArray) -> FloatArray:
     return slopes
 
 
-def _thinned(trip: Trajectory, every: int) -> Trajectory:
-    """Every so many samples of each part."""
+def _thinned(trip: Trajectory, every: int) -> tuple[Trajectory, IntArray]:
+    """Every so many samples of each part, and which."""
     if every == 1:
-        return trip
+        return trip, np.arange(len(trip))
     kept: list[IntArray] = [np.arange(a, b, every) for a, b in pairwise(trip.segments)]
     rows = np.concatenate(kept)
     bounds = np.cumsum([0] + [part.size for part in kept])
@@ -177,7 +187,7 @@ def _thinned(trip: Trajectory, every: int) -> Trajectory:
     def maybe(column: FloatArray | None) -> FloatArray | None:
         return None if column is None else column[rows]
 
-    return replace(
+    found = replace(
         trip,
         t_s=trip.t_s[rows],
         position_m=trip.position_m[rows],
@@ -189,3 +199,4 @@ def _thinned(trip: Trajectory, every: int) -> Trajectory:
         yaw_rate_radps=maybe(trip.yaw_rate_radps),
         up_m=maybe(trip.up_m),
     )
+    return found, rows

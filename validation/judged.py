@@ -1,0 +1,362 @@
+"""The judged table: free sub-models trained on one half of the data, judged on the other, and the reverse.
+
+``judged.py train FOLDER`` trains two profiles, ``a.json`` and ``b.json``, as ``modelcast train`` does, each
+on one half: other drives where a source has several, other sources where it has one (`SOURCES`). It takes
+about ten minutes on two cores. ``judged.py count FOLDER`` compares constant velocity, the best free receiver,
+interacting models, the paper's bank, the profile's bank, and the same with context on what each half left
+out, recorded and as default sensors see it, at four thresholds, with and without losses of 40 %. ``judged.py
+shipped FOLDER`` does the same with the shipped profile, on trips it was not trained on. ``judged.py table
+FOLDER`` prints the tables; with ``--write`` it puts them into ``docs/judged.md``, with ``--check`` it tells
+by its exit code whether that page has them.
+"""
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import KW_ONLY, asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from modelcast.io.profile import read_profile
+from modelcast.io.trips import read_trips
+from modelcast.models.profile import Profile, default_profile
+from modelcast.station.banks import named_bank
+from modelcast.study.compare.candidate import FixedCandidate
+from modelcast.study.compare.result import message_bound, rival_bound
+from modelcast.study.compare.run import compare
+from modelcast.study.compare.settings import CompareSettings
+from modelcast.study.settings import EvaluationSettings
+from modelcast.study.training.profile import ProfileSettings, train_profile
+from modelcast.trips.trajectory import Trajectory
+
+PAGE = Path(__file__).parents[1] / "docs" / "judged.md"
+BANKS = ("cv", "free", "imm", "paper", "default", "default+context")
+THRESHOLDS_M = (0.2, 0.3, 0.4, 0.5)
+PROTOCOLS = ("recorded", "sensor")
+PACKET_ERROR_RATIO = 0.4
+SHIPPED = "shipped"
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where trips lie, which of them train profile ``a`` (the others train ``b``), and seeds of losses."""
+
+    place: str
+    trains_a: Callable[[str], bool]
+    seeds: int
+    _: KW_ONLY
+    files: str = ""
+    kept: Callable[[str], bool] = lambda _: True
+    kind: str = "car"
+
+    def read(self, data: Path) -> list[Trajectory]:
+        """Its trips."""
+        path = data / self.place
+        trips = read_trips(sorted(path.glob(self.files)) if self.files else [path])
+        return [trip for trip in trips if self.kept(trip.trip_id)]
+
+
+def _all(_: str) -> bool:
+    return True
+
+
+def _none(_: str) -> bool:
+    return False
+
+
+SOURCES = {
+    "handling": Source("openacc_zalazone", _all, 1, files="*handling*.csv"),
+    "dynamic": Source("openacc_zalazone", _none, 1, files="*dynamic*.csv"),
+    "tampa": Source("roads/tampa_dev.parquet", lambda trip: "1118" in trip, 1),
+    "kitti": Source("roads/kitti_00-04.parquet", lambda trip: trip[-2:] in ("00", "01"), 8),
+    "boreas": Source("roads/boreas_2021-08-05.parquet", _none, 10),
+    "beijing": Source("roads/beijing_gps_and_rtk.parquet", _all, 10, kept=lambda trip: trip.endswith("rtk")),
+    "spmd": Source("spmd/bsm_p1_dev.csv", _none, 24),
+    "smartloc": Source("smartloc", _none, 40),
+    "comma2k19": Source("comma2k19", _none, 60),
+}
+"""What is judged. Of a single drive, one profile knows all of it and the other nothing."""
+
+
+def _trips(which: str, data: Path, *, training: bool) -> Iterator[tuple[str, Trajectory]]:
+    """Trips that train a profile, or those that it is judged on, with their source's name."""
+    for name, source in SOURCES.items():
+        for trip in source.read(data):
+            if (source.trains_a(trip.trip_id) == (which == "a")) == training:
+                yield name, trip
+
+
+def _train(which: str, folder: Path, data: Path) -> None:
+    trips = [trip for _, trip in _trips(which, data, training=True)]
+    profile = train_profile(trips, ProfileSettings())
+    (folder / f"{which}.json").write_text(profile.text, encoding="utf-8")
+    print(f"{which}: {len(trips)} trips, {profile.identity}", flush=True)
+
+
+def train(folder: Path, data: Path) -> None:
+    """Train both profiles, one a core."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with ProcessPoolExecutor(2) as pool:
+        for running in [pool.submit(_train, which, folder, data) for which in "ab"]:
+            running.result()
+
+
+def _candidates(profile: Profile) -> list[FixedCandidate]:
+    found: list[FixedCandidate] = []
+    for text in BANKS:
+        named = named_bank(text, profile=profile)
+        found.append(FixedCandidate(text, named.bank, named.start, named.identify))
+    return found
+
+
+def _compared(name: str, trips: Sequence[Trajectory], profile: Profile) -> list[dict[str, Any]]:
+    """What a comparison of one source found, as plain rows."""
+    evaluation = EvaluationSettings(
+        THRESHOLDS_M, (0.0, PACKET_ERROR_RATIO), seeds=SOURCES[name].seeds, references=True
+    )
+    settings = CompareSettings(evaluation, PROTOCOLS, against="free", resamples=200)
+    result = compare(trips, _candidates(profile), settings)
+    rows = [{"kind": "count", "source": name, **asdict(row)} for row in result.counts]
+    rows += [
+        {"kind": "tracking", "source": name, **asdict(row)} for row in result.tracking if row.trip == "all"
+    ]
+    rows += [{"kind": "reference", "source": name, **asdict(row)} for row in result.references]
+    return rows
+
+
+def _count(which: str, folder: Path, data: Path, sources: Sequence[str]) -> None:
+    """Judge one profile."""
+    if which == SHIPPED:
+        profile = default_profile()
+        known = set(profile.training_trips)
+        from modelcast.trips.fingerprint import fingerprint  # noqa: PLC0415 - here alone
+
+        own = [(name, trip) for name, one in SOURCES.items() for trip in one.read(data)]
+        own = [(name, trip) for name, trip in own if fingerprint(trip) not in known]
+    else:
+        profile = read_profile(folder / f"{which}.json")
+        own = list(_trips(which, data, training=False))
+    rows: list[dict[str, Any]] = []
+    for name in SOURCES:
+        trips = [trip for source, trip in own if source == name]
+        if trips and name in sources:
+            rows += _compared(name, trips, profile)
+            print(f"{which}: {name}, {len(trips)} trips", flush=True)
+    (folder / f"{which}.counts.json").write_text(json.dumps(rows), encoding="utf-8")
+
+
+def count(folder: Path, data: Path, which: Sequence[str], sources: Sequence[str]) -> None:
+    """Judge profiles, one a core."""
+    with ProcessPoolExecutor(2) as pool:
+        for running in [pool.submit(_count, one, folder, data, sources) for one in which]:
+            running.result()
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Sums over the trips of a source: messages, bytes and time on the air of a bank, of cv and of free."""
+
+    own: np.ndarray
+    cv: np.ndarray
+    free: np.ndarray
+
+    def over(self, rival: str, what: int = 0) -> float:
+        """Ratio to a rival's messages (0), bytes (1) or time on the air (2)."""
+        return float(self.own[what] / getattr(self, rival)[what])
+
+
+class Judged:
+    """All rows that were counted, those of both halves or those of the shipped profile."""
+
+    def __init__(self, files: Iterable[Path]) -> None:
+        self.rows: list[dict[str, Any]] = [
+            row for path in files for row in json.loads(path.read_text(encoding="utf-8"))
+        ]
+        self.sources = [name for name in SOURCES if any(row["source"] == name for row in self.rows)]
+        self._sums: dict[tuple[str, str, str, float], np.ndarray] = {}
+        self._each: dict[tuple[str, str, str, float], dict[str, int]] = {}
+        for row in self._of("count"):
+            key = row["source"], row["protocol"], row["candidate"], row["threshold_m"]
+            sent = np.array(
+                [row["updates"] + row["identifications"], row["message_bytes"], row["airtime_s"]], dtype=float
+            )
+            self._sums[key] = self._sums.get(key, np.zeros(3)) + sent
+            self._each.setdefault(key, {})[row["trip"]] = int(sent[0])
+
+    def _of(self, kind: str) -> Iterator[dict[str, Any]]:
+        return (row for row in self.rows if row["kind"] == kind)
+
+    def cells(self, source: str, protocol: str, bank: str) -> list[Cell]:
+        """Of every threshold."""
+        return [
+            Cell(*(self._sums[source, protocol, one, threshold_m] for one in (bank, "cv", "free")))
+            for threshold_m in THRESHOLDS_M
+        ]
+
+    def has(self, source: str, protocol: str) -> bool:
+        """Whether a source was judged so; a coarse log is no truth of its own."""
+        return (source, protocol, "cv", THRESHOLDS_M[0]) in self._sums
+
+    def bound(self, source: str, protocol: str) -> list[float]:
+        """Messages of the parabolas that know the future, over those of cv."""
+        found = {
+            row["threshold_m"]: row["message_ratio"]
+            for row in self._of("reference")
+            if (row["source"], row["protocol"], row["reference"]) == (source, protocol, "clairvoyant-2")
+        }
+        return [found[threshold_m] for threshold_m in THRESHOLDS_M]
+
+    def beyond(self, source: str, protocol: str, bank: str) -> list[tuple[float, float]]:
+        """Messages beyond what is allowed over cv and over free, every trip and threshold."""
+        found: list[tuple[float, float]] = []
+        for threshold_m in THRESHOLDS_M:
+            own, cv, free = (self._each[source, protocol, one, threshold_m] for one in (bank, "cv", "free"))
+            found += [
+                (sent - message_bound(cv[trip]), sent - rival_bound(free[trip])) for trip, sent in own.items()
+            ]
+        return found
+
+    def tails(self, source: str, protocol: str, bank: str) -> np.ndarray:
+        """p90 and p99 over those of cv at equal rate, the harder of both, by threshold and rate basis."""
+        return np.array(
+            [
+                (row["p90_ratio"], row["p99_ratio"])
+                for row in self._of("tracking")
+                if (row["source"], row["protocol"], row["candidate"]) == (source, protocol, bank)
+                and row["packet_error_ratio"] == PACKET_ERROR_RATIO
+            ]
+        )
+
+
+def _pairs(judged: Judged) -> Iterator[tuple[str, str]]:
+    for source in judged.sources:
+        for protocol in PROTOCOLS:
+            if judged.has(source, protocol):
+                yield source, protocol
+
+
+def _ends(values: Sequence[float]) -> str:
+    """At the least and the greatest threshold."""
+    return f"{values[0]:.2f} / {values[-1]:.2f}"
+
+
+def messages_table(judged: Judged) -> list[str]:
+    """Messages over cv's at 20 and 50 cm, and of the default bank over free's."""
+    banks = BANKS[1:]
+    head = " | ".join(banks)
+    lines = [f"| source | as seen | {head} | parabolas that know the future | default over free |"]
+    lines.append("|---|---|" + "---|" * (len(banks) + 2))
+    each: dict[str, list[list[float]]] = {name: [] for name in (*banks, "bound", "over")}
+    for source, protocol in _pairs(judged):
+        row: dict[str, list[float]] = {}
+        for bank in banks:
+            row[bank] = [cell.over("cv") for cell in judged.cells(source, protocol, bank)]
+        row["bound"] = judged.bound(source, protocol)
+        row["over"] = [cell.over("free") for cell in judged.cells(source, protocol, "default")]
+        for name, values in row.items():
+            each[name].append(values)
+        lines.append(f"| {source} | {protocol} | " + " | ".join(map(_ends, row.values())) + " |")
+    means = (np.mean(values, axis=0).tolist() for values in each.values())
+    lines.append("| mean | | " + " | ".join(map(_ends, means)) + " |")
+    return lines
+
+
+def harm_table(judged: Judged) -> list[str]:
+    """What messages cost beyond their number, and the worst trips."""
+    lines = [
+        "| source | as seen | bytes / free | airtime / messages | counts | over cv | worst | over free | worst |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for source, protocol in _pairs(judged):
+        cells = judged.cells(source, protocol, "default")
+        octets = [cell.over("free", 1) for cell in cells]
+        air = max(cell.over("cv", 2) / cell.over("cv") for cell in cells)
+        beyond = np.array(judged.beyond(source, protocol, "default"))
+        over, worst = (beyond > 0.0).sum(axis=0), beyond.max(axis=0)
+        lines.append(
+            f"| {source} | {protocol} | {_ends(octets)} | {air:.3f} | {len(beyond)} | "
+            f"{over[0]} | {worst[0]:+.1f} | {over[1]} | {worst[1]:+.1f} |"
+        )
+    return lines
+
+
+def loss_table(judged: Judged) -> list[str]:
+    """Tracking errors at 40 % losses over cv's at equal rate: mean over thresholds, and the worst."""
+    banks = ("free", "default", "default+context")
+    lines = ["| source | as seen | " + " | ".join(f"{one}: p90 / p99 (worst)" for one in banks) + " |"]
+    lines.append("|---|---|" + "---|" * len(banks))
+    logs: dict[str, list[np.ndarray]] = {bank: [] for bank in banks}
+    for source, protocol in _pairs(judged):
+        shown: list[str] = []
+        for bank in banks:
+            tails = judged.tails(source, protocol, bank)
+            mean, worst = np.exp(np.log(tails).mean(axis=0)), tails.max(axis=0)
+            logs[bank].append(np.log(mean))
+            shown.append(f"{mean[0]:.2f} / {mean[1]:.2f} ({worst[0]:.2f} / {worst[1]:.2f})")
+        lines.append(f"| {source} | {protocol} | " + " | ".join(shown) + " |")
+    means = (np.exp(np.mean(rows, axis=0)) for rows in logs.values())
+    lines.append("| mean | | " + " | ".join(f"{one[0]:.2f} / {one[1]:.2f}" for one in means) + " |")
+    return lines
+
+
+def blocks(folder: Path) -> dict[str, list[str]]:
+    """Every table by the name of its block on the page."""
+    found: dict[str, list[str]] = {}
+    for name, files in (("halves", ("a", "b")), (SHIPPED, (SHIPPED,))):
+        paths = [folder / f"{one}.counts.json" for one in files]
+        if all(path.exists() for path in paths):
+            judged = Judged(paths)
+            found[f"{name} messages"] = messages_table(judged)
+            found[f"{name} harm"] = harm_table(judged)
+            found[f"{name} loss"] = loss_table(judged)
+    return found
+
+
+def paged(text: str, found: dict[str, list[str]]) -> str:
+    """The page with its blocks made anew."""
+    for name, lines in found.items():
+        begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
+        before, opened, rest = text.partition(begin)
+        _, closed, after = rest.partition(end)
+        if not (opened and closed):
+            raise SystemExit(f"{PAGE.name} has no block {name}")
+        text = f"{before}{begin}\n\n" + "\n".join(lines) + f"\n\n{end}{after}"
+    return text
+
+
+def main() -> int:
+    """Train, count or print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("what", choices=("train", "count", SHIPPED, "table"))
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--sources", nargs="+", choices=tuple(SOURCES), default=tuple(SOURCES))
+    parser.add_argument("--write", action="store_true")
+    parser.add_argument("--check", action="store_true")
+    given = parser.parse_args()
+    data = Path(os.environ.get("MODELCAST_DATA", ""))
+    if given.what == "train":
+        train(given.folder, data)
+    elif given.what == "table":
+        found = blocks(given.folder)
+        if given.write or given.check:
+            text = PAGE.read_text(encoding="utf-8")
+            made = paged(text, found)
+            if given.check:
+                return int(made != text)
+            PAGE.write_text(made, encoding="utf-8")
+        for name, lines in found.items():
+            print(f"\n{name}\n")
+            print("\n".join(lines))
+    else:
+        which = ("a", "b") if given.what == "count" else (SHIPPED,)
+        count(given.folder, data, which, given.sources)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
