@@ -32,7 +32,9 @@ from modelcast.study.compare.run import compare
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.training.profile import ProfileSettings, train_profile
+from modelcast.trips.fingerprint import fingerprint
 from modelcast.trips.trajectory import Trajectory
+from page_blocks import paged
 
 PAGE = Path(__file__).parents[1] / "docs" / "judged.md"
 BANKS = ("cv", "free", "imm", "paper", "default", "default+context")
@@ -91,6 +93,15 @@ def _trips(which: str, data: Path, *, training: bool) -> Iterator[tuple[str, Tra
                 yield name, trip
 
 
+def unseen(profile: Profile, data: Path, sources: Iterable[str]) -> Iterator[tuple[str, Trajectory]]:
+    """Trips of sources that a profile was not trained on, with their source's name."""
+    known = set(profile.training_trips)
+    for name in sources:
+        for trip in SOURCES[name].read(data):
+            if fingerprint(trip) not in known:
+                yield name, trip
+
+
 def _train(which: str, folder: Path, data: Path) -> None:
     trips = [trip for _, trip in _trips(which, data, training=True)]
     profile = train_profile(trips, ProfileSettings())
@@ -133,11 +144,7 @@ def _count(which: str, folder: Path, data: Path, sources: Sequence[str]) -> None
     """Judge one profile."""
     if which == SHIPPED:
         profile = default_profile()
-        known = set(profile.training_trips)
-        from modelcast.trips.fingerprint import fingerprint  # noqa: PLC0415 - here alone
-
-        own = [(name, trip) for name, one in SOURCES.items() for trip in one.read(data)]
-        own = [(name, trip) for name, trip in own if fingerprint(trip) not in known]
+        own = list(unseen(profile, data, sources))
     else:
         profile = read_profile(folder / f"{which}.json")
         own = list(_trips(which, data, training=False))
@@ -269,7 +276,10 @@ def messages_table(judged: Judged) -> list[str]:
 def harm_table(judged: Judged) -> list[str]:
     """What messages cost beyond their number, and the worst trips."""
     lines = [
-        "| source | as seen | bytes / free | airtime / messages | counts | over cv | worst | over free | worst |",
+        (
+            "| source | as seen | bytes / free | airtime / messages | counts "
+            "| over cv | worst | over free | worst |"
+        ),
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for source, protocol in _pairs(judged):
@@ -315,18 +325,6 @@ def blocks(folder: Path) -> dict[str, list[str]]:
             found[f"{name} harm"] = harm_table(judged)
             found[f"{name} loss"] = loss_table(judged)
     return found
-
-
-def paged(text: str, found: dict[str, list[str]]) -> str:
-    """The page with its blocks made anew."""
-    for name, lines in found.items():
-        begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
-        before, opened, rest = text.partition(begin)
-        _, closed, after = rest.partition(end)
-        if not (opened and closed):
-            raise SystemExit(f"{PAGE.name} has no block {name}")
-        text = f"{before}{begin}\n\n" + "\n".join(lines) + f"\n\n{end}{after}"
-    return text
 
 
 def main() -> int:
