@@ -15,9 +15,10 @@ from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.runtime.trip.runtime import TripRuntime
-from modelcast.station.banks import PAPER_BANK
+from modelcast.station.banks import PAPER_BANK, free_bank
 from modelcast.study.case import make_case
 from modelcast.study.evaluate import evaluate
+from modelcast.study.metrics import quantiles
 from modelcast.study.network.pairs import PairedRow
 from modelcast.study.paper.choices import CHOICES, PLAIN, Choice, Reading, combined, one_at_a_time
 from modelcast.study.paper.claims import claim_rows
@@ -29,6 +30,8 @@ from modelcast.study.paper.run import Job, reproduce_paper, run_job
 from modelcast.study.paper.traffic import with_traffic
 from modelcast.study.paper.verdict import Estimate, verdict_of
 from modelcast.study.result import POOLED
+from modelcast.study.rules import RATE_BASES
+from modelcast.study.tracking import LossRuns
 from modelcast.trips.manoeuvres.base import FoundManoeuvre, ManoeuvreKind
 from modelcast.trips.manoeuvres.rank import count_manoeuvres, rank_trips
 from modelcast.trips.trajectory import Trajectory, build_trajectory
@@ -301,7 +304,7 @@ def test_sub_models_complete_each_other_where_both_have_their_time(found: PaperR
 def test_every_claim_has_a_plain_verdict_and_those_of_readings_all(found: PaperResult) -> None:
     labels = [one.labelled.label for one in found.readings]
     by_reading = [row for row in found.claims if len(row.verdicts) > 4]
-    assert len(by_reading) == 9
+    assert len(by_reading) == 11
     for row in by_reading:
         assert list(row.verdicts) == labels
     assert all("plain" in row.verdicts for row in found.claims)
@@ -317,6 +320,63 @@ def test_the_claim_about_messages_is_the_verdict_on_their_ratios(found: PaperRes
     for one in found.readings:
         estimates = [Estimate(r.message_ratio, r.message_low, r.message_high) for r in one.rows.messages]
         assert row.verdicts[one.labelled.label] == verdict_of(estimates)
+
+
+@pytest.mark.parametrize(
+    "reading", [PLAIN, replace(PLAIN, identify="best", quantised=True, keep_alive_s=2.0)]
+)
+def test_the_free_receiver_is_the_free_bank_under_the_same_losses(
+    trips: list[Trajectory], reading: Reading
+) -> None:
+    """Messages of the same sender with that bank alone; errors beside it at the hybrid's rate."""
+    rows = run_reading(trips, reading, PLAN)
+    settings = PLAN.settings(reading, (0.4,))
+    alone = evaluate(trips, replace(settings, bank=free_bank(), identify="never", packet_error_ratios=()))
+    for at, threshold_m in enumerate(PLAN.thresholds_m):
+        (free,) = (
+            one
+            for one in alone.rates
+            if (one.trip, one.policy, one.threshold_m) == (POOLED, "mbc", threshold_m)
+        )
+        own = rows.messages[at]
+        sent = (own.update_rate_hz + own.identification_rate_hz) * own.duration_s
+        assert rows.beside_free[at].message_ratio == pytest.approx(sent / free.updates)
+        errors: dict[str, list[Any]] = {}
+        weights: list[float] = []
+        for trip in trips:
+            case = make_case(trip, settings)
+            hybrid, plain = (
+                TripRuntime(case.seen, bank, case.estimator, quantised=settings.quantised)
+                for bank in (settings.bank, free_bank())
+            )
+            losses = LossRuns(case, plain, settings)
+            runs = losses.contended([hybrid], settings, threshold_m, RATE_BASES)
+            names = ("own", *((basis, how) for basis in RATE_BASES for how in ("matched", "periodic")))
+            for name, run in zip(names, runs, strict=True):
+                found = run.after_m.ravel()
+                errors.setdefault(str(name), []).append(np.sort(found[~np.isnan(found)]))
+            weights.append(case.truth.dt_s)
+        p90 = {name: quantiles(found, weights, [0.9])[0] for name, found in errors.items()}
+        assert len(rows.tracking_beside_free) == 4
+        for basis, schedule in rows.tracking_beside_free:
+            row = rows.beside_free_pooled(replace(reading, rate_basis=basis, schedule=schedule))[at]
+            assert row.p90_ratio == pytest.approx(p90["own"] / p90[str((basis, schedule))])
+            assert row.packet_error_ratio == 0.4
+
+
+def test_what_the_paper_does_not_claim_is_the_verdict_on_the_free_receiver(found: PaperResult) -> None:
+    fewer, nearer = found.claims[-5:-3]
+    assert (fewer.place, nearer.place) == ("beside it", "beside it")
+    for one in found.readings:
+        messages = [Estimate(r.message_ratio, r.message_low, r.message_high) for r in one.rows.beside_free]
+        errors = [
+            Estimate(r.p90_ratio, r.p90_low, r.p90_high)
+            for r in one.rows.beside_free_pooled(one.labelled.reading)
+        ]
+        assert fewer.verdicts[one.labelled.label] == verdict_of(messages)
+        assert nearer.verdicts[one.labelled.label] == verdict_of(errors)
+    worst = max(found.readings[0].rows.beside_free, key=lambda row: row.worst_ratio)
+    assert fewer.worst.startswith(f"{worst.worst_trip} {worst.worst_ratio:.2f}")
 
 
 def test_the_sweep_looks_at_every_ratio_with_losses(found: PaperResult) -> None:

@@ -21,7 +21,7 @@ from modelcast.station.sensing.velocity import REPORTED
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.evaluate import evaluate
 from modelcast.study.settings import EvaluationSettings
-from modelcast.study.tracking import TrackingRun, draw_losses, run_tracking
+from modelcast.study.tracking import LossRuns, TrackingRun, draw_losses, run_tracking
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 
 SINGLE_M = 2e-6
@@ -413,6 +413,37 @@ def test_periodic_baselines_send_at_mbcs_rate_of_the_time_observed(
         for basis, wanted in (("update", walk.updates), ("total", walk.updates + walk.identifications)):
             sent = found["baseline-periodic", basis, 0.3].messages[0]
             assert abs(sent - wanted) <= trip.segments.size - 1
+
+
+def test_equal_rate_baselines_with_a_window_coast_until_it_is_full(gapped_case: TripCase) -> None:
+    """At a start and behind gaps by what completes their bank, elsewhere by their own sub-model alone."""
+    settings = EvaluationSettings((0.2,), (0.0,), seeds=1, bank=PAPER_BANK)
+    walks = [walked(gapped_case, settings, 0.2)]
+    policy = settings.policy(0.2, keep_alive=True)
+    longer, plain = (
+        TripRuntime(gapped_case.seen, bank, gapped_case.estimator)
+        for bank in (Bank((GaussianProcess(form="intercept"),)), BASELINE_BANK)
+    )
+    (matched, own), (_, coasting) = (
+        list(LossRuns(gapped_case, ready, settings).equal_rate(policy, walks, "total"))
+        for ready in (longer, plain)
+    )
+    assert longer.bank.members[1].name == "cv"
+    assert own.messages == coasting.messages
+    held_s = own.age_s[0, 0]
+    np.testing.assert_array_equal(held_s, coasting.age_s[0, 0])
+    update = np.arange(held_s.size) - np.rint(held_s / gapped_case.truth.dt_s).astype(np.int64)
+    at_start = gapped_case.truth.segment_start[np.maximum(update, 0)]
+    short = update - at_start < GaussianProcess().samples - 1
+    same = own.after_m[0, 0] == coasting.after_m[0, 0]
+    assert same[short].all()
+    assert own.after_m[0, 0][short].max() > 0.0
+    assert not same[~short].all()
+    (threshold_m,) = matched.own_threshold_m
+    assert threshold_m is not None
+    alone = ErrorDriven(threshold_m, "order", "never", policy.max_inter_transmit_time_s)
+    assert matched.messages == (longer.run(alone).updates,)
+    assert longer.run(alone).identifications == 0
 
 
 def test_paper_bank_is_constant_velocity_and_the_anchored_process() -> None:

@@ -14,6 +14,7 @@ The same result gives the same bytes.
 
 import csv
 import io
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,9 @@ from typing import Any
 from modelcast.core.version import package_version
 from modelcast.io.documents import document_text, plain_value, row_document
 from modelcast.io.results import summary_document
+from modelcast.study.compare.result import TrackingRatioRow
 from modelcast.study.paper.choices import CHOICES
+from modelcast.study.paper.readings import RivalKey
 from modelcast.study.paper.result import PaperResult, ReadingResult
 from modelcast.study.result import POOLED, EvaluationResult
 from modelcast.trips.manoeuvres.base import ManoeuvreCounts
@@ -88,14 +91,20 @@ def _reading(one: ReadingResult) -> dict[str, Any]:
         "messages": [row_document(row) for row in rows.messages],
         "updates": [row_document(row) for row in rows.updates],
         "gaussian_process_alone": [row_document(row) for row in rows.alone],
-        "tracking": [
-            {"schedule": schedule, **row_document(row)}
-            for (_, schedule), found in rows.tracking.items()
-            for row in found
-            if row.trip == POOLED
-        ],
+        "tracking": _pooled_rows(rows.tracking),
+        "beside_free": [row_document(row) for row in rows.beside_free],
+        "tracking_beside_free": _pooled_rows(rows.tracking_beside_free),
         "survivals": [row_document(one) for one in rows.complement.survivals],
     }
+
+
+def _pooled_rows(by_rival: Mapping[RivalKey, Sequence[TrackingRatioRow]]) -> list[dict[str, Any]]:
+    return [
+        {"schedule": schedule, **row_document(row)}
+        for (_, schedule), found in by_rival.items()
+        for row in found
+        if row.trip == POOLED
+    ]
 
 
 def write_paper(result: PaperResult, folder: str | Path) -> list[Path]:

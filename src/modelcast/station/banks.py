@@ -33,6 +33,7 @@ from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, 
 
 __all__ = [
     "BASELINE_BANK",
+    "FREE",
     "PAPER_BANK",
     "PAPER_NOISE_FLOOR_M",
     "NamedBank",

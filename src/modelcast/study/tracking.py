@@ -170,6 +170,11 @@ def walks_under_loss(
     return ready.run_each([settings.under_loss(threshold_m, ratio) for ratio in ratios or (0.0,)])
 
 
+def _plain_policy(threshold_m: float, longest_s: float | None) -> ErrorDriven:
+    """Of a bank of one: what completes it, where its window is not full, is never named afterwards."""
+    return ErrorDriven(threshold_m, "order", "never", longest_s)
+
+
 class LossRuns:
     """The loss runs of one trip: all contenders meet the same losses, whichever bank they send.
 
@@ -178,7 +183,7 @@ class LossRuns:
     case
         The trip.
     baseline
-        The bank of the equal-rate baselines, ready for what the sender sees.
+        The bank of the equal-rate baselines, of one sub-model, ready for what the sender sees.
     settings
         Losses and seeds; its bank and thresholds play no part, so that several banks may share the runs.
     """
@@ -268,8 +273,6 @@ class LossRuns:
             self._baseline, matched, Contender("baseline-matched", name, basis, policy.threshold_m)
         )
         sent = [[self._periodic(messages, run) for run in range(self._settings.seeds)] for messages in counts]
-        at = [np.flatnonzero(one.kind) for each in sent for one in each]
-        self._baseline.fit_at(np.unique(np.concatenate(at)))
         yield self._replay(
             self._baseline,
             sent,
@@ -287,7 +290,7 @@ class LossRuns:
             rate_hz = (messages - 1) / self._case.truth.duration_s
             kind[Periodic(rate_hz).transmit_indices(t_s, rng)] = MessageKind.UPDATE
         update_index = np.maximum.accumulate(np.where(kind > 0, np.arange(kind.size), 0))
-        return Sent(kind, np.zeros_like(kind), update_index)
+        return Sent(kind, self._baseline.first_served(update_index), update_index)
 
     def _matched(self, longest_s: float | None, messages: int) -> TripMessages:
         """The baseline's walk whose count of messages comes nearest, its threshold found by bisection."""
@@ -301,14 +304,13 @@ class LossRuns:
             if count == messages:
                 break
             low, high = (middle, high) if count > messages else (low, middle)
-        return self._baseline.run(ErrorDriven(best, max_inter_transmit_time_s=longest_s))
+        return self._baseline.run(_plain_policy(best, longest_s))
 
     def _count(self, threshold_m: float, longest_s: float | None) -> int:
         """How many messages the baseline sends at a threshold: every bisection begins with the same ones."""
         key = threshold_m, longest_s
         if key not in self._counts:
-            policy = ErrorDriven(threshold_m, max_inter_transmit_time_s=longest_s)
-            self._counts[key] = self._baseline.run(policy).updates
+            self._counts[key] = self._baseline.run(_plain_policy(threshold_m, longest_s)).updates
         return self._counts[key]
 
     def _replay(

@@ -249,6 +249,17 @@ class TripRuntime:
         )
         return errors
 
+    def first_served(self, indices: IntArray) -> IntArray:
+        """First member in the bank's order that has a full window at each of some samples, (K,).
+
+        Parameters
+        ----------
+        indices
+            Samples, (K,).
+        """
+        self.fit_at(np.unique(indices))
+        return np.argmax(self.fits.number[0, indices] == indices[:, None], axis=1)
+
     def fit_at(self, indices: npt.ArrayLike) -> None:
         """Fit every member at these samples, as an update there would.
 

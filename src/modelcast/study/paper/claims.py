@@ -1,17 +1,27 @@
 """The paper's claims that can be tested on trips, and what is found under every reading.
 
 The sentences are the paper's in our words. Claims that say one thing is smaller than another are judged by
-`modelcast.study.paper.verdict.verdict_of`; how the others are judged stands in their rows.
+`modelcast.study.paper.verdict.verdict_of`; how the others are judged stands in their rows. Behind them
+stand two sentences that the paper does not say (`modelcast.study.paper.beside_free`).
 """
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 from scipy import stats
 
 from modelcast.core.arrays import FloatArray
-from modelcast.study.compare.result import RatioRow, TrackingRatioRow
+from modelcast.study.compare.result import TrackingRatioRow
+from modelcast.study.paper.beside_free import BESIDE, beside_free
+from modelcast.study.paper.by_reading import (
+    ByReading,
+    message_estimate,
+    message_estimates,
+    shown_estimates,
+    tracking_estimates,
+    worst_messages,
+    worst_tracking,
+)
 from modelcast.study.paper.choices import Reading
 from modelcast.study.paper.complement import Complement
 from modelcast.study.paper.readings import ReadingRows
@@ -25,29 +35,6 @@ COMMAND = "modelcast reproduce paper TRIPS..."
 _LEAST_SHARE = 0.01
 
 
-@dataclass(frozen=True, slots=True)
-class _ByReading:
-    """A claim whose ratios every reading has.
-
-    Parameters
-    ----------
-    name, place, sentence, measure, shown_in
-        As in `ClaimRow`.
-    estimates
-        The ratios that are to lie below 1, and what each is of.
-    worst
-        The trip that speaks against it most.
-    """
-
-    name: str
-    place: str
-    sentence: str
-    measure: str
-    shown_in: str
-    estimates: Callable[[ReadingRows, Reading], list[tuple[str, Estimate]]]
-    worst: Callable[[ReadingRows, Reading], str]
-
-
 def claim_rows(
     readings: Sequence[ReadingResult],
 ) -> tuple[ClaimRow, ...]:
@@ -58,7 +45,8 @@ def claim_rows(
     readings
         The plain one first.
     """
-    rows = [_judged(claim, readings) for claim in _by_reading(readings[0].rows.headline_ratio)]
+    ratio = readings[0].rows.headline_ratio
+    rows = [_judged(claim, readings) for claim in (*_by_reading(ratio), *beside_free(ratio))]
     rows += [
         _falling(readings),
         _sweep(readings),
@@ -66,32 +54,32 @@ def claim_rows(
         _complementary(readings),
         _manoeuvres(readings),
     ]
-    order = ("abstract", "system", "evaluation", "conclusion")
+    order = ("abstract", "system", "evaluation", "conclusion", BESIDE)
     return tuple(sorted(rows, key=lambda row: order.index(row.place)))
 
 
-def _by_reading(headline_ratio: float) -> tuple[_ByReading, ...]:
+def _by_reading(headline_ratio: float) -> tuple[ByReading, ...]:
     per = f"{100 * headline_ratio:g} %"
     return (
-        _ByReading(
+        ByReading(
             "fewer messages",
             "abstract",
             "The architecture reduces the required message exchange rate.",
             "Updates and identifications over the baseline's messages at the same threshold, below 1.",
             "message_rate",
-            lambda rows, _: _message_estimates(rows.messages),
-            lambda rows, _: _worst_messages(rows.messages),
+            lambda rows, _: message_estimates(rows.messages),
+            lambda rows, _: worst_messages(rows.messages),
         ),
-        _ByReading(
+        ByReading(
             "more precise tracking",
             "abstract",
             "The architecture increases the precision with which remotes are tracked.",
             f"90th percentile of the error at a PER of {per} over that of the equal-rate baseline, below 1.",
             "loss_update",
-            lambda rows, reading: _tracking_estimates(rows.pooled(reading), "p90"),
-            lambda rows, reading: _worst_tracking(rows.by_trip(reading), "p90"),
+            lambda rows, reading: tracking_estimates(rows.pooled(reading), "p90"),
+            lambda rows, reading: worst_tracking(rows.by_trip(reading), "p90"),
         ),
-        _ByReading(
+        ByReading(
             "less of the channel",
             "abstract",
             "Model-based communication relieves a congested channel.",
@@ -103,26 +91,26 @@ def _by_reading(headline_ratio: float) -> tuple[_ByReading, ...]:
             ],
             _no_trip,
         ),
-        _ByReading(
+        ByReading(
             "fewer updates",
             "evaluation",
             "Model updates are sent less often than the baseline sends messages, at every threshold.",
             "Updates over the baseline's messages at the same threshold, below 1.",
             "message_rate",
-            lambda rows, _: _message_estimates(rows.updates),
-            lambda rows, _: _worst_messages(rows.updates),
+            lambda rows, _: message_estimates(rows.updates),
+            lambda rows, _: worst_messages(rows.updates),
         ),
-        _ByReading(
+        ByReading(
             "a better distribution",
             "evaluation",
             f"At a PER of {per} the distribution of the error lies left of the equal-rate baseline's.",
             "90th and 99th percentile over those of the baseline at an equal rate, below 1.",
             "distribution_update",
             lambda rows, reading: [
-                *_tracking_estimates(rows.pooled(reading), "p90"),
-                *_tracking_estimates(rows.pooled(reading), "p99"),
+                *tracking_estimates(rows.pooled(reading), "p90"),
+                *tracking_estimates(rows.pooled(reading), "p99"),
             ],
-            lambda rows, reading: _worst_tracking(rows.by_trip(reading), "p99"),
+            lambda rows, reading: worst_tracking(rows.by_trip(reading), "p99"),
         ),
     )
 
@@ -132,7 +120,7 @@ def _no_trip(_rows: ReadingRows, _reading: Reading) -> str:
     return ""
 
 
-def _judged(claim: _ByReading, readings: Sequence[ReadingResult]) -> ClaimRow:
+def _judged(claim: ByReading, readings: Sequence[ReadingResult]) -> ClaimRow:
     plain = readings[0]
     own = plain.labelled.reading
     return ClaimRow(
@@ -140,7 +128,7 @@ def _judged(claim: _ByReading, readings: Sequence[ReadingResult]) -> ClaimRow:
         claim.place,
         claim.sentence,
         measure=claim.measure,
-        figure=_shown(claim.estimates(plain.rows, own)),
+        figure=shown_estimates(claim.estimates(plain.rows, own)),
         worst=claim.worst(plain.rows, own),
         verdicts={
             one.labelled.label: verdict_of(
@@ -160,7 +148,7 @@ def _hybrid(readings: Sequence[ReadingResult]) -> ClaimRow:
         found: list[tuple[str, Estimate]] = []
         for both, alone in zip(rows.messages, rows.alone, strict=True):
             if alone.message_ratio >= 1.0:
-                found.append((centimetres(both.threshold_m), _message_estimate(both)))
+                found.append((centimetres(both.threshold_m), message_estimate(both)))
                 continue
             low, high = both.difference_low, both.difference_high
             scale = alone.message_ratio
@@ -181,7 +169,7 @@ def _hybrid(readings: Sequence[ReadingResult]) -> ClaimRow:
         "system",
         "A hybrid of sub-models serves better than either of them.",
         measure="All messages of the hybrid over those of the better of its two sub-models alone, below 1.",
-        figure=_shown(estimates(readings[0].rows)),
+        figure=shown_estimates(estimates(readings[0].rows)),
         worst="",
         verdicts={one.labelled.label: verdict_of([x for _, x in estimates(one.rows)]) for one in readings},
         shown_in="readings",
@@ -328,44 +316,4 @@ def _manoeuvres(readings: Sequence[ReadingResult]) -> ClaimRow:
         verdicts={one.labelled.label: verdict(one.rows.complement) for one in readings},
         shown_in="manoeuvre",
         command=COMMAND,
-    )
-
-
-def _message_estimate(row: RatioRow) -> Estimate:
-    return Estimate(row.message_ratio, row.message_low, row.message_high)
-
-
-def _message_estimates(rows: Iterable[RatioRow]) -> list[tuple[str, Estimate]]:
-    return [(centimetres(row.threshold_m), _message_estimate(row)) for row in rows]
-
-
-def _tracking_estimates(rows: Iterable[TrackingRatioRow], quantile: str) -> list[tuple[str, Estimate]]:
-    return [
-        (
-            f"{quantile} {centimetres(row.threshold_m)}",
-            Estimate(*(getattr(row, f"{quantile}_{what}") for what in ("ratio", "low", "high"))),
-        )
-        for row in rows
-    ]
-
-
-def _worst_messages(rows: Sequence[RatioRow]) -> str:
-    worst = max(rows, key=lambda row: row.worst_ratio, default=None)
-    if worst is None or worst.trips < 2:
-        return ""
-    return f"{worst.worst_trip} {worst.worst_ratio:.2f} at {centimetres(worst.threshold_m)}"
-
-
-def _worst_tracking(rows: Sequence[TrackingRatioRow], quantile: str) -> str:
-    usable = [row for row in rows if np.isfinite(getattr(row, f"{quantile}_ratio"))]
-    if len({row.trip for row in rows}) < 2 or not usable:
-        return ""
-    worst = max(usable, key=lambda row: getattr(row, f"{quantile}_ratio"))
-    return f"{worst.trip} {getattr(worst, f'{quantile}_ratio'):.2f} at {centimetres(worst.threshold_m)}"
-
-
-def _shown(estimates: Sequence[tuple[str, Estimate]]) -> str:
-    return ", ".join(
-        f"{name}: {one.value:.2f}" + ("" if one.low is None else f" ({one.low:.2f} to {one.high:.2f})")
-        for name, one in estimates
     )

@@ -7,16 +7,20 @@ from typing import get_args
 import numpy as np
 
 from modelcast.models.bank import Bank
-from modelcast.study.compare.result import CountRow, RatioRow, TrackingRatioRow
+from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.banks import FREE, free_bank
+from modelcast.study.compare.result import CountRow, RatioRow, RivalRow, TrackingRatioRow
 from modelcast.study.compare.settings import CompareSettings
-from modelcast.study.compare.stage import stage_trips
-from modelcast.study.compare.table import Resamples, ratio_rows, tracking_rows
-from modelcast.study.compare.trial import run_trial
+from modelcast.study.compare.stage import StagedTrip, stage_trips
+from modelcast.study.compare.table import Resamples, ratio_rows, rival_rows, tracking_rows
+from modelcast.study.compare.trial import Trial, run_trial
 from modelcast.study.paper.choices import PLAIN, Figure, Reading, Schedule
 from modelcast.study.paper.complement import Complement, complement
 from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.result import POOLED
 from modelcast.study.rules import RATE_BASES
+from modelcast.study.settings import EvaluationSettings
+from modelcast.study.tracking import LossRuns
 from modelcast.trips.manoeuvres.base import FoundManoeuvre
 from modelcast.trips.trajectory import Trajectory
 
@@ -48,6 +52,11 @@ class ReadingRows:
     tracking
         One row a threshold and packet error ratio for all trips and one a trip, by rate basis and schedule of
         the baseline: at the headline's ratio, and of the plain reading at all of the sweep.
+    beside_free
+        All messages of the hybrid over those of the strongest cheap rival at the same threshold, one row a
+        threshold: plain messages whose receivers coast by the bank `modelcast.station.banks.free_bank`.
+    tracking_beside_free
+        As ``tracking``, the equal-rate baselines being of that bank; at the headline's ratio alone.
     complement
         Which sub-model held when.
     headline_ratio
@@ -60,6 +69,8 @@ class ReadingRows:
     updates: tuple[RatioRow, ...]
     alone: tuple[RatioRow, ...]
     tracking: Mapping[RivalKey, tuple[TrackingRatioRow, ...]]
+    beside_free: tuple[RivalRow, ...]
+    tracking_beside_free: Mapping[RivalKey, tuple[TrackingRatioRow, ...]]
     complement: Complement
     headline_ratio: float
 
@@ -83,6 +94,16 @@ class ReadingRows:
         rows = self.tracking[reading.rate_basis, reading.schedule]
         ratio = self.headline_ratio
         return tuple(row for row in rows if row.trip != POOLED and row.packet_error_ratio == ratio)
+
+    def beside_free_pooled(self, reading: Reading) -> tuple[TrackingRatioRow, ...]:
+        """As `pooled`, the rival being of the free bank."""
+        rows = self.tracking_beside_free[reading.rate_basis, reading.schedule]
+        return tuple(row for row in rows if row.trip == POOLED)
+
+    def beside_free_by_trip(self, reading: Reading) -> tuple[TrackingRatioRow, ...]:
+        """As `by_trip`, the rival being of the free bank."""
+        rows = self.tracking_beside_free[reading.rate_basis, reading.schedule]
+        return tuple(row for row in rows if row.trip != POOLED)
 
 
 def figure_of(rows: ReadingRows, reading: Reading, figure: Figure) -> float:
@@ -147,6 +168,49 @@ def run_reading(
     rates_alone = replace(settings, bank=Bank((process,)), packet_error_ratios=())
     alone = run_trial(ALONE, protocol, staged, route, [rates_alone] * len(trips), step=_nothing)
     rows = ratio_rows([*trial.counts, *alone.counts, *map(_updates, trial.counts)], ALONE, resamples)
+    at_free = replace(settings, bank=free_bank(), start="order", identify="never", packet_error_ratios=())
+    free = run_trial(FREE, protocol, staged, route, [at_free] * len(trips), step=_nothing)
+    headline = replace(settings, packet_error_ratios=(plan.headline_ratio,))
+    beside = run_trial(
+        HYBRID,
+        protocol,
+        [_beside_free(trip, headline) for trip in staged],
+        route,
+        [headline] * len(trips),
+        step=_nothing,
+        bases=RATE_BASES,
+    )
+    rivals = rival_rows([*trial.counts, *free.counts], FREE, resamples)
+    of = {name: tuple(row for row in rows if row.candidate == name) for name in (HYBRID, UPDATES, ALONE)}
+    return ReadingRows(
+        reading,
+        messages=of[HYBRID],
+        updates=of[UPDATES],
+        alone=of[ALONE],
+        tracking=_by_rival(trial, staged, resamples),
+        beside_free=tuple(row for row in rivals if row.candidate == HYBRID),
+        tracking_beside_free=_by_rival(beside, staged, resamples),
+        complement=complement(staged, manoeuvres or [()] * len(trips), settings),
+        headline_ratio=plan.headline_ratio,
+    )
+
+
+def _beside_free(trip: StagedTrip, settings: EvaluationSettings) -> StagedTrip:
+    """The trip with plain messages that are coasted by the free bank as its baseline."""
+    baseline = TripRuntime(
+        trip.case.seen,
+        free_bank(),
+        trip.case.estimator,
+        quantised=settings.quantised,
+        sensed=trip.baseline.sensed,
+    )
+    return replace(trip, baseline=baseline, losses=LossRuns(trip.case, baseline, settings))
+
+
+def _by_rival(
+    trial: Trial, staged: Sequence[StagedTrip], resamples: Resamples
+) -> dict[RivalKey, tuple[TrackingRatioRow, ...]]:
+    """Tracking rows by rate basis and schedule of the baseline."""
     times = [(trip.case.truth.dt_s, trip.case.truth.duration_s) for trip in staged]
     shares_s, durations_s = zip(*times, strict=True)
     tracking: dict[RivalKey, tuple[TrackingRatioRow, ...]] = {}
@@ -162,16 +226,7 @@ def run_reading(
         )
         for basis in RATE_BASES:
             tracking[basis, schedule] = tuple(row for row in found if row.rate_basis == basis)
-    of = {name: tuple(row for row in rows if row.candidate == name) for name in (HYBRID, UPDATES, ALONE)}
-    return ReadingRows(
-        reading,
-        messages=of[HYBRID],
-        updates=of[UPDATES],
-        alone=of[ALONE],
-        tracking=tracking,
-        complement=complement(staged, manoeuvres or [()] * len(trips), settings),
-        headline_ratio=plan.headline_ratio,
-    )
+    return tracking
 
 
 def _updates(row: CountRow) -> CountRow:

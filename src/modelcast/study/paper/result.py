@@ -51,7 +51,7 @@ class ClaimRow:
     name
         Short name.
     place
-        Part of the paper: abstract, system, evaluation or conclusion.
+        Part of the paper: abstract, system, evaluation or conclusion; ``beside it`` for what it does not say.
     sentence
         What it says, in our words.
     measure
