@@ -81,6 +81,19 @@ def test_every_reading_has_its_row_in_the_figure(found: PaperResult) -> None:
     assert drawn == [row.message_ratio for one in found.readings for row in one.rows.messages]
 
 
+def test_readings_stand_beside_the_free_receiver_too(found: PaperResult) -> None:
+    panels = plot_readings(found).axes
+    hollow = [
+        [line.get_xdata()[0] for line in axes.get_lines() if line.get_markerfacecolor() == "none"]
+        for axes in panels
+    ]
+    beside = [one.rows.beside_free_pooled(one.labelled.reading) for one in found.readings]
+    assert hollow == [
+        [row.message_ratio for one in found.readings for row in one.rows.beside_free],
+        [row.p90_ratio for rows in beside for row in rows],
+    ]
+
+
 @pytest.mark.parametrize("box", [box for box in BOXES if box.code], ids=lambda box: box.title)
 def test_a_name_in_a_diagram_leads_to_the_part_it_names(box: Box) -> None:
     for thing in box.code:

@@ -341,6 +341,7 @@ def test_the_free_receiver_is_the_free_bank_under_the_same_losses(
         own = rows.messages[at]
         sent = (own.update_rate_hz + own.identification_rate_hz) * own.duration_s
         assert rows.beside_free[at].message_ratio == pytest.approx(sent / free.updates)
+        assert rows.beside_free[at].bytes_ratio == pytest.approx(own.bytes_per_s / free.bytes_per_s)
         errors: dict[str, list[Any]] = {}
         weights: list[float] = []
         for trip in trips:

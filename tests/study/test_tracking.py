@@ -441,9 +441,8 @@ def test_equal_rate_baselines_with_a_window_coast_until_it_is_full(gapped_case: 
     assert not same[~short].all()
     (threshold_m,) = matched.own_threshold_m
     assert threshold_m is not None
-    alone = ErrorDriven(threshold_m, "order", "never", policy.max_inter_transmit_time_s)
-    assert matched.messages == (longer.run(alone).updates,)
-    assert longer.run(alone).identifications == 0
+    alone = longer.run(ErrorDriven(threshold_m, max_inter_transmit_time_s=policy.max_inter_transmit_time_s))
+    assert (matched.messages, alone.identifications) == ((alone.updates,), 0)
 
 
 def test_paper_bank_is_constant_velocity_and_the_anchored_process() -> None:

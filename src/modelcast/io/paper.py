@@ -2,7 +2,7 @@
 
 ``summary.json`` (`paper_document`)
     ``schema`` (1), ``modelcast`` (version), ``plan``, ``choices``, ``claims``, ``readings`` (rows of
-    `modelcast.study.compare.result` that pool all trips), ``complement``, ``picked``, ``manoeuvres`` (of
+    `modelcast.study.compare.result` that pool all trips, beside the free receiver too), ``complement``, ``picked``, ``manoeuvres`` (of
     every trip), ``evaluation`` (as the ``summary.json`` of ``modelcast evaluate``, of the plain reading; of
     tracking, rows that pool all trips), ``traffic`` (rows of `modelcast.study.network.pairs`; empty without
     ``--traffic``), ``failures``, ``skipped``. A number that does not exist is null.

@@ -35,6 +35,9 @@ READING_NOTE = (
     "over the seeds of the losses. A claim holds where every interval lies below 1, fails where "
     "every one lies above, is not shown where none lies to one side, and holds in part otherwise."
     " Without intervals the ratios themselves decide."
+    " What stands beside the claims is held against a free receiver: plain messages that are "
+    "coasted by the shipped profile's best sub-model of what they say anyway (`--bank free`; "
+    "`ctra` where the profile has none), which may have learnt from these very trips."
 )
 
 WHY_THEY_DIFFER = (
@@ -80,7 +83,8 @@ CAPTIONS = {
         "One row a reading, one marker a threshold; lines are 95 % intervals. Left of the dotted "
         "line the hybrid sends fewer messages, or tracks better. The plain reading is the first "
         "row; each of the others differs from it in one choice, but for the combinations at the "
-        "bottom."
+        "bottom. Hollow markers: the same over plain messages that receivers coast by speed, "
+        "heading, acceleration and yaw rate, without intervals."
     ),
     "sub_models": (
         "The stretch of 30 s in which each sub-model holds longest while the other fails. Error "

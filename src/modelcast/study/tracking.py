@@ -170,11 +170,6 @@ def walks_under_loss(
     return ready.run_each([settings.under_loss(threshold_m, ratio) for ratio in ratios or (0.0,)])
 
 
-def _plain_policy(threshold_m: float, longest_s: float | None) -> ErrorDriven:
-    """Of a bank of one: what completes it, where its window is not full, is never named afterwards."""
-    return ErrorDriven(threshold_m, "order", "never", longest_s)
-
-
 class LossRuns:
     """The loss runs of one trip: all contenders meet the same losses, whichever bank they send.
 
@@ -304,13 +299,14 @@ class LossRuns:
             if count == messages:
                 break
             low, high = (middle, high) if count > messages else (low, middle)
-        return self._baseline.run(_plain_policy(best, longest_s))
+        return self._baseline.run(ErrorDriven(best, max_inter_transmit_time_s=longest_s))
 
     def _count(self, threshold_m: float, longest_s: float | None) -> int:
         """How many messages the baseline sends at a threshold: every bisection begins with the same ones."""
         key = threshold_m, longest_s
         if key not in self._counts:
-            self._counts[key] = self._baseline.run(_plain_policy(threshold_m, longest_s)).updates
+            policy = ErrorDriven(threshold_m, max_inter_transmit_time_s=longest_s)
+            self._counts[key] = self._baseline.run(policy).updates
         return self._counts[key]
 
     def _replay(

@@ -26,17 +26,14 @@ def beside_free(headline_ratio: float) -> tuple[ByReading, ...]:
     headline_ratio
         The packet error ratio that readings are compared at.
     """
-    rival = (
-        "plain messages that receivers coast by the bank free: the shipped profile's best sub-model of "
-        "speed, heading, acceleration and yaw rate alone, or ctra where it has none"
-    )
     return (
         ByReading(
             "fewer messages than a free receiver",
             BESIDE,
             "Not a claim of the paper: fewer messages are sent than the strongest free receiver needs.",
-            f"Updates and identifications over the messages, at the same threshold, of {rival}; below 1.",
-            "",
+            "Updates and identifications over the plain messages, at the same threshold, that receivers "
+            "coast by speed, heading, acceleration and yaw rate, below 1.",
+            "readings",
             lambda rows, _: message_estimates(rows.beside_free),
             lambda rows, _: worst_messages(rows.beside_free),
         ),
@@ -46,7 +43,7 @@ def beside_free(headline_ratio: float) -> tuple[ByReading, ...]:
             "Not a claim of the paper: tracking is more precise than with the strongest free receiver.",
             f"90th percentile of the error at a PER of {100 * headline_ratio:g} % over that of an equal-rate "
             "baseline of the same plain messages, below 1.",
-            "",
+            "readings",
             lambda rows, reading: tracking_estimates(rows.beside_free_pooled(reading), "p90"),
             lambda rows, reading: worst_tracking(rows.beside_free_by_trip(reading), "p90"),
         ),
