@@ -2,10 +2,11 @@
 
 ``summary.json`` (`paper_document`)
     ``schema`` (1), ``modelcast`` (version), ``plan``, ``choices``, ``claims``, ``readings`` (rows of
-    `modelcast.study.compare.result` that pool all trips, beside the free receiver too), ``complement``, ``picked``, ``manoeuvres`` (of
-    every trip), ``evaluation`` (as the ``summary.json`` of ``modelcast evaluate``, of the plain reading; of
-    tracking, rows that pool all trips), ``traffic`` (rows of `modelcast.study.network.pairs`; empty without
-    ``--traffic``), ``failures``, ``skipped``. A number that does not exist is null.
+    `modelcast.study.compare.result` that pool all trips, those beside the free receiver among them),
+    ``complement``, ``picked``, ``manoeuvres`` (of every trip), ``evaluation`` (as the ``summary.json`` of
+    ``modelcast evaluate``, of the plain reading; of tracking, rows that pool all trips), ``traffic`` (rows of
+    `modelcast.study.network.pairs`; empty without ``--traffic``), ``failures``, ``skipped``. A number that
+    does not exist is null.
 ``claims.csv``
     One row for each claim and reading: claim, place, reading, verdict.
 

@@ -44,14 +44,18 @@ def plot_readings(result: PaperResult) -> Figure:
             _draw_beside(tracking, at, [row.p90_ratio for row in beside])
             _draw(tracking, at, [(row.p90_ratio, row.p90_low, row.p90_high) for row in pooled])
         ratio = f"{100 * result.plan.headline_ratio:g} %"
-        _scale(messages, "All messages over the baseline's (hollow: a free receiver's)")
-        _scale(tracking, f"p90 at PER {ratio} over those at equal rate")
+        _scale(messages, "All messages over the baseline's")
+        _scale(tracking, f"p90 at PER {ratio} over the baseline's of equal rate")
         labels = [drawable(one.labelled.label, 44) for one in result.readings]
         messages.set_yticks(range(len(labels)), labels)
         messages.set_ylim(len(labels) - 0.4, -0.6)
-        handles = [line for line in messages.get_lines() if line.get_label() == _OVER_BASELINE]
+        handles, _ = messages.get_legend_handles_labels()
+        solid = [line for line in handles if line.get_label() == _OVER_BASELINE]
+        hollow = [line for line in handles if line.get_label() == _OVER_FREE]
         names = [centimetres(threshold_m) for threshold_m in result.plan.thresholds_m]
-        figure.legend(handles[: len(names)], names, loc="outside upper center", ncols=len(names))
+        shown = [*solid[: len(names)], *hollow[:1]]
+        names.append("hollow: over a free receiver's")
+        figure.legend(shown, names, loc="outside upper center", ncols=len(names))
         return figure
 
 
