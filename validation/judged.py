@@ -6,7 +6,7 @@ about ten minutes on two cores. ``judged.py count FOLDER`` compares constant vel
 interacting models, the paper's bank, the profile's bank, and the same with context on what each half left
 out, recorded and as default sensors see it, at four thresholds, with and without losses of 40 %. ``judged.py
 shipped FOLDER`` does the same with the shipped profile, on trips it was not trained on. ``judged.py table
-FOLDER`` prints the tables; with ``--write`` it puts them into ``docs/judged.md``, with ``--check`` it tells
+FOLDER`` prints the tables; with ``--write`` it puts them into ``docs/results.md``, with ``--check`` it tells
 by its exit code whether that page has them.
 """
 
@@ -36,7 +36,7 @@ from modelcast.trips.fingerprint import fingerprint
 from modelcast.trips.trajectory import Trajectory
 from page_blocks import paged
 
-PAGE = Path(__file__).parents[1] / "docs" / "judged.md"
+PAGE = Path(__file__).parents[1] / "docs" / "results.md"
 BANKS = ("cv", "free", "imm", "paper", "default", "default+context")
 THRESHOLDS_M = (0.2, 0.3, 0.4, 0.5)
 PROTOCOLS = ("recorded", "sensor")
@@ -85,7 +85,7 @@ SOURCES = {
 """What is judged. Of a single drive, one profile knows all of it and the other nothing."""
 
 
-def _trips(which: str, data: Path, *, training: bool) -> Iterator[tuple[str, Trajectory]]:
+def halved(which: str, data: Path, *, training: bool) -> Iterator[tuple[str, Trajectory]]:
     """Trips that train a profile, or those that it is judged on, with their source's name."""
     for name, source in SOURCES.items():
         for trip in source.read(data):
@@ -103,7 +103,7 @@ def unseen(profile: Profile, data: Path, sources: Iterable[str]) -> Iterator[tup
 
 
 def _train(which: str, folder: Path, data: Path) -> None:
-    trips = [trip for _, trip in _trips(which, data, training=True)]
+    trips = [trip for _, trip in halved(which, data, training=True)]
     profile = train_profile(trips, ProfileSettings())
     (folder / f"{which}.json").write_text(profile.text, encoding="utf-8")
     print(f"{which}: {len(trips)} trips, {profile.identity}", flush=True)
@@ -147,7 +147,7 @@ def _count(which: str, folder: Path, data: Path, sources: Sequence[str]) -> None
         own = list(unseen(profile, data, sources))
     else:
         profile = read_profile(folder / f"{which}.json")
-        own = list(_trips(which, data, training=False))
+        own = list(halved(which, data, training=False))
     rows: list[dict[str, Any]] = []
     for name in SOURCES:
         trips = [trip for source, trip in own if source == name]

@@ -30,6 +30,11 @@ NAMES = [
     "gp-vehicle",
     "gp-derivative",
     "learned",
+    "free",
+    "free-predictive",
+    "free-context",
+    "shs",
+    "hdp-hmm",
     "gp-regime-1",
     "gp-regime-2",
     "gp-regime-3",
@@ -40,7 +45,20 @@ NAMES = [
 def test_a_name_gives_the_sub_model_of_that_name_and_window(name: str) -> None:
     (member,) = bank_from_text(name, window=15).members
     assert member.name == name
-    assert member.window == (15 if name.startswith("gp") else 21 if name == "learned" else 1)
+    own = {"learned": 21, "free": 13, "free-predictive": 21, "free-context": 21}
+    assert member.window == (15 if name.startswith("gp") else own.get(name, 1))
+
+
+def test_the_context_comes_before_the_members_of_the_profiles_bank() -> None:
+    profile = default_profile()
+    named = named_bank("default+context")
+    expected = ["free-context", *(member.name for member in profile.bank.members)]
+    assert [member.name for member in named.bank.members] == expected
+    assert (named.start, named.identify) == (profile.start, profile.identify)
+    assert all(named.bank.sent_plain[:4])
+    without = replace(profile, shelf=())
+    with pytest.raises(ConfigError, match="no sub-model free-context; train one"):
+        named_bank("default+context", profile=without)
 
 
 def test_all_of_them_fit_into_one_bank() -> None:
@@ -75,7 +93,7 @@ def test_trained_values_come_from_the_profile_in_use() -> None:
 def test_an_unknown_name_is_refused_with_the_known_ones() -> None:
     with pytest.raises(
         ConfigError,
-        match=r"no sub-model is named 'gp'; there are cv, .*learned.*gp-regime-3, shs and hdp-hmm",
+        match=r"no sub-model is named 'gp'; there are cv, .*free-context, .*gp-regime-3, shs and hdp-hmm",
     ):
         bank_from_text("gp")
 

@@ -14,7 +14,7 @@ from modelcast.io.write_trips import write_csv
 from modelcast.models.profile import default_profile
 from modelcast.world.drive import generate_drive
 
-QUICK = ("--steps", "12", "--hidden", "8", "8", "--coefficients", "2")
+QUICK = ("--steps", "12", "--hidden", "8", "8", "--windows", "100")
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +72,9 @@ def test_it_prints_the_record(drives: Path, tmp_path: Path, capsys: pytest.Captu
         (["{drives}", "--trip", "nothing", "--out", "{drives}/p.json"], "no usable trip"),
         (["{drives}", *QUICK, "--bank", "learned+gp", "--out", "{drives}/p.json"], "named gp;"),
         (["{drives}", "--steps", "0", "--out", "{drives}/p.json"], "steps"),
+        (["{drives}", "--windows", "0", "--out", "{drives}/p.json"], "at least 1, got 0"),
+        (["{drives}", *QUICK, "--also", "gp", "--out", "{drives}/p.json"], "names families, free, learned"),
+        (["{drives}", *QUICK, "--add", "free", "--out", "{drives}/p.json"], "itself trained with free"),
     ],
 )
 def test_mistakes_are_named(

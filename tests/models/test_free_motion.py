@@ -18,7 +18,7 @@ from modelcast.models.learned import FeatureMap, Perceptron
 from modelcast.models.learned.learned_kernels import CONTEXT_AT, window_features
 from modelcast.models.learned.learned_trajectory import feature_constants
 from modelcast.models.plain import from_plain, to_plain
-from modelcast.models.point_kernels import SAMPLE_COLUMNS
+from modelcast.models.point_kernels import REPORTS, SAMPLE_COLUMNS
 from modelcast.models.trusted import Trusted
 
 T_S = np.arange(-20, 1) * 0.1
@@ -94,6 +94,18 @@ def test_the_vehicles_own_noise_chooses(noise_m: float, expected: float) -> None
     estimates = (Estimates(0.005), replace(POSITION, up_to_noise_m=1.0))
     model = FreeMotion(estimates, features=map_of(estimates, 20))
     assert stated(model, braking_turn(noise_m))[2] == pytest.approx(expected, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("reports", "expected"), [(0, 7.0), (1, 7.0), (3, 7.0), (4, -2.0), (5, -2.0), (15, -2.0), (11, 7.0)]
+)
+def test_who_reports_all_that_is_asked_is_served(reports: int, expected: float) -> None:
+    """The first serves who reports an acceleration, whatever else it reports; the last all others."""
+    estimates = (replace(POSITION, reports=4), Estimates(np.inf))
+    window = braking_turn()
+    window[0, :, REPORTS] = reports
+    found = stated(FreeMotion(estimates, features=map_of(estimates, 20)), window)
+    assert found[2] == pytest.approx(expected, abs=0.1)
 
 
 @given(st.lists(st.floats(-50.0, 50.0), min_size=4, max_size=4))

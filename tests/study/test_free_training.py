@@ -7,8 +7,17 @@ import numpy as np
 import pytest
 
 from modelcast.core.exceptions import MissingExtraError
+from modelcast.models.bank import Bank
+from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.context_columns import (
+    CONTEXT_COLUMNS,
+    LEADER_GAP,
+    LEADER_KNOWN,
+    LEADER_RELATIVE_SPEED,
+)
 from modelcast.models.free import Estimates, FreeMotion, Limits
 from modelcast.models.learned import FeatureMap
+from modelcast.models.learned.features import LEADER_INPUTS, ROAD_INPUTS
 from modelcast.models.plain import to_plain
 from modelcast.models.profile import default_profile
 from modelcast.study.training.descent import Descent
@@ -119,13 +128,34 @@ def test_the_same_trips_give_the_same_numbers() -> None:
 
 def test_what_joins_a_profile_leaves_its_identity() -> None:
     settings = FreeMembersSettings(SETTINGS, views=VIEWS[:1], playbacks=(AS_RECORDED,), rows=200)
-    profile = default_profile()
+    shipped = default_profile()
+    with pytest.raises(ValueError, match="itself trained with free, free-context, free-predictive"):
+        add_free(shipped, [], settings, progress=quiet)
+    profile = replace(shipped, bank=Bank((ConstantVelocity(),)), shelf=(), selector=None, calibrations={})
     trips = drives(1)
     found = add_free(profile, trips, settings, progress=quiet)
     assert found.identity == profile.identity
     assert {"free", "free-predictive", "free-context"} <= {one.name for one in found.added}
     assert found.added_record["free"]["trips"] == 1
     assert len(found.training_trips) == len(profile.training_trips) + 1
+
+
+def test_windows_of_training_have_the_context_of_their_trips() -> None:
+    """A vehicle 30 m ahead that is 3 m/s slower, in every other sample of the trip; none for other trips."""
+    features = replace(SMALL, context=True)
+    trips = drives(2)
+    context = np.zeros((len(trips[0]), CONTEXT_COLUMNS))
+    context[::2, [LEADER_GAP, LEADER_RELATIVE_SPEED, LEADER_KNOWN]] = 30.0, -3.0, 1.0
+    view, contexts = SenderView("motion", every=2), {trips[0].trip_id: context}
+    for trip, expected in zip(trips, (1.0, 0.0), strict=True):
+        group = played_trips([trip], (AS_RECORDED,))
+        (found,) = free_rows(
+            group, [(view, 1.0)], features, HORIZONS_S, rows=50, shortest_s=2.0, seed=0, contexts=contexts
+        )
+        flags = features.inputs - features.fixed
+        first = flags - LEADER_INPUTS - ROAD_INPUTS
+        assert np.all(found.inputs[:, first : first + 2] == np.array([30.0, -3.0]) * expected)
+        assert np.all(found.inputs[:, flags : flags + 2] == [expected, 0.0])
 
 
 def test_trips_without_a_full_window_are_refused() -> None:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import Origin
 from modelcast.io.trips import read_trips
-from modelcast.study.routes import CELL_M, route_names, routes
+from modelcast.study.routes import CELL_M, ground_cells, route_names, routes
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 
 HOME = Origin(47.0, 19.0)
@@ -90,6 +90,20 @@ def test_a_user_can_say_file_or_trip() -> None:
     assert routes(trips, "trip").tolist() == [0, 1, 2]
     with pytest.raises(ConfigError, match="auto, file or trip"):
         routes(trips, "road")  # type: ignore[arg-type]
+
+
+def test_ground_is_counted_once_however_often_it_is_driven() -> None:
+    """A kilometre and a half in cells of 40 m, in one frame or none; other files add theirs."""
+    t_s = np.arange(0.0, 50.0, 0.1)
+    line = np.column_stack([30.0 * t_s, np.full(t_s.size, 10.0)])
+    once = build_trajectory("a/1", t_s, line)
+    again = build_trajectory("a/2", t_s, line[::-1])
+    other = build_trajectory("b/1", t_s, line)
+    assert ground_cells([once]) == ground_cells([once, again]) == 38
+    assert ground_cells([once, other]) == 76
+    placed = [replace(trip, origin=Origin(48.0, 11.0, 500.0)) for trip in (once, again, other)]
+    assert ground_cells(placed) == ground_cells(placed[:1]) >= 38
+    assert ground_cells([]) == 0
 
 
 def test_no_trips_have_no_routes() -> None:

@@ -27,6 +27,7 @@ def train(
     hidden: Annotated[tuple[int, int], Parameter(consume_multiple=True)] = (96, 96),
     coefficients: int = 3,
     steps: int | None = None,
+    windows: int | None = None,
     regimes: int = 3,
     modes: int = 4,
     also: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = (),
@@ -67,6 +68,9 @@ def train(
         Coefficients of the learned path on each axis: its payload is twice as many numbers.
     steps
         Batches each network is trained on; where not given, 1000 for the free sub-models, 2500 for learned.
+    windows
+        Windows of the trips that networks learn from: for the free sub-models of every kind of sender (24,000
+        where not given), for learned in all (150,000 for each range of noise).
     regimes
         Driving regimes that get a Gaussian process of their own, for the bank 'regimes'; 0 for none.
     modes
@@ -79,8 +83,8 @@ def train(
         Train these sub-models alone, of free, shs and hdp-hmm, and write --profile with them beside its
         others, which stay as they are. free stands for the three that plain messages carry: free,
         free-predictive and free-context. Options of a full training (bank, also, validate, coefficients,
-        regimes) are refused beside it; --hidden and --steps are for free, and --modes 0 is refused beside
-        shs and hdp-hmm.
+        regimes) are refused beside it; --hidden, --steps and --windows are for free, and --modes 0 is
+        refused beside shs and hdp-hmm.
     profile
         With --add, the profile that it adds to; the shipped one where not given. Without, a profile whose
         sub-models of other families go to the new one's shelf as they are; none where not given.
@@ -126,7 +130,7 @@ def train(
         validate=validate,
         coefficients=coefficients,
         regimes=regimes,
-        **({} if "free" in add else {"hidden": hidden, "steps": steps}),
+        **({} if "free" in add else {"hidden": hidden, "steps": steps, "windows": windows}),
     )
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     silent = quiet or json
@@ -134,11 +138,14 @@ def train(
         names = tuple(parts_of(bank)) if bank else ()
         _require_trainable(names)
         descent = Descent(hidden=hidden, steps=Descent().steps if steps is None else steps)
+        learned = LearnedSettings(coefficients=coefficients, descent=descent)
+        brief = replace(descent, steps=FREE_STEPS if steps is None else steps)
+        free = FreeMembersSettings(FreeSettings(descent=brief))
+        if windows is not None:
+            learned, free = replace(learned, rows=windows), replace(free, rows=windows)
         settings = ProfileSettings(
-            LearnedSettings(coefficients=coefficients, descent=descent),
-            free=FreeMembersSettings(
-                FreeSettings(descent=replace(descent, steps=FREE_STEPS if steps is None else steps))
-            ),
+            learned,
+            free=free,
             processes=ProcessSettings(regimes=regimes),
             switching=SwitchingSettings(FitSettings(modes)) if modes else None,
             names=names,

@@ -108,6 +108,7 @@ def bench(
     sizes: tuple[int, int, int] = (30, 10, 20),
     fallback: int = -1,
     guard: int = -1,
+    free: int = -1,
     selector: tuple[int, int] = (0, 1),
     dt_s: float = 0.1,
     within_m: float = 0.0,
@@ -135,6 +136,7 @@ def bench(
             np.array(sizes),
             fallback,
             guard,
+            free,
             *selector,
             dt_s,
         ),
@@ -581,6 +583,7 @@ def test_hindsight_says_nothing_where_no_lag_lies_in_the_past() -> None:
         ([2.0, 2.0, 2.0], (20, 20, 20), 0.0, [CA, CV, CTRA], CA),
         ([2.0, 2.0, 2.0], (30, 20, 20), 0.0, [CA, CV, CTRA], CV),
         # A resolution of half a metre: a quarter of a square metre makes no difference.
+        ([1.0, 0.9, 0.8], (20, 20, 20), 0.5, [CA, CV, CTRA], CTRA),
         ([1.0, 1.25, 1.26], (30, 20, 10), 0.5, [CA, CV, CTRA], CV),
         ([1.0, 1.25, 0.99], (30, 20, 40), 0.5, [CA, CV, CTRA], CA),
         # What cannot be sent, or was never judged, sets no mark.
@@ -601,6 +604,31 @@ def test_recent_takes_the_smallest_of_those_that_erred_least(
     assert made.chosen(1, NOW) == expected
     assert made.lanes.scores[1].tolist() == scores
     assert made.lanes.scores[0].tolist() == [0.0, 5.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("scores", "sizes", "can", "expected"),
+    [
+        # A quarter of the mean square is half the error: no less will do, and more is not asked.
+        ([0.26, 1.0, 9.0], (20, 20, 20), [CA, CV, CTRA], CV),
+        ([0.25, 1.0, 9.0], (20, 20, 20), [CA, CV, CTRA], CA),
+        ([0.25, 1.0, 0.2], (20, 20, 20), [CA, CV, CTRA], CTRA),
+        # A larger message is no better reason, and a smaller one none at all.
+        ([0.0, 1.0, 0.0], (30, 20, 40), [CA, CV, CTRA], CA),
+        ([0.9, 1.0, 9.0], (10, 20, 20), [CA, CV, CTRA], CV),
+        # Without the free one, or where it was never judged, the others stand as ever.
+        ([0.9, 1.0, 0.8], (20, 20, 20), [CA, CTRA], CTRA),
+        ([0.9, -1.0, 0.8], (20, 20, 20), [CA, CV, CTRA], CTRA),
+    ],
+)
+def test_recent_leaves_the_free_one_only_for_half_its_error(
+    scores: list[float], sizes: tuple[int, int, int], can: list[int], expected: int
+) -> None:
+    made = bench([0], start=START_RECENT, sizes=sizes, free=CV)
+    made.measure(0, NOW, 8.5)
+    made.lanes.scores[0] = scores
+    made.lanes.available[0, can] = True
+    assert made.chosen(0, NOW) == expected
 
 
 @pytest.mark.parametrize("number", [NOW, 63, 64])

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelcast.core.arrays import FloatArray
+from modelcast.models.point_kernels import REPORTS
 from modelcast.station.sensing.rates import (
     NO_RATES_BELOW_MPS,
     RATES_FROM_VELOCITY,
@@ -92,6 +93,27 @@ def test_a_log_with_the_columns_reports_them() -> None:
     only_yaw = replace(trip, acceleration_mps2=None)
     assert np.array_equal(rates(only_yaw)[:, 1], np.full(60, -0.2))
     assert not np.array_equal(rates(only_yaw)[:, 0], np.full(60, 1.5))
+
+
+@pytest.mark.parametrize("heading", [False, True])
+@pytest.mark.parametrize("acceleration", [False, True])
+@pytest.mark.parametrize("yaw_rate", [False, True])
+def test_every_value_that_a_log_has_is_said_to_be_reported(
+    *, heading: bool, acceleration: bool, yaw_rate: bool
+) -> None:
+    """1 for speed, 2 for heading, 4 for acceleration, 8 for yaw rate."""
+    trip = circle(0.3, reported=True)
+    trip = replace(
+        trip,
+        heading_rad=trip.heading_rad if heading else None,
+        acceleration_mps2=np.full(60, 1.5) if acceleration else None,
+        yaw_rate_radps=np.full(60, -0.2) if yaw_rate else None,
+    )
+    found = sample_matrix(trip, velocity_estimator_for(trip))[:, REPORTS]
+    assert set(found) == {1 + 2 * heading + 4 * acceleration + 8 * yaw_rate}
+    bare = replace(trip, speed_mps=None, heading_rad=None)
+    found = sample_matrix(bare, velocity_estimator_for(bare))[:, REPORTS]
+    assert set(found) == {4 * acceleration + 8 * yaw_rate}
 
 
 def test_a_standing_car_neither_accelerates_nor_turns() -> None:

@@ -113,8 +113,13 @@ class SenderBank:
         place = self.bank.place_of(GUARD)
         if place == self.fallback:
             raise ValueError(f"start 'guarded' needs {GUARD} as a member of its own: add it")
+        return (place, *((self.free,) if self.free >= 0 else ()))
+
+    @property
+    def free(self) -> int:
+        """The member whose sender states its own estimates in Part I (`FREE_GUARDS`), -1 for none."""
         names = [member.name for member in self.bank.members]
-        return (place, *[names.index(name) for name in FREE_GUARDS if name in names][:1])
+        return next((names.index(name) for name in FREE_GUARDS if name in names), -1)
 
     def models(self, guards: Sequence[int] = ()) -> SenderModels:
         """What compiled steps take; it means something in this process alone.
@@ -131,6 +136,7 @@ class SenderBank:
             self.sizes,
             self.fallback,
             guards[0] if guards else -1,
+            self.free,
             0 if selector is None else selector.address,
             1 if selector is None else selector.window_at(self.dt_s),
             self.dt_s,

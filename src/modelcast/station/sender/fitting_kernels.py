@@ -20,7 +20,8 @@ class SenderModels(NamedTuple):
     ``members`` (M); ``table`` (P, `codes_kernels.COLUMNS`) of what a message can say of their parameters,
     empty where receivers hold them as they were fitted; ``sizes`` (M,) of an update by the one in use
     [bytes]. ``fallback`` is the member that serves only for want of another, ``guard`` constant
-    velocity where lanes are guarded; -1 for none. ``selector`` is the address of the function that
+    velocity where lanes are guarded, ``free`` the plain sub-model that other plain ones must clearly
+    outdo under timers; -1 for none. ``selector`` is the address of the function that
     predicts which member lasts, 0 for none, and ``selector_window`` the samples it looks at. ``dt_s`` is the
     sampling interval.
     """
@@ -30,6 +31,7 @@ class SenderModels(NamedTuple):
     sizes: IntVector
     fallback: int
     guard: int
+    free: int
     selector: int
     selector_window: int
     dt_s: float

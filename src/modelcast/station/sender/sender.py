@@ -149,7 +149,7 @@ class Sender:
     --------
     >>> sender = named_sender("j2945-mbc")
     >>> [member.name for member in sender.bank.members], sender.update_bytes.tolist()
-    (['learned', 'ctra', 'gp-vehicle', 'cv'], [53, 40, 60, 47])
+    (['free-predictive', 'free', 'ctra', 'cv'], [40, 40, 40, 47])
     """
 
     name: str

@@ -21,6 +21,9 @@ __all__ = ["available", "chosen"]
 _SCORE_WEIGHT = 0.2
 """Of the newest error in the mean that chooses a sub-model: about the last five messages count."""
 
+_CLEARLY = 0.25
+"""Mean squares of five errors differ by chance: another must err less than half as far as the free one."""
+
 
 @kernel(inlined=True)
 def available(models: SenderModels, s: Sensed, rules: LaneRules, lanes: Lanes, b: int, number: int) -> None:
@@ -96,6 +99,9 @@ def _recent(
 ) -> int:
     """Smallest sub-model that erred no more than the best of late, but for a resolution; -1 for no score.
 
+    Of those of one size, the one that erred least; and none but ``models.free`` where it did not err clearly
+    less than that one (`_CLEARLY`).
+
     Every member fitted at the last message is set against the newest sample first.
     """
     members, v = models.members, rules.vehicle[b]
@@ -109,13 +115,23 @@ def _recent(
             )
             square, before = error_m * error_m, lanes.scores[b, m]
             lanes.scores[b, m] = square if before < 0.0 else before + _SCORE_WEIGHT * (square - before)
-        if lanes.available[b, m] and lanes.scores[b, m] >= 0.0:
+    bound = np.inf
+    if models.free >= 0 and lanes.available[b, models.free] and lanes.scores[b, models.free] >= 0.0:
+        best, bound = lanes.scores[b, models.free], _CLEARLY * lanes.scores[b, models.free]
+    for m in range(members.windows.size):
+        if lanes.available[b, m] and 0.0 <= lanes.scores[b, m] <= bound:
             best = min(best, lanes.scores[b, m])
     found = -1
     for m in range(members.windows.size):
         usable = lanes.available[b, m] and lanes.scores[b, m] >= 0.0
+        usable = usable and (m == models.free or lanes.scores[b, m] <= bound)
         good = usable and lanes.scores[b, m] <= best + rules.within_m * rules.within_m
-        if good and (found < 0 or models.sizes[m] < models.sizes[found]):
+        if not good:
+            continue
+        better = found < 0 or models.sizes[m] < models.sizes[found]
+        if not better and models.sizes[m] == models.sizes[found]:
+            better = lanes.scores[b, m] < lanes.scores[b, found]
+        if better:
             found = m
     return found
 

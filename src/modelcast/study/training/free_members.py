@@ -13,7 +13,7 @@ from modelcast.models.learned.features import FeatureMap
 from modelcast.models.profile import Profile
 from modelcast.runtime.trip.context import ContextSettings, TripContexts
 from modelcast.study.routes import ground_cells, routes
-from modelcast.study.training.adding import with_added
+from modelcast.study.training.adding import require_new, with_added
 from modelcast.study.training.free import (
     EDGES_M,
     HORIZONS_S,
@@ -30,6 +30,7 @@ from modelcast.trips.trajectory import Trajectory
 
 __all__ = [
     "DEFAULT_VIEWS",
+    "FREE_NAMES",
     "FREE_PLAYBACKS",
     "FreeMembers",
     "FreeMembersSettings",
@@ -39,6 +40,9 @@ __all__ = [
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, steps done and steps to do."""
+
+FREE_NAMES = ("free", "free-predictive", "free-context")
+"""Sub-models that are trained."""
 
 FREE_PLAYBACKS = (AS_RECORDED, Playback(0.8), Playback(1.25))
 """Ways each trip is played."""
@@ -90,6 +94,11 @@ class FreeMembersSettings:
         So much of a trip must follow a window [s].
     context
         What the sub-model with context is let know in training.
+
+    Raises
+    ------
+    ValueError
+        Where there would be no window.
     """
 
     free: FreeSettings = field(default_factory=FreeSettings)
@@ -99,6 +108,10 @@ class FreeMembersSettings:
     rows: int = 24_000
     shortest_s: float = 2.0
     context: ContextSettings = field(default_factory=ContextSettings)
+
+    def __post_init__(self) -> None:
+        if self.rows < 1:
+            raise ValueError(f"windows of a kind of sender must be at least 1, got {self.rows}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,7 +204,7 @@ def train_free_members(
         turn_s=free.turn_s,
     )
     found: list[FreeMotion] = []
-    for name, context in (("free-predictive", False), ("free-context", True)):
+    for name, context in zip(FREE_NAMES[1:], (False, True), strict=True):
         own = replace(free, features=replace(free.features, context=context))
         steps = own.descent.reports * len(EDGES_M)
 
@@ -224,6 +237,7 @@ def add_free(
     MissingExtraError, ValueError
         As for `train_free_members`; also where the profile was itself trained with a sub-model of the name.
     """
+    require_new(profile, FREE_NAMES)
     found = train_free_members(trips, settings, progress=progress)
     return with_added(profile, found.members, {"free": found.record}, trips)
 

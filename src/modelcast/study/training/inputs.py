@@ -4,7 +4,9 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray, owned
 from modelcast.models.learned.features import FeatureMap
+from modelcast.models.learned.learned_kernels import CONTEXT_AT
 from modelcast.models.learned.learned_trajectory import feature_constants
+from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.study.training.cut_kernels import trip_features
 
 __all__ = ["varied", "window_inputs"]
@@ -18,7 +20,7 @@ def window_inputs(
     Parameters
     ----------
     samples
-        Of the trip, (T, 9).
+        Of the trip, (T, 9), or (T, 22) with its context behind.
     rows
         Where windows end, (B,).
     window
@@ -34,7 +36,10 @@ def window_inputs(
         Where a window does not reach back as far as the features do.
     """
     out = np.empty((rows.size, features.inputs))
-    short = trip_features(samples, owned(rows, np.int64), window, feature_constants(features, dt_s), out)
+    constants = feature_constants(features, dt_s)
+    if features.context and samples.shape[1] > SAMPLE_COLUMNS:
+        constants[CONTEXT_AT] = SAMPLE_COLUMNS
+    short = trip_features(samples, owned(rows, np.int64), window, constants, out)
     if short >= 0:
         raise ValueError(f"the window of {window} samples that ends at sample {short} is too short")
     return out

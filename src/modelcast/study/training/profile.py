@@ -38,7 +38,12 @@ from modelcast.study.routes import routes
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.training.calibration import pooled_calibrations
 from modelcast.study.training.costs import train_costs
-from modelcast.study.training.free_members import FreeMembers, FreeMembersSettings, train_free_members
+from modelcast.study.training.free_members import (
+    FREE_NAMES,
+    FreeMembers,
+    FreeMembersSettings,
+    train_free_members,
+)
 from modelcast.study.training.learned import LearnedSettings, train_learned
 from modelcast.study.training.members import Fold, MemberSettings, choose_names
 from modelcast.study.training.processes import ProcessSettings, TrainedProcesses, train_processes
@@ -72,7 +77,7 @@ DEFAULT_NAMES = ("free-predictive", "free")
 """Members where they are not chosen: on its own training trips a learned one looks better than it is."""
 
 FAMILIES: dict[str, tuple[str, ...]] = {
-    "free": ("free", "free-predictive", "free-context"),
+    "free": FREE_NAMES,
     "learned": ("learned",),
     "processes": ("gp-vehicle", "gp-derivative", "gp-trained"),
     "switching": ("shs", "hdp-hmm"),
@@ -296,12 +301,12 @@ def train_profile(
     )
     figures = _figures(folds, names, settings)
     selector, costs = _selection(folds, names, settings, progress)
-    kept = _Kept(()) if beside is None else _kept(beside, settings.families)
+    kept = _Kept() if beside is None else _kept(beside, settings.families)
     return Profile(
         bank,
         shelf=tuple(
             member
-            for member in (*shelf.candidates, *shelf.aside, *kept.members)
+            for member in (*shelf.candidates, *shelf.aside, *kept.shelf)
             if member not in (*bank.members, *_KINEMATIC)
         ),
         regimes=shelf.regimes or kept.regimes,
@@ -310,6 +315,8 @@ def train_profile(
         selector=selector,
         costs=costs.as_plain(),
         calibrations=calibrations,
+        added=kept.added,
+        added_record=kept.added_record,
         record=_record(trips, settings, shelf, {**figures, "steps": list(steps)}, kept),
         training_trips=tuple(dict.fromkeys((*map(fingerprint, trips), *kept.training_trips))),
     )
@@ -325,36 +332,35 @@ def _starter(bank: Bank) -> AbstractSubModel:
 class _Kept:
     """What stays of a profile trained before: sub-models, regimes, how they were trained, and on what."""
 
-    members: tuple[AbstractSubModel, ...]
+    shelf: tuple[AbstractSubModel, ...] = ()
     _: KW_ONLY
+    added: tuple[AbstractSubModel, ...] = ()
+    added_record: Mapping[str, Any] = field(default_factory=dict[str, Any])
     regimes: Regimes | None = None
     record: Mapping[str, Any] = field(default_factory=dict[str, Any])
     trips: tuple[dict[str, Any], ...] = ()
     training_trips: tuple[str, ...] = ()
 
 
+_RECORDS = {"free": "free", "learned": "networks", "processes": "processes", "switching": "switching"}
+"""Where a profile's record tells of each of `FAMILIES`."""
+
+
 def _kept(profile: Profile, families: Sequence[str]) -> _Kept:
     """What a profile has of the families that are not trained now."""
     anew = {name for family in families for name in FAMILIES[family]} | {one.name for one in _KINEMATIC}
-    regimes = None if profile.regimes is None or "processes" in families else profile.regimes
-    apart = () if profile.regimes is None else profile.regimes.members
-    members = tuple(one for one in profile.sub_models if one.name not in anew and one not in apart)
-    if not members and regimes is None:
-        return _Kept(())
-    before: dict[str, Any] = {**profile.record, **profile.added_record}
-    switching = {**before.get("switching", {}), **before}
-    record: dict[str, Any] = {
-        "networks": {} if "learned" in families else before.get("networks"),
-        "processes": {} if "processes" in families else before.get("processes"),
-        "switching": {name: switching[name] for name in FAMILIES["switching"] if name in switching},
-        "free": {} if "free" in families else before.get("free"),
-    }
-    if "switching" in families:
-        record["switching"] = {}
+    regimes = None if "processes" in families else profile.regimes
+    shelf = tuple(one for one in (*profile.bank.members, *profile.shelf) if one.name not in anew)
+    added = tuple(one for one in profile.added if one.name not in anew)
+    if not (shelf or added or regimes):
+        return _Kept()
+    told = {_RECORDS[family] for family in FAMILIES if family not in families}
     return _Kept(
-        members,
+        shelf,
+        added=added,
+        added_record={name: one for name, one in profile.added_record.items() if name not in anew},
         regimes=regimes,
-        record={key: value for key, value in record.items() if value},
+        record={name: one for name, one in profile.record.items() if name in told},
         trips=tuple(profile.record.get("trips", ())),
         training_trips=profile.training_trips,
     )
