@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from modelcast.models.profile import Profile
+    from modelcast.study.training.free_members import FreeMembersSettings
+    from modelcast.study.training.learned import LearnedSettings
     from modelcast.study.training.profile import ProfileSettings
     from modelcast.trips.trajectory import Trajectory
 
@@ -112,10 +114,6 @@ def train(
     from modelcast.io.output import atomic_file
     from modelcast.report.training import training_report
     from modelcast.station.banks import parts_of
-    from modelcast.study.training.descent import Descent
-    from modelcast.study.training.free import FREE_STEPS, FreeSettings
-    from modelcast.study.training.free_members import FreeMembersSettings
-    from modelcast.study.training.learned import LearnedSettings
     from modelcast.study.training.processes import ProcessSettings
     from modelcast.study.training.profile import ProfileSettings
     from modelcast.study.training.switching import FitSettings, SwitchingSettings
@@ -137,12 +135,7 @@ def train(
     try:
         names = tuple(parts_of(bank)) if bank else ()
         _require_trainable(names)
-        descent = Descent(hidden=hidden, steps=Descent().steps if steps is None else steps)
-        learned = LearnedSettings(coefficients=coefficients, descent=descent)
-        brief = replace(descent, steps=FREE_STEPS if steps is None else steps)
-        free = FreeMembersSettings(FreeSettings(descent=brief))
-        if windows is not None:
-            learned, free = replace(learned, rows=windows), replace(free, rows=windows)
+        learned, free = _networks(hidden, steps, windows, coefficients)
         settings = ProfileSettings(
             learned,
             free=free,
@@ -172,6 +165,25 @@ def train(
         show(training_report(trained))
         say(f"profile: {out}, sha256 {trained.identity}")
     return source.exit_code
+
+
+def _networks(
+    hidden: tuple[int, int], steps: int | None, windows: int | None, coefficients: int
+) -> "tuple[LearnedSettings, FreeMembersSettings]":
+    """How the networks of both families are trained."""
+    from modelcast.study.training.descent import Descent
+    from modelcast.study.training.free import FREE_STEPS, FreeSettings
+    from modelcast.study.training.free_members import FreeMembersSettings
+    from modelcast.study.training.learned import LearnedSettings
+
+    long, brief = (
+        Descent(hidden=hidden, steps=own if steps is None else steps) for own in (Descent().steps, FREE_STEPS)
+    )
+    learned = LearnedSettings(coefficients=coefficients, descent=long)
+    free = FreeMembersSettings(FreeSettings(descent=brief))
+    if windows is None:
+        return learned, free
+    return replace(learned, rows=windows), replace(free, rows=windows)
 
 
 def _trained(
