@@ -95,18 +95,20 @@ def changed(path: list[Any], value: Any) -> dict[str, Any]:
     ("path", "value", "named"),
     [
         (
-            ["members", 2, "velocities"],
+            ["shelf", 2, "velocities"],
             1_000_000,
-            "$.members[2].velocities must be true or false, got 1000000",
+            "$.shelf[2].velocities must be true or false, got 1000000",
         ),
-        (["members", 2, "velocities"], 2, "$.members[2].velocities must be true or false, got 2"),
-        (["members", 0, "lags"], 10**9, "$.members[0].lags must be a whole number from 10 to 100"),
-        (["members", 0, "lags"], 15, "$.members[0].networks[0] must be a network with "),
-        (["members", 0, "time_scale_s"], True, "$.members[0].time_scale_s must be a number"),
-        (["members", 2, "samples"], 10.0, "$.members[2].samples must be a whole number"),
-        (["members", 2, "label"], 7, "$.members[2].label must be a text"),
-        (["members", 1, "model", "jerk_spread_mps3"], "inf", "$.members[1].model.jerk_spread_mps3 must be"),
-        (["members", 1, "mass_kg"], 1, "$.members[1]: Trusted has no field 'mass_kg'"),
+        (["shelf", 2, "velocities"], 2, "$.shelf[2].velocities must be true or false, got 2"),
+        (["shelf", 1, "lags"], 10**9, "$.shelf[1].lags must be a whole number from 10 to 100"),
+        (["shelf", 1, "lags"], 15, "$.shelf[1].networks[0] must be a network with "),
+        (["shelf", 1, "time_scale_s"], True, "$.shelf[1].time_scale_s must be a number"),
+        (["shelf", 2, "samples"], 10.0, "$.shelf[2].samples must be a whole number"),
+        (["shelf", 2, "label"], 7, "$.shelf[2].label must be a text"),
+        (["members", 2, "model", "jerk_spread_mps3"], "inf", "$.members[2].model.jerk_spread_mps3 must be"),
+        (["members", 2, "mass_kg"], 1, "$.members[2]: Trusted has no field 'mass_kg'"),
+        (["members", 0, "estimates", 0, "reports"], 16, "$.members[0].estimates[0].reports must be a whole"),
+        (["members", 1, "turn_s"], -1.0, "$.members[1].turn_s must be a number from 0"),
         (["selector", "margin"], None, "$.selector.margin must be a number"),
         (["calibrations", "cv", "factors", 3, 1], "2", "$.calibrations.cv.factors[3][1] must be a number"),
         (["costs", "residual_life_s", 0], [], "$.costs.residual_life_s"),
@@ -236,9 +238,9 @@ def test_a_run_on_a_training_trip_says_so() -> None:
     assert "1 of these 1 trips" in told[0]
 
 
-def test_the_shipped_profile_names_its_47_trips_and_kept_its_identity() -> None:
+def test_the_shipped_profile_names_its_50_trips_and_kept_its_identity() -> None:
     profile = default_profile()
-    assert len(set(profile.training_trips)) == len(profile.record["trips"]) == 47
+    assert len(set(profile.training_trips)) == len(profile.record["trips"]) == 50
     assert profile_from_text(replace(profile, training_trips=()).text).identity == profile.identity
 
 

@@ -15,6 +15,7 @@ from modelcast.models.profile import default_profile
 from modelcast.world.drive import generate_drive
 
 QUICK = ("--steps", "12", "--hidden", "8", "8", "--windows", "100")
+NAMED = ("--bank", "learned+ctra", "--coefficients", "2")
 
 
 @pytest.fixture(scope="module")
@@ -29,6 +30,14 @@ def drives(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def profile(drives: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("profile") / "mine.json"
     assert run(["train", str(drives), *QUICK, "--out", str(out), "--quiet"]) == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def extended(drives: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A profile whose messages carry coefficients, so that a sub-model may be named later."""
+    out = tmp_path_factory.mktemp("profiles") / "extended.json"
+    assert run(["train", str(drives), *QUICK, *NAMED, "--out", str(out), "--quiet"]) == 0
     return out
 
 
@@ -86,14 +95,14 @@ def test_mistakes_are_named(
 
 @pytest.mark.parametrize("cost", ["messages", "bytes", "airtime"])
 def test_trained_rules_run_with_what_the_profile_holds(
-    cost: str, drives: Path, profile: Path, tmp_path: Path
+    cost: str, drives: Path, extended: Path, tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
-    words = ["--bank", str(profile), "--threshold", "0.3", "--per", "0", "--seeds", "1", "--quiet"]
+    words = ["--bank", str(extended), "--threshold", "0.3", "--per", "0", "--seeds", "1", "--quiet"]
     rules = ["--start", "predicted", "--identify", "cheapest", "--cost", cost]
     assert run(["evaluate", str(drives / "d1.csv"), *words, *rules, "--out", str(out)]) == 0
     settings = json.loads((out / "summary.json").read_text())["settings"]
-    assert settings["selector"]["members"] == [member.name for member in read_profile(profile).bank.members]
+    assert settings["selector"]["members"] == [member.name for member in read_profile(extended).bank.members]
     update, identification = (settings["costs"][name] for name in ("update_cost", "identification_cost"))
     assert (update == identification) == (cost == "messages")
 

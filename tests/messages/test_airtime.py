@@ -22,9 +22,9 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess, vehicle_process
 from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
 from modelcast.models.predicted_path import PredictedPath
-from modelcast.models.profile import default_profile
 from modelcast.models.trusted import Trusted
 from modelcast.models.wrapped import AbstractWrapped
+from modelcast.station.banks import bank_from_text
 
 times = st.lists(st.integers(1, 30), min_size=1, max_size=40).map(lambda gaps: np.cumsum(gaps) * 0.05)
 
@@ -111,7 +111,7 @@ class Renamed(AbstractWrapped):
 
 @pytest.mark.parametrize("identify", ["never", "on-failure"])
 def test_sizes_are_those_of_the_codec(identify: str) -> None:
-    bank = Bank((*default_profile().bank.members[:2], vehicle_process()))
+    bank = Bank((*bank_from_text("learned+ctra").members, vehicle_process()))
     wire = WireProfile.of(bank, 1)
     columns = 26 + sum(len(layout.fields) for layout in wire.layouts)
     parameters = np.zeros((len(bank.members), columns))

@@ -294,7 +294,7 @@ def test_the_host_predicts_from_octets_what_the_sender_predicts(carries_all: boo
         GaussianProcess(),
         Trusted(TRAINED, 2.0),
     )
-    given = Bank((*default_profile().bank.members[:2], ConstantVelocity(), *processes), "all")
+    given = Bank((*bank_from_text("learned+ctra").members, ConstantVelocity(), *processes), "all")
     plain = given.carried()
     sender = TripRuntime(drive.input, given, velocity_estimator_for(drive.input), quantised=True)
     wire = WireProfile.of(given, 5)

@@ -22,11 +22,10 @@ from modelcast.messages.station_codec import (
 )
 from modelcast.models.bank import Bank
 from modelcast.models.payload import CORE_PARAMETERS
-from modelcast.models.profile import default_profile
 from modelcast.station.banks import bank_from_text
 
 BANKS = {
-    "default": default_profile().bank,
+    "learned": bank_from_text("learned+ctra+gp-vehicle+cv"),
     "paper": bank_from_text("paper"),
     "ctra": bank_from_text("ctra"),
     "cv": bank_from_text("cv"),
@@ -136,12 +135,12 @@ def test_the_octets_are_those_of_one_message_at_a_time(
 
 def test_odd_messages_are_read_as_one_at_a_time() -> None:
     """Part II, other regions, additions, other profiles, damage: the compiled reading leaves them alone."""
-    codec, motion = CODECS["default", "never"], (9.0, 3.0, 1.0, 0.1)
+    codec, motion = CODECS["learned", "never"], (9.0, 3.0, 1.0, 0.1)
     frames, lengths = codec.encode(some_rows(codec, motion, 3), further=motion_of(motion))
     octets = frames[0, : lengths[0]].tobytes()
     plain = decode_bsm(octets)
     ((_, model),) = plain.regional
-    other = StationCodec.of(BANKS["default"], 9, "never")
+    other = StationCodec.of(BANKS["learned"], 9, "never")
     foreign, _ = other.encode(some_rows(other, motion, 3), further=motion_of(motion))
     nowhere = BsmCore((*plain.core.codes[:3], 900_000_001, *plain.core.codes[4:]))
     messages: list[tuple[bytes, UpdateReading]] = [
@@ -167,7 +166,7 @@ def test_odd_messages_are_read_as_one_at_a_time() -> None:
     assert [row for row, _ in heard.faults] == [8, 9, 10, 11]
     held = heard.rows.parameters
     assert all(held[row].tobytes() == held[0].tobytes() for row in (1, 2))
-    coasting = [member.name for member in BANKS["default"].members].index("ctra")
+    coasting = [member.name for member in BANKS["learned"].members].index("ctra")
     assert heard.rows.in_use[:7].tolist() == [0, 0, 0, *[coasting] * 4]
 
 

@@ -148,11 +148,12 @@ def test_its_identity_is_the_hash_of_its_bytes_and_changes_with_any_of_them() ->
     assert other.identity != profile.identity
 
 
-def test_the_shipped_profile_is_canonical_and_starts_with_the_learned_sub_model() -> None:
+def test_the_shipped_profile_is_canonical_and_all_but_its_guard_are_plain_messages() -> None:
     path = importlib.resources.files("modelcast") / "profiles" / "default.json"
     profile = default_profile()
     assert path.read_text(encoding="utf-8") == profile.text
-    assert profile.bank.members[0].name == "learned"
+    assert [member.name for member in profile.bank.members] == ["free-predictive", "free", "ctra", "cv"]
+    assert profile.bank.sent_plain == (True, True, True, False)
     assert profile.bank.window == 1
     assert set(profile.calibrations) == {member.name for member in profile.bank.members}
     assert isinstance(profile.sub_model("learned"), LearnedTrajectory)
@@ -162,9 +163,13 @@ def test_the_shipped_profile_is_canonical_and_starts_with_the_learned_sub_model(
 
 
 def test_the_shipped_profile_says_what_it_was_trained_on() -> None:
+    """Data whose licence lets a profile that was trained on it be passed on, and no other."""
     record = default_profile().record
-    assert {trip["format"] for trip in record["trips"]} <= {"openacc", "spmd-bsm", "comma2k19"}
-    assert record["figures"]["counted_on"] == "routes left out"
+    others = [trip["trip"] for trip in record["trips"] if trip["format"] == "parquet"]
+    assert [trip.partition("/")[0] for trip in others] == ["boreas_2021-08-05"]
+    known = {"openacc", "spmd-bsm", "comma2k19", "nyc-cvpd", "parquet"}
+    assert {trip["format"] for trip in record["trips"]} <= known
+    assert record["figures"]["counted_on"] == "training trips"
     regimes = default_profile().regimes
     assert regimes is not None
     trained = {"gp-vehicle", "gp-derivative", "gp-trained", *(one.name for one in regimes.members)}

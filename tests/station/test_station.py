@@ -7,10 +7,12 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import Origin, local_to_geodetic
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.station.banks import bank_from_text
 from modelcast.station.fleet import Fleet, Sending
 from modelcast.station.policy.base import MessageKind
 from modelcast.station.receiver.ears import Ears
 from modelcast.station.receiver.local_dynamic_map import Receipt
+from modelcast.station.sender.sender import named_sender
 from modelcast.station.station import Station
 from modelcast.world.drive import generate_drive
 
@@ -181,9 +183,10 @@ def test_octets_of_nobody_change_nothing() -> None:
 
 def test_a_host_without_the_profile_uses_part_i() -> None:
     """Constant velocity from the plain part, counted; a host that holds the profile uses the model."""
-    sender = Station("mbc", temporary_id=1)
-    ears = Ears((Bank((ConstantVelocity(),)),))
-    plain, able = Station(temporary_id=2, ears=ears), Station(temporary_id=3)
+    bank = bank_from_text("learned+cv")
+    sender = Station(named_sender("mbc", bank=bank), temporary_id=1)
+    plain = Station(temporary_id=2, ears=Ears((Bank((ConstantVelocity(),)),)))
+    able = Station(temporary_id=3, ears=Ears((bank,)))
     drive = DRIVES[0]
     for one in driven(sender, 0):
         for host in (plain, able):

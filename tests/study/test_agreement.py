@@ -8,19 +8,33 @@ from hypothesis import strategies as st
 from modelcast.core.exceptions import ConfigError
 from modelcast.station.banks import named_bank
 from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.sender.lane_rules import check_rules
 from modelcast.study.agreement import agreement, first_difference
 from modelcast.study.case import make_case
 from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.drive import generate_drive
 
-BANKS = ("default", "paper", "ctra", "gp-intercept+cv", "shs", "hdp-hmm+ctra+shs+cv", "imm", "learned+imm+cv")
+OF_FOUR = "learned+ctra+gp-vehicle+cv"
+BANKS = (
+    "default",
+    OF_FOUR,
+    "paper",
+    "ctra",
+    "gp-intercept+cv",
+    "shs",
+    "hdp-hmm+ctra+shs+cv",
+    "imm",
+    "learned+imm+cv",
+)
 RULES = ("guarded/never", "hindsight/cheapest", "order/on-failure", "keep/on-failure", "survivor/on-failure")
 
 
 def policy_of(bank: str, rules: str, threshold_m: float) -> ErrorDriven:
     start, identify = rules.split("/")
-    costs = named_bank(bank).costs("bytes") if identify == "cheapest" else None
+    costs = (
+        named_bank("default" if bank == OF_FOUR else bank).costs("bytes") if identify == "cheapest" else None
+    )
     return ErrorDriven(threshold_m, start, identify, costs=costs)  # type: ignore[arg-type]
 
 
@@ -65,7 +79,11 @@ def test_three_runtimes_and_the_host_agree(
         policy = policy_of(bank, rules, threshold_m)
     except (ConfigError, ValueError):
         assert rules == "hindsight/cheapest"
-        assert bank != "default"
+        assert bank not in ("default", OF_FOUR)
+        return
+    if bank == "default" and policy.identify != "never":
+        with pytest.raises(ValueError, match="identify must be never with free-predictive, free, got"):
+            check_rules(policy, named_bank(bank).bank, None)
         return
     case = make_case(drive, EvaluationSettings(protocol="recorded"))
     found = agreement(case, named_bank(bank).bank, policy)
@@ -73,11 +91,14 @@ def test_three_runtimes_and_the_host_agree(
     assert found.messages > 0
 
 
-@pytest.mark.parametrize("rules", RULES)
-def test_they_agree_on_a_long_drive_of_the_default_bank(rules: str) -> None:
+@pytest.mark.parametrize(
+    ("bank", "rules"),
+    [("default", "guarded/never"), ("default", "order/never"), *((OF_FOUR, rules) for rules in RULES)],
+)
+def test_they_agree_on_a_long_drive_of_a_bank_of_four(bank: str, rules: str) -> None:
     drive = generate_drive(seed=5, duration_s=90.0).input
     case = make_case(drive, EvaluationSettings(protocol="recorded"))
-    found = agreement(case, named_bank("default").bank, policy_of("default", rules, 0.3))
+    found = agreement(case, named_bank(bank).bank, policy_of(bank, rules, 0.3))
     assert found.agrees, found
     assert found.messages > 10
 

@@ -10,15 +10,20 @@ from modelcast.core.exceptions import MissingExtraError
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
-from modelcast.models.profile import profile_from_text
+from modelcast.models.learned import FeatureMap
+from modelcast.models.profile import default_profile, profile_from_text
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.study.training.descent import Descent
+from modelcast.study.training.free import FreeSettings
+from modelcast.study.training.free_members import FreeMembersSettings
 from modelcast.study.training.learned import LearnedSettings, NoiseStage, train_learned
+from modelcast.study.training.playback import AS_RECORDED
 from modelcast.study.training.processes import ProcessSettings
 from modelcast.study.training.profile import ProfileSettings, train_profile
 from modelcast.study.training.views import SenderView, played_trips, view_trips
+from modelcast.trips.fingerprint import fingerprint
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.drive import generate_drive
 
@@ -26,6 +31,13 @@ SHORT = Descent(hidden=(24, 16), steps=400, batch=512)
 CLEAN = LearnedSettings((NoiseStage((0.0, np.inf), (SenderView("positions"),)),), descent=SHORT)
 
 QUICK = ProcessSettings(200, 8, regimes=2, regime_evaluations=4)
+
+FREE = FreeMembersSettings(
+    FreeSettings(FeatureMap(10), descent=replace(SHORT, steps=20, batch=128), searched=60),
+    views=((SenderView("positions", 0.005), 1.0), (SenderView("motion", 0.01), 1.0)),
+    playbacks=(AS_RECORDED,),
+    rows=300,
+)
 
 
 def weaving(seed: int) -> Trajectory:
@@ -115,7 +127,14 @@ def test_a_descent_out_of_range_is_refused(wrong: dict[str, object]) -> None:
 
 
 def test_a_profile_chooses_its_bank_by_messages_and_records_how(trips: list[Trajectory]) -> None:
-    settings = ProfileSettings(CLEAN, processes=QUICK, thresholds_m=(0.2, 0.5), validate=True)
+    settings = ProfileSettings(
+        CLEAN,
+        free=FREE,
+        processes=QUICK,
+        also=("learned", "processes"),
+        thresholds_m=(0.2, 0.5),
+        validate=True,
+    )
     apart = [
         replace(trip, trip_id=f"file{at}/1", origin=None, start_unix_s=None) for at, trip in enumerate(trips)
     ]
@@ -129,18 +148,48 @@ def test_a_profile_chooses_its_bank_by_messages_and_records_how(trips: list[Traj
     assert totals["bank"] <= 1.02 * min(singles.values())
     assert totals["baseline"] == totals["cv"]
     assert profile.bank.window == 1
-    trained = {"learned", "gp-vehicle", "gp-derivative", "gp-trained", "gp-regime-1", "gp-regime-2"}
+    trained = {
+        "free",
+        "free-predictive",
+        "learned",
+        "gp-vehicle",
+        "gp-derivative",
+        "gp-trained",
+        "gp-regime-1",
+        "gp-regime-2",
+    }
     assert {member.name for member in profile.sub_models} >= trained
     assert set(totals) >= {*trained, "regimes", "bank", "baseline"}
     assert profile.regimes is not None
     assert profile.regimes.bank.name == "regimes"
-    assert set(profile.record["processes"]) == trained - {"learned"}
+    assert set(profile.record["processes"]) == {name for name in trained if name.startswith("gp-")}
     assert profile_from_text(profile.text) == profile
     assert [one["trip"] for one in profile.record["trips"]] == [trip.trip_id for trip in apart]
 
 
+def test_families_are_trained_that_the_bank_names_and_others_are_taken_over(trips: list[Trajectory]) -> None:
+    """The shipped profile lends what is not trained anew, and what was added to it stays added."""
+    shipped = default_profile()
+    profile = train_profile(trips[:1], ProfileSettings(free=FREE, seed=3), beside=shipped)
+    assert [member.name for member in profile.bank.members] == ["free-predictive", "free", "ctra", "cv"]
+    assert profile.bank.sent_plain == (True, True, True, False)
+    assert profile.sub_model("free") != shipped.sub_model("free")
+    for name in ("learned", "gp-vehicle", "gp-derivative", "gp-trained", "gp-regime-1"):
+        assert profile.sub_model(name) == shipped.sub_model(name)
+    assert (profile.added, profile.added_record) == (shipped.added, shipped.added_record)
+    assert profile.record["networks"] == shipped.record["networks"]
+    assert profile.record["free"]["seed"] == 3
+    assert profile.training_trips == (fingerprint(trips[0]), *shipped.training_trips)
+    assert profile_from_text(profile.text) == profile
+
+
+def test_an_unknown_family_is_refused() -> None:
+    with pytest.raises(ValueError, match="families, free, learned, processes, switching, not 'gp'"):
+        ProfileSettings(also=("gp",))
+
+
 def test_one_route_alone_cannot_be_left_out(trips: list[Trajectory]) -> None:
-    settings = ProfileSettings(CLEAN, processes=QUICK, validate=True)
+    settings = ProfileSettings(CLEAN, free=FREE, processes=QUICK, validate=True)
     together = [replace(trip, trip_id=f"file/{at}") for at, trip in enumerate(trips[:2])]
     with pytest.raises(ValueError, match="one route"):
         train_profile(together, settings)

@@ -369,6 +369,11 @@ class AbstractSubModel(AbstractMotionModel):
         return PayloadLayout() if self.payload_parameters == 0 else None
 
     @property
+    def states_own_values(self) -> bool:
+        """Whether its sender states other values in Part I than another sub-model of the bank would."""
+        return False
+
+    @property
     def starter(self) -> "AbstractSubModel | None":
         """What says the same to a receiver and needs a single sample; None where constant velocity starts."""
         return None

@@ -100,12 +100,13 @@ def rules_of(bank: Bank) -> tuple[StartRule, IdentifyRule]:
     Parameters
     ----------
     bank
-        The shipped profile's bank is used as that profile says, any other as the paper reads.
+        The shipped profile's bank is used as that profile says, the best free receiver as an order that no
+        message changes, any other as the paper reads.
     """
     profile = default_profile()
     if bank == profile.bank:
         return cast("StartRule", profile.start), cast("IdentifyRule", profile.identify)
-    return "order", "on-failure"
+    return "order", "never" if bank.label == FREE else "on-failure"
 
 
 def believe_of(start: StartRule, identify: IdentifyRule) -> BelieveRule:

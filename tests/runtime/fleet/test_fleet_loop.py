@@ -320,7 +320,9 @@ def test_timers_know_no_guard_and_no_survivor() -> None:
 def test_rules_without_what_they_need_are_refused_before_a_run() -> None:
     without_cv = Bank(named_sender("mbc").bank.members[:2])
     costs, selector = named_bank("default").costs("bytes"), default_profile().selector
-    with pytest.raises(ValueError, match="start 'guarded' needs cv in the bank, got learned, ctra: add it"):
+    with pytest.raises(
+        ValueError, match="start 'guarded' needs cv in the bank, got free-predictive, free: add it"
+    ):
         named_sender("mbc", bank=without_cv, start="guarded")
     with pytest.raises(ValueError, match="start 'predicted' needs a selector"):
         named_sender("j2945-mbc", start="predicted")
@@ -331,10 +333,14 @@ def test_rules_without_what_they_need_are_refused_before_a_run() -> None:
 
 
 def test_what_erred_least_of_late_is_sent(seen: list[FleetFrame]) -> None:
-    """`recent`, told anew: of members fitted at the last message, the smallest that is as good."""
+    """`recent`, told anew: of members fitted at the last message, the smallest that is as good.
+
+    The free one stays unless another erred less than half as far.
+    """
     sender = replace(named_sender("j2945-mbc"), motion=None)
     sender = replace(sender, policy=ErrorDriven(0.05, "recent", "never", 2.0))
     bank = sender.bank
+    free = bank.place_of("free")
     loop = FleetLoop(seen[0], sender, IDEAL_RADIO, SETTINGS, seed=1)
     slot = int(stayed(seen)[0])
     runtime = TripRuntime(trip_of(seen, slot), bank, REPORTED, quantised=True)
@@ -355,9 +361,11 @@ def test_what_erred_least_of_late_is_sent(seen: list[FleetFrame]) -> None:
             known = [m for m in usable if m in scores]
             wanted = usable[0]
             if known:
-                best = min(scores[m] for m in known)
-                good = [m for m in known if scores[m] <= best + sender.within_m**2]
-                wanted = min(good, key=lambda m: (sender.update_bytes[m], m))
+                bound = 0.25 * scores[free] if free in known else np.inf
+                fit = [m for m in known if m == free or scores[m] <= bound]
+                best = min(scores[m] for m in fit)
+                good = [m for m in fit if scores[m] <= best + sender.within_m**2]
+                wanted = min(good, key=lambda m: (sender.update_bytes[m], scores[m], m))
             chosen.append((int(content[at.CONTENT_MEMBER]), wanted))
             runtime.fit_at([k])
             last = k

@@ -127,6 +127,11 @@ class FreeMotion(AbstractSubModel):
         return self.turn_s
 
     @property
+    def states_own_values(self) -> bool:
+        """Part I says what this sub-model's estimates and networks chose."""
+        return True
+
+    @property
     def starter(self) -> AbstractSubModel:
         """Constant turn rate and acceleration of the newest sample, with the same horizons."""
         return Trusted(_KINEMATIC, self.horizon_s, self.turn_s)

@@ -181,7 +181,7 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
     @property
     def alone(self) -> "ErrorDriven":
         """The same over a bank of one, which has nothing to select from."""
-        return replace(self, start="order", identify="on-failure", costs=None)
+        return replace(self, start="order", identify="never", costs=None)
 
     @property
     def expects(self) -> bool:

@@ -31,7 +31,7 @@ def check_rules(policy: ErrorDriven, bank: Bank, selector: Selector | None) -> N
     ------
     ValueError
         Where the bank lacks the guard's sub-model, the selector or the costs do not fit it, or the policy
-        expects losses and yet identifies.
+        identifies and yet expects losses or has a sub-model that states values of its own in Part I.
     """
     own = tuple(member.name for member in bank.members)
     names = tuple(member.name for member in bank.complete().members)
@@ -43,6 +43,12 @@ def check_rules(policy: ErrorDriven, bank: Bank, selector: Selector | None) -> N
         raise ValueError(f"start 'guarded' needs {GUARD} in the bank, got {', '.join(own)}: add it")
     if policy.identify == "cheapest" and policy.costs is not None:
         policy.costs.check_members(len(names))
+    stating = [member.name for member in bank.members if member.states_own_values]
+    if stating and len(own) > 1 and policy.identify != "never":
+        raise ValueError(
+            f"identify must be never with {', '.join(stating)}, got {policy.identify!r}: who may name a "
+            "sub-model later sends the values of all, and Part I holds one sub-model's"
+        )
     if policy.expects and len(names) > 1 and policy.identify != "never":
         raise ValueError(
             f"believe 'expected' goes with identify 'never' (a lost identification names nothing), got "
