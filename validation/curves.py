@@ -1,9 +1,10 @@
 """Learning curves and ablations of the free sub-models, and what knowing the future would save.
 
-``curves.py count FOLDER`` trains the free sub-models on parts of each half of the data (`judged.SOURCES`),
-and on all of a half with something left out, and counts messages on the other half. Trainings that are done
-are kept. ``curves.py table FOLDER`` prints a row a variant; with ``--write`` it puts the table into
-``docs/curves.md``, with ``--check`` it tells by its exit code whether that page has it.
+``curves.py count FOLDER`` takes the profiles that ``judged.py train FOLDER`` made, trains the free sub-models
+on parts of each half of the data too, and on all of a half with something left out, and counts messages on
+the other half. Trainings that are done are kept. ``curves.py table FOLDER`` prints a row a variant; with
+``--write`` it puts the table into ``docs/curves.md``, with ``--check`` it tells by its exit code whether that
+page has it.
 """
 
 import argparse
@@ -18,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 import judged
+from modelcast.io.profile import read_profile
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -30,11 +32,11 @@ from modelcast.study.case import make_case
 from modelcast.study.clairvoyant import clairvoyant
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.training.free_members import (
+    FREE_NAMES,
     FreeMembers,
     FreeMembersSettings,
     train_free_members,
 )
-from modelcast.study.training.playback import AS_RECORDED
 from modelcast.study.training.views import SenderView
 from modelcast.trips.trajectory import Trajectory
 from page_blocks import paged
@@ -58,21 +60,16 @@ def _unlimited(settings: FreeMembersSettings) -> FreeMembersSettings:
     return replace(settings, free=replace(settings.free, limits=WIDE))
 
 
-def _as_driven(settings: FreeMembersSettings) -> FreeMembersSettings:
-    return replace(settings, playbacks=(AS_RECORDED,))
-
-
 def _same(settings: FreeMembersSettings) -> FreeMembersSettings:
     return settings
 
 
+ALL = "all the trips"
+
 VARIANTS = {
     "an eighth of the trips": (_every(8), _same),
     "a quarter": (_every(4), _same),
-    "a half": (_every(2), _same),
-    "all": (_every(1), _same),
     "recorded senders alone": (_every(1), _one_kind),
-    "as driven alone": (_every(1), _as_driven),
     "no limits": (_every(1), _unlimited),
 }
 """Which trips of a half, and how the settings differ from those of `modelcast train`."""
@@ -134,6 +131,10 @@ def _count(which: str, folder: Path, data: Path) -> None:
     keep("newest values", lambda: _messages(trips, [NEWEST]))
     for degree in (1, 2, 3):
         keep(f"clairvoyant-{degree}", lambda degree=degree: _bounds(trips, degree))
+    whole = read_profile(folder / f"{which}.json")
+    free, predictive = (whole.bank.members[whole.bank.place_of(name)] for name in FREE_NAMES[:2])
+    keep(f"{ALL}: free", lambda: _messages(trips, [free]))
+    keep(f"{ALL}: free-predictive", lambda: _messages(trips, [predictive, free]))
     for variant in VARIANTS:
         names = (f"{variant}: free", f"{variant}: free-predictive")
         if not all(name in rows for name in names):

@@ -167,8 +167,8 @@ def test_rules_of_the_user_stand_over_those_of_the_bank_and_timers_never_identif
 
 
 def test_what_was_trained_goes_with_the_rule_that_asks_for_it() -> None:
-    (row,) = sender_rows(plan("default", start="predicted", identify="cheapest"), ["mbc"])
-    assert (row.start, row.identify) == ("predicted", "cheapest")
+    (row,) = sender_rows(plan("default", start="predicted", identify="never"), ["mbc"])
+    assert (row.start, row.identify) == ("predicted", "never")
 
 
 @pytest.mark.parametrize(
@@ -177,7 +177,13 @@ def test_what_was_trained_goes_with_the_rule_that_asks_for_it() -> None:
         ("cow", "mbc", "", "no sub-model is named 'cow'"),
         ("nowhere.json", "mbc", "", "nowhere.json"),
         ("a/x.json b/x.json", "mbc", "", "a/x.json and b/x.json have the same name"),
-        ("default paper", "mbc", "--identify cheapest", "--policy mbc --bank paper: identify 'cheapest'"),
+        ("paper", "mbc", "--identify cheapest", "--policy mbc --bank paper: identify 'cheapest'"),
+        (
+            "default",
+            "mbc",
+            "--identify best",
+            "--policy mbc --bank default: identify must be never with free",
+        ),
         ("default paper", "mbc", "--start predicted", "--policy mbc --bank paper: start 'predicted'"),
         ("paper ca+ctra", "mbc", "--start guarded", "--bank ca+ctra: start 'guarded' needs cv"),
         ("paper", "mbc j2945-mbc", "--start survivor", "--policy j2945-mbc --bank paper: start must"),

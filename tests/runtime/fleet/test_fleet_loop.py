@@ -20,7 +20,7 @@ from modelcast.runtime.fleet.engine import run_network
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.trip.runtime import TripRuntime
-from modelcast.station.banks import PAPER_BANK, named_bank
+from modelcast.station.banks import PAPER_BANK, bank_from_text, named_bank
 from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.j2945 import J2945
@@ -118,7 +118,7 @@ CV = Bank((ConstantVelocity(),))
     [
         (CV, ErrorDriven(0.2, identify="never", max_inter_transmit_time_s=2.0)),
         (default_profile().bank, ErrorDriven(0.2, "guarded", "never", 2.0)),
-        (default_profile().bank, ErrorDriven(0.2, "hindsight", "best", 2.0)),
+        (bank_from_text("learned+ctra+gp-vehicle+cv"), ErrorDriven(0.2, "hindsight", "best", 2.0)),
         (PAPER_BANK, ErrorDriven(0.1, max_inter_transmit_time_s=2.0)),
         (PAPER_BANK, ErrorDriven(0.1, "survivor", "final")),
     ],
