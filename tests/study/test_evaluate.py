@@ -13,7 +13,7 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.learned import Selector
 from modelcast.runtime.trip.context import ContextSettings
-from modelcast.station.banks import PAPER_BANK
+from modelcast.station.banks import PAPER_BANK, bank_from_text
 from modelcast.station.policy.costs import CostTable
 from modelcast.study.case import STANDING_SPEED_MPS, SensedTrip, make_case
 from modelcast.study.evaluate import evaluate
@@ -246,7 +246,8 @@ def test_settings_name_everything_that_changes_the_numbers(
     constant_selector: Callable[..., Selector],
 ) -> None:
     """Two settings that give other numbers must not look the same in a summary."""
-    base = EvaluationSettings()
+    four = bank_from_text("learned+ctra+gp-vehicle+cv")
+    base = EvaluationSettings(bank=four, start="guarded", identify="never")
     changed: dict[str, Any] = {
         "thresholds_m": (0.7,),
         "packet_error_ratios": (0.1,),
