@@ -392,7 +392,7 @@ ALONE = "for a full training: --add trains shs alone"
     ("words", "named"),
     [
         ("--add gp-vehicle", "names must be some of shs, hdp-hmm"),
-        ("--profile x.json", "--profile is what --add adds to"),
+        ("--profile x.json", "x.json"),
         ("--add shs --modes 11", "modes"),
         ("--add shs --modes 0", "--modes 0 trains neither"),
         ("--add hdp-hmm --modes 0", "--modes 0 trains neither"),

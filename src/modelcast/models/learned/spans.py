@@ -2,6 +2,7 @@
 
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
+from modelcast.models.free import FreeMotion
 from modelcast.models.learned.features import LAG_STEP_S, SHORTEST_SPAN
 from modelcast.models.learned.learned_trajectory import LearnedTrajectory
 from modelcast.models.wrapped import AbstractWrapped
@@ -25,13 +26,14 @@ def short_at(bank: Bank, dt_s: float) -> str:
     >>> short_at(default_profile().bank, 0.1)
     ''
     >>> print(short_at(default_profile().bank, 0.02))  # doctest: +NORMALIZE_WHITESPACE
-    learned looks back 2 s, its window of 21 samples spans 0.4 s at 50 Hz: it corrects nothing and predicts as
-    constant turn rate and acceleration (ctra)
+    free-predictive looks back 2 s, its window of 21 samples spans 0.4 s at 50 Hz: it corrects nothing and
+    predicts as constant turn rate and acceleration (ctra)
     """
     for member in bank.members:
         inner = _inner(member)
-        if isinstance(inner, LearnedTrajectory):
-            needed_s, spanned_s = inner.lags * LAG_STEP_S, (inner.window - 1) * dt_s
+        if isinstance(inner, LearnedTrajectory | FreeMotion):
+            lags = inner.features.lags if isinstance(inner, FreeMotion) else inner.lags
+            needed_s, spanned_s = lags * LAG_STEP_S, (inner.window - 1) * dt_s
             if spanned_s < needed_s * SHORTEST_SPAN:
                 return (
                     f"{member.name} looks back {needed_s:.3g} s, its window of {inner.window} samples spans "
