@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from modelcast.cli.app import run
+from modelcast.cli.app import run as run_as_given
 from modelcast.io.profile import write_profile
 from modelcast.messages.bsm import BsmCore, encode_bsm
 from modelcast.messages.mbc_codec import UpdateCodec
@@ -20,7 +20,8 @@ from modelcast.messages.security.signed import SignedMessage
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
-from modelcast.models.profile import Profile, default_profile
+from modelcast.models.profile import Profile
+from modelcast.station.banks import bank_from_text
 
 NORTH = BsmCore.from_values(
     {
@@ -35,7 +36,8 @@ NORTH = BsmCore.from_values(
         "yaw_rate_radps": 0.0,
     }
 )
-WIRE = WireProfile.of_profile(default_profile())
+WITH_COEFFICIENTS = Profile(bank_from_text("learned+ctra+gp-vehicle+cv"), start="guarded", identify="never")
+WIRE = WireProfile.of_profile(WITH_COEFFICIENTS)
 UPDATE = UpdateCodec(WIRE).encode(UpdateMessage(NORTH, 0, carries_all=False, codes=((0, 3, -12, 1, -2, 40),)))
 OTHERS = tuple((0,) * len(layout.fields) for layout in WIRE.layouts[1:])
 ALL = UpdateCodec(WIRE, carries_all=True).encode(
@@ -67,6 +69,21 @@ CERTIFICATE = Certificate(
 )
 SIGNED = SignedMessage(5, UPDATE, CERTIFICATE.digest, bytes(range(64))).octets
 SIGNED_LONG = SignedMessage(5, IDENTIFICATION, CERTIFICATE, bytes(64)).octets
+
+
+HELD: list[str] = []
+"""File of the profile that the commands hold where a test names none."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def held(tmp_path_factory: pytest.TempPathFactory) -> None:
+    path = tmp_path_factory.mktemp("held") / "profile.json"
+    write_profile(WITH_COEFFICIENTS, path)
+    HELD[:] = [str(path)]
+
+
+def run(words: list[str]) -> int:
+    return run_as_given([*words, *(() if "--profile" in words else ("--profile", *HELD))])
 
 
 def document_of(octets: bytes, capsys: pytest.CaptureFixture[str], *more: str) -> dict[str, Any]:
