@@ -23,7 +23,6 @@ from modelcast.io.profile import read_profile
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
-from modelcast.models.free import Limits
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.trusted import Trusted
 from modelcast.runtime.trip.runtime import TripRuntime
@@ -45,7 +44,6 @@ PAGE = Path(__file__).parents[1] / "docs" / "curves.md"
 THRESHOLDS_M = (0.2, 0.5)
 PROTOCOLS = ("recorded", "sensor")
 NEWEST = Trusted(ConstantTurnRateAcceleration(), 1.5, 1.0)
-WIDE = Limits(100.0, np.pi, 100.0, 10.0)
 
 
 def _every(count: int) -> Callable[[Sequence[Trajectory]], list[Trajectory]]:
@@ -54,10 +52,6 @@ def _every(count: int) -> Callable[[Sequence[Trajectory]], list[Trajectory]]:
 
 def _one_kind(settings: FreeMembersSettings) -> FreeMembersSettings:
     return replace(settings, views=((SenderView("recorded"), 1.0),))
-
-
-def _unlimited(settings: FreeMembersSettings) -> FreeMembersSettings:
-    return replace(settings, free=replace(settings.free, limits=WIDE))
 
 
 def _same(settings: FreeMembersSettings) -> FreeMembersSettings:
@@ -70,7 +64,6 @@ VARIANTS = {
     "an eighth of the trips": (_every(8), _same),
     "a quarter": (_every(4), _same),
     "recorded senders alone": (_every(1), _one_kind),
-    "no limits": (_every(1), _unlimited),
 }
 """Which trips of a half, and how the settings differ from those of `modelcast train`."""
 
