@@ -38,7 +38,7 @@ from modelcast.study.training.free_members import (
 )
 from modelcast.study.training.views import SenderView
 from modelcast.trips.trajectory import Trajectory
-from page_blocks import paged
+from page_blocks import put
 
 PAGE = Path(__file__).parents[1] / "docs" / "curves.md"
 THRESHOLDS_M = (0.2, 0.5)
@@ -181,11 +181,7 @@ def main() -> int:
     lines = list(table(given.folder))
     print("\n".join(lines))
     if given.write or given.check:
-        text = PAGE.read_text(encoding="utf-8")
-        made = paged(text, {"curves": lines})
-        if given.check:
-            return int(made != text)
-        PAGE.write_text(made, encoding="utf-8")
+        return put({PAGE: {"curves": lines}}, check=given.check)
     return 0
 
 

@@ -16,7 +16,7 @@ import polars as pl
 from scipy import stats
 
 from modelcast.cli.app import run
-from page_blocks import paged
+from page_blocks import put
 
 PAGE = Path(__file__).parents[1] / "docs" / "results.md"
 DENSITIES_PER_KM = ("50", "100", "200", "400", "800")
@@ -69,11 +69,7 @@ def main() -> int:
     lines = list(table(pl.read_parquet(given.folder / "runs.parquet")))
     print("\n".join(lines))
     if given.write or given.check:
-        text = PAGE.read_text(encoding="utf-8")
-        made = paged(text, {"fleets": lines})
-        if given.check:
-            return int(made != text)
-        PAGE.write_text(made, encoding="utf-8")
+        return put({PAGE: {"fleets": lines}}, check=given.check)
     return 0
 
 

@@ -34,7 +34,7 @@ from modelcast.study.settings import EvaluationSettings
 from modelcast.study.training.profile import ProfileSettings, train_profile
 from modelcast.trips.fingerprint import fingerprint
 from modelcast.trips.trajectory import Trajectory
-from page_blocks import paged
+from page_blocks import put
 
 README = Path(__file__).parents[1] / "README.md"
 PAGE = Path(__file__).parents[1] / "docs" / "results.md"
@@ -427,12 +427,8 @@ def main() -> int:
             if "halves messages" in found:
                 halves = [given.folder / f"{which}.counts.json" for which in "ab"]
                 pages[README] = {"headlines": headlines(Judged(halves))}
-            before = {page: page.read_text(encoding="utf-8") for page in pages}
-            made = {page: paged(before[page], tables) for page, tables in pages.items()}
-            if given.check:
-                return int(made != before)
-            for page, text in made.items():
-                page.write_text(text, encoding="utf-8")
+            if put(pages, check=given.check):
+                return 1
         for name, lines in found.items():
             print(f"\n{name}\n")
             print("\n".join(lines))

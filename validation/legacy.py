@@ -39,7 +39,7 @@ from modelcast.study.case import TripCase, make_case
 from modelcast.study.metrics import quantiles
 from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory
-from page_blocks import paged
+from page_blocks import put
 
 PAGE = Path(__file__).parents[1] / "docs" / "decisions" / "029-free-model.md"
 BLOCK = "legacy"
@@ -327,11 +327,7 @@ def main() -> int:
     lines = tables(results, keep_alive_s)
     print("\n".join(lines))
     if given.write or given.check:
-        text = PAGE.read_text(encoding="utf-8")
-        made = paged(text, {BLOCK: lines})
-        if given.check:
-            return int(made != text)
-        PAGE.write_text(made, encoding="utf-8", newline="\n")
+        return put({PAGE: {BLOCK: lines}}, check=given.check)
     return 0
 
 
