@@ -1,0 +1,1 @@
+"""Safety applications: pure functions of what a host knows of itself and believes of others."""
