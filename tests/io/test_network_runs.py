@@ -8,13 +8,14 @@ from typing import Any
 import pytest
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.io.network_runs import RunKey, read_case, run_path, write_case
+from modelcast.io.network_runs import NetworkRunFiles, RunKey, read_case, run_path, write_case
 from modelcast.io.run_store import run_store
 from modelcast.study.network.rows import CaseResult, NetworkCase, RunRow
 
 CASE = NetworkCase(25.0, "dsrc", "j2945", "none", 0)
 KEY = RunKey("1.0", {"0 traffic.xml": "ab"})
 OPTIONS = {"seed": 0}
+FILES = NetworkRunFiles(OPTIONS, KEY)
 
 
 def result(case: NetworkCase = CASE) -> CaseResult:
@@ -67,19 +68,19 @@ def test_what_is_no_run_is_refused(text: str, tmp_path: Path) -> None:
 
 def test_an_interrupted_call_is_taken_up_and_a_finished_one_leaves_nothing(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    with pytest.raises(KeyboardInterrupt), run_store(out, OPTIONS, KEY) as store:  # noqa: PT012
+    with pytest.raises(KeyboardInterrupt), run_store(out, FILES, command="network") as store:  # noqa: PT012
         store.keep(CASE, result())
         raise KeyboardInterrupt
-    with run_store(out, OPTIONS, KEY) as store:
+    with run_store(out, FILES, command="network") as store:
         assert store.find(CASE) == result()
     assert not list(tmp_path.iterdir())
 
 
 def test_two_calls_at_a_time_are_one_too_many(tmp_path: Path) -> None:
     with (
-        run_store(tmp_path / "out", OPTIONS, KEY),
+        run_store(tmp_path / "out", FILES, command="network"),
         pytest.raises(ConfigError, match="another modelcast network"),
-        run_store(tmp_path / "out", OPTIONS, KEY),
+        run_store(tmp_path / "out", FILES, command="network"),
     ):
         pass
 

@@ -15,7 +15,7 @@ from modelcast.models.kinematic import (
 )
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.models.trusted import Trusted
-from modelcast.runtime.trip import believed_kernels
+from modelcast.runtime.trip.replay import replay, schedules_of
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sensing.velocity import velocity_estimator_for
@@ -136,25 +136,8 @@ def test_sender_batch_and_replay_agree_in_every_bit(drive: Trajectory) -> None:
     off = drive.position_m[before[damped]] + moved - drive.position_m[damped]
     assert np.array_equal(np.sqrt((off * off).sum(axis=1)), bank.tracking_error_m(walk)[damped, 0])
 
-    errors = np.empty((5, 1, count))
-    believed_kernels.replay(
-        bank.own.ready.members,
-        believed_kernels.SentTrip(
-            drive.t_s,
-            bank.stated_s,
-            bank.stated_m,
-            bank.parameters,
-            drive.position_m,
-            np.tile([1.0, 0.0], (count, 1)),
-        ),
-        believed_kernels.Schedules(walk.kind[None], walk.in_use[None], walk.update_index[None]),
-        np.zeros((1, count), dtype=np.bool_),
-        0.0,
-        np.inf,
-        errors,
-        np.empty((1, count)),
-        np.empty(1, dtype=np.int64),
-    )
+    nothing, east = np.zeros((1, count), dtype=np.bool_), np.tile([1.0, 0.0], (count, 1))
+    errors = replay(bank, schedules_of([walk]), nothing, drive.position_m, east).errors
     assert np.array_equal(errors[1, 0, damped], bank.tracking_error_m(walk)[damped, 0])
 
 

@@ -17,6 +17,7 @@ from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.banks import BASELINE_BANK, PAPER_BANK
 from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.receiver.belief_kernels import BELIEF_COLUMNS
 from modelcast.station.sensing.velocity import REPORTED
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.evaluate import evaluate
@@ -202,6 +203,8 @@ def held_after(kinds: list[str], used: list[int], lost: list[int]) -> list[tuple
             bank.parameters[10:].copy(),
             np.zeros((4, 2)),
             np.tile([1.0, 0.0], (4, 1)),
+            np.zeros((4, 3)),
+            np.zeros(2, dtype=np.bool_),
         ),
         believed_kernels.Schedules(
             kind,
@@ -214,6 +217,7 @@ def held_after(kinds: list[str], used: list[int], lost: list[int]) -> list[tuple
         errors,
         np.empty((1, 4)),
         np.empty(1, dtype=np.int64),
+        np.empty((0, 4, BELIEF_COLUMNS)),
     )
     held = []
     for now in range(4):

@@ -18,7 +18,7 @@ from modelcast.cli.shared_work import workers
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.fcd_survey import FcdSurvey, survey_document
 from modelcast.io.network import write_network
-from modelcast.io.network_runs import RunKey
+from modelcast.io.network_runs import NetworkRunFiles, RunKey
 from modelcast.io.output import atomic_folder
 from modelcast.io.run_store import RunStore, run_store
 from modelcast.io.traffic import write_traffic
@@ -106,7 +106,8 @@ def sweep(
     """
     plan, cases, found = asked.plan, asked.cases, asked.found
     options, key = plan.as_plain(), plan.key()
-    with atomic_folder(out, command="network") as folder, run_store(out, options, key) as store:
+    files = NetworkRunFiles(options, key)
+    with atomic_folder(out, command="network") as folder, run_store(out, files, command="network") as store:
         traffic = None if found is None else survey_document(found)
         for line in () if found is None else traffic_lines(found):
             say(line)
@@ -147,7 +148,7 @@ def _training_trips(plan: NetworkPlan) -> tuple[tuple[str, ...], list[str]]:
 def _run_all(
     asked: Sweep,
     known: Mapping[NetworkCase, CaseResult],
-    store: RunStore,
+    store: RunStore[NetworkCase, CaseResult],
     *,
     jobs: int,
     progress: Progress,

@@ -17,6 +17,7 @@ from typing import Any, TypeVar, cast
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.documents import document_text, plain_value, row_document
+from modelcast.io.run_store import AbstractRunFiles
 from modelcast.study.network.rows import (
     CASE_KEYS,
     CaseResult,
@@ -27,7 +28,7 @@ from modelcast.study.network.rows import (
     SecondRow,
 )
 
-__all__ = ["RUN_SCHEMA", "RunKey", "case_name", "read_case", "run_path", "write_case"]
+__all__ = ["RUN_SCHEMA", "NetworkRunFiles", "RunKey", "case_name", "read_case", "run_path", "write_case"]
 
 RUN_SCHEMA = 4
 """Version of the layout of a run's file; since 2 it holds version and inputs, since 3 the bank, since 4 the
@@ -187,6 +188,32 @@ def read_case(case: NetworkCase, options: Mapping[str, Any], key: RunKey, folder
         outcomes=list(_rows(path, "outcomes", OutcomeRow, document["outcomes"], case)),
         seconds=list(_rows(path, "seconds", SecondRow, document["seconds"], case)),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class NetworkRunFiles(AbstractRunFiles[NetworkCase, CaseResult]):
+    """Runs of ``modelcast network``.
+
+    Parameters
+    ----------
+    options, key
+        As for `write_case`.
+    """
+
+    options: Mapping[str, Any]
+    key: RunKey
+
+    def path(self, case: NetworkCase, folder: Path) -> Path:
+        """As `run_path`."""
+        return run_path(case, self.key, folder)
+
+    def read(self, case: NetworkCase, folder: Path) -> CaseResult | None:
+        """As `read_case`."""
+        return read_case(case, self.options, self.key, folder)
+
+    def write(self, case: NetworkCase, result: CaseResult, folder: Path) -> None:
+        """As `write_case`."""
+        _ = write_case(result, case, self.options, self.key, folder)
 
 
 def _refused(path: Path, field: str, expected: str) -> ConfigError:

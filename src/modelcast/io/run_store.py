@@ -7,26 +7,67 @@ an output folder: the kernel holds a lock for as long as the process lives.
 """
 
 import shutil
+from abc import ABC, abstractmethod
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Generic, TypeVar
 
 from filelock import FileLock, Timeout
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.io.network_runs import RunKey, read_case, run_path, write_case
-from modelcast.study.network.rows import CaseResult, NetworkCase
 
-__all__ = ["RunStore", "run_store"]
+__all__ = ["AbstractRunFiles", "RunStore", "run_store"]
+
+Case = TypeVar("Case")
+Result = TypeVar("Result")
 
 _RUNS = "runs"
 _LOCK = "lock"
 
 
+class AbstractRunFiles(ABC, Generic[Case, Result]):
+    """How the runs of a command are written, and read again where nothing they depend on has changed."""
+
+    @abstractmethod
+    def path(self, case: Case, folder: Path) -> Path:
+        """Where a run is; what it depends on is part of the name.
+
+        Parameters
+        ----------
+        case, folder
+            The run, and the folder of all.
+        """
+
+    @abstractmethod
+    def read(self, case: Case, folder: Path) -> Result | None:
+        """What a run gave, None where it is not done.
+
+        Parameters
+        ----------
+        case, folder
+            As for `path`.
+
+        Raises
+        ------
+        ConfigError
+            Where the file is damaged, or of a run with other options.
+        """
+
+    @abstractmethod
+    def write(self, case: Case, result: Result, folder: Path) -> None:
+        """Write what a run gave; the file appears whole or not at all.
+
+        Parameters
+        ----------
+        case, result, folder
+            The run, its result, and an existing folder.
+        """
+
+
 @dataclass(frozen=True, slots=True)
-class RunStore:
+class RunStore(Generic[Case, Result]):
     """Where the runs of one output folder are.
 
     Parameters
@@ -35,17 +76,16 @@ class RunStore:
         The runs of the output folder.
     unfinished
         Those that no finished call has taken over.
-    options, key
-        What they are run with.
+    files
+        How they are written and read.
     """
 
     done: Path
     unfinished: Path
-    options: Mapping[str, Any]
-    key: RunKey
+    files: AbstractRunFiles[Case, Result]
 
-    def find(self, case: NetworkCase) -> CaseResult | None:
-        """Return the rows of a run that is done, None where it is not.
+    def find(self, case: Case) -> Result | None:
+        """Return what a run gave that is done, None where it is not.
 
         Of runs whose call never ended, those with other options or damaged are dropped.
 
@@ -59,24 +99,24 @@ class RunStore:
         ConfigError
             Where the output folder holds it with other options, or damaged.
         """
-        found = read_case(case, self.options, self.key, self.done)
+        found = self.files.read(case, self.done)
         if found is not None:
             return found
         with suppress(ConfigError):
-            return read_case(case, self.options, self.key, self.unfinished)
+            return self.files.read(case, self.unfinished)
         return None
 
-    def keep(self, case: NetworkCase, result: CaseResult) -> None:
+    def keep(self, case: Case, result: Result) -> None:
         """Write a run that has just been done.
 
         Parameters
         ----------
         case, result
-            The run and its rows.
+            The run and what it gave.
         """
-        write_case(result, case, self.options, self.key, self.unfinished)
+        self.files.write(case, result, self.unfinished)
 
-    def publish(self, results: Mapping[NetworkCase, CaseResult], folder: Path) -> None:
+    def publish(self, results: Mapping[Case, Result], folder: Path) -> None:
         """Write runs into an output folder that is about to appear, beside those of earlier calls.
 
         Parameters
@@ -93,20 +133,24 @@ class RunStore:
                 if path.is_file():
                     shutil.copy2(path, runs / path.name)
         for case, result in results.items():
-            if not run_path(case, self.key, runs).exists():
-                write_case(result, case, self.options, self.key, runs)
+            if not self.files.path(case, runs).exists():
+                self.files.write(case, result, runs)
 
 
 @contextmanager
-def run_store(out: str | Path, options: Mapping[str, Any], key: RunKey) -> Generator[RunStore]:
+def run_store(
+    out: str | Path, files: AbstractRunFiles[Case, Result], *, command: str
+) -> Generator[RunStore[Case, Result]]:
     """Yield the runs of an output folder; what the call wrote for later goes when the block ends well.
 
     Parameters
     ----------
     out
         The output folder.
-    options, key
-        What runs are run with.
+    files
+        How runs are written and read.
+    command
+        Who writes them, as in ``modelcast network``.
 
     Raises
     ------
@@ -121,12 +165,12 @@ def run_store(out: str | Path, options: Mapping[str, Any], key: RunKey) -> Gener
         lock.acquire(timeout=0)
     except Timeout as error:
         raise ConfigError(
-            f"another modelcast network is writing to {out}: wait for it, or name another output folder"
+            f"another modelcast {command} is writing to {out}: wait for it, or name another output folder"
         ) from error
     try:
         for partial in unfinished.glob("*.partial-*"):
             partial.unlink(missing_ok=True)
-        yield RunStore(target / _RUNS, unfinished, options, key)
+        yield RunStore(target / _RUNS, unfinished, files)
         for path in unfinished.glob("*.json"):
             path.unlink(missing_ok=True)
     finally:

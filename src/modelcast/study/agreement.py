@@ -15,7 +15,7 @@ from modelcast.core.chance import child_generator
 from modelcast.models.bank import Bank
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.settings import NetworkSettings
-from modelcast.runtime.trip import believed_kernels
+from modelcast.runtime.trip.replay import replay, schedules_of
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.banks import profile_number_of
 from modelcast.station.policy.error_driven import ErrorDriven
@@ -218,23 +218,5 @@ def _replayed(
 ) -> FloatArray:
     """Where the replay puts the sender at each sample, (2, T) [m]."""
     count = len(trip)
-    errors = np.empty((5, 1, count))
-    believed_kernels.replay(
-        runtime.own.ready.members,
-        believed_kernels.SentTrip(
-            trip.t_s,
-            runtime.stated_s,
-            runtime.stated_m,
-            runtime.parameters,
-            np.zeros((count, 2)),
-            np.tile([1.0, 0.0], (count, 1)),
-        ),
-        believed_kernels.Schedules(walked.kind[None], walked.in_use[None], walked.update_index[None]),
-        lost,
-        0.0,
-        np.inf,
-        errors,
-        np.empty((1, count)),
-        np.empty(1, dtype=np.int64),
-    )
-    return errors[2:4, 0]
+    still, east = np.zeros((count, 2)), np.tile([1.0, 0.0], (count, 1))
+    return replay(runtime, schedules_of([walked]), lost, still, east).errors[2:4, 0]

@@ -12,22 +12,20 @@ import numpy as np
 
 from modelcast.core.arrays import BoolArray, IntArray, SingleArray
 from modelcast.core.chance import child_generator
-from modelcast.runtime.trip import believed_kernels
+from modelcast.runtime.trip.believed_kernels import Schedules
+from modelcast.runtime.trip.replay import replay
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.periodic import Periodic
 from modelcast.study.case import TripCase
+from modelcast.study.matching import matched_threshold
 from modelcast.study.metrics import Histogram
 from modelcast.study.rules import RATE_BASES, RateBasis
 from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.jumps import jumps_between
 
 __all__ = ["Contender", "LossRuns", "TrackingRun", "draw_losses", "run_tracking", "walks_under_loss"]
-
-_BISECTIONS = 24
-_WIDEST_THRESHOLD_M = 64.0
-_SMALLEST_THRESHOLD_M = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -289,16 +287,7 @@ class LossRuns:
 
     def _matched(self, longest_s: float | None, messages: int) -> TripMessages:
         """The baseline's walk whose count of messages comes nearest, its threshold found by bisection."""
-        low, high = _SMALLEST_THRESHOLD_M, _WIDEST_THRESHOLD_M
-        best, best_count = low, -1
-        for _ in range(_BISECTIONS):
-            middle = float(np.sqrt(low * high))
-            count = self._count(middle, longest_s)
-            if best_count < 0 or abs(count - messages) < abs(best_count - messages):
-                best, best_count = middle, count
-            if count == messages:
-                break
-            low, high = (middle, high) if count > messages else (low, middle)
+        best = matched_threshold(lambda threshold_m: self._count(threshold_m, longest_s), messages)
         return self._baseline.run(ErrorDriven(best, max_inter_transmit_time_s=longest_s))
 
     def _count(self, threshold_m: float, longest_s: float | None) -> int:
@@ -329,36 +318,22 @@ class LossRuns:
         # The replay repeats schedules over the runs: of one ratio where all share them, else of every run.
         each = 1 if len(sent) == 1 else seeds // len(sent[0])
         own = [one for row in sent for one in row for _ in range(each)]
-        errors = np.empty((5, runs, count))
-        gaps_s = np.empty((runs, count))
-        gap_count = np.empty(runs, dtype=np.int64)
         kind = np.stack([one.kind for one in own])
-        believed_kernels.replay(
-            ready.own.ready.members,
-            believed_kernels.SentTrip(
-                case.truth.t_s,
-                ready.stated_s,
-                ready.stated_m,
-                ready.parameters,
-                case.truth.position_m,
-                case.direction,
-            ),
-            believed_kernels.Schedules(
-                kind,
-                np.stack([one.in_use for one in own]),
-                np.stack([one.update_index for one in own]),
+        replayed = replay(
+            ready,
+            Schedules(
+                kind, np.stack([one.in_use for one in own]), np.stack([one.update_index for one in own])
             ),
             lost.reshape(runs, count),
-            settings.delay_s,
-            np.inf if settings.expiry_s is None else settings.expiry_s,
-            errors,
-            gaps_s,
-            gap_count,
+            case.truth.position_m,
+            case.direction,
+            delay_s=settings.delay_s,
+            expiry_s=np.inf if settings.expiry_s is None else settings.expiry_s,
         )
         gaps = tuple(Histogram() for _ in range(ratios))
-        for run in range(runs):
-            gaps[run // seeds].add(gaps_s[run, : gap_count[run]], 1.0)
-        after_m, before_m, along_m, cross_m, age_s = errors.astype(np.float32).reshape(
+        for run, gaps_s in enumerate(replayed.gaps_s):
+            gaps[run // seeds].add(gaps_s, 1.0)
+        after_m, before_m, along_m, cross_m, age_s = replayed.errors.astype(np.float32).reshape(
             5, ratios, seeds, count
         )
         return TrackingRun(

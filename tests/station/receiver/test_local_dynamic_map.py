@@ -21,7 +21,7 @@ from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.trusted import Trusted
-from modelcast.runtime.trip import believed_kernels
+from modelcast.runtime.trip.replay import replay, schedules_of
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.policy.base import MessageKind
 from modelcast.station.receiver import hearing_kernels, track_kernels
@@ -669,24 +669,5 @@ def replayed(
     case: TripCase, sender: TripRuntime, walk: TripMessages, lost: BoolArray, *, expiry_s: float
 ) -> FloatArray:
     """The evaluation's replay in double precision: errors after, before, along, across, and age, (5, T)."""
-    count = len(case.truth)
-    errors = np.empty((5, 1, count))
-    believed_kernels.replay(
-        sender.own.ready.members,
-        believed_kernels.SentTrip(
-            case.truth.t_s,
-            sender.stated_s,
-            sender.stated_m,
-            sender.parameters,
-            case.truth.position_m,
-            case.direction,
-        ),
-        believed_kernels.Schedules(walk.kind[None], walk.in_use[None], walk.update_index[None]),
-        lost,
-        0.0,
-        expiry_s,
-        errors,
-        np.empty((1, count)),
-        np.empty(1, dtype=np.int64),
-    )
-    return errors[:, 0]
+    place_m, course = case.truth.position_m, case.direction
+    return replay(sender, schedules_of([walk]), lost, place_m, course, expiry_s=expiry_s).errors[:, 0]

@@ -7,6 +7,7 @@ import numpy as np
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
     BoolMatrix,
+    BoolVector,
     FloatCube,
     FloatMatrix,
     FloatVector,
@@ -15,6 +16,12 @@ from modelcast.core.kernel_types import (
 )
 from modelcast.models.member_kernels import Members, absorb_member, predict_member
 from modelcast.station.policy.error_driven_kernels import IDENTIFICATION, NOTHING
+from modelcast.station.receiver.belief_kernels import (
+    BELIEF_ACCELERATION,
+    BELIEF_YAW_RATE,
+    STEP_S,
+    differentiate,
+)
 from modelcast.station.receiver.track_kernels import (
     ACCEPTED,
     HELD_CONTENT,
@@ -36,7 +43,9 @@ class SentTrip(NamedTuple):
     """What was sent over a trip of T samples, and what was true.
 
     ``t_s`` (T,); ``stated_s`` (T,) and ``stated_m`` (T, 2) as messages state them; ``parameters`` (T, P);
-    ``truth_m`` (T, 2) and unit vectors of the true course ``direction`` (T, 2).
+    ``truth_m`` (T, 2) and unit vectors of the true course ``direction`` (T, 2). ``told`` (T, 3) are heading,
+    acceleration and yaw rate as messages state them, and ``coasts`` (M,) says which members predict a
+    constant velocity: both matter to motions alone.
     """
 
     t_s: FloatVector
@@ -45,6 +54,8 @@ class SentTrip(NamedTuple):
     parameters: FloatMatrix
     truth_m: FloatMatrix
     direction: FloatMatrix
+    told: FloatMatrix
+    coasts: BoolVector
 
 
 class Schedules(NamedTuple):
@@ -86,6 +97,33 @@ def _absorb(
         absorb_member(members, m, own, moved, last >= 0 and m == member, held)
 
 
+@kernel(inlined=True)
+def _move(
+    members: Members,
+    x: SentTrip,
+    held: FloatVector,
+    grown: FloatVector,
+    j: int,
+    path: FloatMatrix,
+    out: FloatVector,
+) -> None:
+    """How the host believes the sender to move at a sample, into ``out`` (BELIEF_COLUMNS,).
+
+    A message whose sub-model coasts says all the same how fast it brakes and turns: that is believed.
+    """
+    at, member = int(held[HELD_CONTENT]), int(held[HELD_MEMBER])
+    own = grown[members.offsets[member] : members.offsets[member + 1]]
+    age_s = x.t_s[j] - held[HELD_FIT_S]
+    middle_s = max(age_s, STEP_S)
+    for k in range(3):
+        predict_member(members, member, own, middle_s + (k - 1) * STEP_S, path[k])
+    differentiate(path, age_s - middle_s, x.told[at, 0], out)
+    predict_member(members, member, own, age_s, path[0])
+    out[0], out[1] = x.stated_m[at, 0] + path[0, 0], x.stated_m[at, 1] + path[0, 1]
+    if x.coasts[member]:
+        out[BELIEF_ACCELERATION], out[BELIEF_YAW_RATE] = x.told[at, 1], x.told[at, 2]
+
+
 @kernel
 def replay(
     members: Members,
@@ -97,15 +135,17 @@ def replay(
     errors: FloatCube,
     gaps_s: FloatMatrix,
     gap_count: IntVector,
+    motions: FloatCube,
 ) -> None:
     """Replay R runs over one trip; run r follows schedule r modulo S.
 
     ``lost`` (R, T) says which instants' messages never arrive. Writes ``errors`` (5, R, T): the tracking
     error after and before the instant's message, its parts along and across the track, and the age of the
     model held, all NaN where the host holds nothing. ``gaps_s`` (R, T) receives the gaps between receptions
-    of each run and ``gap_count`` (R,) their number.
+    of each run and ``gap_count`` (R,) their number; ``motions`` (R, T, BELIEF_COLUMNS) how the sender is
+    believed to move, unless it has no rows.
     """
-    off, held, moved = np.empty(2), np.empty(TRACK_COLUMNS), np.empty(3)
+    off, held, moved, path = np.empty(2), np.empty(TRACK_COLUMNS), np.empty(3), np.empty((3, 2))
     grown = np.empty(x.parameters.shape[1])
     for run in range(lost.shape[0]):
         schedule = run % sent.kind.shape[0]
@@ -138,6 +178,8 @@ def replay(
                         _absorb(members, x, last, member, i, moved, grown)
             if not is_live(held, x.t_s[j], expiry_s):
                 errors[:, run, j] = np.nan
+                if motions.shape[0] > 0:
+                    motions[run, j, :] = np.nan
                 continue
             _off(members, x, held, grown, j, off)
             after = np.sqrt(off[0] * off[0] + off[1] * off[1])
@@ -146,4 +188,6 @@ def replay(
             errors[2, run, j] = off[0] * x.direction[j, 0] + off[1] * x.direction[j, 1]
             errors[3, run, j] = off[1] * x.direction[j, 0] - off[0] * x.direction[j, 1]
             errors[4, run, j] = x.t_s[j] - held[HELD_FIT_S]
+            if motions.shape[0] > 0:
+                _move(members, x, held, grown, j, path, motions[run, j])
         gap_count[run] = written

@@ -16,11 +16,11 @@ from modelcast.channel.base import AbstractChannel
 from modelcast.channel.erasure import IndependentErasure
 from modelcast.core.arrays import FloatArray, owned
 from modelcast.core.chance import child_generator
-from modelcast.core.geodesy import geodetic_to_local, local_to_geodetic
 from modelcast.models.bank import Bank
 from modelcast.models.context_columns import CONTEXT_COLUMNS, ROAD_TURN
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.runtime.trip.companions import Told, hearing, tell
+from modelcast.runtime.trip.together import begins_after_s, placed
 from modelcast.station.banks import free_bank
 from modelcast.station.context.road import (
     NO_ROADS,
@@ -190,13 +190,13 @@ class TripContexts:
             told = survey.cells(own.origin, (fingerprint(self._recorded[which]),))
             parts += [] if told is None else [told]
         for at, other in enumerate(self.trips):
-            start_s = _begins_after_s(other, own)
+            start_s = begins_after_s(other, own)
             if at == which or start_s is None or start_s + own.t_s[0] <= other.t_s[-1]:
                 continue
             if at not in self._cells:
                 self._cells[at] = road_cells(other.t_s, self._sampled(at))
             cells = self._cells[at]
-            parts.append(RoadCells(_placed(cells.numbers, other, own), cells.passes))
+            parts.append(RoadCells(placed(cells.numbers, other, own), cells.passes))
         return roads_of(joined(parts)) if parts else NO_ROADS
 
     def _follow(self, which: int, channel: AbstractChannel, out: FloatArray) -> None:
@@ -204,7 +204,7 @@ class TripContexts:
         own, settings = self.trips[which], self.settings
         told: list[Told] = []
         for at, other in enumerate(self.trips):
-            later_s = _begins_after_s(own, other)
+            later_s = begins_after_s(own, other)
             if at == which or later_s is None:
                 continue
             if later_s + other.t_s[0] > own.t_s[-1] or later_s + other.t_s[-1] < own.t_s[0]:
@@ -217,7 +217,7 @@ class TripContexts:
             one = self._told[at]
             rng = child_generator(settings.seed, own.trip_id, other.trip_id, "ahead")
             lost = channel.losses(other.t_s, rng)[one.sample]
-            told.append(one.heard_by(_placed(one.stated_m, other, own), later_s, lost))
+            told.append(one.heard_by(placed(one.stated_m, other, own), later_s, lost))
         if told:
             hearing(told, own, self._sampled(which), settings.bank, delay_s=settings.delay_s, out=out)
 
@@ -242,26 +242,3 @@ def trip_context(
     For several trips of one recording `TripContexts` finds out once what each says.
     """
     return TripContexts(trips, settings).of(which)
-
-
-def _begins_after_s(first: Trajectory, second: Trajectory) -> float | None:
-    """How much later a trip begins than another, None where they share no clock or no frame [s]."""
-    if (first.origin is None) != (second.origin is None):
-        return None
-    one_file = first.trip_id.rpartition("/")[0] == second.trip_id.rpartition("/")[0]
-    if first.start_unix_s is not None and second.start_unix_s is not None:
-        if first.origin is None and not one_file:
-            return None
-        return second.start_unix_s - first.start_unix_s
-    if first.clock_s is None or second.clock_s is None or not one_file:
-        return None
-    return second.clock_s - first.clock_s
-
-
-def _placed(numbers: FloatArray, first: Trajectory, second: Trajectory) -> FloatArray:
-    """Rows whose first columns are a place, east and north, from one trip's frame to another's."""
-    if first.origin is None or second.origin is None or first.origin == second.origin:
-        return numbers
-    found = numbers.copy()
-    found[:, :2] = geodetic_to_local(local_to_geodetic(numbers[:, :2], first.origin), second.origin)
-    return found

@@ -8,7 +8,7 @@ import numpy as np
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.trips.trajectory import Trajectory
 from modelcast.world.scenario.base import NOBODY, STEP_S, AbstractScenario, FleetFrame
-from modelcast.world.sensors import with_motion
+from modelcast.world.true_motion import true_motion
 
 __all__ = ["Replay", "make_replay"]
 
@@ -128,30 +128,20 @@ def make_replay(trips: Sequence[Trajectory], starts_s: Sequence[float], *, lengt
     columns = {name: np.zeros(shape) for name in ("speed", "heading", "acceleration", "yaw_rate")}
     active = np.zeros(shape, dtype=np.bool_)
     for slot, (trip, start) in enumerate(zip(trips, starts_s, strict=True)):
-        moving = with_motion(trip)
-        speed, heading = moving.speed_mps, moving.heading_rad
-        if speed is None or heading is None:
-            raise ValueError(f"{trip.trip_id} has no speed or no heading")
+        motion = true_motion(trip)
         for a, b in zip(trip.segments[:-1], trip.segments[1:], strict=True):
             if b - a < 3:
                 continue
-            t_s, course = trip.t_s[a:b] + start, np.unwrap(heading[a:b])
+            t_s = trip.t_s[a:b] + start
             here = (clock >= t_s[0] - 1e-6) & (clock <= t_s[-1] + 1e-6)
-            at = clock[here]
             active[here, slot] = True
-            for axis in (0, 1):
-                position[here, slot, axis] = np.interp(at, t_s, trip.position_m[a:b, axis])
-            columns["speed"][here, slot] = np.maximum(np.interp(at, t_s, speed[a:b]), 0.0)
-            turned = np.interp(at, t_s, course)
-            columns["heading"][here, slot] = (turned + np.pi) % (2.0 * np.pi) - np.pi
-            acceleration = trip.acceleration_mps2
-            columns["acceleration"][here, slot] = np.interp(
-                at, t_s, np.gradient(speed[a:b], t_s) if acceleration is None else acceleration[a:b]
+            east, north, speed, course, acceleration, yaw_rate = (
+                np.interp(clock[here], t_s, values) for values in motion[a:b].T
             )
-            yaw_rate = trip.yaw_rate_radps
-            columns["yaw_rate"][here, slot] = np.interp(
-                at, t_s, np.gradient(course, t_s) if yaw_rate is None else yaw_rate[a:b]
-            )
+            position[here, slot] = np.stack([east, north], axis=1)
+            columns["speed"][here, slot] = np.maximum(speed, 0.0)
+            columns["heading"][here, slot] = (course + np.pi) % (2.0 * np.pi) - np.pi
+            columns["acceleration"][here, slot], columns["yaw_rate"][here, slot] = acceleration, yaw_rate
     return Replay(
         position,
         columns["speed"],
