@@ -28,6 +28,7 @@ COMMANDS = (
     "convert",
     "coverage",
     "network",
+    "safety",
     "train",
     "road",
     "decode",

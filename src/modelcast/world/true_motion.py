@@ -1,6 +1,7 @@
 """How a recorded vehicle truly moved: what its log lacks is taken from differences on both sides."""
 
 import numpy as np
+from scipy.signal import savgol_filter
 
 from modelcast.core.arrays import FloatArray
 from modelcast.trips.trajectory import Trajectory
@@ -14,7 +15,7 @@ MOTION_COLUMNS = ("east_m", "north_m", "speed_mps", "heading_rad", "acceleration
 _SHORTEST = 3
 
 
-def true_motion(trip: Trajectory) -> FloatArray:
+def true_motion(trip: Trajectory, *, smooth_s: float = 0.0) -> FloatArray:
     """Place, speed, course, acceleration along it and yaw rate of every sample, (T, 6).
 
     The course is unwrapped within each gapless part, so that it can be interpolated. In parts of fewer than
@@ -24,6 +25,9 @@ def true_motion(trip: Trajectory) -> FloatArray:
     ----------
     trip
         Any trip.
+    smooth_s
+        Acceleration and yaw rate are slopes of parabolas through the speeds and courses up to this long
+        before and after [s], since differences of two samples are mostly noise; 0 for those of two steps.
 
     Raises
     ------
@@ -44,5 +48,14 @@ def true_motion(trip: Trajectory) -> FloatArray:
             continue
         for column, given, of in ((4, trip.acceleration_mps2, 2), (5, trip.yaw_rate_radps, 3)):
             if given is None:
-                found[a:b, column] = np.gradient(found[a:b, of], trip.t_s[a:b])
+                found[a:b, column] = _slope(found[a:b, of], trip.t_s[a:b], round(smooth_s / trip.dt_s))
     return found
+
+
+def _slope(values: FloatArray, t_s: FloatArray, reach: int) -> FloatArray:
+    """Slopes of values, of parabolas through ``reach`` samples to either side where there are as many."""
+    samples = 2 * reach + 1
+    if reach < 1 or values.size < samples:
+        return np.gradient(values, t_s)
+    step_s = float(np.median(np.diff(t_s)))
+    return savgol_filter(values, samples, 2, deriv=1, delta=step_s)

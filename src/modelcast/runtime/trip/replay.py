@@ -109,7 +109,7 @@ def replay(
     """
     runs, count = lost.shape
     errors, gaps_s = np.empty((5, runs, count)), np.empty((runs, count))
-    gap_count: IntArray = np.zeros(runs, dtype=np.int64)
+    gap_count: IntArray = np.zeros((runs,), dtype=np.int64)
     moves = np.empty((runs if motions else 0, count, BELIEF_COLUMNS))
     believed_kernels.replay(
         ready.own.ready.members,
@@ -123,7 +123,7 @@ def replay(
         gap_count,
         moves,
     )
-    gaps = tuple(gaps_s[run, :written].copy() for run, written in enumerate(gap_count.tolist()))
+    gaps = tuple(row[:written].copy() for row, written in zip(gaps_s, gap_count, strict=True))
     return Replayed(errors, gaps, moves)
 
 

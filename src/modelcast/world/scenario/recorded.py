@@ -135,13 +135,13 @@ def make_replay(trips: Sequence[Trajectory], starts_s: Sequence[float], *, lengt
             t_s = trip.t_s[a:b] + start
             here = (clock >= t_s[0] - 1e-6) & (clock <= t_s[-1] + 1e-6)
             active[here, slot] = True
-            east, north, speed, course, acceleration, yaw_rate = (
-                np.interp(clock[here], t_s, values) for values in motion[a:b].T
+            at = np.stack(
+                [np.interp(clock[here], t_s, motion[a:b, k]) for k in range(motion.shape[1])], axis=1
             )
-            position[here, slot] = np.stack([east, north], axis=1)
-            columns["speed"][here, slot] = np.maximum(speed, 0.0)
-            columns["heading"][here, slot] = (course + np.pi) % (2.0 * np.pi) - np.pi
-            columns["acceleration"][here, slot], columns["yaw_rate"][here, slot] = acceleration, yaw_rate
+            position[here, slot] = at[:, :2]
+            columns["speed"][here, slot] = np.maximum(at[:, 2], 0.0)
+            columns["heading"][here, slot] = (at[:, 3] + np.pi) % (2.0 * np.pi) - np.pi
+            columns["acceleration"][here, slot], columns["yaw_rate"][here, slot] = at[:, 4], at[:, 5]
     return Replay(
         position,
         columns["speed"],

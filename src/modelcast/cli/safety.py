@@ -1,0 +1,111 @@
+"""``modelcast safety``: what messages and models are worth to a safety application."""
+
+from pathlib import Path
+
+from modelcast.cli.options import Columns, Format
+from modelcast.cli.safety_options import SafetyOptions
+
+__all__ = ["safety"]
+
+
+def safety(
+    *paths: Path,
+    out: Path = Path("out/safety"),
+    format: Format = None,  # noqa: A002 - the word a user would type
+    columns: Columns = None,
+    trip: str = "*",
+    options: SafetyOptions = SafetyOptions(),  # noqa: B008 - frozen
+    jobs: int = 0,
+    json: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Warn of the vehicle ahead by its messages, against the same application with perfect knowledge.
+
+    Every vehicle of a platoon is a host, the one ahead of it the sender. Writes runs/, summary.json,
+    pooled.parquet, events.parquet, table.md, report.html, its figures and run.json. Recordings that are
+    scored are kept, also where the command was interrupted.
+
+    Parameters
+    ----------
+    paths
+        Files or folders with recorded platoons: trips of several vehicles on one clock.
+    out
+        Output folder; one that an earlier run of this command wrote is replaced.
+    format
+        Name of the files' format; found from their content where not given.
+    columns
+        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v,vehicle=id'.
+    trip
+        Take only trips whose identifier matches this shell pattern.
+    options
+        What changes the figures.
+    jobs
+        Recordings at a time; 0 for one a processor.
+    json
+        Print summary.json instead of tables.
+    quiet
+        Print nothing but errors.
+    """
+    import json as json_format
+    import sys
+
+    from modelcast.cli.options import parse_columns
+    from modelcast.cli.progress import busy, counted, watched
+    from modelcast.cli.reading import PARTLY_FAILED, TripSource
+    from modelcast.cli.run_record import write_run
+    from modelcast.cli.safety_sweep import gathered, run_options, safety_work, score_all
+    from modelcast.cli.shared_work import jobs_in_use
+    from modelcast.cli.terminal import say, show
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.core.version import package_version
+    from modelcast.io.output import atomic_folder
+    from modelcast.io.run_store import run_store
+    from modelcast.io.safety import safety_document, write_safety
+    from modelcast.io.safety_runs import SafetyRunFiles
+    from modelcast.report.safety import safety_console, write_safety_report
+    from modelcast.study.safety.pairs import recordings_of
+    from modelcast.trips.fingerprint import known_trips
+
+    if not paths:
+        raise ConfigError("name at least one file or folder with a platoon (modelcast safety --help)")
+    if not options.sensors or not options.burst or not options.per:
+        raise ConfigError("--sensors, --burst and --per: name at least one each")
+    candidates, silent = options.candidates(), quiet or json
+    for sensor in options.sensors:
+        _ = options.settings(sensor, options.burst[0])
+    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
+    files = SafetyRunFiles(package_version(), run_options(options))
+    with (
+        atomic_folder(out, command="safety", shown=f"--out {out}") as folder,
+        run_store(out, files, command="safety") as store,
+    ):
+        with watched(source, quiet=silent) as shown:
+            trips = list(shown)
+        work = safety_work(recordings_of(trips), options)
+        with counted("recordings", quiet=silent) as progress:
+            scores = score_all(work, options, store, jobs=jobs_in_use(jobs), progress=progress)
+        with busy("pooling", quiet=silent):
+            found = gathered(
+                list(scores.values()), options, failures=source.failures, skipped=dict(source.skipped)
+            )
+        store.publish(scores, folder)
+        asked = {
+            "paths": [str(path) for path in paths],
+            "format": format,
+            "columns": columns,
+            "trip": trip,
+            "options": options.as_plain(),
+        }
+        trained_on = frozenset[str]().union(*(one.trained_on or () for one in candidates))
+        known = known_trips(trips, trained_on)
+        write_run(folder, "safety", asked, (*paths, *options.files), training_trips=known)
+        with busy("writing the report", quiet=silent):
+            write_safety(found, folder)
+            write_safety_report(found, folder, training_trips=known, trips=len(trips))
+    if json:
+        json_format.dump(safety_document(found), sys.stdout, indent=2, sort_keys=True)
+        print()
+    elif not quiet:
+        show(safety_console(found))
+        say(f"report: {out / 'report.html'}")
+    return PARTLY_FAILED if found.failures else 0

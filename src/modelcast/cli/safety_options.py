@@ -1,0 +1,189 @@
+"""The options of ``modelcast safety``, and the settings and candidates they mean."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from modelcast.cli.compare_options import CompareOptions
+from modelcast.cli.evaluate_options import EvaluateOptions
+from modelcast.cli.options import Numbers, SensorOptions, Words
+from modelcast.messages.rules import CertificateRule
+from modelcast.station.policy.rules import BelieveRule
+from modelcast.study.safety.settings import BASES, Basis, Truth
+
+if TYPE_CHECKING:
+    from modelcast.study.compare.candidate import FixedCandidate
+    from modelcast.study.safety.settings import SafetySettings
+
+__all__ = ["SafetyOptions"]
+
+_Bases = Annotated[tuple[Basis, ...], Parameter(consume_multiple=True, negative="")]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class SafetyOptions:
+    """Everything that changes the figures of a safety evaluation.
+
+    Parameters
+    ----------
+    application
+        What warns: fcw (forward collision warning) or eebl (emergency electronic brake light).
+    algorithm
+        Of fcw, as modelcast.apps names them.
+    bank
+        Senders to compare, several after one another, each as in 'modelcast evaluate --bank'; cv is the
+        baseline. Put the trips before this option.
+    profile
+        File of the profile in use, as in 'modelcast evaluate'.
+    threshold
+        Tracking-error threshold [m] of the sender whose budget counts, and of all at equal threshold.
+    per
+        Packet error ratios, 0 to 1, several after one another.
+    burst
+        Mean lengths of loss bursts [s], several after one another; 0 for losses one by one.
+    sensors
+        What vehicles see of themselves, by name, several after one another: default (1 cm), ins, gnss and
+        the others of 'modelcast evaluate --sensor'.
+    basis
+        At equal what the senders are held against each other: threshold, messages or airtime.
+    budget
+        Bank whose messages and airtime the others may spend, on every trip; the last where not given.
+    against
+        Bank whose missed and false warnings are the measure; the first where not given.
+    truth
+        What is held to be right: what a host would do that knew how both vehicles truly move (knowledge), or
+        that heard every sample of the sender at once, as its sensors show it (communication).
+    near
+        Warnings count where the true margin is smaller than this [m].
+    seeds
+        Runs drawn for every packet error ratio.
+    seed
+        Seed of all random numbers.
+    keep_alive
+        Longest silence [s]; 0 for none.
+    believe
+        As in 'modelcast evaluate'.
+    delay
+        Delivery delay [s].
+    expiry
+        Silence after which the host drops a remote [s]; 0 for never.
+    certificates
+        Which messages carry the certificate, as in 'modelcast evaluate'.
+    resamples
+        Bootstrap resamples behind every interval.
+    """
+
+    application: str = "fcw"
+    algorithm: str | None = None
+    bank: Words = ("cv", "free", "default")
+    profile: str | None = None
+    threshold: float = 0.5
+    per: Numbers = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9)
+    burst: Numbers = (0.0, 0.5)
+    sensors: Words = ("default", "ins", "gnss")
+    basis: _Bases = BASES
+    budget: str | None = None
+    against: str | None = None
+    truth: Truth = "knowledge"
+    near: float = 20.0
+    seeds: int = 3
+    seed: int = 0
+    keep_alive: float = 2.0
+    believe: BelieveRule | None = None
+    delay: float = 0.0
+    expiry: float = 0.0
+    certificates: CertificateRule = "gap"
+    resamples: int = 2000
+
+    def as_plain(self) -> Mapping[str, Any]:
+        """Every option by its name on the command line, as plain values."""
+        return asdict(self)
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The profiles' files, the one in use and those among the banks."""
+        named = [text for text in self.bank if text.endswith(".json")]
+        return tuple(Path(text) for text in (self.profile, *named) if text)
+
+    def candidates(self) -> "list[FixedCandidate]":
+        """Who sends.
+
+        Raises
+        ------
+        ConfigError
+            Where a bank is unknown, or one is to be trained.
+        """
+        from modelcast.core.exceptions import ConfigError
+        from modelcast.study.compare.candidate import FixedCandidate
+
+        if not self.bank:
+            raise ConfigError("--bank: name at least one, as default")
+        found: list[FixedCandidate] = []
+        for candidate in CompareOptions(bank=self.bank, profile=self.profile).candidates():
+            if not isinstance(candidate, FixedCandidate):
+                raise ConfigError(
+                    f"--bank {candidate.name}: train a profile with 'modelcast train' and name its file"
+                )
+            found.append(candidate)
+        names = [one.name for one in found]
+        for option, name in (("budget", self.budget), ("against", self.against)):
+            if name is not None and name not in names:
+                raise ConfigError(f"--{option} {name}: no bank has that name; there are {', '.join(names)}")
+        return found
+
+    def settings(self, sensor: str, burst_s: float) -> "SafetySettings":
+        """The settings for one sensor and one length of bursts.
+
+        Parameters
+        ----------
+        sensor
+            Name of the sensor.
+        burst_s
+            Mean length of bursts [s]; 0 for losses one by one.
+
+        Raises
+        ------
+        ConfigError
+            Where a value is out of its range.
+        """
+        from modelcast.apps.registry import named_application
+        from modelcast.core.exceptions import ConfigError
+        from modelcast.study.safety.settings import SafetySettings
+
+        shared = EvaluateOptions(
+            threshold=(self.threshold,),
+            per=self.per,
+            seeds=self.seeds,
+            seed=self.seed,
+            keep_alive=self.keep_alive,
+            believe=self.believe,
+            burst=burst_s,
+            delay=self.delay,
+            expiry=self.expiry,
+            protocol="sensor",
+            certificates=self.certificates,
+            references=False,
+            sensor=SensorOptions(sensor=sensor),
+        )
+        # Who follows whom is known: whatever its path looks like, the leader is the vehicle ahead.
+        chosen: dict[str, Any] = {"half_lane_m": inf}
+        if self.algorithm is not None:
+            chosen["algorithm"] = self.algorithm
+        try:
+            return SafetySettings(
+                shared.settings(),
+                named_application(self.application, **chosen),
+                bases=self.basis,
+                budget=self.budget,
+                against=self.against,
+                truth=self.truth,
+                near_m=self.near,
+                resamples=self.resamples,
+            )
+        except ValueError as error:
+            raise ConfigError(str(error)) from error

@@ -1,0 +1,153 @@
+"""Recordings scored for ``modelcast safety``: those missing now, those of an interrupted call as they are."""
+
+import hashlib
+import importlib.resources
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from modelcast.cli.safety_options import SafetyOptions
+from modelcast.cli.shared_work import workers
+from modelcast.io.run_store import RunStore
+from modelcast.io.safety_runs import SafetyCase
+from modelcast.study.safety.pairs import Recording
+from modelcast.study.safety.result import RecordingScores, SafetyResult
+from modelcast.study.safety.score import score_recording
+from modelcast.study.safety.table import pooled_rows
+from modelcast.trips.fingerprint import fingerprint
+
+__all__ = ["SafetyWork", "gathered", "run_options", "safety_work", "score_all"]
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyWork:
+    """One recording to be scored with one sensor and kind of loss."""
+
+    case: SafetyCase
+    recording: Recording
+    burst_s: float
+
+
+def safety_work(recordings: Sequence[Recording], options: SafetyOptions) -> list[SafetyWork]:
+    """Every recording with every sensor and length of bursts, in the order of the options.
+
+    Parameters
+    ----------
+    recordings
+        What was read.
+    options
+        Sensors and lengths.
+    """
+    marks = [tuple(fingerprint(trip) for trip in recording.trips) for recording in recordings]
+    return [
+        SafetyWork(SafetyCase(recording.name, sensor, burst_s or None, trips), recording, burst_s)
+        for sensor in dict.fromkeys(options.sensors)
+        for burst_s in dict.fromkeys(options.burst)
+        for recording, trips in zip(recordings, marks, strict=True)
+    ]
+
+
+def run_options(options: SafetyOptions) -> dict[str, Any]:
+    """What the scores of a recording depend on beside its trips, as plain values; files by their hashes.
+
+    Parameters
+    ----------
+    options
+        As the user gave them; sensors, lengths of bursts and what only pools scores are left out.
+
+    Raises
+    ------
+    ConfigError
+        Where a file cannot be read.
+    """
+    from modelcast.io.regular import sha256_of
+
+    found = dict(options.as_plain())
+    for name in ("sensors", "burst", "against", "resamples"):
+        del found[name]
+    shipped = importlib.resources.files("modelcast") / "profiles" / "default.json"
+    found["files"] = {
+        "shipped": hashlib.sha256(shipped.read_bytes()).hexdigest(),
+        **{path.name: sha256_of(path) for path in options.files},
+    }
+    return found
+
+
+def _score(options: SafetyOptions, work: SafetyWork) -> RecordingScores:
+    """Scores of one piece of work, in whatever process."""
+    settings = options.settings(work.case.sensor, work.burst_s)
+    return score_recording(work.recording, options.candidates(), settings, sensor=work.case.sensor)
+
+
+def score_all(
+    work: Sequence[SafetyWork],
+    options: SafetyOptions,
+    store: RunStore[SafetyCase, RecordingScores],
+    *,
+    jobs: int,
+    progress: Progress,
+) -> dict[SafetyCase, RecordingScores]:
+    """Score what is not scored yet, each written as soon as it is done; in the order of the work.
+
+    Parameters
+    ----------
+    work
+        What is asked for.
+    options
+        How.
+    store
+        Where scores are found and kept.
+    jobs
+        Processes.
+    progress
+        Takes pieces done and to do.
+    """
+    found = {one.case: done for one in work if (done := store.find(one.case)) is not None}
+    missing = [one for one in work if one.case not in found]
+    # The largest first, so that no processor waits long for the last one.
+    missing.sort(key=lambda one: -sum(pair.samples.size for pair in one.recording.pairs))
+    progress(len(found), len(work))
+    with workers(max(min(jobs, len(missing)), 1)) as pool:
+        for one, scores in pool.as_done(partial(_score, options), missing):
+            store.keep(one.case, scores)
+            found[one.case] = scores
+            progress(len(found), len(work))
+    return {one.case: found[one.case] for one in work}
+
+
+def gathered(
+    scores: Sequence[RecordingScores],
+    options: SafetyOptions,
+    *,
+    failures: Mapping[str, str],
+    skipped: Mapping[str, Any],
+) -> SafetyResult:
+    """All scores as one result, pooled over the recordings.
+
+    Parameters
+    ----------
+    scores
+        Of all work.
+    options
+        How they were scored.
+    failures, skipped
+        Files and trips left out, and why.
+    """
+    names = [candidate.name for candidate in options.candidates()]
+    against = options.against or names[0]
+    first = [one for one in scores if one.sensor == scores[0].sensor]
+    first = [one for one in first if one.mean_burst_s == scores[0].mean_burst_s]
+    return SafetyResult(
+        {**options.as_plain(), "against": against, "budget": options.budget or names[-1]},
+        recordings=scores,
+        pooled=pooled_rows(scores, against, resamples=options.resamples, seed=options.seed),
+        events=sum(one.positives.size for one in first),
+        pairs=sum(len(one.pairs) for one in first),
+        counted=int(sum(one.counted.sum() for one in first)),
+        positives=int(sum(one.positives.sum() for one in first)),
+        failures=failures,
+        skipped=skipped,
+    )

@@ -1,0 +1,129 @@
+"""What an evaluation of a safety application leaves on disk, for programs to read.
+
+``summary.json`` (`safety_document`)
+    ``schema`` (1), ``modelcast`` (version), ``settings``, counts of true warnings, pairs and instants,
+    ``pooled`` (rows of `PooledSafety`), ``failures``, ``skipped``. A number that does not exist is null, an
+    infinite one too: a delay of warnings that never came.
+``pooled.parquet``
+    The same rows.
+``events.parquet``
+    One row for each true warning, sensor, kind of loss, loss ratio, basis, candidate and run: whose it is,
+    when it begins, its instants, how many of them were missed, and how late the warning came.
+
+The same result gives the same bytes.
+"""
+
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from modelcast.core.version import package_version
+from modelcast.io.arrow import columns_table, write_tables
+from modelcast.io.documents import document_text, plain_value, row_document
+from modelcast.study.result import Columns
+from modelcast.study.safety.result import PooledSafety, RecordingScores, SafetyResult
+
+__all__ = ["SAFETY_SCHEMA", "safety_document", "write_safety"]
+
+SAFETY_SCHEMA = 1
+"""Version of the layout of a safety evaluation's ``summary.json``."""
+
+_TEXT = {"sensor", "basis", "candidate"}
+_LIMITS = ("missed_over_limits", "false_over_limits")
+
+
+def safety_document(result: SafetyResult) -> dict[str, Any]:
+    """Return the content of ``summary.json`` as plain values.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    return {
+        "schema": SAFETY_SCHEMA,
+        "modelcast": package_version(),
+        "settings": plain_value(result.settings),
+        "events": result.events,
+        "pairs": result.pairs,
+        "counted": result.counted,
+        "positives": result.positives,
+        "pooled": [row_document(row) for row in result.pooled],
+        "failures": plain_value(result.failures),
+        "skipped": plain_value(result.skipped),
+    }
+
+
+def write_safety(result: SafetyResult, folder: str | Path) -> list[Path]:
+    """Write ``summary.json``, ``pooled.parquet`` and ``events.parquet``; return their paths.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    folder
+        An existing folder.
+    """
+    folder = Path(folder)
+    summary = folder / "summary.json"
+    summary.write_text(document_text(safety_document(result)), encoding="utf-8", newline="\n")
+    tables = {
+        "pooled": [columns_table(_pooled(result))],
+        "events": [columns_table(_events(one)) for one in result.recordings],
+    }
+    for name, parts in tables.items():
+        write_tables(parts, parts[0].schema, folder / f"{name}.parquet")
+    return [summary, *(folder / f"{name}.parquet" for name in tables)]
+
+
+def _pooled(result: SafetyResult) -> Columns:
+    columns: dict[str, Any] = {}
+    for field in fields(PooledSafety):
+        values = [getattr(row, field.name) for row in result.pooled]
+        if field.name in _LIMITS:
+            for at, end in enumerate(("low", "high")):
+                name = field.name.replace("limits", end)
+                columns[name] = np.array([pair[at] for pair in values], dtype=np.float64)
+        else:
+            kind = object if field.name in _TEXT else np.float64
+            columns[field.name] = np.array(values, dtype=kind)
+    return columns
+
+
+def _events(scores: RecordingScores) -> Columns:
+    """Events of one recording under all conditions, a row a run."""
+    events, parts = scores.positives.size, list[Mapping[str, Any]]()
+    for one in scores.conditions:
+        runs = int(one.false.shape[1])
+        places: list[int] = scores.event_pair.tolist()
+        pairs = [scores.pairs[at] for at in places]
+        rows = events * runs
+        parts.append(
+            {
+                "recording": [scores.name] * rows,
+                "sensor": [scores.sensor] * rows,
+                "mean_burst_s": [scores.mean_burst_s] * rows,
+                "packet_error_ratio": [one.packet_error_ratio] * rows,
+                "basis": [one.basis] * rows,
+                "candidate": [one.candidate] * rows,
+                "leader": [pair.leader for pair in pairs for _ in range(runs)],
+                "follower": [pair.follower for pair in pairs for _ in range(runs)],
+                "run": np.tile(np.arange(runs), events).tolist(),
+                "t_s": np.repeat(scores.event_s, runs).tolist(),
+                "instants": np.repeat(scores.positives, runs).tolist(),
+                "missed": one.missed.ravel().tolist(),
+                "delay_s": one.delay_s.ravel().tolist(),
+            }
+        )
+    text = {"recording", "sensor", "basis", "candidate", "leader", "follower"}
+    whole = {"run", "instants", "missed"}
+    return {
+        name: np.array(
+            [value for part in parts for value in part[name]],
+            dtype=object if name in text else np.int64 if name in whole else np.float64,
+        )
+        for name in parts[0]
+    }

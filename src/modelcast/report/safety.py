@@ -1,0 +1,196 @@
+"""An evaluation of a safety application in the terminal, as Markdown and as a page."""
+
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from modelcast.report.figures.files import drawn, write_drawings
+from modelcast.report.figures.safety import SAFETY_FIGURES
+from modelcast.report.literal import literal
+from modelcast.report.page import CSS, escape, page, table
+from modelcast.report.style import style
+from modelcast.report.training_trips import training_note
+from modelcast.study.compare.bootstrap import Limits
+from modelcast.study.safety.result import PooledSafety, SafetyResult
+
+__all__ = ["ENOUGH", "safety_console", "safety_headline", "safety_markdown", "write_safety_report"]
+
+ENOUGH = 50
+"""With fewer true warnings a ratio is an anecdote."""
+
+_SCOPE = (
+    "The host of each pair follows the sender. What it warns of from messages is held against the same "
+    "application with perfect knowledge, where the true margin is near zero. Missed and false are shares of "
+    "instants; late and never of whole warnings. In brackets: 95 % intervals over warnings (pairs, of false "
+    "ones) and runs."
+)
+_HEADS = (
+    "sensor", "losses", "loss", "at equal", "sender", "threshold", "messages/s", "airtime", "missed",
+    "over {against}", "false", "over {against}", "false/h", "never", "late p50", "p90", "p99",
+)  # fmt: skip
+_TEXT_COLUMNS = 5
+
+
+def safety_headline(result: SafetyResult) -> list[str]:
+    """Return what was found in a few sentences, how many true warnings there were first.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    against, budget = result.settings["against"], result.settings["budget"]
+    lines = [
+        (
+            f"{result.events} true warnings in {result.pairs} pairs: {result.positives} of "
+            f"{result.counted} instants near the decision"
+        )
+    ]
+    if result.events == 0:
+        return [*lines, "no true warning: there is nothing to miss, and shares of false ones alone are shown"]
+    if result.events < ENOUGH:
+        lines.append(f"fewer than {ENOUGH} true warnings: the ratios below are anecdotes")
+    ratios = sorted({row.packet_error_ratio for row in result.pooled})
+    basis = "airtime" if any(row.basis == "airtime" for row in result.pooled) else result.pooled[0].basis
+    at = min(ratios, key=lambda ratio: abs(ratio - 0.4))
+    for row in result.pooled:
+        if (row.packet_error_ratio, row.basis) != (at, basis) or row.candidate == against:
+            continue
+        lines.append(
+            f"{row.sensor}, {_losses(row)}, {100 * at:.4g} % lost, equal {basis} (what {budget} needs): "
+            f"{row.candidate} misses {_ratio(row.missed_over, row.missed_over_limits)} of what {against} "
+            f"misses, with {_ratio(row.false_over, row.false_over_limits)} of its false warnings"
+        )
+    return lines
+
+
+def safety_console(result: SafetyResult) -> RenderableType:
+    """Return the headline and the table for the terminal.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    shown = Table(title_justify="left", padding=(0, 1, 0, 0))
+    for number, head in enumerate(_heads(result)):
+        shown.add_column(head, justify="left" if number < _TEXT_COLUMNS else "right", overflow="fold")
+    for cells in _rows(result):
+        shown.add_row(*map(literal, cells))
+    return Group(*(Text(line) for line in safety_headline(result)), shown)
+
+
+def safety_markdown(result: SafetyResult) -> str:
+    """Return the headline and the table as Markdown.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    heads = _heads(result)
+    rule = ["---" if number < _TEXT_COLUMNS else "---:" for number in range(len(heads))]
+    lines = [f"- {line}" for line in safety_headline(result)]
+    lines += ["", _SCOPE, ""]
+    lines += [f"| {' | '.join(cells)} |" for cells in (heads, rule, *_rows(result))]
+    return "\n".join(lines) + "\n"
+
+
+def write_safety_report(
+    result: SafetyResult, folder: str | Path, *, training_trips: Sequence[str], trips: int
+) -> list[Path]:
+    """Write ``table.md``, ``report.html`` and the figures; return their paths.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    folder
+        An existing folder.
+    training_trips, trips
+        Trips that a bank was trained on, and how many there were.
+    """
+    folder = Path(folder)
+    place = folder / "table.md"
+    place.write_text(safety_markdown(result), encoding="utf-8", newline="\n")
+    with style():
+        drawings = [drawn(name, plot(result)) for name, (_, plot) in SAFETY_FIGURES.items()]
+    notes = [*safety_headline(result), *training_note(tuple(training_trips), trips)]
+    body = ["<h1>Warnings from messages</h1>", *(f"<p>{escape(line)}.</p>" for line in notes)]
+    for drawing, (caption, _) in zip(drawings, SAFETY_FIGURES.values(), strict=True):
+        body.append(
+            f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
+            f"<figcaption>{escape(caption)}</figcaption></figure>"
+        )
+    body += [
+        "<h2>All figures</h2>",
+        f'<p class="scope">{escape(_SCOPE)}</p>',
+        table(_heads(result), _rows(result), text_columns=_TEXT_COLUMNS),
+    ]
+    if result.failures or result.skipped:
+        left = [[name, str(why)] for name, why in {**result.failures, **result.skipped}.items()]
+        body += ["<h2>Left out</h2>", table(["what", "why"], left, text_columns=2)]
+    body += ["<h2>Options</h2>", table(["option", "value"], _options(result.settings), text_columns=2)]
+    html = folder / "report.html"
+    document = page("modelcast: warnings from messages", CSS, body)
+    html.write_text(document, encoding="utf-8", newline="\n")
+    return [place, html, *write_drawings(drawings, folder)]
+
+
+def _options(settings: Mapping[str, Any]) -> list[list[str]]:
+    return [[name, str(value)] for name, value in settings.items()]
+
+
+def _heads(result: SafetyResult) -> list[str]:
+    return [head.format(against=result.settings["against"]) for head in _HEADS]
+
+
+def _rows(result: SafetyResult) -> list[list[str]]:
+    return [
+        [
+            row.sensor,
+            _losses(row),
+            f"{100 * row.packet_error_ratio:.4g} %",
+            row.basis,
+            row.candidate,
+            f"{row.threshold_m:.3g} m",
+            f"{row.message_rate_hz:.2f}",
+            f"{100 * row.airtime_ratio:.3f} %",
+            _percent(row.missed_ratio),
+            _ratio(row.missed_over, row.missed_over_limits),
+            _percent(row.false_ratio),
+            _ratio(row.false_over, row.false_over_limits),
+            _plain(row.false_per_hour, "{:.1f}"),
+            _percent(row.missed_events),
+            *(_seconds(value) for value in (row.delay_p50_s, row.delay_p90_s, row.delay_p99_s)),
+        ]
+        for row in result.pooled
+    ]
+
+
+def _losses(row: PooledSafety) -> str:
+    return "one by one" if row.mean_burst_s is None else f"bursts of {row.mean_burst_s:g} s"
+
+
+def _plain(value: float, form: str) -> str:
+    return form.format(value) if isfinite(value) else "-"
+
+
+def _percent(value: float) -> str:
+    return _plain(100 * value, "{:.2f} %")
+
+
+def _seconds(value: float) -> str:
+    return "never" if value == float("inf") else _plain(value, "{:.2f} s")
+
+
+def _ratio(value: float, ends: Limits) -> str:
+    low, high = ends
+    if not isfinite(value):
+        return "-"
+    return f"{value:.2f}" if low is None or high is None else f"{value:.2f} ({low:.2f}-{high:.2f})"

@@ -1,0 +1,105 @@
+"""What an evaluation of a safety application is asked to do."""
+
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from modelcast.apps.base import AbstractApplication
+from modelcast.apps.forward_collision import ForwardCollisionWarning
+from modelcast.study.settings import EvaluationSettings
+
+__all__ = ["BASES", "NEAR_M", "Basis", "SafetySettings", "Truth"]
+
+Basis = Literal["threshold", "messages", "airtime"]
+"""What rivals have in common: the threshold, the messages sent, or their time on the air."""
+
+Truth = Literal["knowledge", "communication"]
+"""What is held to be right: what hosts would do that knew how both vehicles truly move, or that heard every
+sample of the sender at once, as its sensors show it."""
+
+BASES: tuple[Basis, ...] = get_args(Basis)
+
+NEAR_M = 20.0
+"""Decisions count where the true margin is smaller than this [m]: far from it nobody errs."""
+
+
+@dataclass(frozen=True, slots=True)
+class SafetySettings:
+    """What an evaluation of a safety application over recorded pairs is asked to do.
+
+    Parameters
+    ----------
+    evaluation
+        Thresholds, losses, seeds, sensor, sizes; its protocol is ``sensor``. Bank and rules play no part.
+    application
+        What warns.
+    bases
+        At equal what the senders are held against each other.
+    budget
+        Name of the candidate whose messages and airtime the others get; None for the last.
+    against
+        Name of the candidate whose missed warnings are the measure; None for the first.
+    truth
+        What is held to be right, a `Truth`.
+    near_m
+        As `NEAR_M` [m].
+    merge_s
+        Warnings that stop for less than this are one [s].
+    grace_s
+        A warning this long after the true one has ended is late, after that it is missed [s].
+    resamples
+        Bootstrap resamples behind every interval.
+
+    Raises
+    ------
+    ValueError
+        Where a value is out of its range.
+    """
+
+    evaluation: EvaluationSettings
+    application: AbstractApplication = field(default_factory=ForwardCollisionWarning)
+    _: KW_ONLY
+    bases: tuple[Basis, ...] = BASES
+    budget: str | None = None
+    against: str | None = None
+    truth: Truth = "knowledge"
+    near_m: float = NEAR_M
+    merge_s: float = 1.0
+    grace_s: float = 1.0
+    resamples: int = 2000
+
+    def __post_init__(self) -> None:
+        if not self.bases or len(set(self.bases)) != len(self.bases):
+            raise ValueError(f"bases must be one or more, each once, got {self.bases}")
+        for basis in self.bases:
+            if basis not in BASES:
+                raise ValueError(f"bases must be of {', '.join(BASES)}, got {basis!r}")
+        if self.truth not in get_args(Truth):
+            raise ValueError(f"truth must be one of {', '.join(get_args(Truth))}, got {self.truth!r}")
+        for name in ("near_m", "merge_s", "grace_s"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} must be positive and finite, got {value}")
+        if self.resamples < 1:
+            raise ValueError(f"resamples must be >= 1, got {self.resamples}")
+        if self.evaluation.protocol != "sensor":
+            raise ValueError(f"the protocol must be sensor, got {self.evaluation.protocol!r}")
+
+    def as_plain(self) -> Mapping[str, Any]:
+        """The settings as plain values; what differs between candidates is not among them."""
+        own = {"bank", "sub_models", "start", "identify", "selector", "costs", "keep_samples", "references"}
+        shared = {key: value for key, value in self.evaluation.as_plain().items() if key not in own}
+        return {
+            **shared,
+            "application": repr(self.application),
+            "bases": list(self.bases),
+            "budget": self.budget,
+            "against": self.against,
+            "truth": self.truth,
+            "near_m": self.near_m,
+            "merge_s": self.merge_s,
+            "grace_s": self.grace_s,
+            "resamples": self.resamples,
+        }

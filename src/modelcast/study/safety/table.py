@@ -1,0 +1,123 @@
+"""Scores of single recordings pooled: shares, delays, and ratios to a rival with their intervals."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from modelcast.core.arrays import FloatArray
+from modelcast.core.chance import child_generator
+from modelcast.study.compare.bootstrap import Limits, limits, resample_weights
+from modelcast.study.safety.result import ConditionScores, PooledSafety, RecordingScores
+
+__all__ = ["pooled_rows"]
+
+_HOUR_S = 3600.0
+_DELAYS = (0.5, 0.9, 0.99)
+
+
+def pooled_rows(
+    recordings: Sequence[RecordingScores], against: str, *, resamples: int, seed: int
+) -> list[PooledSafety]:
+    """Rows over all recordings, by sensor, burst length, loss ratio, basis and candidate.
+
+    Parameters
+    ----------
+    recordings
+        Of every sensor and burst length the same recordings, with the same conditions.
+    against
+        Candidate that the ratios are taken to.
+    resamples, seed
+        Of the bootstrap.
+    """
+    groups: dict[tuple[str, float | None], list[RecordingScores]] = {}
+    for one in recordings:
+        groups.setdefault((one.sensor, one.mean_burst_s), []).append(one)
+    rows: list[PooledSafety] = []
+    for own in groups.values():
+        rows += _group_rows(own, against, resamples, seed)
+    return rows
+
+
+def _joined(own: Sequence[RecordingScores], key: tuple[object, ...], name: str) -> FloatArray:
+    """One of the arrays of a condition over all recordings."""
+    return np.concatenate([getattr(_of(one, key), name) for one in own])
+
+
+def _of(recording: RecordingScores, key: tuple[object, ...]) -> ConditionScores:
+    for one in recording.conditions:
+        if (one.candidate, one.basis, one.packet_error_ratio) == key:
+            return one
+    raise ValueError(f"{recording.name} has no scores of {key}: score all recordings by the same settings")
+
+
+def _group_rows(
+    own: Sequence[RecordingScores], against: str, resamples: int, seed: int
+) -> list[PooledSafety]:
+    positives = np.concatenate([one.positives for one in own])
+    negatives = np.concatenate([one.negatives for one in own])
+    duration_s = np.concatenate([one.duration_s for one in own])
+    leaders_s = sum(one.leaders_s for one in own)
+    first = own[0].conditions[0]
+    rng = child_generator(seed, "safety bootstrap")
+    events, pairs = positives.size, negatives.size
+    runs = first.missed.shape[1]
+    each_event = np.arange(events, dtype=np.int64)
+    each_pair = np.arange(pairs, dtype=np.int64)
+    of_events = resample_weights(each_event, resamples, rng) if events else np.zeros((resamples, 0))
+    of_pairs = resample_weights(each_pair, resamples, rng)
+    of_runs = resample_weights(np.arange(runs, dtype=np.int64), resamples, rng)
+
+    def over(mine: FloatArray, rival: FloatArray, weights: FloatArray) -> tuple[float, Limits]:
+        """Ratio of sums, and its interval over rows and runs."""
+        drawn = [np.einsum("br,rk,bk->b", weights, values, of_runs) for values in (mine, rival)]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = float(np.float64(mine.sum()) / np.float64(rival.sum()))
+            return ratio, limits(drawn[0] / drawn[1], np.arange(weights.shape[1], dtype=np.int64))
+
+    rows: list[PooledSafety] = []
+    for condition in own[0].conditions:
+        key = (condition.candidate, condition.basis, condition.packet_error_ratio)
+        rival = (against, *key[1:])
+        missed, false = _joined(own, key, "missed"), _joined(own, key, "false")
+        delay_s = _joined(own, key, "delay_s")
+        spends = [_of(one, key).spend for one in own]
+        missed_over, missed_limits = over(missed, _joined(own, rival, "missed"), of_events)
+        false_over, false_limits = over(false, _joined(own, rival, "false"), of_pairs)
+        p50_s, p90_s, p99_s = _late(delay_s)
+        rows.append(
+            PooledSafety(
+                own[0].sensor,
+                own[0].mean_burst_s,
+                condition.packet_error_ratio,
+                condition.basis,
+                condition.candidate,
+                threshold_m=float(np.median([m for spend in spends for m in spend.thresholds_m])),
+                message_rate_hz=sum(spend.messages for spend in spends) / leaders_s,
+                airtime_ratio=sum(spend.airtime_s for spend in spends) / leaders_s,
+                missed_ratio=_share(missed.sum(), positives.sum() * runs),
+                false_ratio=_share(false.sum(), negatives.sum() * runs),
+                missed_events=_share(int(np.isinf(delay_s).sum()), delay_s.size),
+                false_per_hour=_share(
+                    _joined(own, key, "false_warnings").sum() * _HOUR_S, duration_s.sum() * runs
+                ),
+                delay_p50_s=p50_s,
+                delay_p90_s=p90_s,
+                delay_p99_s=p99_s,
+                missed_over=missed_over,
+                false_over=false_over,
+                missed_over_limits=missed_limits,
+                false_over_limits=false_limits,
+            )
+        )
+    return rows
+
+
+def _late(delay_s: FloatArray) -> list[float]:
+    """Quantiles of all delays, those missed as infinite; NaN where there was nothing to warn of."""
+    if delay_s.size == 0:
+        return [float("nan")] * len(_DELAYS)
+    return np.quantile(delay_s, _DELAYS, method="higher").tolist()
+
+
+def _share(part: float, whole: float) -> float:
+    return float(part) / float(whole) if whole else float("nan")
