@@ -117,9 +117,10 @@ def test_nhtsa_leaves_just_the_distance_to_be_left():
             * 1e-3
         )
         nearest = gaps[t_s >= delay].min()
-        assert nearest == pytest.approx(2.0 + 0.1 * host if gap > 0 else nearest, abs=2e-2)
-        if gap == 0.0:
-            assert gaps[t_s >= delay].min() >= -1e-3
+        if gap > 0.0:
+            assert nearest == pytest.approx(2.0 + 0.1 * host, abs=2e-2)
+        else:
+            assert nearest >= -1e-3
 
 
 def test_what_is_closed_and_when_it_touches_are_those_of_the_driven_way():
@@ -127,7 +128,7 @@ def test_what_is_closed_and_when_it_touches_are_those_of_the_driven_way():
     t_s = np.linspace(0.0, 60.0, 60_001)
     for _ in range(150):
         host, leader = rng.uniform(0, 30, 2) * (rng.random(2) > 0.2)
-        gain, leader_gain = rng.choice([-6.0, -3.0, -1.0, 0.0, 0.5], 2) * rng.uniform(0.6, 1.0, 2)
+        gain, leader_gain = rng.choice([-6.0, -3.3, -1.1, 0.0, 0.6], 2)
         gap = rng.uniform(0.5, 60.0)
         way = travelled(host, gain, t_s) - travelled(leader, leader_gain, t_s)
         most = closed(host, gain, leader, leader_gain)
