@@ -1,79 +1,59 @@
-"""What a safety application is: a function of how a host moves and believes remotes to move, row by row."""
+"""What a safety application is: a pure function of the host's own motion and what it believes of remotes."""
 
 import abc
 
 import numpy as np
 
 from modelcast.apps.motions import Motions
+from modelcast.apps.pair_kernels import Columns, Found
 from modelcast.apps.warnings import Warnings
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import owned
 
-__all__ = ["AbstractApplication", "motion_rows", "place_spreads"]
+__all__ = ["AbstractApplication"]
 
 
 class AbstractApplication(abc.ABC):
-    """Warns hosts of remotes. Implementations are frozen dataclasses; they keep nothing between calls."""
+    """Says how urgent each pair of host and remote is; the same in every runtime."""
 
-    @abc.abstractmethod
     def assess(self, host: Motions, remote: Motions) -> Warnings:
-        """Assess N hosts and remotes, row by row.
+        """Assess pairs row by row.
 
         Parameters
         ----------
         host
-            How each host moves, as it sees itself.
+            Own motions, N rows.
         remote
-            How it believes the remote to move; rows with a NaN are not known, and nothing is said of them.
+            Believed motions, N rows.
 
         Raises
         ------
         ValueError
-            Where there are not as many remotes as hosts.
+            Where the numbers of rows differ.
         """
-
-
-def motion_rows(host: Motions, remote: Motions) -> tuple[FloatArray, FloatArray]:
-    """Both as compiled rules take them, (N, 8) each: columns as `Motions` has them.
-
-    Parameters
-    ----------
-    host, remote
-        As for `AbstractApplication.assess`.
-
-    Raises
-    ------
-    ValueError
-        Where their numbers differ.
-    """
-    if len(host) != len(remote):
-        raise ValueError(f"there must be a remote a host, got {len(host)} hosts and {len(remote)} remotes")
-    host_rows, remote_rows = (
-        np.column_stack(
-            (
-                own.position_m,
-                own.speed_mps,
-                own.heading_rad,
-                own.acceleration_mps2,
-                own.yaw_rate_radps,
-                own.length_m,
-                own.width_m,
+        if len(host) != len(remote):
+            raise ValueError(
+                f"host and remote are taken row by row, got {len(host)} and {len(remote)} rows; "
+                "repeat the host for each remote"
             )
-        )
-        for own in (host, remote)
+        rows = len(host)
+        found = Found(np.empty(rows, dtype=np.int64), np.empty(rows), np.empty(rows), np.empty(rows))
+        self._fill(_columns(host), _columns(remote), found)
+        return Warnings(found.level, time_s=found.time, margin_m=found.margin, certainty=found.certainty)
+
+    @abc.abstractmethod
+    def _fill(self, host: Columns, remote: Columns, found: Found) -> None:
+        """Write what is found, every row of it."""
+
+
+def _columns(motions: Motions) -> Columns:
+    covariance = motions.covariance_m2
+    return Columns(
+        owned(motions.position_m),
+        owned(motions.speed_mps),
+        owned(motions.heading_rad),
+        owned(motions.acceleration_mps2),
+        owned(motions.yaw_rate_radps),
+        owned(motions.length_m),
+        owned(motions.width_m),
+        np.empty((0, 2, 2)) if covariance is None else owned(covariance),
     )
-    return host_rows, remote_rows
-
-
-def place_spreads(host: Motions, remote: Motions) -> FloatArray:
-    """Covariance of the remote's place as the host sees it, east, both and north, (N, 3) [m²].
-
-    Parameters
-    ----------
-    host, remote
-        As for `AbstractApplication.assess`; a missing covariance counts as zero.
-    """
-    found = np.zeros((len(host), 3))
-    for own in (host, remote):
-        if own.covariance_m2 is not None:
-            found += own.covariance_m2[:, [0, 0, 1], [0, 1, 1]]
-    return found

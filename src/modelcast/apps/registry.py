@@ -30,8 +30,8 @@ def named_application(name: str, **settings: Any) -> AbstractApplication:
 
     Examples
     --------
-    >>> named_application("fcw", algorithm="nhtsa").algorithm
-    'nhtsa'
+    >>> named_application("fcw", caution_s=0.5).caution_s
+    0.5
     """
     if name not in APPLICATIONS:
         raise ValueError(f"application must be one of {', '.join(APPLICATIONS)}, got {name!r}")

@@ -34,7 +34,8 @@ class SafetyOptions:
     application
         What warns: fcw (forward collision warning) or eebl (emergency electronic brake light).
     algorithm
-        Of fcw, as modelcast.apps names them.
+        Of fcw: camp-linear (where not given), camp-linear-miles, knipling, nhtsa, nhtsa-intermediate,
+        nhtsa-early.
     bank
         Senders to compare, several after one another, each as in 'modelcast evaluate --bank'; cv is the
         baseline. Put the trips before this option.
@@ -152,6 +153,7 @@ class SafetyOptions:
             Where a value is out of its range.
         """
         from modelcast.apps.registry import named_application
+        from modelcast.apps.warning_ranges import get_warning_range
         from modelcast.core.exceptions import ConfigError
         from modelcast.study.safety.settings import SafetySettings
 
@@ -171,10 +173,10 @@ class SafetyOptions:
             sensor=SensorOptions(sensor=sensor),
         )
         # Who follows whom is known: whatever its path looks like, the leader is the vehicle ahead.
-        chosen: dict[str, Any] = {"half_lane_m": inf}
-        if self.algorithm is not None:
-            chosen["algorithm"] = self.algorithm
+        chosen: dict[str, Any] = {"lane_half_width_m": inf}
         try:
+            if self.algorithm is not None:
+                chosen["algorithm"] = get_warning_range(self.algorithm)
             return SafetySettings(
                 shared.settings(),
                 named_application(self.application, **chosen),

@@ -76,7 +76,7 @@ def _ready(pair: FollowingPair, cases: Mapping[int, TripCase], settings: SafetyS
         right = _columns(placed(motion, follower.truth, leader.truth))
         remote = true_motion(leader.truth, smooth_s=SMOOTH_S)[pair.samples]
     found = settings.application.assess(right, _columns(remote))
-    near, warned = np.abs(found.margin_m) < settings.near_m, found.warns
+    near, warned = np.abs(found.margin_m) < settings.near_m, found.warned
     t_s = leader.truth.t_s[pair.samples]
     return _Ready(pair, t_s, near, warned, true_warnings(warned, near, t_s, merge_s=settings.merge_s), host)
 
@@ -98,7 +98,7 @@ def _warned(application: AbstractApplication, ready: _Ready, motions: FloatArray
         ),
     )  # fmt: skip
     warned: BoolArray = np.zeros((runs, ready.counted.size), dtype=np.bool_)
-    warned[:, at] = found.warns.reshape(runs, -1)
+    warned[:, at] = found.warned.reshape(runs, -1)
     return warned
 
 
