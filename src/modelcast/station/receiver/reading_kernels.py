@@ -25,16 +25,19 @@ __all__ = [
     "FREE",
     "LEGACY",
     "MODEL",
+    "MOST_PARAMETERS",
     "FreeRule",
     "coast_by_member",
     "coast_freely",
     "coast_straight",
+    "displace_stated",
     "state_rates",
 ]
 
 LEGACY, FREE, MODEL = range(3)
 
-_MOST_PARAMETERS = 4
+MOST_PARAMETERS = 4
+"""Of a free sub-model: those that Part I carries."""
 
 
 class FreeRule(NamedTuple):
@@ -80,12 +83,36 @@ def state_rates(stated: FloatVector, out: FloatVector) -> None:
     out[BELIEF_ACCELERATION], out[BELIEF_YAW_RATE] = stated[2], stated[3]
 
 
+@kernel(inlined=True)
+def free_parameters(rule: FreeRule, stated: FloatVector, own: FloatVector) -> None:
+    """Write the free sub-model's parameters as Part I states them, ``own`` (P,)."""
+    for i in range(rule.places.size):
+        which = rule.places[i]
+        own[i] = stated[which]
+        if which == 0:
+            own[i] = stated[0] * sin(stated[1])
+        elif which == 1:
+            own[i] = stated[0] * cos(stated[1])
+
+
+@kernel(inlined=True)
+def displace_stated(
+    rule: FreeRule, reading: int, stated: FloatVector, age_s: float, own: FloatVector, out: FloatVector
+) -> None:
+    """Write how far a remote has come by Part I, ``out`` (2,), as legacy and free receivers read it.
+
+    ``own`` (`MOST_PARAMETERS`,) is overwritten.
+    """
+    if reading == FREE:
+        free_parameters(rule, stated, own)
+        predict_member(rule.members, 0, own[: rule.places.size], age_s, out)
+        return
+    out[0], out[1] = stated[0] * sin(stated[1]) * age_s, stated[0] * cos(stated[1]) * age_s
+
+
 @kernel
 def coast_freely(rule: FreeRule, stated: FloatVector, age_s: float, out: FloatVector) -> None:
     """Write `coast_by_member` of the free sub-model with the values that Part I states, ``stated`` (4,)."""
-    own, values = np.empty(rule.places.size), np.empty(_MOST_PARAMETERS)
-    values[0], values[1] = stated[0] * sin(stated[1]), stated[0] * cos(stated[1])
-    values[2], values[3] = stated[2], stated[3]
-    for i in range(own.size):
-        own[i] = values[rule.places[i]]
+    own = np.empty(rule.places.size)
+    free_parameters(rule, stated, own)
     coast_by_member(rule.members, 0, own, age_s, stated[1], out)

@@ -207,12 +207,12 @@ def senders(vehicles: int) -> Senders:
     )
 
 
-def contents(vehicles: int, parameters: int) -> Contents:
-    """Return empty rings for messages of so many parameters at most."""
+def contents(vehicles: int, parameters: int, *, beliefs: int = BELIEF_COLUMNS) -> Contents:
+    """Return empty rings for messages of so many parameters at most, and columns of beliefs."""
     shape = (vehicles, MESSAGES_KEPT)
     return Contents(
         rows=np.full((*shape, CONTENT_HEAD + parameters), -1.0),
-        beliefs=np.full((*shape, BELIEF_COLUMNS), -1, dtype=np.int64),
+        beliefs=np.full((*shape, beliefs), -1, dtype=np.int64),
     )
 
 
