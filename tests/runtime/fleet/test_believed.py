@@ -187,6 +187,17 @@ def test_who_takes_a_slot_over_is_not_believed_to_move_as_the_one_before() -> No
     assert not believed(silent, Reading.LEGACY).held.any()
 
 
+def test_who_takes_a_slot_over_sends_no_fit_of_the_one_before() -> None:
+    """Its samples are counted from 0 again, and so were those that the other's sub-models were fitted at."""
+    loop = after(says(ConstantVelocity()), 1)
+    assert content(loop)[at.CONTENT_SPEED_MPS] == pytest.approx(SPEED_MPS)
+    loop.step(frame(1, vehicle_id=np.array([11, 99]), speed_mps=np.array([0.0, 7.0])))
+    row = content(loop)
+    assert row[at.CONTENT_VEHICLE] == 99
+    assert row[at.CONTENT_SPEED_MPS] == pytest.approx(7.0)
+    assert np.hypot(*row[at.CONTENT_HEAD :]) == pytest.approx(7.0)
+
+
 @pytest.mark.parametrize(
     ("hosts", "remotes", "reading", "text"),
     [

@@ -45,7 +45,7 @@ def counts(one: NetworkRun) -> list[FloatArray]:
     return [np.asarray(column, dtype=np.float64) for column in found]
 
 
-@pytest.mark.parametrize("name", ["baseline", "j2945", "j2945-mbc", "cam"])
+@pytest.mark.parametrize("name", ["baseline", "mbc", "j2945", "j2945-mbc", "cam"])
 def test_two_groups_of_one_sender_are_that_sender(frames: list[FleetFrame], name: str) -> None:
     """Whoever is in which group sends the same messages, and hosts count the same errors."""
     sender = named_sender(name)

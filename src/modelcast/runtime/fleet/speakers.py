@@ -124,7 +124,7 @@ class Speakers:
         self.stations = self.stations._replace(models=self.bank.models(self._guards))
         self.stations.senders.vehicle[:] = np.where(here, frame.vehicle_id, -1)
         self.vehicle_steps += int(here.sum())
-        forget_each(self.stations.sensed, started)
+        forget_each(self.stations.sensed, self.stations.fits, started)
         if self._knowledge is not None:
             self._knowledge.forget(started)
 
