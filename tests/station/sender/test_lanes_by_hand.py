@@ -129,6 +129,7 @@ def bench(
         "loss": 0.0,
         "budget": 1.0,
         "approach_m": inf,
+        "legacy_m": inf,
     }
     rows = {name: np.zeros(count, type(one)) + columns.get(name, one) for name, one in default.items()}
     return Bench(

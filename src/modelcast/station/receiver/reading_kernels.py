@@ -20,6 +20,7 @@ from modelcast.station.receiver.belief_kernels import (
     STEP_S,
     differentiate,
 )
+from modelcast.station.sender.motion_kernels import displace_straight
 
 __all__ = [
     "FREE",
@@ -71,8 +72,8 @@ def coast_by_member(
 @kernel(inlined=True)
 def coast_straight(stated: FloatVector, age_s: float, out: FloatVector) -> None:
     """Write `coast_by_member` of constant velocity as Part I states it, ``stated`` (4,)."""
+    displace_straight(stated, age_s, out)
     out[2], out[3] = stated[0] * sin(stated[1]), stated[0] * cos(stated[1])
-    out[0], out[1] = out[2] * age_s, out[3] * age_s
     out[BELIEF_SPEED], out[BELIEF_HEADING] = stated[0], stated[1]
     state_rates(stated, out)
 
@@ -107,7 +108,7 @@ def displace_stated(
         free_parameters(rule, stated, own)
         predict_member(rule.members, 0, own[: rule.places.size], age_s, out)
         return
-    out[0], out[1] = stated[0] * sin(stated[1]) * age_s, stated[0] * cos(stated[1]) * age_s
+    displace_straight(stated, age_s, out)
 
 
 @kernel

@@ -5,7 +5,7 @@ sent along, else from the newest sample (`modelcast.messages.station_codec.Stati
 of octets). Only the position stands elsewhere.
 """
 
-from math import atan2, hypot
+from math import atan2, cos, hypot, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from modelcast.models.point_kernels import ACCELERATION, VELOCITY_EAST, VELOCITY
 from modelcast.station.arrays import Fits, Sensed
 from modelcast.station.sensing.rates import NO_RATES_BELOW_MPS
 
-__all__ = ["MOTION", "PartOne", "state_motion"]
+__all__ = ["MOTION", "PartOne", "displace_straight", "state_motion"]
 
 MOTION = 4
 """Speed [m/s], heading, clockwise from north [rad], acceleration along the course [m/s²], yaw rate, clockwise
@@ -38,6 +38,15 @@ class PartOne(NamedTuple):
     places: IntMatrix
     offsets: IntVector
     meaning: FloatMatrix
+
+
+@kernel(inlined=True)
+def displace_straight(stated: FloatVector, age_s: float, out: FloatVector) -> None:
+    """Write how far who coasts speed and heading of Part I takes a remote to have come, ``out`` (2,).
+
+    So does every legacy receiver; ``stated`` (MOTION,).
+    """
+    out[0], out[1] = stated[0] * sin(stated[1]) * age_s, stated[0] * cos(stated[1]) * age_s
 
 
 @kernel(inlined=True)
