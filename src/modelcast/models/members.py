@@ -60,6 +60,23 @@ class ReadyBank:
         functions = tuple(_functions(_Same(member), dt_s) for member in bank.members)
         return cls(functions, bank.windows, bank.offsets, bank.trust)
 
+    @classmethod
+    def joined(cls, banks: "Sequence[ReadyBank]") -> "ReadyBank":
+        """Return several banks as one, the members of each behind those before.
+
+        Parameters
+        ----------
+        banks
+            At least one.
+        """
+        counts = np.concatenate([np.diff(one.offsets) for one in banks])
+        return cls(
+            tuple(function for one in banks for function in one.functions),
+            np.concatenate([one.windows for one in banks]),
+            np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)]),
+            np.concatenate([one.trust for one in banks]),
+        )
+
     @property
     def reads_context(self) -> bool:
         """Whether a member reads the vehicle ahead or the road (`modelcast.models.context_columns`)."""

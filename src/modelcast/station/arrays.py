@@ -77,7 +77,8 @@ class Lanes(NamedTuple):
     its sub-model; ``origin`` (L, 3) its instant [s] and the position it states [m]; ``held`` (L, P) its
     parameters and ``usable`` (L, M) which members it fitted; ``failed_s`` (L, M) its age when each first
     failed [s]; ``message_s`` (L,) when the last message of any kind was decided [s]; ``kind`` (L,) what was
-    decided last.
+    decided last; ``stated`` (L, 4) what Part I of that update states of motion, where the rules mind legacy
+    receivers.
 
     ``last`` (L, P), ``last_usable`` (L, M) and ``last_origin`` (L, 3) are those of the last message, whether
     it is believed received or not, and ``scores`` (L, M) the recent errors of each member's. ``guarded`` is
@@ -95,6 +96,7 @@ class Lanes(NamedTuple):
     failed_s: FloatMatrix
     message_s: FloatVector
     kind: IntVector
+    stated: FloatMatrix
     last: FloatMatrix
     last_usable: BoolMatrix
     last_origin: FloatMatrix
@@ -120,7 +122,8 @@ class LaneRules(NamedTuple):
     says which measure the error expected over all that remotes may hold, ``loss`` (L,) which share of their
     messages they believe lost at first, and ``budget`` (L,) how many times the messages of a channel without
     losses they may send. ``approach_m`` (L,) is the way that two vehicles may come closer between two
-    messages. ``within_m`` is the resolution below which recent errors are equal [m].
+    messages. ``legacy_m`` (L,) is the error of legacy receivers that calls for an update, infinite for none.
+    ``within_m`` is the resolution below which recent errors are equal [m].
     """
 
     vehicle: IntVector
@@ -138,6 +141,7 @@ class LaneRules(NamedTuple):
     loss: FloatVector
     budget: FloatVector
     approach_m: FloatVector
+    legacy_m: FloatVector
     within_m: float
 
 
@@ -203,6 +207,7 @@ def lanes(count: int, *, members: int, parameters: int, older: int = 0) -> Lanes
         failed_s=np.full((count, members), np.inf),
         message_s=np.full(count, -np.inf),
         kind=np.zeros(count, dtype=np.int64),
+        stated=np.zeros((count, 4)),
         last=np.zeros((count, parameters)),
         last_usable=np.zeros((count, members), dtype=np.bool_),
         last_origin=np.zeros((count, 3)),

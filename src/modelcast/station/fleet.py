@@ -204,7 +204,7 @@ class Fleet:
         slot, started = self._slots(vehicle)
         stations = self._stations._replace(models=self._bank.models(self._guards))
         stations.senders.vehicle[:] = np.where(self._measures, self._vehicle, -1)
-        forget_each(stations.sensed, started)
+        forget_each(stations.sensed, stations.fits, started)
         fresh = np.zeros(slot.size, dtype=np.bool_) if begins is None else np.ascontiguousarray(begins)
         sense(stations.sensed, slot, np.full(slot.size, t_s), measured, fresh, self._sensing)
         if self._knowledge is not None:

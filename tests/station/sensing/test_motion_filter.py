@@ -164,11 +164,12 @@ def test_vehicles_of_a_road_are_nearer_to_the_truth_and_new_ones_begin_anew() ->
     road = Highway(200.0, 60.0, warm_up_s=10.0)
     frames = run_scenario(road, np.random.default_rng(1), duration_s=12.0)
     stations = arrays.sensed(road.slots, 16)
+    nothing = arrays.fits(road.slots, 1, members=0, parameters=0)
     numbers = Sensing(motion=MotionFilter()).numbers(DT_S)
     every, none = np.arange(road.slots), np.zeros(road.slots, dtype=np.bool_)
     missed, off, ids = list[FloatArray](), list[FloatArray](), list[IntArray]()
     for truth, seen in sensed(frames, SensorModel(), np.random.default_rng(2)):
-        forget_each(stations, truth.vehicle_id != (ids[-1] if ids else -1))
+        forget_each(stations, nothing, truth.vehicle_id != (ids[-1] if ids else -1))
         columns = (seen.speed_mps, seen.heading_rad, seen.acceleration_mps2, seen.yaw_rate_radps)
         measured = np.column_stack((seen.position_m, *columns))
         sense(stations, every, np.full(road.slots, truth.t_s), measured, none, numbers)

@@ -11,6 +11,8 @@ from modelcast.channel.radio import AbstractRadio
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.runtime.fleet.arrays import Tally
 from modelcast.runtime.fleet.loop import FleetLoop
+from modelcast.runtime.fleet.mix import Mix
+from modelcast.runtime.fleet.mixed import GroupRun, MixedTally
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.sender.message_arrays import SentTally
 from modelcast.station.sender.sender import Sender
@@ -41,7 +43,11 @@ class NetworkRun:
     recent
         Tracking errors at the headline distances, (seconds, BINS), a row a second.
     sender_bytes
-        Payload bytes by sub-model, (M,).
+        Payload bytes by sub-model, (M,), those of several senders one after another.
+    mixed
+        Counts by sender and reading; no rows where all speak alike and read models.
+    groups
+        What the vehicles of each sender did.
     """
 
     sent: SentTally
@@ -54,11 +60,13 @@ class NetworkRun:
     series: FloatArray
     recent: IntArray
     sender_bytes: IntArray
+    mixed: MixedTally
+    groups: tuple[GroupRun, ...]
 
 
 def run_network(
     frames: Iterable[FleetFrame],
-    sender: Sender,
+    sender: Sender | Mix,
     radio: AbstractRadio[Any],
     settings: NetworkSettings | None = None,
     *,
@@ -74,7 +82,7 @@ def run_network(
     frames
         Frames of one run, `NetworkSettings.dt_s` apart.
     sender
-        What every vehicle sends, and when.
+        What every vehicle sends, and when; or who sends and reads how.
     radio
         The channel they share.
     settings
@@ -107,7 +115,9 @@ def run_network(
     >>> round(run.vehicle_s, 6), int(run.sent.causes.sum())
     (10.0, 100)
     """
-    kept = [member.name for member in sender.bank.members if member.held_parameters]
+    mix = sender if isinstance(sender, Mix) else Mix((sender,))
+    members = [member for one in mix.senders for member in one.bank.members]
+    kept = [member.name for member in members if member.held_parameters]
     if kept:
         raise ValueError(f"hosts of a fleet cannot keep what {', '.join(kept)} needs from earlier messages")
     chosen = NetworkSettings() if settings is None else settings
@@ -115,7 +125,7 @@ def run_network(
     first = next(pending, None)
     if first is None:
         raise ValueError("frames must hold at least one frame")
-    loop = FleetLoop(first, sender, radio, chosen, seed=seed, sensor=sensor, threads=threads)
+    loop = FleetLoop(first, mix, radio, chosen, seed=seed, sensor=sensor, threads=threads)
     warm_up = round(chosen.warm_up_s / chosen.dt_s)
     a_second = max(1, round(1.0 / chosen.dt_s))
     outcomes: IntArray | None = None
@@ -145,5 +155,9 @@ def run_network(
         busy_ratio=float(np.nansum(counted[:, 3] * counted[:, 0]) / max(counted[:, 0].sum(), 1.0)),
         series=rows,
         recent=np.array(recent, dtype=np.int64).reshape(len(recent), -1),
-        sender_bytes=sender.update_bytes,
+        sender_bytes=np.concatenate([one.update_bytes for one in mix.senders]),
+        mixed=loop.mixed,
+        groups=tuple(
+            GroupRun(one.sender.name, one.sent, one.vehicle_steps * chosen.dt_s) for one in loop.speakers
+        ),
     )

@@ -21,24 +21,31 @@ from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.core.chance import child_generator
 from modelcast.core.parts import WHOLE, Parts
-from modelcast.runtime.fleet import ahead_kernels, reception_kernels, tracking_kernels
+from modelcast.models.members import ReadyBank
+from modelcast.runtime.fleet import believed_kernels, mixed_kernels, reception_kernels, tracking_kernels
 from modelcast.runtime.fleet.arrays import (
     Tally,
     pooled,
     tally,
     tracks,
 )
+from modelcast.runtime.fleet.believed import Believed
+from modelcast.runtime.fleet.mix import Draw, Mix
+from modelcast.runtime.fleet.mixed import MixedTally, mixed_tally, pooled_mixed, within
 from modelcast.runtime.fleet.reception_kernels import Heard, HearingLimits
 from modelcast.runtime.fleet.settings import NetworkSettings
+from modelcast.runtime.fleet.speakers import Hosts, Speakers
 from modelcast.runtime.fleet.tracking_kernels import Tracking
 from modelcast.station.arrays import MEASURED
-from modelcast.station.context.knowledge import Knowledge
+from modelcast.station.banks import BASELINE_BANK, free_bank
 from modelcast.station.policy import j2945_kernels
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.policy.j2945_parameters import J2945Parameters
 from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.policy.policy_numbers import RULE_J2945
-from modelcast.station.sender import sending_kernels
+from modelcast.station.receiver.belief_kernels import BELIEF_COLUMNS
+from modelcast.station.receiver.reading import Reading, free_rule, goes_straight
+from modelcast.station.sender import message_arrays
 from modelcast.station.sender.message_arrays import (
     MESSAGES,
     POWER_DBM,
@@ -46,16 +53,11 @@ from modelcast.station.sender.message_arrays import (
     Outbox,
     SentTally,
     contents,
-    outbox,
-    sent_tally,
 )
 from modelcast.station.sender.octets import SentMessages, messages_of
 from modelcast.station.sender.sender import Sender
-from modelcast.station.sender.sending_kernels import StepInputs
-from modelcast.station.sender.stations import guards_of, sender_bank, sending_stations, widest
-from modelcast.station.sensing.sensing import NOWHERE, Sensing
-from modelcast.station.sensing.sensing_kernels import forget_each, sense
-from modelcast.station.sensing.streaming import observe_newest
+from modelcast.station.sender.sending_kernels import SendingStations, StepInputs
+from modelcast.station.sensing.sensing import Sensing
 from modelcast.world.scenario.base import FleetFrame
 from modelcast.world.scenario.sensed import FleetSensor, FleetSensorState
 
@@ -106,7 +108,7 @@ class FleetLoop:
     def __init__(
         self,
         first: FleetFrame,
-        sender: Sender,
+        sender: Sender | Mix,
         radio: AbstractRadio[Any],
         settings: NetworkSettings,
         *,
@@ -122,19 +124,11 @@ class FleetLoop:
             raise ValueError(f"threads must be at least 1, got {threads}")
         rng = child_generator(seed, "senders")
         phase = rng.random(vehicles)
-        self.sender, self.radio, self.settings = sender, radio, settings
-        self.expiry_s = max(settings.expiry_s, 2.0 * sender.longest_silence_s)
+        self.mix = sender if isinstance(sender, Mix) else Mix((sender,))
+        self.sender, self.radio, self.settings = self.mix.senders[0], radio, settings
+        self.expiry_s = max(settings.expiry_s, 2.0 * max(one.longest_silence_s for one in self.mix.senders))
         if not np.isfinite(self.expiry_s):
             self.expiry_s = np.inf
-        self._bank = sender_bank(sender, settings.dt_s)
-        self._guards = guards_of(sender, self._bank)
-        self.stations = sending_stations(sender, self._bank, phase, sensing=sensing)
-        self.contents = contents(vehicles, widest(sender, self._bank))
-        capacity = _capacity(first, settings)
-        self.tables = neighbour_tables(
-            vehicles, capacity, sub_intervals=_sub_intervals(sender), phase_s=phase * 1.0
-        )
-        self.tracks = tracks(vehicles, capacity)
         pool = ThreadPoolExecutor(threads) if threads > 1 else None
         # Two parts a thread even out; a power of two of them begin where groups of sums do.
         number = min(PARTS, 1 << (2 * threads - 1).bit_length())
@@ -142,9 +136,25 @@ class FleetLoop:
         # A part begins with the first slot of a group of `SentTally`.
         edges = [-(-vehicles * part // self._work.number) for part in range(self._work.number + 1)]
         self._parts = list(pairwise(edges))
-        self._outboxes = [outbox(end - begin) for begin, end in self._parts]
+        self.speakers = _speakers(self.mix, settings, phase, self._parts, sensing)
+        self._ready = ReadyBank.joined([one.bank.ready for one in self.speakers])
+        one = len(self.speakers) == 1
+        self.vehicle = self.stations.senders.vehicle if one else np.full(vehicles, -1, dtype=np.int64)
+        self.group, self.reading = (np.zeros(vehicles, dtype=np.int64) for _ in range(2))
+        self.reading[:] = Reading.MODEL
+        self._draw = None if self.mix.is_one else Draw(self.mix, seed)
+        columns = message_arrays.BELIEF_COLUMNS if self.mix.is_one else mixed_kernels.COLUMNS
+        self.contents = contents(vehicles, max(one.widest for one in self.speakers), beliefs=columns)
+        capacity = _capacity(first, settings)
+        self.tables = neighbour_tables(
+            vehicles,
+            capacity,
+            sub_intervals=max(_sub_intervals(one) for one in self.mix.senders),
+            phase_s=phase * 1.0,
+        )
+        self.tracks = tracks(vehicles, capacity)
         self._tallies = [tally(settings.distances) for _ in self._parts]
-        self._sent = [sent_tally(PARTS) for _ in self._parts]
+        self._mixed = [mixed_tally(self.mix, settings) for _ in self._parts]
         self.number = 0
         self._rng = rng
         self._radio_state: Any = radio.init(vehicles, child_generator(seed, "radio"))
@@ -152,13 +162,12 @@ class FleetLoop:
         self._sensor_state: FleetSensorState | None = None
         if sensor is not None:
             self._sensor_state = sensor.init(vehicles, child_generator(seed, "sensor"))
-        own = Sensing(motion=sender.motion, origin=NOWHERE) if sensing is None else sensing
-        self._sensing = own.numbers(settings.dt_s)
-        reads = self._bank.ready.reads_context
-        self._knowledge = Knowledge(vehicles, cells=_CELLS) if reads else None
-        spread_s = settings.start_spread_s
-        self._spread_s = min(sender.longest_silence_s, settings.expiry_s) if spread_s is None else spread_s
         self._last_s = -np.inf
+
+    @property
+    def stations(self) -> SendingStations:
+        """All that the stations of the first sender hold."""
+        return self.speakers[0].stations
 
     def step(self, frame: FleetFrame) -> tuple[Receptions, FloatArray]:
         """Carry one step; returns what was received in it, and its row of `SERIES`.
@@ -180,7 +189,6 @@ class FleetLoop:
             )
         # The radio's clock counts steps, so that both ends of every interval are the same numbers.
         now_s, until_s = round(self.number * dt_s, 6), round((self.number + 1) * dt_s, 6)
-        self.stations = self.stations._replace(models=self._bank.models(self._guards))
         seen = frame
         if self._sensor is not None and self._sensor_state is not None:
             seen, self._sensor_state = self._sensor.sense(self._sensor_state, frame)
@@ -198,64 +206,59 @@ class FleetLoop:
 
     def _sense(self, frame: FleetFrame, seen: FleetFrame) -> BoolArray:
         """Take measurements in and let new vehicles begin anew; returns whose slot has one, (V,)."""
-        stations = self.stations
-        started = frame.active & (stations.senders.vehicle != frame.vehicle_id)
-        stations.senders.vehicle[:] = np.where(frame.active, frame.vehicle_id, -1)
-        forget_each(stations.sensed, started)
+        started = frame.active & (self.vehicle != frame.vehicle_id)
+        self.vehicle[:] = np.where(frame.active, frame.vehicle_id, -1)
+        if self._draw is not None:
+            self._draw.place(self.vehicle, started, self.group, self.reading)
+        for number, one in enumerate(self.speakers):
+            one.begin(frame, frame.active & (self.group == number), started)
         reception_kernels.clear_hosts(started, self.tables, self.tracks)
         columns = (seen.speed_mps, seen.heading_rad, seen.acceleration_mps2, seen.yaw_rate_radps)
         measured = np.column_stack((seen.position_m, *columns))
         begins = np.zeros(len(frame), dtype=np.bool_) if frame.begins is None else frame.begins
-        if self._knowledge is not None:
-            self._knowledge.forget(started)
+        hosts = Hosts(
+            self._ready.members,
+            self.expiry_s,
+            self.vehicle,
+            lambda: self._shown(_HEADING),
+            self.tables,
+            self.tracks,
+            self.contents,
+        )
 
         def work(part: int) -> None:
-            first, end = self._parts[part]
-            here: IntArray = first + np.flatnonzero(frame.active[first:end])
-            sense(
-                stations.sensed, here, np.full(here.size, frame.t_s), measured[here],
-                begins[here], self._sensing,
-            )  # fmt: skip
-            if self._knowledge is not None:
-                self._know(self._knowledge, here, frame.t_s)
-            observe_newest(stations.models.members, stations.sensed, here)
+            for one in self.speakers:
+                one.sense(part, frame, measured, begins, hosts)
 
         self._work.each(work)
         return started
 
-    def _know(self, knowledge: Knowledge, here: IntArray, t_s: float) -> None:
-        """Write what vehicles know of the road and of who is ahead behind what they measured."""
-        stations = self.stations
-        samples = knowledge.newest(stations.sensed, here)
-        rows = knowledge.drive(t_s, here, samples)
-        believing = ahead_kernels.Believing(
-            stations.models.members,
-            self.sender.carries_all,
-            t_s,
-            self.expiry_s,
-            stations.senders.vehicle,
-            np.ascontiguousarray(stations.sensed.shown[:, _HEADING]),
-        )
-        ahead_kernels.follow_each(
-            believing, self.tables.hosts, self.tracks.held, self.contents.rows, knowledge.followers, here,
-            samples, rows,
-        )  # fmt: skip
-        knowledge.lay(stations.sensed, here, rows)
+    def _shown(self, columns: int | slice) -> FloatArray:
+        """Columns of what each vehicle takes its own state to be, (V,) or (V, C)."""
+        shown = self.stations.sensed.shown[:, columns]
+        for number, one in enumerate(self.speakers[1:], start=1):
+            own = self.group == number
+            shown = np.where(
+                own if shown.ndim == 1 else own[:, None], one.stations.sensed.shown[:, columns], shown
+            )
+        return np.ascontiguousarray(shown)
 
     def _track(self, truth_m: FloatArray, now_s: float) -> None:
         """Set all tracks against the truth."""
         settings = self.settings
         tracking = Tracking(
-            members=self.stations.models.members,
-            carries_all=self.sender.carries_all,
+            members=self._ready.members,
             t_s=now_s,
             step=self.number,
             expiry_s=self.expiry_s,
             distance_bin_m=settings.distance_bin_m,
             middle=settings.middle_bins,
-            vehicle=self.stations.senders.vehicle,
+            vehicle=self.vehicle,
             truth_m=truth_m,
         )
+        if self._draw is not None:
+            self._track_mixed(tracking)
+            return
         cells = build_cells(truth_m, settings.distance_bin_m * self._tallies[0].pairs.size)
 
         def work(part: int) -> None:
@@ -273,33 +276,60 @@ class FleetLoop:
 
         self._work.each(work)
 
-    def _send(self, started: BoolArray, now_s: float, busy_ratio: FloatArray) -> None:
-        """Fill the outboxes."""
-        stations = self.stations
-        inputs = StepInputs(
-            t_s=now_s,
-            dt_s=self.settings.dt_s,
-            spread_s=self._spread_s if self.number == 0 else 0.0,
-            started=started,
-            critical=stations.sensed.shown[:, _ACCELERATION] < -stations.policy.critical_mps2,
-            busy_ratio=owned(busy_ratio),
-            uniforms=self._rng.random((started.size, 4)),
+    def _track_mixed(self, tracking: Tracking) -> None:
+        """Set all tracks against the truth, each as its host reads."""
+        bins = self.settings.distances
+        cells = build_cells(tracking.truth_m, self.settings.distance_bin_m * bins)
+        readers = mixed_kernels.MixedReaders(
+            free_rule(free_bank() if self.mix.free is None else self.mix.free, self.settings.dt_s),
+            self.group,
+            self.reading,
         )
 
         def work(part: int) -> None:
-            sending_kernels.send_each(
-                stations, inputs, self.tables, self.contents, self._outboxes[part], self._sent[part],
+            mixed_kernels.sample_mixed(
+                tracking, readers, self.tables.hosts, self.contents, self.tracks.held, self._mixed[part],
                 *self._parts[part],
             )  # fmt: skip
+            mixed_kernels.count_mixed(
+                cells,
+                readers,
+                (part, self._work.number),
+                self.settings.distance_bin_m,
+                self._mixed[part].pairs,
+            )
+
+        self._work.each(work)
+
+    def _send(self, started: BoolArray, now_s: float, busy_ratio: FloatArray) -> None:
+        """Fill the outboxes."""
+        given = StepInputs(
+            t_s=now_s,
+            dt_s=self.settings.dt_s,
+            spread_s=0.0,
+            started=started,
+            critical=started,
+            busy_ratio=owned(busy_ratio),
+            uniforms=self._rng.random((started.size, 4)),
+        )
+        inputs = [one.inputs(given, first=self.number == 0) for one in self.speakers]
+
+        def work(part: int) -> None:
+            for one, own in zip(self.speakers, inputs, strict=True):
+                one.send(part, own, self.tables, self.contents)
 
         self._work.each(work)
 
     def handed_over(self) -> Outbox:
         """Messages of the last step as the radio gets them, in order of slots."""
+        boxes = [one.outboxes[part] for part in range(len(self._parts)) for one in self.speakers]
         columns = [
-            np.concatenate([getattr(box, name)[: int(box.filled[0])] for box in self._outboxes])
+            np.concatenate([getattr(box, name)[: int(box.filled[0])] for box in boxes])
             for name in Outbox._fields[:-1]
         ]
+        if len(self.speakers) > 1:
+            order = np.argsort(columns[0], kind="stable")
+            columns = [column[order] for column in columns]
         return Outbox(*columns, filled=np.array([columns[0].size]))
 
     def _carry(self, truth_m: FloatArray, shift_s: float, until_s: float) -> Receptions:
@@ -317,16 +347,23 @@ class FleetLoop:
         received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s, self._work)
         return replace(received, t_s=received.t_s - shift_s) if shift_s != 0.0 else received
 
-    def posted(self) -> SentMessages:
-        """Content of the messages of the last step, as their receivers decode it, in order of slots."""
-        each = [(box, int(box.filled[0])) for box in self._outboxes]
+    def posted(self, group: int = 0) -> SentMessages:
+        """Content of the messages of the last step, as their receivers decode it, in order of slots.
+
+        Parameters
+        ----------
+        group
+            Of which sender.
+        """
+        own = self.speakers[group]
+        each = [(box, int(box.filled[0])) for box in own.outboxes]
         slot = np.concatenate([box.sender[:count] for box, count in each])
         number = np.concatenate([box.message_id[:count] for box, count in each]) >> SENDER_BITS
-        return messages_of(self.stations, self.contents, slot, number)
+        return messages_of(own.stations, self.contents, slot, number)
 
     def _hear(self, received: Receptions, truth_m: FloatArray) -> None:
         """Let hosts take in what they heard."""
-        vehicle = self.stations.senders.vehicle
+        vehicle = self.vehicle
         receiver = owned(received.receiver, np.int64)
         start, order = np.zeros(vehicle.size + 1, dtype=np.int64), np.empty(receiver.size, dtype=np.int64)
         reception_kernels.by_host(receiver, start, order)
@@ -336,8 +373,9 @@ class FleetLoop:
             order=order,
             start=start,
             vehicle=vehicle,
-            seen_m=np.ascontiguousarray(self.stations.sensed.shown[:, :2]),
+            seen_m=self._shown(slice(2)),
             truth_m=truth_m,
+            reading=self.reading,
         )
         limits = HearingLimits(
             self.settings.reach_m, self.expiry_s, _SUB_INTERVAL_S, self.settings.distance_bin_m
@@ -356,12 +394,76 @@ class FleetLoop:
 
         self._work.each(work)
 
+    def believed(
+        self,
+        hosts: IntArray,
+        remotes: IntArray,
+        *,
+        reading: Reading | IntArray | None = None,
+        t_s: float | None = None,
+    ) -> Believed:
+        """What hosts believe of remotes after a step, by the messages that they have heard in it and before.
+
+        A remote that is believed by Part I alone (`Reading.LEGACY`), or by a sub-model of constant velocity,
+        is believed to accelerate and to turn as Part I states: going straight on denies neither. Vehicles are
+        those of the last frame.
+
+        Parameters
+        ----------
+        hosts, remotes
+            Slots of each pair, (N,).
+        reading
+            How the hosts read messages, one for all or (N,); None for each in its own way.
+        t_s
+            For which instant [s]; None for the end of the step, that of the next frame.
+
+        Raises
+        ------
+        ValueError
+            Where the arrays differ in shape, a slot is none of the fleet's, or a reading is unknown.
+        """
+        given = np.broadcast_arrays(hosts, remotes, -1 if reading is None else reading)
+        if given[0].ndim != 1:
+            raise ValueError(f"hosts and remotes must be (N,), got {np.shape(hosts)} and {np.shape(remotes)}")
+        host, remote, how = (np.array(one, dtype=np.int64) for one in given)
+        _check("hosts", host, self.vehicle.size)
+        _check("remotes", remote, self.vehicle.size)
+        if reading is None:
+            how = self.reading[host]
+        _check("reading", how, len(Reading))
+        free = self.mix.free
+        if free is None:
+            free = free_bank() if (how == Reading.FREE).any() else BASELINE_BANK
+        readers = believed_kernels.Readers(
+            self._ready.members,
+            np.concatenate([goes_straight(one.bank.bank) for one in self.speakers]),
+            free_rule(free, self.settings.dt_s),
+            self._last_s + self.settings.dt_s if t_s is None else t_s,
+            self.expiry_s,
+            self.vehicle,
+        )
+        pairs = believed_kernels.Pairs(
+            host,
+            remote,
+            how,
+            held=np.zeros(host.size, dtype=np.bool_),
+            age_s=np.empty(host.size),
+            motion=np.empty((host.size, BELIEF_COLUMNS)),
+        )
+        believed_kernels.believe_each(readers, self.tables, self.tracks, self.contents.rows, pairs)
+        return Believed(pairs.held, motion=pairs.motion, age_s=pairs.age_s)
+
     def _series_row(
         self, frame: FleetFrame, busy_ratio: FloatArray, before: FloatArray, received: Receptions
     ) -> FloatArray:
         here = frame.active
         gained = self.sent.total - before
-        rows = self.stations.timers.rows[here] if self.stations.policy.rule == RULE_J2945 else None
+        timed = [
+            one.stations.timers.rows[here & (self.group == number)]
+            for number, one in enumerate(self.speakers)
+            if one.stations.policy.rule == RULE_J2945
+        ]
+        rows = np.concatenate(timed) if timed else None
         row = np.full(len(SERIES), np.nan)
         row[0], row[1], row[2] = here.sum(), gained[MESSAGES], received.size
         row[3] = busy_ratio[here].mean() if here.any() else np.nan
@@ -375,30 +477,66 @@ class FleetLoop:
     @property
     def sent(self) -> SentTally:
         """What was sent since the counts were forgotten."""
-        return SentTally(*(np.sum(columns, axis=0) for columns in zip(*self._sent, strict=True)))
+        parts = [tally for one in self.speakers for tally in one.tallies]
+        return SentTally(*(np.sum(columns, axis=0) for columns in zip(*parts, strict=True)))
 
     @property
     def tally(self) -> Tally:
         """What was counted since the counts were forgotten."""
-        return pooled(self._tallies)
+        counts = pooled(self._tallies)
+        return counts if self._draw is None else within(self.mixed, counts)
+
+    @property
+    def mixed(self) -> MixedTally:
+        """What was counted by sender and reading since the counts were forgotten; no rows for one."""
+        return pooled_mixed(self._mixed)
 
     def take_recent(self) -> IntArray:
         """Return the tracking errors near the middle distances since the last call, (BINS,)."""
-        recent: IntArray = np.sum([part.recent for part in self._tallies], axis=0)
-        for part in self._tallies:
+        parts = self._tallies if self._draw is None else self._mixed
+        recent: IntArray = np.sum([part.recent for part in parts], axis=0)
+        for part in parts:
             part.recent[...] = 0
         return recent
 
     def forget_counts(self) -> None:
         """Set all counts to zero: the warm-up is over."""
-        for part in (*self._tallies, *self._sent):
+        for part in (*self._tallies, *self._mixed):
             for counts in part:
                 counts[...] = 0
+        for one in self.speakers:
+            one.forget_counts()
 
 
-_ACCELERATION = MEASURED - 2
 _HEADING = MEASURED - 3
-_CELLS = 1_000
+
+
+def _check(name: str, numbers: IntArray, end: int) -> None:
+    """Refuse numbers that are not of a range from 0."""
+    if numbers.size and not 0 <= numbers.min() <= numbers.max() < end:
+        raise ValueError(f"{name} must lie within 0..{end - 1}, got {numbers.min()} to {numbers.max()}")
+
+
+def _speakers(
+    mix: Mix,
+    settings: NetworkSettings,
+    phase: FloatArray,
+    parts: list[tuple[int, int]],
+    sensing: Sensing | None,
+) -> list[Speakers]:
+    """One group a sender; what stations hold of their messages is that of their slots, whoever is there."""
+    found: list[Speakers] = []
+    first = 0
+    for sender in mix.senders:
+        shared = found[0].stations.senders if found else None
+        found.append(
+            Speakers(
+                sender, settings, phase,
+                parts=parts, groups=PARTS, sensing=sensing, first_member=first, shared=shared,
+            )
+        )  # fmt: skip
+        first += len(found[-1].bank.bank.members)
+    return found
 
 
 def _sub_intervals(sender: Sender) -> int:

@@ -21,6 +21,7 @@ from modelcast.runtime.fleet.arrays import (
 from modelcast.runtime.fleet.bins_kernels import bin_of
 from modelcast.station.policy.error_driven_kernels import IDENTIFICATION
 from modelcast.station.policy.neighbours_kernels import NeighbourTables, hear
+from modelcast.station.receiver.reading_kernels import MODEL
 from modelcast.station.receiver.track_kernels import (
     ACCEPTED,
     HELD_CONTENT,
@@ -62,7 +63,8 @@ class Heard(NamedTuple):
     """Receptions of a step, (R,) each: message, receiver, time; and who and where vehicles are.
 
     ``order`` (R,) puts them host by host, those of host h from ``start[h]`` to ``start[h + 1]``. ``seen_m``
-    is where hosts take themselves to be, ``truth_m`` where they are, (V, 2).
+    is where hosts take themselves to be, ``truth_m`` where they are, (V, 2); ``reading`` (V,) how they read
+    messages (`reading_kernels`).
     """
 
     message_id: IntVector
@@ -72,6 +74,7 @@ class Heard(NamedTuple):
     vehicle: IntVector
     seen_m: FloatMatrix
     truth_m: FloatMatrix
+    reading: IntVector
 
 
 class HearingLimits(NamedTuple):
@@ -223,6 +226,9 @@ def _hear_each(
             if tracks.vehicle[host, slot] != remote:
                 tracks.vehicle[host, slot] = remote
                 track[TRACK_MESSAGE], track[TRACK_RECEIVED_S] = -1.0, -np.inf
+            if rows[sender, ring, CONTENT_KIND] == IDENTIFICATION and heard.reading[host] != MODEL:
+                counts[UNKNOWN] += 1  # it names nothing to who knows no model
+                continue
             before_s = track[TRACK_RECEIVED_S]
             status = _take(rows, message, track, at_s, limits.expiry_s, scratch)
             if status == OLDER:

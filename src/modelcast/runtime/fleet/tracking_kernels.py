@@ -14,6 +14,7 @@ from modelcast.runtime.fleet.arrays import (
     TRACK_RECEIVED_S,
     Tally,
 )
+from modelcast.runtime.fleet.believed_kernels import own_span
 from modelcast.runtime.fleet.bins_kernels import bin_of
 from modelcast.station.policy.neighbours_kernels import HostVector
 from modelcast.station.sender.message_arrays import (
@@ -30,7 +31,18 @@ from modelcast.station.sender.message_arrays import (
     Contents,
 )
 
-__all__ = ["Tracking", "count_pairs", "most_in_reach", "sample_tracks"]
+__all__ = [
+    "Near",
+    "Tracking",
+    "bins_of",
+    "count_pairs",
+    "found_bins",
+    "most_in_reach",
+    "near_tracks",
+    "sample_tracks",
+    "word_of",
+    "work_out",
+]
 
 _BIN_BITS = 10
 _BIN_MASK = (1 << _BIN_BITS) - 1
@@ -39,13 +51,11 @@ _BIN_MASK = (1 << _BIN_BITS) - 1
 class Tracking(NamedTuple):
     """What tracks are sampled with.
 
-    Members of the bank, and whether content holds the parameters of all; time, number of the step; silence
-    after which a track is lost [s]; width of the bins of distance [m]; first and end bin of the middle
-    distances; who is where, (V,) and (V, 2).
+    Members of all senders' banks; time, number of the step; silence after which a track is lost [s]; width of
+    the bins of distance [m]; first and end bin of the middle distances; who is where, (V,) and (V, 2).
     """
 
     members: Members
-    carries_all: bool
     t_s: float
     step: int
     expiry_s: float
@@ -64,7 +74,27 @@ class Near(NamedTuple):
 
 
 @kernel(inlined=True)
-def _work_out(x: Tracking, message: int, contents: Contents, scratch: FloatVector) -> int:
+def bins_of(belief: int) -> tuple[int, int]:
+    """Bins of tracking error and age that a word says; the first is -1 where the sender has left."""
+    return ((belief >> _BIN_BITS) & _BIN_MASK) - 1, belief & _BIN_MASK
+
+
+@kernel(inlined=True)
+def found_bins(x: Tracking, belief: int) -> bool:
+    """Whether a word was worked out in this step."""
+    return belief >> (2 * _BIN_BITS) == x.step
+
+
+@kernel(inlined=True)
+def word_of(x: Tracking, sender: int, row: FloatVector, displaced: FloatVector) -> int:
+    """Word of what a message makes its holders believe, from how far its sender is believed to have come."""
+    east, north = displaced[0] + row[CONTENT_EAST_M], displaced[1] + row[CONTENT_NORTH_M]
+    error_bin = bin_of(hypot(east - x.truth_m[sender, 0], north - x.truth_m[sender, 1])) + 1
+    return (x.step << (2 * _BIN_BITS)) | (error_bin << _BIN_BITS) | bin_of(x.t_s - row[CONTENT_FIT_S])
+
+
+@kernel(inlined=True)
+def work_out(x: Tracking, message: int, contents: Contents, scratch: FloatVector) -> int:
     """What a message makes its holders believe now: bins of error and age, and the step, in one word.
 
     The word is written in one go, so that whoever reads it finds all of it. An error bin of 0 says that the
@@ -73,19 +103,14 @@ def _work_out(x: Tracking, message: int, contents: Contents, scratch: FloatVecto
     sender = message & ((1 << SENDER_BITS) - 1)
     ring = (message >> SENDER_BITS) % MESSAGES_KEPT
     known = contents.beliefs[sender, ring, BELIEF]
-    if known >> (2 * _BIN_BITS) == x.step:
+    if found_bins(x, known):
         return known
-    error_bin, age_bin = 0, 0
+    found = x.step << (2 * _BIN_BITS)
     row = contents.rows[sender, ring]
     if row[CONTENT_VEHICLE] == x.vehicle[sender]:
-        member, offsets = int(row[CONTENT_MEMBER]), x.members.offsets
-        first = CONTENT_HEAD + (offsets[member] if x.carries_all else 0)
-        own = row[first : first + offsets[member + 1] - offsets[member]]
-        predict_member(x.members, member, own, x.t_s - row[CONTENT_FIT_S], scratch)
-        east, north = scratch[0] + row[CONTENT_EAST_M], scratch[1] + row[CONTENT_NORTH_M]
-        error_bin = bin_of(hypot(east - x.truth_m[sender, 0], north - x.truth_m[sender, 1])) + 1
-        age_bin = bin_of(x.t_s - row[CONTENT_FIT_S])
-    found = (x.step << (2 * _BIN_BITS)) | (error_bin << _BIN_BITS) | age_bin
+        own, end = own_span(x.members, row)
+        predict_member(x.members, int(row[CONTENT_MEMBER]), row[own:end], x.t_s - row[CONTENT_FIT_S], scratch)
+        found = word_of(x, sender, row, scratch)
     contents.beliefs[sender, ring, BELIEF] = found
     return found
 
@@ -93,18 +118,18 @@ def _work_out(x: Tracking, message: int, contents: Contents, scratch: FloatVecto
 @kernel(inlined=True)
 def _count(belief: int, distance: int, middle: tuple[int, int], tally: Tally) -> None:
     """Count one track at a distance; that of a remote that has left is passed over."""
-    at = ((belief >> _BIN_BITS) & _BIN_MASK) - 1
+    at, age = bins_of(belief)
     if at < 0:
         return
     tally.held[distance] += 1
     tally.error[distance, at] += 1
-    tally.age[distance, belief & _BIN_MASK] += 1
+    tally.age[distance, age] += 1
     if middle[0] <= distance < middle[1]:
         tally.recent[at] += 1
 
 
 @kernel(inlined=True)
-def _near_tracks(
+def near_tracks(
     x: Tracking, host: int, used: int, tracks: FloatCube, bins: int, near: IntVector, distance: IntVector
 ) -> int:
     """List the live tracks of one host within the bins, and their bins of distance; returns how many.
@@ -141,7 +166,7 @@ def _sample_host(
         belief = beliefs[sender, ring, BELIEF]
         if beliefs[sender, ring, BELIEF_NUMBER] != number:
             continue
-        if belief >> (2 * _BIN_BITS) != x.step:
+        if not found_bins(x, belief):
             near.slot[count], near.distance[count] = near.slot[k], near.distance[k]
             count += 1
             continue
@@ -175,12 +200,12 @@ def _sample_each(
     for host in range(first, end):
         if x.vehicle[host] < 0:
             continue
-        found = _near_tracks(x, host, hosts[host].used, tracks, bins, near.slot, near.distance)
+        found = near_tracks(x, host, hosts[host].used, tracks, bins, near.slot, near.distance)
         count = _sample_host(x, host, contents.beliefs, tracks, tally, near, found)
         _touch_contents(host, count, near, tracks, contents.rows)
         for k in range(count):
             message = int(tracks[host, near.slot[k], TRACK_MESSAGE])
-            _count(_work_out(x, message, contents, scratch), near.distance[k], x.middle, tally)
+            _count(work_out(x, message, contents, scratch), near.distance[k], x.middle, tally)
 
 
 @kernel

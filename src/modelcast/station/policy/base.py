@@ -107,6 +107,9 @@ class TransmitInputs:
     until_s
         End of the interval that is decided on, when `decide` is asked next, (B,) [s]; None leaves it to the
         policy.
+    legacy_error_m
+        Error of receivers that coast place, speed and heading of the last update's Part I at constant
+        velocity, (B,) [m]; None where no policy asks.
     motion
         What the vehicles measure of themselves.
     air
@@ -121,11 +124,12 @@ class TransmitInputs:
     available: BoolArray
     predicted_life: FloatArray | None = None
     until_s: FloatArray | None = None
+    legacy_error_m: FloatArray | None = None
     motion: Motion | None = None
     air: Air | None = None
 
 
-Part = TypeVar("Part", Motion, Air)
+Part = TypeVar("Part", Motion, Air, FloatArray)
 
 
 def required(part: Part | None, name: str, policy: str) -> Part:

@@ -122,6 +122,10 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         Way that two vehicles, both as fast as this one, may come closer between two messages [m]: the keep-
         alive of a fast one is shorter, so that those who come towards it know it in time. Infinite for
         none.
+    legacy_threshold_m
+        Error of legacy receivers that calls for an update whatever the sub-models do [m]: of those that coast
+        place, speed and heading of the last update's Part I at constant velocity. Infinite for not minding
+        them. It holds at the sender's own samples; what is lost on the way they miss as everybody does.
 
     Raises
     ------
@@ -151,6 +155,7 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
     packet_error_ratio: float = 0.0
     budget: float = LOSS_BUDGET
     approach_m: float = np.inf
+    legacy_threshold_m: float = np.inf
 
     def __post_init__(self) -> None:
         if not self.threshold_m > 0:
@@ -172,7 +177,8 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
             raise ValueError(f"believe must be one of {known}, got {self.believe!r}")
         if not 0.0 <= self.packet_error_ratio <= 1.0:
             raise ValueError(f"packet_error_ratio must be a share, 0 to 1, got {self.packet_error_ratio}")
-        for name, value in (("budget", self.budget), ("approach_m", self.approach_m)):
+        for name in ("budget", "approach_m", "legacy_threshold_m"):
+            value: float = getattr(self, name)
             if not value > 0:
                 raise ValueError(f"{name} must be positive, got {value}")
         if self.expects and self.start == "survivor":
@@ -232,7 +238,7 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         """Run the compiled steps for every vehicle; the message leaves at once.
 
         Who makes the inputs of a policy that expects gives the expected error in place of each sub-model's.
-        `approach_m` needs `TransmitInputs.motion`.
+        `approach_m` needs `TransmitInputs.motion`, `legacy_threshold_m` its ``legacy_error_m``.
         """
         if self.costs is not None and self.identify == "cheapest":
             self.costs.check_members(state.first_failure_s.shape[1])
@@ -243,6 +249,9 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
         speed_mps = np.zeros(kind.size)
         if self.approach_m < np.inf:
             speed_mps = required(inputs.motion, "motion", "ErrorDriven").speed_mps
+        legacy_error_m = np.zeros(kind.size)
+        if self.legacy_threshold_m < np.inf:
+            legacy_error_m = required(inputs.legacy_error_m, "legacy_error_m", "ErrorDriven")
         seen = kernels.Vehicles(
             np.ascontiguousarray(inputs.tracking_error_m, dtype=np.float64),
             np.ascontiguousarray(inputs.available),
@@ -251,6 +260,8 @@ class ErrorDriven(AbstractTransmitPolicy[ErrorDrivenState]):
             np.ascontiguousarray(inputs.age_s, dtype=np.float64),
             np.ascontiguousarray(inputs.silence_s, dtype=np.float64),
             owned(speed_mps),
+            owned(legacy_error_m),
+            self.legacy_threshold_m,
         )
         threshold_m, longest_s, identify, costs = self.codes
         if self.expects:

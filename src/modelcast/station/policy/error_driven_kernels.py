@@ -166,10 +166,20 @@ def step(
     return NOTHING, in_use
 
 
+@kernel(inlined=True)
+def for_legacy(kind: int, error_m: float, threshold_m: float) -> int:
+    """What is sent where legacy receivers are minded: an update where they err by a threshold or more.
+
+    ``kind`` is what is sent else; ``error_m`` their error by what Part I of the last update states.
+    """
+    return kind if error_m < threshold_m or kind in (UPDATE, KEEP_ALIVE) else UPDATE
+
+
 class Vehicles(NamedTuple):
     """B vehicles with a bank of M: what each sub-model does, (B, M), and what is in use since when, (B,).
 
-    ``speed_mps`` (B,) bears on the longest silence alone.
+    ``speed_mps`` (B,) bears on the longest silence alone; ``legacy_error_m`` (B,) is the error of legacy
+    receivers, and calls for an update from ``legacy_m`` on.
     """
 
     tracking_error_m: FloatMatrix
@@ -179,6 +189,8 @@ class Vehicles(NamedTuple):
     age_s: FloatVector
     silence_s: FloatVector
     speed_mps: FloatVector
+    legacy_error_m: FloatVector
+    legacy_m: float
 
 
 @kernel
@@ -207,6 +219,8 @@ def step_each(
             identify,
             costs,
         )
+        if seen.legacy_m < np.inf:
+            kind = for_legacy(kind, seen.legacy_error_m[row], seen.legacy_m)
         if kind in (UPDATE, KEEP_ALIVE):
             member = start_member(
                 seen.available[row], first_failure_s[row], seen.scores[row], seen.in_use[row], start

@@ -143,6 +143,7 @@ def speaking_lanes(
         loss=np.array([lane.policy.believed_loss for lane in lanes]),
         budget=np.array([lane.policy.budget for lane in lanes]),
         approach_m=np.array([lane.policy.approach_m for lane in lanes], dtype=np.float64),
+        legacy_m=np.array([lane.policy.legacy_threshold_m for lane in lanes], dtype=np.float64),
         within_m=within_m,
     )
     return SpeakingLanes(rules, np.array(speaks, dtype=np.int64))

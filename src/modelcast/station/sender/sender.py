@@ -19,6 +19,7 @@ messages are plain (`modelcast.station.banks.free_bank`).
 """
 
 from dataclasses import KW_ONLY, dataclass, field, replace
+from math import inf
 from typing import Any
 
 from modelcast.core.arrays import IntArray
@@ -248,6 +249,7 @@ def named_sender(
     believe: BelieveRule | None = None,
     budget: float = LOSS_BUDGET,
     approach_m: float = APPROACH_M,
+    legacy_threshold_m: float = inf,
     parameters: J2945Parameters | None = None,
     relaxed_error_m: float | None = None,
     motion: MotionFilter | None = None,
@@ -273,7 +275,7 @@ def named_sender(
     believe, budget
         Of the error-driven one that sends models, as in `ErrorDriven`. Where None, what
         `believe_of` says of its rules.
-    approach_m
+    approach_m, legacy_threshold_m
         Of the error-driven ones [m].
     parameters
         Constants of J2945/1; None for `engine_parameters`.
@@ -318,6 +320,7 @@ def named_sender(
             believe="sent" if name == "baseline" else believe or "expected",
             budget=budget,
             approach_m=approach_m,
+            legacy_threshold_m=legacy_threshold_m,
         )
     elif name == "mbc":
         rules = rules_of(chosen)
@@ -330,6 +333,7 @@ def named_sender(
             believe=believe or believe_of(start or rules[0], identify or rules[1]),
             budget=budget,
             approach_m=approach_m,
+            legacy_threshold_m=legacy_threshold_m,
         )
     elif sends_models:
         first = unguarded(start or "recent")

@@ -11,7 +11,7 @@ import numpy as np
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatVector, IntMatrix
 from modelcast.models.member_kernels import absorb_member
-from modelcast.models.point_kernels import VELOCITY_EAST, VELOCITY_NORTH
+from modelcast.models.point_kernels import EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH
 from modelcast.station.arrays import OLDER_HEAD, Fits, LaneRules, Lanes, Sensed
 from modelcast.station.policy.believed_loss_kernels import error_growth, share_held
 from modelcast.station.policy.error_driven_kernels import (
@@ -21,11 +21,13 @@ from modelcast.station.policy.error_driven_kernels import (
     START_RECENT,
     START_SURVIVOR,
     UPDATE,
+    for_legacy,
     longest_silence_s,
     step,
 )
 from modelcast.station.policy.guard_kernels import BANK, forget_guard, steer
 from modelcast.station.sender.fitting_kernels import SenderModels, distance_to, fit
+from modelcast.station.sender.motion_kernels import displace_straight, state_motion
 from modelcast.station.sender.starting_kernels import available, chosen
 
 __all__ = ["SCRATCH", "compose", "followed", "forget_lane", "hold", "speak", "speak_through"]
@@ -87,6 +89,15 @@ def _expected_error(
         error_m = distance_to(models, m, own, origin, s.t_s[v, at], s.samples[v, at], scratch)
         mean += share_held(loss, k + 1, k + 1 == olders) * error_m
     return mean
+
+
+@kernel(inlined=True)
+def _legacy_error(s: Sensed, rules: LaneRules, lanes: Lanes, b: int, at: int, scratch: FloatVector) -> float:
+    """Error of those who coast Part I of a lane's update at constant velocity."""
+    v = rules.vehicle[b]
+    displace_straight(lanes.stated[b], s.t_s[v, at] - lanes.origin[b, 0], scratch)
+    east = lanes.origin[b, 1] + scratch[0] - s.samples[v, at, EAST]
+    return hypot(east, lanes.origin[b, 2] + scratch[1] - s.samples[v, at, NORTH])
 
 
 @kernel(inlined=True)
@@ -175,6 +186,9 @@ def hold(
             own = fits.parameters[v, place, offsets[m] : offsets[m + 1]]
             held = lanes.held[b, offsets[m] : offsets[m + 1]]
             absorb_member(models.members, m, own, lanes.origin[b], continues, held)
+    if rules.legacy_m[b] < np.inf:
+        others = rules.identify[b] != IDENTIFY_NEVER and models.members.windows.size > 1
+        state_motion(models.part_one, s, fits, v, number, member, others, lanes.stated[b])
     lanes.update[b], lanes.in_use[b] = number, member
     lanes.origin[b, 0], lanes.origin[b, 1], lanes.origin[b, 2] = stated_s, east_m, north_m
 
@@ -302,7 +316,11 @@ def speak(
         lanes.update[b], lanes.in_use[b] = lanes.update[whom], lanes.in_use[whom]
     else:
         if lanes.update[b] >= 0:
+            before = lanes.in_use[b]
             kind = _ask(models, s, rules, lanes, b, at, scratch)
+            if rules.legacy_m[b] < np.inf:
+                kind = for_legacy(kind, _legacy_error(s, rules, lanes, b, at, scratch), rules.legacy_m[b])
+                lanes.in_use[b] = before if kind == UPDATE else lanes.in_use[b]
         if rules.speaker[b] >= 0:
             kind = _steered(rules, lanes, b, kind)
         if kind in (UPDATE, KEEP_ALIVE):

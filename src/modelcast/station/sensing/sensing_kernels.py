@@ -22,7 +22,7 @@ from modelcast.models.point_kernels import (
     VELOCITY_NORTH,
     YAW_RATE,
 )
-from modelcast.station.arrays import MEASURED, Sensed
+from modelcast.station.arrays import MEASURED, Fits, Sensed
 from modelcast.station.sensing import motion_filter_kernels as motion
 from modelcast.station.sensing.noise_kernels import difference_variance, settled
 from modelcast.station.sensing.velocity_kernels import end_slope
@@ -179,8 +179,11 @@ def sense(
 
 
 @kernel
-def forget_each(s: Sensed, whose: BoolVector) -> None:
+def forget_each(s: Sensed, fits: Fits, whose: BoolVector) -> None:
     """Let some vehicles hold nothing, (V,): others have taken their places."""
     for v in range(whose.size):
         if whose[v]:
             s.taken[v] = 0
+            for place in range(fits.number.shape[1]):
+                for m in range(fits.number.shape[2]):
+                    fits.number[v, place, m] = -1
