@@ -203,7 +203,7 @@ def held_after(kinds: list[str], used: list[int], lost: list[int]) -> list[tuple
             bank.parameters[10:].copy(),
             np.zeros((4, 2)),
             np.tile([1.0, 0.0], (4, 1)),
-            np.zeros((4, 3)),
+            np.zeros((4, 4)),
             np.zeros(2, dtype=np.bool_),
         ),
         believed_kernels.Schedules(

@@ -16,12 +16,7 @@ from modelcast.core.kernel_types import (
 )
 from modelcast.models.member_kernels import Members, absorb_member, predict_member
 from modelcast.station.policy.error_driven_kernels import IDENTIFICATION, NOTHING
-from modelcast.station.receiver.belief_kernels import (
-    BELIEF_ACCELERATION,
-    BELIEF_YAW_RATE,
-    STEP_S,
-    differentiate,
-)
+from modelcast.station.receiver.reading_kernels import coast_by_member, state_rates
 from modelcast.station.receiver.track_kernels import (
     ACCEPTED,
     HELD_CONTENT,
@@ -43,8 +38,8 @@ class SentTrip(NamedTuple):
     """What was sent over a trip of T samples, and what was true.
 
     ``t_s`` (T,); ``stated_s`` (T,) and ``stated_m`` (T, 2) as messages state them; ``parameters`` (T, P);
-    ``truth_m`` (T, 2) and unit vectors of the true course ``direction`` (T, 2). ``told`` (T, 3) are heading,
-    acceleration and yaw rate as messages state them, and ``coasts`` (M,) says which members predict a
+    ``truth_m`` (T, 2) and unit vectors of the true course ``direction`` (T, 2). ``told`` (T, 4) are speed,
+    heading, acceleration and yaw rate as messages state them, ``coasts`` (M,) says which members predict a
     constant velocity: both matter to motions alone.
     """
 
@@ -104,24 +99,16 @@ def _move(
     held: FloatVector,
     grown: FloatVector,
     j: int,
-    path: FloatMatrix,
     out: FloatVector,
 ) -> None:
-    """How the host believes the sender to move at a sample, into ``out`` (BELIEF_COLUMNS,).
-
-    A message whose sub-model coasts says all the same how fast it brakes and turns: that is believed.
-    """
+    """How the host believes the sender to move at a sample, into ``out`` (BELIEF_COLUMNS,)."""
     at, member = int(held[HELD_CONTENT]), int(held[HELD_MEMBER])
     own = grown[members.offsets[member] : members.offsets[member + 1]]
-    age_s = x.t_s[j] - held[HELD_FIT_S]
-    middle_s = max(age_s, STEP_S)
-    for k in range(3):
-        predict_member(members, member, own, middle_s + (k - 1) * STEP_S, path[k])
-    differentiate(path, age_s - middle_s, x.told[at, 0], out)
-    predict_member(members, member, own, age_s, path[0])
-    out[0], out[1] = x.stated_m[at, 0] + path[0, 0], x.stated_m[at, 1] + path[0, 1]
+    coast_by_member(members, member, own, x.t_s[j] - held[HELD_FIT_S], x.told[at, 1], out)
+    out[0] += x.stated_m[at, 0]
+    out[1] += x.stated_m[at, 1]
     if x.coasts[member]:
-        out[BELIEF_ACCELERATION], out[BELIEF_YAW_RATE] = x.told[at, 1], x.told[at, 2]
+        state_rates(x.told[at], out)
 
 
 @kernel
@@ -145,7 +132,7 @@ def replay(
     of each run and ``gap_count`` (R,) their number; ``motions`` (R, T, BELIEF_COLUMNS) how the sender is
     believed to move, unless it has no rows.
     """
-    off, held, moved, path = np.empty(2), np.empty(TRACK_COLUMNS), np.empty(3), np.empty((3, 2))
+    off, held, moved = np.empty(2), np.empty(TRACK_COLUMNS), np.empty(3)
     grown = np.empty(x.parameters.shape[1])
     for run in range(lost.shape[0]):
         schedule = run % sent.kind.shape[0]
@@ -189,5 +176,5 @@ def replay(
             errors[3, run, j] = off[1] * x.direction[j, 0] - off[0] * x.direction[j, 1]
             errors[4, run, j] = x.t_s[j] - held[HELD_FIT_S]
             if motions.shape[0] > 0:
-                _move(members, x, held, grown, j, path, motions[run, j])
+                _move(members, x, held, grown, j, motions[run, j])
         gap_count[run] = written

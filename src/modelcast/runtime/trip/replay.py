@@ -7,12 +7,12 @@ import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.messages.bsm_fields import CORE_FIELDS, CORE_INDEX
-from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.point_kernels import ACCELERATION, VELOCITY_EAST, VELOCITY_NORTH, YAW_RATE
 from modelcast.runtime.trip import believed_kernels
 from modelcast.runtime.trip.believed_kernels import Schedules, SentTrip
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.receiver.belief_kernels import BELIEF_COLUMNS
+from modelcast.station.receiver.reading import goes_straight
 
 __all__ = ["Replayed", "replay", "schedules_of", "sent_trip"]
 
@@ -73,7 +73,7 @@ def sent_trip(ready: TripRuntime, truth_m: FloatArray, direction: FloatArray) ->
         truth_m,
         direction,
         _told(ready.samples),
-        np.array([isinstance(member, ConstantVelocity) for member in ready.bank.members]),
+        np.array(goes_straight(ready.bank), dtype=np.bool_),
     )
 
 
@@ -128,16 +128,11 @@ def replay(
 
 
 def _told(samples: FloatArray) -> FloatArray:
-    """Heading, acceleration and yaw rate of samples in the steps of Part I, (T, 3)."""
-    found = np.stack(
-        [
-            np.arctan2(samples[:, VELOCITY_EAST], samples[:, VELOCITY_NORTH]),
-            samples[:, ACCELERATION],
-            samples[:, YAW_RATE],
-        ],
-        axis=1,
+    """Speed, heading, acceleration and yaw rate of samples in the steps of Part I, (T, 4)."""
+    east, north = samples[:, VELOCITY_EAST], samples[:, VELOCITY_NORTH]
+    found = np.column_stack(
+        (np.hypot(east, north), np.arctan2(east, north), samples[:, ACCELERATION], samples[:, YAW_RATE])
     )
-    for column, name in enumerate(("heading_rad", "acceleration_forward_mps2", "yaw_rate_radps")):
-        step = CORE_FIELDS[CORE_INDEX[name]].resolution
-        found[:, column] = np.round(found[:, column] / step) * step
-    return found
+    names = ("speed_mps", "heading_rad", "acceleration_forward_mps2", "yaw_rate_radps")
+    steps = np.array([CORE_FIELDS[CORE_INDEX[name]].resolution for name in names])
+    return np.round(found / steps) * steps
