@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from modelcast.apps.cruise.base import AbstractCruiseLaw, Following
+from modelcast.apps.cruise.base import AbstractCruiseLaw, ComplexArray, Following
 from modelcast.core.arrays import FloatArray
 
 __all__ = ["Acc"]
@@ -59,3 +59,9 @@ class Acc(AbstractCruiseLaw):
     def gap_m(self, speed_mps: FloatArray) -> FloatArray:
         """Standstill gap and headway."""
         return self.standstill_m + self.headway_s * speed_mps
+
+    def response(self, s: ComplexArray, ahead: ComplexArray, leader: ComplexArray, lag_s: float) -> ComplexArray:
+        """s + lambda over h (lag s³ + s²) + s + lambda (h s + 1), times the vehicle ahead."""
+        del leader
+        spring = s + self.distance_gain
+        return ahead * spring / (self.headway_s * (lag_s * s**3 + s**2 + self.distance_gain * s) + spring)

@@ -5,11 +5,14 @@ from dataclasses import KW_ONLY, dataclass, fields
 from typing import ClassVar
 
 import numpy as np
+import numpy.typing as npt
 
 from modelcast.apps.motions import Motions
 from modelcast.core.arrays import BoolArray, FloatArray
 
-__all__ = ["AbstractCruiseLaw", "Following", "Ranging", "following"]
+__all__ = ["AbstractCruiseLaw", "ComplexArray", "Following", "Ranging", "following"]
+
+ComplexArray = npt.NDArray[np.complex128]
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +104,20 @@ class AbstractCruiseLaw(abc.ABC):
         ----------
         speed_mps
             Own speed [m/s].
+        """
+
+    @abc.abstractmethod
+    def response(self, s: ComplexArray, ahead: ComplexArray, leader: ComplexArray, lag_s: float) -> ComplexArray:
+        """Position of a follower in the Laplace domain, where it knows all at once and meets no limit.
+
+        Parameters
+        ----------
+        s
+            Frequencies, j omega for a steady swing, any shape [rad/s].
+        ahead, leader
+            Positions of the vehicle ahead and of the leader there, of the same shape.
+        lag_s
+            First-order lag of the drive [s].
         """
 
     def knows_enough(self, known: Following) -> BoolArray:

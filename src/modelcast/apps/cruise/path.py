@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from modelcast.apps.cruise.base import AbstractCruiseLaw, Following
+from modelcast.apps.cruise.base import AbstractCruiseLaw, ComplexArray, Following
 from modelcast.core.arrays import FloatArray
 
 __all__ = ["PathCacc"]
@@ -99,3 +99,10 @@ class PathCacc(AbstractCruiseLaw):
     def gap_m(self, speed_mps: FloatArray) -> FloatArray:
         """The spacing at every speed."""
         return np.full_like(speed_mps, self.spacing_m)
+
+    def response(self, s: ComplexArray, ahead: ComplexArray, leader: ComplexArray, lag_s: float) -> ComplexArray:
+        """((1 - C1) s² + k1 s + omega²) ahead + (C1 s² + k2 s) leader over lag s³ + s² + (k1 + k2) s + omega²."""
+        first, second, distance = self.gains
+        told = ((1.0 - self.leader_weight) * s**2 + first * s + distance) * ahead
+        told = told + (self.leader_weight * s**2 + second * s) * leader
+        return told / (lag_s * s**3 + s**2 + (first + second) * s + distance)

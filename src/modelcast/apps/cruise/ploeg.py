@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from modelcast.apps.cruise.base import AbstractCruiseLaw, Following
+from modelcast.apps.cruise.base import AbstractCruiseLaw, ComplexArray, Following
 from modelcast.core.arrays import FloatArray
 
 __all__ = ["Ploeg"]
@@ -36,7 +36,7 @@ class Ploeg(AbstractCruiseLaw):
 
     Ploeg feeds forward the acceleration that the vehicle ahead *asked for*, with which the string is stable at
     any headway. A basic safety message says the acceleration that it *has*, later by the lag of its drive:
-    with a lag of 0.5 s a headway of 0.5 s then amplifies (`modelcast.study.cruise.theory`).
+    with a lag of 0.5 s a headway of 0.5 s then amplifies (`Ploeg.response`).
 
     References
     ----------
@@ -68,3 +68,9 @@ class Ploeg(AbstractCruiseLaw):
     def gap_m(self, speed_mps: FloatArray) -> FloatArray:
         """Standstill gap and headway."""
         return self.standstill_m + self.headway_s * speed_mps
+
+    def response(self, s: ComplexArray, ahead: ComplexArray, leader: ComplexArray, lag_s: float) -> ComplexArray:
+        """s² + kd s + kp over (h s + 1)(lag s³ + s² + kd s + kp), times the vehicle ahead."""
+        del leader
+        spring = self.speed_gain * s + self.distance_gain
+        return ahead * (s**2 + spring) / ((self.headway_s * s + 1.0) * (lag_s * s**3 + s**2 + spring))
