@@ -125,13 +125,19 @@ class Braking(AbstractLeader):
     mean_mps
         Speed before [m/s].
     deceleration_mps2
-        At which the leader brakes, from `BEGINS_S` on; 8 m/s² as in Plexe's example [m/s²].
+        At which the leader brakes, from `BEGINS_S` on [m/s²].
     lag_s
         First-order lag of its brakes [s].
+
+    Notes
+    -----
+    Plexe's example brakes at 8 m/s², and its followers are told what the vehicle ahead asks for. Told what it
+    does, later by the lag of its brakes, the first follower 5 m behind runs into it above 4.5 m/s², whatever
+    it hears.
     """
 
     mean_mps: float = _CRUISE_MPS
-    deceleration_mps2: float = 8.0
+    deceleration_mps2: float = 3.0
     lag_s: float = 0.5
 
     def __post_init__(self) -> None:

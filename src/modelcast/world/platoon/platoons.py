@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.world.platoon.dynamics import Drive, PlatoonState
 from modelcast.world.scenario.base import FleetFrame
 
@@ -76,6 +76,13 @@ class Platoons:
         return PlatoonState(
             0.0, 0.0 - behind, speed_mps=still + speed_mps, acceleration_mps2=still, commanded_mps2=still.copy()
         )
+
+    @property
+    def pairs(self) -> tuple[IntArray, IntArray, IntArray]:
+        """Slots of all followers, of the vehicle ahead of each, and of its leader, (B (N - 1),) each."""
+        slots = np.arange(self.count * self.vehicles, dtype=np.int64).reshape(self.count, self.vehicles)
+        leader = np.repeat(slots[:, 0], self.vehicles - 1)
+        return slots[:, 1:].ravel(), slots[:, :-1].ravel(), leader
 
     def gap_m(self, state: PlatoonState) -> FloatArray:
         """Gap before each follower, negative where it has run into the vehicle ahead, (B, N - 1) [m].
