@@ -26,7 +26,8 @@ def everybody(vehicles: int, t_s: float, who: np.ndarray | None = None) -> Trans
 
 def heard_links(radio: ErasureRadio, steps: int, who: np.ndarray | None = None) -> np.ndarray:
     """Which of 6 x 6 links were heard in each step, (steps, 6, 6)."""
-    place_m = np.column_stack([np.arange(6) * 9.0, np.zeros(6)])
+    place_m = np.zeros((6, 2))
+    place_m[:, 0] = 9.0 * np.arange(6)
     state = radio.init(6, np.random.default_rng(3))
     heard = np.zeros((steps, 6, 6), dtype=bool)
     for k in range(steps):
@@ -47,7 +48,9 @@ def test_a_link_loses_the_stated_ratio_at_any_distance(channel: IndependentErasu
     assert np.ptp(lost.mean(axis=0)) < 0.2
 
 
-@pytest.mark.parametrize(("channel", "lost"), [(Ideal(), 0), (IndependentErasure(1.0), 1), (GilbertElliott(1.0), 1)])
+@pytest.mark.parametrize(
+    ("channel", "lost"), [(Ideal(), 0), (IndependentErasure(1.0), 1), (GilbertElliott(1.0), 1)]
+)
 def test_nothing_and_everything_are_lost_to_the_last(
     channel: Ideal | IndependentErasure | GilbertElliott, lost: int
 ) -> None:
@@ -56,7 +59,10 @@ def test_nothing_and_everything_are_lost_to_the_last(
 
 def test_bursts_last_as_stated_and_independent_losses_do_not() -> None:
     """The share of losses that follow a loss is that of the chain over one step; 0.4 where there is none."""
-    for channel, memory in ((IndependentErasure(0.4), 0.0), (GilbertElliott(0.4, 0.5), np.exp(-STEP_S / 0.3))):
+    for channel, memory in (
+        (IndependentErasure(0.4), 0.0),
+        (GilbertElliott(0.4, 0.5), np.exp(-STEP_S / 0.3)),
+    ):
         lost = ~across(heard_links(ErasureRadio(channel), 2000))
         again = lost[1:][lost[:-1]].mean()
         assert again == pytest.approx(0.4 + 0.6 * memory, abs=RATIO_TOLERANCE)
@@ -71,7 +77,10 @@ def test_what_is_lost_does_not_depend_on_who_sends() -> None:
 
 def test_links_both_ways_and_beside_each_other_lose_by_themselves() -> None:
     heard = heard_links(ErasureRadio(IndependentErasure(0.5)), 2000)
-    both = np.corrcoef(heard[:, 0, 1], heard[:, 1, 0])[0, 1], np.corrcoef(heard[:, 0, 1], heard[:, 0, 2])[0, 1]
+    both = (
+        np.corrcoef(heard[:, 0, 1], heard[:, 1, 0])[0, 1],
+        np.corrcoef(heard[:, 0, 1], heard[:, 0, 2])[0, 1],
+    )
     assert np.abs(both).max() < 0.1
 
 

@@ -1,7 +1,7 @@
 """A radio that loses by a given law and knows no distance: the packet error ratio of a study, over a fleet.
 
-`ErasureRadio` puts one of the channels of `erasure.py` on every directed link of a fleet. Use it where loss is
-the question and the radio is not; a table over distance and load is `TabulatedRadio`.
+`ErasureRadio` puts one of the channels of `erasure.py` on every directed link of a fleet. Use it where loss
+is the question and the radio is not; a table over distance and load is `TabulatedRadio`.
 """
 
 from dataclasses import dataclass, field
@@ -145,8 +145,7 @@ class ErasureRadio(AbstractRadio[ErasureState]):
         if state.steps > 0 and isinstance(self.channel, GilbertElliott):
             relaxation_s = self.channel.relaxation_s
             memory = np.exp(-(until_t_s - state.t_s) / relaxation_s) if relaxation_s > 0.0 else 0.0
-        chance: FloatArray = ratio + (state.lost - ratio) * memory
-        return uniform < chance
+        return uniform < ratio + (state.lost - ratio) * memory
 
     def _outcomes(self, distance_m: FloatArray, heard: BoolArray) -> IntArray:
         """Pairs in range by distance and outcome, (bins, len(OUTCOMES))."""

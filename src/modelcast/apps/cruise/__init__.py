@@ -1,8 +1,8 @@
-"""Cruise control that listens: what a follower knows of the vehicles ahead becomes an acceleration it asks for.
+"""Cruise control that listens: what a follower knows of those ahead becomes an acceleration it asks for.
 
 | law | file | keeps | needs |
 |---|---|---|---|
-| `PathCacc` | `path.py` | a distance | gap; speed and acceleration of the vehicle ahead and of the platoon's leader |
+| `PathCacc` | `path.py` | a distance | gap; speed and acceleration of the vehicle ahead and of the leader |
 | `Ploeg` | `ploeg.py` | a headway | gap; speed and acceleration of the vehicle ahead |
 | `Acc` | `acc.py` | a headway | gap and speed of the vehicle ahead: what a ranging sensor shows |
 

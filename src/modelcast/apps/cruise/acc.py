@@ -60,8 +60,10 @@ class Acc(AbstractCruiseLaw):
         """Standstill gap and headway."""
         return self.standstill_m + self.headway_s * speed_mps
 
-    def response(self, s: ComplexArray, ahead: ComplexArray, leader: ComplexArray, lag_s: float) -> ComplexArray:
-        """s + lambda over h (lag s³ + s²) + s + lambda (h s + 1), times the vehicle ahead."""
+    def response(
+        self, s: ComplexArray, ahead: ComplexArray, leader: ComplexArray, lag_s: float
+    ) -> ComplexArray:
+        """The ratio s + lambda over h (lag s³ + s²) + s + lambda (h s + 1), times the vehicle ahead."""
         del leader
         spring = s + self.distance_gain
         return ahead * spring / (self.headway_s * (lag_s * s**3 + s**2 + self.distance_gain * s) + spring)

@@ -107,7 +107,9 @@ class AbstractCruiseLaw(abc.ABC):
         """
 
     @abc.abstractmethod
-    def response(self, s: ComplexArray, ahead: ComplexArray, leader: ComplexArray, lag_s: float) -> ComplexArray:
+    def response(
+        self, s: ComplexArray, ahead: ComplexArray, leader: ComplexArray, lag_s: float
+    ) -> ComplexArray:
         """Position of a follower in the Laplace domain, where it knows all at once and meets no limit.
 
         Parameters
@@ -169,8 +171,8 @@ def following(
     [5.0]
     """
     if ranging is None:
-        course = np.stack([np.sin(own.heading_rad), np.cos(own.heading_rad)], axis=1)
-        along_m = np.sum((ahead.position_m - own.position_m) * course, axis=1)
+        away_m = ahead.position_m - own.position_m
+        along_m = away_m[:, 0] * np.sin(own.heading_rad) + away_m[:, 1] * np.cos(own.heading_rad)
         gap_m = along_m - 0.5 * (own.length_m + ahead.length_m)
         ahead_speed_mps = ahead.speed_mps
     else:

@@ -100,8 +100,10 @@ class PathCacc(AbstractCruiseLaw):
         """The spacing at every speed."""
         return np.full_like(speed_mps, self.spacing_m)
 
-    def response(self, s: ComplexArray, ahead: ComplexArray, leader: ComplexArray, lag_s: float) -> ComplexArray:
-        """((1 - C1) s² + k1 s + omega²) ahead + (C1 s² + k2 s) leader over lag s³ + s² + (k1 + k2) s + omega²."""
+    def response(
+        self, s: ComplexArray, ahead: ComplexArray, leader: ComplexArray, lag_s: float
+    ) -> ComplexArray:
+        """Both ahead and leader, over lag s³ + s² + (k1 + k2) s + omega², as the law has them."""
         first, second, distance = self.gains
         told = ((1.0 - self.leader_weight) * s**2 + first * s + distance) * ahead
         told = told + (self.leader_weight * s**2 + second * s) * leader

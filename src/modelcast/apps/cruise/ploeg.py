@@ -34,8 +34,8 @@ class Ploeg(AbstractCruiseLaw):
 
         h du/dt = -u + kp (gap - standstill - h v) + kd (v_ahead - v - h a) + a_ahead
 
-    Ploeg feeds forward the acceleration that the vehicle ahead *asked for*, with which the string is stable at
-    any headway. A basic safety message says the acceleration that it *has*, later by the lag of its drive:
+    Ploeg feeds forward the acceleration that the vehicle ahead *asked for*, with which the string is stable
+    at any headway. A basic safety message says the acceleration that it *has*, later by the lag of its drive:
     with a lag of 0.5 s a headway of 0.5 s then amplifies (`Ploeg.response`).
 
     References
@@ -69,7 +69,9 @@ class Ploeg(AbstractCruiseLaw):
         """Standstill gap and headway."""
         return self.standstill_m + self.headway_s * speed_mps
 
-    def response(self, s: ComplexArray, ahead: ComplexArray, leader: ComplexArray, lag_s: float) -> ComplexArray:
+    def response(
+        self, s: ComplexArray, ahead: ComplexArray, leader: ComplexArray, lag_s: float
+    ) -> ComplexArray:
         """s² + kd s + kp over (h s + 1)(lag s³ + s² + kd s + kp), times the vehicle ahead."""
         del leader
         spring = self.speed_gain * s + self.distance_gain

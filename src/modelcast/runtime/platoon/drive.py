@@ -1,14 +1,13 @@
 """The closed loop of platoons: frame, what followers know of it, what they ask for, next frame."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, field, replace
 
 import numpy as np
 
 from modelcast.apps.cruise.acc import Acc
-from modelcast.apps.cruise.base import AbstractCruiseLaw, Ranging, following
+from modelcast.apps.cruise.base import AbstractCruiseLaw, Following, Ranging, following
 from modelcast.apps.cruise.fallback import desired
-from modelcast.apps.motions import Motions
 from modelcast.core.arrays import BoolArray, FloatArray
 from modelcast.runtime.platoon.knowledge import AbstractKnowledge, Told, carried_on, frame_motions
 from modelcast.world.platoon.dynamics import PlatoonState, driven
@@ -49,7 +48,7 @@ class DriveSettings:
     frame_s: float = STEP_S
     moments: int = 10
     ranging: bool = True
-    fallback: Acc = Acc()
+    fallback: Acc = field(default_factory=Acc)
     settle_s: float = BEGINS_S
 
     def __post_init__(self) -> None:
@@ -181,61 +180,44 @@ def _moments(
     shape = (platoons.count, platoons.vehicles - 1)
     frames = round(settings.duration_s / settings.frame_s)
     step_s = settings.frame_s / settings.moments
-    speeds = leader.speed_mps(np.arange(frames * settings.moments + 1) * step_s)
+    times = np.arange(frames * settings.moments + 1, dtype=np.float64)
+    times *= step_s
+    speeds = leader.speed_mps(times)
     first_mps = float(speeds[0])
     state = platoons.init(law.gap_m(np.full(shape, first_mps)), first_mps)
     for number in range(frames):
-        state = _at(state, round(number * settings.frame_s, 9))
+        # A time that is no sum of roundings.
+        state = replace(state, t_s=round(number * settings.frame_s, 9))
         frame = platoons.frame(state)
         told = knowledge.told(frame)
         knowledge.listen(frame)
         before, fell_back = state, np.zeros(shape, dtype=np.bool_)
         for moment in range(settings.moments):
             known_s = moment * step_s
-            asked, lost = _asked(platoons, law, state, _later(told, known_s), settings, step_s)
+            known = _known(platoons, state, told, known_s, ranging=settings.ranging)
+            asked, lost = desired(law, known, step_s, fallback=settings.fallback)
+            if state.t_s < settings.settle_s:
+                asked = np.where(lost, 0.0, asked)
+            asked, lost = asked.reshape(shape), lost.reshape(shape)
             fell_back |= lost
             reached_mps = float(speeds[number * settings.moments + moment + 1])
             state = driven(state, asked, reached_mps, step_s, platoons.drive)
         yield _Moment(before, fell_back, told.age_s.reshape(shape))
 
 
-def _at(state: PlatoonState, t_s: float) -> PlatoonState:
-    """The same platoons, at a time that is no sum of roundings."""
-    return PlatoonState(
-        t_s,
-        state.along_m,
-        speed_mps=state.speed_mps,
-        acceleration_mps2=state.acceleration_mps2,
-        commanded_mps2=state.commanded_mps2,
-    )
-
-
-def _later(told: Told, ahead_s: float) -> tuple[Motions, Motions]:
-    return carried_on(told.ahead, ahead_s), carried_on(told.leader, ahead_s)
-
-
-def _asked(
-    platoons: Platoons,
-    law: AbstractCruiseLaw,
-    state: PlatoonState,
-    told: tuple[Motions, Motions],
-    settings: DriveSettings,
-    step_s: float,
-) -> tuple[FloatArray, BoolArray]:
-    """What the followers ask for now, and whose law knew too little, (B, N - 1) each."""
-    shape = (platoons.count, platoons.vehicles - 1)
+def _known(
+    platoons: Platoons, state: PlatoonState, told: Told, since_s: float, *, ranging: bool
+) -> Following:
+    """What the followers know now: what they were told at the frame, carried on, and what they see."""
     own, _, _ = platoons.pairs
-    ranging = None
-    if settings.ranging:
+    seen = None
+    if ranging:
         closing = state.speed_mps[:, 1:] - state.speed_mps[:, :-1]
-        ranging = Ranging(platoons.gap_m(state).ravel(), closing.ravel())
-    known = following(
+        seen = Ranging(platoons.gap_m(state).ravel(), closing.ravel())
+    return following(
         frame_motions(platoons.frame(state), own),
-        *told,
+        carried_on(told.ahead, since_s),
+        carried_on(told.leader, since_s),
         commanded_mps2=state.commanded_mps2[:, 1:].ravel(),
-        ranging=ranging,
+        ranging=seen,
     )
-    asked, lost = desired(law, known, step_s, fallback=settings.fallback)
-    if state.t_s < settings.settle_s:
-        asked = np.where(lost, 0.0, asked)
-    return asked.reshape(shape), lost.reshape(shape)

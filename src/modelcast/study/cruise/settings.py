@@ -70,8 +70,8 @@ class CruiseSettings:
     Raises
     ------
     ValueError
-        Where a name is unknown, nothing is to be compared, a value is out of its range, or the run ends before
-        disturbances begin.
+        Where a name is unknown, nothing is to be compared, a value is out of its range, or the run ends
+        before disturbances begin.
     """
 
     senders: tuple[str, ...] = CRUISE_SENDERS
@@ -92,26 +92,28 @@ class CruiseSettings:
                 raise ValueError(f"sender must be one of {', '.join(SENDERS)}, got {name!r}")
         for name in ("senders", "thresholds_m", "losses"):
             held = getattr(self, name)
-            if not held:
-                raise ValueError(f"{name} must name at least one")
-            if len(set(held)) != len(held):
-                raise ValueError(f"{name} must not name one twice, got {held}")
-        for threshold_m in self.thresholds_m:
-            if not threshold_m > 0.0:
-                raise ValueError(f"thresholds_m must be positive, got {threshold_m}")
-        for loss in self.losses:
-            _ = loss.channel
+            if not held or len(set(held)) != len(held):
+                raise ValueError(f"{name} must name at least one, and none twice, got {held}")
         for name in ("keep_alive_s", "most_age_s"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        if not min(self.thresholds_m) > 0.0:
+            raise ValueError(f"thresholds_m must be positive, got {self.thresholds_m}")
+        for loss in self.losses:
+            _ = loss.channel
+        self._check_platoons()
+
+    def _check_platoons(self) -> None:
         if self.platoons < 1 or self.vehicles < 3:
             raise ValueError(
-                f"string stability takes a platoon of 3 vehicles or more, got {self.platoons} of {self.vehicles}"
+                "string stability takes a platoon of 3 vehicles or more, "
+                f"got {self.platoons} of {self.vehicles}"
             )
-        if not self.drive.duration_s >= self.drive.settle_s + 5.0:
+        least_s = self.drive.settle_s + 5.0
+        if not self.drive.duration_s >= least_s:
             raise ValueError(
-                f"duration_s must be at least {self.drive.settle_s + 5.0}: disturbances begin at "
-                f"{self.drive.settle_s} s, got {self.drive.duration_s}"
+                f"duration_s must be at least {least_s}: disturbances begin at {self.drive.settle_s} s, "
+                f"got {self.drive.duration_s}"
             )
         if self.seed < 0:
             raise ValueError(f"seed must not be negative, got {self.seed}")

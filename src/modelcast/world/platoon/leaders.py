@@ -179,7 +179,8 @@ class RecordedSpeed(AbstractLeader):
     def __post_init__(self) -> None:
         if self.t_s.size < 2 or self.t_s.shape != self.recorded_mps.shape or self.t_s.ndim != 1:
             raise ValueError(
-                f"t_s and recorded_mps must be (T,) with T >= 2, got {self.t_s.shape}, {self.recorded_mps.shape}"
+                "t_s and recorded_mps must be (T,) with T >= 2, "
+                f"got {self.t_s.shape} and {self.recorded_mps.shape}"
             )
         if not np.all(np.diff(self.t_s) > 0.0):
             raise ValueError("t_s must increase")

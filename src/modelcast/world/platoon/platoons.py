@@ -1,6 +1,6 @@
 """B platoons of N vehicles on straight roads of their own, as frames of a fleet."""
 
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, field
 from math import pi
 
 import numpy as np
@@ -49,7 +49,7 @@ class Platoons:
     _: KW_ONLY
     length_m: float = 4.0
     apart_m: float = 3000.0
-    drive: Drive = Drive()
+    drive: Drive = field(default_factory=Drive)
 
     def __post_init__(self) -> None:
         if self.count < 1 or self.vehicles < 2:
@@ -74,7 +74,11 @@ class Platoons:
         behind = np.zeros_like(still)
         behind[:, 1:] = np.cumsum(gap_m + self.length_m, axis=1)
         return PlatoonState(
-            0.0, 0.0 - behind, speed_mps=still + speed_mps, acceleration_mps2=still, commanded_mps2=still.copy()
+            0.0,
+            0.0 - behind,
+            speed_mps=still + speed_mps,
+            acceleration_mps2=still,
+            commanded_mps2=still.copy(),
         )
 
     @property
@@ -103,10 +107,12 @@ class Platoons:
             The platoons.
         """
         slots = self.count * self.vehicles
-        north = np.repeat(np.arange(self.count) * self.apart_m, self.vehicles)
+        place = np.empty((slots, 2))
+        place[:, 0] = state.along_m.ravel()
+        place[:, 1] = np.repeat(np.arange(self.count) * self.apart_m, self.vehicles)
         return FleetFrame(
             state.t_s,
-            np.column_stack([state.along_m.ravel(), north]),
+            place,
             speed_mps=state.speed_mps.ravel().copy(),
             heading_rad=np.full(slots, 0.5 * pi),
             acceleration_mps2=state.acceleration_mps2.ravel().copy(),
