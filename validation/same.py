@@ -46,7 +46,12 @@ def compared(trip: Trajectory) -> list[Outcome]:
             except ValueError as error:
                 found.append((trip.trip_id, bank_name, rule, 0, f"refused: {error}"))
                 continue
-            parts = (("fleet", one.fleet), ("station", one.station), ("host", one.host))
+            parts = (
+                ("fleet", one.fleet),
+                ("station", one.station),
+                ("host", one.host),
+                ("motion", one.motion),
+            )
             off = "; ".join(f"{name}: {text}" for name, text in parts if text)
             found.append((trip.trip_id, bank_name, rule, one.messages, off))
     return found

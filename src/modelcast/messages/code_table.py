@@ -19,15 +19,12 @@ from modelcast.models.base import AbstractSubModel
 from modelcast.models.payload import CORE_PARAMETERS, PayloadField
 from modelcast.models.predicted_path import carried_layout
 
-__all__ = ["CodeTable", "code_table", "coefficient_meaning"]
+__all__ = ["MOTION_FIELDS", "CodeTable", "code_table", "coefficient_meaning"]
 
-_FIELDS: Final = dict(
-    zip(
-        CORE_PARAMETERS,
-        ("speed_mps", "heading_rad", "acceleration_forward_mps2", "yaw_rate_radps"),
-        strict=True,
-    )
-)
+MOTION_FIELDS: Final = ("speed_mps", "heading_rad", "acceleration_forward_mps2", "yaw_rate_radps")
+"""Fields of Part I that say how a vehicle moves, in the order of `CORE_PARAMETERS`."""
+
+_FIELDS: Final = dict(zip(CORE_PARAMETERS, MOTION_FIELDS, strict=True))
 """Fields of Part I by the parameters they carry; the velocity's two by its east and its north."""
 
 _NOTHING: Final = (0.0, 0.0, np.nan, 1.0, 1.0, 1.0, float(Outside.CLAMP))

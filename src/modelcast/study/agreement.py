@@ -1,8 +1,9 @@
 """Whether what is evaluated, simulated and driven is the same: three runtimes, one trip, byte for byte.
 
 The trip runtime, the fleet runtime on an ideal channel, and a lone `Station` fed sample by sample get the
-same samples, origin, time base and step. They must send the same octets at the same samples; and a host that
-hears them over a lossy channel must believe what the replay of the evaluation says, to the last bit.
+same samples, origin, time base and step. They must send the same octets at the same samples; a host that
+hears them over a lossy channel must believe what the replay of the evaluation says, to the last bit; and the
+motion that hosts of the fleet hold of Part I must be what the octets state.
 """
 
 from dataclasses import dataclass
@@ -12,6 +13,8 @@ import numpy as np
 from modelcast.channel.tabulated import ReceptionTable, TabulatedRadio
 from modelcast.core.arrays import FloatArray
 from modelcast.core.chance import child_generator
+from modelcast.messages.bsm import decode_bsm
+from modelcast.messages.code_table import MOTION_FIELDS
 from modelcast.models.bank import Bank
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.settings import NetworkSettings
@@ -19,7 +22,10 @@ from modelcast.runtime.trip import believed_kernels
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.banks import profile_number_of
 from modelcast.station.policy.error_driven import ErrorDriven
+from modelcast.station.policy.error_driven_kernels import IDENTIFICATION
 from modelcast.station.receiver.ears import Ears
+from modelcast.station.sender.message_arrays import CONTENT_SPEED_MPS, MESSAGES_KEPT
+from modelcast.station.sender.motion_kernels import MOTION
 from modelcast.station.sender.octets import StationOctets
 from modelcast.station.sender.sender import Sender
 from modelcast.station.sensing.sensing import NOWHERE, Sensing, measurements, part_begins
@@ -50,17 +56,21 @@ class Agreement:
         First difference of the fleet runtime and of the lone station from the trip runtime; empty for none.
     host
         First difference between the host's beliefs and the replay; empty for none.
+    motion
+        First difference between what hosts of the fleet hold of Part I's motion and what the octets state;
+        empty for none.
     """
 
     messages: int
     fleet: str
     station: str
     host: str
+    motion: str = ""
 
     @property
     def agrees(self) -> bool:
         """Whether there is no difference."""
-        return not (self.fleet or self.station or self.host)
+        return not (self.fleet or self.station or self.host or self.motion)
 
 
 def agreement(case: TripCase, bank: Bank, policy: ErrorDriven, *, seed: int = 0) -> Agreement:
@@ -89,13 +99,15 @@ def agreement(case: TripCase, bank: Bank, policy: ErrorDriven, *, seed: int = 0)
     octets = writer.encode(runtime.sent(walked, temporary_id=_ID))
     expected = list(zip(np.flatnonzero(walked.transmits).tolist(), octets, strict=True))
     sender = Sender("agreement", policy, bank)
+    posted, motion = _fleet_events(case, sender, writer)
     return Agreement(
         len(expected),
-        first_difference(expected, _fleet_events(case, sender, writer)),
+        first_difference(expected, posted),
         first_difference(expected, _station_events(case, sender)),
         _host_difference(
             case, Ears((bank,), np.inf, None, dt_s=trip.dt_s, capacity=4), (runtime, walked), expected, seed
         ),
+        motion=motion,
     )
 
 
@@ -104,18 +116,33 @@ def _writer(whole: Bank, bank: Bank, policy: ErrorDriven, trip: Trajectory) -> S
     return StationOctets.of(whole, profile_number_of(bank), identify, trip.origin or NOWHERE)
 
 
-def _fleet_events(case: TripCase, sender: Sender, writer: StationOctets) -> Events:
-    """Messages of a fleet of one on an ideal channel."""
+def _fleet_events(case: TripCase, sender: Sender, writer: StationOctets) -> tuple[Events, str]:
+    """Messages of a fleet of one on an ideal channel; where its hosts hold another motion than they state."""
     trip = case.seen
     sensing = Sensing.of(trip, case.estimator, quantised=True)
     settings = NetworkSettings(warm_up_s=0.0, dt_s=trip.dt_s, start_spread_s=0.0, step_slack_s=np.inf)
     frames = _frames(trip)
     loop = FleetLoop(frames[0], sender, _EVERYTHING, settings, seed=0, sensing=sensing)
     events: Events = []
+    stated, off = np.zeros(MOTION), ""
     for number, frame in enumerate(frames):
         loop.step(frame)
-        events += [(number, octets) for octets in writer.encode(loop.posted())]
-    return events
+        posted = loop.posted()
+        for which, kind, octets in zip(posted.number, posted.kind, writer.encode(posted), strict=True):
+            row = loop.contents.rows[0, which % MESSAGES_KEPT]
+            if kind != IDENTIFICATION:  # which states no motion: that of its update stands
+                stated = _stated_motion(octets)
+            held = row[CONTENT_SPEED_MPS : CONTENT_SPEED_MPS + MOTION]
+            if not off and not np.array_equal(held, stated, equal_nan=True):
+                off = f"sample {number}: {held.tolist()}, not {stated.tolist()}"
+            events.append((number, octets))
+    return events, off
+
+
+def _stated_motion(octets: bytes) -> FloatArray:
+    """Motion that Part I of a frame states, as anybody decodes it, (MOTION,)."""
+    core = decode_bsm(octets).core
+    return np.array([core.value(name) for name in MOTION_FIELDS], dtype=np.float64)  # None is not a number
 
 
 def _frames(trip: Trajectory) -> list[FleetFrame]:

@@ -38,12 +38,14 @@ from modelcast.station.policy.error_driven_kernels import (
     UPDATE,
 )
 from modelcast.station.sender.fitting_kernels import SenderModels
+from modelcast.station.sender.motion_kernels import MOTION, PartOne
 from modelcast.station.sender.speaking_kernels import SCRATCH, followed, forget_lane, speak
 from modelcast.station.sender.starting_kernels import available, chosen
 
 CA, CV, CTRA = range(3)
 PARAMETERS = (slice(0, 3), slice(3, 5), slice(5, 9))
 READY = ReadyBank.of(Bank((ConstantAcceleration(), ConstantVelocity(), ConstantTurnRateAcceleration())), 0.1)
+NO_PART_ONE = PartOne(np.full((3, MOTION), -1), READY.offsets, np.empty((0, 7)))
 RING, FITS = 32, 24
 HELD = np.array([1.0, 0.0, 0.0, 2.0, 0.0, 4.0, 0.0, 0.0, 0.0])
 """Parameters of the three, in turn; each goes straight on."""
@@ -139,6 +141,7 @@ def bench(
             free,
             *selector,
             dt_s,
+            NO_PART_ONE,
         ),
         sensed(max(vehicle) + 1, RING),
         fits(max(vehicle) + 1, FITS, members=3, parameters=9),

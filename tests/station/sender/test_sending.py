@@ -184,6 +184,8 @@ def test_a_periodic_sender_posts_what_its_policy_calls_for_with_its_own_phase_an
             wanted[at.CONTENT_SENT_S], wanted[at.CONTENT_MEMBER] = one.ready_s, 0
             wanted[at.CONTENT_EAST_M], wanted[at.CONTENT_NORTH_M] = seen[k, one.slot, :2]
             wanted[at.CONTENT_BYTES] = sender.update_bytes[0]
+            wanted[at.CONTENT_SPEED_MPS : at.CONTENT_YAW_RATE_RADPS + 1] = seen[k, one.slot, 2:]
+            wanted[at.CONTENT_FIRST] = at.CONTENT_HEAD
             wanted[at.CONTENT_HEAD :] = velocity(seen[k, one.slot])
             np.testing.assert_allclose(one.row, wanted, atol=0.011)  # velocity goes through its codes
             np.testing.assert_array_equal(one.row[: at.CONTENT_FIT_S], wanted[: at.CONTENT_FIT_S])

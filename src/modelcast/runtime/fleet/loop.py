@@ -21,23 +21,28 @@ from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.core.chance import child_generator
 from modelcast.core.parts import WHOLE, Parts
-from modelcast.runtime.fleet import ahead_kernels, reception_kernels, tracking_kernels
+from modelcast.models.bank import Bank
+from modelcast.runtime.fleet import ahead_kernels, believed_kernels, reception_kernels, tracking_kernels
 from modelcast.runtime.fleet.arrays import (
     Tally,
     pooled,
     tally,
     tracks,
 )
+from modelcast.runtime.fleet.believed import Believed
 from modelcast.runtime.fleet.reception_kernels import Heard, HearingLimits
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.fleet.tracking_kernels import Tracking
 from modelcast.station.arrays import MEASURED
+from modelcast.station.banks import BASELINE_BANK, free_bank
 from modelcast.station.context.knowledge import Knowledge
 from modelcast.station.policy import j2945_kernels
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.policy.j2945_parameters import J2945Parameters
 from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.policy.policy_numbers import RULE_J2945
+from modelcast.station.receiver.belief_kernels import BELIEF_COLUMNS
+from modelcast.station.receiver.reading import Reading, free_rule, goes_straight
 from modelcast.station.sender import sending_kernels
 from modelcast.station.sender.message_arrays import (
     MESSAGES,
@@ -101,6 +106,8 @@ class FleetLoop:
         How many work on the parts of the fleet.
     sensing
         How stations read their measurements; None for all columns measured, and the sender's filter.
+    free
+        The bank by whose free sub-model hosts coast Part I that read it so; None for `free_bank`.
     """
 
     def __init__(
@@ -114,6 +121,7 @@ class FleetLoop:
         sensor: FleetSensor | None = None,
         threads: int = 1,
         sensing: Sensing | None = None,
+        free: Bank | None = None,
     ) -> None:
         vehicles = len(first)
         if vehicles >= 1 << SENDER_BITS:
@@ -159,6 +167,7 @@ class FleetLoop:
         spread_s = settings.start_spread_s
         self._spread_s = min(sender.longest_silence_s, settings.expiry_s) if spread_s is None else spread_s
         self._last_s = -np.inf
+        self._free = free
 
     def step(self, frame: FleetFrame) -> tuple[Receptions, FloatArray]:
         """Carry one step; returns what was received in it, and its row of `SERIES`.
@@ -230,7 +239,6 @@ class FleetLoop:
         rows = knowledge.drive(t_s, here, samples)
         believing = ahead_kernels.Believing(
             stations.models.members,
-            self.sender.carries_all,
             t_s,
             self.expiry_s,
             stations.senders.vehicle,
@@ -247,7 +255,6 @@ class FleetLoop:
         settings = self.settings
         tracking = Tracking(
             members=self.stations.models.members,
-            carries_all=self.sender.carries_all,
             t_s=now_s,
             step=self.number,
             expiry_s=self.expiry_s,
@@ -355,6 +362,68 @@ class FleetLoop:
             )
 
         self._work.each(work)
+
+    def believed(
+        self,
+        hosts: IntArray,
+        remotes: IntArray,
+        *,
+        reading: Reading | IntArray = Reading.MODEL,
+        t_s: float | None = None,
+    ) -> Believed:
+        """What hosts believe of remotes after a step, by the messages that they have heard in it and before.
+
+        A remote that is believed by Part I alone (`Reading.LEGACY`), or by a sub-model of constant velocity,
+        is believed to accelerate and to turn as Part I states: going straight on denies neither. Vehicles are
+        those of the last frame.
+
+        Parameters
+        ----------
+        hosts, remotes
+            Slots of each pair, (N,).
+        reading
+            How the hosts read messages, one for all or (N,).
+        t_s
+            For which instant [s]; None for the end of the step, that of the next frame.
+
+        Raises
+        ------
+        ValueError
+            Where the arrays differ in shape, a slot is none of the fleet's, or a reading is unknown.
+        """
+        given = np.broadcast_arrays(hosts, remotes, reading)
+        if given[0].ndim != 1:
+            raise ValueError(f"hosts and remotes must be (N,), got {np.shape(hosts)} and {np.shape(remotes)}")
+        host, remote, how = (np.array(one, dtype=np.int64) for one in given)
+        slots = self.stations.senders.vehicle.size
+        for name, one, end in (
+            ("hosts", host, slots),
+            ("remotes", remote, slots),
+            ("reading", how, len(Reading)),
+        ):
+            if one.size and not 0 <= one.min() <= one.max() < end:
+                raise ValueError(f"{name} must lie within 0..{end - 1}, got {one.min()} to {one.max()}")
+        free = self._free
+        if free is None:
+            free = free_bank() if (how == Reading.FREE).any() else BASELINE_BANK
+        readers = believed_kernels.Readers(
+            self._bank.models().members,
+            np.array(goes_straight(self._bank.bank)),
+            free_rule(free, self.settings.dt_s),
+            self._last_s + self.settings.dt_s if t_s is None else t_s,
+            self.expiry_s,
+            self.stations.senders.vehicle,
+        )
+        pairs = believed_kernels.Pairs(
+            host,
+            remote,
+            how,
+            held=np.zeros(host.size, dtype=np.bool_),
+            age_s=np.empty(host.size),
+            motion=np.empty((host.size, BELIEF_COLUMNS)),
+        )
+        believed_kernels.believe_each(readers, self.tables, self.tracks, self.contents.rows, pairs)
+        return Believed(pairs.held, motion=pairs.motion, age_s=pairs.age_s)
 
     def _series_row(
         self, frame: FleetFrame, busy_ratio: FloatArray, before: FloatArray, received: Receptions

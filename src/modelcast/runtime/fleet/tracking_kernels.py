@@ -14,6 +14,7 @@ from modelcast.runtime.fleet.arrays import (
     TRACK_RECEIVED_S,
     Tally,
 )
+from modelcast.runtime.fleet.believed_kernels import own_span
 from modelcast.runtime.fleet.bins_kernels import bin_of
 from modelcast.station.policy.neighbours_kernels import HostVector
 from modelcast.station.sender.message_arrays import (
@@ -39,13 +40,11 @@ _BIN_MASK = (1 << _BIN_BITS) - 1
 class Tracking(NamedTuple):
     """What tracks are sampled with.
 
-    Members of the bank, and whether content holds the parameters of all; time, number of the step; silence
-    after which a track is lost [s]; width of the bins of distance [m]; first and end bin of the middle
-    distances; who is where, (V,) and (V, 2).
+    Members of all senders' banks; time, number of the step; silence after which a track is lost [s]; width of
+    the bins of distance [m]; first and end bin of the middle distances; who is where, (V,) and (V, 2).
     """
 
     members: Members
-    carries_all: bool
     t_s: float
     step: int
     expiry_s: float
@@ -78,13 +77,12 @@ def _work_out(x: Tracking, message: int, contents: Contents, scratch: FloatVecto
     error_bin, age_bin = 0, 0
     row = contents.rows[sender, ring]
     if row[CONTENT_VEHICLE] == x.vehicle[sender]:
-        member, offsets = int(row[CONTENT_MEMBER]), x.members.offsets
-        first = CONTENT_HEAD + (offsets[member] if x.carries_all else 0)
-        own = row[first : first + offsets[member + 1] - offsets[member]]
-        predict_member(x.members, member, own, x.t_s - row[CONTENT_FIT_S], scratch)
+        own, end = own_span(x.members, row)
+        age_s = x.t_s - row[CONTENT_FIT_S]
+        predict_member(x.members, int(row[CONTENT_MEMBER]), row[own:end], age_s, scratch)
         east, north = scratch[0] + row[CONTENT_EAST_M], scratch[1] + row[CONTENT_NORTH_M]
         error_bin = bin_of(hypot(east - x.truth_m[sender, 0], north - x.truth_m[sender, 1])) + 1
-        age_bin = bin_of(x.t_s - row[CONTENT_FIT_S])
+        age_bin = bin_of(age_s)
     found = (x.step << (2 * _BIN_BITS)) | (error_bin << _BIN_BITS) | age_bin
     contents.beliefs[sender, ring, BELIEF] = found
     return found

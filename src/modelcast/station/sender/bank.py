@@ -6,14 +6,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.messages.code_table import code_table
+from modelcast.messages.bsm_batch import CORE_MEANING
+from modelcast.messages.bsm_fields import CORE_INDEX
+from modelcast.messages.code_table import MOTION_FIELDS, code_table
 from modelcast.messages.codes_kernels import COLUMNS
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.models.members import ReadyBank
+from modelcast.models.payload import CORE_PARAMETERS
 from modelcast.station.policy.guard import FREE_GUARDS, GUARD
 from modelcast.station.sender.fitting_kernels import SenderModels
+from modelcast.station.sender.motion_kernels import MOTION, PartOne
 
 __all__ = ["SenderBank"]
 
@@ -121,6 +125,17 @@ class SenderBank:
         names = [member.name for member in self.bank.members]
         return next((names.index(name) for name in FREE_GUARDS if name in names), -1)
 
+    @property
+    def part_one(self) -> PartOne:
+        """How messages carry the motion that members say."""
+        places = np.full((len(self.bank.members), MOTION), -1, dtype=np.int64)
+        for own, member, first in zip(places, self.bank.members, self.bank.offsets.tolist(), strict=False):
+            for which, name in enumerate(CORE_PARAMETERS):
+                if name in member.parameter_names:
+                    own[which] = first + member.parameter_names.index(name)
+        fields = [CORE_INDEX[name] for name in MOTION_FIELDS] if self.table.size else []
+        return PartOne(places, self.ready.offsets, np.ascontiguousarray(CORE_MEANING[fields]))
+
     def models(self, guards: Sequence[int] = ()) -> SenderModels:
         """What compiled steps take; it means something in this process alone.
 
@@ -140,4 +155,5 @@ class SenderBank:
             0 if selector is None else selector.address,
             1 if selector is None else selector.window_at(self.dt_s),
             self.dt_s,
+            self.part_one,
         )

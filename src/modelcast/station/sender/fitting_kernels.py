@@ -10,6 +10,7 @@ from modelcast.messages.codes_kernels import quantise_parameters
 from modelcast.models.member_kernels import Members, fit_member, predict_member
 from modelcast.models.point_kernels import EAST, NORTH
 from modelcast.station.arrays import Fits, Sensed
+from modelcast.station.sender.motion_kernels import PartOne
 
 __all__ = ["SenderModels", "distance_to", "fit", "fit_each"]
 
@@ -23,7 +24,7 @@ class SenderModels(NamedTuple):
     velocity where lanes are guarded, ``free`` the plain sub-model that other plain ones must clearly
     outdo under timers; -1 for none. ``selector`` is the address of the function that
     predicts which member lasts, 0 for none, and ``selector_window`` the samples it looks at. ``dt_s`` is the
-    sampling interval.
+    sampling interval, ``part_one`` how messages carry motion.
     """
 
     members: Members
@@ -35,6 +36,7 @@ class SenderModels(NamedTuple):
     selector: int
     selector_window: int
     dt_s: float
+    part_one: PartOne
 
 
 @kernel(inlined=True)

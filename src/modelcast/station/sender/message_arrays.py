@@ -17,6 +17,7 @@ from modelcast.core.kernel_types import (
     IntVector,
 )
 from modelcast.messages.stack_kernels import StackNumbers
+from modelcast.station.sender.motion_kernels import MOTION
 
 __all__ = [
     "AIRTIME_S",
@@ -25,18 +26,23 @@ __all__ = [
     "BELIEF_NUMBER",
     "CAUSES",
     "CERTIFICATES",
+    "CONTENT_ACCELERATION_MPS2",
     "CONTENT_BYTES",
     "CONTENT_EAST_M",
+    "CONTENT_FIRST",
     "CONTENT_FIT_S",
     "CONTENT_HEAD",
+    "CONTENT_HEADING_RAD",
     "CONTENT_KIND",
     "CONTENT_MEMBER",
     "CONTENT_NAMED_S",
     "CONTENT_NORTH_M",
     "CONTENT_NUMBER",
     "CONTENT_SENT_S",
+    "CONTENT_SPEED_MPS",
     "CONTENT_UPDATE",
     "CONTENT_VEHICLE",
+    "CONTENT_YAW_RATE_RADPS",
     "FRAME_BYTES",
     "IDENTIFICATIONS",
     "MESSAGES",
@@ -75,14 +81,20 @@ SENDER_BITS = 20
     CONTENT_NORTH_M,
     CONTENT_MEMBER,
     CONTENT_BYTES,
-) = range(11)
+    CONTENT_SPEED_MPS,
+    CONTENT_HEADING_RAD,
+    CONTENT_ACCELERATION_MPS2,
+    CONTENT_YAW_RATE_RADPS,
+    CONTENT_FIRST,
+) = range(16)
 """Columns of a message's content: who sent it and its number; its kind, and the number of the update that it
 is
 or names; instant of that update's fit, of the decision, and when it was handed to the radio; the position
-stated; the sub-model; payload bytes. Parameters follow: of an identification, those of the update it
-names."""
+stated; the sub-model; payload bytes; what Part I states of motion, as receivers decode it; the column where
+the sub-model's parameters begin. Parameters follow. Of an identification, Part I and parameters are those of
+the update it names."""
 
-CONTENT_HEAD = 11
+CONTENT_HEAD = 16
 
 BELIEF_NUMBER, BELIEF = range(2)
 """Columns of what a message makes its holders believe: its number; step, bins of tracking error and
@@ -130,13 +142,14 @@ class Senders(NamedTuple):
     """What V stations on the air hold of their messages.
 
     ``vehicle`` (V,) who is in the slot, -1 for nobody; ``number`` (V,) of the next message; ``update`` (V,)
-    of the update that the remotes are believed to hold; ``sent_s`` and ``certified_s`` (V,) when the last
-    message, and the last with a certificate, went out.
+    of the update that the remotes are believed to hold, and ``stated`` (V, MOTION) what its Part I states;
+    ``sent_s`` and ``certified_s`` (V,) when the last message, and the last with a certificate, went out.
     """
 
     vehicle: IntVector
     number: IntVector
     update: IntVector
+    stated: FloatMatrix
     sent_s: FloatVector
     certified_s: FloatVector
 
@@ -145,13 +158,15 @@ class FleetNumbers(NamedTuple):
     """What all messages of a fleet have in common.
 
     ``stack`` what goes round a payload; ``identification_bytes``; ``carries_all`` whether updates hold the
-    parameters of all members; ``plain`` (M,) with which the message is a plain one; ``power_dbm`` where the
-    policy leaves it open; ``jitter_s`` by which messages that leave at once are spread.
+    parameters of all members; ``first_member`` where the bank begins among the members of all senders;
+    ``plain`` (M,) with which the message is a plain one; ``power_dbm`` where the policy leaves it open;
+    ``jitter_s`` by which messages that leave at once are spread.
     """
 
     stack: StackNumbers
     identification_bytes: int
     carries_all: bool
+    first_member: int
     plain: BoolVector
     power_dbm: float
     jitter_s: float
@@ -186,6 +201,7 @@ def senders(vehicles: int) -> Senders:
         vehicle=np.full(vehicles, -1, dtype=np.int64),
         number=np.zeros(vehicles, dtype=np.int64),
         update=np.full(vehicles, -1, dtype=np.int64),
+        stated=np.zeros((vehicles, MOTION)),
         sent_s=np.full(vehicles, -np.inf),
         certified_s=np.full(vehicles, -np.inf),
     )

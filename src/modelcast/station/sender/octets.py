@@ -85,7 +85,8 @@ def messages_of(
         Whose messages, and which, (N,) each.
     """
     rows = contents.rows[slot, number % MESSAGES_KEPT]
-    offsets, member = stations.models.members.offsets, rows[:, CONTENT_MEMBER].astype(np.int64)
+    offsets = stations.models.members.offsets
+    member = rows[:, CONTENT_MEMBER].astype(np.int64) - stations.numbers.first_member
     count = int(offsets[-1])
     parameters = np.zeros((slot.size, count))
     if stations.numbers.carries_all:

@@ -20,6 +20,7 @@ from modelcast.station.sender.message_arrays import (
     CERTIFICATES,
     CONTENT_BYTES,
     CONTENT_EAST_M,
+    CONTENT_FIRST,
     CONTENT_FIT_S,
     CONTENT_HEAD,
     CONTENT_KIND,
@@ -28,6 +29,7 @@ from modelcast.station.sender.message_arrays import (
     CONTENT_NORTH_M,
     CONTENT_NUMBER,
     CONTENT_SENT_S,
+    CONTENT_SPEED_MPS,
     CONTENT_UPDATE,
     CONTENT_VEHICLE,
     FRAME_BYTES,
@@ -44,6 +46,7 @@ from modelcast.station.sender.message_arrays import (
     Senders,
     SentTally,
 )
+from modelcast.station.sender.motion_kernels import MOTION, state_motion
 from modelcast.station.sender.speaking_kernels import SCRATCH, compose, followed, forget_lane, hold, speak
 from modelcast.station.sender.timed_kernels import (
     LOCAL,
@@ -98,13 +101,17 @@ def _write(
     ring = f.sensed.stated_m.shape[1]
     offsets = f.models.members.offsets
     row[CONTENT_VEHICLE], row[CONTENT_NUMBER], row[CONTENT_KIND] = f.senders.vehicle[v], number, kind
-    row[CONTENT_MEMBER], row[CONTENT_SENT_S] = member, sent_s
+    row[CONTENT_MEMBER], row[CONTENT_SENT_S] = f.numbers.first_member + member, sent_s
+    row[CONTENT_FIRST] = CONTENT_HEAD + (offsets[member] if f.numbers.carries_all else 0)
+    motion = row[CONTENT_SPEED_MPS : CONTENT_SPEED_MPS + MOTION]
     row[CONTENT_NAMED_S] = f.sensed.t_s[v, sample % ring]
     if kind == IDENTIFICATION:
         row[CONTENT_UPDATE], row[CONTENT_BYTES] = f.senders.update[v], f.numbers.identification_bytes
         holds = followed(f.rules, f.lanes, b)
         row[CONTENT_FIT_S] = f.lanes.origin[holds, 0]
         row[CONTENT_EAST_M], row[CONTENT_NORTH_M] = f.lanes.origin[holds, 1], f.lanes.origin[holds, 2]
+        for i in range(MOTION):
+            motion[i] = f.senders.stated[v, i]
         for m in range(offsets.size - 1):
             for i in range(offsets[m], offsets[m + 1]):
                 row[CONTENT_HEAD + i] = f.lanes.held[holds, i] if f.lanes.usable[holds, m] else 0.0
@@ -113,6 +120,7 @@ def _write(
     row[CONTENT_FIT_S] = f.sensed.stated_s[v, sample % ring]
     row[CONTENT_EAST_M] = f.sensed.stated_m[v, sample % ring, 0]
     row[CONTENT_NORTH_M] = f.sensed.stated_m[v, sample % ring, 1]
+    state_motion(f.models.part_one, f.sensed, f.fits, v, sample, member, f.numbers.carries_all, motion)
     place = sample % f.fits.parameters.shape[1]
     if not f.numbers.carries_all:
         for i in range(offsets[member], offsets[member + 1]):
@@ -157,6 +165,8 @@ def _post(
     out.filled[0] = k + 1
     if believed and kind != IDENTIFICATION:
         s.update[v] = number
+        for i in range(MOTION):
+            s.stated[v, i] = row[CONTENT_SPEED_MPS + i]
     if certificate:
         s.certified_s[v] = sent_s
         tally.sums[group, CERTIFICATES] += 1.0

@@ -36,7 +36,12 @@ def widest(sender: Sender, bank: SenderBank) -> int:
 
 
 def sending_stations(
-    sender: Sender, bank: SenderBank, phase: FloatArray, *, sensing: Sensing | None = None
+    sender: Sender,
+    bank: SenderBank,
+    phase: FloatArray,
+    *,
+    sensing: Sensing | None = None,
+    first_member: int = 0,
 ) -> SendingStations:
     """Return the arrays of stations that have measured and sent nothing.
 
@@ -50,6 +55,8 @@ def sending_stations(
         Where in a step each decides, (V,) in [0, 1).
     sensing
         How they read their measurements; None for all columns measured.
+    first_member
+        Place of the bank's first sub-model among those of all senders that share a channel.
     """
     vehicles, dt_s = phase.size, bank.dt_s
     rule, guards = sender.lanes, guards_of(sender, bank)
@@ -86,6 +93,7 @@ def sending_stations(
             stack=sender.stack.numbers,
             identification_bytes=sender.sizes.identification_bytes,
             carries_all=sender.carries_all,
+            first_member=first_member,
             plain=np.array(sender.plain, dtype=np.bool_),
             power_dbm=sender.power_dbm,
             jitter_s=sender.jitter_s,
