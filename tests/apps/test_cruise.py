@@ -175,7 +175,9 @@ def test_acc_is_stable_from_twice_the_lag_on(headway_s: float, stable: bool) -> 
 def test_ploeg_told_what_is_done_amplifies_where_told_what_is_asked_it_does_not() -> None:
     """Ploeg's own is 1 / (h s + 1); the acceleration that the vehicle ahead has comes a lag later."""
     assert worst(Ploeg())[0] == pytest.approx(1.248, abs=SEEN_RATIO)
-    assert worst(Ploeg(), lag_s=0.0)[1] <= 1.0
+    s = 1j * FREQUENCIES_RADPS
+    alone = Ploeg().response(s, np.ones_like(s), np.ones_like(s), 0.0)
+    assert alone == pytest.approx(1.0 / (0.5 * s + 1.0))
 
 
 def test_columns_of_different_lengths_are_refused() -> None:

@@ -20,8 +20,8 @@ class DriveFigures:
         Largest peak of a follower's speed, off the leader's mean, over the leader's own.
     spacing_amplification
         Largest peak of the spacing error of the second follower and those behind, over the first's.
-    spacing_amplification_worst
-        The same of the worst platoon.
+    stable_ratio
+        Share of the platoons in which the spacing error does not grow: that ratio is at most 1.
     spacing_peak_m, spacing_rms_m
         Largest spacing error, and its root mean square, over all followers [m].
     gap_min_m
@@ -38,7 +38,7 @@ class DriveFigures:
 
     speed_amplification: float
     spacing_amplification: float
-    spacing_amplification_worst: float
+    stable_ratio: float
     spacing_peak_m: float
     spacing_rms_m: float
     gap_min_m: float
@@ -94,7 +94,7 @@ def measure_drive(trace: PlatoonTrace, *, from_s: float) -> DriveFigures:
     return DriveFigures(
         speed_amplification=float(_over(off[:, 1:].max(axis=1), off[:, 0]).mean()),
         spacing_amplification=float(spacing.mean()),
-        spacing_amplification_worst=float(spacing.max()),
+        stable_ratio=float((spacing <= 1.0).mean()),
         spacing_peak_m=float(peaks.max(axis=1).mean()),
         spacing_rms_m=_rms(error),
         gap_min_m=float(trace.gap_m[kept].min()),
@@ -113,16 +113,18 @@ def speed_change_ratio(trace: PlatoonTrace, other: PlatoonTrace, *, from_s: floa
     Parameters
     ----------
     trace, other
-        Two runs of as many platoons and frames; one platoon in the other stands for all.
+        Two runs of as many platoons, vehicles and frames; a single platoon stands for all.
     from_s
         What came before is left out [s].
 
     Raises
     ------
     ValueError
-        Where they differ in frames, or vehicles.
+        Where they differ.
     """
-    if trace.t_s.shape != other.t_s.shape or trace.speed_mps.shape[2] != other.speed_mps.shape[2]:
+    platoons, others = trace.speed_mps.shape[1], other.speed_mps.shape[1]
+    alike = trace.speed_mps.shape[::2] == other.speed_mps.shape[::2]
+    if not alike or (platoons != others and 1 not in {platoons, others}):
         raise ValueError(f"runs must be alike, got {trace.speed_mps.shape} and {other.speed_mps.shape}")
     kept = trace.t_s >= from_s - 1e-9
     driven, meant = trace.speed_mps[kept][:, :, 1:], other.speed_mps[kept][:, :, 1:]

@@ -1,4 +1,4 @@
-"""The study: every sender and loss over the same platoons, each beside platoons that know everything."""
+"""The study: every sender and loss over the same platoons, beside one that knows everything."""
 
 from collections.abc import Callable
 from dataclasses import KW_ONLY, asdict, dataclass
@@ -13,30 +13,31 @@ from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.platoon.drive import PlatoonTrace, drive_platoons
 from modelcast.runtime.platoon.knowledge import Heard, Perfect
 from modelcast.station.sender.message_arrays import AIRTIME_S, MESSAGES, PAYLOAD_BYTES
-from modelcast.station.sender.sender import MODEL_SENDERS, Sender, named_sender
+from modelcast.station.sender.sender import Sender
 from modelcast.study.cruise.measure import DriveFigures, measure_drive, speed_change_ratio
+from modelcast.study.cruise.senders import platoon_sender
 from modelcast.study.cruise.settings import CruiseSettings, Loss
 from modelcast.world.platoon.platoons import Platoons
 
 __all__ = [
     "PERFECT",
+    "REFERENCE",
     "CruiseResult",
     "CruiseRow",
     "Driven",
     "drive_perfect",
     "drive_sender",
     "run_cruise",
-    "study_sender",
 ]
 
 PERFECT = "perfect"
 """In the place of a sender: everybody knows the truth of every frame, and nothing is sent."""
 
+REFERENCE = "bsm-10hz"
+"""What messages saved and changes of speed are counted from: this sender, where nothing is lost."""
+
 _REACH_M = 350.0
 """Of hosts, as in a network run [m]."""
-
-_UNUSED_M = 0.2
-"""For senders that no error calls."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +52,10 @@ class CruiseRow:
         As in `Loss`.
     rate_hz, bytes_per_s, airtime_per_s
         Messages, payload bytes and time on the air of a vehicle, a second.
+    fewer_messages_ratio
+        Share of the reference's messages that are not sent, negative where more are.
     speed_change_ratio
-        Mean difference of the followers' speeds from those with perfect knowledge, over their mean.
+        Mean difference of the followers' speeds from those under the reference, over their mean.
     drive
         What became of the platoons.
     """
@@ -65,6 +68,7 @@ class CruiseRow:
     rate_hz: float
     bytes_per_s: float
     airtime_per_s: float
+    fewer_messages_ratio: float
     speed_change_ratio: float
     drive: DriveFigures
 
@@ -82,15 +86,17 @@ class CruiseResult:
     ----------
     rows
         Perfect knowledge first, then a row a sender, threshold and loss.
-    leader, law
-        What was driven, and by which law.
+    leader, law, ranging
+        What was driven, by which law, and whether with a ranging sensor.
     platoons, vehicles
         How many, and how long.
     """
 
     rows: tuple[CruiseRow, ...]
+    _: KW_ONLY
     leader: str
     law: str
+    ranging: bool
     platoons: int
     vehicles: int
 
@@ -156,30 +162,6 @@ def drive_perfect(settings: CruiseSettings) -> PlatoonTrace:
     return drive_platoons(one, settings.leader, settings.law, Perfect(one), settings.drive)
 
 
-def study_sender(
-    settings: CruiseSettings, name: str, threshold_m: float | None, bank: Bank | None = None
-) -> Sender:
-    """A sender of a study.
-
-    Parameters
-    ----------
-    settings
-        The study.
-    name
-        As `named_sender` knows it.
-    threshold_m
-        Error that calls; None where none does [m].
-    bank
-        Of the senders that send models; None for the shipped profile's.
-    """
-    return named_sender(
-        name,
-        bank=bank if name in MODEL_SENDERS else None,
-        threshold_m=_UNUSED_M if threshold_m is None else threshold_m,
-        keep_alive_s=settings.keep_alive_s,
-    )
-
-
 def run_cruise(
     settings: CruiseSettings,
     *,
@@ -202,41 +184,44 @@ def run_cruise(
     ValueError
         Where a sender does not take the bank.
     """
-    perfect = drive_perfect(settings)
-    from_s = settings.drive.settle_s
-    rows = [
-        CruiseRow(
-            PERFECT,
-            None,
-            loss_ratio=0.0,
-            burst_s=0.0,
-            rate_hz=0.0,
-            bytes_per_s=0.0,
-            airtime_per_s=0.0,
-            speed_change_ratio=0.0,
-            drive=measure_drive(perfect, from_s=from_s),
+    settled_s = settings.drive.settle_s
+    reference = drive_sender(settings, platoon_sender(REFERENCE), Loss(0.0))
+
+    def row(name: str, threshold_m: float | None, loss: Loss, driven: Driven) -> CruiseRow:
+        return CruiseRow(
+            name,
+            threshold_m,
+            loss_ratio=loss.ratio,
+            burst_s=loss.burst_s,
+            rate_hz=driven.rate_hz,
+            bytes_per_s=driven.bytes_per_s,
+            airtime_per_s=driven.airtime_per_s,
+            fewer_messages_ratio=1.0 - driven.rate_hz / reference.rate_hz,
+            speed_change_ratio=speed_change_ratio(driven.trace, reference.trace, from_s=settled_s),
+            drive=measure_drive(driven.trace, from_s=settled_s),
         )
-    ]
+
+    perfect = Driven(drive_perfect(settings), 0.0, 0.0, 0.0)
+    rows = [row(PERFECT, None, Loss(0.0), perfect)]
     cases = [(contender, loss) for contender in settings.contenders for loss in settings.losses]
     for number, ((name, threshold_m), loss) in enumerate(cases):
         if progress is not None:
             progress(number, len(cases))
-        driven = drive_sender(settings, study_sender(settings, name, threshold_m, bank), loss)
-        rows.append(
-            CruiseRow(
-                name,
-                threshold_m,
-                loss_ratio=loss.ratio,
-                burst_s=loss.burst_s,
-                rate_hz=driven.rate_hz,
-                bytes_per_s=driven.bytes_per_s,
-                airtime_per_s=driven.airtime_per_s,
-                speed_change_ratio=speed_change_ratio(driven.trace, perfect, from_s=from_s),
-                drive=measure_drive(driven.trace, from_s=from_s),
-            )
+        sender = platoon_sender(
+            name,
+            threshold_m=threshold_m,
+            keep_alive_s=settings.keep_alive_s,
+            approach_m=settings.approach_m,
+            bank=bank,
         )
+        rows.append(row(name, threshold_m, loss, drive_sender(settings, sender, loss)))
     if progress is not None:
         progress(len(cases), len(cases))
     return CruiseResult(
-        tuple(rows), settings.leader.name, settings.law.name, settings.platoons, settings.vehicles
+        tuple(rows),
+        leader=settings.leader.name,
+        law=settings.law.name,
+        ranging=settings.drive.ranging,
+        platoons=settings.platoons,
+        vehicles=settings.vehicles,
     )
