@@ -1,6 +1,7 @@
-"""Laws of cruise control: formulas by hand, what they do where little is known, and what theory says of them."""
+"""Laws of cruise control: formulas by hand, what they do where little is known, and what theory says."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -52,7 +53,7 @@ def worst(law: AbstractCruiseLaw, vehicles: int = 8, lag_s: float = LAG_S) -> tu
         errors.append(np.abs(here - ahead + headway_s * s * here))
         speeds.append(float(np.max(np.abs(here / ahead))))
         ahead = here
-    growth = [float(np.max(after / before)) for before, after in zip(errors, errors[1:], strict=False)]
+    growth = [float(np.max(after / before)) for before, after in pairwise(errors)]
     return max(growth), max(speeds)
 
 
@@ -64,7 +65,7 @@ def test_path_says_what_its_formula_says() -> None:
 
 
 def test_path_overdamped_has_the_root_in_its_gains() -> None:
-    """xi = 1.25: the root is 1.25 + 0.75 = 2."""
+    """With xi = 1.25 the root is 1.25 + 0.75 = 2."""
     law = PathCacc(leader_weight=0.25, damping=1.25, bandwidth_radps=0.4)
     assert law.gains == pytest.approx(((2.5 - 0.25 * 2.0) * 0.4, 2.0 * 0.4 * 0.25, 0.16))
 
@@ -147,7 +148,7 @@ def test_gap_and_speed_come_from_the_sensor_where_there_is_one_and_else_from_the
 
 
 def test_path_at_02_rad_a_second_damps_spacing_errors_and_at_02_hz_it_does_not() -> None:
-    """What the unit of the bandwidth is: with a lag of 0.5 s only the angular one is stable along the string."""
+    """What the unit of the bandwidth is: with a lag of 0.5 s only the angular one is stable."""
     assert worst(PathCacc())[0] <= 1.0
     assert worst(PathCacc(bandwidth_radps=2.0 * np.pi * 0.2))[0] > 1.4
 
@@ -167,7 +168,7 @@ def test_path_without_a_lag_has_the_spacing_error_of_the_closed_form() -> None:
 
 
 @pytest.mark.parametrize(("headway_s", "stable"), [(0.3, False), (0.95, False), (1.0, True), (1.2, True)])
-def test_acc_is_stable_from_twice_the_lag_on(headway_s: float, stable: bool) -> None:  # noqa: FBT001
+def test_acc_is_stable_from_twice_the_lag_on(headway_s: float, stable: bool) -> None:
     growth, _ = worst(Acc(headway_s=headway_s))
     assert (growth <= 1.0 + 1e-9) == stable
 

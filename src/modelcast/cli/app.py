@@ -28,6 +28,7 @@ COMMANDS = (
     "convert",
     "coverage",
     "network",
+    "cruise",
     "train",
     "road",
     "decode",

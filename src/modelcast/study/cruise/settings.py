@@ -98,8 +98,8 @@ class CruiseSettings:
         for name in self.senders:
             if not is_sender(name):
                 raise ValueError(
-                    f"sender must be one of {', '.join(SENDERS)}, or bsm-Nhz or free-Nhz with N from 0.1 to 10, "
-                    f"got {name!r}"
+                    f"sender must be one of {', '.join(SENDERS)}, or bsm-Nhz or free-Nhz with N from 0.1 "
+                    f"to 10, got {name!r}"
                 )
         for name in ("senders", "thresholds_m", "losses"):
             held = getattr(self, name)
