@@ -44,8 +44,9 @@ _SHORT = {
 
 _MEANING = (
     f"fewer: messages, speed: change of the followers' speeds, both against {REFERENCE} without loss. "
-    "growth: largest spacing error of the second follower and those behind over the first's, mean over platoons; "
-    "stable: platoons in which it is at most 1. gap: the least. collided: followers. table.md says more."
+    "growth: largest spacing error of the second follower and those behind over the first's, mean over "
+    "platoons; stable: platoons in which it is at most 1. gap: the least. collided: followers. "
+    "table.md says more."
 )
 
 

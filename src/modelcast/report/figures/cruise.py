@@ -54,9 +54,11 @@ def plot_cruise(result: CruiseResult) -> Figure:
         for axes in grid[1]:
             axes.axhline(0.0, color=INK, linewidth=0.6)
             axes.set_yscale("symlog", linthresh=1.0)
+            axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
         grid[1][0].set_xlabel("Messages lost [%]")
-        also = "" if middle == ratios[0] else f"; hollow {100 * middle:g} %"
-        grid[1][1].set_xlabel(f"Messages of a vehicle a second (filled: {100 * ratios[0]:g} % lost{also})")
+        grid[1][1].set_xlabel("Messages of a vehicle a second")
+        also = "" if middle == ratios[0] else f", hollow: {100 * middle:g} %"
+        grid[0][1].set_title(f"filled: {100 * ratios[0]:g} % lost{also}")
         legend_above(figure, grid[0][0])
         return figure
 
