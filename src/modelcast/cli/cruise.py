@@ -26,6 +26,7 @@ def cruise(
     threshold: Numbers = (0.2,),
     keep_alive: float = 1.0,
     approach: float = 0.0,
+    budget: float = 4.0 / 3.0,
     bank: str = "default",
     profile: str | None = None,
     loss: Numbers = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9),
@@ -70,6 +71,8 @@ def cruise(
         Longest silence of these [s].
     approach
         Way that two vehicles may come closer between two messages of these [m]; 0 for none.
+    budget
+        Messages that free and mbc may send under loss, over those of a channel without losses.
     bank
         Sub-models of mbc and j2945-mbc, as in 'modelcast evaluate'.
     profile
@@ -115,7 +118,7 @@ def cruise(
     options: dict[str, Any] = {
         "leader": Path(leader).name, "speed": speed, "deceleration": deceleration, "law": law,
         "ranging": ranging, "policy": list(policy), "threshold": list(threshold), "keep_alive": keep_alive,
-        "approach": approach, "bank": bank, "loss": list(loss), "burst": list(burst), "vehicles": vehicles,
+        "approach": approach, "budget": budget, "bank": bank, "loss": list(loss), "burst": list(burst), "vehicles": vehicles,
         "seeds": seeds, "seed": seed, "duration": duration, "trip": trip,
     }  # fmt: skip
     try:
@@ -141,6 +144,7 @@ def cruise(
             drive=DriveSettings(duration_s=duration, ranging=ranging),
             keep_alive_s=keep_alive,
             approach_m=approach or float("inf"),
+            budget=budget,
             seed=seed,
         )
         with atomic_folder(out, command="cruise", shown=f"--out {out}") as folder:

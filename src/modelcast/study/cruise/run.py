@@ -212,6 +212,7 @@ def run_cruise(
             threshold_m=threshold_m,
             keep_alive_s=settings.keep_alive_s,
             approach_m=settings.approach_m,
+            budget=settings.budget,
             bank=bank,
         )
         rows.append(row(name, threshold_m, loss, drive_sender(settings, sender, loss)))

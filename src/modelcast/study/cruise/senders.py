@@ -8,6 +8,7 @@ import re
 from dataclasses import replace
 
 from modelcast.models.bank import Bank
+from modelcast.station.policy.error_driven import LOSS_BUDGET
 from modelcast.station.policy.periodic import Periodic
 from modelcast.station.sender.sender import ERROR_SENDERS, MODEL_SENDERS, SENDERS, Sender, named_sender
 
@@ -60,6 +61,7 @@ def platoon_sender(
     threshold_m: float | None = None,
     keep_alive_s: float = 1.0,
     approach_m: float = float("inf"),
+    budget: float = LOSS_BUDGET,
     bank: Bank | None = None,
 ) -> Sender:
     """The sender of that name.
@@ -70,7 +72,7 @@ def platoon_sender(
         As `is_sender` knows it.
     threshold_m
         Error that calls; None where none does [m].
-    keep_alive_s, approach_m
+    keep_alive_s, approach_m, budget
         As in `named_sender`.
     bank
         Of the senders that send models; None for the shipped profile's.
@@ -92,5 +94,6 @@ def platoon_sender(
         threshold_m=_UNUSED_M if threshold_m is None else threshold_m,
         keep_alive_s=keep_alive_s,
         approach_m=approach_m,
+        budget=budget,
     )
     return sender if clocked is None else replace(sender, name=name, policy=Periodic(clocked[1]))

@@ -8,6 +8,7 @@ from modelcast.apps.cruise.base import AbstractCruiseLaw
 from modelcast.apps.cruise.path import PathCacc
 from modelcast.channel.erasure import GilbertElliott, Ideal, IndependentErasure
 from modelcast.runtime.platoon.drive import DriveSettings
+from modelcast.station.policy.error_driven import LOSS_BUDGET
 from modelcast.station.sender.sender import SENDERS
 from modelcast.study.cruise.senders import has_threshold, is_sender
 from modelcast.world.platoon.leaders import AbstractLeader, Sinusoid
@@ -69,6 +70,8 @@ class CruiseSettings:
         Of the same, the way that two vehicles as fast as the sender may come closer between two messages [m].
         Infinite by default: that rule is for those who meet, and within a platoon nobody does. At 100 km/h
         its 20 m alone would ask for 2.8 messages a second.
+    budget
+        Of `free` and `mbc`, messages under loss over those of a channel without losses, as in `ErrorDriven`.
     most_age_s
         What is older is not taken for knowledge; the expiry of tracks holds besides [s].
     seed
@@ -91,6 +94,7 @@ class CruiseSettings:
     drive: DriveSettings = field(default_factory=DriveSettings)
     keep_alive_s: float = 1.0
     approach_m: float = np.inf
+    budget: float = LOSS_BUDGET
     most_age_s: float = 5.0
     seed: int = 0
 
@@ -105,7 +109,7 @@ class CruiseSettings:
             held = getattr(self, name)
             if not held or len(set(held)) != len(held):
                 raise ValueError(f"{name} must name at least one, and none twice, got {held}")
-        for name in ("keep_alive_s", "approach_m", "most_age_s"):
+        for name in ("keep_alive_s", "approach_m", "budget", "most_age_s"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
         if not min(self.thresholds_m) > 0.0:
