@@ -1,10 +1,10 @@
 """What messages and models are worth to platoons that drive by them: the tables of ``docs/cruise.md``.
 
-``cruise.py`` drives 8 platoons of 8 vehicles by the PATH law for each sender and loss: behind a sinusoid, with
-independent losses and in bursts, with and without a ranging sensor; behind a hard stop; and behind recorded
-leaders, the first vehicle of every file below ``MODELCAST_DATA`` that holds a platoon or a road drive with
-platoons. The published scenario of arXiv 2303.08076 is judged by all of them without loss. ``--write`` puts
-the tables into the page, ``--check`` tells by its exit code whether the page has them. Five minutes on a core.
+``cruise.py`` drives 8 platoons of 8 vehicles by the PATH law for each sender and loss: behind a sinusoid,
+with independent losses and in bursts, with and without a ranging sensor; behind a hard stop; and behind
+recorded leaders, the first vehicle of every file of `LEADERS` below ``MODELCAST_DATA``. The published
+scenario of arXiv 2303.08076 is judged by them without loss. ``--write`` puts the tables into the page,
+``--check`` tells by its exit code whether the page has them. Ten minutes on a core.
 """
 
 import argparse
@@ -143,7 +143,7 @@ def recorded(data: Path) -> dict[str, list[CruiseRow]]:
 def over_leaders(found: dict[str, list[CruiseRow]], loss_ratio: float) -> Iterator[str]:
     """Means over the recorded leaders, and their worst."""
     yield (
-        "| sender | messages/s | fewer | speed change | worst leader's | growth | platoons stable | least gap |"
+        "| sender | messages/s | fewer | speed change | worst leader's | growth | stable | least gap |"
         " collisions |"
     )
     yield "|---|" + "--:|" * 8

@@ -118,8 +118,8 @@ def cruise(
     options: dict[str, Any] = {
         "leader": Path(leader).name, "speed": speed, "deceleration": deceleration, "law": law,
         "ranging": ranging, "policy": list(policy), "threshold": list(threshold), "keep_alive": keep_alive,
-        "approach": approach, "budget": budget, "bank": bank, "loss": list(loss), "burst": list(burst), "vehicles": vehicles,
-        "seeds": seeds, "seed": seed, "duration": duration, "trip": trip,
+        "approach": approach, "budget": budget, "bank": bank, "loss": list(loss), "burst": list(burst),
+        "vehicles": vehicles, "seeds": seeds, "seed": seed, "duration": duration, "trip": trip,
     }  # fmt: skip
     try:
         named = bank_in_use(bank, profile=profile_in_use(profile)).bank
