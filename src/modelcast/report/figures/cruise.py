@@ -6,6 +6,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import StrMethodFormatter
 
 from modelcast.report.cruise import sender_label
 from modelcast.report.figures.panels import empty_figure
@@ -54,7 +55,7 @@ def plot_cruise(result: CruiseResult) -> Figure:
         for axes in grid[1]:
             axes.axhline(0.0, color=INK, linewidth=0.6)
             axes.set_yscale("symlog", linthresh=1.0)
-            axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+            axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
         grid[1][0].set_xlabel("Messages lost [%]")
         grid[1][1].set_xlabel("Messages of a vehicle a second")
         also = "" if middle == ratios[0] else f", hollow: {100 * middle:g} %"
