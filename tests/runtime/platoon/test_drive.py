@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,8 +11,10 @@ from modelcast.apps.cruise.acc import Acc
 from modelcast.apps.cruise.base import AbstractCruiseLaw
 from modelcast.apps.cruise.path import PathCacc
 from modelcast.apps.cruise.ploeg import Ploeg
+from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.erasure import Ideal, IndependentErasure
 from modelcast.channel.erasure_radio import ErasureRadio
+from modelcast.channel.radio import AbstractRadio
 from modelcast.core.arrays import FloatArray
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.settings import NetworkSettings
@@ -60,11 +63,14 @@ def on_air(
     seed: int = 0,
     most_age_s: float = np.inf,
 ) -> Heard:
+    radio = ErasureRadio(IndependentErasure(loss) if loss else Ideal())
+    return Heard(PLATOONS, fleet(law, name, radio, seed), most_age_s=most_age_s)
+
+
+def fleet(law: AbstractCruiseLaw, name: str, radio: AbstractRadio[Any], seed: int = 0) -> FleetLoop:
     speed = 100.0 / 3.6
     first = PLATOONS.frame(PLATOONS.init(law.gap_m(np.full((2, 3), speed)), speed))
-    radio = ErasureRadio(IndependentErasure(loss) if loss else Ideal())
-    loop = FleetLoop(first, platoon_sender(name), radio, NetworkSettings(), seed=seed)
-    return Heard(PLATOONS, loop, most_age_s=most_age_s)
+    return FleetLoop(first, platoon_sender(name), radio, NetworkSettings(), seed=seed)
 
 
 @every_law
@@ -108,10 +114,22 @@ def test_who_hears_of_a_steady_leader_keeps_the_ideal_gap(ranging: bool) -> None
     trace = heard(PathCacc(), Steady(), settings)
     kept = trace.t_s >= BEGINS_S
     assert not trace.fell_back[kept].any()
+    assert trace.age_s[kept] == pytest.approx(0.1)
     # The gap by the law's own balance: gain of speed over gain of place, of half a step of speed.
     slack_m = 0.5 * SPEED_GRAIN_MPS * sum(PathCacc().gains[:2]) / PathCacc().gains[2] + PLACE_GRAIN_M
     assert np.abs(trace.too_near_m[kept]).max() < slack_m
     assert np.ptp(trace.speed_mps[kept]) < 2 * SPEED_GRAIN_MPS
+
+
+def test_any_radio_may_be_in_the_loop() -> None:
+    """IEEE 802.11p with nobody else in reach: what it carries drives as what loses nothing does."""
+    law, settings = PathCacc(), DriveSettings(duration_s=12.0)
+    over = Heard(PLATOONS, fleet(law, "bsm-10hz", Dsrc()))
+    trace = drive_platoons(PLATOONS, Sinusoid(), law, over, settings)
+    other = heard(law, Sinusoid(), settings)
+    kept = trace.t_s >= BEGINS_S
+    assert not trace.fell_back[kept].any()
+    assert np.abs(trace.gap_m - other.gap_m).max() < 2.0 * PLACE_GRAIN_M
 
 
 def test_what_followers_know_at_a_frame_was_said_of_the_frame_before() -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import StrMethodFormatter
+from matplotlib.ticker import FixedLocator, StrMethodFormatter
 
 from modelcast.report.cruise import sender_label
 from modelcast.report.figures.panels import empty_figure
@@ -18,6 +18,9 @@ from modelcast.study.cruise.run import PERFECT, CruiseResult, CruiseRow
 __all__ = ["plot_cruise"]
 
 _LINES = ("-", "--", ":", "-.")
+
+_GAPS_M = (-100.0, -50.0, -20.0, -10.0, -5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0)
+"""Marks of the axis of gaps."""
 
 _Value = Callable[[CruiseRow], float]
 
@@ -55,6 +58,7 @@ def plot_cruise(result: CruiseResult) -> Figure:
         for axes in grid[1]:
             axes.axhline(0.0, color=INK, linewidth=0.6)
             axes.set_yscale("symlog", linthresh=1.0)
+            axes.yaxis.set_major_locator(FixedLocator(_GAPS_M))
             axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
         grid[1][0].set_xlabel("Messages lost [%]")
         grid[1][1].set_xlabel("Messages of a vehicle a second")
@@ -85,11 +89,12 @@ def _against_loss(axes: Axes, rows: Sequence[CruiseRow], value: _Value) -> None:
         look: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": _LINES[place % len(_LINES)]}
         name = f"{label}, bursts {burst_s:g} s" if burst_s else label
         losses = [100 * row.loss_ratio for row in shown]
-        axes.plot(losses, [value(row) for row in shown], label=name, **look)
+        axes.plot(losses, [value(row) for row in shown], label=name, clip_on=False, **look)
 
 
 def _against_rate(axes: Axes, rows: Sequence[CruiseRow], value: _Value, *, hollow: bool) -> None:
     for row in rows:
         colour, marker = sender_look(row.sender)
         face = "none" if hollow else colour
-        axes.plot(row.rate_hz, value(row), marker=marker, color=colour, markerfacecolor=face, linestyle="")
+        look: dict[str, Any] = {"color": colour, "marker": marker, "markerfacecolor": face}
+        axes.plot(row.rate_hz, value(row), linestyle="", clip_on=False, **look)
