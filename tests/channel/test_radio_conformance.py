@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 
 from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.dsrc_parameters import DsrcParameters
+from modelcast.channel.erasure import GilbertElliott, IndependentErasure
+from modelcast.channel.erasure_radio import ErasureRadio
 from modelcast.channel.error_models import ThresholdErrorModel
 from modelcast.channel.frame_radio import AbstractFrameRadio
 from modelcast.channel.path_loss import LogDistance
@@ -96,8 +98,17 @@ def tabulated() -> Case:
     )
 
 
+def erasure(channel: IndependentErasure | GilbertElliott) -> Case:
+    return Case(ErasureRadio(channel, 500.0), lambda size_bytes: 40e-6 + 8e-6 * size_bytes / 6.0, 500.0)
+
+
 FRAME_RADIOS = {"dsrc": dsrc(), "sidelink": sidelink(), "sidelink-one-shot": sidelink(one_shot=True)}
-RADIOS: dict[str, Case] = {**FRAME_RADIOS, "tabulated": tabulated()}
+RADIOS: dict[str, Case] = {
+    **FRAME_RADIOS,
+    "tabulated": tabulated(),
+    "erasure": erasure(IndependentErasure(0.3)),
+    "erasure-bursts": erasure(GilbertElliott(0.3)),
+}
 
 every_radio = pytest.mark.parametrize("case", RADIOS.values(), ids=RADIOS.keys())
 every_frame_radio = pytest.mark.parametrize("case", FRAME_RADIOS.values(), ids=FRAME_RADIOS.keys())

@@ -98,10 +98,16 @@ class GilbertElliott(AbstractChannel):
         """The ratio."""
         return self.ratio
 
+    @property
+    def relaxation_s(self) -> float:
+        """Time in which the chain forgets its state, to a share of 1/e; 0 where all is lost anyway [s]."""
+        if self.ratio == 1.0:
+            return 0.0
+        leave_rate = 1.0 / self.mean_burst_s
+        return 1.0 / (leave_rate + leave_rate * self.ratio / (1.0 - self.ratio))
+
     def losses(self, t_s: FloatArray, rng: np.random.Generator) -> BoolArray:
         """The chain's state at every instant, (T,)."""
         if self.ratio in (0.0, 1.0):
             return np.full(t_s.size, self.ratio == 1.0)
-        leave_rate = 1.0 / self.mean_burst_s
-        relaxation_s = 1.0 / (leave_rate + leave_rate * self.ratio / (1.0 - self.ratio))
-        return burst_losses(t_s, rng.random(t_s.size), self.ratio, relaxation_s)
+        return burst_losses(t_s, rng.random(t_s.size), self.ratio, self.relaxation_s)

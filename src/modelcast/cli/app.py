@@ -29,6 +29,7 @@ COMMANDS = (
     "coverage",
     "network",
     "safety",
+    "cruise",
     "train",
     "road",
     "decode",

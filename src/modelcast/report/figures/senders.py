@@ -25,7 +25,7 @@ from modelcast.study.network.rows import (
 )
 from modelcast.study.wording import centimetres
 
-__all__ = ["NO_THRESHOLD_TEXT", "Curve", "also_told", "sender_curves", "threshold_text"]
+__all__ = ["NO_THRESHOLD_TEXT", "Curve", "also_told", "sender_curves", "sender_look", "threshold_text"]
 
 _COLOURS = {
     "bsm-10hz": "#777777",
@@ -60,6 +60,17 @@ def threshold_text(threshold_m: float) -> str:
     ('20 cm', '-')
     """
     return centimetres(threshold_m) if isfinite(threshold_m) else NO_THRESHOLD_TEXT
+
+
+def sender_look(name: str) -> tuple[str, str]:
+    """Return the colour and the marker of a sender; those of no name here, such as by the clock, share one.
+
+    Examples
+    --------
+    >>> sender_look("mbc"), sender_look("bsm-2hz")
+    (('#0072b2', 's'), ('#aaaaaa', '.'))
+    """
+    return _COLOURS.get(name, "#aaaaaa"), _MARKERS.get(name, ".")
 
 
 def also_told(result: NetworkResult) -> tuple[str, ...]:

@@ -1,0 +1,123 @@
+"""Platoons in the terminal and in Markdown: what every sender was worth under every loss."""
+
+from collections.abc import Sequence
+
+from rich import box
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from modelcast.report.literal import literal, markdown
+from modelcast.study.cruise.run import PERFECT, REFERENCE, CruiseResult, CruiseRow
+from modelcast.study.wording import centimetres
+
+__all__ = ["cruise_lines", "cruise_report", "sender_label"]
+
+_HEADINGS = (
+    "sender",
+    "loss",
+    "messages/s",
+    "fewer",
+    "speed change",
+    "growth",
+    "stable",
+    "worst error",
+    "least gap",
+    "collisions",
+    "acc.",
+    "jerk",
+    "airtime/s",
+)
+
+_SHORT = {
+    "sender": "sender",
+    "loss": "loss\n[%]",
+    "messages/s": "sent\n[1/s]",
+    "fewer": "fewer\n[%]",
+    "speed change": "speed\n[%]",
+    "growth": "growth",
+    "stable": "stable\n[%]",
+    "least gap": "gap\n[m]",
+    "collisions": "collided",
+}
+"""What the terminal has room for, and its headings there."""
+
+_MEANING = (
+    f"fewer: messages, speed: change of the followers' speeds, both against {REFERENCE} without loss. "
+    "growth: largest spacing error of the second follower and those behind over the first's, mean over "
+    "platoons; stable: platoons in which it is at most 1. gap: the least. collided: followers. "
+    "table.md says more."
+)
+
+
+def sender_label(row: CruiseRow) -> str:
+    """Return how a row's sender is called.
+
+    Parameters
+    ----------
+    row
+        Any.
+    """
+    return row.sender if row.threshold_m is None else f"{row.sender}, {centimetres(row.threshold_m)}"
+
+
+def _loss(row: CruiseRow) -> str:
+    if row.sender == PERFECT:
+        return "-"
+    bursts = f", {row.burst_s:g} s" if row.burst_s else ""
+    return f"{100 * row.loss_ratio:.4g} %{bursts}"
+
+
+def _cells(row: CruiseRow) -> tuple[str, ...]:
+    drive = row.drive
+    sent = row.sender != PERFECT
+    return (
+        sender_label(row),
+        _loss(row),
+        f"{row.rate_hz:.2f}" if sent else "-",
+        f"{100 * row.fewer_messages_ratio:.1f} %" if sent else "-",
+        f"{100 * row.speed_change_ratio:.2f} %",
+        f"{drive.spacing_amplification:.2f}",
+        f"{100 * drive.stable_ratio:.0f} %",
+        f"{drive.spacing_peak_m:.2f} m",
+        f"{drive.gap_min_m:.2f} m",
+        f"{drive.collisions}/{drive.followers}",
+        f"{drive.acceleration_rms_mps2:.2f}",
+        f"{drive.jerk_rms_mps3:.2f}",
+        f"{1e3 * row.airtime_per_s:.2f} ms" if sent else "-",
+    )
+
+
+def cruise_report(result: CruiseResult) -> RenderableType:
+    """Return the table of a study, and what its columns mean.
+
+    Parameters
+    ----------
+    result
+        What was found.
+    """
+    sensor = "with a ranging sensor" if result.ranging else "all by radio"
+    title = (
+        f"{result.platoons} platoons of {result.vehicles} by {result.law}, {sensor}, behind {result.leader}"
+    )
+    table = Table(title=literal(title), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    shown = [_HEADINGS.index(heading) for heading in _SHORT]
+    for at, heading in enumerate(_SHORT.values()):
+        table.add_column(heading, justify="left" if at == 0 else "right")
+    for row in result.rows:
+        cells = _cells(row)
+        name, *others = (cells[at].removesuffix(" %").removesuffix(" m") for at in shown)
+        table.add_row(literal(name), *others)
+    return Group(table, Text(_MEANING))
+
+
+def cruise_lines(rows: Sequence[CruiseRow]) -> list[str]:
+    """Return the lines of the table in Markdown.
+
+    Parameters
+    ----------
+    rows
+        Any rows of a study.
+    """
+    lines = ["| " + " | ".join(_HEADINGS) + " |", "|---" + "|--:" * (len(_HEADINGS) - 1) + "|"]
+    return [*lines, *("| " + " | ".join(markdown(cell) for cell in _cells(row)) + " |" for row in rows)]

@@ -1,0 +1,1 @@
+"""What messages and models are worth to platoons that drive by them."""
