@@ -9,6 +9,7 @@ import pytest
 
 from modelcast.world.drive import generate_drive
 from modelcast.world.scenario.base import NOBODY, STEP_S, AbstractScenario, run_scenario
+from modelcast.world.scenario.braking import BrakingStreams
 from modelcast.world.scenario.grid import Grid
 from modelcast.world.scenario.highway import Highway
 from modelcast.world.scenario.library import TripRoad
@@ -19,6 +20,7 @@ SCENARIOS: dict[str, AbstractScenario[Any]] = {
     "straight": Highway(800.0, 60.0, warm_up_s=5.0),
     "ring": Highway(800.0, 60.0, form="ring", warm_up_s=5.0),
     "one lane, one way": Highway(800.0, 10.0, lanes=1, both_directions=False, warm_up_s=5.0),
+    "braking": BrakingStreams(800.0, 60.0, brakings_per_minute=60.0, warm_up_s=5.0),
     "grid": Grid(3, 3, 25.0, warm_up_s=5.0),
     "replay": make_replay(DRIVES, [0.0, 1.0]),
     "library": TripRoad(DRIVES, 600.0, 50.0),

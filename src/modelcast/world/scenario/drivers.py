@@ -7,7 +7,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.world.scenario import following_kernels as kernels
 
-__all__ = ["CITY", "HIGHWAY", "UNIFORM", "Drivers"]
+__all__ = ["CITY", "HIGHWAY", "STREAM", "UNIFORM", "Drivers"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +109,9 @@ HIGHWAY = Drivers()
 
 CITY = Drivers(13.9, 0.08, length_m=(4.0, 4.8), truck_ratio=0.0, wander_m=0.1)
 """Cars in streets with a limit of 50 km/h."""
+
+STREAM = Drivers(30.0, 0.03, headway_s=(0.8, 1.6), truck_ratio=0.0)
+"""Cars that follow each other closely at one speed; the time gaps are those of dense motorway traffic."""
 
 UNIFORM = Drivers(
     desired_speed_spread_ratio=0.0,

@@ -183,7 +183,7 @@ class Highway(AbstractScenario[HighwayState]):
             order,
             np.array([0, self.forward, self.slots], dtype=np.int64),
             state.drivers,
-            self._settings(),
+            self.settings(),
             state.rng.standard_normal((kernels.NORMALS, self.slots)),
             state.number + 2**20,
             state.next_id,
@@ -197,7 +197,7 @@ class Highway(AbstractScenario[HighwayState]):
     def frame(self, state: HighwayState) -> FleetFrame:
         """Return the fleet; every slot is active."""
         out = np.empty((6, self.slots))
-        kernels.poses(state.numbers, state.integers, self.forward, self._settings(), self.lanes, out)
+        kernels.poses(state.numbers, state.integers, self.forward, self.settings(), self.lanes, out)
         return FleetFrame(
             round(state.number * STEP_S, 6),
             np.ascontiguousarray(out[0:2].T),
@@ -210,7 +210,7 @@ class Highway(AbstractScenario[HighwayState]):
             active=np.ones(self.slots, dtype=np.bool_),
         )
 
-    def _settings(self) -> FloatArray:
+    def settings(self) -> FloatArray:
         """Return the road as the kernels take it."""
         return np.array(
             [

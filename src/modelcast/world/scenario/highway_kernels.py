@@ -26,7 +26,17 @@ from modelcast.world.scenario.following_kernels import (
 )
 from modelcast.world.scenario.pose_kernels import lateral_clock, place
 
-__all__ = ["COLUMNS", "NORMALS", "poses", "step"]
+__all__ = [
+    "COLUMNS",
+    "NORMALS",
+    "drift",
+    "is_in",
+    "move_aside",
+    "perceived",
+    "poses",
+    "sort_along",
+    "step",
+]
 
 S, V, A, PROGRESS, SINCE_CHANGE_S, WANDER, WANDER_1, WANDER_2, GAP_ERR, APPROACH_ERR, PEDAL = range(11)
 COLUMNS = 11
@@ -55,7 +65,8 @@ PEDAL_S = 3.0
 
 
 @kernel
-def _is_in(lane: int, numbers: FloatMatrix, integers: IntMatrix, i: int) -> bool:
+def is_in(lane: int, numbers: FloatMatrix, integers: IntMatrix, i: int) -> bool:
+    """Whether any part of a vehicle may be in a lane."""
     if integers[LANE, i] == lane:
         return True
     return integers[OLD_LANE, i] == lane and numbers[PROGRESS, i] < LEFT_OLD_LANE
@@ -83,7 +94,7 @@ def _neighbour(
             distance += length
         if distance > LOOK_M:
             break
-        if _is_in(lane, numbers, integers, j):
+        if is_in(lane, numbers, integers, j):
             return j, distance
     return -1, FREE_M
 
@@ -165,17 +176,72 @@ def _choose_lane(
 
 
 @kernel
+def perceived(
+    numbers: FloatMatrix,
+    drivers: FloatMatrix,
+    i: int,
+    gap: float,
+    leader_v: float,
+    leader_a: float,
+    perception: float,
+) -> float:
+    """Acceleration that driver i, with the errors of the moment, wants behind a leader."""
+    seen = gap * exp(perception * GAP_ERROR * numbers[GAP_ERR, i])
+    error = perception * APPROACH_ERROR_HZ * min(max(gap, 0.0), 100.0) * numbers[APPROACH_ERR, i]
+    if gap > LOOK_M:
+        seen = FREE_M
+    speed = max(0.0, leader_v - error)
+    return wanted(drivers, i, numbers[V, i], seen, speed, leader_a, drivers[DESIRED_SPEED, i])
+
+
+@kernel
 def _behind_in_lane(
     numbers: FloatMatrix, drivers: FloatMatrix, i: int, j: int, shift: float, perception: float
 ) -> tuple[float, float]:
-    """Acceleration that driver i, with the errors of the moment, wants behind j; and the true gap."""
+    """Acceleration that driver i wants behind j; and the gap."""
     gap = numbers[S, j] + shift - numbers[S, i] - 0.5 * (drivers[LENGTH, i] + drivers[LENGTH, j])
-    seen = gap * exp(perception * GAP_ERROR * numbers[GAP_ERR, i])
-    error = perception * APPROACH_ERROR_HZ * min(max(gap, 0.0), 100.0) * numbers[APPROACH_ERR, i]
-    leader_v = max(0.0, numbers[V, j] - error)
-    if gap > LOOK_M:
-        seen = FREE_M
-    return wanted(drivers, i, numbers[V, i], seen, leader_v, numbers[A, j], drivers[DESIRED_SPEED, i]), gap
+    return perceived(numbers, drivers, i, gap, numbers[V, j], numbers[A, j], perception), gap
+
+
+@kernel
+def drift(numbers: FloatMatrix, normals: FloatMatrix, dt: float) -> None:
+    """Let what drivers perceive and press wander by a step; normal numbers in the first three rows."""
+    kept, pedal_kept = exp(-dt / ERROR_S), exp(-dt / PEDAL_S)
+    fresh, pedal_fresh = sqrt(1.0 - kept * kept), sqrt(1.0 - pedal_kept * pedal_kept)
+    for i in range(numbers.shape[1]):
+        numbers[GAP_ERR, i] = kept * numbers[GAP_ERR, i] + fresh * normals[0, i]
+        numbers[APPROACH_ERR, i] = kept * numbers[APPROACH_ERR, i] + fresh * normals[1, i]
+        numbers[PEDAL, i] = pedal_kept * numbers[PEDAL, i] + pedal_fresh * normals[2, i]
+
+
+@kernel
+def move_aside(
+    numbers: FloatMatrix, integers: IntMatrix, i: int, settings: FloatVector, normal: float, dt: float
+) -> None:
+    """Go on with a change of lane, if there is one, and wander in the lane, by a step."""
+    clock = lateral_clock(numbers[V, i]) * dt
+    if numbers[PROGRESS, i] < 1.0:
+        numbers[PROGRESS, i] = min(1.0, numbers[PROGRESS, i] + clock / settings[CHANGE_S])
+        if numbers[PROGRESS, i] >= 1.0:
+            integers[OLD_LANE, i] = integers[LANE, i]
+            numbers[SINCE_CHANGE_S, i] = 0.0
+    else:
+        numbers[SINCE_CHANGE_S, i] += dt
+    wander(numbers, WANDER, i, clock, settings[WANDER_M], WANDER_RATE_HZ, normal)
+
+
+@kernel
+def sort_along(numbers: FloatMatrix, order: IntVector, bounds: IntVector) -> None:
+    """Put the vehicles of each carriageway in order of their place; quick where they nearly are."""
+    for c in range(bounds.size - 1):
+        for k in range(bounds[c] + 1, bounds[c + 1]):
+            i = order[k]
+            s = numbers[S, i]
+            j = k - 1
+            while j >= bounds[c] and numbers[S, order[j]] > s:
+                order[j + 1] = order[j]
+                j -= 1
+            order[j + 1] = i
 
 
 @kernel
@@ -215,12 +281,7 @@ def step(
     vehicles = order.size
     target = np.empty(vehicles)
     gaps = np.empty(vehicles)
-    kept, pedal_kept = exp(-dt / ERROR_S), exp(-dt / PEDAL_S)
-    fresh, pedal_fresh = sqrt(1.0 - kept * kept), sqrt(1.0 - pedal_kept * pedal_kept)
-    for i in range(vehicles):
-        numbers[GAP_ERR, i] = kept * numbers[GAP_ERR, i] + fresh * normals[0, i]
-        numbers[APPROACH_ERR, i] = kept * numbers[APPROACH_ERR, i] + fresh * normals[1, i]
-        numbers[PEDAL, i] = pedal_kept * numbers[PEDAL, i] + pedal_fresh * normals[2, i]
+    drift(numbers, normals, dt)
     last = np.empty(lanes, np.int64)
     shift = np.empty(lanes)
     for c in range(bounds.size - 1):
@@ -235,14 +296,14 @@ def step(
         shift[:] = length
         for k in range(end - 1, first - 1, -1):
             for lane in range(lanes):
-                if _is_in(lane, numbers, integers, order[k]):
+                if is_in(lane, numbers, integers, order[k]):
                     last[lane] = order[k]
         for k in range(end - 1, first - 1, -1):
             i = order[k]
             target[i] = np.inf
             gaps[i] = FREE_M
             for lane in range(lanes):
-                if not _is_in(lane, numbers, integers, i):
+                if not is_in(lane, numbers, integers, i):
                     continue
                 if last[lane] < 0:
                     continue
@@ -259,30 +320,14 @@ def step(
         a_next = respond(v, a, target[i] + unsteady, gaps[i], dt)
         along, v, a = move(v, a, a_next, dt)
         numbers[V, i], numbers[A, i] = v, a
-        clock = lateral_clock(v) * dt
-        if numbers[PROGRESS, i] < 1.0:
-            numbers[PROGRESS, i] = min(1.0, numbers[PROGRESS, i] + clock / settings[CHANGE_S])
-            if numbers[PROGRESS, i] >= 1.0:
-                integers[OLD_LANE, i] = integers[LANE, i]
-                numbers[SINCE_CHANGE_S, i] = 0.0
-        else:
-            numbers[SINCE_CHANGE_S, i] += dt
-        wander(numbers, WANDER, i, clock, settings[WANDER_M], WANDER_RATE_HZ, normals[3, i])
+        move_aside(numbers, integers, i, settings, normals[3, i], dt)
         numbers[S, i] += along
         if numbers[S, i] >= length:
             numbers[S, i] -= length
             if settings[RING] == 0.0:
                 integers[ID, i] = next_id
                 next_id += 1
-    for c in range(bounds.size - 1):
-        for k in range(bounds[c] + 1, bounds[c + 1]):
-            i = order[k]
-            s = numbers[S, i]
-            j = k - 1
-            while j >= bounds[c] and numbers[S, order[j]] > s:
-                order[j + 1] = order[j]
-                j -= 1
-            order[j + 1] = i
+    sort_along(numbers, order, bounds)
     return next_id
 
 
