@@ -4,7 +4,7 @@ from dataclasses import KW_ONLY, dataclass
 from math import cos, pi
 from typing import final
 
-from modelcast.apps.base import AbstractApplication
+from modelcast.apps.base import AbstractApplication, refuse_negative
 from modelcast.apps.forward_collision_kernels import Lane, assess
 from modelcast.apps.pair_kernels import Columns, Found
 from modelcast.apps.warning_ranges import AbstractWarningRange, CampLinear
@@ -64,11 +64,7 @@ class ForwardCollisionWarning(AbstractApplication):
     caution_s: float = 1.0
 
     def __post_init__(self) -> None:
-        for name in (
-            "lane_half_width_m", "longest_gap_m", "heading_tolerance_rad", "straight_below_mps", "caution_s",
-        ):  # fmt: skip
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
+        refuse_negative(self)
 
     def _fill(self, host: Columns, remote: Columns, found: Found) -> None:
         lane = Lane(
