@@ -6,7 +6,7 @@ from typing import final
 
 from modelcast.apps.base import AbstractApplication, refuse_negative
 from modelcast.apps.brake_light_kernels import Settings, assess
-from modelcast.apps.pair_kernels import Columns, Found
+from modelcast.apps.pair_kernels import Columns, Found, Lane
 
 __all__ = ["BrakeLight"]
 
@@ -80,14 +80,7 @@ class BrakeLight(AbstractApplication):
             raise ValueError(f"braking_mps2 must be positive, got {self.braking_mps2}")
 
     def _fill(self, host: Columns, remote: Columns, found: Found) -> None:
-        settings = Settings(
-            self.hard_braking_mps2,
-            self.delay_s,
-            self.braking_mps2,
-            self.lane_half_width_m,
-            self.beside_m,
-            self.longest_gap_m,
-            cos(min(self.heading_tolerance_rad, pi)),
-            self.straight_below_mps,
-        )
-        assess(settings, host, remote, found)
+        cosine = cos(min(self.heading_tolerance_rad, pi))
+        lane = Lane(self.beside_m, self.longest_gap_m, cosine, self.straight_below_mps)
+        settings = Settings(self.hard_braking_mps2, self.delay_s, self.braking_mps2, self.lane_half_width_m)
+        assess(settings, lane, host, remote, found)

@@ -9,6 +9,7 @@ from modelcast.apps.pair_kernels import (
     WARNING,
     Columns,
     Found,
+    Lane,
     ahead,
     chance,
     closed_by_braking,
@@ -22,20 +23,16 @@ __all__ = ["Settings", "assess"]
 
 
 class Settings(NamedTuple):
-    """Fields of `modelcast.apps.brake_light.BrakeLight`."""
+    """What `modelcast.apps.brake_light.BrakeLight` has beside a lane."""
 
     hard: float
     delay: float
     braking: float
     half_width: float
-    beside: float
-    longest: float
-    cosine: float
-    least_speed: float
 
 
 @kernel
-def assess(settings: Settings, host: Columns, remote: Columns, found: Found) -> None:
+def assess(settings: Settings, lane: Lane, host: Columns, remote: Columns, found: Found) -> None:
     """Assess pairs row by row."""
     for i in range(found.level.shape[0]):
         found.level[i], found.time[i], found.certainty[i] = NONE, inf, 0.0
@@ -45,8 +42,8 @@ def assess(settings: Settings, host: Columns, remote: Columns, found: Found) -> 
         found.margin[i] = inf
         if remote.acceleration[i] > -settings.hard:
             continue
-        gap, offset, east, north = ahead(host, remote, i, settings.least_speed, settings.cosine)
-        if gap > settings.longest or abs(offset) > settings.beside:
+        gap, offset, east, north = ahead(host, remote, lane, i)
+        if gap == inf:
             continue
         found.level[i] = CAUTION
         if abs(offset) > settings.half_width:

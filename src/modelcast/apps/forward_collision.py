@@ -5,8 +5,8 @@ from math import cos, pi
 from typing import final
 
 from modelcast.apps.base import AbstractApplication, refuse_negative
-from modelcast.apps.forward_collision_kernels import Lane, assess
-from modelcast.apps.pair_kernels import Columns, Found
+from modelcast.apps.forward_collision_kernels import assess
+from modelcast.apps.pair_kernels import Columns, Found, Lane
 from modelcast.apps.warning_ranges import AbstractWarningRange, CampLinear
 
 __all__ = ["ForwardCollisionWarning"]
@@ -72,6 +72,5 @@ class ForwardCollisionWarning(AbstractApplication):
             self.longest_gap_m,
             cos(min(self.heading_tolerance_rad, pi)),
             self.straight_below_mps,
-            self.caution_s,
         )
-        assess(self.algorithm.rule, lane, host, remote, found)
+        assess(self.algorithm.rule, lane, self.caution_s, host, remote, found)
