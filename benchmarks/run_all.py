@@ -18,6 +18,7 @@ SCRIPTS = (
     "congestion.py",
     "dsrc_channel.py",
     "network_loop.py",
+    "safety_applications.py",
 )
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 

@@ -1,6 +1,7 @@
 """What a safety application is: a pure function of the host's own motion and what it believes of remotes."""
 
 import abc
+from dataclasses import fields
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from modelcast.apps.pair_kernels import Columns, Found
 from modelcast.apps.warnings import Warnings
 from modelcast.core.arrays import owned
 
-__all__ = ["AbstractApplication"]
+__all__ = ["AbstractApplication", "columns_of", "refuse_negative", "same_rows"]
 
 
 class AbstractApplication(abc.ABC):
@@ -30,14 +31,10 @@ class AbstractApplication(abc.ABC):
         ValueError
             Where the numbers of rows differ.
         """
-        if len(host) != len(remote):
-            raise ValueError(
-                f"host and remote are taken row by row, got {len(host)} and {len(remote)} rows; "
-                "repeat the host for each remote"
-            )
+        same_rows(host, remote)
         rows = len(host)
         found = Found(np.empty(rows, dtype=np.int64), np.empty(rows), np.empty(rows), np.empty(rows))
-        self._fill(_columns(host), _columns(remote), found)
+        self._fill(columns_of(host), columns_of(remote), found)
         return Warnings(found.level, time_s=found.time, margin_m=found.margin, certainty=found.certainty)
 
     @abc.abstractmethod
@@ -45,7 +42,23 @@ class AbstractApplication(abc.ABC):
         """Write what is found, every row of it."""
 
 
-def _columns(motions: Motions) -> Columns:
+def same_rows(host: Motions, remote: Motions) -> None:
+    """Refuse motions that cannot be taken row by row.
+
+    Raises
+    ------
+    ValueError
+        Where the numbers of rows differ.
+    """
+    if len(host) != len(remote):
+        raise ValueError(
+            f"host and remote are taken row by row, got {len(host)} and {len(remote)} rows; "
+            "repeat the host for each remote"
+        )
+
+
+def columns_of(motions: Motions) -> Columns:
+    """Motions as kernels take them."""
     covariance = motions.covariance_m2
     return Columns(
         owned(motions.position_m),
@@ -57,3 +70,17 @@ def _columns(motions: Motions) -> Columns:
         owned(motions.width_m),
         np.empty((0, 2, 2)) if covariance is None else owned(covariance),
     )
+
+
+def refuse_negative(application: AbstractApplication) -> None:
+    """Refuse numbers of an application, a dataclass, that are negative or NaN.
+
+    Raises
+    ------
+    ValueError
+        Where one is.
+    """
+    for field in fields(application):  # type: ignore[arg-type]
+        value = getattr(application, field.name)
+        if isinstance(value, (int, float)) and not value >= 0.0:
+            raise ValueError(f"{field.name} must not be negative, got {value}")

@@ -4,9 +4,9 @@ from dataclasses import KW_ONLY, dataclass
 from math import cos, pi
 from typing import final
 
-from modelcast.apps.base import AbstractApplication
-from modelcast.apps.forward_collision_kernels import Lane, assess
-from modelcast.apps.pair_kernels import Columns, Found
+from modelcast.apps.base import AbstractApplication, refuse_negative
+from modelcast.apps.forward_collision_kernels import assess
+from modelcast.apps.pair_kernels import Columns, Found, Lane
 from modelcast.apps.warning_ranges import AbstractWarningRange, CampLinear
 
 __all__ = ["ForwardCollisionWarning"]
@@ -64,11 +64,7 @@ class ForwardCollisionWarning(AbstractApplication):
     caution_s: float = 1.0
 
     def __post_init__(self) -> None:
-        for name in (
-            "lane_half_width_m", "longest_gap_m", "heading_tolerance_rad", "straight_below_mps", "caution_s",
-        ):  # fmt: skip
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
+        refuse_negative(self)
 
     def _fill(self, host: Columns, remote: Columns, found: Found) -> None:
         lane = Lane(
@@ -76,6 +72,5 @@ class ForwardCollisionWarning(AbstractApplication):
             self.longest_gap_m,
             cos(min(self.heading_tolerance_rad, pi)),
             self.straight_below_mps,
-            self.caution_s,
         )
-        assess(self.algorithm.rule, lane, host, remote, found)
+        assess(self.algorithm.rule, lane, self.caution_s, host, remote, found)

@@ -9,6 +9,7 @@ from modelcast.apps.pair_kernels import (
     WARNING,
     Columns,
     Found,
+    Lane,
     ahead,
     chance,
     closed,
@@ -20,7 +21,7 @@ from modelcast.apps.pair_kernels import (
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatVector
 
-__all__ = ["CAMP", "KNIPLING", "NHTSA", "Lane", "Rule", "assess", "ranges"]
+__all__ = ["CAMP", "KNIPLING", "NHTSA", "Rule", "assess", "ranges"]
 
 CAMP, KNIPLING, NHTSA = range(3)
 
@@ -45,16 +46,6 @@ class Rule(NamedTuple):
     by_moving: float
     by_closing: float
     """Terms of the deceleration that CAMP expects of drivers."""
-
-
-class Lane(NamedTuple):
-    """Which remote is the one in path."""
-
-    half_width: float
-    longest: float
-    cosine: float
-    least_speed: float
-    caution: float
 
 
 @kernel(inlined=True)
@@ -103,7 +94,7 @@ def ranges(
 
 
 @kernel
-def assess(rule: Rule, lane: Lane, host: Columns, remote: Columns, found: Found) -> None:
+def assess(rule: Rule, lane: Lane, caution: float, host: Columns, remote: Columns, found: Found) -> None:
     """Assess pairs row by row."""
     for i in range(found.level.shape[0]):
         found.level[i], found.time[i], found.certainty[i] = NONE, inf, 0.0
@@ -111,8 +102,8 @@ def assess(rule: Rule, lane: Lane, host: Columns, remote: Columns, found: Found)
             found.margin[i] = nan
             continue
         found.margin[i] = inf
-        gap, offset, east, north = ahead(host, remote, i, lane.least_speed, lane.cosine)
-        if gap > lane.longest or abs(offset) > lane.half_width:
+        gap, _, east, north = ahead(host, remote, lane, i)
+        if gap == inf:
             continue
         speed, gain = remote.speed[i], remote.acceleration[i]
         margin = gap - warning_range(rule, host.speed[i], host.acceleration[i], speed, gain)
@@ -121,5 +112,5 @@ def assess(rule: Rule, lane: Lane, host: Columns, remote: Columns, found: Found)
         found.certainty[i] = chance(margin, spread(host, remote, i, east, north))
         if margin <= 0.0:
             found.level[i] = WARNING
-        elif margin <= lane.caution * max(host.speed[i] - speed, 0.0):
+        elif margin <= caution * max(host.speed[i] - speed, 0.0):
             found.level[i] = CAUTION

@@ -16,12 +16,14 @@ __all__ = [
     "WARNING",
     "Columns",
     "Found",
+    "Lane",
+    "ahead",
     "chance",
     "closed",
     "closed_by_braking",
     "contact_time",
+    "first_root",
     "known",
-    "on_path",
     "spread",
     "travel",
 ]
@@ -46,6 +48,15 @@ class Columns(NamedTuple):
     covariance: FloatCube
 
 
+class Lane(NamedTuple):
+    """Where a remote counts as ahead in or beside the host's path."""
+
+    aside: float
+    longest: float
+    cosine: float
+    least_speed: float
+
+
 class Found(NamedTuple):
     """`modelcast.apps.warnings.Warnings` as kernels fill them."""
 
@@ -63,19 +74,20 @@ def known(one: Columns, i: int) -> bool:
 
 
 @kernel(inlined=True)
-def on_path(ahead: float, right: float, curvature: float) -> tuple[float, float, float, float]:
-    """Place of a point in a vehicle's frame along its path of constant curvature (positive: to the right).
+def path_offset(ahead: float, right: float, curvature: float) -> float:
+    """Offset of a point, in a vehicle's frame, to the right of its path; curvature is positive to the right."""
+    root = hypot(curvature * ahead, 1.0 - curvature * right)
+    return (2.0 * right - curvature * (ahead * ahead + right * right)) / (1.0 + root)
 
-    Returns the way along the path, the offset to its right, and the gradient of the way by the two
-    coordinates.
-    """
-    across, onward = curvature * ahead, 1.0 - curvature * right
-    root = hypot(across, onward)
-    offset = (2.0 * right - curvature * (ahead * ahead + right * right)) / (1.0 + root)
+
+@kernel(inlined=True)
+def path_way(ahead: float, right: float, curvature: float) -> tuple[float, float, float]:
+    """Way along that path to where a point is beside it, and its gradient by the point's two coordinates."""
     if abs(curvature) < STRAIGHT_PER_M:
-        return ahead, offset, 1.0, 0.0
-    square = root * root
-    return atan2(across, onward) / curvature, offset, onward / square, across / square
+        return ahead, 1.0, 0.0
+    across, onward = curvature * ahead, 1.0 - curvature * right
+    square = across * across + onward * onward
+    return atan2(across, onward) / curvature, onward / square, across / square
 
 
 @kernel(inlined=True)
@@ -185,28 +197,28 @@ def chance(margin: float, deviation: float) -> float:
 
 
 @kernel(inlined=True)
-def ahead(
-    host: Columns, remote: Columns, i: int, least_speed: float, cosine: float
-) -> tuple[float, float, float, float]:
-    """Gap along the host's path, bumper to bumper, the remote's offset, and the gap's gradient.
+def ahead(host: Columns, remote: Columns, lane: Lane, i: int) -> tuple[float, float, float, float]:
+    """Gap along the host's path, bumper to bumper, the remote's offset, and the gradient of the gap.
 
-    The gap is infinite where the remote's middle is not ahead or its course is not the path's. The path bends
-    by yaw rate over speed where the host is at least so fast; straight otherwise.
+    The gap is infinite where the remote's middle is not ahead, is too far away or aside, or its course is not
+    the path's. The path bends by yaw rate over speed where the host is at least so fast; straight otherwise.
     """
     east = remote.position[i, 0] - host.position[i, 0]
     north = remote.position[i, 1] - host.position[i, 1]
+    sizes = 0.5 * (host.length[i] + remote.length[i])
+    farthest = lane.longest + sizes
+    if east * east + north * north > farthest * farthest:
+        return inf, inf, 0.0, 0.0
     forth_east, forth_north = sin(host.heading[i]), cos(host.heading[i])
-    curvature = (
-        host.yaw_rate[i] / host.speed[i] if host.speed[i] >= least_speed and host.speed[i] > 0.0 else 0.0
-    )
-    way, offset, by_ahead, by_right = on_path(
-        east * forth_east + north * forth_north, east * forth_north - north * forth_east, curvature
-    )
-    turn = remote.heading[i] - host.heading[i] - curvature * way
-    if not (way > 0.0 and cos(turn) >= cosine):
+    onward, right = east * forth_east + north * forth_north, east * forth_north - north * forth_east
+    speed = host.speed[i]
+    curvature = host.yaw_rate[i] / speed if speed >= lane.least_speed and speed > 0.0 else 0.0
+    offset = path_offset(onward, right, curvature)
+    if abs(offset) > lane.aside:
         return inf, offset, 0.0, 0.0
-    gap = way - 0.5 * (host.length[i] + remote.length[i])
-    return (
-        gap, offset,
-        by_ahead * forth_east + by_right * forth_north, by_ahead * forth_north - by_right * forth_east,
-    )  # fmt: skip
+    way, by_onward, by_right = path_way(onward, right, curvature)
+    turn = remote.heading[i] - host.heading[i] - curvature * way
+    if not (way > 0.0 and way <= farthest and cos(turn) >= lane.cosine):
+        return inf, offset, 0.0, 0.0
+    by_east = by_onward * forth_east + by_right * forth_north
+    return way - sizes, offset, by_east, by_onward * forth_north - by_right * forth_east

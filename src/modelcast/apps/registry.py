@@ -1,43 +1,35 @@
-"""Safety applications by name."""
+"""The safety applications by name, as a command line asks for them."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
 
 from modelcast.apps.base import AbstractApplication
+from modelcast.apps.brake_light import BrakeLight
 from modelcast.apps.forward_collision import ForwardCollisionWarning
+from modelcast.apps.intersection import IntersectionAssist
+from modelcast.core.exceptions import ConfigError
 
-__all__ = ["APPLICATIONS", "named_application"]
+__all__ = ["APPLICATIONS", "get_application"]
 
-APPLICATIONS: Mapping[str, type[AbstractApplication]] = MappingProxyType({"fcw": ForwardCollisionWarning})
-"""The applications by the names that users give."""
+APPLICATIONS: Mapping[str, AbstractApplication] = MappingProxyType(
+    {"fcw": ForwardCollisionWarning(), "eebl": BrakeLight(), "ima": IntersectionAssist()}
+)
+"""Forward collision warning, emergency electronic brake light, intersection movement assist."""
 
 
-def named_application(name: str, **settings: Any) -> AbstractApplication:
-    """The application of that name.
-
-    Parameters
-    ----------
-    name
-        One of `APPLICATIONS`.
-    settings
-        Of it, by the names of its fields.
+def get_application(name: str) -> AbstractApplication:
+    """Return an application by its name.
 
     Raises
     ------
-    ValueError
-        Where there is no such name or setting, or a value is out of its range.
+    ConfigError
+        Where there is none of that name.
 
     Examples
     --------
-    >>> named_application("fcw", caution_s=0.5).caution_s
-    0.5
+    >>> get_application("ima").longest_s
+    8.0
     """
     if name not in APPLICATIONS:
-        raise ValueError(f"application must be one of {', '.join(APPLICATIONS)}, got {name!r}")
-    kind: Any = APPLICATIONS[name]
-    known = {field for field in kind.__dataclass_fields__ if field != "_"}
-    unknown = sorted(set(settings) - known)
-    if unknown:
-        raise ValueError(f"{name} has no {', '.join(unknown)}; it has {', '.join(sorted(known))}")
-    return kind(**settings)
+        raise ConfigError(f"Unknown safety application {name!r}. Known: {', '.join(APPLICATIONS)}.")
+    return APPLICATIONS[name]

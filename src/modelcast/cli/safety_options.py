@@ -1,7 +1,7 @@
 """The options of ``modelcast safety``, and the settings and candidates they mean."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,6 +16,7 @@ from modelcast.station.policy.rules import BelieveRule
 from modelcast.study.safety.settings import BASES, Basis, Truth
 
 if TYPE_CHECKING:
+    from modelcast.apps.base import AbstractApplication
     from modelcast.study.compare.candidate import FixedCandidate
     from modelcast.study.safety.settings import SafetySettings
 
@@ -137,6 +138,32 @@ class SafetyOptions:
                 raise ConfigError(f"--{option} {name}: no bank has that name; there are {', '.join(names)}")
         return found
 
+    def warns(self) -> "AbstractApplication":
+        """What warns; who follows whom is known, so the leader is in path whatever the path looks like.
+
+        Raises
+        ------
+        ConfigError
+            Where the application or its algorithm is unknown, or does not go with a vehicle ahead.
+        """
+        from modelcast.apps.brake_light import BrakeLight
+        from modelcast.apps.forward_collision import ForwardCollisionWarning
+        from modelcast.apps.registry import get_application
+        from modelcast.apps.warning_ranges import get_warning_range
+        from modelcast.core.exceptions import ConfigError
+
+        found = get_application(self.application)
+        if self.algorithm is not None and not isinstance(found, ForwardCollisionWarning):
+            raise ConfigError(f"--algorithm goes with --application fcw, got {self.application}")
+        if isinstance(found, ForwardCollisionWarning):
+            given = "camp-linear" if self.algorithm is None else self.algorithm
+            return replace(found, algorithm=get_warning_range(given), lane_half_width_m=inf)
+        if isinstance(found, BrakeLight):
+            return replace(found, lane_half_width_m=inf)
+        raise ConfigError(
+            f"--application {self.application}: recorded pairs drive behind each other: take fcw or eebl"
+        )
+
     def settings(self, sensor: str, burst_s: float) -> "SafetySettings":
         """The settings for one sensor and one length of bursts.
 
@@ -152,8 +179,6 @@ class SafetyOptions:
         ConfigError
             Where a value is out of its range.
         """
-        from modelcast.apps.registry import named_application
-        from modelcast.apps.warning_ranges import get_warning_range
         from modelcast.core.exceptions import ConfigError
         from modelcast.study.safety.settings import SafetySettings
 
@@ -172,14 +197,10 @@ class SafetyOptions:
             references=False,
             sensor=SensorOptions(sensor=sensor),
         )
-        # Who follows whom is known: whatever its path looks like, the leader is the vehicle ahead.
-        chosen: dict[str, Any] = {"lane_half_width_m": inf}
         try:
-            if self.algorithm is not None:
-                chosen["algorithm"] = get_warning_range(self.algorithm)
             return SafetySettings(
                 shared.settings(),
-                named_application(self.application, **chosen),
+                self.warns(),
                 bases=self.basis,
                 budget=self.budget,
                 against=self.against,
