@@ -128,6 +128,7 @@ def plan(*banks: str, start: StartRule | None = None, identify: IdentifyRule | N
         keep_alive_s=2.0,
         believe=None,
         budget=4.0 / 3.0,
+        legacy_threshold_m=0.0,
         approach_m=20.0,
         relaxed_error_m=None,
         sensor=SensorOptions(),

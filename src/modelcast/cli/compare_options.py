@@ -83,7 +83,7 @@ class CompareOptions:
         As in 'modelcast evaluate'.
     keep_alive
         Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
-    believe, budget
+    believe, budget, legacy_threshold
         As in 'modelcast evaluate'.
     references
         Count the references too: the fewest messages of a sender that knows the future, and the rules of
@@ -121,6 +121,7 @@ class CompareOptions:
     keep_alive: float = 2.0
     believe: BelieveRule | None = None
     budget: float = 4.0 / 3.0
+    legacy_threshold: float = 0.0
     references: bool = True
     quantised: bool = True
     road: str = "own"
@@ -159,6 +160,7 @@ class CompareOptions:
             keep_alive=self.keep_alive,
             believe=self.believe,
             budget=self.budget,
+            legacy_threshold=self.legacy_threshold,
             velocity=self.velocity,
             references=self.references,
             quantised=self.quantised,

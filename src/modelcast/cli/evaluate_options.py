@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -72,6 +73,9 @@ class EvaluateOptions:
         rules of a profile's bank (start guarded, hindsight or predicted, identify never), sent for others.
     budget
         Messages that a sender with --believe expected may send, over those of a channel without losses.
+    legacy_threshold
+        Error at which legacy receivers, which coast place, speed and heading of a message at constant
+        velocity, get an update [m]; 0 for not minding them.
     burst
         Mean length of loss bursts [s] (Gilbert-Elliott); 0 for independent losses.
     delay
@@ -121,6 +125,7 @@ class EvaluateOptions:
     keep_alive: float = 2.0
     believe: BelieveRule | None = None
     budget: float = 4.0 / 3.0
+    legacy_threshold: float = 0.0
     burst: float = 0.0
     delay: float = 0.0
     expiry: float = 0.0
@@ -209,6 +214,7 @@ class EvaluateOptions:
                 keep_alive_s=self.keep_alive or None,
                 believe=self.believe,
                 budget=self.budget,
+                legacy_threshold_m=self.legacy_threshold or inf,
                 mean_burst_s=self.burst or None,
                 delay_s=self.delay,
                 expiry_s=self.expiry or None,

@@ -39,6 +39,7 @@ def network(
     believe: BelieveRule | None = None,
     budget: float = 4.0 / 3.0,
     approach: float = 20.0,
+    legacy_threshold: float = 0.0,
     relaxed_error: float | None = None,
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
     out: Path = Path("out/network"),
@@ -112,6 +113,9 @@ def network(
         Messages that mbc with --believe expected may send, over those of a channel without losses.
     approach
         Way that two vehicles may come closer between two messages of baseline, free and mbc [m]; 0 for none.
+    legacy_threshold
+        Error at which legacy receivers, which coast place, speed and heading of a message at constant
+        velocity, get an update of baseline, free and mbc [m]; 0 for not minding them.
     relaxed_error
         Tracking error that calls for a message of the relaxed policies in thin traffic [m]; where not given,
         1 cm, or the sensor's white position noise where that is more.
@@ -162,6 +166,7 @@ def network(
         believe=believe,
         budget=budget,
         approach_m=approach,
+        legacy_threshold_m=legacy_threshold,
         relaxed_error_m=relaxed_error,
         sensor=sensor,
     )

@@ -52,7 +52,7 @@ class NetworkPlan:
         Of error-driven senders; each run has one of the thresholds [m], [s].
     believe, budget
         Of error-driven senders of models.
-    approach_m
+    approach_m, legacy_threshold_m
         Of error-driven senders; 0 for none [m].
     relaxed_error_m
         Of relaxed senders [m]; None for what fits the sensors.
@@ -82,6 +82,7 @@ class NetworkPlan:
     believe: BelieveRule | None
     budget: float
     approach_m: float
+    legacy_threshold_m: float
     relaxed_error_m: float | None
     sensor: SensorOptions
     trips: tuple[str, ...] = ()

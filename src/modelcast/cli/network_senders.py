@@ -87,6 +87,7 @@ def sender_of(
             believe=plan.believe,
             budget=plan.budget,
             approach_m=plan.approach_m or inf,
+            legacy_threshold_m=plan.legacy_threshold_m or inf,
             relaxed_error_m=plan.relaxed_error_m,
             motion=motion,
             stack=Stack(plan.certificates),

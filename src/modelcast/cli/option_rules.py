@@ -63,10 +63,11 @@ OPTIONS = Keys(
         "leader": Flag(),
         "believe": Maybe(_word(BelieveRule)),
         "budget": Number(0.0, 1000.0, over=True),
+        "legacy_threshold": Number(0.0, 1000.0),
     },
 )
 """Of all options by name, as `modelcast.cli.evaluate_options.EvaluateOptions.as_plain` writes them.
 
-Runs from before sensors had names, or velocities, context or beliefs, do not say which; theirs is the
-default.
+Runs from before sensors had names, or velocities, context, beliefs or legacy thresholds, do not say which;
+theirs is the default.
 """

@@ -61,6 +61,7 @@ def network_plan(plan: TrafficPlan) -> NetworkPlan:
         believe=None,
         budget=4.0 / 3.0,
         approach_m=0.0,
+        legacy_threshold_m=0.0,
         relaxed_error_m=None,
         sensor=SensorOptions(),
     )

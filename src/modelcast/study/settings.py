@@ -25,6 +25,11 @@ from modelcast.world.sensors import SensorModel
 __all__ = ["EvaluationSettings"]
 
 
+def _require_positive(name: str, value: float) -> None:
+    if not value > 0:
+        raise ValueError(f"{name} must be positive, got {value}")
+
+
 def _require_known(name: str, value: str, known: tuple[str, ...]) -> None:
     if value not in known:
         raise ValueError(f"{name} must be one of {', '.join(known)}, got {value!r}")
@@ -60,6 +65,9 @@ class EvaluationSettings:
         in what they sent.
     budget
         Messages that a sender which expects losses may send, over those of a channel without.
+    legacy_threshold_m
+        Error of legacy receivers that calls for an update of model-based senders, as in `ErrorDriven`;
+        infinite for none.
     mean_burst_s
         Mean length of loss bursts [s]; None for independent losses.
     delay_s
@@ -113,6 +121,7 @@ class EvaluationSettings:
     keep_alive_s: float | None = 2.0
     believe: BelieveRule | None = None
     budget: float = LOSS_BUDGET
+    legacy_threshold_m: float = np.inf
     mean_burst_s: float | None = None
     delay_s: float = 0.0
     expiry_s: float | None = None
@@ -143,8 +152,8 @@ class EvaluationSettings:
             raise ValueError(f"delay_s must be finite and not negative, got {self.delay_s}")
         if self.expiry_s is not None and not self.expiry_s > 0:
             raise ValueError(f"expiry_s must be positive or None, got {self.expiry_s}")
-        if not self.budget > 0:
-            raise ValueError(f"budget must be positive, got {self.budget}")
+        _require_positive("budget", self.budget)
+        _require_positive("legacy_threshold_m", self.legacy_threshold_m)
         _require_known("believe", self.belief, get_args(BelieveRule))
         _require_known("protocol", self.protocol, ("auto", "recorded", "sensor"))
         _require_known("velocity", self.velocity, get_args(VelocityRule))
@@ -158,7 +167,9 @@ class EvaluationSettings:
         """The error-driven policy at a threshold, with or without the keep-alive of the loss runs."""
         longest = self.keep_alive_s if keep_alive else None
         start, identify = self.rules
-        return ErrorDriven(threshold_m, start, identify, longest, self.costs)
+        return ErrorDriven(
+            threshold_m, start, identify, longest, self.costs, legacy_threshold_m=self.legacy_threshold_m
+        )
 
     def under_loss(self, threshold_m: float, ratio: float) -> ErrorDriven:
         """The error-driven policy of the loss runs at a threshold and a loss ratio."""
@@ -215,6 +226,7 @@ class EvaluationSettings:
             "keep_alive_s": self.keep_alive_s,
             "believe": self.belief,
             "budget": self.budget,
+            "legacy_threshold_m": self.legacy_threshold_m if np.isfinite(self.legacy_threshold_m) else None,
             "mean_burst_s": self.mean_burst_s,
             "delay_s": self.delay_s,
             "expiry_s": self.expiry_s,
