@@ -2,8 +2,14 @@
 
 from pathlib import Path
 
+from typing import TYPE_CHECKING
+
 from modelcast.cli.options import Columns, Format
 from modelcast.cli.safety_options import SafetyOptions
+
+if TYPE_CHECKING:
+    from modelcast.cli.reading import TripSource
+    from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["safety"]
 
@@ -14,6 +20,7 @@ def safety(
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
+    streams: int = 0,
     options: SafetyOptions = SafetyOptions(),  # noqa: B008 - frozen
     jobs: int = 0,
     json: bool = False,
@@ -37,6 +44,8 @@ def safety(
         Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v,vehicle=id'.
     trip
         Take only trips whose identifier matches this shell pattern.
+    streams
+        Simulated roads to score instead of recorded platoons: streams of vehicles whose leaders brake hard.
     options
         What changes the figures.
     jobs
@@ -50,7 +59,7 @@ def safety(
     import sys
 
     from modelcast.cli.options import parse_columns
-    from modelcast.cli.progress import busy, counted, watched
+    from modelcast.cli.progress import busy, counted
     from modelcast.cli.reading import PARTLY_FAILED, TripSource
     from modelcast.cli.run_record import write_run
     from modelcast.cli.safety_sweep import gathered, run_options, safety_work, score_all
@@ -66,8 +75,11 @@ def safety(
     from modelcast.study.safety.pairs import recordings_of
     from modelcast.trips.fingerprint import known_trips
 
-    if not paths:
-        raise ConfigError("name at least one file or folder with a platoon (modelcast safety --help)")
+    if bool(paths) == (streams > 0) or streams < 0:
+        raise ConfigError(
+            "name files or folders with recorded platoons, or --streams and how many simulated roads: one of "
+            "the two, since a figure that pools both says nothing of either (modelcast safety --help)"
+        )
     if not options.sensors or not options.burst or not options.per:
         raise ConfigError("--sensors, --burst and --per: name at least one each")
     candidates, silent = options.candidates(), quiet or json
@@ -79,8 +91,7 @@ def safety(
         atomic_folder(out, command="safety", shown=f"--out {out}") as folder,
         run_store(out, files, command="safety") as store,
     ):
-        with watched(source, quiet=silent) as shown:
-            trips = list(shown)
+        trips = _trips(source, streams, options.seed, quiet=silent)
         work = safety_work(recordings_of(trips), options)
         with counted("recordings", quiet=silent) as progress:
             scores = score_all(work, options, store, jobs=jobs_in_use(jobs), progress=progress)
@@ -94,6 +105,7 @@ def safety(
             "format": format,
             "columns": columns,
             "trip": trip,
+            "streams": streams,
             "options": options.as_plain(),
         }
         trained_on = frozenset[str]().union(*(one.trained_on or () for one in candidates))
@@ -109,3 +121,15 @@ def safety(
         show(safety_console(found))
         say(f"report: {out / 'report.html'}")
     return PARTLY_FAILED if found.failures else 0
+
+
+def _trips(source: "TripSource", streams: int, seed: int, *, quiet: bool) -> "list[Trajectory]":
+    """The recorded trips, or those of so many simulated roads."""
+    from modelcast.cli.progress import counted, watched
+    from modelcast.cli.safety_streams import stream_trips
+
+    if streams:
+        with counted("roads", quiet=quiet) as progress:
+            return stream_trips(streams, seed, progress=progress)
+    with watched(source, quiet=quiet) as shown:
+        return list(shown)
