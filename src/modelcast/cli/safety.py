@@ -1,7 +1,6 @@
 """``modelcast safety``: what messages and models are worth to a safety application."""
 
 from pathlib import Path
-
 from typing import TYPE_CHECKING
 
 from modelcast.cli.options import Columns, Format

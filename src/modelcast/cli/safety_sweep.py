@@ -3,7 +3,7 @@
 import hashlib
 import importlib.resources
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -13,7 +13,7 @@ from modelcast.io.run_store import RunStore
 from modelcast.io.safety_runs import SafetyCase
 from modelcast.study.safety.pairs import Recording
 from modelcast.study.safety.result import RecordingScores, SafetyResult
-from modelcast.study.safety.score import score_recording
+from modelcast.study.safety.score import Walked, score_recording
 from modelcast.study.safety.table import pooled_rows
 from modelcast.trips.fingerprint import fingerprint
 
@@ -24,30 +24,32 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, slots=True)
 class SafetyWork:
-    """One recording to be scored with one sensor and kind of loss."""
+    """One recording to be scored with one sensor: a case each length of bursts, [s] and 0 for none."""
 
-    case: SafetyCase
+    cases: tuple[tuple[SafetyCase, float], ...]
     recording: Recording
-    burst_s: float
 
 
 def safety_work(recordings: Sequence[Recording], options: SafetyOptions) -> list[SafetyWork]:
-    """Every recording with every sensor and length of bursts, in the order of the options.
+    """Every recording with every sensor, in the order of the options.
 
     Parameters
     ----------
     recordings
         What was read.
     options
-        Sensors and lengths.
+        Sensors and lengths of bursts.
     """
-    marks = [tuple(fingerprint(trip) for trip in recording.trips) for recording in recordings]
-    return [
-        SafetyWork(SafetyCase(recording.name, sensor, burst_s or None, trips), recording, burst_s)
-        for sensor in dict.fromkeys(options.sensors)
-        for burst_s in dict.fromkeys(options.burst)
-        for recording, trips in zip(recordings, marks, strict=True)
-    ]
+    found: list[SafetyWork] = []
+    for recording in recordings:
+        trips = tuple(fingerprint(trip) for trip in recording.trips)
+        for sensor in dict.fromkeys(options.sensors):
+            cases = tuple(
+                (SafetyCase(recording.name, sensor, burst_s or None, trips), burst_s)
+                for burst_s in dict.fromkeys(options.burst)
+            )
+            found.append(SafetyWork(cases, recording))
+    return found
 
 
 def run_options(options: SafetyOptions) -> dict[str, Any]:
@@ -76,10 +78,16 @@ def run_options(options: SafetyOptions) -> dict[str, Any]:
     return found
 
 
-def _score(options: SafetyOptions, work: SafetyWork) -> RecordingScores:
-    """Scores of one piece of work, in whatever process."""
-    settings = options.settings(work.case.sensor, work.burst_s)
-    return score_recording(work.recording, options.candidates(), settings, sensor=work.case.sensor)
+def _score(options: SafetyOptions, work: SafetyWork) -> list[RecordingScores]:
+    """Scores of one piece of work, in whatever process; what senders send is found once for all losses."""
+    candidates, walked = options.candidates(), dict[int, Walked]()
+    return [
+        score_recording(
+            work.recording, candidates, options.settings(case.sensor, burst_s),
+            sensor=case.sensor, walked=walked,
+        )
+        for case, burst_s in work.cases
+    ]  # fmt: skip
 
 
 def score_all(
@@ -90,7 +98,7 @@ def score_all(
     jobs: int,
     progress: Progress,
 ) -> dict[SafetyCase, RecordingScores]:
-    """Score what is not scored yet, each written as soon as it is done; in the order of the work.
+    """Score what is not scored yet, each written as soon as it is done; by sensor and kind of loss.
 
     Parameters
     ----------
@@ -103,19 +111,27 @@ def score_all(
     jobs
         Processes.
     progress
-        Takes pieces done and to do.
+        Takes cases done and to do.
     """
-    found = {one.case: done for one in work if (done := store.find(one.case)) is not None}
-    missing = [one for one in work if one.case not in found]
+    cases = [case for one in work for case, _ in one.cases]
+    found = {case: done for case in cases if (done := store.find(case)) is not None}
+    missing = [
+        replace(one, cases=tuple(pair for pair in one.cases if pair[0] not in found))
+        for one in work
+        if any(case not in found for case, _ in one.cases)
+    ]
     # The largest first, so that no processor waits long for the last one.
     missing.sort(key=lambda one: -sum(pair.samples.size for pair in one.recording.pairs))
-    progress(len(found), len(work))
+    progress(len(found), len(cases))
     with workers(max(min(jobs, len(missing)), 1)) as pool:
-        for one, scores in pool.as_done(partial(_score, options), missing):
-            store.keep(one.case, scores)
-            found[one.case] = scores
-            progress(len(found), len(work))
-    return {one.case: found[one.case] for one in work}
+        for one, scored in pool.as_done(partial(_score, options), missing):
+            for (case, _), scores in zip(one.cases, scored, strict=True):
+                store.keep(case, scores)
+                found[case] = scores
+            progress(len(found), len(cases))
+    sensors, bursts = list(options.sensors), [burst_s or None for burst_s in options.burst]
+    order = sorted(cases, key=lambda case: (sensors.index(case.sensor), bursts.index(case.mean_burst_s)))
+    return {case: found[case] for case in order}
 
 
 def gathered(

@@ -30,7 +30,7 @@ from modelcast.study.safety.settings import Basis, SafetySettings
 from modelcast.study.tracking import draw_losses
 from modelcast.world.true_motion import true_motion
 
-__all__ = ["SMOOTH_S", "score_recording"]
+__all__ = ["SMOOTH_S", "Walked", "score_recording"]
 
 SMOOTH_S = 0.3
 """Accelerations that are true are slopes over this long to either side [s]: brakes take as long to bite."""
@@ -197,12 +197,17 @@ def _score_pair(
     return found
 
 
+Walked = tuple[Mapping[str, LeadingSender], Mapping[Condition, tuple[TripMessages, Spent]]]
+"""The candidates as senders of one leader, and what they send by condition."""
+
+
 def score_recording(
     recording: Recording,
     candidates: Sequence[FixedCandidate],
     settings: SafetySettings,
     *,
     sensor: str = "",
+    walked: dict[int, Walked] | None = None,
 ) -> RecordingScores:
     """Score all pairs of a recording: every candidate, basis and loss ratio.
 
@@ -216,20 +221,26 @@ def score_recording(
         Application, losses and sensor; of several thresholds the first.
     sensor
         Name of the sensor, for tables.
+    walked
+        What an earlier call on this recording found that differed in how messages are lost alone; what this
+        one finds is added.
     """
     evaluation = settings.evaluation
     involved = {place for pair in recording.pairs for place in (pair.leader, pair.follower)}
     cases = {place: make_case(recording.trips[place], evaluation) for place in sorted(involved)}
-    walks: dict[int, dict[Condition, tuple[TripMessages, Spent]]] = {}
+    known = {} if walked is None else walked
     readies: list[_Ready] = []
     runs: list[dict[Condition, _Runs]] = []
     for pair in recording.pairs:
         case = cases[pair.leader]
-        ready, senders = _ready(pair, cases, settings), _senders(case, candidates, settings)
-        if pair.leader not in walks:
-            walks[pair.leader] = _walks(senders, settings)
+        if pair.leader not in known:
+            own = _senders(case, candidates, settings)
+            known[pair.leader] = own, _walks(own, settings)
+        senders, sent = known[pair.leader]
+        ready = _ready(pair, cases, settings)
         readies.append(ready)
-        runs.append(_score_pair(ready, senders, walks[pair.leader], draw_losses(case, evaluation), settings))
+        runs.append(_score_pair(ready, senders, sent, draw_losses(case, evaluation), settings))
+    walks = {leader: sent for leader, (_, sent) in known.items()}
     return RecordingScores(
         recording.name,
         sensor,

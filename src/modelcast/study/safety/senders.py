@@ -11,8 +11,8 @@ from modelcast.study.settings import EvaluationSettings
 
 __all__ = ["LeadingSender", "Spent"]
 
-_BISECTIONS = 14
-"""Steps of the threshold of 0.07 %."""
+_BISECTIONS = 11
+"""Steps of the threshold of half a percent."""
 
 
 @dataclass(frozen=True, slots=True)
