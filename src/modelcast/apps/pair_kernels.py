@@ -75,7 +75,7 @@ def known(one: Columns, i: int) -> bool:
 
 @kernel(inlined=True)
 def path_offset(ahead: float, right: float, curvature: float) -> float:
-    """Offset of a point, in a vehicle's frame, to the right of its path; curvature is positive to the right."""
+    """Offset of a point, in a vehicle's frame, to the right of its path; a curvature is positive that way."""
     root = hypot(curvature * ahead, 1.0 - curvature * right)
     return (2.0 * right - curvature * (ahead * ahead + right * right)) / (1.0 + root)
 
