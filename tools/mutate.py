@@ -48,11 +48,13 @@ from types import CodeType, FrameType
 from typing import Any
 
 TARGETS = (
+    "src/modelcast/apps/*.py",
     "src/modelcast/station/policy/*.py",
     "src/modelcast/station/receiver/*.py",
     "src/modelcast/station/sender/*.py",
 )
 TESTS = (
+    "tests/apps/test_*.py",
     "tests/station/**/test_*.py",
     "tests/runtime/**/test_*.py",
     "tests/messages/test_station_codec.py",

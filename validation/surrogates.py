@@ -1,8 +1,7 @@
 """Do the surrogate safety measures agree with a public implementation? Differences over random pairs.
 
 Takes the path of ``TwoDimSSM.py`` of github.com/Yiru-Jiao/Two-Dimensional-Time-To-Collision, or of a checkout
-of it (needs pandas). It is given extended precision: in double its lines lose half of their digits. How
-conventions differ, and what is done about it:
+of it (needs pandas). How conventions differ, and what is done about it:
 
 - Overlapping rectangles: there -1, and at times a small positive number, as its text warns; here a time of 0.
   Such pairs are counted and left out.
@@ -78,7 +77,7 @@ def theirs(peer: Any, host: Motions, remote: Motions) -> dict[str, FloatArray]:
             f"hx_{name}": np.sin(one.heading_rad), f"hy_{name}": np.cos(one.heading_rad),
             f"length_{name}": one.length_m, f"width_{name}": one.width_m,
         }  # fmt: skip
-    samples = pd.DataFrame({name: values.astype(np.longdouble) for name, values in columns.items()})
+    samples = pd.DataFrame(columns)
     with np.errstate(all="ignore"):
         return {
             name: np.array(getattr(peer, name)(samples, "values"), dtype=np.float64)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import cos, inf, sin
+from statistics import NormalDist
 
 import numpy as np
 import pytest
@@ -10,10 +11,13 @@ from hypothesis import strategies as st
 
 from modelcast.apps.forward_collision import ForwardCollisionWarning
 from modelcast.apps.motions import LENGTH_M, Motions
+from modelcast.apps.pair_kernels import path_way
 from modelcast.apps.warning_ranges import WARNING_RANGES, CampLinear
 from modelcast.apps.warnings import Level, Warnings
 
 FCW = ForwardCollisionWarning()
+SPEEDS = st.floats(0, 40).map(lambda value: round(value, 6))
+GAINS = st.floats(-8, 3).map(lambda value: round(value, 6))
 
 
 def test_the_margin_is_the_gap_between_bumpers_less_the_warning_range(pair):
@@ -84,9 +88,9 @@ def test_where_the_world_s_origin_and_north_are_changes_nothing(  # noqa: PLR091
 
 
 @pytest.mark.parametrize("name", WARNING_RANGES)
-@given(host=st.floats(0, 40), remote=st.floats(0, 40), gains=st.tuples(st.floats(-8, 3), st.floats(-8, 3)))
+@given(host=SPEEDS, remote=SPEEDS, gains=st.tuples(GAINS, GAINS))
 def test_a_smaller_gap_never_lowers_the_level(name: str, host: float, remote: float, gains):
-    gaps = np.linspace(190.0, 0.5, 60)
+    gaps = np.linspace(190.0, 0.5, 30)
     rows = len(gaps)
     found = replace(FCW, algorithm=WARNING_RANGES[name]).assess(
         Motions.of(np.zeros((rows, 2)), speed_mps=host, heading_rad=0.0, acceleration_mps2=gains[0]),
@@ -122,7 +126,7 @@ def test_certainty_is_the_share_of_places_that_would_be_warned_of(pair, yaw_rate
     host, remote = pair(place, host=(20.0, 0.0, yaw_rate), remote=(12.0, -0.5, 0.0), covariance_m2=covariance)
     host = replace(host, covariance_m2=np.diag([0.5, 0.25])[None])
     certainty = wide.assess(host, remote).certainty[0]
-    draws = 200_000
+    draws = 100_000
     drawn = Motions.of(
         rng.multivariate_normal(place, covariance + np.diag([0.5, 0.25]), draws),
         speed_mps=12.0, heading_rad=0.0, acceleration_mps2=-0.5,
@@ -141,3 +145,44 @@ def test_rows_and_settings_that_make_no_sense_are_refused(pair):
         ForwardCollisionWarning(longest_gap_m=-1.0)
     with pytest.raises(ValueError, match="time_s"):
         Warnings(np.zeros(2, dtype=np.int64), time_s=np.zeros(1), margin_m=np.zeros(2), certainty=np.zeros(2))
+
+
+@pytest.mark.parametrize(("north_m", "time_s"), [(4.0, 0.0), (4.5, 0.0), (4.9, 0.02)])
+def test_bumpers_that_touch_touch_now(pair, north_m: float, time_s: float):
+    """A leader that stands does not drive backwards, whatever its acceleration says."""
+    for gain in (0.0, -3.0):
+        found = FCW.assess(*pair((0.0, north_m), remote=(0.0, gain, 0.0)))
+        assert found.time_s[0] == pytest.approx(time_s)
+        assert found.level[0] == Level.WARNING
+
+
+def test_a_near_leader_that_draws_away_is_no_reason_for_caution(pair):
+    found = FCW.assess(*pair((0.0, LENGTH_M + 0.5), remote=(25.0, 0.0, 0.0)))
+    assert (found.level[0], found.margin_m[0]) == (Level.NONE, 0.5)
+
+
+@pytest.mark.parametrize("whose", ["host", "remote", "both"])
+def test_certainty_is_that_of_the_normal_distribution_along_the_path(pair, whose: str):
+    """Heading north-east, the deviation along the path is that of (east + north) / sqrt 2; covariances add."""
+    (asked,) = CampLinear().warning_range_m(20.0, 0.0, 10.0, 0.0)
+    away = (asked + LENGTH_M + 1.0) / np.sqrt(2.0)
+    host, remote = pair((away, away), remote=(10.0, 0.0, 0.0), turn_rad=np.pi / 4)
+    covariance = np.array([[[3.0, 0.5], [0.5, 1.0]]])
+    host = replace(
+        host, heading_rad=np.array([np.pi / 4]), covariance_m2=covariance if whose != "remote" else None
+    )
+    remote = replace(remote, covariance_m2=covariance if whose != "host" else None)
+    deviation = np.sqrt((3.0 + 1.0 + 2 * 0.5) / 2.0 * (2.0 if whose == "both" else 1.0))
+    assert FCW.assess(host, remote).certainty[0] == pytest.approx(
+        NormalDist().cdf(-1.0 / deviation), abs=1e-9
+    )
+
+
+@pytest.mark.parametrize("curvature", [0.0, 1e-6, 0.02, -0.02])
+def test_the_gradient_of_the_way_is_its_slope(curvature: float):
+    way, by_ahead, by_right = path_way(30.0, 4.0, curvature)
+    step = 1e-5
+    ahead = (path_way(30.0 + step, 4.0, curvature)[0] - path_way(30.0 - step, 4.0, curvature)[0]) / (2 * step)
+    right = (path_way(30.0, 4.0 + step, curvature)[0] - path_way(30.0, 4.0 - step, curvature)[0]) / (2 * step)
+    assert (by_ahead, by_right) == pytest.approx((ahead, right), abs=1e-8)
+    assert way == pytest.approx(30.0 if abs(curvature) < 1e-5 else way, rel=1e-4)

@@ -110,3 +110,13 @@ def test_bad_settings_are_refused():
         IntersectionAssist(least_angle_rad=0.0)
     with pytest.raises(ValueError, match="braking_mps2"):
         IntersectionAssist(braking_mps2=0.0)
+
+
+def test_a_host_in_the_area_must_act(pair):
+    found = IMA.assess(*crossing(pair, 0.5 * EDGE_M, 20.0, host=(2.0, 0.0, 0.0)))
+    assert found.level[0] == Level.WARNING
+    assert found.margin_m[0] == pytest.approx(-0.5 * EDGE_M - 2.0 * 2.05 - 2.0**2 / (2 * IMA.braking_mps2))
+
+
+def test_a_remote_whose_rear_is_still_in_the_area_counts(pair):
+    assert IMA.assess(*crossing(pair, EDGE_M + 9.0, 0.5 - EDGE_M)).level[0] == Level.WARNING

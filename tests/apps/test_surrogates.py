@@ -148,3 +148,15 @@ def test_nan_gives_nan_and_bad_input_is_refused():
         post_encroachment_time_s([1.0, 1.0], track, track, point_m=[0.0, 0.0], radius_m=1.0)
     with pytest.raises(ValueError, match="shape"):
         post_encroachment_time_s([0.0, 1.0, 2.0], track, track, point_m=[0.0, 0.0], radius_m=1.0)
+
+
+def test_encroachment_between_samples_anywhere():
+    """Two straight tracks over a disc that is no one's origin, sampled so that nothing falls on a sample."""
+    t_s = 0.7 * np.arange(12)
+    middle, radius = np.array([130.0, -45.0]), 2.5
+    north = middle + np.stack([0 * t_s + 1.5, 9.0 * t_s - 20.0], axis=1)
+    east = middle + np.stack([11.0 * t_s - 60.0, 0 * t_s - 0.7], axis=1)
+    left = (20.0 + np.sqrt(radius**2 - 1.5**2)) / 9.0
+    arrives = (60.0 - np.sqrt(radius**2 - 0.7**2)) / 11.0
+    found = post_encroachment_time_s(t_s, north[None], east[None], point_m=middle, radius_m=radius)
+    assert found[0] == pytest.approx(arrives - left)

@@ -161,3 +161,37 @@ def test_nan_gives_nan_and_bad_input_is_refused():
     with pytest.raises(ConfigError, match="knipling, nhtsa"):
         get_warning_range("camp")
     assert get_warning_range("knipling") == Knipling()
+
+
+@pytest.mark.parametrize("which", range(4))
+def test_whatever_is_not_known_makes_the_range_unknown(which: int):
+    given = [20.0, 0.0, 10.0, -1.0]
+    given[which] = np.nan
+    assert np.isnan(Nhtsa().warning_range_m(*given)).all()
+
+
+def test_knipling_asks_nothing_behind_a_leader_that_hardly_brakes():
+    assert Knipling().warning_range_m(20.0, 0.0, 19.0, -0.1)[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("motion", "most"),
+    [
+        ((20.0, -4.0, 20.0, -5.0), 50.0 - 40.0),  # the leader stops first
+        ((20.0, -5.0, 20.0, -4.0), 0.0),
+        ((20.0, -4.0, 10.0, -4.0), 50.0 - 12.5),
+        ((20.0, -4.0, 10.0, -1.0), 10.0**2 / 6.0),  # equal speeds on the way
+        ((20.0, -4.0, 0.0, 0.0), 50.0),
+        ((20.0, -4.0, 0.0, 1.0), 20.0**2 / 10.0),
+        ((20.0, 0.0, 15.0, 1.0), 12.5),
+        ((20.0, 0.0, 15.0, 0.0), np.inf),
+        ((20.0, 0.0, 30.0, -1.0), np.inf),
+        ((10.0, 1.0, 30.0, 0.0), np.inf),
+        ((15.0, 0.0, 20.0, 0.0), 0.0),
+        ((0.0, 0.0, 0.0, 0.0), 0.0),
+        ((0.0, 0.0, 5.0, -1.0), 0.0),
+        ((0.0, -1.0, 0.0, -2.0), 0.0),
+    ],
+)
+def test_what_is_closed_case_by_case(motion: tuple[float, float, float, float], most: float):
+    assert closed(*motion) == pytest.approx(most)

@@ -75,7 +75,7 @@ def known(one: Columns, i: int) -> bool:
 
 @kernel(inlined=True)
 def path_offset(ahead: float, right: float, curvature: float) -> float:
-    """Offset of a point, in a vehicle's frame, to the right of its path; curvature is positive to the right."""
+    """Offset of a point, in a vehicle's frame, to the right of its path; a curvature is positive that way."""
     root = hypot(curvature * ahead, 1.0 - curvature * right)
     return (2.0 * right - curvature * (ahead * ahead + right * right)) / (1.0 + root)
 
@@ -108,16 +108,17 @@ def closed(speed: float, acceleration: float, leader_speed: float, leader_accele
         leader_stop = leader_speed / -leader_acceleration
     else:
         leader_stop = inf if leader_speed > 0.0 or leader_acceleration > 0.0 else 0.0
-    most, faster, gains = 0.0, speed - leader_speed, acceleration - leader_acceleration
-    if leader_stop <= stop:
-        if leader_stop < inf and stop < inf:
-            most = speed * speed / (-2.0 * acceleration) if acceleration < 0.0 else 0.0
-            most -= travel(leader_speed, leader_acceleration, leader_stop)
-        elif leader_stop < inf or gains > 0.0 or (gains == 0.0 and faster > 0.0):
+    faster, gains = speed - leader_speed, acceleration - leader_acceleration
+    if leader_stop < stop:
+        if stop == inf:
             return inf
-    if faster > 0.0 > gains and faster / -gains <= min(stop, leader_stop):
-        most = max(most, faster * faster / (-2.0 * gains))
-    return max(most, 0.0)
+        return max(
+            speed * speed / (-2.0 * acceleration) - travel(leader_speed, leader_acceleration, leader_stop),
+            0.0,
+        )
+    if faster > 0.0 > gains:
+        return faster * faster / (-2.0 * gains)
+    return inf if stop == inf and (gains > 0.0 or faster > 0.0) else 0.0
 
 
 @kernel(inlined=True)
