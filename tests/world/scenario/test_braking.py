@@ -236,6 +236,85 @@ def test_streams_keep_their_time_gaps_and_more_room_between_them() -> None:
     assert headway[leads].min() > 1.6
 
 
+CUTTING = BrakingStreams(brakings_per_minute=0.0, cut_ins_per_minute=30.0)
+
+
+@pytest.fixture(scope="module", name="cut")
+def _cut() -> list[BrakingState]:
+    return run(CUTTING, 180.0)
+
+
+def cut_in_starts(states: list[BrakingState]) -> IntArray:
+    """Step before, and vehicle, of every cut-in, (N, 2)."""
+    lane = whole_row(states, rows.LANE)
+    return np.argwhere(lane[1:] != lane[:-1])
+
+
+def test_cut_ins_come_at_the_asked_rate_and_with_the_asked_time_gaps(cut: list[BrakingState]) -> None:
+    """30 a minute in 3 minutes: 90, give or take four standard deviations; gaps of 0.3 to 1 s, within 0.1."""
+    starts = cut_in_starts(cut)
+    assert cut[-1].cut_ins == len(starts)
+    assert abs(len(starts) + cut[-1].waiting_s.size - 90) < 4.0 * np.sqrt(90.0)
+    half = 0.5 * cut[0].road.drivers[following.LENGTH]
+    back = np.arange(CUTTING.slots) >= (CUTTING.slots + 1) // 2
+    gaps_s: list[float] = []
+    for n, i in starts:
+        place, lane = cut[n].road.place_m, cut[n].road.lane
+        new = cut[n + 1].road.lane[i]
+        assert abs(new - lane[i]) == 1
+        there = np.flatnonzero((lane == new) & (back == back[i]))
+        behind = (place[i] - place[there]) % CUTTING.length_m
+        follower = there[np.argmin(behind)]
+        gap_m = behind.min() - half[i] - half[follower]
+        gaps_s.append(gap_m / cut[n].road.numbers[rows.V, follower])
+    assert 0.2 <= min(gaps_s) < 0.45
+    assert 0.85 < max(gaps_s) <= 1.1
+    assert np.mean(gaps_s) == pytest.approx(0.65, abs=0.08)
+
+
+def test_who_cuts_in_moves_smoothly_and_then_brakes_lightly(cut: list[BrakingState]) -> None:
+    """The quintic over 3 s: 5.77 w / T² = 2.2 m/s² across; then 1 to 2.5 m/s² and 2 to 5 m/s slower."""
+    frames = [CUTTING.frame(state) for state in cut]
+    across = column(frames, "speed_mps") * column(frames, "yaw_rate_radps")
+    assert 1.8 < np.abs(across).max() < 2.7
+    assert np.abs(np.diff(across, axis=0)).max() / STEP_S < 9.0  # jerk 60 w / T³ = 7.8 m/s³
+    phase, drawn = whole_row(cut, kernels.PHASE), row(cut, kernels.BRAKE_MPS2)
+    begins = np.argwhere((phase[1:] > 0) & (phase[:-1] == 0))
+    for n, i in begins:
+        assert 1.0 <= drawn[n + 1, i] <= 2.5
+        assert 2.0 - 0.3 <= row(cut, rows.V)[n, i] - row(cut, kernels.BRAKE_TO_MPS)[n + 1, i] <= 5.0
+        recent = cut_in_starts(cut)
+        assert ((recent[:, 1] == i) & (recent[:, 0] < n) & (recent[:, 0] > n - 30)).any()
+    assert len(begins) >= 0.9 * (cut[-1].cut_ins - 3)
+
+
+def test_nobody_is_driven_into_by_a_cut_in(cut: list[BrakingState]) -> None:
+    assert cut[-1].contacts == 0
+    for state in cut[::5]:
+        frame = CUTTING.frame(state)
+        apart = np.abs(frame.position_m[:, None] - frame.position_m[None])
+        reach = 0.5 * (frame.length_m[:, None] + frame.length_m[None])
+        touching = (apart[..., 0] < reach) & (apart[..., 1] < 1.8)
+        assert touching.sum() == len(frame), "each vehicle touches itself only"
+
+
+def test_who_is_cut_in_on_notices_a_reaction_time_later() -> None:
+    """With equal drivers, nothing but the newcomer makes a follower brake, and not before it noticed."""
+    calm = replace(UNIFORM, desired_speed_mps=25.0, desired_speed_spread_ratio=0.05, headway_s=(1.6, 1.6))
+    streams = BrakingStreams(
+        2000.0, 30.0, lanes=2, both_directions=False, reaction_s=(1.2, 1.2), brakings_per_minute=0.0,
+        cut_ins_per_minute=30.0, cut_in_gap_s=(0.3, 0.6), drivers=calm, warm_up_s=60.0, vehicles=4,
+    )  # fmt: skip
+    states = run(streams, 60.0)
+    pedal, lane = row(states, rows.A), whole_row(states, rows.LANE)
+    n, i = cut_in_starts(states)[0]
+    place = states[n].road.place_m
+    there = np.flatnonzero(lane[n] == lane[n + 1, i])
+    follower = there[np.argmin((place[i] - place[there]) % 2000.0)]
+    falls = np.flatnonzero(np.diff(pedal[n:, follower]) < -0.1)[0]
+    assert falls * STEP_S == pytest.approx(1.2, abs=2.5 * STEP_S)
+
+
 @pytest.mark.parametrize(
     ("change", "match"),
     [
@@ -246,6 +325,11 @@ def test_streams_keep_their_time_gaps_and_more_room_between_them() -> None:
         ({"vehicles": 0}, "vehicles"),
         ({"brakings_per_minute": -1.0}, "brakings_per_minute"),
         ({"stop_ratio": 1.5}, "stop_ratio"),
+        ({"cut_ins_per_minute": float("nan")}, "cut_ins_per_minute"),
+        ({"cut_ins_per_minute": 1.0, "lanes": 1}, "at least 2 lanes"),
+        ({"cut_in_gap_s": (0.0, 1.0)}, "cut_in_gap_s"),
+        ({"cut_in_mps2": (2.0, 1.0)}, "cut_in_mps2"),
+        ({"lane_change_s": 0.0}, "lane_change_s"),
         ({"length_m": 0.0}, "length_m"),
     ],
 )

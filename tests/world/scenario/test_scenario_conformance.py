@@ -21,7 +21,9 @@ SCENARIOS: dict[str, AbstractScenario[Any]] = {
     "ring": Highway(800.0, 60.0, form="ring", warm_up_s=5.0),
     "one lane, one way": Highway(800.0, 10.0, lanes=1, both_directions=False, warm_up_s=5.0),
     "braking": BrakingStreams(800.0, 60.0, brakings_per_minute=60.0, warm_up_s=5.0),
+    "cut-ins": BrakingStreams(800.0, 60.0, cut_ins_per_minute=60.0, warm_up_s=5.0),
     "grid": Grid(3, 3, 25.0, warm_up_s=5.0),
+    "grid with priority": Grid(3, 3, 25.0, junctions="priority", misjudged_ratio=0.5, warm_up_s=5.0),
     "replay": make_replay(DRIVES, [0.0, 1.0]),
     "library": TripRoad(DRIVES, 600.0, 50.0),
 }

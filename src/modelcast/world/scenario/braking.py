@@ -1,4 +1,4 @@
-"""Streams of cars in lanes, in which leaders brake hard now and then and those behind notice late.
+"""Streams of cars in lanes: leaders brake hard now and then, others cut in, and who is behind notices late.
 
 What a forward collision warning or a brake light by radio is for: the distances are short, the braking is
 hard, and drivers react after a second. Near-collisions occur, and contacts; both are counted in the state.
@@ -14,6 +14,7 @@ from modelcast.world.scenario import following_kernels as following
 from modelcast.world.scenario import highway_kernels
 from modelcast.world.scenario.base import STEP_S, AbstractScenario, FleetFrame
 from modelcast.world.scenario.bounds import check_range
+from modelcast.world.scenario.cut_ins import find_cut_in
 from modelcast.world.scenario.drivers import STREAM, Drivers
 from modelcast.world.scenario.highway import Highway, HighwayState
 
@@ -22,6 +23,8 @@ __all__ = ["BrakingState", "BrakingStreams"]
 _FREE_RATIO = 0.15  # of a lane, left free between its streams
 _SLOWEST_MPS = 8.0  # streams that would have to start slower do not fit; who is slower does not brake by draw
 _SPARE_MPS = 1.0
+_CUT_IN_DROP_MPS = (2.0, 5.0)
+_MOST_WAITING = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,13 +38,16 @@ class BrakingState:
     history
         Way, speed and acceleration of the last H steps, in a ring, (3, H, V).
     counts
-        Brakings drawn, contacts and near-collisions since t = 0, (3,).
+        Brakings drawn, contacts, near-collisions and cut-ins since t = 0, (4,).
+    waiting_s
+        Time gaps of cut-ins that were drawn and for which nobody is in place yet, (N,) [s].
     """
 
     road: HighwayState
     history: FloatArray
     _: KW_ONLY
     counts: IntArray
+    waiting_s: FloatArray
 
     @property
     def brakings(self) -> int:
@@ -57,6 +63,11 @@ class BrakingState:
     def near_collisions(self) -> int:
         """How often the time to collision of a vehicle with its leader fell under 1.5 s since t = 0."""
         return int(self.counts[kernels.NEAR_COLLISIONS])
+
+    @property
+    def cut_ins(self) -> int:
+        """How many vehicles began to cut in since t = 0."""
+        return int(self.counts[kernels.CUT_INS])
 
     @property
     def touches(self) -> IntArray:
@@ -104,6 +115,16 @@ class BrakingStreams(AbstractScenario[BrakingState]):
         Range of the reaction times. Green (Transp. Human Factors 2 (2000) 195, DOI 10.1207/STHF0203_1) finds
         0.7 s for who expects the braking, 1.25 s for brake lights that are not expected, 1.5 s for a surprise
         [s].
+    cut_ins_per_minute
+        Of the whole road [1/min]: a vehicle moves to the lane beside, in front of one there, and brakes
+        lightly once it is there. A cut-in that was drawn waits until somebody is in place for it; where ten
+        wait, further ones are dropped.
+    cut_in_gap_s
+        Range of the time gap that it leaves to who it cuts in on, as it begins [s].
+    cut_in_mps2
+        Range of the deceleration that it brakes with, by 2 to 5 m/s [m/s²].
+    lane_change_s
+        How long a cut-in lasts at speed [s].
     drivers
         Who drives; their headways are the time gaps.
     lane_width_m, median_m
@@ -137,6 +158,10 @@ class BrakingStreams(AbstractScenario[BrakingState]):
     stop_ratio: float = 0.3
     hold_s: tuple[float, float] = (1.0, 4.0)
     reaction_s: tuple[float, float] = (0.7, 1.5)
+    cut_ins_per_minute: float = 0.0
+    cut_in_gap_s: tuple[float, float] = (0.3, 1.0)
+    cut_in_mps2: tuple[float, float] = (1.0, 2.5)
+    lane_change_s: float = 3.0
     drivers: Drivers = STREAM
     lane_width_m: float = 3.5
     median_m: float = 4.0
@@ -152,18 +177,23 @@ class BrakingStreams(AbstractScenario[BrakingState]):
             drivers=self.drivers,
             lane_width_m=self.lane_width_m,
             median_m=self.median_m,
+            lane_change_s=self.lane_change_s,
             warm_up_s=self.warm_up_s,
         )
         object.__setattr__(self, "_road", road)
         check_range(self, "deceleration_mps2", 1.0, following.HARDEST_MPS2)
         check_range(self, "reaction_s", 0.0, 5.0)
         check_range(self, "hold_s", 0.0, 600.0)
+        check_range(self, "cut_in_gap_s", 0.2, 3.0)
+        check_range(self, "cut_in_mps2", 0.1, following.HARDEST_MPS2)
         if self.vehicles < 1:
             raise ValueError(f"vehicles must be at least 1 a stream, got {self.vehicles}")
-        if not (np.isfinite(self.brakings_per_minute) and self.brakings_per_minute >= 0.0):
-            raise ValueError(
-                f"brakings_per_minute must be at least 0 and finite, got {self.brakings_per_minute}"
-            )
+        for name in ("brakings_per_minute", "cut_ins_per_minute"):
+            rate: float = getattr(self, name)
+            if not (np.isfinite(rate) and rate >= 0.0):
+                raise ValueError(f"{name} must be at least 0 and finite, got {rate}")
+        if self.cut_ins_per_minute > 0.0 and self.lanes < 2:
+            raise ValueError(f"cut_ins_per_minute needs at least 2 lanes, got {self.lanes}")
         if not 0.0 <= self.stop_ratio <= 1.0:
             raise ValueError(f"stop_ratio must lie in 0..1, got {self.stop_ratio}")
 
@@ -204,10 +234,11 @@ class BrakingStreams(AbstractScenario[BrakingState]):
             -warm_up, numbers, integers=integers, order=order, drivers=traits, next_id=vehicles, rng=rng
         )
         past = self._past(numbers[highway_kernels.V], -warm_up)
-        state = BrakingState(road, past, counts=np.zeros(3, dtype=np.int64))
+        nothing = np.zeros(kernels.COUNTS, dtype=np.int64)
+        state = BrakingState(road, past, counts=nothing, waiting_s=np.zeros(0))
         for _ in range(warm_up):
             state = self.step(state)
-        return replace(state, counts=np.zeros(3, dtype=np.int64))
+        return replace(state, counts=nothing)
 
     def step(self, state: BrakingState) -> BrakingState:
         """Return the state a step later."""
@@ -219,8 +250,10 @@ class BrakingStreams(AbstractScenario[BrakingState]):
             state.history.copy(),
             state.counts.copy(),
         )
+        waiting_s = state.waiting_s
         if road.number >= 0:
             self._draw_brakings(stream, road.rng)
+            waiting_s = self._draw_cut_ins(stream, road, waiting_s)
         next_id = kernels.step(
             stream,
             road.drivers,
@@ -240,7 +273,7 @@ class BrakingStreams(AbstractScenario[BrakingState]):
             order=stream.order,
             next_id=next_id,
         )
-        return BrakingState(moved, stream.history, counts=stream.counts)
+        return BrakingState(moved, stream.history, counts=stream.counts, waiting_s=waiting_s)
 
     def frame(self, state: BrakingState) -> FleetFrame:
         """Return the fleet; every slot is active."""
@@ -304,3 +337,39 @@ class BrakingStreams(AbstractScenario[BrakingState]):
             numbers[kernels.HOLD_S, i] = rng.uniform(*self.hold_s)
             integers[kernels.PHASE, i] = kernels.PRESSES
             stream.counts[kernels.BRAKINGS] += 1
+
+    def _draw_cut_ins(self, stream: kernels.Stream, road: HighwayState, waiting_s: FloatArray) -> FloatArray:
+        """Let vehicles cut in, and brake once they are in the lane; return the gaps still waited for."""
+        rng, numbers, integers = road.rng, stream.numbers, stream.integers
+        there = (integers[kernels.CUTS_IN] == 1) & (
+            numbers[highway_kernels.PROGRESS] >= highway_kernels.LEFT_OLD_LANE
+        )
+        for i in np.flatnonzero(there):
+            integers[kernels.CUTS_IN, i] = 0
+            if integers[kernels.PHASE, i] == kernels.DRIVES:
+                numbers[kernels.BRAKE_MPS2, i] = rng.uniform(*self.cut_in_mps2)
+                slower = numbers[highway_kernels.V, i] - rng.uniform(*_CUT_IN_DROP_MPS)
+                numbers[kernels.BRAKE_TO_MPS, i] = max(0.0, slower)
+                numbers[kernels.HOLD_S, i] = rng.uniform(*self.hold_s)
+                integers[kernels.PHASE, i] = kernels.PRESSES
+        drawn = int(rng.poisson(self.cut_ins_per_minute * STEP_S / 60.0)) if self.cut_ins_per_minute else 0
+        waiting = [*waiting_s, *rng.uniform(*self.cut_in_gap_s, drawn)]
+        left: list[float] = []
+        for gap_s in waiting:
+            found = find_cut_in(
+                road,
+                stream,
+                length_m=self.length_m,
+                forward=self._road.forward,
+                gap_s=float(gap_s),
+            )
+            if found is None:
+                left.append(float(gap_s))
+                continue
+            who, lane = found
+            integers[highway_kernels.OLD_LANE, who] = integers[highway_kernels.LANE, who]
+            integers[highway_kernels.LANE, who] = lane
+            integers[kernels.CUTS_IN, who] = 1
+            numbers[highway_kernels.PROGRESS, who] = 0.0
+            stream.counts[kernels.CUT_INS] += 1
+        return np.array(left[:_MOST_WAITING])

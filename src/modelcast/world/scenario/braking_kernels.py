@@ -35,6 +35,8 @@ __all__ = [
     "BRAKINGS",
     "COLUMNS",
     "CONTACTS",
+    "COUNTS",
+    "CUT_INS",
     "INTEGERS",
     "NEAR_COLLISIONS",
     "RELEASE_MPS3",
@@ -48,15 +50,17 @@ COLUMNS = highway.COLUMNS + 4
 """Rows of the state's numbers: those of the highway; way driven [m]; of the braking that was drawn its
 deceleration [m/s²], the speed it ends at [m/s], and how long that is kept [s]."""
 
-DELAY_STEPS, LEADS, PHASE, TOUCHES, NEAR = range(3, 8)
-INTEGERS = 8
+DELAY_STEPS, LEADS, PHASE, TOUCHES, NEAR, CUTS_IN = range(3, 9)
+INTEGERS = 9
 """Rows of the state's integers: those of the highway; reaction time in steps; whether the vehicle leads a
-stream; phase of its drawn braking; whether it touches its leader, and whether it is close to colliding."""
+stream; phase of its drawn braking; whether it touches its leader, and whether it is close to colliding;
+whether it is cutting in and has not braked yet."""
 
 DRIVES, PRESSES, RELEASES, HOLDS = range(4)
 """Phases of a drawn braking."""
 
-BRAKINGS, CONTACTS, NEAR_COLLISIONS = range(3)
+BRAKINGS, CONTACTS, NEAR_COLLISIONS, CUT_INS = range(4)
+COUNTS = 4
 """Of what the state counts."""
 
 RELEASE_MPS3 = 10.0  # how fast the pedal of a drawn braking is let go; ours
@@ -74,7 +78,7 @@ class Stream(NamedTuple):
     """Vehicles of the streams.
 
     ``numbers`` (COLUMNS, V), ``integers`` (INTEGERS, V), ``order`` (V,) as of the highway; ``history``
-    (3, H, V) are way, speed and acceleration of the last H steps, in a ring; ``counts`` (3,).
+    (3, H, V) are way, speed and acceleration of the last H steps, in a ring; ``counts`` (COUNTS,).
     """
 
     numbers: FloatMatrix

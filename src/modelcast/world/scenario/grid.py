@@ -1,16 +1,18 @@
-"""A Manhattan grid: blocks, one lane each way, a signal at every junction, turns of smooth curvature.
+"""A Manhattan grid: blocks, one lane each way, signals or priority at junctions, turns of smooth curvature.
 
-Nobody leaves: at each junction a driver draws where to go among the streets there are. Approaches of a
-junction have green one after the other, so that no two ways cross; a driver does not enter a junction that
-cannot be left again.
+Nobody leaves: at each junction a driver draws where to go among the streets there are. With signals the
+approaches of a junction have green one after the other, so that no two ways cross; with priority drivers wait
+for a gap. A driver does not enter a junction that cannot be left again. Some may misjudge.
 """
 
 from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.world.scenario import following_kernels as following
+from modelcast.world.scenario import town_arrays as arrays
 from modelcast.world.scenario import town_kernels as kernels
 from modelcast.world.scenario.base import STEP_S, AbstractScenario, FleetFrame
 from modelcast.world.scenario.bounds import check_positive, vehicle_count
@@ -32,7 +34,7 @@ class GridState:
     number
         Steps since t = 0; negative while the traffic warms up.
     numbers, integers
-        Rows as in `town_kernels`, (COLUMNS, V) and (INTEGERS, V).
+        Rows as in `town_arrays`, (COLUMNS, V) and (INTEGERS, V).
     order, first
         Slots by link and place, (V,); where each link begins in them, (K + 1,).
     left_last
@@ -43,6 +45,8 @@ class GridState:
         Traits, (TRAITS, V).
     rng
         The run's generator.
+    counts
+        Crossings, and those of them that misjudged, since t = 0, (2,).
     """
 
     number: int
@@ -52,6 +56,7 @@ class GridState:
     order: IntArray
     first: IntArray
     left_last: IntArray
+    counts: IntArray
     offset_s: FloatArray
     drivers: FloatArray
     rng: np.random.Generator
@@ -59,7 +64,22 @@ class GridState:
     @property
     def link(self) -> IntArray:
         """Directed link of each vehicle, (V,)."""
-        return self.integers[kernels.LINK]
+        return self.integers[arrays.LINK]
+
+    @property
+    def crossings(self) -> int:
+        """Vehicles that passed a signal, or went straight on over a major street, since t = 0."""
+        return int(self.counts[arrays.CROSSINGS])
+
+    @property
+    def misjudged(self) -> int:
+        """How many of them should have waited."""
+        return int(self.counts[arrays.MISJUDGED])
+
+    @property
+    def runs(self) -> IntArray:
+        """Who enters, or is in, a junction that it should have waited at: 1 or 0, (V,)."""
+        return self.integers[arrays.RUNS]
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,10 +100,21 @@ class Grid(AbstractScenario[GridState]):
         Green for each approach [s].
     turn_mps2
         Lateral acceleration at the sharpest point of a turn [m/s²].
+    junctions
+        ``signals``; or ``priority``: the streets from west to east are major, and from the others drivers
+        enter by the critical gaps of the Highway Capacity Manual (2010), two-way stop control: 6.5 s straight
+        on, 7.1 s left, 6.2 s right, and 4.1 s for a left turn from the major street.
+    misjudged_ratio
+        Share of drivers at a junction who misjudge. With priority they go straight on over a major street in
+        a gap that is just enough, 0.25 to 0.85 s before or behind one that drives there; where no such gap
+        comes up, they wait for a good one. With signals they run the first 4 s of red. Drivers with the right
+        of way do not notice them.
+    straight_ratio
+        Odds of going straight on, above 0 and below 1; the rest is shared by left and right.
     drivers
         Who drives.
     warm_up_s
-        Driven before t = 0 [s].
+        Driven before t = 0, where nobody misjudges [s].
 
     Raises
     ------
@@ -104,6 +135,9 @@ class Grid(AbstractScenario[GridState]):
     junction_m: float = 15.0
     green_s: float = 12.0
     turn_mps2: float = 2.5
+    junctions: Literal["signals", "priority"] = "signals"
+    misjudged_ratio: float = 0.0
+    straight_ratio: float = 0.5
     drivers: Drivers = CITY
     warm_up_s: float = 120.0
     _streets: Streets = field(init=False, repr=False, compare=False)
@@ -116,6 +150,12 @@ class Grid(AbstractScenario[GridState]):
                 f"junction_m must lie between 8 and 0.3 of block_m = {self.block_m}, got {self.junction_m}"
             )
         check_positive(self, "density_per_km", "green_s", "turn_mps2")
+        if self.junctions not in {"signals", "priority"}:
+            raise ValueError(f"junctions must be 'signals' or 'priority', got {self.junctions!r}")
+        if not 0.0 <= self.misjudged_ratio <= 1.0:
+            raise ValueError(f"misjudged_ratio must lie in 0..1, got {self.misjudged_ratio}")
+        if not 0.0 < self.straight_ratio < 1.0:
+            raise ValueError(f"straight_ratio must lie between 0 and 1, got {self.straight_ratio}")
         if not self.warm_up_s >= 0.0:
             raise ValueError(f"warm_up_s must be at least 0, got {self.warm_up_s}")
         streets = make_streets(
@@ -145,17 +185,17 @@ class Grid(AbstractScenario[GridState]):
         streets, vehicles = self._streets, self.slots
         links = streets.direction.size
         traits = self.drivers.draw(vehicles, rng)
-        integers = np.zeros((kernels.INTEGERS, vehicles), dtype=np.int64)
-        integers[kernels.CAME_FROM] = -1
-        numbers = np.zeros((kernels.COLUMNS, vehicles))
-        integers[kernels.LINK] = (np.arange(vehicles) + rng.integers(links)) % links
+        integers = np.zeros((arrays.INTEGERS, vehicles), dtype=np.int64)
+        integers[arrays.CAME_FROM] = -1
+        numbers = np.zeros((arrays.COLUMNS, vehicles))
+        integers[arrays.LINK] = (np.arange(vehicles) + rng.integers(links)) % links
         rank = np.arange(vehicles) // links
-        numbers[kernels.S] = (rank + 0.5) * streets.length_m / (int(rank.max()) + 1)
+        numbers[arrays.S] = (rank + 0.5) * streets.length_m / (int(rank.max()) + 1)
         for i, uniform in enumerate(rng.random(vehicles)):
-            integers[kernels.NEXT_MOVE, i] = kernels.choose_move(
-                streets.follower, integers[kernels.LINK, i], uniform
+            integers[arrays.NEXT_MOVE, i] = kernels.choose_move(
+                streets.follower, integers[arrays.LINK, i], self.straight_ratio, uniform
             )
-        numbers[kernels.GAP_ERR : kernels.PEDAL + 1] = rng.standard_normal((3, vehicles))
+        numbers[arrays.GAP_ERR : arrays.PEDAL + 1] = rng.standard_normal((3, vehicles))
         order, first = np.arange(vehicles, dtype=np.int64), np.zeros(links + 1, dtype=np.int64)
         kernels.sort_by_link(numbers, integers, order, first)
         state = GridState(
@@ -165,38 +205,49 @@ class Grid(AbstractScenario[GridState]):
             order=order,
             first=first,
             left_last=np.full(links, -1, dtype=np.int64),
+            counts=np.zeros(arrays.COUNTS, dtype=np.int64),
             offset_s=_junction_offsets(streets, rng),
             drivers=traits,
             rng=rng,
         )
         while state.number < 0:
             state = self.step(state)
-        return state
+        return replace(state, counts=np.zeros(arrays.COUNTS, dtype=np.int64))
 
     def step(self, state: GridState) -> GridState:
         """Return the state a step later."""
         streets = self._streets
-        town = kernels.Town(
+        town = arrays.Town(
             state.numbers.copy(),
             state.integers.copy(),
             state.order.copy(),
             state.first.copy(),
             state.left_last.copy(),
+            state.counts.copy(),
         )
-        roads = kernels.Roads(
+        roads = arrays.Roads(
             streets.follower,
             streets.connector_m,
             streets.ends,
             streets.green_start_s - state.offset_s,
             streets.cycle_s,
+            streets.direction,
+            streets.approach,
+            streets.conflicts,
         )
+        normals = state.rng.standard_normal((arrays.NORMALS, self.slots))
+        uniforms = state.rng.random(self.slots)
+        misjudges = np.zeros(self.slots, dtype=np.bool_)
+        if self.misjudged_ratio > 0.0 and state.number >= 0:
+            misjudges = state.rng.random(self.slots) < self.misjudged_ratio
         kernels.step(
             town,
             state.drivers,
             roads,
             self._settings(),
-            state.rng.standard_normal((kernels.NORMALS, self.slots)),
-            state.rng.random(self.slots),
+            normals,
+            uniforms,
+            misjudges,
             state.number * STEP_S,
             STEP_S,
         )
@@ -240,6 +291,8 @@ class Grid(AbstractScenario[GridState]):
                 drivers.pedal_noise_mps2,
                 drivers.perception_noise,
                 LANE_M,
+                float(self.junctions == "priority"),
+                self.straight_ratio,
             ]
         )
 

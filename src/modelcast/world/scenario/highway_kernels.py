@@ -28,6 +28,7 @@ from modelcast.world.scenario.pose_kernels import lateral_clock, place
 
 __all__ = [
     "COLUMNS",
+    "LEFT_OLD_LANE",
     "NORMALS",
     "drift",
     "is_in",

@@ -22,6 +22,9 @@ CLEARING_S = 2.0
 """All red after it [s]."""
 
 CURVE_POINTS = 129
+_APART_M = 2.6
+"""Between the middles of two cars of 1.8 m that turn and wander in their lanes [m]."""
+
 _STEPS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 
 
@@ -50,6 +53,11 @@ class Streets:
     curve
         The left turn driven from the origin eastwards at `CURVE_POINTS` equal steps of its length, (., 3):
         east, north [m], tangent [rad]; the second such table is the right turn, (2, ., 3).
+    approach
+        The link that leads to each junction in each direction, -1 for none, (J, 4).
+    conflicts
+        Whether a way across a junction (straight on, left, right) comes too close to another, of the approach
+        whose direction is some quarter turns further anticlockwise: 1 or 0, (4, 3, 3), [turns, own, other].
     """
 
     start_m: FloatArray
@@ -63,6 +71,8 @@ class Streets:
     green_s: float
     connector_m: FloatArray
     curve: FloatArray
+    approach: IntArray
+    conflicts: IntArray
 
 
 def turn_curve(tangent_m: float) -> tuple[float, FloatArray]:
@@ -134,8 +144,12 @@ def make_streets(columns: int, rows: int, *, block_m: float, junction_m: float, 
         came = [a for a in range(4) if (end[0] - _STEPS[a][0], end[1] - _STEPS[a][1], a) in number]
         begin.append(came.index(d) * phase_s)
         cycle.append(len(came) * phase_s)
+    approach = np.full((columns * rows, 4), -1, dtype=np.int64)
+    for k, (_, _, d) in enumerate(links):
+        approach[ends[k], d] = k
     left_m, left = turn_curve(junction_m + LANE_M / 2)
     right_m, right = turn_curve(junction_m - LANE_M / 2)
+    curve = np.stack([left, right * np.array([1.0, -1.0, -1.0])])
     return Streets(
         np.array(start),
         np.array([d for _, _, d in links], dtype=np.int64),
@@ -146,5 +160,21 @@ def make_streets(columns: int, rows: int, *, block_m: float, junction_m: float, 
         cycle_s=np.array(cycle),
         green_s=green_s,
         connector_m=np.array([2.0 * junction_m, left_m, right_m]),
-        curve=np.stack([left, right * np.array([1.0, -1.0, -1.0])]),
+        curve=curve,
+        approach=approach,
+        conflicts=_conflicts(curve, junction_m),
     )
+
+
+def _conflicts(curve: FloatArray, junction_m: float) -> IntArray:
+    """Return which ways across a junction come closer than two cars are wide, (4, 3, 3)."""
+    ahead = np.linspace(0.0, 2.0 * junction_m, CURVE_POINTS)
+    straight = np.stack([ahead, np.zeros_like(ahead)], axis=1)
+    ways = np.stack([straight, curve[0, :, :2], curve[1, :, :2]]) - [junction_m, LANE_M / 2]
+    found = np.zeros((4, 3, 3), dtype=np.int64)
+    for turns in range(1, 4):
+        cos, sin = _STEPS[turns]
+        turned = ways @ np.array([[cos, sin], [-sin, cos]])
+        apart = np.hypot(*np.moveaxis(ways[:, None, :, None] - turned[None, :, None], -1, 0))
+        found[turns] = apart.min(axis=(2, 3)) < _APART_M
+    return found

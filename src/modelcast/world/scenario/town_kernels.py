@@ -5,12 +5,19 @@ link at once, and comes up to its beginning on the connector, at negative s.
 """
 
 from math import exp, pi, sin, sqrt
-from typing import NamedTuple
 
 import numpy as np
 
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import FloatCube, FloatMatrix, FloatVector, IntMatrix, IntVector
+from modelcast.core.kernel_types import (
+    BoolVector,
+    FloatCube,
+    FloatMatrix,
+    FloatVector,
+    IntCube,
+    IntMatrix,
+    IntVector,
+)
 from modelcast.world.scenario.following_kernels import (
     APPROACH_ERROR_HZ,
     DESIRED_SPEED,
@@ -23,72 +30,66 @@ from modelcast.world.scenario.following_kernels import (
     wander,
     wanted,
 )
+from modelcast.world.scenario.junction_kernels import (
+    ROOM,
+    SPARE_M,
+    alone,
+    enters_by_mistake,
+    has_gap,
+    has_way,
+    is_major,
+    mark_users,
+    to_line,
+)
 from modelcast.world.scenario.pose_kernels import lateral_clock, place
+from modelcast.world.scenario.town_arrays import (
+    AMBER_S,
+    APPROACH_ERR,
+    CAME_FROM,
+    COMMITTED,
+    CROSSINGS,
+    GAP_ERR,
+    GREEN_S,
+    LINK,
+    LINK_M,
+    MISJUDGED,
+    MISJUDGES,
+    MOVE,
+    NEXT_MOVE,
+    PEDAL,
+    PEDAL_NOISE,
+    PERCEPTION,
+    PRIORITY,
+    RUNS,
+    STRAIGHT_ON,
+    TURN_MPS2,
+    WANDER,
+    WANDER_1,
+    WANDER_2,
+    WANDER_M,
+    A,
+    Roads,
+    S,
+    Town,
+    V,
+)
 
-__all__ = [
-    "COLUMNS",
-    "INTEGERS",
-    "NORMALS",
-    "Roads",
-    "Town",
-    "choose_move",
-    "poses",
-    "sort_by_link",
-    "step",
-]
-
-S, V, A, WANDER, WANDER_1, WANDER_2, GAP_ERR, APPROACH_ERR, PEDAL = range(9)
-COLUMNS = 9
-"""Rows of the state's numbers."""
-
-LINK, MOVE, NEXT_MOVE, COMMITTED, CAME_FROM = range(5)
-INTEGERS = 5
-"""Rows of the state's integers: link; how the vehicle came onto it, and how it will leave it (0 straight on,
-1 left, 2 right); whether it has made up its mind to pass the stop line; the link it came from, -1 before its
-first junction."""
-
-NORMALS = 4
-
-LINK_M, GREEN_S, AMBER_S, TURN_MPS2, WANDER_M, PEDAL_NOISE, PERCEPTION, LANE_M = range(8)
-"""The grid's settings, as one vector."""
+__all__ = ["choose_move", "poses", "sort_by_link", "step"]
 
 WANDER_RATE_HZ = 0.5
 ERROR_S = 20.0
 PEDAL_S = 3.0
-STRAIGHT_ON = 0.5  # the rest is shared by left and right
 CAN_STOP_MPS2 = 3.0  # who would have to brake harder passes the amber signal
 DECIDED_M = 5.0
 DECIDED_MPS2 = 2.0
+DECIDED_S = 1.0  # where there is no signal: later it would not come to a stop before the line
 EASE_MPS2 = 1.2  # braking for a turn
 LINE_M = 1.0  # a front stops this far before the line
 LOOK_M = 120.0
 CLEAR = 0.6  # of its way across: from here a turning vehicle is out of the way of who goes straight on
-ROOM = 1.15  # of length and gap: what a standing vehicle takes up
-SPARE_M = 16.0  # kept free for those who are too close to stop when a link fills up
-
-
-class Town(NamedTuple):
-    """Vehicles of a grid: rows of the state, (COLUMNS, V) and (INTEGERS, V), and who is on which link.
-
-    ``order`` (V,) are the slots by link and place, of which link k has those from ``first[k]`` (K + 1,);
-    ``left_last`` (K,) is the vehicle that left each link last, -1 for none.
-    """
-
-    numbers: FloatMatrix
-    integers: IntMatrix
-    order: IntVector
-    first: IntVector
-    left_last: IntVector
-
-
-class Roads(NamedTuple):
-    """What is driven on, as in `Streets`, the signals' times those of the clock of the step."""
-
-    follower: IntMatrix
-    connectors: FloatVector
-    ends: IntVector
-    green_start: FloatVector
-    cycle: FloatVector
+RUN_S = 4.0  # who misjudges enters up to so long after the signal turned red
+RUN_MPS = 5.0
+MISTAKES_M = 40.0  # before the line, from where gaps are misjudged
 
 
 @kernel
@@ -102,12 +103,12 @@ def _turn_speed(
 
 
 @kernel
-def choose_move(follower: IntMatrix, link: int, uniform: float) -> int:
-    """Draw how to leave a link."""
+def choose_move(follower: IntMatrix, link: int, straight_on: float, uniform: float) -> int:
+    """Draw how to leave a link: straight on with these odds, the rest shared by left and right."""
     weight = np.zeros(3)
     for kind in range(3):
         if follower[link, kind] >= 0:
-            weight[kind] = STRAIGHT_ON if kind == 0 else 0.5 * (1.0 - STRAIGHT_ON)
+            weight[kind] = straight_on if kind == 0 else 0.5 * (1.0 - straight_on)
     left = uniform * weight.sum()
     for kind in range(3):
         if weight[kind] > 0.0 and left < weight[kind]:
@@ -151,64 +152,95 @@ def _perceived(
 
 @kernel(inlined=True)
 def _wander_errors(
-    town: Town,
-    drivers: FloatMatrix,
-    ends: IntVector,
-    normals: FloatMatrix,
-    dt: float,
-    taken: FloatVector,
-    user: IntVector,
+    town: Town, drivers: FloatMatrix, normals: FloatMatrix, dt: float, taken: FloatVector
 ) -> None:
-    """Let what drivers perceive and press wander; add up the room taken on every link, ``taken`` (K,).
-
-    Writes into ``user`` (K,) by junction, of which there are fewer than links, the approach whose vehicles
-    are in it or bound to be; -1 for none, K for several.
-    """
-    numbers, integers, links = town.numbers, town.integers, taken.size
+    """Let what drivers perceive and press wander; add up the room taken on every link, ``taken`` (K,)."""
+    numbers, integers = town.numbers, town.integers
     kept, pedal_kept = exp(-dt / ERROR_S), exp(-dt / PEDAL_S)
     fresh, pedal_fresh = sqrt(1.0 - kept * kept), sqrt(1.0 - pedal_kept * pedal_kept)
-    user[:] = -1
     for i in range(town.order.size):
         numbers[GAP_ERR, i] = kept * numbers[GAP_ERR, i] + fresh * normals[0, i]
         numbers[APPROACH_ERR, i] = kept * numbers[APPROACH_ERR, i] + fresh * normals[1, i]
         numbers[PEDAL, i] = pedal_kept * numbers[PEDAL, i] + pedal_fresh * normals[2, i]
         taken[integers[LINK, i]] += ROOM * (drivers[LENGTH, i] + drivers[GAP, i])
-        came = integers[CAME_FROM, i]
-        if came >= 0 and numbers[S, i] < 0.5 * drivers[LENGTH, i]:
-            user[ends[came]] = came if user[ends[came]] in (-1, came) else links
-        if integers[COMMITTED, i] == 1:
-            here = integers[LINK, i]
-            user[ends[here]] = here if user[ends[here]] in (-1, here) else links
 
 
-@kernel(inlined=True)
-def _to_line(town: Town, drivers: FloatMatrix, i: int, settings: FloatVector) -> float:
-    """How far a front is from the stop line, at least 0.1 m."""
-    return max(settings[LINK_M] - town.numbers[S, i] - 0.5 * drivers[LENGTH, i], 0.1)
-
-
-@kernel(inlined=True)
-def _passes(
+@kernel
+def _passes_signal(
     town: Town, drivers: FloatMatrix, roads: Roads, i: int, room: bool, t_s: float, settings: FloatVector
 ) -> bool:
     """Whether the first vehicle of a link drives over the stop line; it may make up its mind to.
 
     ``room`` says whether the junction and the link beyond it have room.
     """
-    v, to_line, integers = town.numbers[V, i], _to_line(town, drivers, i, settings), town.integers
+    v, ahead, integers = town.numbers[V, i], to_line(town, drivers, i, settings), town.integers
     link = integers[LINK, i]
     phase = (t_s - roads.green_start[link]) % roads.cycle[link]
     green = phase < settings[GREEN_S]
     amber = not green and phase < settings[GREEN_S] + settings[AMBER_S]
-    must_brake = v * v / (2.0 * to_line)
+    must_brake = v * v / (2.0 * ahead)
     if amber and must_brake > CAN_STOP_MPS2:
         integers[COMMITTED, i] = 1
     passes = green and (room or must_brake > CAN_STOP_MPS2)
     if town.numbers[S, i] + 0.5 * drivers[LENGTH, i] > settings[LINK_M] or integers[COMMITTED, i] == 1:
         passes = True
-    if passes and (to_line < DECIDED_M or must_brake > DECIDED_MPS2):
+    elif not green and integers[MISJUDGES, i] == 1 and v >= RUN_MPS and room:
+        red_for = phase + ahead / v - settings[GREEN_S] - settings[AMBER_S]
+        if 0.0 < red_for < RUN_S:
+            passes = True
+            integers[COMMITTED, i] = 1
+            integers[RUNS, i] = 1
+            town.counts[MISJUDGED] += 1
+    if passes and (ahead < DECIDED_M or must_brake > DECIDED_MPS2):
         integers[COMMITTED, i] = 1  # a start is not broken off because somebody else is late
     return passes
+
+
+@kernel
+def _passes_priority(
+    town: Town,
+    drivers: FloatMatrix,
+    roads: Roads,
+    i: int,
+    taken: FloatVector,
+    used: IntCube,
+    noticed: IntCube,
+    settings: FloatVector,
+    dt: float,
+) -> bool:
+    """Whether the first vehicle of a link drives over a line without a signal; it may make up its mind to.
+
+    Once it has, the ways that cross its own are closed to others until it has left the junction.
+    """
+    v, ahead, integers = town.numbers[V, i], to_line(town, drivers, i, settings), town.integers
+    link, kind = integers[LINK, i], integers[NEXT_MOVE, i]
+    direction = int(roads.direction[link])
+    if integers[COMMITTED, i] == 1:  # a front a little over the line may still wait
+        return True
+    if taken[roads.follower[link, kind]] + drivers[LENGTH, i] + drivers[GAP, i] + SPARE_M > settings[LINK_M]:
+        return False
+    first_rank = is_major(direction) and kind == 0
+    passes = has_way(noticed if first_rank else used, roads, link, kind, True) and has_gap(
+        town, drivers, roads, i, taken, settings, True
+    )
+    near = ahead < DECIDED_M + DECIDED_S * v or v * v / (2.0 * ahead) > DECIDED_MPS2
+    mistaken = False
+    if not passes and integers[MISJUDGES, i] == 1 and kind == 0 and ahead < MISTAKES_M:
+        mistaken = (
+            not is_major(direction)
+            and has_way(used, roads, link, kind, False)
+            and has_gap(town, drivers, roads, i, taken, settings, False)
+            and enters_by_mistake(town, drivers, roads, i, settings, dt)
+        )
+    if mistaken or (passes and near):
+        integers[COMMITTED, i] = 1
+        used[roads.ends[link], direction, kind] += 1
+        if mistaken:
+            integers[RUNS, i] = 1
+            town.counts[MISJUDGED] += 1
+        else:
+            noticed[roads.ends[link], direction, kind] += 1
+    return passes or mistaken
 
 
 @kernel(inlined=True)
@@ -240,9 +272,9 @@ def _wish_at_line(
     town: Town, drivers: FloatMatrix, i: int, v0: float, settings: FloatVector
 ) -> tuple[float, float]:
     """Acceleration wanted to stop at the line, and the gap."""
-    v, to_line = town.numbers[V, i], _to_line(town, drivers, i, settings)
-    gap = to_line + drivers[GAP, i] - LINE_M
-    must_brake = v * v / (2.0 * to_line)
+    v, ahead = town.numbers[V, i], to_line(town, drivers, i, settings)
+    gap = ahead + drivers[GAP, i] - LINE_M
+    must_brake = v * v / (2.0 * ahead)
     return max(wanted(drivers, i, v, gap, 0.0, 0.0, v0), -must_brake - 0.5), gap
 
 
@@ -255,6 +287,7 @@ def _move_on(
     gap: float,
     normal: float,
     uniform: float,
+    misjudges: bool,
     settings: FloatVector,
     dt: float,
 ) -> None:
@@ -274,9 +307,13 @@ def _move_on(
         numbers[S, i] -= settings[LINK_M] + roads.connectors[kind]
         integers[LINK, i] = roads.follower[link, kind]
         integers[MOVE, i] = kind
-        integers[NEXT_MOVE, i] = choose_move(roads.follower, int(roads.follower[link, kind]), uniform)
+        onto = int(roads.follower[link, kind])
+        integers[NEXT_MOVE, i] = choose_move(roads.follower, onto, settings[STRAIGHT_ON], uniform)
         integers[COMMITTED, i] = 0
         integers[CAME_FROM, i] = link
+        integers[MISJUDGES, i] = 1 if misjudges else 0
+        if settings[PRIORITY] == 0.0 or (kind == 0 and not is_major(roads.direction[link])):
+            town.counts[CROSSINGS] += 1
 
 
 @kernel
@@ -287,6 +324,7 @@ def step(
     settings: FloatVector,
     normals: FloatMatrix,
     uniforms: FloatVector,
+    misjudges: BoolVector,
     t_s: float,
     dt: float,
 ) -> None:
@@ -301,16 +339,20 @@ def step(
     roads
         What they drive on.
     settings
-        The grid, (8,).
+        The grid, (10,).
     normals, uniforms
         Random numbers, (NORMALS, V) and (V,).
+    misjudges
+        Who misjudges the junction after the one that it enters in this step, if it does, (V,).
     t_s
         Now.
     """
-    numbers, integers, order, first, _ = town
+    numbers, integers, order, first, _, _ = town
     vehicles, links = order.size, roads.follower.shape[0]
-    length, taken, user = settings[LINK_M], np.zeros(links), np.empty(links, dtype=np.int64)
-    _wander_errors(town, drivers, roads.ends, normals, dt, taken, user)
+    length, taken, junctions = settings[LINK_M], np.zeros(links), roads.approach.shape[0]
+    _wander_errors(town, drivers, normals, dt, taken)
+    used, noticed = np.zeros((junctions, 4, 3), np.int64), np.zeros((junctions, 4, 3), np.int64)
+    mark_users(town, drivers, roads, used, noticed)
     target, gaps = np.empty(vehicles), np.full(vehicles, FREE_M)
     for link in range(links):
         for k in range(first[link], first[link + 1]):
@@ -326,9 +368,15 @@ def step(
                 gap = numbers[S, j] - s - half - 0.5 * drivers[LENGTH, j]
                 wish, gaps[i] = _perceived(numbers, drivers, i, j, gap, v0, settings[PERCEPTION]), gap
             else:
-                beyond = taken[roads.follower[link, kind]] + drivers[LENGTH, i] + drivers[GAP, i] + SPARE_M
-                room = beyond <= length and user[roads.ends[link]] in (-1, link)
-                if _passes(town, drivers, roads, i, room, t_s, settings):
+                if settings[PRIORITY] > 0.0:
+                    passes = _passes_priority(town, drivers, roads, i, taken, used, noticed, settings, dt)
+                else:
+                    beyond = taken[roads.follower[link, kind]] + drivers[LENGTH, i] + drivers[GAP, i]
+                    room = beyond + SPARE_M <= length and alone(
+                        noticed, roads.ends[link], roads.direction[link]
+                    )
+                    passes = _passes_signal(town, drivers, roads, i, room, t_s, settings)
+                if passes:
                     wish, gaps[i] = _wish_across(town, drivers, roads, i, v0, settings)
                 else:
                     wish, gaps[i] = _wish_at_line(town, drivers, i, v0, settings)
@@ -338,7 +386,7 @@ def step(
                     wish = min(wish, -needed)
             target[i] = wish
     for i in range(vehicles):
-        _move_on(town, roads, i, target[i], gaps[i], normals[3, i], uniforms[i], settings, dt)
+        _move_on(town, roads, i, target[i], gaps[i], normals[3, i], uniforms[i], misjudges[i], settings, dt)
     sort_by_link(numbers, integers, order, first)
 
 
