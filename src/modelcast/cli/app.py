@@ -28,6 +28,7 @@ COMMANDS = (
     "convert",
     "coverage",
     "network",
+    "mixed",
     "train",
     "road",
     "decode",
