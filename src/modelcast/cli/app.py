@@ -30,6 +30,7 @@ COMMANDS = (
     "network",
     "safety",
     "cruise",
+    "mixed",
     "train",
     "road",
     "decode",

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from modelcast.cli.network_plan import NetworkPlan
     from modelcast.io.fcd_survey import FcdSurvey
 
-__all__ = ["network"]
+__all__ = ["network", "survey", "unsaid"]
 
 
 def network(
@@ -171,13 +171,13 @@ def network(
         sensor=sensor,
     )
     cases = network_cases(plan, Varied(density, radio, policy, seeds))
-    asked = Sweep(plan, cases, senders=sender_rows(plan, dict.fromkeys(policy)), found=_survey(plan))
+    asked = Sweep(plan, cases, senders=sender_rows(plan, dict.fromkeys(policy)), found=survey(plan))
     swept = sweep(
         asked,
         out,
         jobs=jobs_in_use(jobs),
         watch=lambda: counted("runs", quiet=quiet or json),
-        say=_unsaid if quiet or json else say,
+        say=unsaid if quiet or json else say,
     )
     if json:
         parts = (swept.options, swept.key, swept.traffic, swept.training_trips)
@@ -189,11 +189,11 @@ def network(
     return 0
 
 
-def _unsaid(_line: str) -> None:
+def unsaid(_line: str) -> None:
     """Takes a line that nobody is told."""
 
 
-def _survey(plan: "NetworkPlan") -> "FcdSurvey | None":
+def survey(plan: "NetworkPlan") -> "FcdSurvey | None":
     """What the file of floating-car data holds, where the traffic is one."""
     if not plan.from_file:
         return None

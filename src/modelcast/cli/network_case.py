@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from modelcast.cli.banks import profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import named_banks, sender_of
 from modelcast.cli.network_traffic import BLOCK_M, traffic
@@ -9,7 +10,11 @@ from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.fcd_survey import FcdSurvey
 from modelcast.runtime.fleet.engine import run_network
+from modelcast.station.banks import free_bank
+from modelcast.station.sender.sender import MODEL_SENDERS, Sender
+from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.study.network.measure import measure
+from modelcast.study.network.mixed import measure_mixed, mixed_of
 from modelcast.study.network.rows import CaseResult, NetworkCase
 from modelcast.world.scenario.motion import checked
 from modelcast.world.scenario.sensed import FleetSensor
@@ -63,21 +68,16 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
     """
     try:
         model = plan.sensor.model()
-        named = named_banks(plan).get(case.bank)
-        sender = sender_of(
-            plan,
-            case.policy,
-            case.bank,
-            threshold_m=case.threshold_m,
-            named=named,
-            motion=filter_for(model),
-        )
+        mixed = mixed_of(case.policy)
+        senders = [_sender(plan, case, one, filter_for(model)) for one in mixed.senders]
+        free = free_bank(profile_in_use(plan.profile))
+        who = mixed.mix(senders, free) if mixed.is_mixed else senders[0]
         radio, bin_m = _radio(plan, case.radio)
         seed = int(child_generator(plan.seed, case.run, "loop").integers(2**31))
         with traffic(plan, case, found) as frames:
             run = run_network(
                 checked(frames),
-                sender,
+                who,
                 radio,
                 plan.settings,
                 seed=seed,
@@ -86,4 +86,13 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
             )
     except ValueError as error:
         raise ConfigError(str(error)) from error
-    return measure(run, case, plan.settings, outcome_bin_m=bin_m)
+    result = measure(run, case, plan.settings, outcome_bin_m=bin_m)
+    if not mixed.is_mixed:
+        return result
+    return measure_mixed(result, run, mixed, plan.settings, plan.receivers_ratios)
+
+
+def _sender(plan: NetworkPlan, case: NetworkCase, policy: str, motion: MotionFilter) -> Sender:
+    """The sender of one policy of a case."""
+    named = named_banks(plan).get(case.bank) if policy in MODEL_SENDERS else None
+    return sender_of(plan, policy, case.bank, threshold_m=case.threshold_m, named=named, motion=motion)

@@ -60,6 +60,8 @@ class NetworkPlan:
         What vehicles see of themselves.
     trips
         Files or folders of recorded trips, for a scenario of `RECORDED`.
+    receivers_ratios
+        Of mixed fleets, shares of model receivers that are asked for; empty where all fleets are of one kind.
     """
 
     scenario: str
@@ -86,6 +88,7 @@ class NetworkPlan:
     relaxed_error_m: float | None
     sensor: SensorOptions
     trips: tuple[str, ...] = ()
+    receivers_ratios: tuple[float, ...] = ()
 
     def as_plain(self) -> dict[str, Any]:
         """What every run depends on, as plain values; files by their names, the sensor with its figures.
@@ -95,6 +98,8 @@ class NetworkPlan:
         found: dict[str, Any] = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
         found["sensor"]["model"] = asdict(self.sensor.model())
         del found["banks"], found["thresholds_m"]
+        if not self.receivers_ratios:
+            del found["receivers_ratios"]
         del found["threads"]  # the result is the same whatever the number of threads
         for name in ("scenario", "profile"):
             found[name] = None if found[name] is None else Path(found[name]).name

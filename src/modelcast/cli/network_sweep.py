@@ -22,6 +22,7 @@ from modelcast.io.network_runs import NetworkRunFiles, RunKey
 from modelcast.io.output import atomic_folder
 from modelcast.io.run_store import RunStore, run_store
 from modelcast.io.traffic import write_traffic
+from modelcast.report.mixed import write_mixed_report
 from modelcast.report.network import traffic_lines, write_network_report
 from modelcast.report.traffic import write_traffic_report
 from modelcast.study.network.pairs import PairedRow, traffic_rows
@@ -44,6 +45,8 @@ class Sweep:
         What all runs share, the runs, and who sends.
     found
         What the file of floating-car data holds, where the traffic is one.
+    command
+        Whose output folder it is.
     """
 
     plan: NetworkPlan
@@ -51,6 +54,7 @@ class Sweep:
     _: KW_ONLY
     senders: Sequence[SenderRow]
     found: FcdSurvey | None = None
+    command: str = "network"
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +111,10 @@ def sweep(
     plan, cases, found = asked.plan, asked.cases, asked.found
     options, key = plan.as_plain(), plan.key()
     files = NetworkRunFiles(options, key)
-    with atomic_folder(out, command="network") as folder, run_store(out, files, command="network") as store:
+    with (
+        atomic_folder(out, command=asked.command) as folder,
+        run_store(out, files, command=asked.command) as store,
+    ):
         traffic = None if found is None else survey_document(found)
         for line in () if found is None else traffic_lines(found):
             say(line)
@@ -124,6 +131,8 @@ def sweep(
         store.publish(results, folder)
         write_network(result, options, folder, key=key, traffic=traffic, training_trips=known)
         write_network_report(result, options, folder, traffic=traffic, notes=notes)
+        if result.pairings:
+            write_mixed_report(result, folder)
         rows = traffic_rows(result)
         if rows:
             write_traffic(rows, folder)

@@ -8,6 +8,8 @@
     ``pooled`` (`PooledRow`), ``capacities`` (`CapacityRow`). A number that does not exist is null.
 ``runs.parquet``, ``distances.parquet``, ``outcomes.parquet``, ``seconds.parquet``
     One row a run; a run and bin of 25 m; a run and bin of the radio; a run and second.
+``pairings.parquet``, ``penetration.parquet``
+    Of mixed fleets: one row a run, sender and reading; a run and share of model receivers.
 
 The same runs give the same bytes.
 """
@@ -26,6 +28,8 @@ from modelcast.study.network.rows import (
     DistanceRow,
     NetworkResult,
     OutcomeRow,
+    PairingRow,
+    PenetrationRow,
     RunRow,
     SecondRow,
 )
@@ -36,7 +40,11 @@ NETWORK_SCHEMA = 4
 """Version of the layout of ``summary.json``; since 2 it holds inputs and traffic, since 3 banks, since 4
 thresholds."""
 
-_TEXT = {"radio", "policy", "bank"}
+_TEXT = {"radio", "policy", "bank", "sender", "reading"}
+
+
+_MIXED = {"pairings", "penetration"}
+"""Tables that only runs of mixed fleets have."""
 
 
 def network_document(
@@ -104,8 +112,12 @@ def write_network(
         ("distances", result.distances, DistanceRow),
         ("outcomes", result.outcomes, OutcomeRow),
         ("seconds", result.seconds, SecondRow),
+        ("pairings", result.pairings, PairingRow),
+        ("penetration", result.penetration, PenetrationRow),
     )
     for name, rows, row_type in groups:
+        if not rows and name in _MIXED:
+            continue
         columns: dict[str, Any] = {}
         for field in fields(row_type):
             kind = object if field.name in _TEXT else np.int64 if field.type is int else np.float64

@@ -24,21 +24,23 @@ from modelcast.study.network.rows import (
     DistanceRow,
     NetworkCase,
     OutcomeRow,
+    PairingRow,
+    PenetrationRow,
     RunRow,
     SecondRow,
 )
 
 __all__ = ["RUN_SCHEMA", "NetworkRunFiles", "RunKey", "case_name", "read_case", "run_path", "write_case"]
 
-RUN_SCHEMA = 4
+RUN_SCHEMA = 5
 """Version of the layout of a run's file; since 2 it holds version and inputs, since 3 the bank, since 4 the
-threshold."""
+threshold, since 5 the rows of mixed fleets."""
 
 _LARGEST_BYTES = 64 * 2**20
 _MOST_ROWS = 1_000_000
 _LARGEST = 1e15
 _ANY_SIGN = frozenset({"power_dbm"})
-Row = TypeVar("Row", RunRow, DistanceRow, OutcomeRow, SecondRow)
+Row = TypeVar("Row", RunRow, DistanceRow, OutcomeRow, SecondRow, PairingRow, PenetrationRow)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +142,8 @@ def write_case(
         "distances": [row_document(row) for row in result.distances],
         "outcomes": [row_document(row) for row in result.outcomes],
         "seconds": [row_document(row) for row in result.seconds],
+        "pairings": [row_document(row) for row in result.pairings],
+        "penetration": [row_document(row) for row in result.penetration],
     }
     path = run_path(case, key, folder)
     partial = path.with_suffix(f".partial-{os.getpid()}")
@@ -187,6 +191,8 @@ def read_case(case: NetworkCase, options: Mapping[str, Any], key: RunKey, folder
         list(_rows(path, "distances", DistanceRow, document["distances"], case)),
         outcomes=list(_rows(path, "outcomes", OutcomeRow, document["outcomes"], case)),
         seconds=list(_rows(path, "seconds", SecondRow, document["seconds"], case)),
+        pairings=list(_rows(path, "pairings", PairingRow, document["pairings"], case)),
+        penetration=list(_rows(path, "penetration", PenetrationRow, document["penetration"], case)),
     )
 
 
@@ -230,7 +236,8 @@ def _document(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path} cannot be read: {error.strerror or error}") from error
     except (ValueError, RecursionError, MemoryError) as error:
         raise _refused(path, "the file", f"JSON ({type(error).__name__})") from error
-    needed = {"schema", "modelcast", "inputs", "options", "run", "distances", "outcomes", "seconds"}
+    rows = {"run", "distances", "outcomes", "seconds", "pairings", "penetration"}
+    needed = {"schema", "modelcast", "inputs", "options", *rows}
     if not isinstance(document, dict) or set(cast("dict[str, Any]", document)) != needed:
         raise _refused(path, "the file", f"a mapping of {', '.join(sorted(needed))}")
     found = cast("dict[str, Any]", document)

@@ -23,7 +23,7 @@ __all__ = ["binned_quantiles", "measure"]
 _EDGES: FloatArray = lower_edge(np.arange(BINS + 1, dtype=np.int64))
 
 
-def binned_quantiles(counts: IntArray, probabilities: tuple[float, ...]) -> list[float]:
+def binned_quantiles(counts: IntArray | FloatArray, probabilities: tuple[float, ...]) -> list[float]:
     """Quantiles of a streamed histogram, linear within a bin; NaN where nothing was counted.
 
     Bins are 2.2 % wide, so a quantile errs by less than that.
@@ -31,7 +31,7 @@ def binned_quantiles(counts: IntArray, probabilities: tuple[float, ...]) -> list
     Parameters
     ----------
     counts
-        By `bins_kernels.bin_of`, (BINS,).
+        By `bins_kernels.bin_of`, (BINS,); weighted ones are as good as their sum is large.
     probabilities
         Each in 0..1.
 

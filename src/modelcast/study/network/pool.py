@@ -46,6 +46,8 @@ def gather(results: Iterable[CaseResult], senders: Sequence[SenderRow] = ()) -> 
         pooled=pooled,
         capacities=capacities(pooled),
         senders=senders,
+        pairings=[row for one in ordered for row in one.pairings],
+        penetration=[row for one in ordered for row in one.penetration],
     )
 
 

@@ -15,6 +15,8 @@ __all__ = [
     "NetworkCase",
     "NetworkResult",
     "OutcomeRow",
+    "PairingRow",
+    "PenetrationRow",
     "PooledRow",
     "RunRow",
     "SecondRow",
@@ -331,15 +333,89 @@ class SenderRow:
     identify: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairingRow:
+    """How vehicles of one sender are tracked by those that read in one way, in a run of a mixed fleet.
+
+    Parameters
+    ----------
+    density_per_km, radio, policy, bank, threshold_m, run
+        As in `NetworkCase`.
+    senders_ratio
+        Share of the vehicles that send by the last of the policies.
+    sender, reading
+        Who is tracked, and by whom: ``legacy``, ``free`` or ``model`` receivers.
+    message_rate_hz, bytes_per_s, airtime_ratio
+        Of a vehicle of that sender, whoever hears it.
+    held_ratio, pte_p50_m, pte_p90_m, pte_p99_m, age_p50_s, age_p90_s
+        As in `RunRow`, at the headline distances, over pairs of these.
+    pairs
+        How many samples of pairs there were.
+    """
+
+    density_per_km: float
+    radio: str
+    policy: str
+    bank: str
+    threshold_m: float
+    run: int
+    senders_ratio: float
+    sender: str
+    reading: str
+    message_rate_hz: float
+    bytes_per_s: float
+    airtime_ratio: float
+    held_ratio: float
+    pte_p50_m: float
+    pte_p90_m: float
+    pte_p99_m: float
+    age_p50_s: float
+    age_p90_s: float
+    pairs: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PenetrationRow:
+    """Tracking errors over all pairs of a fleet of which shares send and read models.
+
+    What is read changes nothing that is sent, so one run serves all shares of receivers.
+
+    Parameters
+    ----------
+    density_per_km, radio, policy, bank, threshold_m, run
+        As in `NetworkCase`.
+    senders_ratio
+        Share of the vehicles that send by the last of the policies.
+    receivers_ratio
+        Share of the vehicles that read models; the others read as legacy receivers do.
+    pte_p50_m, pte_p90_m, pte_p99_m
+        At the headline distances.
+    """
+
+    density_per_km: float
+    radio: str
+    policy: str
+    bank: str
+    threshold_m: float
+    run: int
+    senders_ratio: float
+    receivers_ratio: float
+    pte_p50_m: float
+    pte_p90_m: float
+    pte_p99_m: float
+
+
 @dataclass(frozen=True, slots=True)
 class CaseResult:
-    """All rows of one run."""
+    """All rows of one run; pairings and penetration of a mixed fleet."""
 
     run: RunRow
     distances: Sequence[DistanceRow]
     _: KW_ONLY
     outcomes: Sequence[OutcomeRow]
     seconds: Sequence[SecondRow]
+    pairings: Sequence[PairingRow] = ()
+    penetration: Sequence[PenetrationRow] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -354,6 +430,8 @@ class NetworkResult:
     pooled: Sequence[PooledRow] = field(default=())
     capacities: Sequence[CapacityRow] = field(default=())
     senders: Sequence[SenderRow] = field(default=())
+    pairings: Sequence[PairingRow] = field(default=())
+    penetration: Sequence[PenetrationRow] = field(default=())
 
     @property
     def banks(self) -> tuple[str, ...]:
