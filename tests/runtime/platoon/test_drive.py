@@ -21,7 +21,7 @@ from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.platoon.drive import DriveSettings, PlatoonTrace, drive_platoons, platoon_frames
 from modelcast.runtime.platoon.knowledge import Heard, Perfect
 from modelcast.study.cruise.senders import platoon_sender
-from modelcast.world.platoon.leaders import BEGINS_S, AbstractLeader, RecordedSpeed, Sinusoid, Steady
+from modelcast.world.platoon.leaders import BEGINS_S, AbstractLeader, Braking, RecordedSpeed, Sinusoid, Steady
 from modelcast.world.platoon.platoons import Platoons
 
 LAWS: tuple[AbstractCruiseLaw, ...] = (PathCacc(), Ploeg(), Acc())
@@ -119,6 +119,15 @@ def test_who_hears_of_a_steady_leader_keeps_the_ideal_gap(ranging: bool) -> None
     slack_m = 0.5 * SPEED_GRAIN_MPS * sum(PathCacc().gains[:2]) / PathCacc().gains[2] + PLACE_GRAIN_M
     assert np.abs(trace.too_near_m[kept]).max() < slack_m
     assert np.ptp(trace.speed_mps[kept]) < 2 * SPEED_GRAIN_MPS
+
+
+@pytest.mark.parametrize(("deceleration_mps2", "collides"), [(4.0, False), (5.0, True)])
+def test_behind_a_harder_stop_5_m_are_too_few_even_for_perfect_knowledge(
+    deceleration_mps2: float, collides: bool
+) -> None:
+    """What is told is what the brakes ahead do, and the own ones come a lag later."""
+    trace = perfect(PathCacc(), Braking(deceleration_mps2=deceleration_mps2), duration_s=25.0)
+    assert (trace.gap_m.min() <= 0.0) == collides
 
 
 def test_any_radio_may_be_in_the_loop() -> None:
