@@ -91,12 +91,17 @@ def safety(
         run_store(out, files, command="safety") as store,
     ):
         trips = _trips(source, streams, options.seed, quiet=silent)
-        work = safety_work(recordings_of(trips), options)
+        recordings = recordings_of(trips)
+        work = safety_work(recordings, options)
         with counted("recordings", quiet=silent) as progress:
             scores = score_all(work, options, store, jobs=jobs_in_use(jobs), progress=progress)
         with busy("pooling", quiet=silent):
             found = gathered(
-                list(scores.values()), options, failures=source.failures, skipped=dict(source.skipped)
+                list(scores.values()),
+                recordings,
+                options,
+                failures=source.failures,
+                skipped=dict(source.skipped),
             )
         store.publish(scores, folder)
         asked = {

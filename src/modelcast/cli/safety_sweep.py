@@ -7,10 +7,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from modelcast.cli.safety_options import SafetyOptions
 from modelcast.cli.shared_work import workers
 from modelcast.io.run_store import RunStore
 from modelcast.io.safety_runs import SafetyCase
+from modelcast.study.safety.film import EventFilm, film_event, telling_event
 from modelcast.study.safety.pairs import Recording
 from modelcast.study.safety.result import RecordingScores, SafetyResult
 from modelcast.study.safety.score import Walked, score_recording
@@ -136,6 +139,7 @@ def score_all(
 
 def gathered(
     scores: Sequence[RecordingScores],
+    recordings: Sequence[Recording],
     options: SafetyOptions,
     *,
     failures: Mapping[str, str],
@@ -146,7 +150,9 @@ def gathered(
     Parameters
     ----------
     scores
-        Of all work.
+        Of all work, by sensor and kind of loss, in the order of the recordings.
+    recordings
+        The recordings.
     options
         How they were scored.
     failures, skipped
@@ -166,4 +172,33 @@ def gathered(
         positives=int(sum(one.positives.sum() for one in first)),
         failures=failures,
         skipped=skipped,
+        film=_film(first, recordings, options, against),
+    )
+
+
+def _film(
+    scores: Sequence[RecordingScores],
+    recordings: Sequence[Recording],
+    options: SafetyOptions,
+    against: str,
+) -> EventFilm | None:
+    """The true warning at which the sender with the budget gains most, at a loss ratio near 40 %."""
+    candidates = options.candidates()
+    ratio = min(options.per, key=lambda one: abs(one - 0.4))
+    basis = options.basis[-1]
+    names = (against, options.budget or candidates[-1].name)
+    place = telling_event(scores, ratio, basis, names)
+    if place is None:
+        return None
+    at, event = place
+    pair = int(scores[at].event_pair[event])
+    first = int(np.searchsorted(scores[at].event_pair, pair))
+    return film_event(
+        recordings[at],
+        recordings[at].pairs[pair],
+        event - first,
+        candidates,
+        options.settings(scores[at].sensor, scores[at].mean_burst_s or 0.0),
+        sensor=scores[at].sensor,
+        ratio=ratio,
     )

@@ -2,7 +2,7 @@
 
 ``bsmList`` holds the messages of the host and of the vehicles it heard. Every ``id`` is a vehicle:
 ``<stem>/<id>``. Positions are in the event's own frame, about the host at the warning, so a trip has no
-origin; times count from the warning.
+origin; times count from the warning, on one clock for all vehicles.
 
 =======================  ======  ===================================================================
 Field of ``coreData``    Unit    Use
@@ -63,7 +63,9 @@ class NycCvpdReader(AbstractTripReader):
             columns = {str(name): raw[:, at] for at, name in enumerate((*_CORE, *_ACCELERATION))}
             rows = _usable(Rows(np.asarray(records, dtype=np.int64), columns), tally)
             trip_id = f"{stem}/{vehicle}"
-            trip = make_trip(path, trip_id, rows, tally, count=len(records), source=self.name)
+            trip = make_trip(
+                path, trip_id, rows, tally, count=len(records), source=self.name, clock_offset_s=0.0
+            )
             if trip is None:
                 on_skipped(trip_id, tally.why_empty())
             else:

@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from modelcast.report.figures.files import drawn, write_drawings
+from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
 from modelcast.report.literal import literal
 from modelcast.report.page import CSS, escape, page, table
@@ -34,6 +35,11 @@ _HEADS = (
     "over {against}", "false", "over {against}", "false/h", "never", "late p50", "p90", "p99",
 )  # fmt: skip
 _TEXT_COLUMNS = 5
+_FILM = (
+    "The true warning at which the two senders of the headline differ most, in one run: the road from above, "
+    "the host at the left and red where a warning is right; the margin as perfect knowledge and each host "
+    "has it; and the messages."
+)
 
 
 def safety_headline(result: SafetyResult) -> list[str]:
@@ -119,10 +125,13 @@ def write_safety_report(
     place = folder / "table.md"
     place.write_text(safety_markdown(result), encoding="utf-8", newline="\n")
     with style():
-        drawings = [drawn(name, plot(result)) for name, (_, plot) in SAFETY_FIGURES.items()]
+        shown = {name: (caption, plot(result)) for name, (caption, plot) in SAFETY_FIGURES.items()}
+        if result.film is not None:
+            shown["film"] = (_FILM, plot_film(result.film))
+        drawings = [drawn(name, figure) for name, (_, figure) in shown.items()]
     notes = [*safety_headline(result), *training_note(tuple(training_trips), trips)]
     body = ["<h1>Warnings from messages</h1>", *(f"<p>{escape(line)}.</p>" for line in notes)]
-    for drawing, (caption, _) in zip(drawings, SAFETY_FIGURES.values(), strict=True):
+    for drawing, (caption, _) in zip(drawings, shown.values(), strict=True):
         body.append(
             f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
             f"<figcaption>{escape(caption)}</figcaption></figure>"

@@ -2,11 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.study.compare.bootstrap import Limits
 from modelcast.study.safety.settings import Basis
+
+if TYPE_CHECKING:
+    from modelcast.study.safety.film import EventFilm
 
 __all__ = ["ConditionScores", "PairNames", "PooledSafety", "RecordingScores", "SafetyResult", "SenderSpend"]
 
@@ -173,6 +176,8 @@ class SafetyResult:
         True warnings, pairs, instants that count, and those of them with a true warning; of one sensor.
     failures, skipped
         Files and trips left out, and why.
+    film
+        The true warning at which the sender with the budget gains most; None where there is none.
     """
 
     settings: Mapping[str, Any]
@@ -185,3 +190,4 @@ class SafetyResult:
     positives: int
     failures: Mapping[str, str]
     skipped: Mapping[str, Any]
+    film: "EventFilm | None" = None

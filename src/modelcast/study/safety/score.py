@@ -6,99 +6,29 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.apps.base import AbstractApplication
-from modelcast.apps.motions import Motions
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
-from modelcast.models.point_kernels import ACCELERATION, VELOCITY_EAST, VELOCITY_NORTH, YAW_RATE
 from modelcast.runtime.trip.replay import replay, schedules_of
 from modelcast.runtime.trip.runtime import TripMessages, sense_trip
-from modelcast.runtime.trip.together import placed
-from modelcast.station.receiver.belief_kernels import (
-    BELIEF_ACCELERATION,
-    BELIEF_HEADING,
-    BELIEF_SPEED,
-    BELIEF_YAW_RATE,
-)
-from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.compare.candidate import FixedCandidate
 from modelcast.study.context import trip_runtimes
-from modelcast.study.safety.events import TrueWarnings, delays_s, false_warnings, true_warnings
+from modelcast.study.safety.events import delays_s, false_warnings
 from modelcast.study.safety.pairs import FollowingPair, Recording
 from modelcast.study.safety.result import ConditionScores, PairNames, RecordingScores, SenderSpend
+from modelcast.study.safety.scene import Scene, assess_believed, make_scene
 from modelcast.study.safety.senders import LeadingSender, Spent
 from modelcast.study.safety.settings import Basis, SafetySettings
 from modelcast.study.tracking import draw_losses
-from modelcast.world.true_motion import true_motion
 
-__all__ = ["SMOOTH_S", "Walked", "score_recording"]
-
-SMOOTH_S = 0.3
-"""Accelerations that are true are slopes over this long to either side [s]: brakes take as long to bite."""
+__all__ = ["Walked", "score_recording", "sent_by"]
 
 
-def _columns(motion: FloatArray) -> Motions:
-    """Motions from columns of `true_motion`."""
-    return Motions.of(
-        motion[:, :2], speed_mps=motion[:, 2], heading_rad=motion[:, 3],
-        acceleration_mps2=motion[:, 4], yaw_rate_radps=motion[:, 5],
-    )  # fmt: skip
-
-
-def _seen_motion(case: TripCase) -> FloatArray:
-    """How a vehicle sees itself move, columns as those of `true_motion`, (T, 6)."""
-    samples = sample_matrix(case.seen, case.estimator)
-    east, north = samples[:, VELOCITY_EAST], samples[:, VELOCITY_NORTH]
-    course = np.unwrap(np.arctan2(east, north))
-    return np.column_stack(
-        (samples[:, :2], np.hypot(east, north), course, samples[:, ACCELERATION], samples[:, YAW_RATE])
-    )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Ready:
-    """A pair with what is true of it: instants that count, and where perfect knowledge warns."""
-
-    pair: FollowingPair
-    t_s: FloatArray
-    counted: BoolArray
-    warned: BoolArray
-    true: TrueWarnings
-    host: Motions
-
-
-def _ready(pair: FollowingPair, cases: Mapping[int, TripCase], settings: SafetySettings) -> _Ready:
-    leader, follower = cases[pair.leader], cases[pair.follower]
-    seen = placed(pair.at_follower(_seen_motion(follower)), follower.truth, leader.truth)
-    host, remote = _columns(seen), _seen_motion(leader)[pair.samples]
-    right = host
-    if settings.truth == "knowledge":
-        motion = pair.at_follower(true_motion(follower.truth, smooth_s=SMOOTH_S))
-        right = _columns(placed(motion, follower.truth, leader.truth))
-        remote = true_motion(leader.truth, smooth_s=SMOOTH_S)[pair.samples]
-    found = settings.application.assess(right, _columns(remote))
-    near, warned = np.abs(found.margin_m) < settings.near_m, found.warned
-    t_s = leader.truth.t_s[pair.samples]
-    return _Ready(pair, t_s, near, warned, true_warnings(warned, near, t_s, merge_s=settings.merge_s), host)
-
-
-def _warned(application: AbstractApplication, ready: _Ready, motions: FloatArray) -> BoolArray:
+def _warned(application: AbstractApplication, scene: Scene, motions: FloatArray) -> BoolArray:
     """Where hosts warn that believe the leader to move like this, (R, T, 8) at its samples; (R, N)."""
-    runs, at = motions.shape[0], np.flatnonzero(ready.counted)
-    rows = motions[:, ready.pair.samples[at]].reshape(-1, motions.shape[2])
-    own = np.tile(at, runs)
-    host = ready.host
-    found = application.assess(
-        Motions.of(
-            host.position_m[own], speed_mps=host.speed_mps[own], heading_rad=host.heading_rad[own],
-            acceleration_mps2=host.acceleration_mps2[own], yaw_rate_radps=host.yaw_rate_radps[own],
-        ),
-        Motions.of(
-            rows[:, :2], speed_mps=rows[:, BELIEF_SPEED], heading_rad=rows[:, BELIEF_HEADING],
-            acceleration_mps2=rows[:, BELIEF_ACCELERATION], yaw_rate_radps=rows[:, BELIEF_YAW_RATE],
-        ),
-    )  # fmt: skip
-    warned: BoolArray = np.zeros((runs, ready.counted.size), dtype=np.bool_)
-    warned[:, at] = found.warned.reshape(runs, -1)
+    at = np.flatnonzero(scene.counted)
+    found = assess_believed(application, scene, motions, at)
+    warned: BoolArray = np.zeros((motions.shape[0], scene.counted.size), dtype=np.bool_)
+    warned[:, at] = found.warned.reshape(motions.shape[0], -1)
     return warned
 
 
@@ -112,18 +42,18 @@ class _Runs:
     false_warnings: IntArray
 
 
-def _scored(ready: _Ready, warned: BoolArray, settings: SafetySettings) -> _Runs:
+def _scored(scene: Scene, warned: BoolArray, settings: SafetySettings) -> _Runs:
     """Score one pair's runs, (K, N)."""
-    true, misses = ready.true, ready.counted & ready.warned & ~warned
+    true, misses = scene.true, scene.counted & scene.warned & ~warned
     by_event = np.zeros((true.first.size, warned.shape[0]), dtype=np.int64)
     for run, row in enumerate(misses):
         of = true.event[row]
         by_event[:, run] = np.bincount(of[of >= 0], minlength=true.first.size)
     return _Runs(
         by_event,
-        delays_s(true, warned, ready.t_s, grace_s=settings.grace_s),
-        (warned & ready.counted & ~ready.warned).sum(axis=1),
-        false_warnings(warned, ready.warned, ready.counted, ready.t_s, merge_s=settings.merge_s),
+        delays_s(true, warned, scene.t_s, grace_s=settings.grace_s),
+        (warned & scene.counted & ~scene.warned).sum(axis=1),
+        false_warnings(warned, scene.warned, scene.counted, scene.t_s, merge_s=settings.merge_s),
     )
 
 
@@ -165,7 +95,7 @@ def _walks(
 
 
 def _score_pair(
-    ready: _Ready,
+    scene: Scene,
     senders: Mapping[str, LeadingSender],
     walks: Mapping[Condition, tuple[TripMessages, Spent]],
     lost: BoolArray,
@@ -191,14 +121,28 @@ def _score_pair(
                         expiry_s=np.inf if evaluation.expiry_s is None else evaluation.expiry_s,
                         motions=True,
                     )
-                    warned = _warned(settings.application, ready, replayed.motions)
-                    done[id(walk)] = _scored(ready, warned, settings)
+                    warned = _warned(settings.application, scene, replayed.motions)
+                    done[id(walk)] = _scored(scene, warned, settings)
                 found[name, basis, ratio] = done[id(walk)]
     return found
 
 
 Walked = tuple[Mapping[str, LeadingSender], Mapping[Condition, tuple[TripMessages, Spent]]]
 """The candidates as senders of one leader, and what they send by condition."""
+
+
+def sent_by(case: TripCase, candidates: Sequence[FixedCandidate], settings: SafetySettings) -> Walked:
+    """The candidates as senders of one leader, and what they send by candidate, basis and loss ratio.
+
+    Parameters
+    ----------
+    case
+        The leader's trip.
+    candidates, settings
+        As for `score_recording`.
+    """
+    own = _senders(case, candidates, settings)
+    return own, _walks(own, settings)
 
 
 def score_recording(
@@ -229,30 +173,29 @@ def score_recording(
     involved = {place for pair in recording.pairs for place in (pair.leader, pair.follower)}
     cases = {place: make_case(recording.trips[place], evaluation) for place in sorted(involved)}
     known = {} if walked is None else walked
-    readies: list[_Ready] = []
+    scenes: list[Scene] = []
     runs: list[dict[Condition, _Runs]] = []
     for pair in recording.pairs:
         case = cases[pair.leader]
         if pair.leader not in known:
-            own = _senders(case, candidates, settings)
-            known[pair.leader] = own, _walks(own, settings)
+            known[pair.leader] = sent_by(case, candidates, settings)
         senders, sent = known[pair.leader]
-        ready = _ready(pair, cases, settings)
-        readies.append(ready)
-        runs.append(_score_pair(ready, senders, sent, draw_losses(case, evaluation), settings))
+        scene = make_scene(pair, cases, settings)
+        scenes.append(scene)
+        runs.append(_score_pair(scene, senders, sent, draw_losses(case, evaluation), settings))
     walks = {leader: sent for leader, (_, sent) in known.items()}
     return RecordingScores(
         recording.name,
         sensor,
         evaluation.mean_burst_s,
         pairs=[_names(recording, pair) for pair in recording.pairs],
-        counted=np.array([ready.counted.sum() for ready in readies]),
-        negatives=np.array([(ready.counted & ~ready.warned).sum() for ready in readies]),
-        duration_s=np.array([ready.t_s.size * cases[ready.pair.leader].truth.dt_s for ready in readies]),
+        counted=np.array([scene.counted.sum() for scene in scenes]),
+        negatives=np.array([(scene.counted & ~scene.warned).sum() for scene in scenes]),
+        duration_s=np.array([scene.t_s.size * cases[scene.pair.leader].truth.dt_s for scene in scenes]),
         leaders_s=sum(cases[place].truth.duration_s for place in walks),
-        event_pair=np.concatenate([np.full(one.true.first.size, at) for at, one in enumerate(readies)]),
-        event_s=np.concatenate([one.t_s[one.true.first] for one in readies]),
-        positives=np.concatenate([_positives(one) for one in readies]),
+        event_pair=np.concatenate([np.full(one.true.first.size, at) for at, one in enumerate(scenes)]),
+        event_s=np.concatenate([one.t_s[one.true.first] for one in scenes]),
+        positives=np.concatenate([_positives(one) for one in scenes]),
         conditions=[_condition(key, runs, [each[key] for each in walks.values()]) for key in runs[0]],
     )
 
@@ -262,10 +205,10 @@ def _names(recording: Recording, pair: FollowingPair) -> PairNames:
     return PairNames(leader, follower, pair.headway_s)
 
 
-def _positives(ready: _Ready) -> IntArray:
+def _positives(scene: Scene) -> IntArray:
     """Instants of each true warning that count, (E,)."""
-    of = ready.true.event[ready.counted & ready.warned]
-    return np.bincount(of, minlength=ready.true.first.size)
+    of = scene.true.event[scene.counted & scene.warned]
+    return np.bincount(of, minlength=scene.true.first.size)
 
 
 def _condition(
