@@ -220,6 +220,9 @@ def _scores(given: Mapping[str, Any]) -> RecordingScores:
 
 def _condition(given: Mapping[str, Any], pairs: int, events: int, runs: int) -> ConditionScores:
     late = [[inf if value is None else value for value in row] for row in given["delay_s"]]
+    for name in ("missed", "delay_s", "false_warnings"):
+        if any(len(row) != runs for row in given[name]):
+            raise ValueError(f"{name} must have rows of {runs} runs")
     missed, delay_s = _whole(given["missed"]).reshape(-1, runs), _table(late, runs)
     false, false_warnings = _whole(given["false"]), _whole(given["false_warnings"])
     for name, shape, wanted in (

@@ -1,0 +1,123 @@
+"""Claims about ``modelcast safety``: what it writes and prints, takes up again, and refuses."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+
+from modelcast.cli import safety_sweep
+from modelcast.cli.app import run
+from modelcast.io.write_trips import write_csv
+from modelcast.trips.trajectory import build_trajectory
+
+SMALL = (
+    "--sensors", "default", "--burst", "0", "0.5", "--per", "0", "0.4", "--seeds", "2", "--resamples", "50",
+    "--threshold", "0.2", "--bank", "cv", "free", "--jobs", "1",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def platoon(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file with three cars that brake one after another."""
+    path = tmp_path_factory.mktemp("platoon") / "platoon.csv"
+    t_s = np.arange(450) * 0.1
+    lines = ["vehicle,t_s,east_m,north_m,speed_mps,heading_rad"]
+    for place in range(3):
+        own_s = t_s - 1.2 * place
+        braking = np.clip(own_s - 25.0, 0.0, 2.0)
+        east = 14.0 * own_s - 2.5 * braking**2 - 10.0 * np.maximum(own_s - 27.0, 0.0)
+        speed = np.gradient(east, t_s)
+        rows = zip((t_s + 100.0).tolist(), east.tolist(), speed.tolist(), strict=True)
+        lines += [f"{place},{t:.1f},{x:.4f},0.0,{v:.4f},{np.pi / 2}" for t, x, v in rows]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.fixture(scope="module")
+def done(platoon: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("done") / "out"
+    assert run(["safety", str(platoon), *SMALL, "--quiet", "--out", str(out)]) == 0
+    return out
+
+
+def test_the_folder_holds_tables_figures_and_what_repeats_it(done: Path) -> None:
+    names = {path.name for path in done.iterdir()}
+    assert names >= {
+        "summary.json", "pooled.parquet", "events.parquet", "table.md", "report.html", "run.json", "runs",
+        "accuracy.png", "accuracy.svg", "delays.png", "film.png",
+    }  # fmt: skip
+    summary = json.loads((done / "summary.json").read_text())
+    assert summary["pairs"] == 2
+    assert summary["events"] >= 2
+    assert len(summary["pooled"]) == 2 * 2 * 3 * 2
+    assert "true warnings in 2 pairs" in (done / "table.md").read_text()
+    assert "anecdotes" in (done / "table.md").read_text()
+
+
+def test_tables_agree_with_each_other(done: Path) -> None:
+    pooled = pl.read_parquet(done / "pooled.parquet")
+    events = pl.read_parquet(done / "events.parquet")
+    assert set(events["run"].unique()) == {0, 1}
+    own = (pl.col("candidate") == "cv") & (pl.col("basis") == "airtime")
+    own &= (pl.col("packet_error_ratio") == 0.4) & (pl.col("mean_burst_s") == 0.5)
+    rows = events.filter(own)
+    share = rows["missed"].sum() / rows["instants"].sum()
+    assert pooled.filter(own)["missed_ratio"].item() == pytest.approx(share)
+
+
+def test_a_second_call_takes_up_what_is_done(
+    done: Path, platoon: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(*_: object) -> None:
+        raise AssertionError("scored again")
+
+    before = (done / "summary.json").read_bytes()
+    monkeypatch.setattr(safety_sweep, "_score", refuse)
+    assert run(["safety", str(platoon), *SMALL, "--json", "--out", str(done)]) == 0
+    assert (done / "summary.json").read_bytes() == before
+    assert json.loads(capsys.readouterr().out)["pairs"] == 2
+
+
+def test_the_terminal_shows_the_headline_first(
+    done: Path, platoon: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["safety", str(platoon), *SMALL, "--out", str(done)]) == 0
+    out = capsys.readouterr().out
+    assert out.index("true warnings") < out.index("free misses")
+    assert "report:" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--application", "acc"), "fcw, eebl, ima"),
+        (("--application", "ima"), "take fcw or eebl"),
+        (("--application", "eebl", "--algorithm", "nhtsa"), "--algorithm goes with"),
+        (("--algorithm", "guess"), "camp-linear"),
+        (("--bank", "cv", "nobody"), "nobody"),
+        (("--budget", "imm"), "--budget imm"),
+        (("--against", "imm"), "--against imm"),
+        (("--sensors", "radar"), "radar"),
+        (("--per", "1.5"), "0..1"),
+        (("--streams", "2"), "one of the two"),
+    ],
+)
+def test_bad_options_are_told(
+    words: tuple[str, ...], told: str, platoon: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = ["safety", str(platoon), "--jobs", "1", "--quiet", "--out", str(tmp_path / "out"), *words]
+    assert run(asked) == 2
+    assert told in capsys.readouterr().err.replace("\n", " ")
+    assert not (tmp_path / "out").exists()
+
+
+def test_no_platoon_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["safety", "--out", str(tmp_path / "out")]) == 2
+    assert "--streams" in capsys.readouterr().err
+    path = tmp_path / "alone.csv"
+    t_s = np.arange(300) * 0.1
+    write_csv([build_trajectory("alone/1", t_s, np.column_stack((10 * t_s, 0 * t_s)))], path)
+    assert run(["safety", str(path), "--jobs", "1", "--out", str(tmp_path / "out")]) == 2
+    assert "nobody ahead" in capsys.readouterr().err
