@@ -2,14 +2,20 @@
 
 import json
 import pickle
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
 from modelcast.cli.app import USAGE, run
+from modelcast.cli.network_case import propagation_of
+from modelcast.cli.network_plan import NetworkPlan
+from modelcast.cli.network_traffic import traffic
+from modelcast.cli.options import SensorOptions
 from modelcast.core.exceptions import (
     CodecError,
     ConfigError,
@@ -17,6 +23,7 @@ from modelcast.core.exceptions import (
     MissingExtraError,
     ModelcastError,
 )
+from modelcast.study.network.rows import NetworkCase
 
 DEFAULTS = {
     "--density": ["20"],
@@ -88,11 +95,52 @@ def test_mistakes_are_told(option: str, value: str, tmp_path: Path) -> None:
     assert run(words(tmp_path / "out", **{option: value})) == USAGE
 
 
-@pytest.mark.parametrize("changed", [{"scenario": "grid", "blocks": "2"}, {"radio": "abstract"}])
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"scenario": "grid", "blocks": "2"},
+        {"scenario": "crossing", "blocks": "2"},
+        {"scenario": "braking"},
+        {"scenario": "cut-in"},
+        {"radio": "abstract"},
+    ],
+)
 def test_other_scenarios_and_radios_run(changed: dict[str, str], tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert run(words(out, seeds="1", policy="j2945", **changed)) == 0
     assert len(list((out / "runs").iterdir())) == 1
+
+
+@pytest.mark.parametrize("scenario", ["grid", "crossing"])
+def test_in_a_town_buildings_stand_between_the_streets(scenario: str) -> None:
+    """Who drives in one street sees each other, around a corner nobody does; along a road all do."""
+    plan = NetworkPlan(
+        scenario, duration_s=1.0, warm_up_s=0.0, length_m=400.0, lanes=0, blocks=3, seed=0,
+        certificates="gap", banks=("default",), profile=None, start=None, identify=None, cost="bytes",
+        threads=1, thresholds_m=(0.2,), keep_alive_s=1.0, believe=None, budget=4.0 / 3.0, approach_m=20.0,
+        relaxed_error_m=None, sensor=SensorOptions(),
+    )  # fmt: skip
+    with traffic(plan, NetworkCase(20.0, "dsrc", "j2945", "", 0)) as frames:
+        place = next(iter(frames)).position_m
+    a, b = np.triu_indices(len(place), 1)
+    sees = propagation_of(plan).line_of_sight(place[a], place[b])
+    street = np.abs(place - 200.0 * np.round(place / 200.0)) <= 15.0
+    number = np.round(place / 200.0)
+    together = (street[a] & street[b] & (number[a] == number[b])).any(axis=1)
+    inside = (~street[a]).any(axis=1) & (~street[b]).any(axis=1)  # not in the middle of a junction
+    assert inside.sum() > 50
+    assert (sees == together)[inside].all()
+    assert 0.05 < sees[inside].mean() < 0.6
+    assert propagation_of(replace(plan, scenario="braking")).line_of_sight(place[a], place[b]).all()
+
+
+def test_streams_that_do_not_fit_are_told_with_what_to_change(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(words(tmp_path / "out", scenario="braking", density="600", lanes="2")) == USAGE
+    told = capsys.readouterr().err
+    assert "lower density_per_km, now 600.0" in told
+    assert "raise lanes, now 2" in told
 
 
 FCD = {"csv", "parquet", "xml"}

@@ -57,9 +57,12 @@ def network(
     Parameters
     ----------
     scenario
-        highway, grid; sumo-highway, sumo-grid, sumo-junction (extra sumo); platoon: the cars of an OpenACC
-        file on their one clock, as long as it lasts; trips: recorded trips laid on a straight road; or a file
-        of floating-car data (CSV, Parquet or SUMO XML). Platoon, junction and files have their own density.
+        highway; braking: streams whose leaders brake hard now and then; cut-in: streams in which vehicles
+        cut in; grid: streets with signals and buildings; crossing: the same with priority instead of signals,
+        and drivers who misjudge gaps; sumo-highway, sumo-grid, sumo-junction (extra sumo); platoon: the cars
+        of an OpenACC file on their one clock, as long as it lasts; trips: recorded trips laid on a straight
+        road; or a file of floating-car data (CSV, Parquet or SUMO XML). Platoon, junction and files have
+        their own density.
     trips
         Recorded trips of platoon and trips: files or folders, several after one another. Of several platoons
         seeds take one each in turn.
@@ -80,11 +83,11 @@ def network(
     seed
         Seed of all random numbers.
     length
-        Length of the highway, or of the road of trips [m].
+        Length of the highway, of the road of streams or of trips [m].
     lanes
         Lanes in each direction of it; 0 for as many as the density needs.
     blocks
-        Junctions on each side of the grid.
+        Junctions on each side of grid and crossing.
     certificates
         Which messages carry the certificate: gap, timer, always, digest, unsigned.
     bank

@@ -1,6 +1,6 @@
 """One run of ``modelcast network``: which traffic, which radio, which sender; what a worker process does."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from modelcast.cli.banks import profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
@@ -20,24 +20,38 @@ from modelcast.world.scenario.motion import checked
 from modelcast.world.scenario.sensed import FleetSensor
 from modelcast.world.sensors import filter_for
 
-__all__ = ["run_case"]
+if TYPE_CHECKING:
+    from modelcast.channel.propagation import Propagation
+
+__all__ = ["propagation_of", "run_case"]
 
 _STREET_M = 30.0
+
+
+def propagation_of(plan: NetworkPlan) -> "Propagation":
+    """How radio waves get from vehicle to vehicle: in a town, buildings fill what lies between its streets.
+
+    Parameters
+    ----------
+    plan
+        It names the scenario.
+    """
+    from modelcast.channel.path_loss import ManhattanNlos
+    from modelcast.channel.propagation import Propagation, Shadowing, StreetGrid
+
+    if not plan.is_town:
+        return Propagation()
+    streets = StreetGrid(BLOCK_M, _STREET_M)
+    return Propagation(shadowing=Shadowing(decorrelation_m=10.0), streets=streets, nlos=ManhattanNlos())
 
 
 def _radio(plan: NetworkPlan, name: str) -> tuple[Any, float]:
     """The radio of that name, and the width of its bins of distance."""
     from modelcast.channel.dsrc import Dsrc
-    from modelcast.channel.path_loss import ManhattanNlos
-    from modelcast.channel.propagation import Propagation, Shadowing, StreetGrid
     from modelcast.channel.sidelink import Sidelink
     from modelcast.channel.tabulated import TabulatedRadio, measured_table
 
-    propagation = Propagation()
-    if plan.is_town:
-        streets = StreetGrid(BLOCK_M, _STREET_M)
-        shadowing = Shadowing(decorrelation_m=10.0)
-        propagation = Propagation(shadowing=shadowing, streets=streets, nlos=ManhattanNlos())
+    propagation = propagation_of(plan)
     if name == "dsrc":
         dsrc = Dsrc(propagation=propagation)
         return dsrc, dsrc.parameters.bin_m

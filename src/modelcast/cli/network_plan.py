@@ -18,7 +18,7 @@ from modelcast.study.network.rows import NO_THRESHOLD
 
 __all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
 
-BUILT_IN = ("highway", "grid")
+BUILT_IN = ("highway", "braking", "cut-in", "grid", "crossing")
 SUMO = ("sumo-highway", "sumo-grid", "sumo-junction")
 RECORDED = ("platoon", "trips")
 RADIOS = ("dsrc", "sidelink", "abstract")
@@ -35,9 +35,9 @@ class NetworkPlan:
     duration_s, warm_up_s
         Time simulated, and how much of it is left out of the counts [s].
     length_m
-        Length of a highway [m].
+        Length of a highway or of streams [m].
     lanes
-        Lanes in each direction of a highway; 0 for as many as the density needs.
+        Lanes in each direction of it; 0 for as many as the density needs.
     blocks
         Junctions on each side of a grid.
     seed
@@ -176,7 +176,7 @@ class NetworkPlan:
     @property
     def is_town(self) -> bool:
         """Whether buildings stand along the streets."""
-        return self.scenario in {"grid", "sumo-grid"}
+        return self.scenario in {"grid", "crossing", "sumo-grid"}
 
     def check_traffic(self) -> None:
         """Refuse traffic that cannot be had, before anything runs.

@@ -6,23 +6,37 @@ from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from itertools import takewhile
 from pathlib import Path
+from typing import Any
 
-from modelcast.cli.network_plan import SUMO, NetworkPlan
+from modelcast.cli.network_plan import BUILT_IN, SUMO, NetworkPlan
 from modelcast.core.chance import child_generator
 from modelcast.io.fcd_survey import FcdSurvey
 from modelcast.study.network.rows import NetworkCase
 from modelcast.trips.trajectory import Trajectory
-from modelcast.world.scenario.base import STEP_S, FleetFrame, run_scenario
+from modelcast.world.scenario.base import STEP_S, AbstractScenario, FleetFrame, run_scenario
+from modelcast.world.scenario.braking import BrakingStreams
 from modelcast.world.scenario.grid import Grid
 from modelcast.world.scenario.highway import Highway
 from modelcast.world.scenario.library import TripRoad
 from modelcast.world.scenario.recorded import Replay
 from modelcast.world.scenario.resampling import resampled
 
-__all__ = ["BLOCK_M", "traffic"]
+__all__ = [
+    "BLOCK_M",
+    "CROSSING_MISJUDGED_RATIO",
+    "CROSSING_STRAIGHT_RATIO",
+    "CUT_INS_PER_MINUTE",
+    "traffic",
+]
 
 BLOCK_M = 200.0
 """Distance between the junctions of a grid [m]."""
+
+CUT_INS_PER_MINUTE = 20.0
+"""Of the scenario ``cut-in``, on the whole road [1/min]."""
+
+CROSSING_STRAIGHT_RATIO, CROSSING_MISJUDGED_RATIO = 0.8, 0.5
+"""Of the scenario ``crossing``: who goes straight on, and who misjudges."""
 
 _MOST_SUMO_VEHICLES = 1.6
 """Slots for SUMO's traffic over the vehicles that the density asks for: what flows in varies."""
@@ -51,12 +65,8 @@ def traffic(
         Where vehicles do not fit on the road, or no trip can be used.
     """
     rng = child_generator(plan.seed, case.run, "traffic")
-    if plan.scenario == "highway":
-        road = Highway(plan.length_m, case.density_per_km, lanes=plan.lanes_for(case.density_per_km))
-        yield run_scenario(road, rng, duration_s=plan.duration_s)
-    elif plan.scenario == "grid":
-        grid = Grid(plan.blocks, plan.blocks, case.density_per_km, block_m=BLOCK_M)
-        yield run_scenario(grid, rng, duration_s=plan.duration_s)
+    if plan.scenario in BUILT_IN:
+        yield run_scenario(_built_in(plan, case.density_per_km), rng, duration_s=plan.duration_s)
     elif plan.scenario in SUMO:
         with tempfile.TemporaryDirectory(prefix="modelcast-") as name:
             yield _sumo_frames(plan, case, Path(name))
@@ -73,6 +83,34 @@ def traffic(
 
         frames = resampled(read_fcd(plan.scenario, found=found), STEP_S)
         yield takewhile(lambda frame: frame.t_s < plan.duration_s, frames)
+
+
+def _built_in(plan: NetworkPlan, density_per_km: float) -> AbstractScenario[Any]:
+    """The scenario of a name of `BUILT_IN`."""
+    lanes = plan.lanes_for(density_per_km)
+    if plan.scenario == "highway":
+        return Highway(plan.length_m, density_per_km, lanes=lanes)
+    if plan.scenario == "braking":
+        return BrakingStreams(plan.length_m, density_per_km, lanes=lanes)
+    if plan.scenario == "cut-in":
+        return BrakingStreams(
+            plan.length_m,
+            density_per_km,
+            lanes=lanes,
+            brakings_per_minute=0.0,
+            cut_ins_per_minute=CUT_INS_PER_MINUTE,
+        )
+    if plan.scenario == "grid":
+        return Grid(plan.blocks, plan.blocks, density_per_km, block_m=BLOCK_M)
+    return Grid(
+        plan.blocks,
+        plan.blocks,
+        density_per_km,
+        block_m=BLOCK_M,
+        junctions="priority",
+        straight_ratio=CROSSING_STRAIGHT_RATIO,
+        misjudged_ratio=CROSSING_MISJUDGED_RATIO,
+    )
 
 
 @functools.lru_cache(maxsize=8)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from modelcast.core.arrays import BoolArray
+from modelcast.core.arrays import BoolArray, IntArray
 from modelcast.world.scenario import braking_kernels as kernels
 from modelcast.world.scenario import following_kernels as following
 from modelcast.world.scenario import highway_kernels as rows
@@ -58,7 +58,8 @@ def find_cut_in(
         who, behind = int(ready[one]), int(ready[other])
         # nobody else is in that lane, or moves to or from it, up to some way ahead of the new place
         new = int(lane[behind])
-        ours = (np.arange(place.size) < forward) == (who < forward)
+        slots: IntArray = np.arange(place.size, dtype=np.int64)
+        ours = slots < forward if who < forward else slots >= forward
         others: BoolArray = np.asarray(
             ours & ((lane == new) | (integers[rows.OLD_LANE] == new)), dtype=np.bool_
         )
