@@ -138,6 +138,7 @@ class FleetLoop:
         self._parts = list(pairwise(edges))
         self.speakers = _speakers(self.mix, settings, phase, self._parts, sensing)
         self._ready = ReadyBank.joined([one.bank.ready for one in self.speakers])
+        self._members = self._ready.members
         one = len(self.speakers) == 1
         self.vehicle = self.stations.senders.vehicle if one else np.full(vehicles, -1, dtype=np.int64)
         self.group, self.reading = (np.zeros(vehicles, dtype=np.int64) for _ in range(2))
@@ -212,12 +213,14 @@ class FleetLoop:
             self._draw.place(self.vehicle, started, self.group, self.reading)
         for number, one in enumerate(self.speakers):
             one.begin(frame, frame.active & (self.group == number), started)
+        one = len(self.speakers) == 1
+        self._members = self.stations.models.members if one else self._ready.members
         reception_kernels.clear_hosts(started, self.tables, self.tracks)
         columns = (seen.speed_mps, seen.heading_rad, seen.acceleration_mps2, seen.yaw_rate_radps)
         measured = np.column_stack((seen.position_m, *columns))
         begins = np.zeros(len(frame), dtype=np.bool_) if frame.begins is None else frame.begins
         hosts = Hosts(
-            self._ready.members,
+            self._members,
             self.expiry_s,
             self.vehicle,
             lambda: self._shown(_HEADING),
@@ -247,7 +250,7 @@ class FleetLoop:
         """Set all tracks against the truth."""
         settings = self.settings
         tracking = Tracking(
-            members=self._ready.members,
+            members=self._members,
             t_s=now_s,
             step=self.number,
             expiry_s=self.expiry_s,
