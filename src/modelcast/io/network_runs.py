@@ -191,8 +191,8 @@ def read_case(case: NetworkCase, options: Mapping[str, Any], key: RunKey, folder
         list(_rows(path, "distances", DistanceRow, document["distances"], case)),
         outcomes=list(_rows(path, "outcomes", OutcomeRow, document["outcomes"], case)),
         seconds=list(_rows(path, "seconds", SecondRow, document["seconds"], case)),
-        pairings=list(_rows(path, "pairings", PairingRow, document["pairings"], case)),
-        penetration=list(_rows(path, "penetration", PenetrationRow, document["penetration"], case)),
+        pairings=tuple(_rows(path, "pairings", PairingRow, document["pairings"], case)),
+        penetration=tuple(_rows(path, "penetration", PenetrationRow, document["penetration"], case)),
     )
 
 

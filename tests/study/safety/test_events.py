@@ -2,20 +2,21 @@
 
 import numpy as np
 
+from modelcast.core.arrays import BoolArray, FloatArray
 from modelcast.study.safety.events import delays_s, false_warnings, true_warnings
 
-T_S = np.arange(40) * 0.1
+T_S: FloatArray = np.arange(40, dtype=np.float64) * 0.1
 
 
-def flags(*ranges: tuple[int, int]) -> np.ndarray:
+def flags(*ranges: tuple[int, int]) -> BoolArray:
     """Instants within ranges, the ends not included."""
-    found = np.zeros(40, dtype=bool)
+    found: BoolArray = np.zeros(40, dtype=np.bool_)
     for a, b in ranges:
         found[a:b] = True
     return found
 
 
-ALL = np.ones(40, dtype=bool)
+ALL: BoolArray = np.ones(40, dtype=np.bool_)
 
 
 def test_short_pauses_join_and_uncounted_warnings_are_no_events() -> None:

@@ -22,14 +22,15 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.core.chance import child_generator
 from modelcast.core.parts import WHOLE, Parts
 from modelcast.models.members import ReadyBank
-from modelcast.runtime.fleet import believed_kernels, mixed_kernels, reception_kernels, tracking_kernels
+from modelcast.runtime.fleet import mixed_kernels, reception_kernels, tracking_kernels
 from modelcast.runtime.fleet.arrays import (
     Tally,
     pooled,
     tally,
     tracks,
 )
-from modelcast.runtime.fleet.believed import Believed
+from modelcast.runtime.fleet.believed import Believed, believe, pairs_of
+from modelcast.runtime.fleet.believed_kernels import Readers
 from modelcast.runtime.fleet.mix import Draw, Mix
 from modelcast.runtime.fleet.mixed import MixedTally, mixed_tally, pooled_mixed, within
 from modelcast.runtime.fleet.reception_kernels import Heard, HearingLimits
@@ -43,7 +44,6 @@ from modelcast.station.policy.j2945 import J2945
 from modelcast.station.policy.j2945_parameters import J2945Parameters
 from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.policy.policy_numbers import RULE_J2945
-from modelcast.station.receiver.belief_kernels import BELIEF_COLUMNS
 from modelcast.station.receiver.reading import Reading, free_rule, goes_straight
 from modelcast.station.sender import message_arrays
 from modelcast.station.sender.message_arrays import (
@@ -138,6 +138,7 @@ class FleetLoop:
         self._parts = list(pairwise(edges))
         self.speakers = _speakers(self.mix, settings, phase, self._parts, sensing)
         self._ready = ReadyBank.joined([one.bank.ready for one in self.speakers])
+        self._members = self._ready.members
         one = len(self.speakers) == 1
         self.vehicle = self.stations.senders.vehicle if one else np.full(vehicles, -1, dtype=np.int64)
         self.group, self.reading = (np.zeros(vehicles, dtype=np.int64) for _ in range(2))
@@ -212,12 +213,14 @@ class FleetLoop:
             self._draw.place(self.vehicle, started, self.group, self.reading)
         for number, one in enumerate(self.speakers):
             one.begin(frame, frame.active & (self.group == number), started)
+        one = len(self.speakers) == 1
+        self._members = self.stations.models.members if one else self._ready.members
         reception_kernels.clear_hosts(started, self.tables, self.tracks)
         columns = (seen.speed_mps, seen.heading_rad, seen.acceleration_mps2, seen.yaw_rate_radps)
         measured = np.column_stack((seen.position_m, *columns))
         begins = np.zeros(len(frame), dtype=np.bool_) if frame.begins is None else frame.begins
         hosts = Hosts(
-            self._ready.members,
+            self._members,
             self.expiry_s,
             self.vehicle,
             lambda: self._shown(_HEADING),
@@ -247,7 +250,7 @@ class FleetLoop:
         """Set all tracks against the truth."""
         settings = self.settings
         tracking = Tracking(
-            members=self._ready.members,
+            members=self._members,
             t_s=now_s,
             step=self.number,
             expiry_s=self.expiry_s,
@@ -422,19 +425,11 @@ class FleetLoop:
         ValueError
             Where the arrays differ in shape, a slot is none of the fleet's, or a reading is unknown.
         """
-        given = np.broadcast_arrays(hosts, remotes, -1 if reading is None else reading)
-        if given[0].ndim != 1:
-            raise ValueError(f"hosts and remotes must be (N,), got {np.shape(hosts)} and {np.shape(remotes)}")
-        host, remote, how = (np.array(one, dtype=np.int64) for one in given)
-        _check("hosts", host, self.vehicle.size)
-        _check("remotes", remote, self.vehicle.size)
-        if reading is None:
-            how = self.reading[host]
-        _check("reading", how, len(Reading))
+        host, remote, how = pairs_of(hosts, remotes, reading, self.reading)
         free = self.mix.free
         if free is None:
             free = free_bank() if (how == Reading.FREE).any() else BASELINE_BANK
-        readers = believed_kernels.Readers(
+        readers = Readers(
             self._ready.members,
             np.concatenate([goes_straight(one.bank.bank) for one in self.speakers]),
             free_rule(free, self.settings.dt_s),
@@ -442,16 +437,7 @@ class FleetLoop:
             self.expiry_s,
             self.vehicle,
         )
-        pairs = believed_kernels.Pairs(
-            host,
-            remote,
-            how,
-            held=np.zeros(host.size, dtype=np.bool_),
-            age_s=np.empty(host.size),
-            motion=np.empty((host.size, BELIEF_COLUMNS)),
-        )
-        believed_kernels.believe_each(readers, self.tables, self.tracks, self.contents.rows, pairs)
-        return Believed(pairs.held, motion=pairs.motion, age_s=pairs.age_s)
+        return believe(readers, self.tables, self.tracks, self.contents, (host, remote, how))
 
     def _series_row(
         self, frame: FleetFrame, busy_ratio: FloatArray, before: FloatArray, received: Receptions
@@ -509,12 +495,6 @@ class FleetLoop:
 
 
 _HEADING = MEASURED - 3
-
-
-def _check(name: str, numbers: IntArray, end: int) -> None:
-    """Refuse numbers that are not of a range from 0."""
-    if numbers.size and not 0 <= numbers.min() <= numbers.max() < end:
-        raise ValueError(f"{name} must lie within 0..{end - 1}, got {numbers.min()} to {numbers.max()}")
 
 
 def _speakers(

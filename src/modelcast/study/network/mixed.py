@@ -138,7 +138,7 @@ def measure_mixed(
         )
         for ratio in receivers_ratios
     ]
-    return replace(result, pairings=pairings, penetration=penetration)
+    return replace(result, pairings=tuple(pairings), penetration=tuple(penetration))
 
 
 def _spoken(group: GroupRun) -> dict[str, Any]:
