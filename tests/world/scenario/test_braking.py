@@ -183,6 +183,39 @@ def test_without_brakings_nobody_comes_close() -> None:
         assert (last.brakings, last.contacts, last.near_collisions) == (0, 0, 0)
 
 
+@pytest.mark.parametrize(("pedal", "sees_s"), [(0.0, 1.2), (-0.9, 1.2), (-1.1, 0.7)])
+def test_what_a_driver_notices_is_carried_on_at_the_acceleration_seen(pedal: float, sees_s: float) -> None:
+    """A leader that brakes evenly is known exactly; one that began since is not; who brakes is alert."""
+    steps, now, dt = 16, 3, STEP_S
+    ago = (now - np.arange(steps)) % steps
+    age = np.arange(steps) * dt
+    numbers = np.zeros((kernels.COLUMNS, 2))
+    integers = np.zeros((kernels.INTEGERS, 2), dtype=np.int64)
+    integers[kernels.DELAY_STEPS, 0] = 12
+    numbers[rows.A, 0] = pedal
+    numbers[kernels.WAY, 1] = 100.0
+    history = np.zeros((3, steps, 2))
+    stream = kernels.Stream(
+        numbers, integers, np.arange(2), history, np.zeros(kernels.COUNTS, dtype=np.int64)
+    )
+    history[0, ago, 1] = 100.0 - (20.0 * age + 0.5 * 3.0 * age**2)
+    history[1, ago, 1], history[2, ago, 1] = 20.0 + 3.0 * age, -3.0
+    assert kernels.noticed(stream, 0, 1, now, dt) == pytest.approx((0.0, 20.0, -3.0), abs=1e-9)
+    begun = age <= 0.9  # it braked from then on, and drove steadily before
+    history[0, ago, 1] = np.where(begun, history[0, ago, 1], 100.0 - 19.215 - 22.7 * (age - 0.9))
+    history[1, ago, 1] = np.where(begun, 20.0 + 3.0 * age, 22.7)
+    history[2, ago, 1] = np.where(begun, -3.0, 0.0)
+    ahead, speed, acceleration = kernels.noticed(stream, 0, 1, now, dt)
+    if sees_s > 0.9:
+        assert (ahead, speed, acceleration) == pytest.approx((0.5 * 3.0 * 0.9**2, 22.7, 0.0), abs=1e-9)
+    else:
+        assert (ahead, speed, acceleration) == pytest.approx((0.0, 20.0, -3.0), abs=1e-9)
+    history[1, ago, 1], history[2, ago, 1] = 1.0, -4.0  # stands after 0.25 s, 0.125 m on
+    history[0, ago, 1] = 100.0
+    ahead, speed, acceleration = kernels.noticed(stream, 0, 1, now, dt)
+    assert (ahead, speed, acceleration) == pytest.approx((0.125, 0.0, 0.0), abs=1e-9)
+
+
 @pytest.mark.parametrize("reaction_s", [0.5, 1.2])
 def test_a_follower_begins_to_brake_a_reaction_time_after_its_leader(reaction_s: float) -> None:
     """Without errors of perception its pedal does not move before, and moves at once then."""

@@ -42,6 +42,7 @@ __all__ = [
     "RELEASE_MPS3",
     "Stream",
     "least_drop_mps",
+    "noticed",
     "step",
 ]
 
@@ -95,7 +96,7 @@ def least_drop_mps(deceleration_mps2: float) -> float:
 
 
 @kernel
-def _noticed(stream: Stream, i: int, j: int, now: int, dt: float) -> tuple[float, float, float]:
+def noticed(stream: Stream, i: int, j: int, now: int, dt: float) -> tuple[float, float, float]:
     """What driver i takes vehicle j to be: metres ahead of where it is, its speed, its acceleration."""
     history, delay = stream.history, stream.integers[DELAY_STEPS, i]
     if stream.numbers[A, i] < -ALERT_MPS2:
@@ -202,7 +203,7 @@ def _wish(
         gap = _gap(stream, drivers, i, j, shift)
         least = min(least, gap)
         for _ahead in range(2):
-            further, speed, acceleration = _noticed(stream, i, j, now, dt)
+            further, speed, acceleration = noticed(stream, i, j, now, dt)
             wish = min(
                 wish,
                 perceived(
