@@ -163,7 +163,7 @@ def test_a_near_leader_that_draws_away_is_no_reason_for_caution(pair):
 
 @pytest.mark.parametrize("whose", ["host", "remote", "both"])
 def test_certainty_is_that_of_the_normal_distribution_along_the_path(pair, whose: str):
-    """Heading north-east, the deviation along the path is that of (east + north) / sqrt 2; covariances add."""
+    """Heading north-east, what counts is the deviation along the path, of (east + north) / sqrt 2."""
     (asked,) = CampLinear().warning_range_m(20.0, 0.0, 10.0, 0.0)
     away = (asked + LENGTH_M + 1.0) / np.sqrt(2.0)
     host, remote = pair((away, away), remote=(10.0, 0.0, 0.0), turn_rad=np.pi / 4)
