@@ -57,8 +57,10 @@ def table(summary: Mapping[str, Any], ratios: Iterable[float]) -> list[str]:
     """Rows at equal airtime."""
     wanted = set(ratios)
     lines = [
-        f"{summary['events']} true warnings in {summary['pairs']} pairs; {summary['positives']} of "
-        f"{summary['counted']} instants near the decision.",
+        (
+            f"{summary['events']} true warnings in {summary['pairs']} pairs; {summary['positives']} of "
+            f"{summary['counted']} instants near the decision."
+        ),
         "",
         f"| {' | '.join(HEADS)} |",
         "|" + "---|" * len(HEADS),
