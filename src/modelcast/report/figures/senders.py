@@ -68,7 +68,7 @@ def sender_look(name: str) -> tuple[str, str]:
     Examples
     --------
     >>> sender_look("mbc"), sender_look("bsm-2hz")
-    (('#0072b2', 's'), ('#aaaaaa', '.'))
+    (('#0072b2', 'o'), ('#aaaaaa', '.'))
     """
     return _COLOURS.get(name, "#aaaaaa"), _MARKERS.get(name, ".")
 
