@@ -53,8 +53,8 @@ def main() -> int:
     speeds = [f"{speed.min():.1f} to {speed.max():.1f} m/s" for speed in (stated[:, 2], placed[:, 2])]
     lines = [
         (
-            f"{pair.samples.size} instants; the target is {gap_m.min():.0f} to {gap_m.max():.0f} m ahead; its "
-            f"messages state {speeds[0]}, its positions make {speeds[1]}, the host drives "
+            f"{pair.samples.size} instants; the target is {gap_m.min():.0f} to {gap_m.max():.0f} m ahead. "
+            f"Its messages state {speeds[0]}, its positions make {speeds[1]}, the host drives "
             f"{own.speed_mps.min():.1f} to {own.speed_mps.max():.1f} m/s."
         ),
         "",

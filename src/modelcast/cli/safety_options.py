@@ -13,7 +13,7 @@ from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import Numbers, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
 from modelcast.station.policy.rules import BelieveRule
-from modelcast.study.safety.settings import BASES, Basis, Truth
+from modelcast.study.safety.rules import BASES, Basis, Truth
 
 if TYPE_CHECKING:
     from modelcast.apps.base import AbstractApplication

@@ -26,7 +26,7 @@ from modelcast.io.documents import document_text
 from modelcast.io.regular import read_document
 from modelcast.io.run_store import AbstractRunFiles
 from modelcast.study.safety.result import ConditionScores, PairNames, RecordingScores, SenderSpend
-from modelcast.study.safety.settings import BASES
+from modelcast.study.safety.rules import BASES
 
 __all__ = ["SAFETY_RUN_SCHEMA", "SafetyCase", "SafetyRunFiles", "scores_document"]
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.study.compare.bootstrap import Limits
-from modelcast.study.safety.settings import Basis
+from modelcast.study.safety.rules import Basis
 
 if TYPE_CHECKING:
     from modelcast.study.safety.film import EventFilm

@@ -15,9 +15,10 @@ from modelcast.study.context import trip_runtimes
 from modelcast.study.safety.events import delays_s, false_warnings
 from modelcast.study.safety.pairs import FollowingPair, Recording
 from modelcast.study.safety.result import ConditionScores, PairNames, RecordingScores, SenderSpend
+from modelcast.study.safety.rules import Basis
 from modelcast.study.safety.scene import Scene, assess_believed, make_scene
 from modelcast.study.safety.senders import LeadingSender, Spent
-from modelcast.study.safety.settings import Basis, SafetySettings
+from modelcast.study.safety.settings import SafetySettings
 from modelcast.study.tracking import draw_losses
 
 __all__ = ["Walked", "score_recording", "sent_by"]

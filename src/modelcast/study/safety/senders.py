@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.study.case import TripCase
 from modelcast.study.matching import matched_threshold
-from modelcast.study.safety.settings import Basis
+from modelcast.study.safety.rules import Basis
 from modelcast.study.sent import sent_load
 from modelcast.study.settings import EvaluationSettings
 

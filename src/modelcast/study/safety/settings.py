@@ -2,24 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import numpy as np
 
 from modelcast.apps.base import AbstractApplication
 from modelcast.apps.forward_collision import ForwardCollisionWarning
+from modelcast.study.safety.rules import BASES, Basis, Truth
 from modelcast.study.settings import EvaluationSettings
 
-__all__ = ["BASES", "NEAR_M", "Basis", "SafetySettings", "Truth"]
-
-Basis = Literal["threshold", "messages", "airtime"]
-"""What rivals have in common: the threshold, the messages sent, or their time on the air."""
-
-Truth = Literal["knowledge", "communication"]
-"""What is held to be right: what hosts would do that knew how both vehicles truly move, or that heard every
-sample of the sender at once, as its sensors show it."""
-
-BASES: tuple[Basis, ...] = get_args(Basis)
+__all__ = ["NEAR_M", "SafetySettings"]
 
 NEAR_M = 20.0
 """Decisions count where the true margin is smaller than this [m]: far from it nobody errs."""
