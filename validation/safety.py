@@ -1,12 +1,17 @@
 """The tables of docs/safety.md, from what ``modelcast safety`` wrote.
 
-``safety.py RECORDED STREAMS [--write | --check]``: two output folders, of
+``safety.py FOLDER [--write | --check]``: a folder that holds the output of four calls, ``FILES`` being the
+folder ``openacc_zalazone`` and the file ``roads/tampa_dev.parquet`` of what ``MODELCAST_DATA`` names:
 
-    modelcast safety openacc_zalazone/ roads/tampa_dev.parquet --threshold 0.2 --out RECORDED
-    modelcast safety --streams 4 --sensors default --burst 0 --per 0 0.4 0.6 --threshold 0.2 --out STREAMS
+    modelcast safety FILES --threshold 0.2 --out FOLDER/recorded
+    modelcast safety FILES --threshold 0.2 --basis airtime --truth communication --sensors default --burst 0
+        --per 0 0.4 --out FOLDER/communication
+    modelcast safety FILES --threshold 0.01 --basis threshold --sensors default --burst 0 --per 0 --bank cv
+        --out FOLDER/floor
+    modelcast safety --streams 4 --sensors default --burst 0 --per 0 0.4 0.6 --threshold 0.2
+        --out FOLDER/streams
 
-(the first two from the folder that ``MODELCAST_DATA`` names). ``--write`` puts the tables into the page,
-``--check`` tells by its exit code whether the page has them.
+``--write`` puts the tables into the page, ``--check`` tells by its exit code whether the page has them.
 """
 
 import argparse
@@ -18,7 +23,8 @@ from typing import Any
 from page_blocks import put
 
 PAGE = Path(__file__).parents[1] / "docs" / "safety.md"
-RATIOS = (0.0, 0.4, 0.6)
+RATIOS = (0.0, 0.4)
+CALLS = ("streams", "recorded", "communication", "floor")
 HEADS = (
     "sensor", "losses", "loss", "sender", "messages/s", "missed", "over cv", "false", "over cv", "never",
     "late p50 / p90 [s]",
@@ -54,7 +60,7 @@ def _cells(row: Mapping[str, Any]) -> list[str]:
 
 
 def table(summary: Mapping[str, Any], ratios: Iterable[float]) -> list[str]:
-    """Rows at equal airtime."""
+    """Rows at equal airtime, or whatever the last basis of the call is."""
     wanted = set(ratios)
     lines = [
         (
@@ -68,7 +74,7 @@ def table(summary: Mapping[str, Any], ratios: Iterable[float]) -> list[str]:
     lines += [
         f"| {' | '.join(_cells(row))} |"
         for row in summary["pooled"]
-        if row["basis"] == "airtime" and row["packet_error_ratio"] in wanted
+        if row["basis"] == summary["settings"]["basis"][-1] and row["packet_error_ratio"] in wanted
     ]
     return lines
 
@@ -76,14 +82,12 @@ def table(summary: Mapping[str, Any], ratios: Iterable[float]) -> list[str]:
 def main() -> int:
     """Print the tables, and write or check them where asked."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("recorded", type=Path)
-    parser.add_argument("streams", type=Path)
+    parser.add_argument("folder", type=Path)
     parser.add_argument("--write", action="store_true")
     parser.add_argument("--check", action="store_true")
     given = parser.parse_args()
     found = {
-        name: json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        for name, folder in (("recorded", given.recorded), ("streams", given.streams))
+        name: json.loads((given.folder / name / "summary.json").read_text(encoding="utf-8")) for name in CALLS
     }
     blocks = {name: table(summary, RATIOS) for name, summary in found.items()}
     for name, lines in blocks.items():

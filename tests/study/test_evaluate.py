@@ -272,6 +272,7 @@ def test_settings_name_everything_that_changes_the_numbers(
         "keep_alive_s": None,
         "believe": "sent",
         "budget": 2.0,
+        "legacy_threshold_m": 1.0,
         "mean_burst_s": 1.0,
         "delay_s": 0.1,
         "expiry_s": 3.0,
