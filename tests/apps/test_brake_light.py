@@ -70,3 +70,9 @@ def test_bad_settings_are_refused():
         BrakeLight(beside_m=-1.0)
     with pytest.raises(ValueError, match="braking_mps2"):
         BrakeLight(braking_mps2=0.0)
+
+
+def test_its_time_is_that_of_the_contact(pair):
+    """20 m/s against a remote that brakes from 20 m/s by 5 m/s²: gap = 5 t² / 2."""
+    found = EEBL.assess(*pair((0.0, LENGTH_M + 10.0), remote=(20.0, -5.0, 0.0)))
+    assert found.time_s[0] == pytest.approx(2.0)

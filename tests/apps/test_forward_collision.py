@@ -163,7 +163,7 @@ def test_a_near_leader_that_draws_away_is_no_reason_for_caution(pair):
 
 @pytest.mark.parametrize("whose", ["host", "remote", "both"])
 def test_certainty_is_that_of_the_normal_distribution_along_the_path(pair, whose: str):
-    """Heading north-east, what counts is the deviation along the path, of (east + north) / sqrt 2."""
+    """Heading north-east, the deviation is that of (east + north) / sqrt 2; covariances add."""
     (asked,) = CampLinear().warning_range_m(20.0, 0.0, 10.0, 0.0)
     away = (asked + LENGTH_M + 1.0) / np.sqrt(2.0)
     host, remote = pair((away, away), remote=(10.0, 0.0, 0.0), turn_rad=np.pi / 4)
@@ -186,3 +186,13 @@ def test_the_gradient_of_the_way_is_its_slope(curvature: float):
     right = (path_way(30.0, 4.0 + step, curvature)[0] - path_way(30.0, 4.0 - step, curvature)[0]) / (2 * step)
     assert (by_ahead, by_right) == pytest.approx((ahead, right), abs=1e-8)
     assert way == pytest.approx(30.0 if abs(curvature) < 1e-5 else way, rel=1e-4)
+
+
+def test_a_course_is_held_against_the_path_s_where_the_remote_is(pair):
+    """Beyond 45 degrees of a bend: who follows it is in path, who keeps the host's course is not."""
+    angle = 1.0
+    place = (100.0 * (1 - cos(angle)), 100.0 * sin(angle))
+    bend = pair(place, host=(20.0, 0.0, 0.2), remote=(5.0, 0.0, 0.0), turn_rad=angle)
+    assert np.isfinite(FCW.assess(*bend).margin_m[0])
+    across = pair(place, host=(20.0, 0.0, 0.2), remote=(5.0, 0.0, 0.0), turn_rad=0.0)
+    assert FCW.assess(*across).margin_m[0] == inf
