@@ -118,7 +118,7 @@ def test_in_a_town_buildings_stand_between_the_streets(scenario: str) -> None:
         scenario, duration_s=1.0, warm_up_s=0.0, length_m=400.0, lanes=0, blocks=3, seed=0,
         certificates="gap", banks=("default",), profile=None, start=None, identify=None, cost="bytes",
         threads=1, thresholds_m=(0.2,), keep_alive_s=1.0, believe=None, budget=4.0 / 3.0, approach_m=20.0,
-        relaxed_error_m=None, legacy_threshold_m=np.inf, sensor=SensorOptions(),
+        relaxed_error_m=None, legacy_threshold_m=0.0, sensor=SensorOptions(),
     )  # fmt: skip
     with traffic(plan, NetworkCase(20.0, "dsrc", "j2945", "", 0)) as frames:
         place = next(iter(frames)).position_m

@@ -30,6 +30,7 @@ COMMANDS = (
     "network",
     "safety",
     "cruise",
+    "capacity",
     "mixed",
     "train",
     "road",
