@@ -4,6 +4,7 @@ import hashlib
 import importlib.resources
 from dataclasses import KW_ONLY, asdict, dataclass
 from importlib import metadata
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,9 @@ from modelcast.station.sender.sender import ERROR_SENDERS, MODEL_SENDERS, THRESH
 from modelcast.study.network.rows import NO_THRESHOLD
 
 __all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
+
+_FULL_LANE_PER_KM = 100.0
+"""More vehicles a kilometre of lane stand rather than drive [1/km]."""
 
 BUILT_IN = ("highway", "braking", "cut-in", "grid", "crossing")
 SUMO = ("sumo-highway", "sumo-grid", "sumo-junction")
@@ -216,4 +220,5 @@ class NetworkPlan:
         """Lanes in each direction: as given, or one more for each density that fills the last."""
         if self.lanes:
             return self.lanes
-        return 3 + sum(density_per_km > full for full in (200.0, 400.0, 800.0))
+        usual = 3 + sum(density_per_km > full for full in (200.0, 400.0, 800.0))
+        return max(usual, ceil(density_per_km / (2.0 * _FULL_LANE_PER_KM)))

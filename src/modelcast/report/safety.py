@@ -5,6 +5,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
@@ -76,17 +77,41 @@ def safety_headline(result: SafetyResult) -> list[str]:
 
 
 def safety_console(result: SafetyResult) -> RenderableType:
-    """Return the headline and the table for the terminal.
+    """Return the headline and a table for the terminal: a line a sender, under its sensor and losses.
+
+    The basis is airtime where that was asked for; the page and ``table.md`` have them all.
 
     Parameters
     ----------
     result
         The evaluation.
     """
-    shown = Table(title_justify="left", padding=(0, 1, 0, 0))
-    for number, head in enumerate(_heads(result)):
-        shown.add_column(head, justify="left" if number < _TEXT_COLUMNS else "right", overflow="fold")
-    for cells in _rows(result):
+    bases = [row.basis for row in result.pooled]
+    basis = "airtime" if "airtime" in bases else bases[0]
+    against = result.settings["against"]
+    shown = Table(title=f"At equal {basis}", title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    heads = ("sender", "1/s", "missed", f"over {against}", "false", f"over {against}", "never", "late p50")
+    for number, head in enumerate(heads):
+        shown.add_column(head, justify="right" if number else "left", no_wrap=not number)
+    before = ""
+    for row in result.pooled:
+        if row.basis != basis:
+            continue
+        place = f"{row.sensor}, {_losses(row)}, {100 * row.packet_error_ratio:.4g} % lost"
+        if place != before:
+            shown.add_section()
+            shown.add_row(literal(place, style="bold"))
+        before = place
+        cells = (
+            row.candidate,
+            f"{row.message_rate_hz:.2f}",
+            _percent(row.missed_ratio),
+            _ratio(row.missed_over, row.missed_over_limits),
+            _percent(row.false_ratio),
+            _ratio(row.false_over, row.false_over_limits),
+            _percent(row.missed_events),
+            _seconds(row.delay_p50_s),
+        )
         shown.add_row(*map(literal, cells))
     return Group(*(Text(line) for line in safety_headline(result)), shown)
 

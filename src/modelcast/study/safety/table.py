@@ -8,6 +8,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.chance import child_generator
 from modelcast.study.compare.bootstrap import Limits, limits, resample_weights
 from modelcast.study.safety.result import ConditionScores, PooledSafety, RecordingScores
+from modelcast.study.safety.rules import BASES
 
 __all__ = ["pooled_rows"]
 
@@ -75,7 +76,9 @@ def _group_rows(
             return ratio, limits(drawn[0] / drawn[1], np.arange(weights.shape[1], dtype=np.int64))
 
     rows: list[PooledSafety] = []
-    for condition in own[0].conditions:
+    # A loss ratio and basis after the other, so that senders stand side by side.
+    order = sorted(own[0].conditions, key=lambda one: (one.packet_error_ratio, BASES.index(one.basis)))
+    for condition in order:
         key = (condition.candidate, condition.basis, condition.packet_error_ratio)
         rival = (against, *key[1:])
         missed, false = _joined(own, key, "missed"), _joined(own, key, "false")
