@@ -10,10 +10,12 @@ from modelcast.apps.forward_collision import ForwardCollisionWarning
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.station.banks import named_bank
+from modelcast.study.case import make_case
 from modelcast.study.compare.candidate import FixedCandidate
 from modelcast.study.safety.film import film_event, telling_event
 from modelcast.study.safety.pairs import Recording, recordings_of
 from modelcast.study.safety.result import RecordingScores
+from modelcast.study.safety.scene import make_scene
 from modelcast.study.safety.score import Walked, score_recording
 from modelcast.study.safety.settings import SafetySettings
 from modelcast.study.settings import EvaluationSettings
@@ -148,3 +150,20 @@ def test_settings_refuse_what_cannot_be() -> None:
             settings(0.2, 0.0, **given)
     with pytest.raises(ValueError, match="protocol"):
         SafetySettings(EvaluationSettings((0.2,), (0.0,)), IN_PATH)
+
+
+def test_the_second_after_a_gap_of_the_recording_does_not_count(platoon: list[Trajectory]) -> None:
+    gone = np.r_[0:300, 315:600]
+    own = platoon[0]
+    halved = replace(
+        own,
+        **{name: value[gone] for name, value in own.columns().items()},
+        segments=np.array([0, 300, 585]),
+    )
+    (recording,) = recordings_of([halved, platoon[1]])
+    cases = {at: make_case(trip, settings(0.2, 0.0).evaluation) for at, trip in enumerate(recording.trips)}
+    scene = make_scene(recording.pairs[0], cases, settings(0.2, 0.0, near_m=1e6))
+    after = (scene.t_s >= 31.5 - 1e-9) & (scene.t_s < 32.5 - 1e-9)
+    assert after.sum() == 10
+    assert not scene.counted[after].any()
+    assert scene.counted[~after].all()

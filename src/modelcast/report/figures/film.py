@@ -14,7 +14,8 @@ from modelcast.study.safety.film import EventFilm
 __all__ = ["plot_film"]
 
 _FRAMES_S = (-2.0, -0.5, 0.0, 0.5, 1.5)
-_AROUND_M = 6.0
+_AROUND_M, _BESIDE_M = 6.0, 4.5
+_GAP_S = 0.25
 _HEIGHT_IN = 5.2
 
 
@@ -41,7 +42,7 @@ def plot_film(film: EventFilm) -> Figure:
         pictures.append(axes)
     for axes in pictures:
         axes.set_xlim(-_AROUND_M, longest_m + _AROUND_M)
-        axes.set_ylim(-3.0, 3.0)
+        axes.set_ylim(-_BESIDE_M, _BESIDE_M)
         axes.set_yticks([])
         axes.set_xticks([])
         axes.grid(visible=False)
@@ -97,9 +98,16 @@ def _draw_frame(axes: Axes, film: EventFilm, at: int, colours: dict[str, str]) -
 
 
 def _draw_margins(axes: Axes, film: EventFilm, colours: dict[str, str]) -> None:
-    axes.plot(film.t_s, film.margin_m, color=INK, linewidth=1.6, label="perfect knowledge")
+    gaps = np.flatnonzero(np.diff(film.t_s) > _GAP_S) + 1
+    t_s = np.insert(film.t_s, gaps, np.nan)
+
+    def whole(margin_m: FloatArray) -> FloatArray:
+        """Margins with a break where the recording has a gap."""
+        return np.insert(margin_m, gaps, np.nan)
+
+    axes.plot(t_s, whole(film.margin_m), color=INK, linewidth=1.6, label="perfect knowledge")
     for one in film.believers:
-        axes.plot(film.t_s, one.margin_m, color=colours[one.candidate], label=drawable(one.candidate, 30))
+        axes.plot(t_s, whole(one.margin_m), color=colours[one.candidate], label=drawable(one.candidate, 30))
     axes.axhline(0.0, color=INK, linewidth=0.6)
     axes.set_xlim(film.t_s[0], film.t_s[-1])
     axes.set_ylabel("Margin [m]\nwarned below 0")

@@ -22,12 +22,16 @@ from modelcast.study.case import TripCase
 from modelcast.study.safety.events import TrueWarnings, true_warnings
 from modelcast.study.safety.pairs import FollowingPair
 from modelcast.study.safety.settings import SafetySettings
+from modelcast.trips.trajectory import GAP_STEPS
 from modelcast.world.true_motion import true_motion
 
-__all__ = ["SMOOTH_S", "Scene", "assess_believed", "make_scene"]
+__all__ = ["SETTLE_S", "SMOOTH_S", "Scene", "assess_believed", "make_scene"]
 
 SMOOTH_S = 0.3
 """Accelerations that are true are slopes over this long to either side [s]: brakes take as long to bite."""
+
+SETTLE_S = 1.0
+"""Instants so soon after a gap of the recording do not count [s]: in a gap a sender said nothing."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,8 +88,9 @@ def make_scene(pair: FollowingPair, cases: Mapping[int, TripCase], settings: Saf
         right = _columns(placed(motion, follower.truth, leader.truth))
         remote = true_motion(leader.truth, smooth_s=SMOOTH_S)[pair.samples]
     found = settings.application.assess(right, _columns(remote))
-    near, warned = np.abs(found.margin_m) < settings.near_m, found.warned
     t_s = leader.truth.t_s[pair.samples]
+    settled = _since_gap_s(t_s, leader.truth.dt_s) >= SETTLE_S
+    near, warned = settled & (np.abs(found.margin_m) < settings.near_m), found.warned
     true = true_warnings(warned, near, t_s, merge_s=settings.merge_s)
     return Scene(pair, t_s, host, right, _columns(remote), found.margin_m, near, warned, true)
 
@@ -118,6 +123,12 @@ def assess_believed(
             acceleration_mps2=rows[:, BELIEF_ACCELERATION], yaw_rate_radps=rows[:, BELIEF_YAW_RATE],
         ),
     )  # fmt: skip
+
+
+def _since_gap_s(t_s: FloatArray, dt_s: float) -> FloatArray:
+    """Time since the last gap, infinite before the first, (N,) [s]."""
+    begins = np.concatenate([[False], np.diff(t_s) > GAP_STEPS * dt_s])
+    return t_s - np.maximum.accumulate(np.where(begins, t_s, -np.inf))
 
 
 def _columns(motion: FloatArray) -> Motions:
