@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import inf
+from typing import Any
 
 import numpy as np
 import pytest
@@ -139,13 +140,14 @@ def test_film_shows_the_warning_that_was_scored(recording: Recording) -> None:
 
 
 def test_settings_refuse_what_cannot_be() -> None:
-    for given, told in (
+    cases: tuple[tuple[dict[str, Any], str], ...] = (
         ({"bases": ()}, "bases"),
         ({"bases": ("bytes",)}, "bases"),
         ({"near_m": 0.0}, "near_m"),
         ({"truth": "radar"}, "truth"),
         ({"resamples": 0}, "resamples"),
-    ):
+    )
+    for given, told in cases:
         with pytest.raises(ValueError, match=told):
             settings(0.2, 0.0, **given)
     with pytest.raises(ValueError, match="protocol"):

@@ -16,7 +16,7 @@ def made(name: str, missed: dict[str, list[list[int]]], *, events: int = 3) -> R
         pairs=[PairNames("a", "b", 1.0)],
         counted=np.array([200]), negatives=np.array([200 - 10 * events]),
         duration_s=np.array([3600.0]), leaders_s=3600.0,
-        event_pair=np.zeros(events, dtype=np.int64), event_s=np.arange(events) * 60.0,
+        event_pair=np.zeros(events, dtype=np.int64), event_s=np.arange(events, dtype=np.float64) * 60.0,
         positives=np.full(events, 10),
         conditions=[
             ConditionScores(
