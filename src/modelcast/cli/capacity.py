@@ -37,7 +37,7 @@ def capacity(
     json: bool = False,
     quiet: bool = False,
 ) -> int:
-    """Find the vehicles a kilometre up to which tracking holds: p99 under a limit, 99 % of the pairs tracked.
+    """Find the vehicles a kilometre up to which tracking holds: p99 under a limit, 95 % of the pairs tracked.
 
     Pairs are those 50 m to 150 m apart. Each radio, policy and limit has a bisection of its own; densities
     that are run for one limit serve the others. Writes runs/, summary.json, capacity.parquet, table.md,

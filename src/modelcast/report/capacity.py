@@ -18,7 +18,7 @@ __all__ = ["capacity_console", "capacity_markdown", "plot_capacity", "write_capa
 
 _TITLE = (
     "Vehicles a kilometre up to which p99 of the tracking error, 50 m to 150 m apart, stays under a limit "
-    "and 99 % of the pairs are tracked: the last density that held, to the first that failed"
+    "and 95 % of the pairs are tracked: the last density that held, to the first that failed"
 )
 
 
