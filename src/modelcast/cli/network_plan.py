@@ -22,6 +22,9 @@ __all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
 _FULL_LANE_PER_KM = 100.0
 """More vehicles a kilometre of lane stand rather than drive [1/km]."""
 
+_MOST_LANES = 32
+"""In each direction: a road that is wider is none."""
+
 BUILT_IN = ("highway", "braking", "cut-in", "grid", "crossing")
 SUMO = ("sumo-highway", "sumo-grid", "sumo-junction")
 RECORDED = ("platoon", "trips")
@@ -221,4 +224,4 @@ class NetworkPlan:
         if self.lanes:
             return self.lanes
         usual = 3 + sum(density_per_km > full for full in (200.0, 400.0, 800.0))
-        return max(usual, ceil(density_per_km / (2.0 * _FULL_LANE_PER_KM)))
+        return min(max(usual, ceil(density_per_km / (2.0 * _FULL_LANE_PER_KM))), _MOST_LANES)
