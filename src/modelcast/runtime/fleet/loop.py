@@ -453,6 +453,25 @@ class FleetLoop:
         believed_kernels.believe_each(readers, self.tables, self.tracks, self.contents.rows, pairs)
         return Believed(pairs.held, motion=pairs.motion, age_s=pairs.age_s)
 
+    def own_motion(self, hosts: IntArray) -> FloatArray:
+        """How vehicles see themselves move at the last frame, filtered where their sender filters, (N, 6).
+
+        Columns are `modelcast.station.arrays.MEASURED`: east, north [m], speed [m/s], heading [rad],
+        acceleration along the course [m/s²] and yaw rate, clockwise [rad/s].
+
+        Parameters
+        ----------
+        hosts
+            Slots, (N,).
+
+        Raises
+        ------
+        ValueError
+            Where a slot is none of the fleet's.
+        """
+        _check("hosts", hosts, self.vehicle.size)
+        return self._shown(slice(MEASURED))[hosts]
+
     def _series_row(
         self, frame: FleetFrame, busy_ratio: FloatArray, before: FloatArray, received: Receptions
     ) -> FloatArray:
