@@ -12,7 +12,7 @@ from modelcast.station.receiver.belief_kernels import BELIEF_COLUMNS
 from modelcast.station.receiver.reading import Reading
 from modelcast.station.sender.message_arrays import Contents
 
-__all__ = ["Believed", "believe", "pairs_of"]
+__all__ = ["Believed", "believe", "check_slots", "pairs_of"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,11 +60,11 @@ def pairs_of(
     if given[0].ndim != 1:
         raise ValueError(f"hosts and remotes must be (N,), got {np.shape(hosts)} and {np.shape(remotes)}")
     host, remote, how = (np.array(one, dtype=np.int64) for one in given)
-    _check("hosts", host, own.size)
-    _check("remotes", remote, own.size)
+    check_slots("hosts", host, own.size)
+    check_slots("remotes", remote, own.size)
     if reading is None:
         how = own[host]
-    _check("reading", how, len(Reading))
+    check_slots("reading", how, len(Reading))
     return host, remote, how
 
 
@@ -97,7 +97,22 @@ def believe(
     return Believed(found.held, motion=found.motion, age_s=found.age_s)
 
 
-def _check(name: str, numbers: IntArray, end: int) -> None:
-    """Refuse numbers that are not of a range from 0."""
+def check_slots(name: str, numbers: IntArray, end: int) -> None:
+    """Refuse numbers that are not of a range from 0.
+
+    Parameters
+    ----------
+    name
+        What they are called.
+    numbers
+        Slots, or other numbers, (N,).
+    end
+        The first that is too large.
+
+    Raises
+    ------
+    ValueError
+        Where one is out of the range.
+    """
     if numbers.size and not 0 <= numbers.min() <= numbers.max() < end:
         raise ValueError(f"{name} must lie within 0..{end - 1}, got {numbers.min()} to {numbers.max()}")

@@ -13,6 +13,7 @@ from modelcast.runtime.fleet.arrays import Tally
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.mix import Mix
 from modelcast.runtime.fleet.mixed import GroupRun, MixedTally
+from modelcast.runtime.fleet.observer import AbstractObserver
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.sender.message_arrays import SentTally
 from modelcast.station.sender.sender import Sender
@@ -74,6 +75,7 @@ def run_network(
     sensor: FleetSensor | None = None,
     threads: int = 1,
     progress: Callable[[int], None] | None = None,
+    observer: AbstractObserver | None = None,
 ) -> NetworkRun:
     """Run a fleet on the air and return what was counted.
 
@@ -95,6 +97,8 @@ def run_network(
         How many work on the fleet; the result is the same whatever their number.
     progress
         Called after every step with the number of steps done.
+    observer
+        Looks on; None for nobody.
 
     Raises
     ------
@@ -134,7 +138,11 @@ def run_network(
         if number == warm_up:
             loop.forget_counts()
             outcomes, expired = None, 0
+        if observer is not None and number:
+            observer.before(loop, frame)
         received, row = loop.step(frame)
+        if observer is not None:
+            observer.after(loop, frame)
         outcomes = received.outcomes.copy() if outcomes is None else outcomes + received.outcomes
         expired += received.expired.size
         series.append(row)

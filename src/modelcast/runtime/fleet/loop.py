@@ -29,7 +29,7 @@ from modelcast.runtime.fleet.arrays import (
     tally,
     tracks,
 )
-from modelcast.runtime.fleet.believed import Believed, believe, pairs_of
+from modelcast.runtime.fleet.believed import Believed, believe, check_slots, pairs_of
 from modelcast.runtime.fleet.believed_kernels import Readers
 from modelcast.runtime.fleet.mix import Draw, Mix
 from modelcast.runtime.fleet.mixed import MixedTally, mixed_tally, pooled_mixed, within
@@ -438,6 +438,25 @@ class FleetLoop:
             self.vehicle,
         )
         return believe(readers, self.tables, self.tracks, self.contents, (host, remote, how))
+
+    def own_motion(self, hosts: IntArray) -> FloatArray:
+        """How vehicles see themselves move at the last frame, filtered where their sender filters, (N, 6).
+
+        Columns are `modelcast.station.arrays.MEASURED`: east, north [m], speed [m/s], heading [rad],
+        acceleration along the course [m/s²] and yaw rate, clockwise [rad/s].
+
+        Parameters
+        ----------
+        hosts
+            Slots, (N,).
+
+        Raises
+        ------
+        ValueError
+            Where a slot is none of the fleet's.
+        """
+        check_slots("hosts", hosts, self.vehicle.size)
+        return self._shown(slice(MEASURED))[hosts]
 
     def _series_row(
         self, frame: FleetFrame, busy_ratio: FloatArray, before: FloatArray, received: Receptions
