@@ -92,7 +92,7 @@ def _absorb(
         absorb_member(members, m, own, moved, last >= 0 and m == member, held)
 
 
-@kernel(inlined=True)
+@kernel
 def _move(
     members: Members,
     x: SentTrip,
