@@ -16,8 +16,7 @@ from modelcast.io.network_runs import NetworkRunFiles
 from modelcast.io.output import atomic_folder
 from modelcast.io.run_store import RunStore, run_store
 from modelcast.report.capacity import write_capacity_report
-from modelcast.study.network.capacity import Probe, bisected, probe_of
-from modelcast.study.network.capacity_rows import CapacityFound
+from modelcast.study.network.capacity import CapacityFound, Probe, bisected, probe_of
 from modelcast.study.network.rows import CaseResult, NetworkCase, RunRow
 
 __all__ = ["CapacitySearch", "search"]

@@ -15,7 +15,7 @@ import numpy as np
 from modelcast.core.version import package_version
 from modelcast.io.arrow import columns_table, write_tables
 from modelcast.io.documents import document_text, plain_value
-from modelcast.study.network.capacity_rows import CapacityFound
+from modelcast.study.network.capacity import CapacityFound
 
 __all__ = ["CAPACITY_SCHEMA", "capacity_document", "write_capacity"]
 

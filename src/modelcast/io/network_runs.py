@@ -9,15 +9,14 @@ before it is used, for the folder may come from anywhere.
 import hashlib
 import json
 import math
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.io.documents import document_text, plain_value, row_document
-from modelcast.io.run_store import AbstractRunFiles
+from modelcast.io.documents import plain_value, row_document
+from modelcast.io.run_store import AbstractRunFiles, write_run_file
 from modelcast.study.network.rows import (
     CASE_KEYS,
     CaseResult,
@@ -146,12 +145,7 @@ def write_case(
         "penetration": [row_document(row) for row in result.penetration],
     }
     path = run_path(case, key, folder)
-    partial = path.with_suffix(f".partial-{os.getpid()}")
-    try:
-        partial.write_text(document_text(document), encoding="utf-8", newline="\n")
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    write_run_file(document, path)
     return path
 
 

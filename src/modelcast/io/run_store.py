@@ -6,19 +6,21 @@ finds there and in the output folder; when a call has ended well the folder goes
 an output folder: the kernel holds a lock for as long as the process lives.
 """
 
+import os
 import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from filelock import FileLock, Timeout
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.io.documents import document_text
 
-__all__ = ["AbstractRunFiles", "RunStore", "run_store"]
+__all__ = ["AbstractRunFiles", "RunStore", "run_store", "write_run_file"]
 
 Case = TypeVar("Case")
 Result = TypeVar("Result")
@@ -135,6 +137,24 @@ class RunStore(Generic[Case, Result]):
         for case, result in results.items():
             if not self.files.path(case, runs).exists():
                 self.files.write(case, result, runs)
+
+
+def write_run_file(document: Mapping[str, Any], path: Path) -> None:
+    """Write what a run gave; the file appears whole or not at all.
+
+    Parameters
+    ----------
+    document
+        Its content, as plain values.
+    path
+        Where to, in an existing folder; what an interrupted call leaves there goes with the next.
+    """
+    partial = path.with_suffix(f".partial-{os.getpid()}")
+    try:
+        partial.write_text(document_text(document), encoding="utf-8", newline="\n")
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 @contextmanager

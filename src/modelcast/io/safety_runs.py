@@ -8,7 +8,6 @@ anywhere.
 
 import hashlib
 import json
-import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,9 +21,8 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.json_text import parse_json, schema_of
 from modelcast.core.rules import Anything, Each, FieldError, Fixed, Keys, Maybe, Number, Text, Whole, check
-from modelcast.io.documents import document_text
 from modelcast.io.regular import read_document
-from modelcast.io.run_store import AbstractRunFiles
+from modelcast.io.run_store import AbstractRunFiles, write_run_file
 from modelcast.study.safety.result import ConditionScores, PairNames, RecordingScores, SenderSpend
 from modelcast.study.safety.rules import BASES
 
@@ -137,13 +135,7 @@ class SafetyRunFiles(AbstractRunFiles[SafetyCase, RecordingScores]):
             "options": dict(self.options),
             "scores": scores_document(result),
         }
-        path = self.path(case, folder)
-        partial = path.with_suffix(f".partial-{os.getpid()}")
-        try:
-            partial.write_text(document_text(document), encoding="utf-8", newline="\n")
-            partial.replace(path)
-        finally:
-            partial.unlink(missing_ok=True)
+        write_run_file(document, self.path(case, folder))
 
 
 def scores_document(scores: RecordingScores) -> dict[str, Any]:

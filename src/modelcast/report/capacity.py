@@ -12,7 +12,7 @@ from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.panels import drawable, empty_figure, top_legend
 from modelcast.report.literal import literal
 from modelcast.report.style import PAGE_IN, model_colours, new_figure, style
-from modelcast.study.network.capacity_rows import CapacityFound
+from modelcast.study.network.capacity import CapacityFound
 
 __all__ = ["capacity_console", "capacity_markdown", "plot_capacity", "write_capacity_report"]
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from modelcast.study.network.rows import RunRow
 
-__all__ = ["HELD_RATIO", "Capacity", "Probe", "bisected", "probe_of"]
+__all__ = ["HELD_RATIO", "Capacity", "CapacityFound", "Probe", "bisected", "probe_of"]
 
 HELD_RATIO = 0.95
 """Share of the pairs that must have a live track."""
@@ -84,6 +84,26 @@ class Capacity:
         if self.fails_per_km is None:
             return f"holds at {self.holds_per_km:.0f}"
         return f"{self.holds_per_km:.0f} to {self.fails_per_km:.0f}" + ("" if self.is_monotone else " ?")
+
+
+@dataclass(frozen=True, slots=True)
+class CapacityFound:
+    """The capacity of one radio and policy at one limit.
+
+    Parameters
+    ----------
+    radio, policy
+        Names.
+    limit_m
+        Tracking error that p99 stays under [m].
+    capacity
+        What was found.
+    """
+
+    radio: str
+    policy: str
+    limit_m: float
+    capacity: Capacity
 
 
 def probe_of(runs: Sequence[RunRow], limit_m: float) -> Probe:

@@ -25,6 +25,17 @@ class TrueWarnings:
     last: IntArray
     event: IntArray
 
+    def instants(self, which: BoolArray) -> IntArray:
+        """How many of some instants belong to each warning, (E,).
+
+        Parameters
+        ----------
+        which
+            The instants, (N,).
+        """
+        of = self.event[which]
+        return np.bincount(of[of >= 0], minlength=self.first.size).astype(np.int64)
+
 
 def _runs(warned: BoolArray, t_s: FloatArray, merge_s: float) -> tuple[IntArray, IntArray]:
     """First and last instants of warnings that stop for ``merge_s`` at least, (E,) each."""

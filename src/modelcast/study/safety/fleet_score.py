@@ -74,10 +74,6 @@ def _scored(pair: Assessed, settings: FleetSafetySettings, end_s: float) -> _Pai
     true = true_warnings(truly, near, t_s, merge_s=settings.merge_s)
     events = true.first.size
 
-    def instants(what: BoolArray) -> IntArray:
-        of = true.event[what]
-        return np.bincount(of[of >= 0], minlength=events).astype(np.int64)
-
     false = false_warnings(warned[None], truly, inside, t_s, merge_s=settings.merge_s)
     return _Pair(
         (
@@ -87,8 +83,8 @@ def _scored(pair: Assessed, settings: FleetSafetySettings, end_s: float) -> _Pai
             [
                 np.repeat(pair.host[:1], events),
                 np.repeat(pair.remote[:1], events),
-                instants(near & truly),
-                instants(near & truly & ~warned),
+                true.instants(near & truly),
+                true.instants(near & truly & ~warned),
             ]
         ),
         t_s[true.first],

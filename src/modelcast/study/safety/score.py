@@ -45,14 +45,10 @@ class _Runs:
 
 def _scored(scene: Scene, warned: BoolArray, settings: SafetySettings) -> _Runs:
     """Score one pair's runs, (K, N)."""
-    true, misses = scene.true, scene.counted & scene.warned & ~warned
-    by_event = np.zeros((true.first.size, warned.shape[0]), dtype=np.int64)
-    for run, row in enumerate(misses):
-        of = true.event[row]
-        by_event[:, run] = np.bincount(of[of >= 0], minlength=true.first.size)
+    misses = scene.counted & scene.warned & ~warned
     return _Runs(
-        by_event,
-        delays_s(true, warned, scene.t_s, grace_s=settings.grace_s),
+        np.stack([scene.true.instants(row) for row in misses], axis=1),
+        delays_s(scene.true, warned, scene.t_s, grace_s=settings.grace_s),
         (warned & scene.counted & ~scene.warned).sum(axis=1),
         false_warnings(warned, scene.warned, scene.counted, scene.t_s, merge_s=settings.merge_s),
     )
@@ -196,7 +192,7 @@ def score_recording(
         leaders_s=sum(cases[place].truth.duration_s for place in walks),
         event_pair=np.concatenate([np.full(one.true.first.size, at) for at, one in enumerate(scenes)]),
         event_s=np.concatenate([one.t_s[one.true.first] for one in scenes]),
-        positives=np.concatenate([_positives(one) for one in scenes]),
+        positives=np.concatenate([one.true.instants(one.counted & one.warned) for one in scenes]),
         conditions=[_condition(key, runs, [each[key] for each in walks.values()]) for key in runs[0]],
     )
 
@@ -204,12 +200,6 @@ def score_recording(
 def _names(recording: Recording, pair: FollowingPair) -> PairNames:
     leader, follower = (recording.trips[place].trip_id for place in (pair.leader, pair.follower))
     return PairNames(leader, follower, pair.headway_s)
-
-
-def _positives(scene: Scene) -> IntArray:
-    """Instants of each true warning that count, (E,)."""
-    of = scene.true.event[scene.counted & scene.warned]
-    return np.bincount(of, minlength=scene.true.first.size)
 
 
 def _condition(
