@@ -14,7 +14,7 @@ from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.figures.senders import NO_THRESHOLD_TEXT, also_told, threshold_text
 from modelcast.report.literal import literal, markdown
-from modelcast.report.page import CSS, escape, number, page, table
+from modelcast.report.page import CSS, escape, number, option_rows, page, table
 from modelcast.report.style import style
 from modelcast.study.network.pool import LIMITS_M
 from modelcast.study.network.rows import NO_BANK, CapacityRow, NetworkResult, PooledRow
@@ -266,18 +266,8 @@ def write_network_report(
     if traffic is not None:
         lines = "".join(f"<li>{escape(line.strip())}</li>" for line in _traffic_lines(traffic))
         body.append(f"<h2>Traffic</h2><ul>{lines}</ul>")
-    body += ["<h2>Options</h2>", table(["option", "value"], _pairs(options), text_columns=2)]
+    body += ["<h2>Options</h2>", table(["option", "value"], option_rows(options), text_columns=2)]
     html = folder / "report.html"
     document = page("modelcast: fleets on a shared channel", CSS, body)
     html.write_text(document, encoding="utf-8", newline="\n")
     return [place, html, *write_drawings(drawings, folder)]
-
-
-def _pairs(options: Mapping[str, Any], prefix: str = "") -> list[list[str]]:
-    rows: list[list[str]] = []
-    for name, value in options.items():
-        if isinstance(value, Mapping):
-            rows += _pairs(cast("Mapping[str, Any]", value), f"{prefix}{name}.")
-        else:
-            rows.append([f"{prefix}{name}", str(value)])
-    return rows

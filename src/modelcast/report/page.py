@@ -1,12 +1,13 @@
 """An HTML page and a table in it, with every string escaped."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape as escape_markup
+from typing import Any, cast
 
 from modelcast.core.printable import printable
 
-__all__ = ["CSS", "escape", "number", "page", "table"]
+__all__ = ["CSS", "escape", "number", "option_rows", "page", "table"]
 
 CSS = """
 :root { color-scheme: light; }
@@ -121,3 +122,27 @@ def number(value: float | None, digits: int = 3) -> str:
         return "0"
     decimals = digits - 1 - math.floor(math.log10(abs(value)))
     return f"{value:.{min(max(decimals, 0), 6)}f}"
+
+
+def option_rows(options: Mapping[str, Any], prefix: str = "") -> list[list[str]]:
+    """Return options as rows of name and value; what is nested gets a dotted name.
+
+    Parameters
+    ----------
+    options
+        As plain values.
+    prefix
+        Put before every name.
+
+    Examples
+    --------
+    >>> option_rows({"seed": 0, "sensor": {"name": "ins"}})
+    [['seed', '0'], ['sensor.name', 'ins']]
+    """
+    rows: list[list[str]] = []
+    for name, value in options.items():
+        if isinstance(value, Mapping):
+            rows += option_rows(cast("Mapping[str, Any]", value), f"{prefix}{name}.")
+        else:
+            rows.append([f"{prefix}{name}", str(value)])
+    return rows

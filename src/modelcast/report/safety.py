@@ -1,9 +1,8 @@
 """An evaluation of a safety application in the terminal, as Markdown and as a page."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
-from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
@@ -14,7 +13,7 @@ from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
 from modelcast.report.literal import literal
-from modelcast.report.page import CSS, escape, page, table
+from modelcast.report.page import CSS, escape, option_rows, page, table
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.study.compare.bootstrap import Limits
@@ -169,15 +168,11 @@ def write_safety_report(
     if result.failures or result.skipped:
         left = [[name, str(why)] for name, why in {**result.failures, **result.skipped}.items()]
         body += ["<h2>Left out</h2>", table(["what", "why"], left, text_columns=2)]
-    body += ["<h2>Options</h2>", table(["option", "value"], _options(result.settings), text_columns=2)]
+    body += ["<h2>Options</h2>", table(["option", "value"], option_rows(result.settings), text_columns=2)]
     html = folder / "report.html"
     document = page("modelcast: warnings from messages", CSS, body)
     html.write_text(document, encoding="utf-8", newline="\n")
     return [place, html, *write_drawings(drawings, folder)]
-
-
-def _options(settings: Mapping[str, Any]) -> list[list[str]]:
-    return [[name, str(value)] for name, value in settings.items()]
 
 
 def _heads(result: SafetyResult) -> list[str]:
