@@ -66,6 +66,7 @@ def safety(
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
     from modelcast.core.version import package_version
+    from modelcast.io.loss_logs import read_loss_logs
     from modelcast.io.output import atomic_folder
     from modelcast.io.run_store import run_store
     from modelcast.io.safety import safety_document, write_safety
@@ -79,11 +80,15 @@ def safety(
             "name files or folders with recorded platoons, or --streams and how many simulated roads: one of "
             "the two, since a figure that pools both says nothing of either (modelcast safety --help)"
         )
-    if not options.sensors or not options.burst or not options.per:
+    if not options.sensors or not options.burst or options.per == ():
         raise ConfigError("--sensors, --burst and --per: name at least one each")
     candidates, silent = options.candidates(), quiet or json
     for sensor in options.sensors:
         _ = options.settings(sensor, options.burst[0])
+    logs = read_loss_logs(options.losses)
+    if not silent:
+        for log in logs:
+            say(f"recorded losses: {log.as_text()}")
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     files = SafetyRunFiles(package_version(), run_options(options))
     with (
@@ -92,7 +97,7 @@ def safety(
     ):
         trips = _trips(source, streams, options.seed, quiet=silent)
         recordings = recordings_of(trips)
-        work = safety_work(recordings, options)
+        work = safety_work(recordings, options, logs)
         with counted("recordings", quiet=silent) as progress:
             scores = score_all(work, options, store, jobs=jobs_in_use(jobs), progress=progress)
         with busy("pooling", quiet=silent):
@@ -100,6 +105,7 @@ def safety(
                 list(scores.values()),
                 recordings,
                 options,
+                logs,
                 failures=source.failures,
                 skipped=dict(source.skipped),
             )
@@ -114,7 +120,7 @@ def safety(
         }
         trained_on = frozenset[str]().union(*(one.trained_on or () for one in candidates))
         known = known_trips(trips, trained_on)
-        write_run(folder, "safety", asked, (*paths, *options.files), training_trips=known)
+        write_run(folder, "safety", asked, (*paths, *options.files, *options.losses), training_trips=known)
         with busy("writing the report", quiet=silent):
             write_safety(found, folder)
             write_safety_report(found, folder, training_trips=known, trips=len(trips))

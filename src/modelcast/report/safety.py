@@ -13,11 +13,12 @@ from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
 from modelcast.report.literal import literal
+from modelcast.report.losses import loss_words, shown_ratios
 from modelcast.report.page import CSS, escape, option_rows, page, table
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.study.compare.bootstrap import Limits
-from modelcast.study.safety.result import PooledSafety, SafetyResult
+from modelcast.study.safety.result import SafetyResult
 
 __all__ = ["ENOUGH", "safety_console", "safety_headline", "safety_markdown", "write_safety_report"]
 
@@ -61,15 +62,15 @@ def safety_headline(result: SafetyResult) -> list[str]:
         return [*lines, "no true warning: there is nothing to miss, and shares of false ones alone are shown"]
     if result.events < ENOUGH:
         lines.append(f"fewer than {ENOUGH} true warnings: the ratios below are anecdotes")
-    ratios = sorted({row.packet_error_ratio for row in result.pooled})
+    shown = shown_ratios(result.pooled)
     basis = "airtime" if any(row.basis == "airtime" for row in result.pooled) else result.pooled[0].basis
-    at = min(ratios, key=lambda ratio: abs(ratio - 0.4))
     for row in result.pooled:
+        at = shown[row.kind]
         if (row.packet_error_ratio, row.basis) != (at, basis) or row.candidate == against:
             continue
         lines.append(
-            f"{row.sensor}, {_losses(row)}, {100 * at:.4g} % lost, equal {basis} (what {budget} needs): "
-            f"{row.candidate} misses {_ratio(row.missed_over, row.missed_over_limits)} of what {against} "
+            f"{row.sensor}, {loss_words(row.kind)}, {100 * at:.4g} % lost, equal {basis} (what {budget} "
+            f"needs): {row.candidate} misses {_ratio(row.missed_over, row.missed_over_limits)} of what {against} "
             f"misses, with {_ratio(row.false_over, row.false_over_limits)} of its false warnings"
         )
     return lines
@@ -96,7 +97,7 @@ def safety_console(result: SafetyResult) -> RenderableType:
     for row in result.pooled:
         if row.basis != basis:
             continue
-        place = f"{row.sensor}, {_losses(row)}, {100 * row.packet_error_ratio:.4g} % lost"
+        place = f"{row.sensor}, {loss_words(row.kind)}, {100 * row.packet_error_ratio:.4g} % lost"
         if place != before:
             shown.add_section()
             shown.add_row(literal(place, style="bold"))
@@ -153,7 +154,8 @@ def write_safety_report(
         if result.film is not None:
             shown["film"] = (_FILM, plot_film(result.film))
         drawings = [drawn(name, figure) for name, (_, figure) in shown.items()]
-    notes = [*safety_headline(result), *training_note(tuple(training_trips), trips)]
+    logs = [f"recorded losses: {log}" for log in result.settings.get("losses", ())]
+    notes = [*safety_headline(result), *logs, *training_note(tuple(training_trips), trips)]
     body = ["<h1>Warnings from messages</h1>", *(f"<p>{escape(line)}.</p>" for line in notes)]
     for drawing, (caption, _) in zip(drawings, shown.values(), strict=True):
         body.append(
@@ -183,7 +185,7 @@ def _rows(result: SafetyResult) -> list[list[str]]:
     return [
         [
             row.sensor,
-            _losses(row),
+            loss_words(row.kind),
             f"{100 * row.packet_error_ratio:.4g} %",
             row.basis,
             row.candidate,
@@ -200,10 +202,6 @@ def _rows(result: SafetyResult) -> list[list[str]]:
         ]
         for row in result.pooled
     ]
-
-
-def _losses(row: PooledSafety) -> str:
-    return "one by one" if row.mean_burst_s is None else f"bursts of {row.mean_burst_s:g} s"
 
 
 def _plain(value: float, form: str) -> str:
