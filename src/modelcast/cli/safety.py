@@ -8,6 +8,7 @@ from modelcast.cli.safety_options import SafetyOptions
 
 if TYPE_CHECKING:
     from modelcast.cli.reading import TripSource
+    from modelcast.io.loss_logs import LossLog
     from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["safety"]
@@ -66,7 +67,6 @@ def safety(
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
     from modelcast.core.version import package_version
-    from modelcast.io.loss_logs import read_loss_logs
     from modelcast.io.output import atomic_folder
     from modelcast.io.run_store import run_store
     from modelcast.io.safety import safety_document, write_safety
@@ -85,10 +85,7 @@ def safety(
     candidates, silent = options.candidates(), quiet or json
     for sensor in options.sensors:
         _ = options.settings(sensor, options.burst[0])
-    logs = read_loss_logs(options.losses)
-    if not silent:
-        for log in logs:
-            say(f"recorded losses: {log.as_text()}")
+    logs = _logs(options, quiet=silent)
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     files = SafetyRunFiles(package_version(), run_options(options))
     with (
@@ -131,6 +128,17 @@ def safety(
         show(safety_console(found))
         say(f"report: {out / 'report.html'}")
     return PARTLY_FAILED if found.failures else 0
+
+
+def _logs(options: SafetyOptions, *, quiet: bool) -> "list[LossLog]":
+    """The logs whose losses are replayed; what each holds is printed."""
+    from modelcast.cli.terminal import say
+    from modelcast.io.loss_logs import read_loss_logs
+
+    logs = read_loss_logs(options.losses)
+    for log in () if quiet else logs:
+        say(f"recorded losses: {log.as_text()}")
+    return logs
 
 
 def _trips(source: "TripSource", streams: int, seed: int, *, quiet: bool) -> "list[Trajectory]":

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
 
-from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
@@ -18,7 +17,7 @@ from modelcast.report.page import CSS, escape, option_rows, page, table
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.study.compare.bootstrap import Limits
-from modelcast.study.safety.result import SafetyResult
+from modelcast.study.safety.result import PooledSafety, SafetyResult
 
 __all__ = ["ENOUGH", "safety_console", "safety_headline", "safety_markdown", "write_safety_report"]
 
@@ -70,8 +69,8 @@ def safety_headline(result: SafetyResult) -> list[str]:
             continue
         lines.append(
             f"{row.sensor}, {loss_words(row.kind)}, {100 * at:.4g} % lost, equal {basis} (what {budget} "
-            f"needs): {row.candidate} misses {_ratio(row.missed_over, row.missed_over_limits)} of what {against} "
-            f"misses, with {_ratio(row.false_over, row.false_over_limits)} of its false warnings"
+            f"needs): {row.candidate} misses {_ratio(row.missed_over, row.missed_over_limits)} of what "
+            f"{against} misses, with {_ratio(row.false_over, row.false_over_limits)} of its false warnings"
         )
     return lines
 
@@ -89,31 +88,43 @@ def safety_console(result: SafetyResult) -> RenderableType:
     bases = [row.basis for row in result.pooled]
     basis = "airtime" if "airtime" in bases else bases[0]
     against = result.settings["against"]
-    shown = Table(title=f"At equal {basis}", title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     heads = ("sender", "1/s", "missed", f"over {against}", "false", f"over {against}", "never", "late p50")
-    for number, head in enumerate(heads):
-        shown.add_column(head, justify="right" if number else "left", no_wrap=not number)
-    before = ""
+    places: dict[str, list[tuple[str, ...]]] = {}
     for row in result.pooled:
-        if row.basis != basis:
-            continue
-        place = f"{row.sensor}, {loss_words(row.kind)}, {100 * row.packet_error_ratio:.4g} % lost"
-        if place != before:
-            shown.add_section()
-            shown.add_row(literal(place, style="bold"))
-        before = place
-        cells = (
-            row.candidate,
-            f"{row.message_rate_hz:.2f}",
-            _percent(row.missed_ratio),
-            _ratio(row.missed_over, row.missed_over_limits),
-            _percent(row.false_ratio),
-            _ratio(row.false_over, row.false_over_limits),
-            _percent(row.missed_events),
-            _seconds(row.delay_p50_s),
-        )
+        if row.basis == basis:
+            place = f"{row.sensor}, {loss_words(row.kind)}, {100 * row.packet_error_ratio:.4g} % lost"
+            places.setdefault(place, []).append(_console_cells(row))
+    # A place is longer than any cell, so it stands above its lines and not in a column.
+    every = [heads, *(cells for own in places.values() for cells in own)]
+    widths = [max(len(cells[column]) for cells in every) for column in range(len(heads))]
+    shown: list[RenderableType] = [Text(f"At equal {basis}"), _lines(heads, (), widths)]
+    for place, own in places.items():
+        shown += [literal(place, style="bold"), _lines((), own, widths)]
+    return Group(*(Text(line) for line in safety_headline(result)), *shown)
+
+
+def _console_cells(row: PooledSafety) -> tuple[str, ...]:
+    return (
+        row.candidate,
+        f"{row.message_rate_hz:.2f}",
+        _percent(row.missed_ratio),
+        _ratio(row.missed_over, row.missed_over_limits),
+        _percent(row.false_ratio),
+        _ratio(row.false_over, row.false_over_limits),
+        _percent(row.missed_events),
+        _seconds(row.delay_p50_s),
+    )
+
+
+def _lines(heads: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequence[int]) -> Table:
+    """A head or lines of the table, in columns as wide as all have them."""
+    shown = Table(box=None, padding=(0, 1, 0, 0), show_header=bool(heads))
+    for number, width in enumerate(widths):
+        head = heads[number] if heads else ""
+        shown.add_column(head, justify="right" if number else "left", width=width)
+    for cells in rows:
         shown.add_row(*map(literal, cells))
-    return Group(*(Text(line) for line in safety_headline(result)), shown)
+    return shown
 
 
 def safety_markdown(result: SafetyResult) -> str:

@@ -30,8 +30,8 @@ def _cases(result: SafetyResult) -> list[SafetyKind]:
 
 
 def _title(kind: SafetyKind) -> str:
-    recorded = f"recorded: {drawable(kind.loss_log, 20)}\n" if kind.loss_log else ""
-    return f"{drawable(kind.sensor, 20)}, {recorded}{burst_words(kind)}"
+    recorded = f"\nrecorded: {drawable(kind.loss_log, 20)}" if kind.loss_log else ""
+    return f"{drawable(kind.sensor, 20)}, {burst_words(kind)}{recorded}"
 
 
 def plot_accuracy(result: SafetyResult) -> Figure:
@@ -106,7 +106,7 @@ def plot_delays(result: SafetyResult) -> Figure:
                 color=colours[name],
                 label=drawable(name, 30),
             )
-        axes.set_title(_title(case) + ("" if same else f", {100 * at:.4g} % lost"))
+        axes.set_title(_title(case) + ("" if same else f"\n{100 * at:.4g} % lost"))
         axes.set_ylim(0.0, 101.0)
     figure.supxlabel(f"Later than perfect knowledge [s]{same}", fontsize=7.5)
     figure.supylabel("True warnings given [%]", fontsize=7.5)
