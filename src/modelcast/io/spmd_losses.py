@@ -68,10 +68,11 @@ def read_bsm_links(path: str) -> HeardLinks:
     for block in file.blocks((*file.layout.keys, *_NUMBERS)):
         keys, number = file.block_keys(block)
         time, epoch, count = (number_column(path, block, file.at[name], name) for name in _NUMBERS)
-        _check_counts(path, count, block.line)
         mine = np.array([receiver == sender for receiver, _, sender in keys], dtype=np.bool_)
+        others: BoolArray = ~mine[number]
+        _check_counts(path, count[others], block.line[others])
         usable: BoolArray = np.isfinite(count) & (time > 0.0)
-        uncounted += int((~usable & ~mine[number]).sum()) if keys else 0
+        uncounted += int((others & ~usable).sum())
         for at, key in enumerate(keys):
             if mine[at]:
                 own.add(key)
