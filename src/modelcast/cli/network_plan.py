@@ -6,7 +6,7 @@ from dataclasses import KW_ONLY, asdict, dataclass
 from importlib import metadata
 from math import ceil
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from modelcast.cli.options import SensorOptions
 from modelcast.core.exceptions import ConfigError, DataFormatError
@@ -16,6 +16,9 @@ from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 from modelcast.station.sender.sender import ERROR_SENDERS, MODEL_SENDERS, THRESHOLD_STARTS
 from modelcast.study.network.rows import NO_THRESHOLD
+
+if TYPE_CHECKING:
+    from modelcast.apps.base import AbstractApplication
 
 __all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
 
@@ -28,7 +31,7 @@ _MOST_LANES = 32
 BUILT_IN = ("highway", "braking", "cut-in", "grid", "crossing")
 SUMO = ("sumo-highway", "sumo-grid", "sumo-junction")
 RECORDED = ("platoon", "trips")
-RADIOS = ("dsrc", "sidelink", "abstract")
+RADIOS = ("dsrc", "sidelink", "abstract", "ideal")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +72,8 @@ class NetworkPlan:
         Files or folders of recorded trips, for a scenario of `RECORDED`.
     receivers_ratios
         Of mixed fleets, shares of model receivers that are asked for; empty where all fleets are of one kind.
+    applications, algorithm
+        What hosts warn of, by name, none where it is empty; and the warning range of fcw, None for its own.
     """
 
     scenario: str
@@ -96,6 +101,8 @@ class NetworkPlan:
     sensor: SensorOptions
     trips: tuple[str, ...] = ()
     receivers_ratios: tuple[float, ...] = ()
+    applications: tuple[str, ...] = ()
+    algorithm: str | None = None
 
     def as_plain(self) -> dict[str, Any]:
         """What every run depends on, as plain values; files by their names, the sensor with its figures.
@@ -105,8 +112,9 @@ class NetworkPlan:
         found: dict[str, Any] = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
         found["sensor"]["model"] = asdict(self.sensor.model())
         del found["banks"], found["thresholds_m"]
-        if not self.receivers_ratios:
-            del found["receivers_ratios"]
+        for name in ("receivers_ratios", "applications", "algorithm"):
+            if not found[name]:
+                del found[name]
         del found["threads"]  # the result is the same whatever the number of threads
         for name in ("scenario", "profile"):
             found[name] = None if found[name] is None else Path(found[name]).name
@@ -213,6 +221,25 @@ class NetworkPlan:
             from modelcast.io.sumo import require_sumo
 
             require_sumo()
+
+    def warns(self) -> "dict[str, AbstractApplication]":
+        """What hosts warn of, by name.
+
+        Raises
+        ------
+        ConfigError
+            Where an application or its algorithm is unknown, or the algorithm goes with none of them.
+        """
+        from modelcast.apps.forward_collision import ForwardCollisionWarning
+        from modelcast.apps.registry import get_application
+        from modelcast.apps.warning_ranges import get_warning_range
+
+        found: dict[str, AbstractApplication] = {name: get_application(name) for name in self.applications}
+        if self.algorithm is not None:
+            if "fcw" not in found:
+                raise ConfigError(f"--algorithm {self.algorithm} goes with --application fcw")
+            found["fcw"] = ForwardCollisionWarning(get_warning_range(self.algorithm))
+        return found
 
     @property
     def settings(self) -> NetworkSettings:

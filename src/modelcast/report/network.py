@@ -13,7 +13,9 @@ from modelcast.io.fcd_survey import FcdSurvey, survey_document
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.figures.senders import NO_THRESHOLD_TEXT, also_told, threshold_text
+from modelcast.report.fleet_warnings import warnings_console, warnings_markdown, warnings_part
 from modelcast.report.literal import literal, markdown
+from modelcast.report.mixed import mixed_markdown, mixed_part
 from modelcast.report.page import CSS, escape, number, option_rows, page, table
 from modelcast.report.style import style
 from modelcast.study.network.pool import LIMITS_M
@@ -145,6 +147,8 @@ def network_markdown(
         lines += ["", f"{_CAPACITY}:", ""]
         lines += [_joined(heads), "|" + "---|" * len(heads)]
         lines += [_joined(cells) for cells in _capacity_cells(result)]
+    if result.pooled_warnings:
+        lines += ["", "Warnings:", "", *warnings_markdown(result)]
     if result.senders:
         lines += ["", "What was sent of each bank, and by which rules:", ""]
         lines += [_joined(_SENDERS), "|" + "---|" * len(_SENDERS)]
@@ -213,7 +217,8 @@ def network_console(result: NetworkResult) -> RenderableType:
         capacity.add_column(head, no_wrap=True)
     for cells in _capacity_cells(result):
         capacity.add_row(*map(literal, cells))
-    return Group(shown, capacity) if result.capacities else Group(shown)
+    found = [shown, *([capacity] if result.capacities else ())]
+    return Group(*found, *([warnings_console(result)] if result.pooled_warnings else ()))
 
 
 def write_network_report(
@@ -225,6 +230,8 @@ def write_network_report(
     notes: Sequence[str] = (),
 ) -> list[Path]:
     """Write ``table.md``, ``report.html`` and the figures as PNG and SVG; return their paths.
+
+    Of mixed fleets ``pairings.md`` too.
 
     Parameters
     ----------
@@ -240,8 +247,12 @@ def write_network_report(
     folder = Path(folder)
     place = folder / "table.md"
     place.write_text(network_markdown(result, traffic, notes), encoding="utf-8", newline="\n")
+    if result.pairings:
+        (folder / "pairings.md").write_text(mixed_markdown(result), encoding="utf-8", newline="\n")
     with style():
         drawings = [drawn(name, plot(result)) for name, (_, plot) in NETWORK_FIGURES.items()]
+        parts = [*mixed_part(result), *warnings_part(result)]
+        more = [drawn(name, figure) for part in parts for name, (_, figure) in part.figures.items()]
     names = [name for name, _, _ in _COLUMNS]
     heads = [*_heads(result), *(title for _, title, _ in _COLUMNS)]
     body = [
@@ -261,6 +272,7 @@ def write_network_report(
             f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
             f"<figcaption>{escape(caption)}</figcaption></figure>"
         )
+    body += [line for part in parts for line in part.markup()]
     if result.senders:
         body += ["<h2>Banks</h2>", table(_SENDERS, _sender_cells(result), text_columns=len(_SENDERS))]
     if traffic is not None:
@@ -270,4 +282,4 @@ def write_network_report(
     html = folder / "report.html"
     document = page("modelcast: fleets on a shared channel", CSS, body)
     html.write_text(document, encoding="utf-8", newline="\n")
-    return [place, html, *write_drawings(drawings, folder)]
+    return [place, html, *write_drawings([*drawings, *more], folder)]

@@ -1,7 +1,6 @@
 """An evaluation of a safety application in the terminal, as Markdown and as a page."""
 
 from collections.abc import Sequence
-from math import isfinite
 from pathlib import Path
 
 from rich.box import SIMPLE_HEAD
@@ -16,13 +15,10 @@ from modelcast.report.literal import literal
 from modelcast.report.page import CSS, escape, option_rows, page, table
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
-from modelcast.study.compare.bootstrap import Limits
+from modelcast.report.warning_texts import ENOUGH, late_text, percent_text, plain_text, ratio_text
 from modelcast.study.safety.result import PooledSafety, SafetyResult
 
-__all__ = ["ENOUGH", "safety_console", "safety_headline", "safety_markdown", "write_safety_report"]
-
-ENOUGH = 50
-"""With fewer true warnings a ratio is an anecdote."""
+__all__ = ["safety_console", "safety_headline", "safety_markdown", "write_safety_report"]
 
 _SCOPE = (
     "The host of each pair follows the sender. What it warns of from messages is held against the same "
@@ -69,8 +65,8 @@ def safety_headline(result: SafetyResult) -> list[str]:
             continue
         lines.append(
             f"{row.sensor}, {_losses(row)}, {100 * at:.4g} % lost, equal {basis} (what {budget} needs): "
-            f"{row.candidate} misses {_ratio(row.missed_over, row.missed_over_limits)} of what {against} "
-            f"misses, with {_ratio(row.false_over, row.false_over_limits)} of its false warnings"
+            f"{row.candidate} misses {ratio_text(row.missed_over, row.missed_over_limits)} of what {against} "
+            f"misses, with {ratio_text(row.false_over, row.false_over_limits)} of its false warnings"
         )
     return lines
 
@@ -104,12 +100,12 @@ def safety_console(result: SafetyResult) -> RenderableType:
         cells = (
             row.candidate,
             f"{row.message_rate_hz:.2f}",
-            _percent(row.missed_ratio),
-            _ratio(row.missed_over, row.missed_over_limits),
-            _percent(row.false_ratio),
-            _ratio(row.false_over, row.false_over_limits),
-            _percent(row.missed_events),
-            _seconds(row.delay_p50_s),
+            percent_text(row.missed_ratio),
+            ratio_text(row.missed_over, row.missed_over_limits),
+            percent_text(row.false_ratio),
+            ratio_text(row.false_over, row.false_over_limits),
+            percent_text(row.missed_events),
+            late_text(row.delay_p50_s),
         )
         shown.add_row(*map(literal, cells))
     return Group(*(Text(line) for line in safety_headline(result)), shown)
@@ -190,13 +186,13 @@ def _rows(result: SafetyResult) -> list[list[str]]:
             f"{row.threshold_m:.3g} m",
             f"{row.message_rate_hz:.2f}",
             f"{100 * row.airtime_ratio:.3f} %",
-            _percent(row.missed_ratio),
-            _ratio(row.missed_over, row.missed_over_limits),
-            _percent(row.false_ratio),
-            _ratio(row.false_over, row.false_over_limits),
-            _plain(row.false_per_hour, "{:.1f}"),
-            _percent(row.missed_events),
-            *(_seconds(value) for value in (row.delay_p50_s, row.delay_p90_s, row.delay_p99_s)),
+            percent_text(row.missed_ratio),
+            ratio_text(row.missed_over, row.missed_over_limits),
+            percent_text(row.false_ratio),
+            ratio_text(row.false_over, row.false_over_limits),
+            plain_text(row.false_per_hour, "{:.1f}"),
+            percent_text(row.missed_events),
+            *(late_text(value) for value in (row.delay_p50_s, row.delay_p90_s, row.delay_p99_s)),
         ]
         for row in result.pooled
     ]
@@ -204,22 +200,3 @@ def _rows(result: SafetyResult) -> list[list[str]]:
 
 def _losses(row: PooledSafety) -> str:
     return "one by one" if row.mean_burst_s is None else f"bursts of {row.mean_burst_s:g} s"
-
-
-def _plain(value: float, form: str) -> str:
-    return form.format(value) if isfinite(value) else "-"
-
-
-def _percent(value: float) -> str:
-    return _plain(100 * value, "{:.2f} %")
-
-
-def _seconds(value: float) -> str:
-    return "never" if value == float("inf") else _plain(value, "{:.2f} s")
-
-
-def _ratio(value: float, ends: Limits) -> str:
-    low, high = ends
-    if not isfinite(value):
-        return "-"
-    return f"{value:.2f}" if low is None or high is None else f"{value:.2f} ({low:.2f}-{high:.2f})"

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from modelcast.study.metrics import confidence_limits
+from modelcast.study.network.pool_warnings import pool_warnings
 from modelcast.study.network.rows import (
     CASE_KEYS,
     CapacityRow,
@@ -25,7 +26,9 @@ LIMITS_M = (0.5, 1.0)
 FIGURES = tuple(field.name for field in fields(RunRow) if field.name not in CASE_KEYS)
 
 
-def gather(results: Iterable[CaseResult], senders: Sequence[SenderRow] = ()) -> NetworkResult:
+def gather(
+    results: Iterable[CaseResult], senders: Sequence[SenderRow] = (), *, against: str = ""
+) -> NetworkResult:
     """Put the runs in order and pool them.
 
     Parameters
@@ -34,6 +37,8 @@ def gather(results: Iterable[CaseResult], senders: Sequence[SenderRow] = ()) -> 
         Of single runs, in any order.
     senders
         What each policy sent of each bank.
+    against
+        As for `modelcast.study.network.pool_warnings.pool_warnings`.
     """
     ordered = sorted(results, key=lambda one: _key(one.run))
     runs = [one.run for one in ordered]
@@ -48,6 +53,10 @@ def gather(results: Iterable[CaseResult], senders: Sequence[SenderRow] = ()) -> 
         senders=senders,
         pairings=[row for one in ordered for row in one.pairings],
         penetration=[row for one in ordered for row in one.penetration],
+        warnings=[row for one in ordered for row in one.warnings],
+        warned_hosts=[row for one in ordered for row in one.warned_hosts],
+        warned_events=[row for one in ordered for row in one.warned_events],
+        pooled_warnings=pool_warnings(ordered, against),
     )
 
 

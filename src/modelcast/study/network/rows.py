@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
 from math import isfinite, nan
 
+from modelcast.study.network.warning_rows import PooledWarnings, WarnedEventRow, WarnedHostRow, WarningRow
+
 __all__ = [
     "CASE_KEYS",
     "HEADLINE_M",
@@ -407,7 +409,10 @@ class PenetrationRow:
 
 @dataclass(frozen=True, slots=True)
 class CaseResult:
-    """All rows of one run; pairings and penetration of a mixed fleet."""
+    """All rows of one run.
+
+    Pairings and penetration are those of mixed fleets, warnings of hosts that have applications.
+    """
 
     run: RunRow
     distances: Sequence[DistanceRow]
@@ -416,6 +421,9 @@ class CaseResult:
     seconds: Sequence[SecondRow]
     pairings: Sequence[PairingRow] = ()
     penetration: Sequence[PenetrationRow] = ()
+    warnings: Sequence[WarningRow] = ()
+    warned_hosts: Sequence[WarnedHostRow] = ()
+    warned_events: Sequence[WarnedEventRow] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -432,6 +440,10 @@ class NetworkResult:
     senders: Sequence[SenderRow] = field(default=())
     pairings: Sequence[PairingRow] = field(default=())
     penetration: Sequence[PenetrationRow] = field(default=())
+    warnings: Sequence[WarningRow] = field(default=())
+    warned_hosts: Sequence[WarnedHostRow] = field(default=())
+    warned_events: Sequence[WarnedEventRow] = field(default=())
+    pooled_warnings: Sequence[PooledWarnings] = field(default=())
 
     @property
     def banks(self) -> tuple[str, ...]:
