@@ -8,6 +8,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from modelcast.report.beside import show_beside
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
@@ -128,7 +129,12 @@ def safety_markdown(result: SafetyResult) -> str:
 
 
 def write_safety_report(
-    result: SafetyResult, folder: str | Path, *, training_trips: Sequence[str], trips: int
+    result: SafetyResult,
+    folder: str | Path,
+    *,
+    training_trips: Sequence[str],
+    trips: int,
+    beside: Sequence[Path] = (),
 ) -> list[Path]:
     """Write ``table.md``, ``report.html`` and the figures; return their paths.
 
@@ -140,6 +146,8 @@ def write_safety_report(
         An existing folder.
     training_trips, trips
         Trips that a bank was trained on, and how many there were.
+    beside
+        Output folders of other commands whose figures are shown too.
     """
     folder = Path(folder)
     place = folder / "table.md"
@@ -156,6 +164,7 @@ def write_safety_report(
             f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
             f"<figcaption>{escape(caption)}</figcaption></figure>"
         )
+    body += show_beside(beside, folder)
     body += [
         "<h2>All figures</h2>",
         f'<p class="scope">{escape(_SCOPE)}</p>',
