@@ -91,17 +91,17 @@ def fleet_table(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def mixed_table(found: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
     """A row a share of new senders: what hosts of each reading miss and warn of wrongly."""
+    whole = {name: [row for row in rows if row["sender"] == "all"] for name, rows in found.items()}
     cells: list[list[str]] = []
     for name, minds in zip(MIXED, ("none", "0.5 m"), strict=True):
-        rows = [row for row in found[name] if row["sender"] == "all"]
-        by_key = {(float(row["policy"].partition("@")[2]), row["reading"]): row for row in rows}
+        by_key = {(float(row["policy"].partition("@")[2]), row["reading"]): row for row in whole[name]}
         for share in sorted({share for share, _ in by_key}):
             own = [by_key[share, reading] for reading in READINGS]
             line = [f"{share:g} %", minds, f"{own[0]['message_rate_hz']:.2f}"]
             for row in own:
                 line += [_share(row, "missed", 1), _share(row, "false", 2)]
             cells.append(line)
-    return [_events(found["mixed"]), "", *_table(MIXED_HEADS, cells)]
+    return [_events(whole["mixed"]), "", *_table(MIXED_HEADS, cells)]
 
 
 def main() -> int:
