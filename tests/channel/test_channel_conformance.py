@@ -8,6 +8,8 @@ import pytest
 
 from modelcast.channel.base import AbstractChannel
 from modelcast.channel.erasure import GilbertElliott, Ideal, IndependentErasure
+from modelcast.channel.link_record import LinkRecord
+from modelcast.channel.recorded import RecordedLosses
 
 T_S = np.arange(2000) * 0.1
 
@@ -18,7 +20,18 @@ LOSSY: dict[str, Callable[[float], AbstractChannel]] = {
 }
 """Channels by their packet error ratio."""
 
-CHANNELS: dict[str, AbstractChannel] = {"ideal": Ideal(), **{name: made(0.4) for name, made in LOSSY.items()}}
+_LINKS = tuple(
+    LinkRecord(f"link {number}", lost, period_s=0.1)
+    for number, messages in enumerate((120, 800))
+    for lost in [np.pad(np.random.default_rng(number).random(messages) < 0.25, 1)]
+)
+"""Links of other lengths, that lose a quarter each."""
+
+CHANNELS: dict[str, AbstractChannel] = {
+    "ideal": Ideal(),
+    **{name: made(0.4) for name, made in LOSSY.items()},
+    "recorded": RecordedLosses(_LINKS),
+}
 
 every_channel = pytest.mark.parametrize("channel", CHANNELS.values(), ids=CHANNELS.keys())
 every_lossy_channel = pytest.mark.parametrize("made", LOSSY.values(), ids=LOSSY.keys())

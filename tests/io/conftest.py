@@ -81,8 +81,8 @@ def nyc_message(at: int, vehicle: str = "AB12", **changed: object) -> dict[str, 
     return {"bsmRecord": {"bsmMsg": {"coreData": core | changed}}}
 
 
-def nyc_file(messages: list[dict[str, Any]]) -> bytes:
-    return json.dumps({"eventHeader": {}, "bsmList": messages}).encode()
+def nyc_file(messages: list[dict[str, Any]], **header: str) -> bytes:
+    return json.dumps({"eventHeader": header, "bsmList": messages}).encode()
 
 
 def sentence(body: str) -> str:

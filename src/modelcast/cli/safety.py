@@ -8,6 +8,7 @@ from modelcast.cli.safety_options import SafetyOptions
 
 if TYPE_CHECKING:
     from modelcast.cli.reading import TripSource
+    from modelcast.io.loss_logs import LossLog
     from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["safety"]
@@ -83,12 +84,13 @@ def safety(
             "name files or folders with recorded platoons, or --streams and how many simulated roads: one of "
             "the two, since a figure that pools both says nothing of either (modelcast safety --help)"
         )
-    if not options.sensors or not options.burst or not options.per:
+    if not options.sensors or not options.burst or options.per == ():
         raise ConfigError("--sensors, --burst and --per: name at least one each")
     check_beside(beside)
     candidates, silent = options.candidates(), quiet or json
     for sensor in options.sensors:
         _ = options.settings(sensor, options.burst[0])
+    logs = _logs(options, quiet=silent)
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     files = SafetyRunFiles(package_version(), run_options(options))
     with (
@@ -97,7 +99,7 @@ def safety(
     ):
         trips = _trips(source, streams, options.seed, quiet=silent)
         recordings = recordings_of(trips)
-        work = safety_work(recordings, options)
+        work = safety_work(recordings, options, logs)
         with counted("recordings", quiet=silent) as progress:
             scores = score_all(work, options, store, jobs=jobs_in_use(jobs), progress=progress)
         with busy("pooling", quiet=silent):
@@ -105,6 +107,7 @@ def safety(
                 list(scores.values()),
                 recordings,
                 options,
+                logs,
                 failures=source.failures,
                 skipped=dict(source.skipped),
             )
@@ -120,7 +123,7 @@ def safety(
         }
         trained_on = frozenset[str]().union(*(one.trained_on or () for one in candidates))
         known = known_trips(trips, trained_on)
-        write_run(folder, "safety", asked, (*paths, *options.files), training_trips=known)
+        write_run(folder, "safety", asked, (*paths, *options.files, *options.losses), training_trips=known)
         with busy("writing the report", quiet=silent):
             write_safety(found, folder)
             write_safety_report(found, folder, training_trips=known, trips=len(trips), beside=beside)
@@ -130,6 +133,17 @@ def safety(
         show(safety_console(found))
         say(f"report: {out / 'report.html'}")
     return PARTLY_FAILED if found.failures else 0
+
+
+def _logs(options: SafetyOptions, *, quiet: bool) -> "list[LossLog]":
+    """The logs whose losses are replayed; what each holds is printed."""
+    from modelcast.cli.terminal import say
+    from modelcast.io.loss_logs import read_loss_logs
+
+    logs = read_loss_logs(options.losses)
+    for log in () if quiet else logs:
+        say(f"recorded losses: {log.as_text()}")
+    return logs
 
 
 def _trips(source: "TripSource", streams: int, seed: int, *, quiet: bool) -> "list[Trajectory]":

@@ -10,17 +10,21 @@ from cyclopts import Parameter
 
 from modelcast.cli.compare_options import CompareOptions
 from modelcast.cli.evaluate_options import EvaluateOptions
-from modelcast.cli.options import Numbers, SensorOptions, Words
+from modelcast.cli.options import Numbers, Paths, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
 from modelcast.station.policy.rules import BelieveRule
 from modelcast.study.safety.rules import BASES, Basis, Truth
 
 if TYPE_CHECKING:
     from modelcast.apps.base import AbstractApplication
+    from modelcast.channel.recorded import RecordedLosses
     from modelcast.study.compare.candidate import FixedCandidate
     from modelcast.study.safety.settings import SafetySettings
 
-__all__ = ["SafetyOptions"]
+__all__ = ["RATIOS", "SafetyOptions"]
+
+RATIOS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9)
+"""Packet error ratios where none are asked for."""
 
 _Bases = Annotated[tuple[Basis, ...], Parameter(consume_multiple=True, negative="")]
 
@@ -45,9 +49,13 @@ class SafetyOptions:
     threshold
         Tracking-error threshold [m] of the sender whose budget counts, and of all at equal threshold.
     per
-        Packet error ratios, 0 to 1, several after one another.
+        Packet error ratios, 0 to 1, several after one another. Where neither they nor --losses are given, six
+        from 0 to 0.9.
     burst
         Mean lengths of loss bursts [s], several after one another; 0 for losses one by one.
+    losses
+        Logs whose losses are replayed, several after one another: BsmP1 of Safety Pilot, events of New York.
+        Without --per they are the only losses.
     sensors
         What vehicles see of themselves, by name, several after one another: default (1 cm), ins, gnss and
         the others of 'modelcast evaluate --sensor'.
@@ -85,8 +93,9 @@ class SafetyOptions:
     bank: Words = ("cv", "free", "default")
     profile: str | None = None
     threshold: float = 0.5
-    per: Numbers = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9)
+    per: Numbers | None = None
     burst: Numbers = (0.0, 0.5)
+    losses: Paths = ()
     sensors: Words = ("default", "ins", "gnss")
     basis: _Bases = BASES
     budget: str | None = None
@@ -103,12 +112,19 @@ class SafetyOptions:
     resamples: int = 2000
 
     def as_plain(self) -> Mapping[str, Any]:
-        """Every option by its name on the command line, as plain values."""
-        return asdict(self)
+        """Every option by its name on the command line, as plain values; packet error ratios filled in."""
+        return {**asdict(self), "per": self.ratios, "losses": [str(path) for path in self.losses]}
+
+    @property
+    def ratios(self) -> tuple[float, ...]:
+        """Packet error ratios at which losses are drawn; none where logs alone are replayed."""
+        if self.per is None:
+            return () if self.losses else RATIOS
+        return self.per
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """The profiles' files, the one in use and those among the banks."""
+        """The profiles' files, the one in use and those among the banks: what all cases depend on."""
         named = [text for text in self.bank if text.endswith(".json")]
         return tuple(Path(text) for text in (self.profile, *named) if text)
 
@@ -164,8 +180,10 @@ class SafetyOptions:
             f"--application {self.application}: recorded pairs drive behind each other: take fcw or eebl"
         )
 
-    def settings(self, sensor: str, burst_s: float) -> "SafetySettings":
-        """The settings for one sensor and one length of bursts.
+    def settings(
+        self, sensor: str, burst_s: float, recorded: "RecordedLosses | None" = None
+    ) -> "SafetySettings":
+        """The settings for one sensor and one kind of loss.
 
         Parameters
         ----------
@@ -173,6 +191,8 @@ class SafetyOptions:
             Name of the sensor.
         burst_s
             Mean length of bursts [s]; 0 for losses one by one.
+        recorded
+            Losses to replay instead of drawing them.
 
         Raises
         ------
@@ -184,7 +204,7 @@ class SafetyOptions:
 
         shared = EvaluateOptions(
             threshold=(self.threshold,),
-            per=self.per,
+            per=self.ratios,
             seeds=self.seeds,
             seed=self.seed,
             keep_alive=self.keep_alive,
@@ -198,8 +218,14 @@ class SafetyOptions:
             sensor=SensorOptions(sensor=sensor),
         )
         try:
+            evaluation = shared.settings()
+            if recorded is not None:
+                ratios = (recorded.packet_error_ratio,)
+                evaluation = replace(
+                    evaluation, recorded=recorded, packet_error_ratios=ratios, mean_burst_s=None
+                )
             return SafetySettings(
-                shared.settings(),
+                evaluation,
                 self.warns(),
                 bases=self.basis,
                 budget=self.budget,

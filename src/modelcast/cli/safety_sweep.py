@@ -9,8 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from modelcast.channel.recorded import RecordedLosses
 from modelcast.cli.safety_options import SafetyOptions
 from modelcast.cli.shared_work import workers
+from modelcast.io.loss_logs import LossLog
 from modelcast.io.run_store import RunStore
 from modelcast.io.safety_runs import SafetyCase
 from modelcast.study.safety.film import EventFilm, film_event, telling_event
@@ -27,13 +29,23 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, slots=True)
 class SafetyWork:
-    """One recording to be scored with one sensor: a case each length of bursts, [s] and 0 for none."""
+    """One recording to be scored with one sensor: a case each kind of loss.
 
-    cases: tuple[tuple[SafetyCase, float], ...]
+    Parameters
+    ----------
+    cases
+        Each with the losses to be replayed, None where they are drawn.
+    recording
+        The recording.
+    """
+
+    cases: tuple[tuple[SafetyCase, RecordedLosses | None], ...]
     recording: Recording
 
 
-def safety_work(recordings: Sequence[Recording], options: SafetyOptions) -> list[SafetyWork]:
+def safety_work(
+    recordings: Sequence[Recording], options: SafetyOptions, logs: Sequence[LossLog]
+) -> list[SafetyWork]:
     """Every recording with every sensor, in the order of the options.
 
     Parameters
@@ -42,16 +54,23 @@ def safety_work(recordings: Sequence[Recording], options: SafetyOptions) -> list
         What was read.
     options
         Sensors and lengths of bursts.
+    logs
+        Losses to be replayed.
     """
+    bursts = [burst_s or None for burst_s in dict.fromkeys(options.burst)] if options.ratios else []
     found: list[SafetyWork] = []
     for recording in recordings:
         trips = tuple(fingerprint(trip) for trip in recording.trips)
         for sensor in dict.fromkeys(options.sensors):
-            cases = tuple(
-                (SafetyCase(recording.name, sensor, burst_s or None, trips), burst_s)
-                for burst_s in dict.fromkeys(options.burst)
-            )
-            found.append(SafetyWork(cases, recording))
+            drawn = [(SafetyCase(recording.name, sensor, burst_s, trips), None) for burst_s in bursts]
+            replayed = [
+                (
+                    SafetyCase(recording.name, sensor, log.channel.mean_burst_s, trips, log.name, log.sha256),
+                    log.channel,
+                )
+                for log in logs
+            ]
+            found.append(SafetyWork((*drawn, *replayed), recording))
     return found
 
 
@@ -61,7 +80,7 @@ def run_options(options: SafetyOptions) -> dict[str, Any]:
     Parameters
     ----------
     options
-        As the user gave them; sensors, lengths of bursts and what only pools scores are left out.
+        As the user gave them; sensors, kinds of loss and what only pools scores are left out.
 
     Raises
     ------
@@ -71,7 +90,7 @@ def run_options(options: SafetyOptions) -> dict[str, Any]:
     from modelcast.io.regular import sha256_of
 
     found = dict(options.as_plain())
-    for name in ("sensors", "burst", "against", "resamples"):
+    for name in ("sensors", "burst", "losses", "against", "resamples"):
         del found[name]
     shipped = importlib.resources.files("modelcast") / "profiles" / "default.json"
     found["files"] = {
@@ -86,10 +105,10 @@ def _score(options: SafetyOptions, work: SafetyWork) -> list[RecordingScores]:
     candidates, walked = options.candidates(), dict[int, Walked]()
     return [
         score_recording(
-            work.recording, candidates, options.settings(case.sensor, burst_s),
-            sensor=case.sensor, walked=walked,
+            work.recording, candidates, options.settings(case.sensor, case.mean_burst_s or 0.0, recorded),
+            sensor=case.sensor, loss_log=case.loss_log, walked=walked,
         )
-        for case, burst_s in work.cases
+        for case, recorded in work.cases
     ]  # fmt: skip
 
 
@@ -132,8 +151,9 @@ def score_all(
                 store.keep(case, scores)
                 found[case] = scores
             progress(len(found), len(cases))
-    sensors, bursts = list(options.sensors), [burst_s or None for burst_s in options.burst]
-    order = sorted(cases, key=lambda case: (sensors.index(case.sensor), bursts.index(case.mean_burst_s)))
+    # By sensor and kind of loss, as the first recording has them, then by recording.
+    kinds = list(dict.fromkeys((case.sensor, case.mean_burst_s, case.loss_log) for case in cases))
+    order = sorted(cases, key=lambda case: kinds.index((case.sensor, case.mean_burst_s, case.loss_log)))
     return {case: found[case] for case in order}
 
 
@@ -141,6 +161,7 @@ def gathered(
     scores: Sequence[RecordingScores],
     recordings: Sequence[Recording],
     options: SafetyOptions,
+    logs: Sequence[LossLog],
     *,
     failures: Mapping[str, str],
     skipped: Mapping[str, Any],
@@ -155,15 +176,21 @@ def gathered(
         The recordings.
     options
         How they were scored.
+    logs
+        Losses that were replayed.
     failures, skipped
         Files and trips left out, and why.
     """
     names = [candidate.name for candidate in options.candidates()]
     against = options.against or names[0]
-    first = [one for one in scores if one.sensor == scores[0].sensor]
-    first = [one for one in first if one.mean_burst_s == scores[0].mean_burst_s]
+    first = [one for one in scores if one.kind == scores[0].kind]
     return SafetyResult(
-        {**options.as_plain(), "against": against, "budget": options.budget or names[-1]},
+        {
+            **options.as_plain(),
+            "against": against,
+            "budget": options.budget or names[-1],
+            "losses": [log.as_text() for log in logs],
+        },
         recordings=scores,
         pooled=pooled_rows(scores, against, resamples=options.resamples, seed=options.seed),
         events=sum(one.positives.size for one in first),
@@ -172,7 +199,7 @@ def gathered(
         positives=int(sum(one.positives.sum() for one in first)),
         failures=failures,
         skipped=skipped,
-        film=_film(first, recordings, options, against),
+        film=_film(first, recordings, options, against, logs),
     )
 
 
@@ -181,10 +208,12 @@ def _film(
     recordings: Sequence[Recording],
     options: SafetyOptions,
     against: str,
+    logs: Sequence[LossLog],
 ) -> EventFilm | None:
     """The true warning at which the sender with the budget gains most, at a loss ratio near 40 %."""
     candidates = options.candidates()
-    ratio = min(options.per, key=lambda one: abs(one - 0.4))
+    ratio = min({one.packet_error_ratio for one in scores[0].conditions}, key=lambda one: abs(one - 0.4))
+    recorded = next((log.channel for log in logs if log.name == scores[0].loss_log), None)
     basis = options.basis[-1]
     names = (against, options.budget or candidates[-1].name)
     place = telling_event(scores, ratio, basis, names)
@@ -198,7 +227,7 @@ def _film(
         recordings[at].pairs[pair],
         event - first,
         candidates,
-        options.settings(scores[at].sensor, scores[at].mean_burst_s or 0.0),
+        options.settings(scores[at].sensor, scores[at].mean_burst_s or 0.0, recorded),
         sensor=scores[at].sensor,
         ratio=ratio,
     )

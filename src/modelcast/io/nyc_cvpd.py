@@ -26,6 +26,7 @@ says. Lost messages are gaps. A speed that stays the same while the vehicle move
 
 import json
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, cast
 
@@ -37,7 +38,7 @@ from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipp
 from modelcast.io.rows import LARGEST, Rows, make_trip, ordered, with_missing
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["NycCvpdReader"]
+__all__ = ["Event", "NycCvpdReader", "event_number", "read_event"]
 
 _CORE = ("T_s", "X_m", "Y_m", "Z_m", "speed_mps", "heading_deg")
 _ACCELERATION = ("long_mpss", "yaw_dps")
@@ -94,14 +95,55 @@ def _usable(rows: Rows, tally: Tally) -> Rows:
 
 def _messages(path: str) -> dict[str, tuple[list[int], list[list[float]]]]:
     """Return every vehicle's record numbers, from 1, and numbers."""
+    vehicles: dict[str, tuple[list[int], list[list[float]]]] = {}
+    for record, vehicle, core in read_event(path).messages:
+        acceleration = core.get("accelSet", {})
+        numbers = [event_number(path, record, core, name) for name in _CORE]
+        numbers += [event_number(path, record, acceleration, name) for name in _ACCELERATION]
+        records, values = vehicles.setdefault(vehicle, ([], []))
+        records.append(record)
+        values.append(numbers)
+    return vehicles
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """An event as it is in its file.
+
+    Parameters
+    ----------
+    host
+        The vehicle that logged it; None where the file does not say.
+    messages
+        Each with its number, from 1, the vehicle and the core data.
+    """
+
+    host: str | None
+    messages: list[tuple[int, str, Mapping[str, object]]]
+
+
+def read_event(path: str) -> Event:
+    """Return the messages of an event, every one with a vehicle.
+
+    Parameters
+    ----------
+    path
+        The file; it is held whole.
+
+    Raises
+    ------
+    DataFormatError
+        Where it is not JSON, holds no messages, or one has no core data or names no vehicle.
+    """
     try:
         event = cast("object", json.loads(Path(path).read_text(encoding="utf-8-sig")))
     except (ValueError, RecursionError) as error:
         raise DataFormatError(path, f"is not JSON: {error}", remedy="Check that it is complete.") from error
-    messages = cast("Mapping[str, object]", event).get("bsmList") if isinstance(event, dict) else None
+    whole: Mapping[str, object] = cast("Mapping[str, object]", event) if isinstance(event, dict) else {}
+    messages = whole.get("bsmList")
     if not isinstance(messages, list) or not messages:
         raise DataFormatError(path, "no bsmList with messages", remedy="Only events with BSMs hold trips.")
-    vehicles: dict[str, tuple[list[int], list[list[float]]]] = {}
+    found: list[tuple[int, str, Mapping[str, object]]] = []
     for record, message in enumerate(cast("list[object]", messages), start=1):
         core = message
         for name in ("bsmRecord", "bsmMsg", "coreData"):
@@ -109,13 +151,10 @@ def _messages(path: str) -> dict[str, tuple[list[int], list[list[float]]]]:
         vehicle = _member(path, record, core, "id")
         if not isinstance(vehicle, str) or not vehicle:
             raise DataFormatError(path, f"id is {vehicle!r}, not a name", row=record)
-        acceleration = cast("Mapping[str, object]", core).get("accelSet", {})
-        numbers = [_number(path, record, core, name) for name in _CORE]
-        numbers += [_number(path, record, acceleration, name) for name in _ACCELERATION]
-        records, values = vehicles.setdefault(vehicle, ([], []))
-        records.append(record)
-        values.append(numbers)
-    return vehicles
+        found.append((record, vehicle, cast("Mapping[str, object]", core)))
+    header = whole.get("eventHeader")
+    host = cast("Mapping[str, object]", header).get("hostVehID") if isinstance(header, dict) else None
+    return Event(host if isinstance(host, str) and host else None, found)
 
 
 def _member(path: str, record: int, holder: object, name: str) -> object:
@@ -127,8 +166,21 @@ def _member(path: str, record: int, holder: object, name: str) -> object:
     return cast("Mapping[str, object]", holder)[name]
 
 
-def _number(path: str, record: int, holder: object, name: str) -> float:
-    """Return a member as a number, NaN where it is absent or null."""
+def event_number(path: str, record: int, holder: object, name: str) -> float:
+    """Return a member as a number, NaN where it is absent or null.
+
+    Parameters
+    ----------
+    path, record
+        Which message of which file, for errors.
+    holder, name
+        The member.
+
+    Raises
+    ------
+    DataFormatError
+        Where it is anything else.
+    """
     value = cast("Mapping[str, object]", holder).get(name) if isinstance(holder, dict) else holder
     if value is None:
         return float("nan")

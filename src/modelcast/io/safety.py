@@ -31,7 +31,7 @@ __all__ = ["SAFETY_SCHEMA", "safety_document", "write_safety"]
 SAFETY_SCHEMA = 1
 """Version of the layout of a safety evaluation's ``summary.json``."""
 
-_TEXT = {"sensor", "basis", "candidate"}
+_TEXT = {"sensor", "basis", "candidate", "loss_log"}
 _LIMITS = ("missed_over_limits", "false_over_limits")
 
 
@@ -106,6 +106,7 @@ def _events(scores: RecordingScores) -> Columns:
                 "recording": [scores.name] * rows,
                 "sensor": [scores.sensor] * rows,
                 "mean_burst_s": [scores.mean_burst_s] * rows,
+                "loss_log": [scores.loss_log] * rows,
                 "packet_error_ratio": [one.packet_error_ratio] * rows,
                 "basis": [one.basis] * rows,
                 "candidate": [one.candidate] * rows,
@@ -118,7 +119,7 @@ def _events(scores: RecordingScores) -> Columns:
                 "delay_s": one.delay_s.ravel().tolist(),
             }
         )
-    text = {"recording", "sensor", "basis", "candidate", "leader", "follower"}
+    text = {"recording", "sensor", "loss_log", "basis", "candidate", "leader", "follower"}
     whole = {"run", "instants", "missed"}
     return {
         name: np.array(

@@ -1,9 +1,9 @@
 """Scores of single recordings on disk, so that a later call of ``modelcast safety`` takes them up again.
 
-``<recording>_<sensor>_<burst>-<key>.json`` holds one: ``schema``, ``modelcast`` (version), ``options`` and
-the scores. The key is a hash of version, options, the recording's trips and the banks: of anything else
-the file has another name. What is read back is checked before it is used, for the folder may come from
-anywhere.
+``<recording>_<sensor>_<losses>-<key>.json`` holds one: ``schema``, ``modelcast`` (version), ``options`` and
+the scores. The key is a hash of version, options, the recording's trips, the banks, and the log whose losses
+are replayed: of anything else the file has another name. What is read back is checked before it is used, for
+the folder may come from anywhere.
 """
 
 import hashlib
@@ -28,8 +28,8 @@ from modelcast.study.safety.rules import BASES
 
 __all__ = ["SAFETY_RUN_SCHEMA", "SafetyCase", "SafetyRunFiles", "scores_document"]
 
-SAFETY_RUN_SCHEMA = 1
-"""Version of the layout of a recording's file."""
+SAFETY_RUN_SCHEMA = 2
+"""Version of the layout of a recording's file; since 2 it names the log whose losses were replayed."""
 
 _MOST = 1_000_000
 _COUNT = Whole(0, 2**53)
@@ -54,6 +54,7 @@ _RECORDING = Keys(
         "name": Text(400),
         "sensor": Text(100, empty=True),
         "mean_burst_s": Maybe(_TIME),
+        "loss_log": Text(400, empty=True),
         "pairs": Each(Fixed((Text(1000), Text(1000), _TIME)), 1, _MOST),
         "counted": Each(_COUNT, 1, _MOST),
         "negatives": Each(_COUNT, 1, _MOST),
@@ -80,12 +81,16 @@ class SafetyCase:
         As in `RecordingScores`.
     trips
         Fingerprints of its trips.
+    loss_log, loss_sha256
+        The log whose losses are replayed, and the SHA-256 of its content; empty where they are drawn.
     """
 
     recording: str
     sensor: str
     mean_burst_s: float | None
     trips: tuple[str, ...]
+    loss_log: str = ""
+    loss_sha256: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,9 +111,11 @@ class SafetyRunFiles(AbstractRunFiles[SafetyCase, RecordingScores]):
     def path(self, case: SafetyCase, folder: Path) -> Path:
         """Where a recording's scores are."""
         burst = "single" if case.mean_burst_s is None else f"{case.mean_burst_s:g}s"
-        words = json.dumps([SAFETY_RUN_SCHEMA, self.version, self.options, case.trips], sort_keys=True)
+        depends = [SAFETY_RUN_SCHEMA, self.version, self.options, case.trips, case.loss_sha256]
+        words = json.dumps(depends, sort_keys=True)
         key = hashlib.sha256(words.encode()).hexdigest()[:12]
-        name = re.sub(r"[^A-Za-z0-9._-]+", "_", f"{case.recording}_{case.sensor}_{burst}")[:120]
+        name = f"{case.recording}_{case.sensor}_{case.loss_log or burst}"
+        name = re.sub(r"[^A-Za-z0-9._-]+", "_", name)[:120]
         return folder / f"{name}-{key}.json"
 
     def read(self, case: SafetyCase, folder: Path) -> RecordingScores | None:
@@ -123,7 +130,8 @@ class SafetyRunFiles(AbstractRunFiles[SafetyCase, RecordingScores]):
             found = _scores(document["scores"])
         except (FieldError, ValueError) as error:
             raise ConfigError(f"{path} is not a run of modelcast safety: {error}: remove it") from error
-        if (found.name, found.sensor, found.mean_burst_s) != (case.recording, case.sensor, case.mean_burst_s):
+        wanted = (case.recording, case.sensor, case.mean_burst_s, case.loss_log)
+        if (found.name, *found.kind) != wanted:
             raise ConfigError(f"{path} is of another recording, sensor or kind of loss: remove it")
         return found
 
@@ -150,6 +158,7 @@ def scores_document(scores: RecordingScores) -> dict[str, Any]:
         "name": scores.name,
         "sensor": scores.sensor,
         "mean_burst_s": scores.mean_burst_s,
+        "loss_log": scores.loss_log,
         "pairs": [[pair.leader, pair.follower, pair.headway_s] for pair in scores.pairs],
         **{
             name: getattr(scores, name).tolist()
@@ -207,6 +216,7 @@ def _scores(given: Mapping[str, Any]) -> RecordingScores:
         event_s=np.array(given["event_s"], dtype=np.float64),
         positives=_whole(given["positives"]),
         conditions=[_condition(one, count, events, k) for one in given["conditions"]],
+        loss_log=given["loss_log"],
     )
 
 

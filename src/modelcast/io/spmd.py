@@ -27,12 +27,23 @@ from modelcast.io.text_blocks import Block, number_column, read_blocks, text_col
 from modelcast.io.text_head import file_head, first_lines, split_fields
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["OPEN_ROWS", "SpmdLayout", "read_spmd", "spmd_matches", "valid_position"]
+__all__ = [
+    "OPEN_ROWS",
+    "Key",
+    "SpmdFile",
+    "SpmdLayout",
+    "open_spmd",
+    "read_spmd",
+    "spmd_matches",
+    "valid_position",
+]
 
 OPEN_ROWS = 4_000_000
 """Rows gathered at a time, unless a single trip has more."""
 
 Key = tuple[str, ...]
+"""Values of the columns that name a trip."""
+
 _NUMBER_CHARACTERS = frozenset("0123456789+-.eE ")
 
 
@@ -96,8 +107,20 @@ class _Gathered:
 
 
 @dataclass(frozen=True, slots=True)
-class _File:
-    """Where a file's columns are."""
+class SpmdFile:
+    """Where a file's columns are.
+
+    Parameters
+    ----------
+    path, layout
+        The file and its format.
+    at
+        Number of each column, from 0.
+    counts
+        Numbers of fields a row may have.
+    skip_lines
+        Lines before the first row.
+    """
 
     path: str
     layout: SpmdLayout
@@ -106,6 +129,13 @@ class _File:
     skip_lines: int
 
     def blocks(self, names: tuple[str, ...]) -> Iterator[Block]:
+        """Yield the file in blocks.
+
+        Parameters
+        ----------
+        names
+            Columns wanted.
+        """
         width = max(*self.counts, len(self.layout.header))
         wanted = [self.at[name] for name in names]
         return read_blocks(
@@ -113,7 +143,18 @@ class _File:
         )
 
     def block_keys(self, block: Block) -> tuple[list[Key], IntArray]:
-        """Return the keys of a block in order of appearance, and each row's key by number, (R,)."""
+        """Return the keys of a block in order of appearance, and each row's key by number, (R,).
+
+        Parameters
+        ----------
+        block
+            One that has the columns of the keys.
+
+        Raises
+        ------
+        DataFormatError
+            Where one of them is blank.
+        """
         columns = [text_column(block, self.at[name]).alias(name) for name in self.layout.keys]
         for column in columns:
             if column.null_count():
@@ -152,15 +193,28 @@ def _is_header(fields: list[str]) -> bool:
     return not _is_number(fields[0])
 
 
-def _opened(path: str, layout: SpmdLayout) -> _File:
-    """Return where the columns are, by the header row or, without one, by the format's order."""
+def open_spmd(path: str, layout: SpmdLayout) -> SpmdFile:
+    """Return where the columns are, by the header row or, without one, by the format's order.
+
+    Parameters
+    ----------
+    path
+        The file.
+    layout
+        Its format.
+
+    Raises
+    ------
+    DataFormatError
+        Where the file is empty, or its header lacks a column.
+    """
     lines = first_lines(file_head(path))
     if not lines or not any(line.strip() for line in lines):
         raise DataFormatError(path, "the file is empty", remedy="Check that it was downloaded completely.")
     fields = split_fields(lines[0])
     if not _is_header(fields):
         at = {name: number for number, name in enumerate(layout.header)}
-        return _File(path, layout, at, layout.counts, 0)
+        return SpmdFile(path, layout, at, layout.counts, 0)
     found = {name.lower(): number for number, name in enumerate(fields)}
     missing = [name for name in (*layout.keys, *layout.numbers) if name.lower() not in found]
     if missing:
@@ -171,12 +225,12 @@ def _opened(path: str, layout: SpmdLayout) -> _File:
             remedy=f"{layout.source} needs the columns {', '.join((*layout.keys, *layout.numbers))}.",
         )
     at = {name: found[name.lower()] for name in (*layout.keys, *layout.numbers)}
-    return _File(path, layout, at, layout.counts | {len(fields)}, 1)
+    return SpmdFile(path, layout, at, layout.counts | {len(fields)}, 1)
 
 
 def read_spmd(path: str, layout: SpmdLayout, on_skipped: OnSkipped) -> Iterator[Trajectory]:
     """Yield the trips of an SPMD file in bounded memory; see the module's docstring."""
-    file = _opened(path, layout)
+    file = open_spmd(path, layout)
     extents = _extents(file)
     if not extents:
         raise DataFormatError(path, "no rows after the header", remedy="The file is empty.")
@@ -189,7 +243,7 @@ def read_spmd(path: str, layout: SpmdLayout, on_skipped: OnSkipped) -> Iterator[
                 yield trip
 
 
-def _extents(file: _File) -> dict[Key, _Extent]:
+def _extents(file: SpmdFile) -> dict[Key, _Extent]:
     """Return where every key's rows are (the first pass)."""
     extents: dict[Key, _Extent] = {}
     last: Key | None = None
@@ -228,7 +282,7 @@ def _shared_out(extents: Mapping[Key, _Extent]) -> Iterator[set[Key]]:
 
 
 def _complete(
-    file: _File, extents: Mapping[Key, _Extent], wanted: set[Key], origin: Origin | None
+    file: SpmdFile, extents: Mapping[Key, _Extent], wanted: set[Key], origin: Origin | None
 ) -> Iterator[tuple[Key, _Gathered, Origin | None]]:
     """Yield each wanted key with its rows once its last block is read, and the file's origin."""
     layout = file.layout
@@ -268,7 +322,7 @@ def _first_position(layout: SpmdLayout, rows: Rows) -> Origin | None:
 
 
 def _trip(
-    file: _File, key: Key, gathered: _Gathered, origin: Origin | None, on_skipped: OnSkipped
+    file: SpmdFile, key: Key, gathered: _Gathered, origin: Origin | None, on_skipped: OnSkipped
 ) -> Trajectory | None:
     """Return the trip of one key's rows, or None after reporting why there is none."""
     layout = file.layout

@@ -9,7 +9,8 @@ Column                          Unit   No.  Use
 RxDevice, FileId, TxDevice      -      0-2  the trip
 GenTime (or Gentime)            µs     3    time; differences only: published sources disagree on
                                             the epoch, so there is no absolute time
-TxRandom, MsgCount, DSecond     -      4-6  not used; the first two change within a trip
+TxRandom, MsgCount              -      4-5  not part of a trip; `spmd_losses` tells lost messages from them
+DSecond                         -      6    not used
 Latitude, Longitude             deg    7-8  position
 Elevation                       m      9    height
 Speed                           m/s    10   speed
@@ -43,7 +44,7 @@ from modelcast.io.rows import Rows, with_missing
 from modelcast.io.spmd import Key, SpmdLayout, read_spmd, spmd_matches, valid_position
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["SpmdBsmReader"]
+__all__ = ["BSM_LAYOUT", "SpmdBsmReader"]
 
 SPEED_UNAVAILABLE_MPS = 163.82
 """J2735 DE_Speed 8191 at 0.02 m/s."""
@@ -66,11 +67,11 @@ class SpmdBsmReader(AbstractTripReader):
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether the header is BsmP1's, or every line has its fields."""
         del path
-        return spmd_matches(_LAYOUT, head)
+        return spmd_matches(BSM_LAYOUT, head)
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per (RxDevice, FileId, TxDevice), each as soon as its last block is read."""
-        yield from read_spmd(path, _LAYOUT, on_skipped)
+        yield from read_spmd(path, BSM_LAYOUT, on_skipped)
 
 
 def _trip_name(key: Key) -> str:
@@ -104,7 +105,7 @@ def _usable(rows: Rows, tally: Tally) -> Rows:
     )
 
 
-_LAYOUT = SpmdLayout(
+BSM_LAYOUT = SpmdLayout(
     source=SpmdBsmReader.name,
     header=(
         "RxDevice", "FileId", "TxDevice", "GenTime", "TxRandom", "MsgCount", "DSecond", "Latitude",

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
@@ -13,6 +12,7 @@ from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
 from modelcast.report.literal import literal
+from modelcast.report.losses import loss_words, shown_ratios
 from modelcast.report.page import CSS, escape, option_rows, page, table
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
@@ -58,16 +58,16 @@ def safety_headline(result: SafetyResult) -> list[str]:
         return [*lines, "no true warning: there is nothing to miss, and shares of false ones alone are shown"]
     if result.events < ENOUGH:
         lines.append(f"fewer than {ENOUGH} true warnings: the ratios below are anecdotes")
-    ratios = sorted({row.packet_error_ratio for row in result.pooled})
+    shown = shown_ratios(result.pooled)
     basis = "airtime" if any(row.basis == "airtime" for row in result.pooled) else result.pooled[0].basis
-    at = min(ratios, key=lambda ratio: abs(ratio - 0.4))
     for row in result.pooled:
+        at = shown[row.kind]
         if (row.packet_error_ratio, row.basis) != (at, basis) or row.candidate == against:
             continue
         lines.append(
-            f"{row.sensor}, {_losses(row)}, {100 * at:.4g} % lost, equal {basis} (what {budget} needs): "
-            f"{row.candidate} misses {ratio_text(row.missed_over, row.missed_over_limits)} of what {against} "
-            f"misses, with {ratio_text(row.false_over, row.false_over_limits)} of its false warnings"
+            f"{row.sensor}, {loss_words(row.kind)}, {100 * at:.4g} % lost, equal {basis} (what {budget} "
+            f"needs): {row.candidate} misses {ratio_text(row.missed_over, row.missed_over_limits)} of what "
+            f"{against} misses, with {ratio_text(row.false_over, row.false_over_limits)} of its false ones"
         )
     return lines
 
@@ -85,31 +85,43 @@ def safety_console(result: SafetyResult) -> RenderableType:
     bases = [row.basis for row in result.pooled]
     basis = "airtime" if "airtime" in bases else bases[0]
     against = result.settings["against"]
-    shown = Table(title=f"At equal {basis}", title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     heads = ("sender", "1/s", "missed", f"over {against}", "false", f"over {against}", "never", "late p50")
-    for number, head in enumerate(heads):
-        shown.add_column(head, justify="right" if number else "left", no_wrap=not number)
-    before = ""
+    places: dict[str, list[tuple[str, ...]]] = {}
     for row in result.pooled:
-        if row.basis != basis:
-            continue
-        place = f"{row.sensor}, {_losses(row)}, {100 * row.packet_error_ratio:.4g} % lost"
-        if place != before:
-            shown.add_section()
-            shown.add_row(literal(place, style="bold"))
-        before = place
-        cells = (
-            row.candidate,
-            f"{row.message_rate_hz:.2f}",
-            percent_text(row.missed_ratio),
-            ratio_text(row.missed_over, row.missed_over_limits),
-            percent_text(row.false_ratio),
-            ratio_text(row.false_over, row.false_over_limits),
-            percent_text(row.missed_events),
-            late_text(row.delay_p50_s),
-        )
+        if row.basis == basis:
+            place = f"{row.sensor}, {loss_words(row.kind)}, {100 * row.packet_error_ratio:.4g} % lost"
+            places.setdefault(place, []).append(_console_cells(row))
+    # A place is longer than any cell, so it stands above its lines and not in a column.
+    every = [heads, *(cells for own in places.values() for cells in own)]
+    widths = [max(len(cells[column]) for cells in every) for column in range(len(heads))]
+    shown: list[RenderableType] = [Text(f"At equal {basis}"), _lines(heads, (), widths)]
+    for place, own in places.items():
+        shown += [literal(place, style="bold"), _lines((), own, widths)]
+    return Group(*(Text(line) for line in safety_headline(result)), *shown)
+
+
+def _console_cells(row: PooledSafety) -> tuple[str, ...]:
+    return (
+        row.candidate,
+        f"{row.message_rate_hz:.2f}",
+        percent_text(row.missed_ratio),
+        ratio_text(row.missed_over, row.missed_over_limits),
+        percent_text(row.false_ratio),
+        ratio_text(row.false_over, row.false_over_limits),
+        percent_text(row.missed_events),
+        late_text(row.delay_p50_s),
+    )
+
+
+def _lines(heads: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequence[int]) -> Table:
+    """A head or lines of the table, in columns as wide as all have them."""
+    shown = Table(box=None, padding=(0, 1, 0, 0), show_header=bool(heads))
+    for number, width in enumerate(widths):
+        head = heads[number] if heads else ""
+        shown.add_column(head, justify="right" if number else "left", width=width)
+    for cells in rows:
         shown.add_row(*map(literal, cells))
-    return Group(*(Text(line) for line in safety_headline(result)), shown)
+    return shown
 
 
 def safety_markdown(result: SafetyResult) -> str:
@@ -157,7 +169,8 @@ def write_safety_report(
         if result.film is not None:
             shown["film"] = (_FILM, plot_film(result.film))
         drawings = [drawn(name, figure) for name, (_, figure) in shown.items()]
-    notes = [*safety_headline(result), *training_note(tuple(training_trips), trips)]
+    logs = [f"recorded losses: {log}" for log in result.settings.get("losses", ())]
+    notes = [*safety_headline(result), *logs, *training_note(tuple(training_trips), trips)]
     body = ["<h1>Warnings from messages</h1>", *(f"<p>{escape(line)}.</p>" for line in notes)]
     for drawing, (caption, _) in zip(drawings, shown.values(), strict=True):
         body.append(
@@ -188,7 +201,7 @@ def _rows(result: SafetyResult) -> list[list[str]]:
     return [
         [
             row.sensor,
-            _losses(row),
+            loss_words(row.kind),
             f"{100 * row.packet_error_ratio:.4g} %",
             row.basis,
             row.candidate,
@@ -205,7 +218,3 @@ def _rows(result: SafetyResult) -> list[list[str]]:
         ]
         for row in result.pooled
     ]
-
-
-def _losses(row: PooledSafety) -> str:
-    return "one by one" if row.mean_burst_s is None else f"bursts of {row.mean_burst_s:g} s"

@@ -8,6 +8,7 @@ import numpy as np
 
 from modelcast.channel.base import AbstractChannel
 from modelcast.channel.erasure import GilbertElliott, IndependentErasure
+from modelcast.channel.recorded import RecordedLosses
 from modelcast.messages.airtime import Stack
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
@@ -70,6 +71,8 @@ class EvaluationSettings:
         infinite for none.
     mean_burst_s
         Mean length of loss bursts [s]; None for independent losses.
+    recorded
+        Losses to replay instead of drawing them; the one packet error ratio is theirs. None to draw them.
     delay_s
         Delivery delay [s].
     expiry_s
@@ -123,6 +126,7 @@ class EvaluationSettings:
     budget: float = LOSS_BUDGET
     legacy_threshold_m: float = np.inf
     mean_burst_s: float | None = None
+    recorded: RecordedLosses | None = None
     delay_s: float = 0.0
     expiry_s: float | None = None
     protocol: Literal["auto", "recorded", "sensor"] = "auto"
@@ -160,6 +164,8 @@ class EvaluationSettings:
         _require_known("keep_samples", self.keep_samples, ("first", "all", "none"))
         for threshold_m in self.thresholds_m:
             check_rules(self.under_loss(threshold_m, 0.0), self.bank, self.selector)
+        if self.mean_burst_s is not None and self.recorded is not None:
+            raise ValueError("mean_burst_s and recorded: losses are drawn or replayed, give one of the two")
         for ratio in self.packet_error_ratios:
             self.channel(ratio)
 
@@ -205,7 +211,25 @@ class EvaluationSettings:
         return self.selector if self.rules[0] == "predicted" else None
 
     def channel(self, ratio: float) -> AbstractChannel:
-        """The channel that loses this share of messages."""
+        """The channel that loses this share of messages.
+
+        Parameters
+        ----------
+        ratio
+            Packet error ratio.
+
+        Raises
+        ------
+        ValueError
+            Where it is out of its range, or not that of the recorded losses.
+        """
+        if self.recorded is not None:
+            if ratio != self.recorded.packet_error_ratio:
+                raise ValueError(
+                    "packet_error_ratios must be the one of the recorded losses, "
+                    f"{self.recorded.packet_error_ratio}, got {ratio}"
+                )
+            return self.recorded
         if self.mean_burst_s is None:
             return IndependentErasure(ratio)
         return GilbertElliott(ratio, self.mean_burst_s)
@@ -228,6 +252,7 @@ class EvaluationSettings:
             "budget": self.budget,
             "legacy_threshold_m": self.legacy_threshold_m if np.isfinite(self.legacy_threshold_m) else None,
             "mean_burst_s": self.mean_burst_s,
+            "recorded": None if self.recorded is None else [link.name for link in self.recorded.links],
             "delay_s": self.delay_s,
             "expiry_s": self.expiry_s,
             "protocol": self.protocol,

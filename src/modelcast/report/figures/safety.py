@@ -8,8 +8,9 @@ from matplotlib.figure import Figure
 
 from modelcast.core.arrays import FloatArray
 from modelcast.report.figures.panels import drawable, empty_figure, top_legend
+from modelcast.report.losses import burst_words, shown_ratios
 from modelcast.report.style import PAGE_IN, model_colours, new_figure
-from modelcast.study.safety.result import PooledSafety, RecordingScores, SafetyResult
+from modelcast.study.safety.result import PooledSafety, RecordingScores, SafetyKind, SafetyResult
 
 __all__ = ["SAFETY_FIGURES", "plot_accuracy", "plot_delays"]
 
@@ -24,12 +25,13 @@ def _basis(result: SafetyResult) -> str:
     return "airtime" if "airtime" in bases else bases[0]
 
 
-def _cases(result: SafetyResult) -> list[tuple[str, float | None]]:
-    return list(dict.fromkeys((row.sensor, row.mean_burst_s) for row in result.pooled))
+def _cases(result: SafetyResult) -> list[SafetyKind]:
+    return list(dict.fromkeys(row.kind for row in result.pooled))
 
 
-def _title(sensor: str, burst_s: float | None) -> str:
-    return f"{drawable(sensor, 20)}, " + ("one by one" if burst_s is None else f"bursts of {burst_s:g} s")
+def _title(kind: SafetyKind) -> str:
+    recorded = f"\nrecorded: {drawable(kind.loss_log, 20)}" if kind.loss_log else ""
+    return f"{drawable(kind.sensor, 20)}, {burst_words(kind)}{recorded}"
 
 
 def plot_accuracy(result: SafetyResult) -> Figure:
@@ -47,15 +49,11 @@ def plot_accuracy(result: SafetyResult) -> Figure:
     colours = model_colours(names)
     figure = new_figure(PAGE_IN, _HEAD_IN + _ROW_IN * len(cases))
     panels = figure.subplots(len(cases), 3, squeeze=False, sharex=True)
-    for row, (sensor, burst_s) in zip(panels, cases, strict=True):
-        own = [
-            one
-            for one in result.pooled
-            if (one.sensor, one.mean_burst_s, one.basis) == (sensor, burst_s, basis)
-        ]
+    for row, case in zip(panels, cases, strict=True):
+        own = [one for one in result.pooled if (one.kind, one.basis) == (case, basis)]
         for number, name in enumerate(names):
             _draw(row, [one for one in own if one.candidate == name], name, number, colours[name])
-        row[0].set_ylabel(f"{_title(sensor, burst_s)}\nMissed [%]")
+        row[0].set_ylabel(f"{_title(case)}\nMissed [%]")
         row[1].set_ylabel("Never warned [%]")
         row[2].set_ylabel("False [%]")
         for axes in row:
@@ -74,7 +72,7 @@ def _draw(row: Sequence[Axes], own: Sequence[PooledSafety], name: str, number: i
 
 
 def plot_delays(result: SafetyResult) -> Figure:
-    """Return the distribution of how late warnings come at the loss ratio nearest to 40 %.
+    """Return the distribution of how late warnings come at the loss ratio nearest to 40 %, or a log's own.
 
     Parameters
     ----------
@@ -86,7 +84,8 @@ def plot_delays(result: SafetyResult) -> Figure:
     cases, basis = _cases(result), _basis(result)
     names = list(dict.fromkeys(row.candidate for row in result.pooled))
     colours = model_colours(names)
-    at = min({row.packet_error_ratio for row in result.pooled}, key=lambda ratio: abs(ratio - 0.4))
+    shown_at = shown_ratios(result.pooled)
+    same = f", {100 * shown_at[cases[0]]:.4g} % lost" if len(set(shown_at.values())) == 1 else ""
     columns = min(3, len(cases))
     rows = -(-len(cases) // columns)
     figure = new_figure(PAGE_IN, _HEAD_IN + _ROW_IN * rows)
@@ -94,7 +93,8 @@ def plot_delays(result: SafetyResult) -> Figure:
     for axes in panels.flat[len(cases) :]:
         axes.set_visible(False)
     for axes, case in zip(panels.flat, cases, strict=False):
-        own = [one for one in result.recordings if (one.sensor, one.mean_burst_s) == case]
+        own = [one for one in result.recordings if one.kind == case]
+        at = shown_at[case]
         for name in names:
             late_s = _delays(own, name, basis, at)
             level = 100 * np.arange(1, late_s.size + 1) / late_s.size
@@ -106,9 +106,9 @@ def plot_delays(result: SafetyResult) -> Figure:
                 color=colours[name],
                 label=drawable(name, 30),
             )
-        axes.set_title(_title(*case))
+        axes.set_title(_title(case) + ("" if same else f"\n{100 * at:.4g} % lost"))
         axes.set_ylim(0.0, 101.0)
-    figure.supxlabel(f"Later than perfect knowledge [s], {100 * at:.4g} % lost", fontsize=7.5)
+    figure.supxlabel(f"Later than perfect knowledge [s]{same}", fontsize=7.5)
     figure.supylabel("True warnings given [%]", fontsize=7.5)
     top_legend(figure, panels.flat[0])
     return figure

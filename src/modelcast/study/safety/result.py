@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.study.compare.bootstrap import Limits
@@ -11,7 +11,33 @@ from modelcast.study.safety.rules import Basis
 if TYPE_CHECKING:
     from modelcast.study.safety.film import EventFilm
 
-__all__ = ["ConditionScores", "PairNames", "PooledSafety", "RecordingScores", "SafetyResult", "SenderSpend"]
+__all__ = [
+    "ConditionScores",
+    "PairNames",
+    "PooledSafety",
+    "RecordingScores",
+    "SafetyKind",
+    "SafetyResult",
+    "SenderSpend",
+]
+
+
+class SafetyKind(NamedTuple):
+    """What tells cases apart that have senders, bases and runs in common.
+
+    Parameters
+    ----------
+    sensor
+        What vehicles see of themselves.
+    mean_burst_s
+        How losses come: mean length of bursts, None for one by one, or where a log had no loss [s].
+    loss_log
+        Name of the log whose losses were replayed; empty where they were drawn.
+    """
+
+    sensor: str
+    mean_burst_s: float | None
+    loss_log: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +123,8 @@ class RecordingScores:
         Instants of it that count, (E,).
     conditions
         What the candidates made of it.
+    loss_log
+        Name of the log whose losses were replayed; empty where they were drawn.
     """
 
     name: str
@@ -112,6 +140,12 @@ class RecordingScores:
     event_s: FloatArray
     positives: IntArray
     conditions: Sequence[ConditionScores]
+    loss_log: str = ""
+
+    @property
+    def kind(self) -> SafetyKind:
+        """Sensor and kind of loss."""
+        return SafetyKind(self.sensor, self.mean_burst_s, self.loss_log)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +170,8 @@ class PooledSafety:
         Missed and false instants over those of the candidate named by ``against``.
     missed_over_limits, false_over_limits
         Their 95 % intervals over true warnings (pairs, where false ones are counted) and runs.
+    loss_log
+        Name of the log whose losses were replayed; empty where they were drawn.
     """
 
     sensor: str
@@ -158,6 +194,12 @@ class PooledSafety:
     false_over: float
     missed_over_limits: Limits
     false_over_limits: Limits
+    loss_log: str = ""
+
+    @property
+    def kind(self) -> SafetyKind:
+        """Sensor and kind of loss."""
+        return SafetyKind(self.sensor, self.mean_burst_s, self.loss_log)
 
 
 @dataclass(frozen=True, slots=True)

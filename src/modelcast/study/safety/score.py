@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -148,6 +149,7 @@ def score_recording(
     settings: SafetySettings,
     *,
     sensor: str = "",
+    loss_log: str = "",
     walked: dict[int, Walked] | None = None,
 ) -> RecordingScores:
     """Score all pairs of a recording: every candidate, basis and loss ratio.
@@ -162,6 +164,8 @@ def score_recording(
         Application, losses and sensor; of several thresholds the first.
     sensor
         Name of the sensor, for tables.
+    loss_log
+        Name of the log whose losses the settings replay.
     walked
         What an earlier call on this recording found that differed in how messages are lost alone; what this
         one finds is added.
@@ -170,6 +174,7 @@ def score_recording(
     involved = {place for pair in recording.pairs for place in (pair.leader, pair.follower)}
     cases = {place: make_case(recording.trips[place], evaluation) for place in sorted(involved)}
     known = {} if walked is None else walked
+    wanted = list(product(settings.bases, evaluation.packet_error_ratios))
     scenes: list[Scene] = []
     runs: list[dict[Condition, _Runs]] = []
     for pair in recording.pairs:
@@ -177,6 +182,9 @@ def score_recording(
         if pair.leader not in known:
             known[pair.leader] = sent_by(case, candidates, settings)
         senders, sent = known[pair.leader]
+        if not all((name, basis, ratio) in sent for name in senders for basis, ratio in wanted):
+            sent = {**sent, **_walks(senders, settings)}
+            known[pair.leader] = senders, sent
         scene = make_scene(pair, cases, settings)
         scenes.append(scene)
         runs.append(_score_pair(scene, senders, sent, draw_losses(case, evaluation), settings))
@@ -184,7 +192,7 @@ def score_recording(
     return RecordingScores(
         recording.name,
         sensor,
-        evaluation.mean_burst_s,
+        evaluation.mean_burst_s if evaluation.recorded is None else evaluation.recorded.mean_burst_s,
         pairs=[_names(recording, pair) for pair in recording.pairs],
         counted=np.array([scene.counted.sum() for scene in scenes]),
         negatives=np.array([(scene.counted & ~scene.warned).sum() for scene in scenes]),
@@ -194,6 +202,7 @@ def score_recording(
         event_s=np.concatenate([one.t_s[one.true.first] for one in scenes]),
         positives=np.concatenate([one.true.instants(one.counted & one.warned) for one in scenes]),
         conditions=[_condition(key, runs, [each[key] for each in walks.values()]) for key in runs[0]],
+        loss_log=loss_log,
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.chance import child_generator
 from modelcast.study.compare.bootstrap import Limits, limits, resample_weights
-from modelcast.study.safety.result import ConditionScores, PooledSafety, RecordingScores
+from modelcast.study.safety.result import ConditionScores, PooledSafety, RecordingScores, SafetyKind
 from modelcast.study.safety.rules import BASES
 
 __all__ = ["delay_quantiles", "pooled_rows", "share_of"]
@@ -19,20 +19,20 @@ _DELAYS = (0.5, 0.9, 0.99)
 def pooled_rows(
     recordings: Sequence[RecordingScores], against: str, *, resamples: int, seed: int
 ) -> list[PooledSafety]:
-    """Rows over all recordings, by sensor, burst length, loss ratio, basis and candidate.
+    """Rows over all recordings, by sensor, kind of loss, loss ratio, basis and candidate.
 
     Parameters
     ----------
     recordings
-        Of every sensor and burst length the same recordings, with the same conditions.
+        Of every sensor and kind of loss the same recordings, with the same conditions.
     against
         Candidate that the ratios are taken to.
     resamples, seed
         Of the bootstrap.
     """
-    groups: dict[tuple[str, float | None], list[RecordingScores]] = {}
+    groups: dict[SafetyKind, list[RecordingScores]] = {}
     for one in recordings:
-        groups.setdefault((one.sensor, one.mean_burst_s), []).append(one)
+        groups.setdefault(one.kind, []).append(one)
     rows: list[PooledSafety] = []
     for own in groups.values():
         rows += _group_rows(own, against, resamples, seed)
@@ -110,6 +110,7 @@ def _group_rows(
                 false_over=false_over,
                 missed_over_limits=missed_limits,
                 false_over_limits=false_limits,
+                loss_log=own[0].loss_log,
             )
         )
     return rows
