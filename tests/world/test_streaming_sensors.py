@@ -281,7 +281,8 @@ def test_a_shared_bias_goes_on_from_call_to_call() -> None:
     whole = shown(model, truth)
     state, rows = sensors.init(3, np.random.default_rng(1)), list[FloatArray]()
     for at in range(EVERY_S.size):
-        part = Samples(*(column[at : at + 1] for column in truth))
+        now = slice(at, at + 1)
+        part = Samples(truth.t_s[now], truth.motion[now], truth.begins[now], truth.active[now])
         seen, state = sensors.sense(state, part)
         rows.append(seen[0])
     assert np.array(rows) == pytest.approx(whole, abs=1e-12)
