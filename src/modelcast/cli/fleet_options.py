@@ -119,6 +119,7 @@ class FleetOptions:
         banks: tuple[str, ...],
         thresholds_m: tuple[float, ...],
         receivers_ratios: tuple[float, ...] = (),
+        margin_m: float = 0.0,
     ) -> "NetworkPlan":
         """What all runs share.
 
@@ -126,7 +127,7 @@ class FleetOptions:
         ----------
         sensor
             What vehicles see of themselves.
-        banks, thresholds_m, receivers_ratios
+        banks, thresholds_m, receivers_ratios, margin_m
             As in `NetworkPlan`.
         """
         from modelcast.cli.network_plan import NetworkPlan
@@ -156,6 +157,7 @@ class FleetOptions:
             relaxed_error_m=self.relaxed_error,
             sensor=sensor,
             receivers_ratios=receivers_ratios,
+            margin_m=margin_m,
             applications=tuple(dict.fromkeys(self.application)),
             algorithm=self.algorithm,
         )

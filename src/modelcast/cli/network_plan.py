@@ -72,6 +72,8 @@ class NetworkPlan:
         Files or folders of recorded trips, for a scenario of `RECORDED`.
     receivers_ratios
         Of mixed fleets, shares of model receivers that are asked for; empty where all fleets are of one kind.
+    margin_m
+        Vehicles so near to an end of a straight road are not counted as hosts [m].
     applications, algorithm
         What hosts warn of, by name, none where it is empty; and the warning range of fcw, None for its own.
     """
@@ -101,6 +103,7 @@ class NetworkPlan:
     sensor: SensorOptions
     trips: tuple[str, ...] = ()
     receivers_ratios: tuple[float, ...] = ()
+    margin_m: float = 0.0
     applications: tuple[str, ...] = ()
     algorithm: str | None = None
 
@@ -112,7 +115,7 @@ class NetworkPlan:
         found: dict[str, Any] = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
         found["sensor"]["model"] = asdict(self.sensor.model())
         del found["banks"], found["thresholds_m"]
-        for name in ("receivers_ratios", "applications", "algorithm"):
+        for name in ("receivers_ratios", "margin_m", "applications", "algorithm"):
             if not found[name]:
                 del found[name]
         del found["threads"]  # the result is the same whatever the number of threads
@@ -244,7 +247,9 @@ class NetworkPlan:
     @property
     def settings(self) -> NetworkSettings:
         """What is tracked and counted."""
-        return NetworkSettings(warm_up_s=self.warm_up_s)
+        margin_m = self.margin_m
+        counted_m = (margin_m, self.length_m - margin_m) if margin_m > 0.0 else None
+        return NetworkSettings(warm_up_s=self.warm_up_s, counted_m=counted_m)
 
     def lanes_for(self, density_per_km: float) -> int:
         """Lanes in each direction: as given, or one more for each density that fills the last."""

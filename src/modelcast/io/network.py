@@ -3,10 +3,9 @@
 ``runs/<case>-<key>.json``
     Rows of one run (`modelcast.io.network_runs`).
 ``summary.json`` (`network_document`)
-    ``schema`` (5), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
+    ``schema`` (6), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
     of floating-car data holds, else null), ``options``, ``senders`` (`SenderRow`), ``runs`` (`RunRow`),
-    ``pooled`` (`PooledRow`), ``capacities`` (`CapacityRow`), ``warnings`` (`PooledWarnings`). A number that
-    does not exist is null.
+    ``pooled`` (`PooledRow`), ``warnings`` (`PooledWarnings`). A number that does not exist is null.
 ``runs.parquet``, ``distances.parquet``, ``outcomes.parquet``, ``seconds.parquet``
     One row a run; a run and bin of 25 m; a run and bin of the radio; a run and second.
 ``pairings.parquet``, ``penetration.parquet``
@@ -41,9 +40,9 @@ from modelcast.study.network.warning_rows import PooledWarnings, WarnedEventRow,
 
 __all__ = ["NETWORK_SCHEMA", "network_document", "write_network"]
 
-NETWORK_SCHEMA = 5
+NETWORK_SCHEMA = 6
 """Version of the layout of ``summary.json``; since 2 it holds inputs and traffic, since 3 banks, since 4
-thresholds, since 5 warnings."""
+thresholds, since 5 warnings, since 6 relative errors and no capacities."""
 
 _TEXT = {"radio", "policy", "bank", "sender", "reading", "application"}
 
@@ -84,7 +83,6 @@ def network_document(
         "senders": [row_document(row) for row in result.senders],
         "runs": [row_document(row) for row in result.runs],
         "pooled": [row_document(row) for row in result.pooled],
-        "capacities": [row_document(row) for row in result.capacities],
         "warnings": [row_document(row) for row in result.pooled_warnings],
     }
 

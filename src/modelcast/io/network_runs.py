@@ -33,9 +33,9 @@ from modelcast.study.network.warning_rows import WarnedEventRow, WarnedHostRow, 
 
 __all__ = ["RUN_SCHEMA", "NetworkRunFiles", "RunKey", "case_name", "read_case", "run_path", "write_case"]
 
-RUN_SCHEMA = 6
+RUN_SCHEMA = 7
 """Version of the layout of a run's file; since 2 it holds version and inputs, since 3 the bank, since 4 the
-threshold, since 5 the rows of mixed fleets, since 6 those of warnings."""
+threshold, since 5 the rows of mixed fleets, since 6 those of warnings, since 7 relative errors."""
 
 _LARGEST_BYTES = 64 * 2**20
 _MOST_ROWS = 1_000_000

@@ -18,8 +18,7 @@ from modelcast.report.literal import literal, markdown
 from modelcast.report.mixed import mixed_markdown, mixed_part
 from modelcast.report.page import CSS, escape, number, option_rows, page, table
 from modelcast.report.style import style
-from modelcast.study.network.pool import LIMITS_M
-from modelcast.study.network.rows import NO_BANK, CapacityRow, NetworkResult, PooledRow
+from modelcast.study.network.rows import NO_BANK, NetworkResult, PooledRow
 
 __all__ = ["network_console", "network_markdown", "traffic_lines", "write_network_report"]
 
@@ -51,7 +50,6 @@ _TERMINAL = {
     "pte_p99_m": "PTE p99 [m]",
 }
 _SENDERS = ("policy", "bank", "sub-models", "start", "identify")
-_CAPACITY = "Vehicles a kilometre at which the p90 of the tracking error at 100 m meets a limit"
 _SCOPE = (
     "Mean over seeds with its 95 % interval. Received, collided, tracked, gaps, ages and tracking errors "
     "(PTE) are those of vehicles 50 m to 150 m apart; messages, updates, identifications and bytes are a "
@@ -64,7 +62,7 @@ def _sender(result: NetworkResult) -> tuple[str, ...]:
     return ("policy", *also_told(result))
 
 
-def _told(result: NetworkResult, row: PooledRow | CapacityRow) -> list[str]:
+def _told(result: NetworkResult, row: PooledRow) -> list[str]:
     """The cells of a sender."""
     texts = {"policy": row.policy, "bank": row.bank, "threshold": threshold_text(row.threshold_m)}
     return [texts[name] for name in _sender(result)]
@@ -121,7 +119,7 @@ def _traffic_lines(traffic: Mapping[str, Any]) -> list[str]:
 def network_markdown(
     result: NetworkResult, traffic: Mapping[str, Any] | None = None, notes: Sequence[str] = ()
 ) -> str:
-    """Return the one table of a network evaluation, and the capacities, as Markdown.
+    """Return the one table of a network evaluation as Markdown.
 
     Parameters
     ----------
@@ -142,11 +140,6 @@ def network_markdown(
         "|" + "---|" * len(heads),
     ]
     lines += [_joined(cells) for cells in _rows(result, names)]
-    if result.capacities:
-        heads = _capacity_heads(result)
-        lines += ["", f"{_CAPACITY}:", ""]
-        lines += [_joined(heads), "|" + "---|" * len(heads)]
-        lines += [_joined(cells) for cells in _capacity_cells(result)]
     if result.pooled_warnings:
         lines += ["", "Warnings:", "", *warnings_markdown(result)]
     if result.senders:
@@ -164,23 +157,6 @@ def _joined(cells: Sequence[str]) -> str:
 
 def _sender_cells(result: NetworkResult) -> list[list[str]]:
     return [[row.policy, row.bank, row.sub_models, row.start, row.identify] for row in result.senders]
-
-
-def _capacity_heads(result: NetworkResult) -> list[str]:
-    return ["radio", *_sender(result), *(f"{limit_m:g} m" for limit_m in LIMITS_M)]
-
-
-def _capacity_cells(result: NetworkResult) -> list[list[str]]:
-    """One row a radio and sender, a cell a limit."""
-    groups: dict[tuple[str, ...], list[str]] = {}
-    for row in result.capacities:
-        found = f"not up to {row.highest_per_km:g}"
-        if row.density_per_km is not None:
-            found = f"{row.density_per_km:.0f}"
-        elif row.above_at_lowest:
-            found = "above it at the lowest"
-        groups.setdefault((row.radio, *_told(result, row)), []).append(found)
-    return [[*key, *found] for key, found in groups.items()]
 
 
 def _narrow(title: str) -> Table:
@@ -212,13 +188,7 @@ def network_console(result: NetworkResult) -> RenderableType:
         name = ", ".join(part for part in sender if part not in {NO_BANK, NO_THRESHOLD_TEXT})
         shown.add_row(*map(literal, (name, *cells[keys:])))
         before = place
-    capacity = _narrow("Vehicles a kilometre at which PTE p90 at 100 m meets a limit")
-    for head in _capacity_heads(result):
-        capacity.add_column(head, no_wrap=True)
-    for cells in _capacity_cells(result):
-        capacity.add_row(*map(literal, cells))
-    found = [shown, *([capacity] if result.capacities else ())]
-    return Group(*found, *([warnings_console(result)] if result.pooled_warnings else ()))
+    return Group(shown, *([warnings_console(result)] if result.pooled_warnings else ()))
 
 
 def write_network_report(
@@ -261,12 +231,6 @@ def write_network_report(
         *(f'<p class="note">{escape(line)}.</p>' for line in notes),
         table(heads, _rows(result, names), text_columns=len(_heads(result)) - 1),
     ]
-    if result.capacities:
-        body += [
-            "<h2>Capacity</h2>",
-            f'<p class="scope">{escape(_CAPACITY)}.</p>',
-            table(_capacity_heads(result), _capacity_cells(result), text_columns=1 + len(_sender(result))),
-        ]
     for drawing, (caption, _) in zip(drawings, NETWORK_FIGURES.values(), strict=True):
         body.append(
             f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
