@@ -83,6 +83,14 @@ def test_times_rounded_to_the_period_lose_nothing() -> None:
     assert (found.lost.size, found.lost.sum(), found.unknown) == (160, 0, 0)
 
 
+def test_messages_of_one_time_may_come_out_of_order() -> None:
+    """The very first two among them: the record begins with the lower count."""
+    number = np.arange(160)
+    number[:2] = [1, 0]
+    found = counted_link("a hears b", np.maximum(number, 1) * T_STEP_S, number % 128)
+    assert (found.lost.size, found.lost.sum(), found.unknown) == (160, 0, 0)
+
+
 def test_short_parts_are_left_out_and_counted() -> None:
     number = np.concatenate([np.arange(150), np.arange(1000, 1000 + SHORTEST_PART - 1), [3000]])
     found = link(number)

@@ -65,6 +65,11 @@ def test_between_two_messages_the_one_before_counts() -> None:
     assert lost.tolist() == [False, False, True, True, False, False, True, True, False, False]
 
 
+def test_links_stand_one_behind_the_other() -> None:
+    channel = RecordedLosses((link([True] * 8), link([False, True, False])))
+    assert channel.losses_from(10.0, np.arange(5) * 0.1 + 0.01).tolist() == [False, False, True, False, False]
+
+
 def test_runs_draw_links_as_often_as_they_have_messages() -> None:
     """Of links of 30 and 90 messages the first has all losses: a quarter of 2,000 runs, 4 standard errors."""
     channel = RecordedLosses((link([True] * 28), link([False] * 88)))

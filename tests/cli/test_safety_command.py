@@ -89,6 +89,66 @@ def test_the_terminal_shows_the_headline_first(
     assert "report:" in out
 
 
+def heard(path: Path, lost: np.ndarray) -> Path:
+    """A BsmP1 log of what vehicle 7 heard of vehicle 5, that lost these messages of it."""
+    rest = "0,42.0,-83.5,200,10,0,0,20.01,0,0,9,3276.7,95"
+    lines = [
+        f"7,70,5,{291864241884364 + 100_000 * at},-9018,{at % 128},{rest}"
+        for at in np.flatnonzero(~np.pad(lost, 1)).tolist()
+    ]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+REPLAYED = (
+    "--sensors", "default", "--seeds", "2", "--resamples", "50", "--threshold", "0.2", "--bank", "cv", "free",
+    "--jobs", "1",
+)  # fmt: skip
+
+
+def test_recorded_losses_stand_alone_or_beside_drawn_ones(
+    platoon: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Three of ten lost in bursts of 0.6 s; and a log without a loss: it scores as a ratio of 0 does."""
+    bursts = heard(tmp_path / "bursts.csv", np.arange(400) % 20 < 6)
+    none = heard(tmp_path / "none.csv", np.zeros(200, dtype=np.bool_))
+    out = tmp_path / "out"
+    asked = ["safety", str(platoon), *REPLAYED, "--losses", str(bursts), str(none), "--out", str(out)]
+    assert run(asked) == 0
+    told = capsys.readouterr().out
+    first = "recorded losses: bursts.csv: 1 link, 402 messages, 29.9 % lost in bursts of 0.6 s on average"
+    assert told.index(first) < told.index("recorded losses: none.csv: 1 link, 202") < told.index("true warn")
+    assert "default, recorded: bursts.csv, mean burst 0.6 s, 29.85 % lost" in told
+    assert first in (out / "report.html").read_text(encoding="utf-8")
+    alone = pl.read_parquet(out / "pooled.parquet")
+    assert alone["loss_log"].unique(maintain_order=True).to_list() == ["bursts.csv", "none.csv"]
+    assert alone["packet_error_ratio"].unique().sort().to_list() == [0.0, pytest.approx(120 / 402)]
+    inputs = json.loads((out / "run.json").read_text())["inputs"]
+    assert len(inputs) == 3
+
+    assert run([*asked, "--per", "0", "0.4", "--burst", "0", "--json"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert [text.split(":")[0] for text in summary["settings"]["losses"]] == ["bursts.csv", "none.csv"]
+    rows = summary["pooled"]
+    kinds = list(dict.fromkeys((row["loss_log"], row["packet_error_ratio"]) for row in rows))
+    assert kinds == [("", 0.0), ("", 0.4), ("bursts.csv", 120 / 402), ("none.csv", 0.0)]
+    same = [
+        [{**row, "loss_log": ""} for row in rows if (row["loss_log"], row["packet_error_ratio"]) == kind]
+        for kind in (("", 0.0), ("none.csv", 0.0))
+    ]
+    assert same[0] == same[1]
+    assert [row["mean_burst_s"] for row in rows if row["loss_log"] == "bursts.csv"] == [
+        pytest.approx(0.6)
+    ] * 6
+
+    # A log of the same name with other losses is scored anew, and alone.
+    before = {path.name for path in (out / "runs").iterdir()}
+    heard(bursts, np.arange(400) % 20 < 7)
+    assert run([*asked, "--per", "0", "0.4", "--burst", "0", "--quiet"]) == 0
+    (new,) = {path.name for path in (out / "runs").iterdir()} - before
+    assert "bursts.csv" in new
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -101,6 +161,7 @@ def test_the_terminal_shows_the_headline_first(
         (("--against", "imm"), "--against imm"),
         (("--sensors", "radar"), "radar"),
         (("--per", "1.5"), "0..1"),
+        (("--losses", "nowhere.csv"), "nowhere.csv"),
         (("--streams", "2"), "one of the two"),
     ],
 )
@@ -110,6 +171,15 @@ def test_bad_options_are_told(
     asked = ["safety", str(platoon), "--jobs", "1", "--quiet", "--out", str(tmp_path / "out"), *words]
     assert run(asked) == 2
     assert told in capsys.readouterr().err.replace("\n", " ")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_log_that_tells_no_losses_is_told(
+    platoon: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = ["safety", str(platoon), "--losses", str(platoon), "--out", str(tmp_path / "out")]
+    assert run(asked) == 2
+    assert "BsmP1 of Safety Pilot" in capsys.readouterr().err.replace("\n", " ")
     assert not (tmp_path / "out").exists()
 
 

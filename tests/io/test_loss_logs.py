@@ -52,6 +52,7 @@ def test_links_of_a_receiver_are_told_apart(made, monkeypatch, with_header, bloc
     assert set(found) == {"7 hears 5, file 70", "7 hears 6, file 70"}
     assert np.array_equal(found["7 hears 5, file 70"], first)
     assert np.array_equal(found["7 hears 6, file 70"], second)
+    assert [link.unknown for link in log.channel.links] == [0, 0]
     assert (log.heard.own, log.heard.uncounted) == (1, 0)
     assert log.channel.packet_error_ratio == (first.sum() + second.sum()) / (2 * COUNT)
 

@@ -1,6 +1,7 @@
 """Scores of recordings on disk: what is written is read again, and nothing else is."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from modelcast.io.safety_runs import SafetyCase, SafetyRunFiles, scores_document
 from modelcast.study.safety.result import ConditionScores, PairNames, RecordingScores, SenderSpend
 
 CASE = SafetyCase("made/b", "default", 0.5, ("ab", "cd"))
+LOGGED = SafetyCase("made/b", "default", 0.5, ("ab", "cd"), "rx.csv", "ef01")
 FILES = SafetyRunFiles("1.0", {"threshold": 0.2})
 
 
@@ -48,6 +50,7 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
         (FILES, SafetyCase("made/b", "default", 0.5, ("ab", "ef"))),
         (FILES, SafetyCase("made/b", "gnss", 0.5, ("ab", "cd"))),
         (FILES, SafetyCase("made/b", "default", None, ("ab", "cd"))),
+        (FILES, LOGGED),
     ],
 )
 def test_scores_of_anything_else_are_not_taken(
@@ -55,6 +58,16 @@ def test_scores_of_anything_else_are_not_taken(
 ) -> None:
     FILES.write(CASE, scores(), tmp_path)
     assert files.read(case, tmp_path) is None
+
+
+def test_scores_under_replayed_losses_are_those_of_the_log_s_content(tmp_path: Path) -> None:
+    logged = replace(scores(), loss_log="rx.csv")
+    FILES.write(LOGGED, logged, tmp_path)
+    found = FILES.read(LOGGED, tmp_path)
+    assert found is not None
+    assert found.kind == logged.kind == ("default", 0.5, "rx.csv")
+    assert FILES.read(CASE, tmp_path) is None
+    assert FILES.read(replace(LOGGED, loss_sha256="ef02"), tmp_path) is None
 
 
 @pytest.mark.parametrize(
@@ -67,6 +80,8 @@ def test_scores_of_anything_else_are_not_taken(
         (("conditions", 0, "basis"), "bytes", "basis"),
         (("conditions", 0, "delay_s"), [[-1.0, 0.2, 0.3], [0.0, 0.1, 0.1]], "delay_s"),
         (("name",), "other", "another recording"),
+        (("loss_log",), "rx.csv", "another recording"),
+        (("loss_log",), None, "loss_log"),
     ],
 )
 def test_damaged_files_are_named(

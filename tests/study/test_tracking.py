@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from modelcast.channel.link_record import LinkRecord
+from modelcast.channel.recorded import RecordedLosses
 from modelcast.core.arrays import BoolArray, FloatArray
 from modelcast.core.chance import child_generator
 from modelcast.models.bank import Bank
@@ -296,6 +298,20 @@ def test_every_contender_meets_the_same_losses(gapped_case: TripCase) -> None:
     rng = child_generator(0, 2, gapped_case.truth.trip_id, "loss")
     expected = rng.random(len(gapped_case.truth)) < 0.4
     assert np.array_equal(draw_losses(gapped_case, settings)[0, 2, 1:], expected[1:])
+
+
+def test_recorded_losses_are_replayed_as_the_channel_gives_them(gapped_case: TripCase) -> None:
+    lost = np.random.default_rng(4).random(500) < 0.3
+    lost[[0, -1]] = False
+    channel = RecordedLosses((LinkRecord("a hears b", lost, period_s=0.1),))
+    settings = EvaluationSettings((0.3,), (channel.packet_error_ratio,), seeds=2, recorded=channel)
+    rng = child_generator(0, 1, gapped_case.truth.trip_id, "loss")
+    expected = channel.losses(gapped_case.truth.t_s, rng)
+    assert np.array_equal(draw_losses(gapped_case, settings)[0, 1, 1:], expected[1:])
+    with pytest.raises(ValueError, match="the one of the recorded losses"):
+        replace(settings, packet_error_ratios=(0.0, channel.packet_error_ratio))
+    with pytest.raises(ValueError, match="one of the two"):
+        replace(settings, mean_burst_s=0.5)
 
 
 def test_seeds_and_trips_have_their_own_losses(gapped_case: TripCase, drive: Trajectory) -> None:

@@ -73,11 +73,15 @@ def read_bsm_links(path: str) -> HeardLinks:
         _check_counts(path, count[others], block.line[others])
         usable: BoolArray = np.isfinite(count) & (time > 0.0)
         uncounted += int((others & ~usable).sum())
+        # Rows by their keys, those of no use behind all.
+        place = np.where(usable, number, len(keys))
+        order = np.argsort(place, kind="stable")
+        bounds = np.searchsorted(place[order], np.arange(len(keys) + 1))
         for at, key in enumerate(keys):
             if mine[at]:
                 own.add(key)
                 continue
-            rows = np.flatnonzero((number == at) & usable)
+            rows = order[bounds[at] : bounds[at + 1]]
             link = heard.setdefault(key, _Heard())
             link.time.append(time[rows])
             link.epoch.append(np.where(np.isfinite(epoch[rows]), epoch[rows], _NO_EPOCH).astype(np.int64))

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from modelcast.apps.forward_collision import ForwardCollisionWarning
+from modelcast.channel.link_record import LinkRecord
+from modelcast.channel.recorded import RecordedLosses
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.station.banks import named_bank
@@ -112,6 +114,46 @@ def test_same_seed_same_scores_and_what_was_walked_before_changes_nothing(record
             assert np.array_equal(one.missed, two.missed)
             assert np.array_equal(one.delay_s, two.delay_s)
             assert np.array_equal(one.false, two.false)
+
+
+def recorded(asked: SafetySettings, lost: np.ndarray) -> SafetySettings:
+    """The settings with these losses replayed."""
+    channel = RecordedLosses((LinkRecord("a hears b", np.pad(lost, 1), period_s=0.1),))
+    evaluation = replace(
+        asked.evaluation, recorded=channel, packet_error_ratios=(channel.packet_error_ratio,)
+    )
+    return replace(asked, evaluation=evaluation)
+
+
+def test_a_log_without_losses_scores_as_a_channel_without(recording: Recording) -> None:
+    """After other losses were scored with the same senders, at another ratio."""
+    asked = settings(0.2, 0.4, sensor="default")
+    walked: dict[int, Walked] = {}
+    score_recording(recording, [CV, FREE], asked, walked=walked)
+    nothing = recorded(asked, np.zeros(300, dtype=np.bool_))
+    logged = score_recording(recording, [CV, FREE], nothing, loss_log="a.csv", walked=walked)
+    drawn = score_recording(recording, [CV, FREE], settings(0.2, 0.0, sensor="default"))
+    assert logged.kind == ("", None, "a.csv")
+    for one, two in zip(logged.conditions, drawn.conditions, strict=True):
+        assert (one.candidate, one.basis, one.packet_error_ratio) == (
+            two.candidate, two.basis, two.packet_error_ratio,
+        )  # fmt: skip
+        assert one.spend == two.spend
+        assert np.array_equal(one.missed, two.missed)
+        assert np.array_equal(one.delay_s, two.delay_s)
+        assert np.array_equal(one.false, two.false)
+
+
+def test_recorded_losses_cost_warnings(recording: Recording) -> None:
+    """Nine messages of ten are lost; a sender that takes all to arrive sends as many as without loss."""
+    asked = settings(0.3, 0.0, sensor="default")
+    lost = np.arange(500) % 10 != 0
+    scores = score_recording(recording, [CV], recorded(asked, lost), loss_log="a.csv")
+    free = score_recording(recording, [CV], asked)
+    (threshold, *_), (without, *_) = scores.conditions, free.conditions
+    assert threshold.spend == without.spend
+    assert threshold.missed.sum() > 1.5 * without.missed.sum()
+    assert scores.mean_burst_s == pytest.approx(0.9, abs=0.01)
 
 
 def test_losses_cost_warnings(recording: Recording) -> None:
