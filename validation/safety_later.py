@@ -6,9 +6,9 @@
     modelcast safety FILES SHARED --later METRES --out FOLDER/rMETRES
 
 wrote, with SHARED ``--sensors default --burst 0 --per 0.4 --threshold 0.2 --basis airtime``, and FILES the
-folder ``openacc_zalazone`` and the file ``roads/tampa_dev.parquet`` of what ``MODELCAST_DATA`` names. Hosts that
-warn later miss more and warn wrongly less. What a sender misses where its hosts warn wrongly as often as the
-baseline's do is read off its own curve, linear between two calls.
+folder ``openacc_zalazone`` and the file ``roads/tampa_dev.parquet`` of what ``MODELCAST_DATA`` names. Hosts
+that warn later miss more and warn wrongly less. What a sender misses where its hosts warn wrongly as often
+as the baseline's do is read off its own curve, linear between two calls.
 
 ``--write`` puts the table into the page, ``--check`` tells by its exit code whether the page has it.
 """
