@@ -59,7 +59,7 @@ def test_a_sweep_leaves_tables_and_a_report(folder: Path) -> None:
     assert {row["seeds"] for row in summary["pooled"]} == {2}
     assert pq.read_table(folder / "distances.parquet").num_rows == 4 * 12
     assert pq.read_table(folder / "runs.parquet").num_rows == 4
-    for name in ("report.html", "table.md", "load.png", "capacity.svg", "settling.png"):
+    for name in ("report.html", "table.md", "load.png", "delivery.svg", "settling.png"):
         assert (folder / name).stat().st_size > 0
 
 

@@ -8,7 +8,7 @@ import polars as pl
 import pytest
 
 from modelcast.cli import safety_sweep
-from modelcast.cli.app import run
+from modelcast.cli.app import USAGE, run
 from modelcast.io.write_trips import write_csv
 from modelcast.trips.trajectory import build_trajectory
 
@@ -191,3 +191,35 @@ def test_no_platoon_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     write_csv([build_trajectory("alone/1", t_s, np.column_stack((10 * t_s, 0 * t_s)))], path)
     assert run(["safety", str(path), "--jobs", "1", "--out", str(tmp_path / "out")]) == 2
     assert "nobody ahead" in capsys.readouterr().err
+
+
+def test_figures_of_other_folders_are_shown_beside(platoon: Path, tmp_path: Path) -> None:
+    fleets = tmp_path / "fleets"
+    line = """network --scenario braking --density 60 --length 400 --duration 4 --warm-up 1 --seeds 1
+        --policy baseline --application fcw --jobs 1 --quiet"""
+    assert run([*line.split(), "--out", str(fleets)]) == 0
+    out = tmp_path / "out"
+    assert run(["safety", str(platoon), *SMALL, "--quiet", "--out", str(out), "--beside", str(fleets)]) == 0
+    for end in (".svg", ".png"):
+        shown = out / f"beside_1_warnings{end}"
+        assert shown.read_bytes() == (fleets / f"warnings{end}").read_bytes()
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "<h2>fleets</h2>" in page
+    assert 'src="beside_1_warnings.svg"' in page
+
+
+def test_a_folder_with_nothing_to_show_is_refused(
+    platoon: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "empty").mkdir()
+    line = [
+        "safety",
+        str(platoon),
+        *SMALL,
+        "--out",
+        str(tmp_path / "out"),
+        "--beside",
+        str(tmp_path / "empty"),
+    ]
+    assert run(line) == USAGE
+    assert "none of warnings.svg" in " ".join(capsys.readouterr().err.split())

@@ -21,7 +21,7 @@ FILES = NetworkRunFiles(OPTIONS, KEY)
 def result(case: NetworkCase = CASE) -> CaseResult:
     values: dict[str, Any] = {field.name: 0.5 for field in fields(RunRow)}
     row = RunRow(**{**values, **asdict(case)})
-    return CaseResult(row, [], outcomes=[], seconds=[])
+    return CaseResult(row, (), outcomes=(), seconds=())
 
 
 def test_a_run_comes_back_as_it_was_written(tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from modelcast.runtime.fleet.bins_kernels import BINS, bin_of, lower_edge
 from modelcast.study.network.measure import binned_quantiles
-from modelcast.study.network.pool import capacities, pool
-from modelcast.study.network.rows import CASE_KEYS, NO_THRESHOLD, NetworkCase, PooledRow, RunRow
+from modelcast.study.network.pool import pool
+from modelcast.study.network.rows import CASE_KEYS, NetworkCase, RunRow
 
 BIN_RATIO = 1.0 / 32.0
 """Bins are a 32nd of an octave's lower edge wide at most."""
@@ -33,52 +33,7 @@ def test_a_number_lies_in_its_bin(value: float) -> None:
     assert at == BINS - 1 or np.float32(value) < lower_edge(at + 1)
 
 
-def row(
-    density_per_km: float, value: float, bank: str = "none", threshold_m: float = NO_THRESHOLD
-) -> PooledRow:
-    return PooledRow(
-        density_per_km=density_per_km,
-        radio="dsrc",
-        policy="j2945",
-        bank=bank,
-        threshold_m=threshold_m,
-        seeds=1,
-        figure="pte_p90_100_m",
-        value=value,
-        low=None,
-        high=None,
-    )
-
-
-def test_capacity_is_where_the_error_crosses_from_below() -> None:
-    half, whole = capacities([row(100.0, 0.8), row(25.0, 0.2), row(400.0, 0.9)])
-    assert half.density_per_km == pytest.approx(50.0)
-    assert whole.density_per_km is None
-    assert not whole.above_at_lowest
-
-
-def test_an_error_that_is_too_large_everywhere_says_so() -> None:
-    half, _ = capacities([row(25.0, 0.7), row(100.0, 0.9)])
-    assert half.density_per_km is None
-    assert half.above_at_lowest
-
-
-def test_every_bank_has_a_capacity_of_its_own() -> None:
-    rows = [row(density, value, "paper") for density, value in ((25.0, 0.2), (100.0, 0.8))]
-    rows += [row(density, value, "cv") for density, value in ((25.0, 0.1), (100.0, 0.2))]
-    found = {(one.bank, one.limit_m): one.density_per_km for one in capacities(rows)}
-    assert found["paper", 0.5] == pytest.approx(50.0)
-    assert found["cv", 0.5] is None
-    assert len(found) == 4
-
-
-def test_every_threshold_has_a_capacity_and_a_pool_of_its_own() -> None:
-    rows = [row(density, value, "cv", 0.2) for density, value in ((25.0, 0.2), (100.0, 0.8))]
-    rows += [row(density, value, "cv", 0.5) for density, value in ((25.0, 0.6), (100.0, 0.8))]
-    found = {(one.threshold_m, one.limit_m): one for one in capacities(rows)}
-    assert found[0.2, 0.5].density_per_km == pytest.approx(50.0)
-    assert found[0.5, 0.5].above_at_lowest
-    assert len(found) == 4
+def test_every_threshold_has_a_pool_of_its_own() -> None:
     names = [field.name for field in fields(RunRow) if field.name not in CASE_KEYS]
     runs = [
         RunRow(

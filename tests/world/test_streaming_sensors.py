@@ -242,3 +242,59 @@ def test_a_given_state_is_left_alone_and_one_seed_gives_one_input() -> None:
         assert not np.array_equal(kept[0], after.errors.wandering)
         shows.append(seen.tobytes())
     assert shows[0] == shows[1]
+
+
+WANDERING = replace(IDEAL, slow_position_noise_m=0.5, slow_correlation_s=4.0, multipath_noise_m=0.2)
+EVERY_S = np.arange(0.0, 3.0, 1.0)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 1.0])
+def test_a_shared_bias_is_so_much_of_the_variance_and_changes_nothing_else(ratio: float) -> None:
+    """Over many vehicles what is common does not spread; the rest has the variance that is left."""
+    model = replace(WANDERING, shared_slow_ratio=ratio)
+    errors = shown(model, standing(EVERY_S))[:, :, :2]
+    own = 0.25 * (1.0 - ratio) + 0.04
+    assert errors.var(axis=1) == pytest.approx(own, rel=0.03)
+    apart = shown(WANDERING, standing(EVERY_S))[:, :, :2]
+    if ratio == 0.0:
+        assert (errors == apart).all()
+    alone = shown(replace(model, slow_position_noise_m=0.0), standing(EVERY_S))[:, :, :2]
+    common = errors - alone - np.sqrt(1.0 - ratio) * (apart - alone)
+    assert np.ptp(common, axis=1) == pytest.approx(0.0, abs=1e-12)
+    assert (np.abs(common) > 0.0).all() == (ratio > 0.0)
+
+
+def test_a_vehicle_alone_errs_as_much_and_for_as_long_whatever_it_shares() -> None:
+    """Runs of one vehicle with seeds of their own: variance 0.25, correlation exp(-1/4) after a second."""
+    model = replace(IDEAL, slow_position_noise_m=0.5, slow_correlation_s=4.0, shared_slow_ratio=0.6)
+    errors = np.array([shown(model, standing(EVERY_S, 1), seed)[:, 0, :2] for seed in range(4000)])
+    assert errors.var(axis=0) == pytest.approx(0.25, rel=0.1)
+    for before, after in pairwise(range(EVERY_S.size)):
+        for axis in range(2):
+            found = np.corrcoef(errors[:, before, axis], errors[:, after, axis])[0, 1]
+            assert found == pytest.approx(np.exp(-0.25), abs=0.05)
+
+
+def test_a_shared_bias_goes_on_from_call_to_call() -> None:
+    model = replace(IDEAL, slow_position_noise_m=0.5, slow_correlation_s=4.0, shared_slow_ratio=1.0)
+    sensors, truth = Sensors(model), standing(EVERY_S, 3)
+    whole = shown(model, truth)
+    state, rows = sensors.init(3, np.random.default_rng(1)), list[FloatArray]()
+    for at in range(EVERY_S.size):
+        now = slice(at, at + 1)
+        part = Samples(truth.t_s[now], truth.motion[now], truth.begins[now], truth.active[now])
+        seen, state = sensors.sense(state, part)
+        rows.append(seen[0])
+    assert np.array(rows) == pytest.approx(whole, abs=1e-12)
+
+
+def test_empty_slots_stay_empty_where_a_bias_is_shared() -> None:
+    truth = standing(EVERY_S, 2)
+    truth.active[:, 1] = False
+    model = replace(IDEAL, slow_position_noise_m=0.5, shared_slow_ratio=1.0)
+    assert (shown(model, truth)[:, 1] == 0.0).all()
+
+
+def test_more_than_all_cannot_be_shared() -> None:
+    with pytest.raises(ValueError, match=r"shared_slow_ratio must be 0\.\.1"):
+        SensorModel(shared_slow_ratio=1.1)

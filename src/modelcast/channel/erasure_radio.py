@@ -92,6 +92,11 @@ class ErasureRadio(AbstractRadio[ErasureState]):
         if not (np.isfinite(self.range_m) and self.range_m > 0.0):
             raise ValueError(f"range_m must be positive and finite, got {self.range_m}")
 
+    @property
+    def bin_m(self) -> float:
+        """Width of the bins of distance of its outcomes [m]."""
+        return _BIN_M
+
     def init(self, vehicles: int, rng: np.random.Generator) -> ErasureState:
         """State of a silent channel at time 0."""
         if vehicles < 1:

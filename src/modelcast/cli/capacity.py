@@ -1,4 +1,4 @@
-"""``modelcast capacity``: the greatest density at which tracking holds, by bisection."""
+"""``modelcast capacity``: the greatest density at which tracking or warnings hold, by bisection."""
 
 from pathlib import Path
 
@@ -13,7 +13,9 @@ def capacity(
     *,
     radio: Words = ("dsrc",),
     policy: Words = ("bsm-10hz", "baseline", "free", "mbc", "j2945", "j2945-free", "j2945-mbc"),
-    limit: Numbers = (0.5, 1.0),
+    limit: Numbers = (),
+    position: Words = ("absolute",),
+    missed: Numbers = (),
     lowest: float = 25.0,
     highest: float = 4000.0,
     ratio: float = 1.1,
@@ -22,12 +24,13 @@ def capacity(
     warm_up: float = 6.0,
     seeds: int = 2,
     seed: int = 0,
-    length: float = 1500.0,
+    length: float = 3000.0,
+    margin: float | None = None,
     lanes: int = 0,
     certificates: CertificateRule = "gap",
     bank: str = "default",
     profile: str | None = None,
-    threshold: float = 0.5,
+    threshold: Numbers = (0.5,),
     keep_alive: float = 1.0,
     believe: BelieveRule | None = None,
     approach: float = 20.0,
@@ -37,26 +40,34 @@ def capacity(
     json: bool = False,
     quiet: bool = False,
 ) -> int:
-    """Find the vehicles a kilometre up to which tracking holds: p99 under a limit, 95 % of the pairs tracked.
+    """Find the vehicles a kilometre up to which limits hold: p99 of errors, or missed warnings.
 
-    Pairs are those 50 m to 150 m apart. Each radio, policy and limit has a bisection of its own; densities
-    that are run for one limit serve the others. Writes runs/, summary.json, capacity.parquet, table.md,
-    capacity.png and capacity.svg. Runs that are done are kept, also where the command was interrupted.
+    Each radio, policy, threshold and limit has a bisection of its own; densities that are run for one limit
+    serve the others. Errors are those of pairs 50 m to 150 m apart, of which 95 % must be tracked. Writes
+    runs/, summary.json, capacity.parquet, table.md, capacity.png and capacity.svg. Runs that are done are
+    kept, also where the command was interrupted.
 
     Parameters
     ----------
     radio
-        dsrc, sidelink, abstract, or several after one another.
+        dsrc, sidelink, abstract, ideal, or several after one another.
     policy
         As for network, several after one another.
     limit
-        Tracking errors that the 99th percentile must stay under [m], several after one another.
+        Errors that the 99th percentile must stay under [m], several after one another; where not given, 0.5
+        and 1, or none where --missed is given.
+    position
+        Errors of which places: absolute (against the truth), relative (of the remote, seen from where the
+        host takes itself to be), or both after one another.
+    missed
+        Shares of the true forward collision warnings' instants that hosts may miss, 0..1, several after one
+        another.
     lowest, highest
         Densities between which the limit is sought [1/km].
     ratio
         How far apart, as a ratio, the two densities may be between which it is found.
     scenario
-        highway or grid.
+        highway, braking, cut-in, grid or crossing, as for network.
     duration, warm_up
         Time simulated, and how much of it is not counted [s].
     seeds
@@ -64,17 +75,22 @@ def capacity(
     seed
         Seed of all random numbers.
     length
-        Length of the highway [m]. Near its ends vehicles have fewer neighbours; they are counted.
+        Length of the highway or of streams [m].
+    margin
+        Vehicles so close to an end of the road have fewer neighbours, and are not counted as hosts of errors
+        [m]; where not given, 500 m on straight roads and nothing on a grid. Warnings are counted everywhere.
     lanes
         Lanes in each direction; 0 for as many as the density needs.
     certificates
         Which messages carry the certificate: always loads the channel most.
     bank, profile
         Sub-models of mbc and the j2945-mbc ones, as for network.
-    threshold, keep_alive, believe, approach
+    threshold
+        Tracking errors that call for a message of the error-driven policies [m], several after one another.
+    keep_alive, believe, approach
         Of the error-driven policies, as for network.
     sensor
-        What vehicles see of themselves; errors are against the truth.
+        What vehicles see of themselves.
     out
         Output folder.
     jobs
@@ -87,47 +103,34 @@ def capacity(
     import json as json_format
     import sys
 
-    from modelcast.cli.capacity_sweep import CapacitySearch, search
-    from modelcast.cli.network_plan import NetworkPlan
+    from modelcast.cli.capacity_search import CapacitySearch, limits_of, margin_of
+    from modelcast.cli.capacity_sweep import search
+    from modelcast.cli.fleet_options import FleetOptions
     from modelcast.cli.progress import counted
     from modelcast.cli.shared_work import jobs_in_use
     from modelcast.cli.terminal import say, show
-    from modelcast.core.exceptions import ConfigError
     from modelcast.io.capacity import capacity_document
     from modelcast.report.capacity import capacity_console
+    from modelcast.study.network.capacity_limits import WARNS
 
-    if scenario not in {"highway", "grid"}:
-        raise ConfigError(
-            f"--scenario must be highway or grid, whose density can be chosen, got {scenario!r}"
-        )
-    if not limit or not all(value > 0.0 for value in limit):
-        raise ConfigError(f"--limit must be positive, got {limit or 'none'}")
-    plan = NetworkPlan(
+    limits = limits_of(limit, position, missed)
+    plan = FleetOptions(
         scenario,
-        duration_s=duration,
-        warm_up_s=warm_up,
-        length_m=length,
-        lanes=lanes,
-        blocks=5,
+        duration=duration,
+        warm_up=warm_up,
+        seeds=seeds,
         seed=seed,
+        length=length,
+        lanes=lanes,
         certificates=certificates,
-        banks=(bank,),
         profile=profile,
-        start=None,
-        identify=None,
-        cost="bytes",
-        threads=1,
-        thresholds_m=(threshold,),
-        keep_alive_s=keep_alive,
+        keep_alive=keep_alive,
         believe=believe,
-        budget=4.0 / 3.0,
-        approach_m=approach,
-        legacy_threshold_m=0.0,
-        relaxed_error_m=None,
-        sensor=sensor,
-    )
+        approach=approach,
+        application=(WARNS,) if missed else (),
+    ).plan(sensor, banks=(bank,), thresholds_m=threshold, margin_m=margin_of(scenario, length, margin))
     asked = CapacitySearch(
-        plan, tuple(radio), tuple(policy), tuple(limit),
+        plan, tuple(radio), tuple(policy), limits,
         bounds_per_km=(lowest, highest), ratio=ratio, seeds=seeds,
     )  # fmt: skip
     with counted("runs", quiet=quiet or json) as progress:

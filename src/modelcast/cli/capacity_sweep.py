@@ -1,14 +1,11 @@
 """Bisections of ``modelcast capacity``: their runs are those of ``modelcast network``, kept as these are."""
 
 from collections.abc import Callable
-from dataclasses import KW_ONLY, dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
+from modelcast.cli.capacity_search import CapacitySearch
 from modelcast.cli.network_case import run_case
-from modelcast.cli.network_cases import Varied, network_cases
-from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.shared_work import Workers, workers
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.capacity import write_capacity
@@ -16,60 +13,13 @@ from modelcast.io.network_runs import NetworkRunFiles
 from modelcast.io.output import atomic_folder
 from modelcast.io.run_store import RunStore, run_store
 from modelcast.report.capacity import write_capacity_report
-from modelcast.study.network.capacity import CapacityFound, Probe, bisected, probe_of
-from modelcast.study.network.rows import CaseResult, NetworkCase, RunRow
+from modelcast.study.network.capacity import CapacityFound, bisected
+from modelcast.study.network.capacity_limits import Limit, Probe, probe_of
+from modelcast.study.network.rows import CaseResult, NetworkCase
 
-__all__ = ["CapacitySearch", "search"]
+__all__ = ["search"]
 
 Progress = Callable[[int, int], None]
-
-
-@dataclass(frozen=True, slots=True)
-class CapacitySearch:
-    """What is sought.
-
-    Parameters
-    ----------
-    plan
-        What all runs share.
-    radios, policies, limits_m
-        A bisection each.
-    bounds_per_km, ratio, seeds
-        As for `bisected`; runs of each density.
-    """
-
-    plan: NetworkPlan
-    radios: tuple[str, ...]
-    policies: tuple[str, ...]
-    limits_m: tuple[float, ...]
-    _: KW_ONLY
-    bounds_per_km: tuple[float, float]
-    ratio: float
-    seeds: int
-
-    def as_plain(self) -> dict[str, Any]:
-        """As plain values."""
-        return {
-            **self.plan.as_plain(),
-            "banks": list(self.plan.banks),
-            "thresholds_m": list(self.plan.thresholds_m),
-            "radios": list(self.radios),
-            "policies": list(self.policies),
-            "limits_m": list(self.limits_m),
-            "bounds_per_km": list(self.bounds_per_km),
-            "ratio": self.ratio,
-            "seeds": self.seeds,
-        }
-
-    def cases(self, density_per_km: float, radio: str, policy: str) -> list[NetworkCase]:
-        """The runs of one density.
-
-        Parameters
-        ----------
-        density_per_km, radio, policy
-            Which.
-        """
-        return network_cases(self.plan, Varied((density_per_km,), (radio,), (policy,), self.seeds))
 
 
 def search(asked: CapacitySearch, out: Path, *, jobs: int, progress: Progress) -> list[CapacityFound]:
@@ -91,14 +41,7 @@ def search(asked: CapacitySearch, out: Path, *, jobs: int, progress: Progress) -
     ConfigError
         Where an option is out of its range, or an input changes meanwhile.
     """
-    low, high = asked.bounds_per_km
-    if not 0.0 < low < high:
-        raise ConfigError(f"--lowest and --highest must be positive and rise, got {low:g} and {high:g}")
-    if not asked.ratio > 1.0:
-        raise ConfigError(f"--ratio must be above 1, got {asked.ratio:g}")
-    for radio in asked.radios or ("none",):
-        for policy in asked.policies or ("none",):
-            _ = asked.cases(low, radio, policy)
+    asked.check()
     plan = asked.plan
     key = plan.key()
     files = NetworkRunFiles(plan.as_plain(), key)
@@ -109,10 +52,7 @@ def search(asked: CapacitySearch, out: Path, *, jobs: int, progress: Progress) -
         workers(max(min(jobs, asked.seeds), 1)) as pool,
     ):
         found = [
-            one
-            for radio in dict.fromkeys(asked.radios)
-            for policy in dict.fromkeys(asked.policies)
-            for one in _found(asked, (radio, policy), runs, store=store, pool=pool)
+            one for sender in asked.senders for one in _found(asked, sender, runs, store=store, pool=pool)
         ]
         if plan.key() != key:
             raise ConfigError("an input changed while it was read: run the command again")
@@ -134,8 +74,8 @@ class _Runs:
         cases: list[NetworkCase],
         store: RunStore[NetworkCase, CaseResult],
         pool: Workers,
-    ) -> list[RunRow]:
-        """Rows of some runs: those known, and the others run now."""
+    ) -> list[CaseResult]:
+        """Some runs: those known, and the others run now."""
         for case in cases:
             if case not in self.done and (known := store.find(case)) is not None:
                 self.done[case] = known
@@ -144,27 +84,31 @@ class _Runs:
             store.keep(case, result)
             self.done[case] = result
             self._progress(len(self.done), len(self.done) + 1)
-        return [self.done[case].run for case in cases]
+        return [self.done[case] for case in cases]
 
 
 def _found(
     asked: CapacitySearch,
-    who: tuple[str, str],
+    sender: tuple[str, str, float],
     runs: _Runs,
     *,
     store: RunStore[NetworkCase, CaseResult],
     pool: Workers,
 ) -> list[CapacityFound]:
-    """The capacities of one radio and policy, a limit after the other."""
-    radio, policy = who
+    """The capacities of one radio, policy and threshold, a limit after the other."""
+    radio, policy, threshold_m = sender
     found: list[CapacityFound] = []
     tried: list[float] = []
-    for limit_m in asked.limits_m:
+    for limit in asked.limits:
 
-        def probe(density_per_km: float, limit_m: float = limit_m) -> Probe:
+        def probe(density_per_km: float, limit: Limit = limit) -> Probe:
             tried.append(density_per_km)
-            return probe_of(runs.of(asked.cases(density_per_km, radio, policy), store, pool), limit_m)
+            cases = asked.cases(density_per_km, *sender)
+            try:
+                return probe_of(runs.of(cases, store, pool), limit)
+            except ValueError as error:
+                raise ConfigError(f"{radio}, {policy}: {error}") from error
 
-        one = bisected(probe, asked.bounds_per_km, limit_m, ratio=asked.ratio, known=sorted(set(tried)))
-        found.append(CapacityFound(radio, policy, limit_m, one))
+        one = bisected(probe, asked.bounds_per_km, ratio=asked.ratio, known=sorted(set(tried)))
+        found.append(CapacityFound(radio, policy, threshold_m=threshold_m, limit=limit, capacity=one))
     return found

@@ -11,11 +11,16 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.io.fcd_survey import FcdSurvey
 from modelcast.runtime.fleet.engine import run_network
 from modelcast.station.banks import free_bank
+from modelcast.station.receiver.reading import Reading
 from modelcast.station.sender.sender import MODEL_SENDERS, Sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.study.network.measure import measure
 from modelcast.study.network.mixed import measure_mixed, mixed_of
 from modelcast.study.network.rows import CaseResult, NetworkCase
+from modelcast.study.network.warned import measure_warnings
+from modelcast.study.safety.fleet import SafetyObserver
+from modelcast.study.safety.fleet_score import score_pairings
+from modelcast.study.safety.fleet_settings import FleetSafetySettings
 from modelcast.world.scenario.motion import checked
 from modelcast.world.scenario.sensed import FleetSensor
 from modelcast.world.sensors import filter_for
@@ -48,6 +53,8 @@ def propagation_of(plan: NetworkPlan) -> "Propagation":
 def _radio(plan: NetworkPlan, name: str) -> tuple[Any, float]:
     """The radio of that name, and the width of its bins of distance."""
     from modelcast.channel.dsrc import Dsrc
+    from modelcast.channel.erasure import Ideal
+    from modelcast.channel.erasure_radio import ErasureRadio
     from modelcast.channel.sidelink import Sidelink
     from modelcast.channel.tabulated import TabulatedRadio, measured_table
 
@@ -58,6 +65,9 @@ def _radio(plan: NetworkPlan, name: str) -> tuple[Any, float]:
     if name == "sidelink":
         sidelink = Sidelink(propagation=propagation)
         return sidelink, sidelink.parameters.bin_m
+    if name == "ideal":
+        ideal = ErasureRadio(Ideal())
+        return ideal, ideal.bin_m
     table = measured_table()
     return TabulatedRadio(table), table.bin_m
 
@@ -89,6 +99,7 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
         radio, bin_m = _radio(plan, case.radio)
         seed = int(child_generator(plan.seed, case.run, "loop").integers(2**31))
         with traffic(plan, case, found) as frames:
+            observer = _observer(plan, case, is_mixed=mixed.is_mixed)
             run = run_network(
                 checked(frames),
                 who,
@@ -97,13 +108,30 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
                 seed=seed,
                 sensor=FleetSensor(model),
                 threads=plan.threads,
+                observer=observer,
             )
     except ValueError as error:
         raise ConfigError(str(error)) from error
     result = measure(run, case, plan.settings, outcome_bin_m=bin_m)
-    if not mixed.is_mixed:
+    if mixed.is_mixed:
+        result = measure_mixed(result, run, mixed, plan.settings, plan.receivers_ratios)
+    if observer is None:
         return result
-    return measure_mixed(result, run, mixed, plan.settings, plan.receivers_ratios)
+    return measure_warnings(result, score_pairings(observer, len(mixed.senders)), mixed.senders)
+
+
+def _observer(plan: NetworkPlan, case: NetworkCase, *, is_mixed: bool) -> SafetyObserver | None:
+    """Who looks at what hosts warn of; of a mixed fleet by every reading."""
+    if not plan.applications:
+        return None
+    return SafetyObserver(
+        FleetSafetySettings(
+            applications=plan.warns(),
+            readings=tuple(Reading) if is_mixed else (Reading.MODEL,),
+            warm_up_s=plan.warm_up_s,
+            seed=case.run,
+        )
+    )
 
 
 def _sender(plan: NetworkPlan, case: NetworkCase, policy: str, motion: MotionFilter) -> Sender:

@@ -8,9 +8,10 @@ from math import inf, isfinite, nan
 from modelcast.cli.network_plan import RADIOS, NetworkPlan
 from modelcast.core.exceptions import ConfigError
 from modelcast.station.sender.sender import MODEL_SENDERS, SENDERS
+from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import NO_BANK, NetworkCase
 
-__all__ = ["Varied", "network_cases", "told"]
+__all__ = ["Varied", "network_cases", "rival_of", "told"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,7 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
         if unknown or not given:
             raise ConfigError(f"--{name} must be of {', '.join(known)}, got {', '.join(unknown) or 'none'}")
     plan.check_traffic()
+    _ = plan.warns()
     if varied.seeds < 1 or not all(value > 0 for value in varied.densities_per_km):
         raise ConfigError(
             f"--seeds and --density must be positive, got {varied.seeds} and {varied.densities_per_km}"
@@ -76,6 +78,29 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
             range(varied.seeds),
         )
     ]
+
+
+def rival_of(against: str | None, cases: Sequence[NetworkCase]) -> str:
+    """The policy that warnings are set against.
+
+    Parameters
+    ----------
+    against
+        As the user names it; None for the first, or in mixed fleets the one with the fewest new senders.
+    cases
+        All runs.
+
+    Raises
+    ------
+    ConfigError
+        Where no run has that policy.
+    """
+    policies = list(dict.fromkeys(case.policy for case in cases))
+    if against is None:
+        return min(policies, key=lambda name: mixed_of(name).senders_ratio)
+    if against not in policies:
+        raise ConfigError(f"--against {against}: no run has that policy; there are {', '.join(policies)}")
+    return against
 
 
 def told(cases: Sequence[NetworkCase], done: int) -> str:

@@ -6,7 +6,7 @@ from dataclasses import KW_ONLY, asdict, dataclass
 from importlib import metadata
 from math import ceil
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from modelcast.cli.options import SensorOptions
 from modelcast.core.exceptions import ConfigError, DataFormatError
@@ -16,6 +16,9 @@ from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 from modelcast.station.sender.sender import ERROR_SENDERS, MODEL_SENDERS, THRESHOLD_STARTS
 from modelcast.study.network.rows import NO_THRESHOLD
+
+if TYPE_CHECKING:
+    from modelcast.apps.base import AbstractApplication
 
 __all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
 
@@ -28,7 +31,7 @@ _MOST_LANES = 32
 BUILT_IN = ("highway", "braking", "cut-in", "grid", "crossing")
 SUMO = ("sumo-highway", "sumo-grid", "sumo-junction")
 RECORDED = ("platoon", "trips")
-RADIOS = ("dsrc", "sidelink", "abstract")
+RADIOS = ("dsrc", "sidelink", "abstract", "ideal")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +72,10 @@ class NetworkPlan:
         Files or folders of recorded trips, for a scenario of `RECORDED`.
     receivers_ratios
         Of mixed fleets, shares of model receivers that are asked for; empty where all fleets are of one kind.
+    margin_m
+        Vehicles so near to an end of a straight road are not counted as hosts [m].
+    applications, algorithm
+        What hosts warn of, by name, none where it is empty; and the warning range of fcw, None for its own.
     """
 
     scenario: str
@@ -96,6 +103,9 @@ class NetworkPlan:
     sensor: SensorOptions
     trips: tuple[str, ...] = ()
     receivers_ratios: tuple[float, ...] = ()
+    margin_m: float = 0.0
+    applications: tuple[str, ...] = ()
+    algorithm: str | None = None
 
     def as_plain(self) -> dict[str, Any]:
         """What every run depends on, as plain values; files by their names, the sensor with its figures.
@@ -105,8 +115,9 @@ class NetworkPlan:
         found: dict[str, Any] = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
         found["sensor"]["model"] = asdict(self.sensor.model())
         del found["banks"], found["thresholds_m"]
-        if not self.receivers_ratios:
-            del found["receivers_ratios"]
+        for name in ("receivers_ratios", "margin_m", "applications", "algorithm"):
+            if not found[name]:
+                del found[name]
         del found["threads"]  # the result is the same whatever the number of threads
         for name in ("scenario", "profile"):
             found[name] = None if found[name] is None else Path(found[name]).name
@@ -214,10 +225,31 @@ class NetworkPlan:
 
             require_sumo()
 
+    def warns(self) -> "dict[str, AbstractApplication]":
+        """What hosts warn of, by name.
+
+        Raises
+        ------
+        ConfigError
+            Where an application or its algorithm is unknown, or the algorithm goes with none of them.
+        """
+        from modelcast.apps.forward_collision import ForwardCollisionWarning
+        from modelcast.apps.registry import get_application
+        from modelcast.apps.warning_ranges import get_warning_range
+
+        found: dict[str, AbstractApplication] = {name: get_application(name) for name in self.applications}
+        if self.algorithm is not None:
+            if "fcw" not in found:
+                raise ConfigError(f"--algorithm {self.algorithm} goes with --application fcw")
+            found["fcw"] = ForwardCollisionWarning(get_warning_range(self.algorithm))
+        return found
+
     @property
     def settings(self) -> NetworkSettings:
         """What is tracked and counted."""
-        return NetworkSettings(warm_up_s=self.warm_up_s)
+        margin_m = self.margin_m
+        counted_m = (margin_m, self.length_m - margin_m) if margin_m > 0.0 else None
+        return NetworkSettings(warm_up_s=self.warm_up_s, counted_m=counted_m)
 
     def lanes_for(self, density_per_km: float) -> int:
         """Lanes in each direction: as given, or one more for each density that fills the last."""

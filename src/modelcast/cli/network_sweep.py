@@ -22,7 +22,6 @@ from modelcast.io.network_runs import NetworkRunFiles, RunKey
 from modelcast.io.output import atomic_folder
 from modelcast.io.run_store import RunStore, run_store
 from modelcast.io.traffic import write_traffic
-from modelcast.report.mixed import write_mixed_report
 from modelcast.report.network import traffic_lines, write_network_report
 from modelcast.report.traffic import write_traffic_report
 from modelcast.study.network.pairs import PairedRow, traffic_rows
@@ -47,6 +46,8 @@ class Sweep:
         What the file of floating-car data holds, where the traffic is one.
     command
         Whose output folder it is.
+    against
+        Policy that warnings are set against.
     """
 
     plan: NetworkPlan
@@ -55,6 +56,7 @@ class Sweep:
     senders: Sequence[SenderRow]
     found: FcdSurvey | None = None
     command: str = "network"
+    against: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,12 +129,10 @@ def sweep(
             results = _run_all(asked, results, store, jobs=jobs, progress=progress)
         if plan.key() != key:
             raise ConfigError("an input changed while it was read: run the command again")
-        result = gather(results.values(), asked.senders)
+        result = gather(results.values(), asked.senders, against=asked.against)
         store.publish(results, folder)
         write_network(result, options, folder, key=key, traffic=traffic, training_trips=known)
         write_network_report(result, options, folder, traffic=traffic, notes=notes)
-        if result.pairings:
-            write_mixed_report(result, folder)
         rows = traffic_rows(result)
         if rows:
             write_traffic(rows, folder)

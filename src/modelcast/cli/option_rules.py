@@ -52,6 +52,7 @@ _RULES: dict[str, AbstractRule] = {
     "speed_noise": Maybe(_NOISE),
     "heading_noise": Maybe(Number(0.0, 360.0)),
     "latency": Maybe(Number(0.0, _HOUR_S)),
+    "shared_bias": Maybe(Number(0.0, 1.0)),
 }
 
 OPTIONS = Keys(

@@ -71,6 +71,9 @@ class SensorOptions:
         Heading noise [deg].
     latency
         Age of what the sender sees [s].
+    shared_bias
+        Share of the variance of the slowly varying position noise, 0..1, that all vehicles of a fleet have in
+        common (orbits, atmosphere); the rest is each one's own (multipath).
     """
 
     sensor: str | None = None
@@ -79,6 +82,7 @@ class SensorOptions:
     speed_noise: float | None = None
     heading_noise: float | None = None
     latency: float | None = None
+    shared_bias: float | None = None
 
     def model(self) -> "SensorModel":
         """The sensor model they mean.
@@ -100,6 +104,7 @@ class SensorOptions:
             "speed_noise_mps": self.speed_noise,
             "heading_noise_rad": None if self.heading_noise is None else radians(self.heading_noise),
             "latency_s": self.latency,
+            "shared_slow_ratio": self.shared_bias,
         }
         found = {name: value for name, value in given.items() if value is not None}
         try:

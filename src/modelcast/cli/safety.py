@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from modelcast.cli.options import Columns, Format
+from modelcast.cli.options import Columns, Format, Paths
 from modelcast.cli.safety_options import SafetyOptions
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ def safety(
     trip: str = "*",
     streams: int = 0,
     options: SafetyOptions = SafetyOptions(),  # noqa: B008 - frozen
+    beside: Paths = (),
     jobs: int = 0,
     json: bool = False,
     quiet: bool = False,
@@ -48,6 +49,9 @@ def safety(
         Simulated roads to score instead of recorded platoons: streams of vehicles whose leaders brake hard.
     options
         What changes the figures.
+    beside
+        Output folders of 'modelcast network' or 'mixed' with --application, or of 'modelcast capacity': their
+        figures are shown in the report too.
     jobs
         Recordings at a time; 0 for one a processor.
     json
@@ -56,7 +60,6 @@ def safety(
         Print nothing but errors.
     """
     import json as json_format
-    import sys
 
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import busy, counted
@@ -71,6 +74,7 @@ def safety(
     from modelcast.io.run_store import run_store
     from modelcast.io.safety import safety_document, write_safety
     from modelcast.io.safety_runs import SafetyRunFiles
+    from modelcast.report.beside import check_beside
     from modelcast.report.safety import safety_console, write_safety_report
     from modelcast.study.safety.pairs import recordings_of
     from modelcast.trips.fingerprint import known_trips
@@ -82,6 +86,7 @@ def safety(
         )
     if not options.sensors or not options.burst or options.per == ():
         raise ConfigError("--sensors, --burst and --per: name at least one each")
+    check_beside(beside)
     candidates, silent = options.candidates(), quiet or json
     for sensor in options.sensors:
         _ = options.settings(sensor, options.burst[0])
@@ -113,6 +118,7 @@ def safety(
             "columns": columns,
             "trip": trip,
             "streams": streams,
+            "beside": [str(path) for path in beside],
             "options": options.as_plain(),
         }
         trained_on = frozenset[str]().union(*(one.trained_on or () for one in candidates))
@@ -120,10 +126,9 @@ def safety(
         write_run(folder, "safety", asked, (*paths, *options.files, *options.losses), training_trips=known)
         with busy("writing the report", quiet=silent):
             write_safety(found, folder)
-            write_safety_report(found, folder, training_trips=known, trips=len(trips))
+            write_safety_report(found, folder, training_trips=known, trips=len(trips), beside=beside)
     if json:
-        json_format.dump(safety_document(found), sys.stdout, indent=2, sort_keys=True)
-        print()
+        print(json_format.dumps(safety_document(found), indent=2, sort_keys=True))
     elif not quiet:
         show(safety_console(found))
         say(f"report: {out / 'report.html'}")

@@ -70,6 +70,8 @@ class SafetyOptions:
         that heard every sample of the sender at once, as its sensors show it (communication).
     near
         Warnings count where the true margin is smaller than this [m].
+    later
+        Hosts warn where their margin is below zero by this much [m]: fewer false warnings, more missed ones.
     seeds
         Runs drawn for every packet error ratio.
     seed
@@ -102,6 +104,7 @@ class SafetyOptions:
     against: str | None = None
     truth: Truth = "knowledge"
     near: float = 20.0
+    later: float = 0.0
     seeds: int = 3
     seed: int = 0
     keep_alive: float = 2.0
@@ -232,6 +235,7 @@ class SafetyOptions:
                 against=self.against,
                 truth=self.truth,
                 near_m=self.near,
+                later_m=self.later,
                 resamples=self.resamples,
             )
         except ValueError as error:

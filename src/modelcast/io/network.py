@@ -3,13 +3,16 @@
 ``runs/<case>-<key>.json``
     Rows of one run (`modelcast.io.network_runs`).
 ``summary.json`` (`network_document`)
-    ``schema`` (4), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
+    ``schema`` (6), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
     of floating-car data holds, else null), ``options``, ``senders`` (`SenderRow`), ``runs`` (`RunRow`),
-    ``pooled`` (`PooledRow`), ``capacities`` (`CapacityRow`). A number that does not exist is null.
+    ``pooled`` (`PooledRow`), ``warnings`` (`PooledWarnings`). A number that does not exist is null.
 ``runs.parquet``, ``distances.parquet``, ``outcomes.parquet``, ``seconds.parquet``
     One row a run; a run and bin of 25 m; a run and bin of the radio; a run and second.
 ``pairings.parquet``, ``penetration.parquet``
     Of mixed fleets: one row a run, sender and reading; a run and share of model receivers.
+``warnings.parquet``, ``warned_hosts.parquet``, ``warned_events.parquet``, ``pooled_warnings.parquet``
+    Where hosts have applications: one row a run, application, sender and reading; each of its hosts; each
+    true warning; and all seeds together.
 
 The same runs give the same bytes.
 """
@@ -33,18 +36,18 @@ from modelcast.study.network.rows import (
     RunRow,
     SecondRow,
 )
+from modelcast.study.network.warning_rows import PooledWarnings, WarnedEventRow, WarnedHostRow, WarningRow
 
 __all__ = ["NETWORK_SCHEMA", "network_document", "write_network"]
 
-NETWORK_SCHEMA = 4
+NETWORK_SCHEMA = 6
 """Version of the layout of ``summary.json``; since 2 it holds inputs and traffic, since 3 banks, since 4
-thresholds."""
+thresholds, since 5 warnings, since 6 relative errors and no capacities."""
 
-_TEXT = {"radio", "policy", "bank", "sender", "reading"}
+_TEXT = {"radio", "policy", "bank", "sender", "reading", "application"}
 
-
-_MIXED = {"pairings", "penetration"}
-"""Tables that only runs of mixed fleets have."""
+_SOME = {"pairings", "penetration", "warnings", "warned_hosts", "warned_events", "pooled_warnings"}
+"""Tables that only runs of mixed fleets have, or those whose hosts have applications."""
 
 
 def network_document(
@@ -80,7 +83,7 @@ def network_document(
         "senders": [row_document(row) for row in result.senders],
         "runs": [row_document(row) for row in result.runs],
         "pooled": [row_document(row) for row in result.pooled],
-        "capacities": [row_document(row) for row in result.capacities],
+        "warnings": [row_document(row) for row in result.pooled_warnings],
     }
 
 
@@ -114,9 +117,13 @@ def write_network(
         ("seconds", result.seconds, SecondRow),
         ("pairings", result.pairings, PairingRow),
         ("penetration", result.penetration, PenetrationRow),
+        ("warnings", result.warnings, WarningRow),
+        ("warned_hosts", result.warned_hosts, WarnedHostRow),
+        ("warned_events", result.warned_events, WarnedEventRow),
+        ("pooled_warnings", result.pooled_warnings, PooledWarnings),
     )
     for name, rows, row_type in groups:
-        if not rows and name in _MIXED:
+        if not rows and name in _SOME:
             continue
         columns: dict[str, Any] = {}
         for field in fields(row_type):

@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeVar, cast
 
 from modelcast.core.exceptions import ConfigError
@@ -28,18 +29,33 @@ from modelcast.study.network.rows import (
     RunRow,
     SecondRow,
 )
+from modelcast.study.network.warning_rows import WarnedEventRow, WarnedHostRow, WarningRow
 
 __all__ = ["RUN_SCHEMA", "NetworkRunFiles", "RunKey", "case_name", "read_case", "run_path", "write_case"]
 
-RUN_SCHEMA = 5
+RUN_SCHEMA = 7
 """Version of the layout of a run's file; since 2 it holds version and inputs, since 3 the bank, since 4 the
-threshold, since 5 the rows of mixed fleets."""
+threshold, since 5 the rows of mixed fleets, since 6 those of warnings, since 7 relative errors."""
 
 _LARGEST_BYTES = 64 * 2**20
 _MOST_ROWS = 1_000_000
 _LARGEST = 1e15
 _ANY_SIGN = frozenset({"power_dbm"})
-Row = TypeVar("Row", RunRow, DistanceRow, OutcomeRow, SecondRow, PairingRow, PenetrationRow)
+_TABLES: Mapping[str, type[Any]] = MappingProxyType(
+    {
+        "distances": DistanceRow,
+        "outcomes": OutcomeRow,
+        "seconds": SecondRow,
+        "pairings": PairingRow,
+        "penetration": PenetrationRow,
+        "warnings": WarningRow,
+        "warned_hosts": WarnedHostRow,
+        "warned_events": WarnedEventRow,
+    }
+)
+"""Rows beside the run's own, by the fields of `CaseResult`."""
+
+Row = TypeVar("Row")
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,11 +154,7 @@ def write_case(
         "inputs": key.of(case.bank).all_inputs,
         "options": dict(options),
         "run": [row_document(result.run)],
-        "distances": [row_document(row) for row in result.distances],
-        "outcomes": [row_document(row) for row in result.outcomes],
-        "seconds": [row_document(row) for row in result.seconds],
-        "pairings": [row_document(row) for row in result.pairings],
-        "penetration": [row_document(row) for row in result.penetration],
+        **{name: [row_document(row) for row in getattr(result, name)] for name in _TABLES},
     }
     path = run_path(case, key, folder)
     write_run_file(document, path)
@@ -180,14 +192,8 @@ def read_case(case: NetworkCase, options: Mapping[str, Any], key: RunKey, folder
     runs = list(_rows(path, "run", RunRow, document["run"], case))
     if len(runs) != 1:
         raise _refused(path, "run", "one row")
-    return CaseResult(
-        runs[0],
-        list(_rows(path, "distances", DistanceRow, document["distances"], case)),
-        outcomes=list(_rows(path, "outcomes", OutcomeRow, document["outcomes"], case)),
-        seconds=list(_rows(path, "seconds", SecondRow, document["seconds"], case)),
-        pairings=tuple(_rows(path, "pairings", PairingRow, document["pairings"], case)),
-        penetration=tuple(_rows(path, "penetration", PenetrationRow, document["penetration"], case)),
-    )
+    tables = {name: tuple(_rows(path, name, kind, document[name], case)) for name, kind in _TABLES.items()}
+    return CaseResult(runs[0], **tables)
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,8 +236,7 @@ def _document(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path} cannot be read: {error.strerror or error}") from error
     except (ValueError, RecursionError, MemoryError) as error:
         raise _refused(path, "the file", f"JSON ({type(error).__name__})") from error
-    rows = {"run", "distances", "outcomes", "seconds", "pairings", "penetration"}
-    needed = {"schema", "modelcast", "inputs", "options", *rows}
+    needed = {"schema", "modelcast", "inputs", "options", "run", *_TABLES}
     if not isinstance(document, dict) or set(cast("dict[str, Any]", document)) != needed:
         raise _refused(path, "the file", f"a mapping of {', '.join(sorted(needed))}")
     found = cast("dict[str, Any]", document)
@@ -244,7 +249,7 @@ def _rows(path: Path, name: str, kind: type[Row], rows: object, case: NetworkCas
     """Yield checked rows; null is a number that does not exist."""
     if not isinstance(rows, list) or len(cast("list[Any]", rows)) > _MOST_ROWS:
         raise _refused(path, name, f"a list of at most {_MOST_ROWS} rows")
-    types = {field.name: field.type for field in fields(kind)}
+    types = {field.name: field.type for field in fields(cast("type[Any]", kind))}
     for number, row in enumerate(cast("Sequence[object]", rows)):
         place = f"{name}[{number}]"
         if not isinstance(row, dict) or set(cast("dict[str, Any]", row)) != set(types):

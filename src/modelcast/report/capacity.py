@@ -5,44 +5,72 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from rich.box import SIMPLE_HEAD
 from rich.console import RenderableType
 from rich.table import Table
 
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.panels import drawable, empty_figure, top_legend
+from modelcast.report.figures.senders import threshold_text
 from modelcast.report.literal import literal
 from modelcast.report.style import PAGE_IN, model_colours, new_figure, style
 from modelcast.study.network.capacity import CapacityFound
+from modelcast.study.network.capacity_limits import Limit, Probe
 
 __all__ = ["capacity_console", "capacity_markdown", "plot_capacity", "write_capacity_report"]
 
 _TITLE = (
-    "Vehicles a kilometre up to which p99 of the tracking error, 50 m to 150 m apart, stays under a limit "
-    "and 95 % of the pairs are tracked: the last density that held, to the first that failed"
+    "Vehicles a kilometre up to which a limit holds: the last density that held, to the first that failed. "
+    "Errors are those of pairs 50 m to 150 m apart, of which 95 % must be tracked"
 )
+_HEADS = (
+    "limit", "radio", "policy", "threshold", "vehicles/km", "seeds that held", "at the last", "at the first",
+    "channel busy", "warnings",
+)  # fmt: skip
+_TEXTS = 4
+"""Columns of text, on the left."""
 
 
-def _limits(found: Sequence[CapacityFound]) -> list[float]:
-    return list(dict.fromkeys(one.limit_m for one in found))
+def _value(limit: Limit, probe: Probe | None) -> str:
+    """What a limit is on at one density, and its spread over the seeds."""
+    if probe is None:
+        return "-"
+    least, greatest = (limit.value_text(value) for value in probe.spread)
+    middle = limit.value_text(probe.value)
+    return middle if least == greatest else f"{middle} ({least.split()[0]}-{greatest.split()[0]})"
 
 
-def _rows(found: Sequence[CapacityFound]) -> list[list[str]]:
-    """A row a radio and policy: name, name, a cell a limit, and how busy the channel was there."""
-    groups: dict[tuple[str, str], list[CapacityFound]] = {}
-    for one in found:
-        groups.setdefault((one.radio, one.policy), []).append(one)
-    rows: list[list[str]] = []
-    for (radio, policy), own in groups.items():
-        last = own[-1].capacity
-        busy = [probe.busy_ratio for probe in last.probes if probe.density_per_km == last.holds_per_km]
-        rows.append(
-            [radio, policy, *(one.capacity.text for one in own), f"{100 * busy[0]:.0f} %" if busy else "-"]
-        )
-    return rows
+def _seeds(probe: Probe | None) -> str:
+    return "-" if probe is None else f"{probe.seeds_held[0]}/{probe.seeds_held[1]}"
 
 
-def _heads(found: Sequence[CapacityFound]) -> list[str]:
-    return ["radio", "policy", *(f"p99 < {limit_m:g} m" for limit_m in _limits(found)), "channel busy there"]
+def _both(texts: Sequence[str]) -> str:
+    return ", ".join(texts)
+
+
+def _cells(one: CapacityFound) -> list[str]:
+    ends = one.capacity.ends
+    there = [probe for probe in ends if probe is not None]
+    warned = [str(probe.warnings) for probe in there if one.limit.quantity == "missed"]
+    return [
+        one.limit.text,
+        one.radio,
+        one.policy,
+        threshold_text(one.threshold_m),
+        one.capacity.text,
+        _both([_seeds(probe) for probe in ends]),
+        *(_value(one.limit, probe) for probe in ends),
+        _both([f"{100 * probe.busy_ratio:.0f} %" for probe in there]),
+        _both(warned) or "-",
+    ]
+
+
+def _table(found: Sequence[CapacityFound]) -> tuple[list[str], list[list[str]]]:
+    """Heads and rows, a row a capacity, by limit; columns in which no row says anything are left out."""
+    limits = list(dict.fromkeys(one.limit for one in found))
+    rows = [_cells(one) for one in sorted(found, key=lambda one: limits.index(one.limit))]
+    said = [n for n in range(len(_HEADS)) if any(row[n] != "-" for row in rows)]
+    return [_HEADS[n] for n in said], [[row[n] for n in said] for row in rows]
 
 
 def capacity_console(found: Sequence[CapacityFound]) -> RenderableType:
@@ -53,11 +81,23 @@ def capacity_console(found: Sequence[CapacityFound]) -> RenderableType:
     found
         The capacities.
     """
-    table = Table(title=_TITLE, title_justify="left")
-    for number, head in enumerate(_heads(found)):
-        table.add_column(head, justify="left" if number < 2 else "right")
-    for cells in _rows(found):
-        table.add_row(*map(literal, cells))
+    table = Table(title=_TITLE, title_justify="left", box=SIMPLE_HEAD, padding=(0, 0), header_style="")
+    heads, rows = _table(found)
+    numbers = [head for head in heads if head not in {*_HEADS[:_TEXTS], "at the first"}]
+    table.add_column("policy", no_wrap=True, overflow="fold")
+    for head in numbers:
+        table.add_column(head, justify="right", overflow="fold")
+    before = ""
+    for cells in rows:
+        named = dict(zip(heads, cells, strict=True))
+        place = f"{named['limit']}, {named['radio']}"
+        if place != before:
+            table.add_section()
+            table.add_row(literal(place, style="bold"))
+        threshold = named.get("threshold", "-").replace("-", "")
+        name = ", ".join(part for part in (named["policy"], threshold) if part)
+        table.add_row(*map(literal, (name, *(named[head] for head in numbers))))
+        before = place
     return table
 
 
@@ -69,9 +109,9 @@ def capacity_markdown(found: Sequence[CapacityFound]) -> str:
     found
         The capacities.
     """
-    heads = _heads(found)
+    heads, rows = _table(found)
     lines = [f"{_TITLE}.", "", f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
-    lines += [f"| {' | '.join(cells)} |" for cells in _rows(found)]
+    lines += [f"| {' | '.join(cells)} |" for cells in rows]
     return "\n".join(lines) + "\n"
 
 
@@ -103,26 +143,33 @@ def plot_capacity(found: Sequence[CapacityFound]) -> Figure:
     radios = list(dict.fromkeys(one.radio for one in found))
     if not radios:
         return empty_figure("Nothing was sought.")
-    limits_m = _limits(found)
-    colours = model_colours([f"{limit_m:g} m" for limit_m in limits_m])
-    policies = list(dict.fromkeys(one.policy for one in found))
-    figure = new_figure(PAGE_IN, 0.9 + 0.28 * len(policies) * len(radios))
+    limits = list(dict.fromkeys(one.limit for one in found))
+    colours = model_colours([limit.text for limit in limits])
+    senders = list(dict.fromkeys((one.policy, repr(one.threshold_m)) for one in found))
+    names = {
+        (one.policy, repr(one.threshold_m)): f"{one.policy} {threshold_text(one.threshold_m)}".removesuffix(
+            " -"
+        )
+        for one in found
+    }
+    figure = new_figure(PAGE_IN, 0.9 + 0.28 * len(senders) * len(radios))
     panels = figure.subplots(len(radios), 1, squeeze=False, sharex=True)[:, 0]
-    thick = 0.8 / len(limits_m)
+    thick = 0.8 / len(limits)
     for axes, radio in zip(panels, radios, strict=True):
-        for number, limit_m in enumerate(limits_m):
-            own = {one.policy: one.capacity for one in found if (one.radio, one.limit_m) == (radio, limit_m)}
-            place = np.array([policies.index(policy) for policy in own]) + (number + 0.5) * thick - 0.4
-            held = np.array([capacity.holds_per_km or 0.0 for capacity in own.values()])
-            name = f"{limit_m:g} m"
-            axes.barh(place, held, thick, color=colours[name], label=f"p99 under {name}")
-            for at, capacity in zip(place, own.values(), strict=True):
+        for number, limit in enumerate(limits):
+            own = [one for one in found if (one.radio, one.limit) == (radio, limit)]
+            rows = [senders.index((one.policy, repr(one.threshold_m))) for one in own]
+            place = np.array(rows) + (number + 0.5) * thick - 0.4
+            held = np.array([one.capacity.holds_per_km or 0.0 for one in own])
+            axes.barh(place, held, thick, color=colours[limit.text], label=limit.text)
+            for at, one in zip(place, own, strict=True):
+                capacity = one.capacity
                 if capacity.fails_per_km is not None:
                     ends = [capacity.holds_per_km or 0.0, capacity.fails_per_km]
-                    axes.plot(ends, [at, at], color=colours[name], linewidth=1.2)
+                    axes.plot(ends, [at, at], color=colours[limit.text], linewidth=1.2)
                 else:
-                    axes.plot(capacity.holds_per_km, at, ">", color=colours[name])
-        axes.set_yticks(range(len(policies)), [drawable(policy, 30) for policy in policies])
+                    axes.plot(capacity.holds_per_km, at, ">", color=colours[limit.text])
+        axes.set_yticks(range(len(senders)), [drawable(names[sender], 30) for sender in senders])
         axes.invert_yaxis()
         axes.set_title(drawable(radio, 20))
         axes.set_xlim(left=0.0)

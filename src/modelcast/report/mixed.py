@@ -1,21 +1,19 @@
 """What a mixed fleet is told in: the pairings of senders and receivers, and the penetration map."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.console import RenderableType
 from rich.table import Table
 
-from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.mixed import plot_penetration
 from modelcast.report.literal import literal, markdown
 from modelcast.report.page import number
-from modelcast.report.style import style
+from modelcast.report.parts import Part
 from modelcast.study.network.rows import NetworkResult, PairingRow
 
-__all__ = ["mixed_console", "mixed_markdown", "write_mixed_report"]
+__all__ = ["mixed_console", "mixed_markdown", "mixed_part"]
 
 _FIGURES = (
     ("message_rate_hz", "messages [1/s]", 1.0),
@@ -28,6 +26,14 @@ _FIGURES = (
     ("age_p90_s", "age p90 [s]", 1.0),
 )
 _TERMINAL = ("message_rate_hz", "held_ratio", "pte_p50_m", "pte_p90_m", "pte_p99_m")
+_SCOPE = (
+    "What a vehicle of each sender sends, and how it is tracked 50 m to 150 m away by those who read in one "
+    "way; means over seeds."
+)
+_MAP = (
+    "Tracking errors over all pairs by the shares of vehicles that send by the last policy and that read "
+    "models; the others read as legacy receivers do."
+)
 _HEADS = ("density", "radio", "new senders", "sender", "read as", "busy [%]")
 
 
@@ -90,18 +96,23 @@ def mixed_console(result: NetworkResult) -> RenderableType:
     return shown
 
 
-def write_mixed_report(result: NetworkResult, folder: str | Path) -> list[Path]:
-    """Write ``pairings.md`` and the figure ``penetration``; return their paths.
+def mixed_part(result: NetworkResult) -> list[Part]:
+    """Return the part of a page, none where all fleets are of one kind.
 
     Parameters
     ----------
     result
         All runs.
-    folder
-        An existing folder.
     """
-    place = Path(folder) / "pairings.md"
-    place.write_text(mixed_markdown(result), encoding="utf-8", newline="\n")
-    with style():
-        drawings = [drawn("penetration", plot_penetration(result))]
-    return [place, *write_drawings(drawings, folder)]
+    if not result.pairings:
+        return []
+    return [
+        Part(
+            "Who is tracked by whom",
+            _SCOPE,
+            heads=[*_HEADS, *(title for _, title, _ in _FIGURES)],
+            rows=_cells(result, [name for name, _, _ in _FIGURES]),
+            text_columns=5,
+            figures={"penetration": (_MAP, plot_penetration(result))},
+        )
+    ]

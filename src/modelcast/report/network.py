@@ -13,11 +13,12 @@ from modelcast.io.fcd_survey import FcdSurvey, survey_document
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.figures.senders import NO_THRESHOLD_TEXT, also_told, threshold_text
+from modelcast.report.fleet_warnings import warnings_console, warnings_markdown, warnings_part
 from modelcast.report.literal import literal, markdown
+from modelcast.report.mixed import mixed_markdown, mixed_part
 from modelcast.report.page import CSS, escape, number, option_rows, page, table
 from modelcast.report.style import style
-from modelcast.study.network.pool import LIMITS_M
-from modelcast.study.network.rows import NO_BANK, CapacityRow, NetworkResult, PooledRow
+from modelcast.study.network.rows import NO_BANK, NetworkResult, PooledRow
 
 __all__ = ["network_console", "network_markdown", "traffic_lines", "write_network_report"]
 
@@ -49,7 +50,6 @@ _TERMINAL = {
     "pte_p99_m": "PTE p99 [m]",
 }
 _SENDERS = ("policy", "bank", "sub-models", "start", "identify")
-_CAPACITY = "Vehicles a kilometre at which the p90 of the tracking error at 100 m meets a limit"
 _SCOPE = (
     "Mean over seeds with its 95 % interval. Received, collided, tracked, gaps, ages and tracking errors "
     "(PTE) are those of vehicles 50 m to 150 m apart; messages, updates, identifications and bytes are a "
@@ -62,7 +62,7 @@ def _sender(result: NetworkResult) -> tuple[str, ...]:
     return ("policy", *also_told(result))
 
 
-def _told(result: NetworkResult, row: PooledRow | CapacityRow) -> list[str]:
+def _told(result: NetworkResult, row: PooledRow) -> list[str]:
     """The cells of a sender."""
     texts = {"policy": row.policy, "bank": row.bank, "threshold": threshold_text(row.threshold_m)}
     return [texts[name] for name in _sender(result)]
@@ -119,7 +119,7 @@ def _traffic_lines(traffic: Mapping[str, Any]) -> list[str]:
 def network_markdown(
     result: NetworkResult, traffic: Mapping[str, Any] | None = None, notes: Sequence[str] = ()
 ) -> str:
-    """Return the one table of a network evaluation, and the capacities, as Markdown.
+    """Return the one table of a network evaluation as Markdown.
 
     Parameters
     ----------
@@ -140,11 +140,8 @@ def network_markdown(
         "|" + "---|" * len(heads),
     ]
     lines += [_joined(cells) for cells in _rows(result, names)]
-    if result.capacities:
-        heads = _capacity_heads(result)
-        lines += ["", f"{_CAPACITY}:", ""]
-        lines += [_joined(heads), "|" + "---|" * len(heads)]
-        lines += [_joined(cells) for cells in _capacity_cells(result)]
+    if result.pooled_warnings:
+        lines += ["", "Warnings:", "", *warnings_markdown(result)]
     if result.senders:
         lines += ["", "What was sent of each bank, and by which rules:", ""]
         lines += [_joined(_SENDERS), "|" + "---|" * len(_SENDERS)]
@@ -160,23 +157,6 @@ def _joined(cells: Sequence[str]) -> str:
 
 def _sender_cells(result: NetworkResult) -> list[list[str]]:
     return [[row.policy, row.bank, row.sub_models, row.start, row.identify] for row in result.senders]
-
-
-def _capacity_heads(result: NetworkResult) -> list[str]:
-    return ["radio", *_sender(result), *(f"{limit_m:g} m" for limit_m in LIMITS_M)]
-
-
-def _capacity_cells(result: NetworkResult) -> list[list[str]]:
-    """One row a radio and sender, a cell a limit."""
-    groups: dict[tuple[str, ...], list[str]] = {}
-    for row in result.capacities:
-        found = f"not up to {row.highest_per_km:g}"
-        if row.density_per_km is not None:
-            found = f"{row.density_per_km:.0f}"
-        elif row.above_at_lowest:
-            found = "above it at the lowest"
-        groups.setdefault((row.radio, *_told(result, row)), []).append(found)
-    return [[*key, *found] for key, found in groups.items()]
 
 
 def _narrow(title: str) -> Table:
@@ -208,12 +188,7 @@ def network_console(result: NetworkResult) -> RenderableType:
         name = ", ".join(part for part in sender if part not in {NO_BANK, NO_THRESHOLD_TEXT})
         shown.add_row(*map(literal, (name, *cells[keys:])))
         before = place
-    capacity = _narrow("Vehicles a kilometre at which PTE p90 at 100 m meets a limit")
-    for head in _capacity_heads(result):
-        capacity.add_column(head, no_wrap=True)
-    for cells in _capacity_cells(result):
-        capacity.add_row(*map(literal, cells))
-    return Group(shown, capacity) if result.capacities else Group(shown)
+    return Group(shown, *([warnings_console(result)] if result.pooled_warnings else ()))
 
 
 def write_network_report(
@@ -225,6 +200,8 @@ def write_network_report(
     notes: Sequence[str] = (),
 ) -> list[Path]:
     """Write ``table.md``, ``report.html`` and the figures as PNG and SVG; return their paths.
+
+    Of mixed fleets ``pairings.md`` too.
 
     Parameters
     ----------
@@ -240,8 +217,12 @@ def write_network_report(
     folder = Path(folder)
     place = folder / "table.md"
     place.write_text(network_markdown(result, traffic, notes), encoding="utf-8", newline="\n")
+    if result.pairings:
+        (folder / "pairings.md").write_text(mixed_markdown(result), encoding="utf-8", newline="\n")
     with style():
         drawings = [drawn(name, plot(result)) for name, (_, plot) in NETWORK_FIGURES.items()]
+        parts = [*mixed_part(result), *warnings_part(result)]
+        more = [drawn(name, figure) for part in parts for name, (_, figure) in part.figures.items()]
     names = [name for name, _, _ in _COLUMNS]
     heads = [*_heads(result), *(title for _, title, _ in _COLUMNS)]
     body = [
@@ -250,17 +231,12 @@ def write_network_report(
         *(f'<p class="note">{escape(line)}.</p>' for line in notes),
         table(heads, _rows(result, names), text_columns=len(_heads(result)) - 1),
     ]
-    if result.capacities:
-        body += [
-            "<h2>Capacity</h2>",
-            f'<p class="scope">{escape(_CAPACITY)}.</p>',
-            table(_capacity_heads(result), _capacity_cells(result), text_columns=1 + len(_sender(result))),
-        ]
     for drawing, (caption, _) in zip(drawings, NETWORK_FIGURES.values(), strict=True):
         body.append(
             f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
             f"<figcaption>{escape(caption)}</figcaption></figure>"
         )
+    body += [line for part in parts for line in part.markup()]
     if result.senders:
         body += ["<h2>Banks</h2>", table(_SENDERS, _sender_cells(result), text_columns=len(_SENDERS))]
     if traffic is not None:
@@ -270,4 +246,4 @@ def write_network_report(
     html = folder / "report.html"
     document = page("modelcast: fleets on a shared channel", CSS, body)
     html.write_text(document, encoding="utf-8", newline="\n")
-    return [place, html, *write_drawings(drawings, folder)]
+    return [place, html, *write_drawings([*drawings, *more], folder)]

@@ -1,13 +1,13 @@
 """An evaluation of a safety application in the terminal, as Markdown and as a page."""
 
 from collections.abc import Sequence
-from math import isfinite
 from pathlib import Path
 
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from modelcast.report.beside import show_beside
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
@@ -16,13 +16,10 @@ from modelcast.report.losses import loss_words, shown_ratios
 from modelcast.report.page import CSS, escape, option_rows, page, table
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
-from modelcast.study.compare.bootstrap import Limits
+from modelcast.report.warning_texts import ENOUGH, late_text, percent_text, plain_text, ratio_text
 from modelcast.study.safety.result import PooledSafety, SafetyResult
 
-__all__ = ["ENOUGH", "safety_console", "safety_headline", "safety_markdown", "write_safety_report"]
-
-ENOUGH = 50
-"""With fewer true warnings a ratio is an anecdote."""
+__all__ = ["safety_console", "safety_headline", "safety_markdown", "write_safety_report"]
 
 _SCOPE = (
     "The host of each pair follows the sender. What it warns of from messages is held against the same "
@@ -69,8 +66,8 @@ def safety_headline(result: SafetyResult) -> list[str]:
             continue
         lines.append(
             f"{row.sensor}, {loss_words(row.kind)}, {100 * at:.4g} % lost, equal {basis} (what {budget} "
-            f"needs): {row.candidate} misses {_ratio(row.missed_over, row.missed_over_limits)} of what "
-            f"{against} misses, with {_ratio(row.false_over, row.false_over_limits)} of its false warnings"
+            f"needs): {row.candidate} misses {ratio_text(row.missed_over, row.missed_over_limits)} of what "
+            f"{against} misses, with {ratio_text(row.false_over, row.false_over_limits)} of its false ones"
         )
     return lines
 
@@ -107,12 +104,12 @@ def _console_cells(row: PooledSafety) -> tuple[str, ...]:
     return (
         row.candidate,
         f"{row.message_rate_hz:.2f}",
-        _percent(row.missed_ratio),
-        _ratio(row.missed_over, row.missed_over_limits),
-        _percent(row.false_ratio),
-        _ratio(row.false_over, row.false_over_limits),
-        _percent(row.missed_events),
-        _seconds(row.delay_p50_s),
+        percent_text(row.missed_ratio),
+        ratio_text(row.missed_over, row.missed_over_limits),
+        percent_text(row.false_ratio),
+        ratio_text(row.false_over, row.false_over_limits),
+        percent_text(row.missed_events),
+        late_text(row.delay_p50_s),
     )
 
 
@@ -144,7 +141,12 @@ def safety_markdown(result: SafetyResult) -> str:
 
 
 def write_safety_report(
-    result: SafetyResult, folder: str | Path, *, training_trips: Sequence[str], trips: int
+    result: SafetyResult,
+    folder: str | Path,
+    *,
+    training_trips: Sequence[str],
+    trips: int,
+    beside: Sequence[Path] = (),
 ) -> list[Path]:
     """Write ``table.md``, ``report.html`` and the figures; return their paths.
 
@@ -156,6 +158,8 @@ def write_safety_report(
         An existing folder.
     training_trips, trips
         Trips that a bank was trained on, and how many there were.
+    beside
+        Output folders of other commands whose figures are shown too.
     """
     folder = Path(folder)
     place = folder / "table.md"
@@ -173,6 +177,7 @@ def write_safety_report(
             f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
             f"<figcaption>{escape(caption)}</figcaption></figure>"
         )
+    body += show_beside(beside, folder)
     body += [
         "<h2>All figures</h2>",
         f'<p class="scope">{escape(_SCOPE)}</p>',
@@ -203,32 +208,13 @@ def _rows(result: SafetyResult) -> list[list[str]]:
             f"{row.threshold_m:.3g} m",
             f"{row.message_rate_hz:.2f}",
             f"{100 * row.airtime_ratio:.3f} %",
-            _percent(row.missed_ratio),
-            _ratio(row.missed_over, row.missed_over_limits),
-            _percent(row.false_ratio),
-            _ratio(row.false_over, row.false_over_limits),
-            _plain(row.false_per_hour, "{:.1f}"),
-            _percent(row.missed_events),
-            *(_seconds(value) for value in (row.delay_p50_s, row.delay_p90_s, row.delay_p99_s)),
+            percent_text(row.missed_ratio),
+            ratio_text(row.missed_over, row.missed_over_limits),
+            percent_text(row.false_ratio),
+            ratio_text(row.false_over, row.false_over_limits),
+            plain_text(row.false_per_hour, "{:.1f}"),
+            percent_text(row.missed_events),
+            *(late_text(value) for value in (row.delay_p50_s, row.delay_p90_s, row.delay_p99_s)),
         ]
         for row in result.pooled
     ]
-
-
-def _plain(value: float, form: str) -> str:
-    return form.format(value) if isfinite(value) else "-"
-
-
-def _percent(value: float) -> str:
-    return _plain(100 * value, "{:.2f} %")
-
-
-def _seconds(value: float) -> str:
-    return "never" if value == float("inf") else _plain(value, "{:.2f} s")
-
-
-def _ratio(value: float, ends: Limits) -> str:
-    low, high = ends
-    if not isfinite(value):
-        return "-"
-    return f"{value:.2f}" if low is None or high is None else f"{value:.2f} ({low:.2f}-{high:.2f})"

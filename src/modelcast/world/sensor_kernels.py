@@ -16,7 +16,7 @@ from modelcast.core.kernel_types import (
     UInt8Matrix,
 )
 
-__all__ = ["DRAWS", "NEW", "PART", "Errors", "Samples", "Sizes", "sense"]
+__all__ = ["DRAWS", "NEW", "PART", "Errors", "Samples", "Sizes", "sense", "wander"]
 
 PART, NEW = 1, 2
 """What begins at a sample: a part that does not connect with the last, or another vehicle."""
@@ -39,6 +39,7 @@ class Sizes(NamedTuple):
     acceleration_mps2: float
     yaw_rate_radps: float
     latency_s: float
+    shared_slow_ratio: float
     hold_mps: float
 
 
@@ -105,6 +106,28 @@ def sense(
                 errors.heading_rad[v] = 0.0
 
 
+@kernel
+def wander(
+    correlation_s: float, t_s: FloatVector, before_s: float, held: FloatVector, path: FloatMatrix
+) -> None:
+    """Turn draws into a Gauss-Markov process of size 1 at some instants, ``path`` (T, N).
+
+    ``held`` (N,) is where it was at ``before_s``, and then where it has come.
+    """
+    for row in range(t_s.size):
+        kept = exp(-(t_s[row] - before_s) / correlation_s)
+        before_s = t_s[row]
+        for column in range(held.size):
+            held[column] = _wandered(kept, held[column], path[row, column])
+            path[row, column] = held[column]
+
+
+@kernel(inlined=True)
+def _wandered(kept: float, before: float, draw: float) -> float:
+    """Next value of a Gauss-Markov process of size 1 that keeps so much of the last."""
+    return kept * before + sqrt(1.0 - kept * kept) * draw
+
+
 @kernel(inlined=True)
 def _wrapped(angle_rad: float) -> float:
     wrapped = (angle_rad + pi) % (2.0 * pi) - pi
@@ -139,10 +162,8 @@ def _err(
     if begins == NEW:  # an error of its own: a process that keeps nothing is its own noise
         slow_kept = multipath_kept = 0.0
     for axis in range(2):
-        slow = slow_kept * errors.wandering[v, axis]
-        slow += sqrt(1.0 - slow_kept * slow_kept) * noise[_SLOW + axis, row, v]
-        multipath = multipath_kept * errors.wandering[v, 2 + axis]
-        multipath += sqrt(1.0 - multipath_kept * multipath_kept) * noise[_MULTIPATH + axis, row, v]
+        slow = _wandered(slow_kept, errors.wandering[v, axis], noise[_SLOW + axis, row, v])
+        multipath = _wandered(multipath_kept, errors.wandering[v, 2 + axis], noise[_MULTIPATH + axis, row, v])
         errors.wandering[v, axis] = slow
         errors.wandering[v, 2 + axis] = multipath
         out[row, v, axis] += sizes.position_m * noise[_WHITE + axis, row, v]

@@ -39,13 +39,16 @@ def test_the_counts_are_equal_bit_for_bit_whatever_the_number_of_threads(threads
         np.testing.assert_array_equal(one, other)
 
 
-def test_every_pair_is_counted_once_in_each_direction() -> None:
-    place_m = np.random.default_rng(1).uniform(0.0, 900.0, (120, 2))
+@pytest.mark.parametrize("share", [1.0, 0.3])
+def test_every_pair_is_counted_once_for_each_of_the_two_that_counts_as_host(share: float) -> None:
+    rng = np.random.default_rng(1)
+    place_m, counted = rng.uniform(0.0, 900.0, (120, 2)), rng.random(120) < share
     place_m[::7] = np.nan
     pairs, parts = np.zeros(10, dtype=np.int64), 8
     for part in range(parts):
-        count_pairs(build_cells(place_m, 250.0), part, parts, 25.0, pairs)
+        count_pairs(build_cells(place_m, 250.0), (part, parts), 25.0, counted, pairs)
     away_m = np.linalg.norm(place_m[:, None] - place_m[None, :], axis=2)
     away_m[np.diag_indices(len(place_m))] = np.nan
+    away_m[~counted] = np.nan
     wanted, _ = np.histogram(away_m, np.arange(11) * 25.0)
     np.testing.assert_array_equal(pairs, wanted)

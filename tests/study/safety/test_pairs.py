@@ -61,7 +61,7 @@ def test_instants_are_those_inside_a_gapless_part_of_the_follower(platoon: list[
         ([follower_of("made/a", 0.0)], "one trip has nobody ahead"),
         (
             [follower_of("made/a", 0.0), replace(follower_of("made/b", 1.0), clock_s=None)],
-            "recorded together",
+            "made/b and 0 more of the 2 trips state no common clock",
         ),
         (
             [follower_of("made/a", 0.0), replace(follower_of("made/b", 1.0), clock_s=155.0)],

@@ -186,6 +186,7 @@ def test_settings_refuse_what_cannot_be() -> None:
         ({"bases": ()}, "bases"),
         ({"bases": ("bytes",)}, "bases"),
         ({"near_m": 0.0}, "near_m"),
+        ({"later_m": -1.0}, "later_m"),
         ({"truth": "radar"}, "truth"),
         ({"resamples": 0}, "resamples"),
     )
@@ -211,3 +212,19 @@ def test_the_second_after_a_gap_of_the_recording_does_not_count(platoon: list[Tr
     assert after.sum() == 10
     assert not scene.counted[after].any()
     assert scene.counted[~after].all()
+
+
+def test_who_warns_later_misses_more_and_warns_wrongly_less(recording: Recording) -> None:
+    """Each host warns at a part of the instants at which it would warn otherwise."""
+    early, late = (
+        score_recording(recording, [CV, FREE], settings(0.2, 0.4, later_m=later_m)) for later_m in (0.0, 3.0)
+    )
+    assert late.positives.tolist() == early.positives.tolist()
+    more = fewer = 0
+    for one, other in zip(early.conditions, late.conditions, strict=True):
+        assert (other.missed >= one.missed).all()
+        assert (other.false <= one.false).all()
+        more += int((other.missed > one.missed).sum())
+        fewer += int((other.false < one.false).sum())
+    assert more > 0
+    assert fewer > 0

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from modelcast.core.arrays import FloatArray
+from modelcast.report.figures.maps import draw_map
 from modelcast.report.figures.panels import empty_figure
 from modelcast.report.style import PAGE_IN, new_figure
 from modelcast.study.network.rows import NetworkResult, PenetrationRow
@@ -19,8 +20,6 @@ _PANELS = (
     ("pte_p90_m", "PTE p90, 50-150 m [m]"),
     ("pte_p99_m", "PTE p99, 50-150 m [m]"),
 )
-_DARK_RATIO = 0.55
-"""Of the colour scale, from where on its text is white."""
 
 
 def plot_penetration(result: NetworkResult) -> Figure:
@@ -58,11 +57,4 @@ def _draw_map(axes: Axes, rows: Sequence[PenetrationRow], name: str) -> None:
         values.setdefault((row.receivers_ratio, row.senders_ratio), []).append(getattr(row, name))
     means = [[float(np.mean(values[r, s])) for s in senders] for r in receivers]
     cells: FloatArray = np.array(means, dtype=np.float64)
-    axes.imshow(cells, origin="lower", aspect="auto", cmap="Blues", vmin=0.0)
-    axes.grid(visible=False)
-    top = np.nanmax(cells)
-    for (row, column), value in np.ndenumerate(cells):
-        colour = "white" if value > _DARK_RATIO * top else "black"
-        axes.text(column, row, f"{value:.2f}", ha="center", va="center", color=colour)
-    axes.set_xticks(range(len(senders)), [f"{100.0 * one:g}" for one in senders])
-    axes.set_yticks(range(len(receivers)), [f"{100.0 * one:g}" for one in receivers])
+    draw_map(axes, cells, senders, receivers)

@@ -1,4 +1,4 @@
-"""Figures of a network evaluation: load, delivery, tracking, capacity, settling."""
+"""Figures of a network evaluation: load, delivery, tracking, settling."""
 
 from collections.abc import Callable, Sequence
 
@@ -9,13 +9,11 @@ from matplotlib.figure import Figure
 from modelcast.report.figures.panels import empty_figure
 from modelcast.report.figures.scales import density_scale, end_below, from_zero, legend_above, log_scale
 from modelcast.report.figures.senders import Curve, sender_curves
-from modelcast.report.style import INK, PAGE_IN, new_figure
-from modelcast.study.network.pool import LIMITS_M
+from modelcast.report.style import PAGE_IN, new_figure
 from modelcast.study.network.rows import DistanceRow, NetworkResult, PooledRow
 
 __all__ = [
     "NETWORK_FIGURES",
-    "plot_capacity",
     "plot_delivery",
     "plot_distance",
     "plot_load",
@@ -126,43 +124,6 @@ def plot_tracking(result: NetworkResult) -> Figure:
     return _against_density(result, _TRACKING, log=True)
 
 
-def plot_capacity(result: NetworkResult) -> Figure:
-    """90th percentile of the tracking error at 100 m against density, and where it meets its limits.
-
-    Parameters
-    ----------
-    result
-        All runs.
-    """
-    rows = [row for row in result.pooled if row.figure == "pte_p90_100_m" and np.isfinite(row.density_per_km)]
-    radios = sorted({row.radio for row in rows})
-    if not rows:
-        return empty_figure("no density was varied")
-    figure, curves = new_figure(PAGE_IN, 2.9), sender_curves(result)
-    grid = figure.subplots(1, len(radios), squeeze=False, sharey=True)
-    for axes, radio in zip(grid[0], radios, strict=True):
-        log_scale(axes)
-        _draw_densities(axes, [row for row in rows if row.radio == radio], 1.0, curves)
-        for limit_m in LIMITS_M:
-            axes.axhline(limit_m, color=INK, linewidth=0.8, linestyle="--")
-        for capacity in result.capacities:
-            if capacity.radio == radio and capacity.density_per_km is not None:
-                axes.plot(
-                    capacity.density_per_km,
-                    capacity.limit_m,
-                    marker="o",
-                    markersize=6.0,
-                    markerfacecolor="none",
-                    color=next(curve.colour for curve in curves if curve.drew(capacity)),
-                )
-        end_below(axes, [row.value for row in rows])
-        axes.set_title(radio, loc="left")
-        axes.set_xlabel("vehicles a kilometre")
-    grid[0][0].set_ylabel("tracking error p90, 75-125 m [m]")
-    legend_above(figure, grid[0][0])
-    return figure
-
-
 def plot_distance(result: NetworkResult) -> Figure:
     """90th percentile of the tracking error against distance, one panel a density.
 
@@ -268,10 +229,6 @@ NETWORK_FIGURES: dict[str, tuple[str, Callable[[NetworkResult], Figure]]] = {
     ),
     "tracking_density": ("Tracking error of all live tracks 50 m to 150 m away.", plot_tracking),
     "tracking_distance": ("Tracking error against distance, mean over seeds.", plot_distance),
-    "capacity": (
-        "Tracking error about 100 m away. Dashed: the limits of 0.5 m and 1 m; circles: where they are met.",
-        plot_capacity,
-    ),
     "settling": ("How the loop settles at the highest density, first seed, warm-up included.", plot_settling),
 }
 """Captions and figures in the order of the report, by the stem of their files."""

@@ -16,7 +16,6 @@ from modelcast.report.figures.panels import drawable
 from modelcast.study.network.rows import (
     NO_BANK,
     NO_THRESHOLD,
-    CapacityRow,
     DistanceRow,
     NetworkResult,
     PooledRow,
@@ -120,7 +119,7 @@ class Curve:
         marker = {"marker": _MARKERS[self.policy], "markerfacecolor": face, "markersize": size}
         return {**self.plain, **marker, "markeredgewidth": 0.8}
 
-    def drew(self, row: RunRow | DistanceRow | PooledRow | SecondRow | CapacityRow) -> bool:
+    def drew(self, row: RunRow | DistanceRow | PooledRow | SecondRow) -> bool:
         """Whether a row is of this sender."""
         return (row.policy, row.bank, repr(row.threshold_m)) == (
             self.policy,

@@ -58,13 +58,15 @@ def tracks(vehicles: int, capacity: int) -> Tracks:
 class Tally(NamedTuple):
     """Streamed counts, in bins of distance between host and remote.
 
-    ``error``, ``age``, ``gap`` (distances, BINS) of tracking errors, information ages and inter-packet gaps;
+    ``error``, ``relative``, ``age``, ``gap`` (distances, BINS) of tracking errors, of those relative to where
+    hosts take themselves to be, of information ages and inter-packet gaps;
     ``held``, ``pairs`` (distances,) samples with a live track, and all; ``recent`` (BINS,) tracking errors
     near the middle distances since it was last cleared; ``causes`` (CAUSES,) messages by cause; ``sums``
     (SUMS,).
     """
 
     error: IntMatrix
+    relative: IntMatrix
     age: IntMatrix
     gap: IntMatrix
     held: IntVector
@@ -77,6 +79,7 @@ def tally(distances: int) -> Tally:
     """Return counts of zero for so many bins of distance."""
     return Tally(
         error=np.zeros((distances, BINS), dtype=np.int64),
+        relative=np.zeros((distances, BINS), dtype=np.int64),
         age=np.zeros((distances, BINS), dtype=np.int64),
         gap=np.zeros((distances, BINS), dtype=np.int64),
         held=np.zeros(distances, dtype=np.int64),

@@ -29,6 +29,7 @@ from modelcast.runtime.fleet.arrays import (
     tally,
     tracks,
 )
+from modelcast.runtime.fleet.belief_words_kernels import Tracking
 from modelcast.runtime.fleet.believed import Believed, believe, check_slots, pairs_of
 from modelcast.runtime.fleet.believed_kernels import Readers
 from modelcast.runtime.fleet.mix import Draw, Mix
@@ -36,7 +37,6 @@ from modelcast.runtime.fleet.mixed import MixedTally, mixed_tally, pooled_mixed,
 from modelcast.runtime.fleet.reception_kernels import Heard, HearingLimits
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.fleet.speakers import Hosts, Speakers
-from modelcast.runtime.fleet.tracking_kernels import Tracking
 from modelcast.station.arrays import MEASURED
 from modelcast.station.banks import BASELINE_BANK, free_bank
 from modelcast.station.policy import j2945_kernels
@@ -163,6 +163,7 @@ class FleetLoop:
         self._sensor_state: FleetSensorState | None = None
         if sensor is not None:
             self._sensor_state = sensor.init(vehicles, child_generator(seed, "sensor"))
+        self._counted = np.ones(vehicles, dtype=np.bool_)
         self._last_s = -np.inf
 
     @property
@@ -183,8 +184,9 @@ class FleetLoop:
         ValueError
             Where the frame is not one step later.
         """
-        dt_s, t_s = self.settings.dt_s, frame.t_s
-        if np.isfinite(self._last_s) and abs(t_s - self._last_s - dt_s) > self.settings.step_slack_s:
+        settings = self.settings
+        dt_s, t_s = settings.dt_s, frame.t_s
+        if np.isfinite(self._last_s) and abs(t_s - self._last_s - dt_s) > settings.step_slack_s:
             raise ValueError(
                 f"frames must be {dt_s} s apart, got one at {t_s} s after {self._last_s} s: resample them"
             )
@@ -197,6 +199,9 @@ class FleetLoop:
         busy_ratio = self.radio.channel_busy_ratio(self._radio_state)
         truth_m = np.where(frame.active[:, None], frame.position_m, np.nan)
         started = self._sense(frame, seen)
+        if settings.counted_m is not None:
+            low_m, high_m = settings.counted_m
+            self._counted = (frame.position_m[:, 0] >= low_m) & (frame.position_m[:, 0] <= high_m)
         self._track(truth_m, t_s)
         self._send(started, t_s, busy_ratio)
         received = self._carry(truth_m, now_s - t_s, until_s)
@@ -258,6 +263,8 @@ class FleetLoop:
             middle=settings.middle_bins,
             vehicle=self.vehicle,
             truth_m=truth_m,
+            own_error_m=np.ascontiguousarray(self._shown(slice(2)) - truth_m),
+            counted=self._counted,
         )
         if self._draw is not None:
             self._track_mixed(tracking)
@@ -274,7 +281,11 @@ class FleetLoop:
                 *self._parts[part],
             )
             tracking_kernels.count_pairs(
-                cells, part, self._work.number, settings.distance_bin_m, self._tallies[part].pairs
+                cells,
+                (part, self._work.number),
+                settings.distance_bin_m,
+                self._counted,
+                self._tallies[part].pairs,
             )
 
         self._work.each(work)
@@ -299,6 +310,7 @@ class FleetLoop:
                 readers,
                 (part, self._work.number),
                 self.settings.distance_bin_m,
+                self._counted,
                 self._mixed[part].pairs,
             )
 
@@ -379,6 +391,7 @@ class FleetLoop:
             seen_m=self._shown(slice(2)),
             truth_m=truth_m,
             reading=self.reading,
+            counted=self._counted,
         )
         limits = HearingLimits(
             self.settings.reach_m, self.expiry_s, _SUB_INTERVAL_S, self.settings.distance_bin_m
@@ -471,7 +484,8 @@ class FleetLoop:
         rows = np.concatenate(timed) if timed else None
         row = np.full(len(SERIES), np.nan)
         row[0], row[1], row[2] = here.sum(), gained[MESSAGES], received.size
-        row[3] = busy_ratio[here].mean() if here.any() else np.nan
+        found = here & self._counted
+        row[3] = busy_ratio[found].mean() if found.any() else np.nan
         row[4] = gained[POWER_DBM] / gained[MESSAGES] if gained[MESSAGES] > 0 else np.nan
         if rows is not None and len(rows):
             row[5] = rows[:, j2945_kernels.DENSITY].mean()

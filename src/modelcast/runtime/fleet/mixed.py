@@ -20,12 +20,14 @@ __all__ = ["GroupRun", "MixedTally", "mixed_tally", "pairing", "pooled_mixed", "
 class MixedTally(NamedTuple):
     """Streamed counts of pairings, a row each: sender 0 as legacy, free and model receivers read it, then 1.
 
-    ``error`` and ``age`` (pairings, distances, BINS) of tracking errors and information ages; ``held`` and
-    ``pairs`` (pairings, distances) samples with a live track, and all; ``recent`` (BINS,) tracking errors
-    near the middle distances since it was last cleared. No rows where all speak alike and read models.
+    ``error`` and ``age`` (pairings, distances, BINS) of tracking errors and information ages; ``relative``
+    (distances, BINS) of relative errors, of all pairings together; ``held`` and ``pairs`` (pairings,
+    distances) samples with a live track, and all; ``recent`` (BINS,) tracking errors near the middle
+    distances since it was last cleared. No rows where all speak alike and read models.
     """
 
     error: IntCube
+    relative: IntMatrix
     age: IntCube
     held: IntMatrix
     pairs: IntMatrix
@@ -82,6 +84,7 @@ def mixed_tally(mix: Mix, settings: NetworkSettings) -> MixedTally:
 
     return MixedTally(
         error=nothing(*shape, BINS),
+        relative=nothing(settings.distances, BINS),
         age=nothing(*shape, BINS),
         held=nothing(*shape),
         pairs=nothing(*shape),
@@ -112,6 +115,7 @@ def within(mixed: MixedTally, counts: Tally) -> Tally:
     """
     return counts._replace(
         error=mixed.error.sum(axis=0),
+        relative=mixed.relative,
         age=mixed.age.sum(axis=0),
         held=mixed.held.sum(axis=0),
         pairs=mixed.pairs.sum(axis=0),

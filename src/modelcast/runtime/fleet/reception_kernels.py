@@ -64,7 +64,7 @@ class Heard(NamedTuple):
 
     ``order`` (R,) puts them host by host, those of host h from ``start[h]`` to ``start[h + 1]``. ``seen_m``
     is where hosts take themselves to be, ``truth_m`` where they are, (V, 2); ``reading`` (V,) how they read
-    messages (`reading_kernels`).
+    messages (`reading_kernels`), ``counted`` (V,) whose gaps count.
     """
 
     message_id: IntVector
@@ -75,6 +75,7 @@ class Heard(NamedTuple):
     seen_m: FloatMatrix
     truth_m: FloatMatrix
     reading: IntVector
+    counted: BoolVector
 
 
 class HearingLimits(NamedTuple):
@@ -238,7 +239,7 @@ def _hear_each(
                 counts[UNKNOWN] += 1
                 continue
             counts[TAKEN] += 1
-            if before_s > -np.inf and heard.vehicle[sender] == remote:
+            if before_s > -np.inf and heard.vehicle[sender] == remote and heard.counted[host]:
                 away_east = heard.truth_m[sender, 0] - heard.truth_m[host, 0]
                 away_north = heard.truth_m[sender, 1] - heard.truth_m[host, 1]
                 distance = int(sqrt(away_east * away_east + away_north * away_north) / limits.distance_bin_m)

@@ -27,6 +27,9 @@ class NetworkSettings:
     middle_bins
         First and end bin of the headline distances, 50 m to 150 m by default; also those of the series of
         tracking errors.
+    counted_m
+        Hosts count whose place is from the first to the second, east [m]: their tracks, gaps, pairs and how
+        busy they find the channel; None for all. What is sent, and what becomes of frames, is counted whole.
     step_slack_s
         How far steps may be from `dt_s`, as those of recorded trips are [s].
 
@@ -44,6 +47,7 @@ class NetworkSettings:
     distance_bin_m: float = 25.0
     distances: int = 12
     middle_bins: tuple[int, int] = (2, 6)
+    counted_m: tuple[float, float] | None = None
     step_slack_s: float = 1e-6
 
     def __post_init__(self) -> None:
@@ -55,3 +59,5 @@ class NetworkSettings:
         first, end = self.middle_bins
         if not 0 <= first < end <= self.distances:
             raise ValueError(f"middle_bins must be in order within {self.distances}, got {self.middle_bins}")
+        if self.counted_m is not None and not self.counted_m[0] < self.counted_m[1]:
+            raise ValueError(f"counted_m must rise, got {self.counted_m}")

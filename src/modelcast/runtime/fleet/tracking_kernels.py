@@ -1,68 +1,44 @@
 """Compiled tracks of a fleet against the truth: what hosts believe, by distance, and how many pairs are."""
 
-from math import hypot, sqrt
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from modelcast.channel.cells_kernels import Cells, build_cells, cell_row, cell_span, row_span
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import FloatCube, FloatMatrix, FloatVector, IntCube, IntVector
-from modelcast.models.member_kernels import Members, predict_member
+from modelcast.core.kernel_types import BoolVector, FloatCube, FloatMatrix, FloatVector, IntCube, IntVector
+from modelcast.models.member_kernels import predict_member
 from modelcast.runtime.fleet.arrays import (
     TRACK_MESSAGE,
     TRACK_RECEIVED_S,
     Tally,
 )
+from modelcast.runtime.fleet.belief_words_kernels import (
+    Tracking,
+    bins_of,
+    error_word,
+    found_bins,
+    gone_words,
+    relative_bin,
+    word_of,
+)
 from modelcast.runtime.fleet.believed_kernels import own_span
-from modelcast.runtime.fleet.bins_kernels import bin_of
 from modelcast.station.policy.neighbours_kernels import HostVector
 from modelcast.station.sender.message_arrays import (
     BELIEF,
+    BELIEF_ERROR,
     BELIEF_NUMBER,
-    CONTENT_EAST_M,
     CONTENT_FIT_S,
     CONTENT_HEAD,
     CONTENT_MEMBER,
-    CONTENT_NORTH_M,
     CONTENT_VEHICLE,
     MESSAGES_KEPT,
     SENDER_BITS,
     Contents,
 )
 
-__all__ = [
-    "Near",
-    "Tracking",
-    "bins_of",
-    "count_pairs",
-    "found_bins",
-    "most_in_reach",
-    "near_tracks",
-    "sample_tracks",
-    "word_of",
-    "work_out",
-]
-
-_BIN_BITS = 10
-_BIN_MASK = (1 << _BIN_BITS) - 1
-
-
-class Tracking(NamedTuple):
-    """What tracks are sampled with.
-
-    Members of all senders' banks; time, number of the step; silence after which a track is lost [s]; width of
-    the bins of distance [m]; first and end bin of the middle distances; who is where, (V,) and (V, 2).
-    """
-
-    members: Members
-    t_s: float
-    step: int
-    expiry_s: float
-    distance_bin_m: float
-    middle: tuple[int, int]
-    vehicle: IntVector
-    truth_m: FloatMatrix
+__all__ = ["Near", "count_pairs", "most_in_reach", "near_tracks", "sample_tracks", "work_out"]
 
 
 class Near(NamedTuple):
@@ -74,57 +50,39 @@ class Near(NamedTuple):
 
 
 @kernel(inlined=True)
-def bins_of(belief: int) -> tuple[int, int]:
-    """Bins of tracking error and age that a word says; the first is -1 where the sender has left."""
-    return ((belief >> _BIN_BITS) & _BIN_MASK) - 1, belief & _BIN_MASK
-
-
-@kernel(inlined=True)
-def found_bins(x: Tracking, belief: int) -> bool:
-    """Whether a word was worked out in this step."""
-    return belief >> (2 * _BIN_BITS) == x.step
-
-
-@kernel(inlined=True)
-def word_of(x: Tracking, sender: int, row: FloatVector, displaced: FloatVector) -> int:
-    """Word of what a message makes its holders believe, from how far its sender is believed to have come."""
-    east, north = displaced[0] + row[CONTENT_EAST_M], displaced[1] + row[CONTENT_NORTH_M]
-    error_bin = bin_of(hypot(east - x.truth_m[sender, 0], north - x.truth_m[sender, 1])) + 1
-    return (x.step << (2 * _BIN_BITS)) | (error_bin << _BIN_BITS) | bin_of(x.t_s - row[CONTENT_FIT_S])
-
-
-@kernel(inlined=True)
 def work_out(x: Tracking, message: int, contents: Contents, scratch: FloatVector) -> int:
     """What a message makes its holders believe now: bins of error and age, and the step, in one word.
 
-    The word is written in one go, so that whoever reads it finds all of it. An error bin of 0 says that the
-    sender has left.
+    Each word is written in one go, so that whoever reads it finds all of it. An error bin of 0 says that the
+    sender has left. The error itself is in the word beside it.
     """
     sender = message & ((1 << SENDER_BITS) - 1)
     ring = (message >> SENDER_BITS) % MESSAGES_KEPT
     known = contents.beliefs[sender, ring, BELIEF]
-    if found_bins(x, known):
+    if found_bins(x, known, contents.beliefs[sender, ring, BELIEF_ERROR]):
         return known
-    found = x.step << (2 * _BIN_BITS)
+    found, error = gone_words(x)
     row = contents.rows[sender, ring]
     if row[CONTENT_VEHICLE] == x.vehicle[sender]:
         own, end = own_span(x.members, row)
         predict_member(x.members, int(row[CONTENT_MEMBER]), row[own:end], x.t_s - row[CONTENT_FIT_S], scratch)
-        found = word_of(x, sender, row, scratch)
+        found, error = word_of(x, sender, row, scratch), error_word(x, sender, row, scratch)
+    contents.beliefs[sender, ring, BELIEF_ERROR] = error
     contents.beliefs[sender, ring, BELIEF] = found
     return found
 
 
 @kernel(inlined=True)
-def _count(belief: int, distance: int, middle: tuple[int, int], tally: Tally) -> None:
+def _count(x: Tracking, host: int, belief: int, error: int, distance: int, tally: Tally) -> None:
     """Count one track at a distance; that of a remote that has left is passed over."""
     at, age = bins_of(belief)
     if at < 0:
         return
     tally.held[distance] += 1
     tally.error[distance, at] += 1
+    tally.relative[distance, relative_bin(error, x.own_error_m[host, 0], x.own_error_m[host, 1])] += 1
     tally.age[distance, age] += 1
-    if middle[0] <= distance < middle[1]:
+    if x.middle[0] <= distance < x.middle[1]:
         tally.recent[at] += 1
 
 
@@ -166,11 +124,12 @@ def _sample_host(
         belief = beliefs[sender, ring, BELIEF]
         if beliefs[sender, ring, BELIEF_NUMBER] != number:
             continue
-        if not found_bins(x, belief):
+        error = beliefs[sender, ring, BELIEF_ERROR]
+        if not found_bins(x, belief, error):
             near.slot[count], near.distance[count] = near.slot[k], near.distance[k]
             count += 1
             continue
-        _count(belief, near.distance[k], x.middle, tally)
+        _count(x, host, belief, error, near.distance[k], tally)
     return count
 
 
@@ -196,16 +155,18 @@ def _sample_each(
     scratch: FloatVector,
 ) -> None:
     """Count the tracks of some hosts; the last two are overwritten."""
-    bins = tally.held.size
+    bins, mask = tally.held.size, (1 << SENDER_BITS) - 1
     for host in range(first, end):
-        if x.vehicle[host] < 0:
+        if x.vehicle[host] < 0 or not x.counted[host]:
             continue
         found = near_tracks(x, host, hosts[host].used, tracks, bins, near.slot, near.distance)
         count = _sample_host(x, host, contents.beliefs, tracks, tally, near, found)
         _touch_contents(host, count, near, tracks, contents.rows)
         for k in range(count):
             message = int(tracks[host, near.slot[k], TRACK_MESSAGE])
-            _count(work_out(x, message, contents, scratch), near.distance[k], x.middle, tally)
+            belief = work_out(x, message, contents, scratch)
+            error = contents.beliefs[message & mask, (message >> SENDER_BITS) % MESSAGES_KEPT, BELIEF_ERROR]
+            _count(x, host, belief, error, near.distance[k], tally)
 
 
 @kernel
@@ -214,7 +175,8 @@ def sample_tracks(
 ) -> None:
     """Count the tracking error and information age of every live track of some hosts, by true distance.
 
-    What a message predicts is worked out once, whoever holds it. Remotes that have left are passed over.
+    Hosts that do not count are passed over. What a message predicts is worked out once, whoever holds it.
+    Remotes that have left are passed over.
     """
     slots = tracks.shape[1] + 1
     near = Near(np.empty(slots, dtype=np.int64), np.empty(slots, dtype=np.int64), np.empty(slots))
@@ -222,11 +184,13 @@ def sample_tracks(
 
 
 @kernel(inlined=True)
-def _count_ahead(cells: Cells, k: int, distance_bin_m: float, way: FloatVector, pairs: IntVector) -> None:
+def _count_ahead(
+    cells: Cells, k: int, distance_bin_m: float, counts: IntVector, way: FloatVector, pairs: IntVector
+) -> None:
     """Count the pairs of one vehicle with those behind it in the cells' order, in both directions.
 
-    The last of ``pairs`` takes all that are farther than the bins. ``way`` (N,) is overwritten: distances are
-    found in a loop of their own, several at a time.
+    ``counts`` (N,) is 1 for hosts that count. The last of ``pairs`` takes all that are farther than the bins.
+    ``way`` (N,) is overwritten: distances are found in a loop of their own, several at a time.
     """
     bins, a_bin = pairs.size - 1, 1.0 / distance_bin_m
     east, north = cells.place[k, 0], cells.place[k, 1]
@@ -238,21 +202,27 @@ def _count_ahead(cells: Cells, k: int, distance_bin_m: float, way: FloatVector, 
             a, b = cells.place[low + n, 0] - east, cells.place[low + n, 1] - north
             way[n] = sqrt(a * a + b * b) * a_bin
         for n in range(high - low):
-            pairs[int(min(way[n], float(bins)))] += 2
+            pairs[int(min(way[n], float(bins)))] += counts[k] + counts[low + n]
 
 
 @kernel
-def count_pairs(cells: Cells, part: int, parts: int, distance_bin_m: float, pairs: IntVector) -> None:
+def count_pairs(
+    cells: Cells, part: tuple[int, int], distance_bin_m: float, counted: BoolVector, pairs: IntVector
+) -> None:
     """Count one part of all pairs of host and remote by distance, ``pairs`` (distances,).
 
-    The cells are built for the distance that all bins reach.
+    ``part`` is its number and how many there are; ``counted`` (V,) whose pairs as hosts count. The cells are
+    built for the distance that all bins reach.
     """
     present = cells.order.size
-    way, counts = np.empty(present), np.zeros(pairs.size + 1, dtype=np.int64)
-    for k in range(present * part // parts, present * (part + 1) // parts):
-        _count_ahead(cells, k, distance_bin_m, way, counts)
+    way, found = np.empty(present), np.zeros(pairs.size + 1, dtype=np.int64)
+    counts = np.zeros(present, dtype=np.int64)
+    for k in range(present):
+        counts[k] = int(counted[cells.order[k]])
+    for k in range(present * part[0] // part[1], present * (part[0] + 1) // part[1]):
+        _count_ahead(cells, k, distance_bin_m, counts, way, found)
     for at in range(pairs.size):
-        pairs[at] += counts[at]
+        pairs[at] += found[at]
 
 
 @kernel

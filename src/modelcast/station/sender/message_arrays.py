@@ -23,6 +23,7 @@ __all__ = [
     "AIRTIME_S",
     "BELIEF",
     "BELIEF_COLUMNS",
+    "BELIEF_ERROR",
     "BELIEF_NUMBER",
     "CAUSES",
     "CERTIFICATES",
@@ -96,12 +97,10 @@ the update it names."""
 
 CONTENT_HEAD = 16
 
-BELIEF_NUMBER, BELIEF = range(2)
+BELIEF_NUMBER, BELIEF, BELIEF_ERROR, BELIEF_COLUMNS = range(4)
 """Columns of what a message makes its holders believe: its number; step, bins of tracking error and
-information
-age at that step, in one word (`tracking_kernels`)."""
-
-BELIEF_COLUMNS = 2
+information age at that step, in one word; step and error as a vector, in another (`belief_words_kernels`);
+their number."""
 
 CAUSES = 4
 """Causes of a message as `j2945_kernels` numbers them; the others count under time (1)."""
@@ -175,8 +174,8 @@ class FleetNumbers(NamedTuple):
 class Contents(NamedTuple):
     """Messages as decoded, ``rows`` (V, MESSAGES_KEPT, W), and what they make their holders believe.
 
-    ``beliefs`` (V, MESSAGES_KEPT, 2) is worked out once a step for each message, since it is the same for all
-    hosts that hold it.
+    ``beliefs`` (V, MESSAGES_KEPT, BELIEF_COLUMNS) is worked out once a step for each message, since it is the
+    same for all hosts that hold it.
     """
 
     rows: FloatCube

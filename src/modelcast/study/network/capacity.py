@@ -1,9 +1,8 @@
-"""The greatest density at which tracking holds, found by bisection on density.
+"""The greatest density at which a limit holds, found by bisection on density.
 
-A density *holds* where, over its seeds, at least 95 % of the pairs 50 m to 150 m apart have a live track,
-and the 99th percentile of the tracking error of these stays under a limit. Halving the logarithm of a
-bracket ends with two densities that are at most a given ratio apart: the last that held and the first that
-failed.
+Densities are doubled from the lowest until one fails, and the logarithm of the bracket is halved until the
+last that held and the first that failed are at most a given ratio apart. So no density far above the one
+sought is run: what a run costs grows with its square.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,47 +10,12 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from modelcast.study.network.rows import RunRow
+from modelcast.study.network.capacity_limits import Limit, Probe
 
-__all__ = ["HELD_RATIO", "Capacity", "CapacityFound", "Probe", "bisected", "probe_of"]
+__all__ = ["Capacity", "CapacityFound", "bisected"]
 
-HELD_RATIO = 0.95
-"""Share of the pairs that must have a live track."""
-
-
-@dataclass(frozen=True, slots=True)
-class Probe:
-    """One density, run with several seeds; means over them.
-
-    Parameters
-    ----------
-    density_per_km
-        Vehicles a kilometre [1/km].
-    pte_p99_m
-        99th percentile of the tracking error, 50 m to 150 m apart [m].
-    held_ratio
-        Share of pairs with a live track.
-    busy_ratio
-        Channel busy ratio.
-    seeds_held
-        In how many of the seeds the limit held, and of how many.
-    """
-
-    density_per_km: float
-    pte_p99_m: float
-    held_ratio: float
-    busy_ratio: float
-    seeds_held: tuple[int, int]
-
-    def holds(self, limit_m: float) -> bool:
-        """Whether the means hold.
-
-        Parameters
-        ----------
-        limit_m
-            Tracking error [m].
-        """
-        return self.held_ratio >= HELD_RATIO and self.pte_p99_m < limit_m
+_STEP = 2.0
+"""Ratio of the densities on the way up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +25,7 @@ class Capacity:
     Parameters
     ----------
     holds_per_km
-        Greatest density tried that held; None where none did [1/km].
+        Greatest density tried that held and below which all held; None where there is none [1/km].
     fails_per_km
         Least density tried that failed; None where none did [1/km].
     probes
@@ -85,65 +49,53 @@ class Capacity:
             return f"holds at {self.holds_per_km:.0f}"
         return f"{self.holds_per_km:.0f} to {self.fails_per_km:.0f}" + ("" if self.is_monotone else " ?")
 
+    @property
+    def ends(self) -> tuple[Probe | None, Probe | None]:
+        """The last that held and the first that failed."""
+        known = {probe.density_per_km: probe for probe in self.probes}
+        held = None if self.holds_per_km is None else known[self.holds_per_km]
+        return held, None if self.fails_per_km is None else known[self.fails_per_km]
+
 
 @dataclass(frozen=True, slots=True)
 class CapacityFound:
-    """The capacity of one radio and policy at one limit.
+    """The capacity of one radio and sender at one limit.
 
     Parameters
     ----------
     radio, policy
         Names.
-    limit_m
-        Tracking error that p99 stays under [m].
+    threshold_m
+        Of an error-driven policy; `modelcast.study.network.rows.NO_THRESHOLD` for others [m].
+    limit
+        What had to hold.
     capacity
         What was found.
     """
 
     radio: str
     policy: str
-    limit_m: float
+    _: KW_ONLY
+    threshold_m: float
+    limit: Limit
     capacity: Capacity
-
-
-def probe_of(runs: Sequence[RunRow], limit_m: float) -> Probe:
-    """Several seeds of one density as one.
-
-    Parameters
-    ----------
-    runs
-        Their rows.
-    limit_m
-        Tracking error [m].
-    """
-    each = [run.held_ratio >= HELD_RATIO and run.pte_p99_m < limit_m for run in runs]
-    return Probe(
-        runs[0].density_per_km,
-        float(np.mean([run.pte_p99_m for run in runs])),
-        float(np.mean([run.held_ratio for run in runs])),
-        float(np.mean([run.busy_ratio for run in runs])),
-        (sum(each), len(each)),
-    )
 
 
 def bisected(
     probe: Callable[[float], Probe],
     bounds_per_km: tuple[float, float],
-    limit_m: float,
     *,
     ratio: float = 1.1,
     known: Sequence[float] = (),
 ) -> Capacity:
-    """Find the density at which tracking begins to fail.
+    """Find the density at which a limit begins to fail.
 
     Parameters
     ----------
     probe
-        Runs a density; asked for each once.
+        Runs a density and says whether it holds; asked for each once.
     bounds_per_km
         Lowest and highest density [1/km].
-    limit_m
-        Tracking error that p99 must stay under [m].
     ratio
         How far apart, as a ratio, the two densities may be between which it lies.
     known
@@ -157,8 +109,12 @@ def bisected(
     Examples
     --------
     >>> def tracked(density):
-    ...     return Probe(density, density / 800.0, 1.0, 0.5, (1, 1))
-    >>> found = bisected(tracked, (25.0, 3200.0), 0.5)
+    ...     error_m, held = density / 800.0, density < 400.0
+    ...     return Probe(
+    ...         density, error_m, spread=(error_m, error_m), held_ratio=1.0, busy_ratio=0.5,
+    ...         seeds_held=(int(held), 1), holds=held,
+    ...     )
+    >>> found = bisected(tracked, (25.0, 3200.0))
     >>> found.holds_per_km < 400.0 <= found.fails_per_km < 1.1 * found.holds_per_km
     True
     """
@@ -172,25 +128,22 @@ def bisected(
     def holds(density: float) -> bool:
         if density not in done:
             done[density] = probe(density)
-        return done[density].holds(limit_m)
+        return done[density].holds
 
     for density in sorted(known):
         if low <= density <= high:
             _ = holds(density)
-    if holds(low) and not holds(high):
-        held = [density for density in done if done[density].holds(limit_m)]
-        failed = [density for density in done if not done[density].holds(limit_m)]
-        upper = min(failed)
-        lower = max(density for density in held if density < upper)
-        while upper > ratio * lower:
-            middle = float(np.sqrt(lower * upper))
-            if holds(middle):
-                lower = middle
-            else:
-                upper = middle
-    held = [density for density in done if done[density].holds(limit_m)]
-    failed = [density for density in done if not done[density].holds(limit_m)]
+    if holds(low):
+        lower, upper = _bracket(done)
+        while upper is None and lower < high:
+            _ = holds(min(_STEP * lower, high))
+            lower, upper = _bracket(done)
+        while upper is not None and upper > ratio * lower:
+            _ = holds(float(np.sqrt(lower * upper)))
+            lower, upper = _bracket(done)
+    failed = [density for density in done if not done[density].holds]
     first = min(failed, default=None)
+    held = [density for density in done if done[density].holds]
     below = [density for density in held if first is None or density < first]
     return Capacity(
         max(below, default=None),
@@ -198,3 +151,10 @@ def bisected(
         probes=[done[density] for density in sorted(done)],
         is_monotone=len(below) == len(held),
     )
+
+
+def _bracket(done: dict[float, Probe]) -> tuple[float, float | None]:
+    """The last density that held below the first that failed, where the lowest held; and that one."""
+    upper = min((density for density, probe in done.items() if not probe.holds), default=None)
+    held = [density for density, probe in done.items() if probe.holds]
+    return max(density for density in held if upper is None or density < upper), upper

@@ -110,8 +110,8 @@ def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outc
     counts, sums = run.tally, run.sent.total
     sent = float(sums[at.MESSAGES])
     middle = _span(*HEADLINE_M, settings.distance_bin_m)
-    at_100 = counts.error[_span(75.0, 125.0, settings.distance_bin_m)].sum(axis=0)
     gap = counts.gap[middle].sum(axis=0)
+    relative = binned_quantiles(counts.relative[middle].sum(axis=0), (0.5, 0.9, 0.99))
     fate = run.outcomes[_span(*HEADLINE_M, outcome_bin_m)].sum(axis=0).astype(np.float64)
     frames = float(fate.sum())
     steady = run.series[round(settings.warm_up_s / settings.dt_s) :]
@@ -147,7 +147,9 @@ def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outc
         half_duplex_ratio=_ratio(fate[1], frames),
         weak_ratio=_ratio(fate[2], frames),
         **_held(counts, middle),
-        pte_p90_100_m=binned_quantiles(at_100, (0.9,))[0],
+        relative_p50_m=relative[0],
+        relative_p90_m=relative[1],
+        relative_p99_m=relative[2],
         gap_p99_s=binned_quantiles(gap, (0.99,))[0],
         neighbours=means[1],
         inter_transmit_time_s=means[2],

@@ -4,12 +4,13 @@ from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
 from math import isfinite, nan
 
+from modelcast.study.network.warning_rows import PooledWarnings, WarnedEventRow, WarnedHostRow, WarningRow
+
 __all__ = [
     "CASE_KEYS",
     "HEADLINE_M",
     "NO_BANK",
     "NO_THRESHOLD",
-    "CapacityRow",
     "CaseResult",
     "DistanceRow",
     "NetworkCase",
@@ -101,8 +102,8 @@ class RunRow:
         Share of the samples of pairs 50 m to 150 m apart in which the host held a live track.
     pte_p50_m, pte_p90_m, pte_p95_m, pte_p99_m
         Tracking error, all pairs 50 m to 150 m apart [m].
-    pte_p90_100_m
-        The same, 75 m to 125 m [m].
+    relative_p50_m, relative_p90_m, relative_p99_m
+        Error of the place of the remote as the host sees it from where it takes itself to be, same pairs [m].
     age_p50_s, age_p90_s
         Information age, 50 m to 150 m [s].
     gap_p50_s, gap_p90_s, gap_p99_s
@@ -146,7 +147,9 @@ class RunRow:
     pte_p90_m: float
     pte_p95_m: float
     pte_p99_m: float
-    pte_p90_100_m: float
+    relative_p50_m: float
+    relative_p90_m: float
+    relative_p99_m: float
     age_p50_s: float
     age_p90_s: float
     gap_p50_s: float
@@ -285,34 +288,6 @@ class PooledRow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CapacityRow:
-    """Density at which the 90th percentile of the tracking error at 100 m reaches a limit.
-
-    Parameters
-    ----------
-    radio, policy, bank, threshold_m
-        As in `NetworkCase`.
-    limit_m
-        The limit [m].
-    density_per_km
-        Interpolated between the densities run; None where the limit is not reached at any, or at all.
-    highest_per_km
-        Highest density run [1/km].
-    above_at_lowest
-        Whether the limit is exceeded at the lowest density already.
-    """
-
-    radio: str
-    policy: str
-    bank: str
-    threshold_m: float
-    limit_m: float
-    density_per_km: float | None
-    highest_per_km: float
-    above_at_lowest: bool
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class SenderRow:
     """What a policy sends of a bank.
 
@@ -407,7 +382,10 @@ class PenetrationRow:
 
 @dataclass(frozen=True, slots=True)
 class CaseResult:
-    """All rows of one run; pairings and penetration of a mixed fleet."""
+    """All rows of one run.
+
+    Pairings and penetration are those of mixed fleets, warnings of hosts that have applications.
+    """
 
     run: RunRow
     distances: Sequence[DistanceRow]
@@ -416,6 +394,9 @@ class CaseResult:
     seconds: Sequence[SecondRow]
     pairings: Sequence[PairingRow] = ()
     penetration: Sequence[PenetrationRow] = ()
+    warnings: Sequence[WarningRow] = ()
+    warned_hosts: Sequence[WarnedHostRow] = ()
+    warned_events: Sequence[WarnedEventRow] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -428,10 +409,13 @@ class NetworkResult:
     outcomes: Sequence[OutcomeRow]
     seconds: Sequence[SecondRow]
     pooled: Sequence[PooledRow] = field(default=())
-    capacities: Sequence[CapacityRow] = field(default=())
     senders: Sequence[SenderRow] = field(default=())
     pairings: Sequence[PairingRow] = field(default=())
     penetration: Sequence[PenetrationRow] = field(default=())
+    warnings: Sequence[WarningRow] = field(default=())
+    warned_hosts: Sequence[WarnedHostRow] = field(default=())
+    warned_events: Sequence[WarnedEventRow] = field(default=())
+    pooled_warnings: Sequence[PooledWarnings] = field(default=())
 
     @property
     def banks(self) -> tuple[str, ...]:

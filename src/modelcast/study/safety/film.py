@@ -167,7 +167,7 @@ def film_event(
         motion = moves[0, samples].reshape(-1, BELIEF_COLUMNS)
         speaks = walk.transmits[samples]
         believers.append(
-            Believer(name, motion, found.margin_m, found.warned, speaks, speaks & lost[0, samples])
+            Believer(name, motion, found.margin_m, settings.warned(found), speaks, speaks & lost[0, samples])
         )
     return EventFilm(
         recording.trips[pair.leader].trip_id,

@@ -2,7 +2,8 @@
 
 At the instant of every frame each pair of a host and a remote near it is assessed twice: with the true motion
 of both, and with the motion that the host measures of itself and believes of the remote, by what it heard
-before that instant. Who has no live track of a remote, or is new, warns of nothing.
+before that instant. Who has no live track of a remote, or is new, warns of nothing. What a host reads
+changes nothing that anybody sends, so every host is assessed once for each reading that is asked for.
 """
 
 from collections.abc import Sequence
@@ -96,11 +97,11 @@ class Assessed:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Waiting:
-    """Pairs of a frame before its step: slots, and the motions that hosts believe the remotes to have."""
+    """Pairs of a frame before its step: slots, and how hosts believe the remotes to move, by reading."""
 
     host: IntArray
     remote: IntArray
-    motion: FloatArray
+    motions: dict[Reading, FloatArray]
 
 
 @final
@@ -120,8 +121,8 @@ class SafetyObserver(AbstractObserver):
 
     def __init__(self, settings: FleetSafetySettings) -> None:
         self.settings = settings
-        self.host_s: FloatArray = np.zeros(len(Reading))
-        """Time that hosts were observed, by how they read [s]."""
+        self.host_s = 0.0
+        """Time that all hosts were observed [s]."""
         self.end_s = -np.inf
         """Instant of the last frame [s]."""
         self.pairs = 0
@@ -137,10 +138,14 @@ class SafetyObserver(AbstractObserver):
         host, remote = near_pairs(frame.position_m, frame.active, self.settings.radius_m)
         asked = self._asked(frame)[host]
         host, remote = host[asked], remote[asked]
-        motion = loop.believed(host, remote, t_s=frame.t_s).motion
         new = loop.vehicle != frame.vehicle_id
-        motion[new[host] | new[remote]] = np.nan
-        self._waiting = _Waiting(host, remote, motion)
+        unknown = new[host] | new[remote]
+        motions: dict[Reading, FloatArray] = {}
+        for reading in self.settings.readings:
+            motion = loop.believed(host, remote, reading=reading, t_s=frame.t_s).motion
+            motion[unknown] = np.nan
+            motions[reading] = motion
+        self._waiting = _Waiting(host, remote, motions)
 
     def after(self, loop: FleetLoop, frame: FleetFrame) -> None:
         """Assess those pairs."""
@@ -148,28 +153,30 @@ class SafetyObserver(AbstractObserver):
         given, self._waiting = self._waiting, None
         if given is None:
             return
-        hosts = loop.reading[self._asked(frame)]
-        self.host_s += loop.settings.dt_s * np.bincount(hosts, minlength=len(Reading))
+        self.host_s += loop.settings.dt_s * int(self._asked(frame).sum())
         self.pairs += given.host.size
         true = _true(frame)
         host, remote = given.host, given.remote
         right = _motions(true[host], frame.length_m[host]), _motions(true[remote], frame.length_m[remote])
         own = _motions(loop.own_motion(host), frame.length_m[host])
-        believed = _motions(given.motion[:, _BELIEVED], frame.length_m[remote])
-        of = len(Reading) * loop.group[remote] + loop.reading[host]
-        names = frame.vehicle_id[host], frame.vehicle_id[remote], of
+        who = frame.vehicle_id[host], frame.vehicle_id[remote]
         for name, application in self.settings.applications.items():
-            truly, said = application.assess(*right), application.assess(own, believed)
-            kept = truly.warned | said.warned | (np.abs(truly.margin_m) < self.settings.near_m)
-            if kept.any():
-                row = Assessed(
-                    np.full(int(kept.sum()), frame.t_s),
-                    *(column[kept] for column in names),
-                    margin_m=truly.margin_m[kept],
-                    truly=truly.warned[kept],
-                    warned=said.warned[kept],
-                )
-                self._rows[name].append(row)
+            truly = application.assess(*right)
+            for reading, motion in given.motions.items():
+                believed = _motions(motion[:, _BELIEVED], frame.length_m[remote])
+                warned = application.assess(own, believed).warned
+                kept = truly.warned | warned | (np.abs(truly.margin_m) < self.settings.near_m)
+                if kept.any():
+                    row = Assessed(
+                        np.full(int(kept.sum()), frame.t_s),
+                        who[0][kept],
+                        who[1][kept],
+                        len(Reading) * loop.group[remote][kept] + reading,
+                        margin_m=truly.margin_m[kept],
+                        truly=truly.warned[kept],
+                        warned=warned[kept],
+                    )
+                    self._rows[name].append(row)
 
     def assessed(self, application: str) -> Assessed:
         """Rows of an application so far.

@@ -10,7 +10,7 @@ __all__ = ["PairingScores"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairingScores:
-    """What hosts of one reading warned of remotes of one sender, in one run: E true warnings.
+    """What hosts of one reading warned of remotes of one sender, in one run: H hosts, E true warnings.
 
     Parameters
     ----------
@@ -19,13 +19,16 @@ class PairingScores:
     group, reading
         Number of the sender, and how hosts read it.
     host_s
-        Time that hosts of that reading were observed [s].
-    counted, negatives, false
-        Instants of pairs near the decision; those of them without a true warning; and those of these at which
-        the host warned.
+        Time that hosts were observed [s].
+    counted
+        Instants of pairs near the decision.
+    host
+        Hosts with an instant that counts or a false warning, (H,).
+    negatives, false
+        Their instants near the decision without a true warning, and those of them at which they warned, (H,).
     false_warnings
         Warnings with no true one near in time, however far from the decision, also of remotes that are no
-        threat.
+        threat, (H,).
     event_host, event_remote
         Identifiers, (E,).
     event_s
@@ -42,9 +45,10 @@ class PairingScores:
     _: KW_ONLY
     host_s: float
     counted: int
-    negatives: int
-    false: int
-    false_warnings: int
+    host: IntArray
+    negatives: IntArray
+    false: IntArray
+    false_warnings: IntArray
     event_host: IntArray
     event_remote: IntArray
     event_s: FloatArray

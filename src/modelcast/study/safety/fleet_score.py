@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -18,7 +19,7 @@ _SLACK_S = 1e-6
 
 
 def score_pairings(observer: SafetyObserver, groups: int) -> list[PairingScores]:
-    """Scores of every application by who speaks and who reads how; readings without hosts are left out.
+    """Scores of every application by who speaks and how hosts read it.
 
     Instants within `FleetSafetySettings.merge_s` of the beginning and ``grace_s`` of the end do not count:
     what came before is not known, and what may still come neither.
@@ -33,22 +34,21 @@ def score_pairings(observer: SafetyObserver, groups: int) -> list[PairingScores]
     found: list[PairingScores] = []
     for name in observer.settings.applications:
         rows = observer.assessed(name)
-        for number in range(groups * len(Reading)):
-            group, reading = divmod(number, len(Reading))
-            host_s = float(observer.host_s[reading])
-            if host_s > 0.0:
-                pairs = [_scored(pair, observer.settings, observer.end_s) for pair in _pairs(rows, number)]
-                found.append(_joined(name, group, Reading(reading), host_s, pairs))
+        for group, reading in product(range(groups), observer.settings.readings):
+            number = len(Reading) * group + reading
+            pairs = [_scored(pair, observer.settings, observer.end_s) for pair in _pairs(rows, number)]
+            found.append(_joined(name, group, reading, observer.host_s, pairs))
     return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pair:
-    """Scores of one pair: `PairingScores.counted` to ``false_warnings``, and its events.
+    """Scores of one pair: host, and `PairingScores.counted` to ``false_warnings``; and its events.
 
     ``events`` (4, E): host, remote, instants that count, and those missed.
     """
 
+    host: int
     counts: tuple[int, int, int, int]
     events: IntArray
     begins_s: FloatArray
@@ -76,6 +76,7 @@ def _scored(pair: Assessed, settings: FleetSafetySettings, end_s: float) -> _Pai
 
     false = false_warnings(warned[None], truly, inside, t_s, merge_s=settings.merge_s)
     return _Pair(
+        int(pair.host[0]),
         (
             int(near.sum()), int((near & ~truly).sum()), int((near & ~truly & warned).sum()), int(false[0]),
         ),
@@ -95,22 +96,27 @@ def _scored(pair: Assessed, settings: FleetSafetySettings, end_s: float) -> _Pai
 def _joined(
     application: str, group: int, reading: Reading, host_s: float, pairs: Sequence[_Pair]
 ) -> PairingScores:
-    counts = [sum(one.counts[at] for one in pairs) for at in range(4)]
+    counts: IntArray = np.array([one.counts for one in pairs], dtype=np.int64).reshape(-1, 4)
+    counts, of = counts[counts.any(axis=1)], [one.host for one in pairs if any(one.counts)]
+    host, place = np.unique(np.array(of, dtype=np.int64), return_inverse=True)
+    by_host = np.zeros((host.size, 4), dtype=np.int64)
+    np.add.at(by_host, place, counts)
     nothing = np.zeros((4, 0), dtype=np.int64)
-    host, remote, positives, missed = np.concatenate([nothing, *(one.events for one in pairs)], axis=1)
+    by, remote, positives, missed = np.concatenate([nothing, *(one.events for one in pairs)], axis=1)
     begins_s = np.concatenate([np.zeros(0), *(one.begins_s for one in pairs)])
     # By time, then by who: the order in which they happened.
-    order = np.lexsort((remote, host, begins_s))
+    order = np.lexsort((remote, by, begins_s))
     return PairingScores(
         application,
         group,
         reading,
         host_s=host_s,
-        counted=counts[0],
-        negatives=counts[1],
-        false=counts[2],
-        false_warnings=counts[3],
-        event_host=host[order],
+        counted=int(by_host[:, 0].sum()),
+        host=host,
+        negatives=by_host[:, 1],
+        false=by_host[:, 2],
+        false_warnings=by_host[:, 3],
+        event_host=by[order],
         event_remote=remote[order],
         event_s=begins_s[order],
         positives=positives[order],

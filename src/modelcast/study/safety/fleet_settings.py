@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.apps.base import AbstractApplication
+from modelcast.station.receiver.reading import Reading
 from modelcast.study.safety.settings import NEAR_M
 
 __all__ = ["FleetSafetySettings"]
@@ -19,6 +20,8 @@ class FleetSafetySettings:
     ----------
     applications
         What warns, by name.
+    readings
+        How hosts read messages; several are assessed side by side, of the same hosts and remotes.
     radius_m
         Remotes farther away than this are in no pair [m].
     hosts_ratio
@@ -35,10 +38,11 @@ class FleetSafetySettings:
     Raises
     ------
     ValueError
-        Where there is no application, or a value is out of its range.
+        Where there is no application or reading, or a value is out of its range.
     """
 
     applications: Mapping[str, AbstractApplication]
+    readings: tuple[Reading, ...] = (Reading.MODEL,)
     radius_m: float = 150.0
     hosts_ratio: float = 1.0
     warm_up_s: float = 5.0
@@ -50,6 +54,8 @@ class FleetSafetySettings:
     def __post_init__(self) -> None:
         if not self.applications:
             raise ValueError("applications must hold at least one, as fcw")
+        if not self.readings or len(set(self.readings)) != len(self.readings):
+            raise ValueError(f"readings must be at least one, each once, got {self.readings}")
         for name in ("radius_m", "near_m", "merge_s", "grace_s"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):

@@ -191,17 +191,23 @@ def following_pairs(trips: Sequence[Trajectory]) -> list[FollowingPair]:
         if best is not None:
             found.append(best)
     if not found:
-        raise ConfigError(_why_none(len(trips), together))
+        raise ConfigError(_why_none(trips, together))
     return found
 
 
-def _why_none(trips: int, together: int) -> str:
-    if trips < 2:
+def _why_none(trips: Sequence[Trajectory], together: int) -> str:
+    if len(trips) < 2:
         return "one trip has nobody ahead: give files that hold several vehicles, as a platoon"
+    alone = [trip.trip_id for trip in trips if trip.clock_s is None and trip.start_unix_s is None]
+    if together == 0 and len(alone) > len(trips) - 2:
+        return (
+            f"{alone[0]} and {len(alone) - 1} more of the {len(trips)} trips state no common clock, as where "
+            "the times of every vehicle begin at 0: write times of the recording, one clock for all vehicles"
+        )
     if together == 0:
         return (
-            f"no two of the {trips} trips were recorded together for {LEAST_TOGETHER_S:g} s: give trips of "
-            "one file that share a clock (openacc, or parquet with one t_s for all vehicles)"
+            f"no two of the {len(trips)} trips were recorded together for {LEAST_TOGETHER_S:g} s: give trips "
+            "of one file that share a clock (openacc, or parquet with one t_s for all vehicles)"
         )
     return (
         f"trips were recorded together, but no vehicle follows another's path within "

@@ -6,7 +6,6 @@ from itertools import product
 
 import numpy as np
 
-from modelcast.apps.base import AbstractApplication
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.runtime.trip.replay import replay, schedules_of
 from modelcast.runtime.trip.runtime import TripMessages, sense_trip
@@ -25,12 +24,12 @@ from modelcast.study.tracking import draw_losses
 __all__ = ["Walked", "score_recording", "sent_by"]
 
 
-def _warned(application: AbstractApplication, scene: Scene, motions: FloatArray) -> BoolArray:
+def _warned(settings: SafetySettings, scene: Scene, motions: FloatArray) -> BoolArray:
     """Where hosts warn that believe the leader to move like this, (R, T, 8) at its samples; (R, N)."""
     at = np.flatnonzero(scene.counted)
-    found = assess_believed(application, scene, motions, at)
+    found = assess_believed(settings.application, scene, motions, at)
     warned: BoolArray = np.zeros((motions.shape[0], scene.counted.size), dtype=np.bool_)
-    warned[:, at] = found.warned.reshape(motions.shape[0], -1)
+    warned[:, at] = settings.warned(found).reshape(motions.shape[0], -1)
     return warned
 
 
@@ -119,7 +118,7 @@ def _score_pair(
                         expiry_s=np.inf if evaluation.expiry_s is None else evaluation.expiry_s,
                         motions=True,
                     )
-                    warned = _warned(settings.application, scene, replayed.motions)
+                    warned = _warned(settings, scene, replayed.motions)
                     done[id(walk)] = _scored(scene, warned, settings)
                 found[name, basis, ratio] = done[id(walk)]
     return found

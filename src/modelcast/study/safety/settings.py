@@ -8,6 +8,8 @@ import numpy as np
 
 from modelcast.apps.base import AbstractApplication
 from modelcast.apps.forward_collision import ForwardCollisionWarning
+from modelcast.apps.warnings import Warnings
+from modelcast.core.arrays import BoolArray
 from modelcast.study.safety.rules import BASES, Basis, Truth
 from modelcast.study.settings import EvaluationSettings
 
@@ -37,6 +39,8 @@ class SafetySettings:
         What is held to be right, a `Truth`.
     near_m
         As `NEAR_M` [m].
+    later_m
+        Hosts warn where their margin is below zero by this much: later, and less often wrongly [m].
     merge_s
         Warnings that stop for less than this are one [s].
     grace_s
@@ -58,6 +62,7 @@ class SafetySettings:
     against: str | None = None
     truth: Truth = "knowledge"
     near_m: float = NEAR_M
+    later_m: float = 0.0
     merge_s: float = 1.0
     grace_s: float = 1.0
     resamples: int = 2000
@@ -74,10 +79,22 @@ class SafetySettings:
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):
                 raise ValueError(f"{name} must be positive and finite, got {value}")
+        if not (np.isfinite(self.later_m) and self.later_m >= 0.0):
+            raise ValueError(f"later_m must be finite and not negative, got {self.later_m}")
         if self.resamples < 1:
             raise ValueError(f"resamples must be >= 1, got {self.resamples}")
         if self.evaluation.protocol != "sensor":
             raise ValueError(f"the protocol must be sensor, got {self.evaluation.protocol!r}")
+
+    def warned(self, found: Warnings) -> BoolArray:
+        """Where a host warns whose application says this, of the same shape.
+
+        Parameters
+        ----------
+        found
+            What its application says of what it believes.
+        """
+        return found.warned & (found.margin_m <= -self.later_m)
 
     def as_plain(self) -> Mapping[str, Any]:
         """The settings as plain values; what differs between candidates is not among them."""
@@ -91,6 +108,7 @@ class SafetySettings:
             "against": self.against,
             "truth": self.truth,
             "near_m": self.near_m,
+            "later_m": self.later_m,
             "merge_s": self.merge_s,
             "grace_s": self.grace_s,
             "resamples": self.resamples,

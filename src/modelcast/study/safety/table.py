@@ -10,7 +10,7 @@ from modelcast.study.compare.bootstrap import Limits, limits, resample_weights
 from modelcast.study.safety.result import ConditionScores, PooledSafety, RecordingScores, SafetyKind
 from modelcast.study.safety.rules import BASES
 
-__all__ = ["pooled_rows"]
+__all__ = ["delay_quantiles", "pooled_rows", "share_of"]
 
 _HOUR_S = 3600.0
 _DELAYS = (0.5, 0.9, 0.99)
@@ -86,7 +86,7 @@ def _group_rows(
         spends = [_of(one, key).spend for one in own]
         missed_over, missed_limits = over(missed, _joined(own, rival, "missed"), of_events)
         false_over, false_limits = over(false, _joined(own, rival, "false"), of_pairs)
-        p50_s, p90_s, p99_s = _late(delay_s)
+        p50_s, p90_s, p99_s = delay_quantiles(delay_s)
         rows.append(
             PooledSafety(
                 own[0].sensor,
@@ -97,10 +97,10 @@ def _group_rows(
                 threshold_m=float(np.median([m for spend in spends for m in spend.thresholds_m])),
                 message_rate_hz=sum(spend.messages for spend in spends) / leaders_s,
                 airtime_ratio=sum(spend.airtime_s for spend in spends) / leaders_s,
-                missed_ratio=_share(missed.sum(), positives.sum() * runs),
-                false_ratio=_share(false.sum(), negatives.sum() * runs),
-                missed_events=_share(int(np.isinf(delay_s).sum()), delay_s.size),
-                false_per_hour=_share(
+                missed_ratio=share_of(missed.sum(), positives.sum() * runs),
+                false_ratio=share_of(false.sum(), negatives.sum() * runs),
+                missed_events=share_of(int(np.isinf(delay_s).sum()), delay_s.size),
+                false_per_hour=share_of(
                     _joined(own, key, "false_warnings").sum() * _HOUR_S, duration_s.sum() * runs
                 ),
                 delay_p50_s=p50_s,
@@ -116,12 +116,24 @@ def _group_rows(
     return rows
 
 
-def _late(delay_s: FloatArray) -> list[float]:
-    """Quantiles of all delays, those missed as infinite; NaN where there was nothing to warn of."""
+def delay_quantiles(delay_s: FloatArray) -> list[float]:
+    """Quantiles of all delays, those missed as infinite; NaN where there was nothing to warn of.
+
+    Parameters
+    ----------
+    delay_s
+        One a warning and run, of any shape [s].
+
+    Returns
+    -------
+    list of float
+        At 50, 90 and 99 % [s].
+    """
     if delay_s.size == 0:
         return [float("nan")] * len(_DELAYS)
     return np.quantile(delay_s, _DELAYS, method="higher").tolist()
 
 
-def _share(part: float, whole: float) -> float:
+def share_of(part: float, whole: float) -> float:
+    """Part over whole; NaN where there is no whole."""
     return float(part) / float(whole) if whole else float("nan")
