@@ -174,6 +174,15 @@ def test_bad_options_are_told(
     assert not (tmp_path / "out").exists()
 
 
+def test_a_log_s_name_breaks_no_table(platoon: Path, tmp_path: Path) -> None:
+    log = heard(tmp_path / "a|b.csv", np.zeros(200, dtype=np.bool_))
+    out = tmp_path / "out"
+    assert run(["safety", str(platoon), *REPLAYED, "--losses", str(log), "--quiet", "--out", str(out)]) == 0
+    rows = [line for line in (out / "table.md").read_text().splitlines() if line.startswith("|")]
+    assert any("a\\|b.csv" in row for row in rows)
+    assert len({row.replace("\\|", "").count("|") for row in rows}) == 1
+
+
 def test_a_log_that_tells_no_losses_is_told(
     platoon: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

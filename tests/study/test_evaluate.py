@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from modelcast.channel.link_record import LinkRecord
+from modelcast.channel.recorded import RecordedLosses
 from modelcast.core.exceptions import ConfigError
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -285,10 +287,19 @@ def test_settings_name_everything_that_changes_the_numbers(
         "stack": replace(base.stack, certificates="digest"),
         "references": False,
     }
-    assert {*changed, "map_at", "trained_on"} == {item.name for item in fields(EvaluationSettings)}
+    assert {*changed, "map_at", "trained_on", "recorded"} == {
+        item.name for item in fields(EvaluationSettings)
+    }
     plain = base.as_plain()
     silent = [name for name, value in changed.items() if replace(base, **{name: value}).as_plain() == plain]
     assert silent == []
+    told = {
+        str(replace(base, packet_error_ratios=(0.25,), recorded=RecordedLosses((link,))).as_plain())
+        for lost in ([0, 1, 0, 0], [0, 0, 1, 0])
+        for period_s in (0.1, 0.2)
+        for link in [LinkRecord("a hears b", np.array(lost, dtype=np.bool_), period_s=period_s)]
+    }
+    assert len(told) == 4
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ the messages in it would have taken is a gap of lost messages. `counted_link` ma
 `modelcast.channel.recorded.RecordedLosses` replays it.
 """
 
+import hashlib
 from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
@@ -65,6 +66,12 @@ class LinkRecord:
             raise ValueError(f"{self.name}: lost must have one axis and begin and end with a message heard")
         if not (np.isfinite(self.period_s) and self.period_s > 0.0):
             raise ValueError(f"{self.name}: period_s must be positive and finite, got {self.period_s}")
+
+    @property
+    def fingerprint(self) -> str:
+        """A hash of what is replayed, 16 hexadecimal digits."""
+        told = f"{self.lost.size} {self.period_s!r} ".encode() + np.packbits(self.lost).tobytes()
+        return hashlib.sha256(told).hexdigest()[:16]
 
     @property
     def bursts(self) -> IntArray:

@@ -16,6 +16,7 @@ from types import MappingProxyType
 from modelcast.channel.link_record import SHORTEST_PART, LinkRecord
 from modelcast.channel.recorded import RecordedLosses
 from modelcast.core.exceptions import DataFormatError
+from modelcast.core.printable import printable
 from modelcast.io.heard_links import HeardLinks
 from modelcast.io.nyc_losses import read_event_links
 from modelcast.io.registry import get_reader
@@ -107,10 +108,9 @@ def read_loss_logs(paths: Sequence[Path]) -> list[LossLog]:
         sha256 = sha256_of(path)
         if sha256 in found:
             continue
-        names[path.name] = names.get(path.name, 0) + 1
-        copy = names[path.name]
-        name = path.name if copy == 1 else f"{path.name}#{copy}"
-        found[sha256] = _loss_log(path, name, sha256)
+        name = printable(path.name)
+        names[name] = names.get(name, 0) + 1
+        found[sha256] = _loss_log(path, name if names[name] == 1 else f"{name}#{names[name]}", sha256)
     return list(found.values())
 
 

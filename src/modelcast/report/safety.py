@@ -11,7 +11,7 @@ from modelcast.report.beside import show_beside
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
-from modelcast.report.literal import literal
+from modelcast.report.literal import literal, markdown
 from modelcast.report.losses import loss_words, shown_ratios
 from modelcast.report.page import CSS, escape, option_rows, page, table
 from modelcast.report.style import style
@@ -133,10 +133,11 @@ def safety_markdown(result: SafetyResult) -> str:
         The evaluation.
     """
     heads = _heads(result)
+    rows = [[markdown(cell) for cell in row] for row in _rows(result)]
     rule = ["---" if number < _TEXT_COLUMNS else "---:" for number in range(len(heads))]
-    lines = [f"- {line}" for line in safety_headline(result)]
+    lines = [f"- {markdown(line)}" for line in safety_headline(result)]
     lines += ["", _SCOPE, ""]
-    lines += [f"| {' | '.join(cells)} |" for cells in (heads, rule, *_rows(result))]
+    lines += [f"| {' | '.join(cells)} |" for cells in (heads, rule, *rows)]
     return "\n".join(lines) + "\n"
 
 

@@ -252,7 +252,7 @@ class EvaluationSettings:
             "budget": self.budget,
             "legacy_threshold_m": self.legacy_threshold_m if np.isfinite(self.legacy_threshold_m) else None,
             "mean_burst_s": self.mean_burst_s,
-            "recorded": None if self.recorded is None else [link.name for link in self.recorded.links],
+            "recorded": None if self.recorded is None else [link.fingerprint for link in self.recorded.links],
             "delay_s": self.delay_s,
             "expiry_s": self.expiry_s,
             "protocol": self.protocol,
