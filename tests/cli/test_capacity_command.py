@@ -8,6 +8,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from modelcast.cli.app import run
+from modelcast.cli.capacity_search import margin_of
+from modelcast.cli.fleet_options import FleetOptions
+from modelcast.cli.options import SensorOptions
 
 SHORT = {
     "--duration": "2",
@@ -101,6 +104,18 @@ def test_misses_are_a_limit_too(tmp_path: Path) -> None:
     assert (found["quantity"], found["holds_per_km"]) == ("missed", 40.0)
     assert all(probe["warnings"] > 0 for probe in found["probes"])
     assert "missed < 90 %" in (tmp_path / "out" / "table.md").read_text()
+
+
+def test_a_margin_at_both_ends_of_the_road_is_left_out() -> None:
+    def counted(margin_m: float) -> tuple[float, float] | None:
+        plan = FleetOptions(length=2000.0).plan(
+            SensorOptions(), banks=("default",), thresholds_m=(0.5,), margin_m=margin_m
+        )
+        return plan.settings.counted_m
+
+    assert counted(margin_of("highway", 2000.0, None)) == (500.0, 1500.0)
+    assert counted(margin_of("highway", 2000.0, 0.0)) is None
+    assert counted(margin_of("grid", 2000.0, None)) is None
 
 
 @pytest.mark.parametrize(

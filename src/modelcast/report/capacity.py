@@ -15,7 +15,7 @@ from modelcast.report.figures.senders import threshold_text
 from modelcast.report.literal import literal
 from modelcast.report.style import PAGE_IN, model_colours, new_figure, style
 from modelcast.study.network.capacity import CapacityFound
-from modelcast.study.network.capacity_limits import Limit, Probe
+from modelcast.study.network.capacity_limits import HELD_RATIO, Limit, Probe
 
 __all__ = ["capacity_console", "capacity_markdown", "plot_capacity", "write_capacity_report"]
 
@@ -32,12 +32,15 @@ _TEXTS = 4
 
 
 def _value(limit: Limit, probe: Probe | None) -> str:
-    """What a limit is on at one density, and its spread over the seeds."""
+    """What a limit is on at one density, its spread over the seeds, and where too few pairs are tracked."""
     if probe is None:
         return "-"
+    lost = limit.quantity != "missed" and probe.held_ratio < HELD_RATIO
+    tracked = f", {100 * probe.held_ratio:.0f} % tracked" if lost else ""
     least, greatest = (limit.value_text(value) for value in probe.spread)
     middle = limit.value_text(probe.value)
-    return middle if least == greatest else f"{middle} ({least.split()[0]}-{greatest.split()[0]})"
+    spread = "" if least == greatest else f" ({least.split()[0]}-{greatest.split()[0]})"
+    return f"{middle}{spread}{tracked}"
 
 
 def _seeds(probe: Probe | None) -> str:
