@@ -324,7 +324,7 @@ def test_stations_that_sent_nothing_have_no_update_and_nothing_that_waits() -> N
 def test_rings_hold_what_a_count_of_seven_bits_tells_apart() -> None:
     held = at.contents(2, 5)
     assert held.rows.shape == (2, 128, at.CONTENT_HEAD + 5)
-    assert held.beliefs.shape == (2, 128, 2)
+    assert held.beliefs.shape == (2, 128, 3)
     assert (held.rows == -1.0).all()
     assert (held.beliefs == -1).all()
 
