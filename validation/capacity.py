@@ -26,6 +26,7 @@ How fast the traffic of those calls drives is worked out here. ``--write`` puts 
 """
 
 import argparse
+import json
 from pathlib import Path
 
 import numpy as np
@@ -62,6 +63,40 @@ def speeds() -> list[str]:
     return lines
 
 
+def misses(folder: Path) -> list[str]:
+    """What hosts missed of a warning, at the lowest and the highest density of one call."""
+    runs = [json.loads(path.read_text(encoding="utf-8")) for path in sorted((folder / "runs").glob("*.json"))]
+    densities = [run["run"][0]["density_per_km"] for run in runs]
+    heads = (
+        "vehicles/km",
+        "radio",
+        "policy",
+        "warnings",
+        "instants each",
+        "of these missed",
+        "never came",
+        "late p50",
+    )
+    lines = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
+    keys = [
+        (run["run"][0]["density_per_km"], run["run"][0]["radio"], run["run"][0]["policy"]) for run in runs
+    ]
+    for key in sorted({key for key in keys if key[0] in {min(densities), max(densities)}}):
+        events = [
+            event for run, own in zip(runs, keys, strict=True) if own == key for event in run["warned_events"]
+        ]
+        late_s = [np.inf if event["delay_s"] is None else event["delay_s"] for event in events]
+        cells = (
+            f"{key[0]:g}", key[1], key[2], f"{len(events)}",
+            f"{np.mean([event['positives'] for event in events]):.1f}",
+            f"{np.mean([event['missed'] for event in events]):.2f}",
+            f"{100 * np.isinf(late_s).mean():.1f} %",
+            f"{np.median(late_s):.1f} s",
+        )  # fmt: skip
+        lines.append(f"| {' | '.join(cells)} |")
+    return lines
+
+
 def main() -> int:
     """Print the tables, and write or check them where asked."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -70,6 +105,7 @@ def main() -> int:
     parser.add_argument("--check", action="store_true")
     given = parser.parse_args()
     blocks = {"speeds": speeds(), **{name: table(given.folder / name) for name in CALLS}}
+    blocks["misses"] = misses(given.folder / "warnings")
     for name, lines in blocks.items():
         print(f"{name}\n", *lines, sep="\n")
     if given.write or given.check:
