@@ -62,14 +62,18 @@ def capacity(
     missed
         Shares of the true forward collision warnings' instants that hosts may miss, 0..1, several after one
         another.
-    lowest, highest
-        Densities between which the limit is sought [1/km].
+    lowest
+        Density from which on the limit is sought [1/km].
+    highest
+        Density up to which it is sought [1/km].
     ratio
         How far apart, as a ratio, the two densities may be between which it is found.
     scenario
         highway, braking, cut-in, grid or crossing, as for network.
-    duration, warm_up
-        Time simulated, and how much of it is not counted [s].
+    duration
+        Time simulated [s].
+    warm_up
+        How much of it is not counted [s].
     seeds
         Runs of each density.
     seed
@@ -83,12 +87,18 @@ def capacity(
         Lanes in each direction; 0 for as many as the density needs.
     certificates
         Which messages carry the certificate: always loads the channel most.
-    bank, profile
+    bank
         Sub-models of mbc and the j2945-mbc ones, as for network.
+    profile
+        File of the profile in use, as for network.
     threshold
         Tracking errors that call for a message of the error-driven policies [m], several after one another.
-    keep_alive, believe, approach
-        Of the error-driven policies, as for network.
+    keep_alive
+        Longest silence of the error-driven policies [s].
+    believe
+        What they take their remotes to hold, as for network.
+    approach
+        Way that two vehicles may come closer between two of their messages [m]; 0 for none.
     sensor
         What vehicles see of themselves.
     out
