@@ -8,8 +8,8 @@ from contextlib import ExitStack
 import pytest
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.node.multicast import LOOPBACK, MulticastTransport
 from modelcast.runtime.transport.base import MOST_OCTETS, Arrival
-from modelcast.runtime.transport.multicast import LOOPBACK, MulticastTransport
 
 GROUP = "239.255.16.77"
 WAIT_S = 10.0
