@@ -1,0 +1,296 @@
+"""A station on the road, a step at a time: what a clock, sockets and files are put round.
+
+It measures by a motion source, sends by a transport within an envelope, hears, keeps the map and warns. Time
+is an argument here too: the same inputs at the same times give the same frames and map, byte for byte.
+"""
+
+import heapq
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import KW_ONLY, dataclass
+from itertools import count
+from typing import final
+
+import numpy as np
+
+from modelcast.apps.base import AbstractApplication
+from modelcast.apps.motions import Motions
+from modelcast.apps.warnings import Level
+from modelcast.core.geodesy import Origin, geodetic_to_local
+from modelcast.node.envelope import AbstractEnvelope, Bare
+from modelcast.node.motion import AbstractMotionSource, Motion
+from modelcast.node.pseudonyms import Pseudonyms
+from modelcast.runtime.transport.base import AbstractTransport
+from modelcast.station.receiver.local_dynamic_map import Beliefs, Receipt
+from modelcast.station.station import Station
+
+__all__ = ["Node", "NodeState", "Warned"]
+
+Watch = Callable[[str, Mapping[str, object]], None]
+"""Takes an event by its name, with what belongs to it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Warned:
+    """What an application says of one remote.
+
+    Parameters
+    ----------
+    application
+        Its name.
+    vehicle
+        Temporary id of the remote.
+    level
+        How urgent.
+    time_s, margin_m, certainty
+        As in `modelcast.apps.warnings.Warnings`.
+    """
+
+    application: str
+    vehicle: int
+    level: Level
+    _: KW_ONLY
+    time_s: float
+    margin_m: float
+    certainty: float
+
+
+@dataclass(frozen=True, slots=True)
+class NodeState:
+    """What there is to show of a node after a step.
+
+    Parameters
+    ----------
+    t_s
+        The step's instant [s].
+    temporary_id
+        Its name.
+    motion
+        Its own; None where it knows none.
+    place_m
+        East and north of it, not a number where it knows none [m].
+    around
+        What it believes of its remotes.
+    warnings
+        What it warns of, the most urgent first.
+    """
+
+    t_s: float
+    temporary_id: int
+    motion: Motion | None
+    _: KW_ONLY
+    place_m: tuple[float, float]
+    around: Beliefs
+    warnings: tuple[Warned, ...]
+
+
+def _unseen(_name: str, _what: Mapping[str, object]) -> None:
+    """Takes an event that nobody looks at."""
+
+
+@final
+class Node:
+    """Remote and host in one.
+
+    Parameters
+    ----------
+    station
+        What it sends, and what it makes of what it hears.
+    source
+        Where its own motion comes from.
+    transport
+        How frames leave and arrive.
+    envelope
+        What goes round messages; None for nothing.
+    origin
+        Of the station's plane.
+    applications
+        What it warns of, by name.
+    size_m
+        Length and width of the vehicle [m].
+    pseudonyms
+        When its names change; None for never.
+    watch
+        Takes what happens: ``motion`` (what it is made of changed), ``renamed``, ``warning`` (one begins or
+        ends).
+
+    Notes
+    -----
+    Call `hear` whenever frames have arrived, `step` at every instant of the station, and `send` when
+    `next_send_s` has come.
+    """
+
+    def __init__(
+        self,
+        station: Station,
+        source: AbstractMotionSource,
+        transport: AbstractTransport,
+        envelope: AbstractEnvelope | None = None,
+        *,
+        origin: Origin,
+        applications: Mapping[str, AbstractApplication] | None = None,
+        size_m: tuple[float, float] = (4.6, 1.8),
+        pseudonyms: Pseudonyms | None = None,
+        watch: Watch = _unseen,
+    ) -> None:
+        self._station, self._source, self._transport = station, source, transport
+        self._envelope = Bare() if envelope is None else envelope
+        self._origin, self._size_m, self._pseudonyms = origin, size_m, pseudonyms
+        self._applications = dict(applications or {})
+        self._watch = watch
+        self._waiting: list[tuple[float, int, bytes]] = []
+        self._order = count()
+        self._made_of: str | None = None
+        self._warned: dict[tuple[str, int], Level] = {}
+        self.counts: Counter[str] = Counter()
+        """``sent``, ``sent_octets``, ``heard``, ``heard_octets``, ``refused: WHY`` and ``receipt: WHAT``."""
+
+    @property
+    def next_send_s(self) -> float:
+        """When the next frame is to leave, infinite where none waits [s]."""
+        return self._waiting[0][0] if self._waiting else float("inf")
+
+    def step(self, now_s: float) -> NodeState:
+        """Measure, decide what is sent until the next step, and look around.
+
+        Parameters
+        ----------
+        now_s
+            Now, later than the last step [s].
+        """
+        if self._pseudonyms is not None and self._pseudonyms.due(now_s):
+            self._station.rename(self._pseudonyms.temporary_id)
+            self._envelope.rename()
+            self._waiting.clear()  # a message of the old name would tie the two together
+            self._watch("renamed", {"temporary_id": self._pseudonyms.temporary_id})
+        motion = self._source.at(now_s)
+        made_of = "none" if motion is None else str(motion.source)
+        if made_of != self._made_of:
+            self._watch("motion", {"source": made_of, "before": self._made_of})
+            self._made_of = made_of
+        place_m = (float("nan"), float("nan"))
+        if motion is not None:
+            east_m, north_m = geodetic_to_local(np.array([motion.place_deg]), self._origin)[0].tolist()
+            place_m = (east_m, north_m)
+            self._sense(now_s, motion)
+        around = self._station.believe(now_s)
+        return NodeState(
+            now_s,
+            self._station.temporary_id,
+            motion,
+            place_m=place_m,
+            around=around,
+            warnings=self._warnings(motion, place_m, around),
+        )
+
+    def _sense(self, now_s: float, motion: Motion) -> None:
+        sent = self._station.sense(
+            now_s,
+            place_deg=motion.place_deg,
+            speed_mps=motion.speed_mps,
+            heading_rad=motion.heading_rad,
+            acceleration_mps2=motion.acceleration_mps2,
+            yaw_rate_radps=motion.yaw_rate_radps,
+            begins=motion.begins,
+        )
+        for one in sent:
+            heapq.heappush(self._waiting, (one.send_s, next(self._order), one.octets))
+
+    def send(self, now_s: float) -> None:
+        """Hand over the frames whose time has come.
+
+        Parameters
+        ----------
+        now_s
+            Now [s].
+        """
+        while self._waiting and self._waiting[0][0] <= now_s:
+            _, _, octets = heapq.heappop(self._waiting)
+            frame = self._envelope.wrap(octets, sent_s=now_s)
+            self._transport.send(frame, sent_s=now_s)
+            self.counts["sent"] += 1
+            self.counts["sent_octets"] += len(frame)
+
+    def hear(self, now_s: float) -> None:
+        """Take in what has arrived.
+
+        Parameters
+        ----------
+        now_s
+            Now, not before the last call [s].
+        """
+        arrived = self._transport.receive(now_s)
+        if not arrived:
+            return
+        octets: list[bytes] = []
+        received_s: list[float] = []
+        for one in arrived:
+            self.counts["heard"] += 1
+            self.counts["heard_octets"] += len(one.octets)
+            opened = self._envelope.open(one.octets, received_s=one.received_s)
+            if opened.octets is None:
+                self.counts[f"refused: {opened.why}"] += 1
+            else:
+                octets.append(opened.octets)
+                received_s.append(one.received_s)
+        receipts = self._station.hear(octets, received_s=received_s)
+        for receipt, times in zip(*np.unique(receipts, return_counts=True), strict=True):
+            self.counts[f"receipt: {Receipt(int(receipt)).reason}"] += int(times)
+
+    def _warnings(
+        self, motion: Motion | None, place_m: tuple[float, float], around: Beliefs
+    ) -> tuple[Warned, ...]:
+        """What applications say; begins and ends are told."""
+        found: list[Warned] = []
+        remotes = around.vehicle.size
+        if motion is not None and motion.heading_rad is not None and remotes:
+            own = _rows(motion, place_m, self._size_m, remotes)
+            others = Motions.of(
+                around.position_m,
+                speed_mps=around.speed_mps,
+                heading_rad=around.heading_rad,
+                acceleration_mps2=around.acceleration_mps2,
+                yaw_rate_radps=around.yaw_rate_radps,
+                length_m=around.length_m,
+                width_m=around.width_m,
+                covariance_m2=around.covariance_m2,
+            )
+            for name, application in self._applications.items():
+                said = application.assess(own, others)
+                found += [
+                    Warned(
+                        name,
+                        int(around.vehicle[row]),
+                        Level(int(said.level[row])),
+                        time_s=float(said.time_s[row]),
+                        margin_m=float(said.margin_m[row]),
+                        certainty=float(said.certainty[row]),
+                    )
+                    for row in np.flatnonzero(said.level > Level.NONE).tolist()
+                ]
+        found.sort(key=lambda one: (-one.level, one.margin_m))
+        now = {(one.application, one.vehicle): one.level for one in found}
+        for key in now.keys() | self._warned.keys():
+            if now.get(key, Level.NONE) != self._warned.get(key, Level.NONE):
+                level = now.get(key, Level.NONE)
+                told = {"application": key[0], "vehicle": key[1], "level": level.name.lower()}
+                self._watch("warning", told)
+        self._warned = now
+        return tuple(found)
+
+
+def _rows(motion: Motion, place_m: tuple[float, float], size_m: tuple[float, float], rows: int) -> Motions:
+    """The host's own motion, once for every remote."""
+
+    def column(value: float | None) -> float:
+        return 0.0 if value is None else value
+
+    return Motions.of(
+        np.tile(place_m, (rows, 1)),
+        speed_mps=column(motion.speed_mps),
+        heading_rad=column(motion.heading_rad),
+        acceleration_mps2=column(motion.acceleration_mps2),
+        yaw_rate_radps=column(motion.yaw_rate_radps),
+        length_m=size_m[0],
+        width_m=size_m[1],
+    )
