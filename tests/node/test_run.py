@@ -75,7 +75,7 @@ def test_steps_are_at_whole_ticks_and_frames_leave_when_they_are_due() -> None:
     assert late.skipped == 0
     assert late.quantile_s(1.0) < 1e-6
     assert len(left_s) == 20
-    # Each leaves at a time of its own within its step, as its policy draws it: at most some milliseconds later.
+    # Each leaves at a time of its own within its step, some milliseconds later as its policy draws it.
     assert (np.array(left_s) >= TICK_S * np.arange(1, 21)).all()
     assert np.diff(left_s) == pytest.approx(np.full(19, TICK_S), abs=0.01)
 
