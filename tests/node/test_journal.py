@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from modelcast.node.journal import Journal
 
-
 NAMES = st.from_regex(r"[a-z]{1,20}", fullmatch=True).filter(lambda name: name not in {"utc", "event"})
 
 
