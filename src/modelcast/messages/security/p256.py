@@ -15,7 +15,7 @@ try:
     from cryptography.hazmat.primitives.hashes import SHA256
     from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 except ImportError as error:
-    raise MissingExtraError("signing", "live") from error
+    raise MissingExtraError("signing", "node") from error
 
 __all__ = ["PrivateKey", "PublicKey"]
 
