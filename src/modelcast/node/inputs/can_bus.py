@@ -129,7 +129,9 @@ def bus_by_name(interface: str, channel: str) -> Callable[[], can.BusABC]:
         Where python-can knows no such interface.
     """
     if interface not in can.VALID_INTERFACES:
-        raise ConfigError(f"no interface {interface!r}; python-can knows {', '.join(sorted(can.VALID_INTERFACES))}")
+        raise ConfigError(
+            f"no interface {interface!r}; python-can knows {', '.join(sorted(can.VALID_INTERFACES))}"
+        )
 
     def opened() -> can.BusABC:
         return can.Bus(channel=channel or None, interface=interface)

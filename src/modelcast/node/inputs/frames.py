@@ -1,7 +1,7 @@
 """Frames of a bus into quantities, by a DBC file and a map of signals; the one module that imports cantools."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -82,7 +82,7 @@ class FrameReader:
             return Read(fault="" if (frame_id, extended) in self._known else "unknown id")
         try:
             decoded = wanted.message.decode(bytes(data), decode_choices=False)
-        except (cantools.database.DecodeError, ValueError, OverflowError):
+        except (cantools.Error, ValueError, OverflowError):
             return Read(fault="bad frame")
         if not isinstance(decoded, dict):
             return Read(fault="bad frame")
@@ -110,7 +110,7 @@ def read_frames(dbc: str | Path, signals: Sequence[Signal]) -> FrameReader:
         database = cantools.database.load_file(dbc, database_format="dbc", strict=False)
     except OSError as error:
         raise DataFormatError(str(dbc), f"it cannot be read ({error.strerror})") from error
-    except (cantools.database.Error, ValueError, UnicodeError) as error:
+    except (cantools.Error, ValueError, UnicodeError) as error:
         raise DataFormatError(str(dbc), f"it is no DBC file: {error}") from error
     if not isinstance(database, Database):
         raise DataFormatError(str(dbc), "it describes no frames of a bus")
@@ -122,11 +122,15 @@ def _message(database: Database, signal: Signal) -> Message:
     try:
         message = database.get_message_by_name(signal.message)
     except KeyError as error:
-        raise ConfigError(f"the DBC has no message {signal.message!r}, which {signal.quantity} is read from") from error
+        raise ConfigError(
+            f"the DBC has no message {signal.message!r}, which {signal.quantity} is read from"
+        ) from error
     names = {one.name for one in message.signals}
     for name in (signal.signal, signal.sign):
         if name and name not in names:
-            raise ConfigError(f"message {signal.message} has no signal {name!r}; it has {', '.join(sorted(names))}")
+            raise ConfigError(
+                f"message {signal.message} has no signal {name!r}; it has {', '.join(sorted(names))}"
+            )
     return message
 
 
@@ -144,7 +148,7 @@ def _scaled(message: Message, signal: Signal) -> Signal:
     )
 
 
-def _in_si(signals: Iterable[Signal], decoded: dict[str, object]) -> Read:
+def _in_si(signals: Iterable[Signal], decoded: Mapping[str, object]) -> Read:
     values: list[tuple[str, float]] = []
     fault = ""
     for signal in signals:

@@ -1,4 +1,4 @@
-"""Fixes from NMEA 0183 as it arrives: a serial device, a FIFO or a TCP peer.
+"""Fixes from NMEA 0183 as it arrives: a serial device or a TCP peer.
 
 Sentences are those of `modelcast.io.nmea` and are read by the same functions. A GGA and an RMC of one instant are one
 fix, which leaves when the second has come; a receiver that sends only one kind is noticed after three fixes, whose
@@ -92,7 +92,9 @@ class NmeaSource(AbstractSource):
         self._utc_at_zero_s = utc_at_zero_s
         self._box = Mailbox(most=_MOST_WAITING)
         self._joiner = EpochJoiner()
-        self._midnight: tuple[float, float] | None = None  # UTC of the midnight last known, and of the last fix
+        self._midnight: tuple[float, float] | None = (
+            None  # UTC of the midnight last known, and of the last fix
+        )
         kept = StreamRules(silence_s=3.0, most_octets=1024) if rules is None else rules
         self._stream = LineStream(connect, self.hear, self._box, kept)
         self.newest_utc: tuple[float, float] | None = None
@@ -180,14 +182,14 @@ class NmeaSource(AbstractSource):
 
 
 def serial_device(path: str, baud: int = 115_200) -> Connect:
-    """How a receiver on a serial line is reached; a FIFO or a pseudo terminal does as well.
+    """How a receiver on a serial line is reached; a pseudo terminal does as well.
 
     Parameters
     ----------
     path
         Of the device.
     baud
-        Its speed [1/s]; of no meaning to a FIFO.
+        Its speed [1/s].
 
     Raises
     ------

@@ -48,7 +48,7 @@ class TripReplay(AbstractSource):
     Examples
     --------
     >>> from modelcast.world.drive import generate_drive
-    >>> replay = TripReplay(generate_drive(1, 60.0).truth, begin_s=100.0)
+    >>> replay = TripReplay(generate_drive(1, 90.0).truth, begin_s=100.0)
     >>> [type(sample).__name__ for sample in replay.take(100.0)]
     ['GnssFix', 'BusValue', 'BusValue', 'BusValue']
     """
@@ -63,7 +63,9 @@ class TripReplay(AbstractSource):
         with_bus: bool = True,
     ) -> None:
         if not (0.0 < times_as_fast < math.inf and 0.0 <= latency_s < math.inf):
-            raise ValueError(f"times_as_fast must be positive and latency_s not negative, got {times_as_fast}, {latency_s}")
+            raise ValueError(
+                f"times_as_fast must be positive and latency_s not negative, got {times_as_fast}, {latency_s}"
+            )
         self.trip = trip
         self.origin = trip.origin or NOWHERE
         self.times_s: FloatArray = begin_s + trip.t_s / times_as_fast
@@ -78,7 +80,9 @@ class TripReplay(AbstractSource):
                 "acceleration_mps2": (trip.acceleration_mps2, times_as_fast**2),
                 "yaw_rate_radps": (trip.yaw_rate_radps, times_as_fast),
             }
-            self._bus = {name: scale * column for name, (column, scale) in columns.items() if column is not None}
+            self._bus = {
+                name: scale * column for name, (column, scale) in columns.items() if column is not None
+            }
         self._next = 0
         self._counts = {"samples": 0, "implausible": 0, "no place": 0}
 

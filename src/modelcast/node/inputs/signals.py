@@ -134,7 +134,9 @@ def unit_scale(quantity: str, unit: str) -> float:
     measure, scale = UNITS.get(unit, ("", math.nan))
     if measure != _MEASURES[quantity]:
         fitting = ", ".join(name for name, (what, _) in UNITS.items() if what == _MEASURES[quantity])
-        raise ConfigError(f"{quantity} cannot be in {unit!r}: write one of {fitting} in brackets behind the signal")
+        raise ConfigError(
+            f"{quantity} cannot be in {unit!r}: write one of {fitting} in brackets behind the signal"
+        )
     return scale
 
 

@@ -1,0 +1,98 @@
+"""What a vehicle learns of its own bus while it has fixes, for the time when it has none.
+
+Over the last 10 s before a fix, courses of fixes less the turn by the bus's yaw rate are a line in time: its end is
+the course, free of a single fix's noise, its slope the bias of the yaw rate. Speeds of fixes over those of the bus
+give the scale of the latter.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from modelcast.node.inputs.reckoning import way
+from modelcast.node.inputs.samples import GnssFix
+from modelcast.node.inputs.series import Series
+
+__all__ = ["LEARNT_S", "BusErrors", "bus_errors"]
+
+LEARNT_S = 10.0
+_LEAST_FIXES = 5
+_LEAST_LINE_S = 3.0
+_ABOVE_MPS = 3.0
+_MOST_BIAS_RADPS = math.radians(1.5)
+_MOST_SCALE = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class BusErrors:
+    """What a bus is off by.
+
+    Parameters
+    ----------
+    heading_rad
+        The course at the fix, NaN where nothing was learnt [rad].
+    yaw_rate_radps
+        What its yaw rate is too large by [rad/s].
+    speed_scale
+        What its speed must be multiplied by.
+    """
+
+    heading_rad: float = math.nan
+    yaw_rate_radps: float = 0.0
+    speed_scale: float = 1.0
+
+
+def bus_errors(fixes: Sequence[GnssFix], speed: Series, yaw_rate: Series) -> BusErrors:
+    """What the bus is off by, seen from the last of some fixes.
+
+    Parameters
+    ----------
+    fixes
+        In order of time.
+    speed, yaw_rate
+        Of the bus.
+    """
+    last_s = fixes[-1].measured_s
+    used = [
+        fix
+        for fix in fixes
+        if fix.measured_s >= last_s - LEARNT_S
+        and fix.speed_mps > _ABOVE_MPS
+        and math.isfinite(fix.heading_rad)
+    ]
+    if len(used) < _LEAST_FIXES:
+        return BusErrors()
+    by_fixes = sum(fix.speed_mps * speed.at(fix.measured_s) for fix in used)
+    by_bus = sum(speed.at(fix.measured_s) ** 2 for fix in used)
+    scale = by_fixes / by_bus if by_bus > 0.0 else 1.0
+    heading_rad, bias_radps = _course_line(used, last_s, yaw_rate)
+    return BusErrors(
+        heading_rad,
+        min(max(bias_radps, -_MOST_BIAS_RADPS), _MOST_BIAS_RADPS),
+        min(max(scale, 1.0 - _MOST_SCALE), 1.0 + _MOST_SCALE),
+    )
+
+
+def _course_line(fixes: Sequence[GnssFix], last_s: float, yaw_rate: Series) -> tuple[float, float]:
+    """Course at a time, and bias of the yaw rate, by a line through courses less the turn since the first."""
+    turned_rad, at_s = 0.0, fixes[0].measured_s
+    rows: list[tuple[float, float]] = []
+    for fix in fixes:
+        turned_rad += _turn_rad(yaw_rate, at_s, fix.measured_s)
+        at_s = fix.measured_s
+        off_rad = math.remainder(fix.heading_rad - fixes[0].heading_rad - turned_rad, math.tau)
+        rows.append((at_s - last_s, off_rad))
+    turned_rad += _turn_rad(yaw_rate, at_s, last_s)
+    count = len(rows)
+    mean_s, mean_rad = sum(row[0] for row in rows) / count, sum(row[1] for row in rows) / count
+    slope_radps = 0.0
+    if rows[-1][0] - rows[0][0] >= _LEAST_LINE_S:
+        spread = sum((since_s - mean_s) ** 2 for since_s, _ in rows)
+        slope_radps = sum((since_s - mean_s) * off_rad for since_s, off_rad in rows) / spread
+    return fixes[0].heading_rad + turned_rad + mean_rad - slope_radps * mean_s, -slope_radps
+
+
+def _turn_rad(yaw_rate: Series, from_s: float, to_s: float) -> float:
+    """Integral of a yaw rate between two times [rad]."""
+    knots_s = yaw_rate.knots(from_s, to_s)
+    return way(lambda _: 0.0, yaw_rate.at, knots_s, from_s=from_s, to_s=to_s, heading_rad=0.0).heading_rad
