@@ -1,8 +1,8 @@
 """Values off a vehicle's bus, by python-can in a thread of its own.
 
-Any interface that python-can names: ``socketcan``, ``udp_multicast``, ``virtual``. A bus that fails is closed and
-opened anew every half second. A frame is taken to be measured when it arrives: what python-can dates it with is no
-clock of ours. Frames are only listened to; none is ever sent.
+Any interface that python-can names: ``socketcan``, ``udp_multicast``, ``virtual``. A bus that fails is
+closed and opened anew every half second. A frame is taken to be measured when it arrives: what python-can
+dates it with is no clock of ours. Frames are only listened to; none is ever sent.
 """
 
 import asyncio
@@ -72,7 +72,7 @@ class CanSource(AbstractSource):
         return self._box.take(now_s)
 
     def counts(self) -> Mapping[str, int]:
-        """Values, "connections", "not reached", "closed", and "unknown id", "bad frame", "implausible", "error frame"."""
+        """Values, connections, and what was passed over: "unknown id", "bad frame", "implausible"."""
         return self._box.counts()
 
     def hear(self, frame: can.Message) -> None:

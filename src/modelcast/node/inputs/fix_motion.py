@@ -20,7 +20,15 @@ _COURSE_M = 1.0
 
 @dataclass(frozen=True, slots=True)
 class OwnMotion:
-    """Motion as fixes alone show it."""
+    """Motion as fixes alone show it.
+
+    Parameters
+    ----------
+    speed_mps, acceleration_mps2, yaw_rate_radps
+        At the last fix; the yaw rate clockwise.
+    stated_mps
+        The speed that fix states, NaN where it states none [m/s].
+    """
 
     speed_mps: float
     acceleration_mps2: float
@@ -29,7 +37,13 @@ class OwnMotion:
 
 
 def motion_of(fixes: Sequence[GnssFix]) -> OwnMotion:
-    """Speed, acceleration and yaw rate at the last of some fixes."""
+    """Speed, acceleration and yaw rate at the last of some fixes.
+
+    Parameters
+    ----------
+    fixes
+        In order of time, at least one.
+    """
     recent = [fix for fix in fixes if fix.measured_s >= fixes[-1].measured_s - RATES_FROM_VELOCITY.span_s]
     spoken = [fix for fix in recent if math.isfinite(fix.speed_mps)]
     stated_mps = fixes[-1].speed_mps
@@ -49,18 +63,22 @@ def _speed_by_places(fixes: Sequence[GnssFix]) -> float:
     if len(fixes) < 2:
         return 0.0
     before, fix = fixes[-2:]
-    place_deg = np.array([[fix.latitude_deg, fix.longitude_deg]])
-    east_m, north_m = geodetic_to_local(place_deg, origin_of(before))[0].tolist()
-    return math.hypot(east_m, north_m) / (fix.measured_s - before.measured_s)
+    return math.hypot(*_between_m(before, fix)) / (fix.measured_s - before.measured_s)
 
 
 def end_slope_of(times_s: Sequence[float], values: Sequence[float]) -> float:
-    """Slope at the newest of some values, of the quadratic through them that the station's rates use; 0 of few."""
+    """Slope at the newest value of the quadratic that the station's own rates use; 0 of fewer than four.
+
+    Parameters
+    ----------
+    times_s, values
+        In order of time, (N,) [s] and (N,); the slope is kept within what is plausible of an acceleration.
+    """
     if len(times_s) < RATES_FROM_VELOCITY.degree + 2:
         return 0.0
     rows: FloatArray = np.zeros((len(values), 2))
     rows[:, 0] = values
-    slope, _ = endend_slope_of(
+    slope, _ = end_slope(
         np.array(times_s, dtype=np.float64), rows, 0, len(values) - 1, 0, RATES_FROM_VELOCITY.degree
     )
     low, high = PLAUSIBLE["acceleration_mps2"]

@@ -1,4 +1,4 @@
-"""Frames of a bus into quantities, by a DBC file and a map of signals; the one module that imports cantools."""
+"""Frames of a bus into quantities, by a DBC file and a map: the one module that imports cantools."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,26 +1,27 @@
 """Which source stands still while another says that the vehicle moves.
 
-Values that stay the same to the bit prove nothing: a car on cruise control has one speed, one that stands has one
-place. A source is frozen where its values stayed the same for a stated time and number, and another source says that
-they should not have:
+Values that stay the same to the bit prove nothing: a car on cruise control has one speed, one that stands
+has one place. A source is frozen where its values stayed the same for a stated time and number, and another
+source says that they should not have:
 
-==============  =========================================  ==================================================
+==============  =========================================  =============================================
 Frozen          Same for                                   While
-==============  =========================================  ==================================================
+==============  =========================================  =============================================
 place           5 fixes, 0.4 s                             more than 2 m were driven, by the bus, or by the
                                                            speed that the same fixes state
-speed           2 s, 5 values                              fixes state speeds all that time that differ by more
-                                                           than 1.5 m/s or 10 %, and their places are not frozen
-yaw rate        2 s, 5 values                              the course turned by 10° more or less, above 3 m/s
-acceleration    2 s, 5 values                              the speed of fixes changed by 3 m/s more or less
-==============  =========================================  ==================================================
+speed           2 s, 5 values                              fixes state speeds, for the last 2 s, that differ
+                                                           by over 1.5 m/s and 10 %; their places move
+yaw rate        2 s, 5 values                              the course turned 10° more or less, above 3 m/s
+acceleration    2 s, 5 values                              the speed of fixes changed 3 m/s more or less
+==============  =========================================  =============================================
 
-A speed is looked at first, since it judges places. What was given out before is not taken back: for as long as a
-freeze takes to show, the vehicle is elsewhere.
+A speed is looked at first, since it judges places. What was given out before is not taken back: for as long
+as a freeze takes to show, the vehicle is elsewhere.
 """
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 from modelcast.node.inputs.samples import GnssFix
 from modelcast.node.inputs.series import Series
@@ -112,8 +113,7 @@ def _turn_differs(yaw_rate_radps: float, fixes: Sequence[GnssFix]) -> bool:
     if len(moving) < 2 or len(moving) < len(fixes):
         return False
     turned_rad = sum(
-        math.remainder(later.heading_rad - sooner.heading_rad, math.tau)
-        for sooner, later in zip(moving, moving[1:], strict=False)
+        math.remainder(later.heading_rad - sooner.heading_rad, math.tau) for sooner, later in pairwise(moving)
     )
     return abs(turned_rad - yaw_rate_radps * (moving[-1].measured_s - moving[0].measured_s)) > _TURN_RAD
 
@@ -142,5 +142,5 @@ def _driven_m(times_s: Sequence[float], speeds_mps: Sequence[float]) -> float:
     rows = list(zip(times_s, speeds_mps, strict=True))
     return sum(
         (later_s - sooner_s) * (0.0 if math.isnan(speed_mps) else speed_mps)
-        for (sooner_s, speed_mps), (later_s, _) in zip(rows, rows[1:], strict=False)
+        for (sooner_s, speed_mps), (later_s, _) in pairwise(rows)
     )

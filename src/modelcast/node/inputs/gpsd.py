@@ -14,9 +14,10 @@ VERSION     release                                    shown; also the answer th
 DEVICES     devices                                    shown
 ==========  =========================================  ==================================================
 
-Where gpsd states no error, the ellipse is unavailable (NaN): a message says so, and `modelcast.node.inputs.motion`
-reckons with its stated default. Each TPV is read when it comes and replaces what waits beyond 32, so minutes of
-backlog cannot build up; one that is old by its own time is refused where fixes are judged.
+Where gpsd states no error, the ellipse is unavailable (NaN): a message says so, and
+`modelcast.node.inputs.motion` reckons with its stated default. Each TPV is read when it comes and replaces
+what waits beyond 32, so minutes of backlog cannot build up; one that is old by its own time is refused
+where fixes are judged.
 
 References
 ----------
@@ -60,8 +61,8 @@ class GpsdSource(AbstractSource):
     utc_at_zero_s
         UTC at its 0 [s].
     rules
-        How the connection is kept; the default gives up after 2 s of silence, asks after 1 s, and is back 0.5 s
-        after gpsd is.
+        How the connection is kept; the default gives up after 2 s of silence, asks after 1 s, and is back
+        0.5 s after gpsd is.
     """
 
     def __init__(
@@ -99,7 +100,7 @@ class GpsdSource(AbstractSource):
         return self._box.take(now_s)
 
     def counts(self) -> Mapping[str, int]:
-        """Fixes, connections, reports by class, and "no fix", "ahead", "other device", "garbage", "overlong"."""
+        """Fixes, connections, reports by class, and what was passed over by reason."""
         return self._box.counts()
 
     def hear(self, line: bytes) -> None:
@@ -171,7 +172,7 @@ def read_report(line: bytes) -> dict[str, Any]:
     """
     value: object = parse_json(line.decode("utf-8"))
     if not isinstance(value, dict) or not isinstance(cast("dict[str, Any]", value).get("class"), str):
-        raise ValueError("a report is an object with a text 'class'")
+        raise ValueError("a report is an object with a text 'class'")  # noqa: TRY004 - text of a peer, no argument
     return cast("dict[str, Any]", value)
 
 

@@ -1,8 +1,9 @@
 """Lines from a peer that may vanish: connect, listen, notice silence, connect again.
 
-A connection whose other end is gone without a word (half open) looks like a quiet one. So after half the allowed
-silence the peer is asked something it answers at once, where the protocol has such a question; after the whole the
-connection is given up. Peers are not trusted: chunks and lines are bounded, and what cannot be read is counted.
+A connection whose other end is gone without a word (half open) looks like a quiet one. So after half the
+allowed silence the peer is asked something it answers at once, where the protocol has such a question;
+after the whole the connection is given up. Peers are not trusted: chunks and lines are bounded, and what
+cannot be read is counted.
 """
 
 import asyncio

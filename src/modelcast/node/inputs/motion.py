@@ -36,8 +36,8 @@ class Motion:
     covariance_m2
         Of the place, east and north, (2, 2) [m²].
     ellipse_known
-        Whether the fix stated its error; where not, a message must say "unavailable" and the covariance begins with
-        `modelcast.node.inputs.reckoning.DEFAULT_AXIS_M`.
+        Whether the fix stated its error; where not, a message must say "unavailable" and the covariance
+        begins with `modelcast.node.inputs.reckoning.DEFAULT_AXIS_M`.
     age_s
         Of the fix behind it [s].
     begins

@@ -1,17 +1,18 @@
 """Fixes and bus values aligned onto a station's tick, and what is left when a part of them fails.
 
-At a tick the newest fix that has arrived is carried on to the tick by speed and yaw rate (`reckoning`): of the bus
-where it gives them, else as the last fixes show. Nothing that was measured or arrives later than the tick enters, and
-between two bus values only those that are both in the past are joined by a line. A motion is a function of the
-samples that arrived and of the ticks asked for, not of the order of arrival.
+At a tick the newest fix that has arrived is carried on to the tick by speed and yaw rate (`reckoning`): of
+the bus where it gives them, else as the last fixes show. Nothing that was measured or arrives later than
+the tick enters, and between two bus values only those that are both in the past are joined by a line. A
+motion is a function of the samples that arrived and of the ticks asked for, not of the order of arrival.
 
 ========  ============================================================================================
 Mode      When
 ========  ============================================================================================
-gnss+can  a fix younger than three of its periods (0.3 s at 10 Hz, at most `stale_s`), and speed and yaw rate of
-          the bus, as fresh by the same rule
-gnss      such a fix; the bus is lost, frozen, or was never there: speed and heading are the fix's, acceleration and
-          yaw rate slopes through those of the last 1.9 s (`modelcast.station.sensing.rates`)
+gnss+can  a fix younger than three of its periods (0.3 s at 10 Hz, at most `stale_s`), and speed and yaw
+          rate of the bus, as fresh by the same rule
+gnss      such a fix; the bus is lost, frozen, or was never there: speed and heading are the fix's,
+          acceleration and yaw rate slopes through those of the last 1.9 s
+          (`modelcast.station.sensing.rates`)
 can       no such fix, but both of the bus: dead reckoning from the last fix, up to `dead_reckoning_s`
 silent    else: `at` gives None
 ========  ============================================================================================
@@ -68,7 +69,8 @@ class MotionSource:
     origin
         Of the node's plane; the first fix used where None.
     stale_s
-        Longest age of a fix or bus value that is used as fresh [s]; what is older on arrival is left out, "late".
+        Longest age of a fix or bus value that is used as fresh [s]; what is older on arrival is left out,
+        "late".
     dead_reckoning_s
         How long a place may be reckoned without fixes [s].
     growth
@@ -89,7 +91,7 @@ class MotionSource:
     >>> source.at(10.0).mode, [change.after for change in source.events()]
     ('gnss+can', ['gnss+can'])
     >>> source.at(12.0) is None, source.health.why  # neither fix nor bus for two seconds
-    (True, 'no fix for 2.0 s and no bus')
+    (True, 'no fix for 2.0 s and bus lost')
     """
 
     def __init__(
@@ -286,7 +288,7 @@ class MotionSource:
             "yaw_rate_radps": own.yaw_rate_radps,
         }
         if "speed_mps" in by_bus and "acceleration_mps2" not in by_bus:
-            estimated["acceleration_mps2"] = _slope(
+            estimated["acceleration_mps2"] = end_slope_of(
                 *by_bus["speed_mps"].since(now_s - RATES_FROM_VELOCITY.span_s)
             )
         derived = {name for name in estimated if name not in by_bus}

@@ -1,11 +1,13 @@
 """Fixes from NMEA 0183 as it arrives: a serial device or a TCP peer.
 
-Sentences are those of `modelcast.io.nmea` and are read by the same functions. A GGA and an RMC of one instant are one
-fix, which leaves when the second has come; a receiver that sends only one kind is noticed after three fixes, whose
-next ones leave at once. What waits for a partner leaves when a sentence of another instant comes.
+Sentences are those of `modelcast.io.nmea` and are read by the same functions. A GGA and an RMC of one
+instant are one fix, which leaves when the second has come; a receiver that sends only one kind is noticed
+after three fixes, whose next ones leave at once. What waits for a partner leaves when a sentence of another
+instant comes.
 
-A fix has the date of the last RMC, or else the day that brings it nearest to the node's clock. NMEA states no error
-here, so the ellipse is unavailable. A recorded file is replayed by `modelcast.node.inputs.replay`, at its own times.
+A fix has the date of the last RMC, or else the day that brings it nearest to the node's clock. NMEA states
+no error here, so the ellipse is unavailable. A recorded file is replayed by `modelcast.node.inputs.replay`,
+at its own times.
 """
 
 import asyncio
@@ -113,7 +115,7 @@ class NmeaSource(AbstractSource):
         return self._box.take(now_s)
 
     def counts(self) -> Mapping[str, int]:
-        """Fixes, connections, and "no fix", "ahead", "position missing", "bad checksum", "garbage", "overlong"."""
+        """Fixes, connections, and what was passed over by reason."""
         return self._box.counts()
 
     def hear(self, line: bytes) -> None:

@@ -1,8 +1,8 @@
 """What a vehicle learns of its own bus while it has fixes, for the time when it has none.
 
-Over the last 10 s before a fix, courses of fixes less the turn by the bus's yaw rate are a line in time: its end is
-the course, free of a single fix's noise, its slope the bias of the yaw rate. Speeds of fixes over those of the bus
-give the scale of the latter.
+Over the last 10 s before a fix, courses of fixes less the turn by the bus's yaw rate are a line in time:
+its end is the course, free of a single fix's noise, its slope the bias of the yaw rate. Speeds of fixes
+over those of the bus give the scale of the latter.
 """
 
 import math

@@ -1,8 +1,8 @@
 """Where a vehicle is some time after a fix, by its speed and yaw rate, and how sure that is.
 
 With speed v(t) and clockwise yaw rate w(t) the course is h(t) = h + integral of w, the way the integral of
-v (sin h, cos h). It is summed over the pieces between values, each by the values in its middle, which is exact to
-second order in their length.
+v (sin h, cos h). It is summed over the pieces between values, each by the values in its middle, which is
+exact to second order in their length.
 
 The error grows from the fix's own. With age a, driven way s and speed v, one standard deviation is
 
@@ -25,8 +25,8 @@ __all__ = ["DEFAULT_AXIS_M", "Growth", "Way", "ellipse_covariance_m2", "ellipse_
 DEFAULT_AXIS_M = 8.0 / math.sqrt(2.0 * math.log(20.0))
 """Standard deviation on each axis of a fix whose error is not stated, 3.3 m.
 
-The GPS Standard Positioning Service Performance Standard (5th edition, 2020, position accuracy) has 8 m horizontally,
-95 %, as the global average, errors of atmosphere and receiver left out.
+The GPS Standard Positioning Service Performance Standard (5th edition, 2020, position accuracy) has 8 m
+horizontally, 95 %, as the global average, errors of atmosphere and receiver left out.
 """
 
 

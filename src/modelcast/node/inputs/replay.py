@@ -1,7 +1,8 @@
-"""A recorded trip as if it were measured now: fixes and bus values at the times it was recorded, or k times as fast.
+"""A recorded trip as if it were measured now, at the pace it was recorded at or k times as fast.
 
-The same path is driven in 1/k of the time: speeds and yaw rates are k times, accelerations k² times the recorded ones,
-so that they still belong to the places. At k = 1 all numbers are the recorded ones, to the bit.
+The same path is driven in 1/k of the time: speeds and yaw rates are k times, accelerations k² times the
+recorded ones, so that they still belong to the places. At k = 1 all numbers are the recorded ones, to the
+bit.
 """
 
 import math
@@ -139,13 +140,15 @@ class TripReplay(AbstractSource):
         return samples
 
 
-def trip_from(text: str) -> Trajectory:
-    """The trip that a text names: a file, or ``FILE#ID`` where it holds several; the first where none is named.
+def trip_from(text: str, *, format_name: str | None = None) -> Trajectory:
+    """The trip that a text names: the first of a file, or the one of ``FILE#ID``.
 
     Parameters
     ----------
     text
         Path, and a trip's id behind the last ``#``.
+    format_name
+        Of the file; found from its content where None.
 
     Raises
     ------
@@ -155,7 +158,7 @@ def trip_from(text: str) -> Trajectory:
         Where the file is not what its format says.
     """
     path, _, wanted = text.rpartition("#") if "#" in text and not Path(text).exists() else (text, "", "")
-    for trip in read_trips(path):
+    for trip in read_trips(path, format_name):
         if wanted in {"", trip.trip_id}:
             return trip
     raise ConfigError(f"{path} has no trip" + (f" {wanted!r}" if wanted else " that can be driven"))

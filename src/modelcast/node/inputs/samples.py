@@ -1,4 +1,4 @@
-"""What sources give: fixes, and values of the vehicle's bus, each with when it was measured and when it arrived."""
+"""What sources give: fixes and bus values, each with when it was measured and when it arrived."""
 
 import math
 from collections.abc import Mapping
@@ -21,8 +21,9 @@ PLAUSIBLE: Mapping[str, tuple[float, float]] = MappingProxyType(
 )
 """Quantities of a bus and the least and greatest value that a road vehicle shows.
 
-Speed is negative backwards, yaw rate clockwise, acceleration along the vehicle, steering the wheel's angle clockwise,
-brake 1 where the pedal is pressed. 2.5 rad/s is a turn of 4 m at 36 km/h; four turns of the wheel are 25 rad.
+Speed is negative backwards, yaw rate clockwise, acceleration along the vehicle, steering the wheel's angle
+clockwise, brake 1 where the pedal is pressed. 2.5 rad/s is a turn of 4 m at 36 km/h; four turns of the
+wheel are 25 rad.
 """
 
 
@@ -43,8 +44,8 @@ class GnssFix:
     speed_mps, heading_rad
         Over ground; heading is the course, clockwise from true north.
     semi_major_m, semi_minor_m, ellipse_orientation_rad
-        Error ellipse of one standard deviation, as in SAE J2735's PositionalAccuracy; orientation of the longer
-        axis, clockwise from north. NaN is J2735's "unavailable".
+        Error ellipse of one standard deviation, as in SAE J2735's PositionalAccuracy; orientation of the
+        longer axis, clockwise from north. NaN is J2735's "unavailable".
     position_m
         East and north on the node's plane, where the source knows them better than by the angles [m].
 
@@ -74,7 +75,8 @@ class GnssFix:
             )
         if not -math.inf < self.measured_s <= self.received_s < math.inf:
             raise ValueError(
-                f"a fix arrives after it was measured, got {self.measured_s} s measured, {self.received_s} s received"
+                "a fix arrives after it was measured, "
+                f"got {self.measured_s} s measured, {self.received_s} s received"
             )
 
     @property
@@ -144,8 +146,8 @@ def measured_at(received_s: float, utc_s: float, utc_at_zero_s: float) -> float:
 
     Examples
     --------
-    >>> measured_at(10.0, 1009.5, 1000.0), measured_at(10.0, 1010.05, 1000.0), measured_at(10.0, math.nan, 0.0)
-    (9.5, 10.0, 10.0)
+    >>> [measured_at(10.0, utc_s, 1000.0) for utc_s in (1009.5, 1010.05, math.nan)]
+    [9.5, 10.0, 10.0]
     """
     if not math.isfinite(utc_s):
         return received_s

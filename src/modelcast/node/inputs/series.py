@@ -3,6 +3,7 @@
 import bisect
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from statistics import median
 
 __all__ = ["Series", "stale_after_s"]
@@ -61,7 +62,7 @@ class Series:
         return [row[0] for row in rows], [row[2] for row in rows]
 
     def at(self, t_s: float) -> float:
-        """The value at a time: on the line between its neighbours, the nearest one's beyond the ends; NaN of none."""
+        """The value at a time, on the line between its neighbours; beyond an end that end's, NaN of none."""
         rows = self._rows
         if not rows:
             return math.nan
@@ -85,7 +86,7 @@ class Series:
         return bisect.bisect_right(self._rows, (to_s, math.inf, math.inf)) - first
 
     def same_since(self) -> tuple[float, int]:
-        """Since when the value has not changed by a bit, and how many values that are; infinity and 0 of none."""
+        """Since when the newest value stands, and how many it is; infinity and 0 of none."""
         begin_s, count = math.inf, 0
         for measured_s, _, value in reversed(self._rows):
             if value != self._rows[-1][2]:
@@ -113,6 +114,6 @@ def stale_after_s(times_s: list[float], cap_s: float) -> float:
     >>> stale_after_s([0.0, 0.2, 0.4], 1.0), stale_after_s([0.0, 0.01], 1.0), stale_after_s([0.0, 1.0], 1.0)
     (0.6000000000000001, 0.3, 1.0)
     """
-    gaps = [later - sooner for sooner, later in zip(times_s, times_s[1:], strict=False)]
+    gaps = [later - sooner for sooner, later in pairwise(times_s)]
     period_s = median(gaps) if gaps else 0.0
     return min(max(_PERIODS * period_s, _LEAST_S), cap_s)

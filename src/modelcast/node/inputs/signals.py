@@ -1,26 +1,28 @@
 """What signals of a bus mean: which one is the speed, in what unit, which way round.
 
-A map in words, as in a configuration: ``speed_mps=SPEED.SPEED[km/h], yaw_rate_radps=KINEMATICS.YAW_RATE[-deg/s]``. The
-unit in brackets is that of the value as the DBC gives it; a minus turns it round, a number before it scales it. Without
-brackets the DBC's own unit holds, which must be one of `UNITS`. ``~NAME`` before the brackets is a signal of the
-same message that makes the value negative where it is 1.
+A map in words, as in a configuration: ``speed_mps=SPEED.SPEED[km/h],
+yaw_rate_radps=KINEMATICS.YAW_RATE[-deg/s]``. The unit in brackets is that of the value as the DBC gives it;
+a minus turns it round, a number before it scales it. Without brackets the DBC's own unit holds, which must
+be one of `UNITS`. ``~NAME`` before the brackets is a signal of the same message that makes the value
+negative where it is 1.
 
 Headings and turns are clockwise here: a bus that counts to the left is turned round.
 
 Presets (`PRESETS`) name the signals of public DBC files of the opendbc project (MIT), read in release 0.3.1:
 
-===================== ===================================================== ===================================
-Preset                Signals                                               What to check before driving
-===================== ===================================================== ===================================
-toyota_prius_2010_pt  SPEED.SPEED [mph], KINEMATICS.YAW_RATE,               that file gives the yaw rate no unit
-                      ACCELEROMETER.ACCEL_X [m/s2],                         and says "verify"; 0.244 deg/s a step
-                      STEER_ANGLE_SENSOR.STEER_ANGLE [deg],                 is from _toyota_2017.dbc, the same
-                      BRAKE_MODULE.BRAKE_PRESSED                            frame. Direction: taken as leftwards
-vw_mqb                ESP_21.ESP_v_Signal [km/h],                           signs are bits of their own, taken as
-                      ESP_02.ESP_Gierrate [deg/s], ESP_Laengsbeschl,        1 to the right
+===================== ============================================== =====================================
+Preset                Signals                                        What to check before driving
+===================== ============================================== =====================================
+toyota_prius_2010_pt  SPEED.SPEED [mph], KINEMATICS.YAW_RATE,        that file gives the yaw rate no unit and
+                      ACCELEROMETER.ACCEL_X [m/s2],                  says "verify"; 0.244 deg/s a step is
+                      STEER_ANGLE_SENSOR.STEER_ANGLE [deg],          from _toyota_2017.dbc, the same frame.
+                      BRAKE_MODULE.BRAKE_PRESSED                     Direction: taken as leftwards
+vw_mqb                ESP_21.ESP_v_Signal [km/h],                    signs are bits of their own, taken as
+                      ESP_02.ESP_Gierrate [deg/s],                   1 to the right
+                      ESP_02.ESP_Laengsbeschl [m/s2],
                       LWI_01.LWI_Lenkradwinkel [deg],
                       ESP_05.ESP_Fahrer_bremst
-===================== ===================================================== ===================================
+===================== ============================================== =====================================
 """
 
 import math
@@ -76,7 +78,8 @@ PRESETS: Mapping[str, str] = MappingProxyType(
             "steering_rad=STEER_ANGLE_SENSOR.STEER_ANGLE[-deg], brake=BRAKE_MODULE.BRAKE_PRESSED[flag]"
         ),
         "vw_mqb": (
-            "speed_mps=ESP_21.ESP_v_Signal[km/h], yaw_rate_radps=ESP_02.ESP_Gierrate~ESP_VZ_Gierrate[-deg/s], "
+            "speed_mps=ESP_21.ESP_v_Signal[km/h], "
+            "yaw_rate_radps=ESP_02.ESP_Gierrate~ESP_VZ_Gierrate[-deg/s], "
             "acceleration_mps2=ESP_02.ESP_Laengsbeschl[m/s2], "
             "steering_rad=LWI_01.LWI_Lenkradwinkel~LWI_VZ_Lenkradwinkel[-deg], "
             "brake=ESP_05.ESP_Fahrer_bremst[flag]"
@@ -155,7 +158,8 @@ def read_signals(text: str) -> tuple[Signal, ...]:
 
     Examples
     --------
-    >>> [round(signal.scale, 4) for signal in read_signals("speed_mps=A.B[km/h], yaw_rate_radps=A.C[-0.1 deg/s]")]
+    >>> found = read_signals("speed_mps=A.B[km/h], yaw_rate_radps=A.C[-0.1 deg/s]")
+    >>> [round(signal.scale, 4) for signal in found]
     [0.2778, -0.0017]
     """
     found: dict[str, Signal] = {}
