@@ -12,7 +12,7 @@ from modelcast.node.inputs.samples import PLAUSIBLE, GnssFix
 from modelcast.station.sensing.rates import NO_RATES_BELOW_MPS, RATES_FROM_VELOCITY
 from modelcast.station.sensing.velocity_kernels import end_slope
 
-__all__ = ["OwnMotion", "course_of", "end_slope_of", "motion_of", "origin_of"]
+__all__ = ["Course", "OwnMotion", "course_of", "courses_of", "end_slope_of", "motion_of", "origin_of"]
 
 _COURSE_M = 1.0
 """Places at least so far apart tell a course where fixes do not."""
@@ -107,6 +107,37 @@ def course_of(fixes: Sequence[GnssFix], *, within_s: float, otherwise_rad: float
         if math.hypot(east_m, north_m) >= _COURSE_M:
             return math.atan2(east_m, north_m) % math.tau
     return otherwise_rad
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """Which way, and how fast, at an instant [s], [rad], [m/s]."""
+
+    t_s: float
+    heading_rad: float
+    speed_mps: float
+
+
+def courses_of(fixes: Sequence[GnssFix]) -> list[Course]:
+    """Courses that fixes state, and those between two places where neither states one.
+
+    Parameters
+    ----------
+    fixes
+        In order of time.
+    """
+    found: list[Course] = []
+    before: GnssFix | None = None
+    for fix in fixes:
+        if math.isfinite(fix.heading_rad + fix.speed_mps):
+            found.append(Course(fix.measured_s, fix.heading_rad, fix.speed_mps))
+        elif before is not None and not math.isfinite(before.heading_rad):
+            east_m, north_m = _between_m(before, fix)
+            step_s = fix.measured_s - before.measured_s
+            middle_s = (fix.measured_s + before.measured_s) / 2.0
+            found.append(Course(middle_s, math.atan2(east_m, north_m), math.hypot(east_m, north_m) / step_s))
+        before = fix
+    return found
 
 
 def origin_of(fix: GnssFix) -> Origin:

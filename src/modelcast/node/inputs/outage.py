@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from modelcast.node.inputs.fix_motion import Course, courses_of
 from modelcast.node.inputs.reckoning import way
 from modelcast.node.inputs.samples import GnssFix
 from modelcast.node.inputs.series import Series
@@ -53,17 +54,12 @@ def bus_errors(fixes: Sequence[GnssFix], speed: Series, yaw_rate: Series) -> Bus
         Of the bus.
     """
     last_s = fixes[-1].measured_s
-    used = [
-        fix
-        for fix in fixes
-        if fix.measured_s >= last_s - LEARNT_S
-        and fix.speed_mps > _ABOVE_MPS
-        and math.isfinite(fix.heading_rad)
-    ]
+    recent = [fix for fix in fixes if fix.measured_s >= last_s - LEARNT_S]
+    used = [course for course in courses_of(recent) if course.speed_mps > _ABOVE_MPS]
     if len(used) < _LEAST_FIXES:
         return BusErrors()
-    by_fixes = sum(fix.speed_mps * speed.at(fix.measured_s) for fix in used)
-    by_bus = sum(speed.at(fix.measured_s) ** 2 for fix in used)
+    by_fixes = sum(course.speed_mps * speed.at(course.t_s) for course in used)
+    by_bus = sum(speed.at(course.t_s) ** 2 for course in used)
     scale = by_fixes / by_bus if by_bus > 0.0 else 1.0
     heading_rad, bias_radps = _course_line(used, last_s, yaw_rate)
     return BusErrors(
@@ -73,14 +69,14 @@ def bus_errors(fixes: Sequence[GnssFix], speed: Series, yaw_rate: Series) -> Bus
     )
 
 
-def _course_line(fixes: Sequence[GnssFix], last_s: float, yaw_rate: Series) -> tuple[float, float]:
+def _course_line(courses: Sequence[Course], last_s: float, yaw_rate: Series) -> tuple[float, float]:
     """Course at a time, and bias of the yaw rate, by a line through courses less the turn since the first."""
-    turned_rad, at_s = 0.0, fixes[0].measured_s
+    turned_rad, at_s = 0.0, courses[0].t_s
     rows: list[tuple[float, float]] = []
-    for fix in fixes:
-        turned_rad += _turn_rad(yaw_rate, at_s, fix.measured_s)
-        at_s = fix.measured_s
-        off_rad = math.remainder(fix.heading_rad - fixes[0].heading_rad - turned_rad, math.tau)
+    for course in courses:
+        turned_rad += _turn_rad(yaw_rate, at_s, course.t_s)
+        at_s = course.t_s
+        off_rad = math.remainder(course.heading_rad - courses[0].heading_rad - turned_rad, math.tau)
         rows.append((at_s - last_s, off_rad))
     turned_rad += _turn_rad(yaw_rate, at_s, last_s)
     count = len(rows)
@@ -89,7 +85,7 @@ def _course_line(fixes: Sequence[GnssFix], last_s: float, yaw_rate: Series) -> t
     if rows[-1][0] - rows[0][0] >= _LEAST_LINE_S:
         spread = sum((since_s - mean_s) ** 2 for since_s, _ in rows)
         slope_radps = sum((since_s - mean_s) * off_rad for since_s, off_rad in rows) / spread
-    return fixes[0].heading_rad + turned_rad + mean_rad - slope_radps * mean_s, -slope_radps
+    return courses[0].heading_rad + turned_rad + mean_rad - slope_radps * mean_s, -slope_radps
 
 
 def _turn_rad(yaw_rate: Series, from_s: float, to_s: float) -> float:
