@@ -1,9 +1,12 @@
 """How far dead reckoning goes astray on real trips, and how often within its own ellipse.
 
-Every trip of ``MODELCAST_DATA`` below that has speed and yaw rate is replayed. From every seventh second on its
-fixes are withheld; the bus goes on. At whole seconds of the outage the motion that `MotionSource` gives is compared
-with the recorded place. The recorded place is where the outage begins, so the ellipse that counts is that of the
-growth alone, without the fix's own.
+Every trip of ``MODELCAST_DATA`` below that has speed and yaw rate is replayed. From every seventh second on
+its fixes are withheld; the bus goes on. At whole seconds of the outage the motion that `MotionSource` gives
+is compared with the recorded place. The recorded place is where the outage begins, so the ellipse that
+counts is that of the growth alone, without the fix's own.
+
+Two of the trips have a bus that measures. The third (`HELD`) has speed, heading and yaw rate of a receiver, smoothed
+over seconds and held for one, and places on a grid of half a metre: what such a bus is worth is shown, not judged.
 """
 
 import argparse
@@ -24,7 +27,8 @@ from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["main", "outage_errors"]
 
-TRIPS = ("comma2k19", "smartloc", "spmd/bsm_p1_dev.csv")
+TRIPS = ("comma2k19", "smartloc")
+HELD = ("spmd/bsm_p1_dev.csv",)
 EVERY_S = 7.0
 LEARN_S = 12.0
 WITHIN_95 = -2.0 * math.log(0.05)
@@ -49,7 +53,9 @@ def outage_errors(trip: Trajectory, ages_s: FloatArray) -> FloatArray:
     return np.array(rows).reshape(-1, 4)
 
 
-def _one_outage(trip: Trajectory, begin_s: float, ages_s: FloatArray) -> list[tuple[float, float, float, float]]:
+def _one_outage(
+    trip: Trajectory, begin_s: float, ages_s: FloatArray
+) -> list[tuple[float, float, float, float]]:
     replay = TripReplay(trip)
     source = MotionSource(replay.origin, dead_reckoning_s=float(ages_s[-1]) + 1.0)
     samples = replay.take(begin_s + float(ages_s[-1]) + 0.1)
@@ -75,12 +81,14 @@ def _one_outage(trip: Trajectory, begin_s: float, ages_s: FloatArray) -> list[tu
 def main(arguments: list[str] | None = None) -> int:
     """Print a table a trip; returns 1 where fewer than nine in ten are within."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--ages", type=float, nargs="+", default=[1.0, 2.0, 3.0, 5.0], help="after the last fix [s]")
+    parser.add_argument(
+        "--ages", type=float, nargs="+", default=[1.0, 2.0, 3.0, 5.0], help="after the last fix [s]"
+    )
     ages_s = np.array(parser.parse_args(arguments).ages)
     print("| trip | after | outages | error p50 | p95 | 95 % radius p50 | within |")
     print("|---|---|---|---|---|---|---|")
     within: list[float] = []
-    for name in TRIPS:
+    for name in TRIPS + HELD:
         for trip in read_trips(Path(os.environ["MODELCAST_DATA"]) / name):
             errors = outage_errors(trip, ages_s)
             for age_s in ages_s:
@@ -90,7 +98,8 @@ def main(arguments: list[str] | None = None) -> int:
                     f"| {name} | {age_s:g} s | {len(here)} | {p50:.2f} m | {p95:.2f} m | "
                     f"{np.median(here[:, 2]):.2f} m | {100 * here[:, 3].mean():.0f} % |"
                 )
-            within.append(float(errors[:, 3].mean()))
+            if name in TRIPS:
+                within.append(float(errors[:, 3].mean()))
     return int(min(within) < 0.9)
 
 

@@ -305,7 +305,7 @@ class MotionSource:
             position_m=position_m,
             heading_rad=wrapped_rad,
             derived=frozenset(derived),
-            covariance_m2=_covariance_m2(fix) + self._growth.covariance_m2(age_s, driven),
+            covariance_m2=_covariance_m2(fix) + errors.widened(self._growth).covariance_m2(age_s, driven),
             ellipse_known=fix.has_ellipse,
             age_s=age_s,
             begins=self._begins(now_s, state.mode, position_m),
@@ -319,8 +319,10 @@ class MotionSource:
         """What the bus was off by before the fixes were lost, found once for what is known of that time."""
         speed, yaw_rate = self._bus["speed_mps"], self._bus["yaw_rate_radps"]
         last_s = state.fixes[-1].measured_s
-        counts = [one.count(last_s - LEARNT_S, last_s) for one in (speed, yaw_rate)]
-        key = (last_s, len(state.fixes), *counts)
+        both = (speed, yaw_rate)
+        counts = [one.count(last_s - LEARNT_S, last_s) for one in both]
+        nexts = [next(one.knots(last_s, math.inf), -math.inf) for one in both]
+        key = (last_s, len(state.fixes), *counts, *nexts)
         if self._learnt is None or self._learnt[0] != key:
             self._learnt = (key, bus_errors(state.fixes, speed, yaw_rate))
         return self._learnt[1]

@@ -7,10 +7,10 @@ over those of the bus give the scale of the latter.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from modelcast.node.inputs.fix_motion import Course, courses_of
-from modelcast.node.inputs.reckoning import way
+from modelcast.node.inputs.reckoning import Growth, way
 from modelcast.node.inputs.samples import GnssFix
 from modelcast.node.inputs.series import Series
 
@@ -22,6 +22,8 @@ _LEAST_LINE_S = 3.0
 _ABOVE_MPS = 3.0
 _MOST_BIAS_RADPS = math.radians(1.5)
 _MOST_SCALE = 0.1
+_TURN_S = 2.5
+"""In such a time a course goes as far off its line as it is spread about it: a quarter of the window."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,11 +38,31 @@ class BusErrors:
         What its yaw rate is too large by [rad/s].
     speed_scale
         What its speed must be multiplied by.
+    course_rad
+        Standard deviation of courses about that line: what the yaw rate does not show [rad].
+    turn_radps
+        Of the turn that it does not show [rad/s].
     """
 
     heading_rad: float = math.nan
     yaw_rate_radps: float = 0.0
     speed_scale: float = 1.0
+    course_rad: float = 0.0
+    turn_radps: float = 0.0
+
+    def widened(self, growth: Growth) -> Growth:
+        """How the error grows by a bus that was off so.
+
+        Parameters
+        ----------
+        growth
+            How it grows by a good one, which is the least.
+        """
+        return replace(
+            growth,
+            course_rad=max(growth.course_rad, self.course_rad),
+            yaw_rate_radps=max(growth.yaw_rate_radps, self.turn_radps),
+        )
 
 
 def bus_errors(fixes: Sequence[GnssFix], speed: Series, yaw_rate: Series) -> BusErrors:
@@ -61,16 +83,28 @@ def bus_errors(fixes: Sequence[GnssFix], speed: Series, yaw_rate: Series) -> Bus
     by_fixes = sum(course.speed_mps * speed.at(course.t_s) for course in used)
     by_bus = sum(speed.at(course.t_s) ** 2 for course in used)
     scale = by_fixes / by_bus if by_bus > 0.0 else 1.0
-    heading_rad, bias_radps = _course_line(used, last_s, yaw_rate)
+    line = _course_line(used, last_s, yaw_rate)
+    bias_radps = min(max(-line.slope_radps, -_MOST_BIAS_RADPS), _MOST_BIAS_RADPS)
     return BusErrors(
-        heading_rad,
-        min(max(bias_radps, -_MOST_BIAS_RADPS), _MOST_BIAS_RADPS),
+        line.end_rad,
+        bias_radps,
         min(max(scale, 1.0 - _MOST_SCALE), 1.0 + _MOST_SCALE),
+        line.spread_rad,
+        max(abs(line.slope_radps + bias_radps), line.spread_rad / _TURN_S),
     )
 
 
-def _course_line(courses: Sequence[Course], last_s: float, yaw_rate: Series) -> tuple[float, float]:
-    """Course at a time, and bias of the yaw rate, by a line through courses less the turn since the first."""
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """Course at the end, slope, and standard deviation about it."""
+
+    end_rad: float
+    slope_radps: float
+    spread_rad: float
+
+
+def _course_line(courses: Sequence[Course], last_s: float, yaw_rate: Series) -> _Line:
+    """The line through courses less the turn since the first, at a time."""
     turned_rad, at_s = 0.0, courses[0].t_s
     rows: list[tuple[float, float]] = []
     for course in courses:
@@ -85,7 +119,10 @@ def _course_line(courses: Sequence[Course], last_s: float, yaw_rate: Series) -> 
     if rows[-1][0] - rows[0][0] >= _LEAST_LINE_S:
         spread = sum((since_s - mean_s) ** 2 for since_s, _ in rows)
         slope_radps = sum((since_s - mean_s) * off_rad for since_s, off_rad in rows) / spread
-    return courses[0].heading_rad + turned_rad + mean_rad - slope_radps * mean_s, -slope_radps
+    about = [off_rad - mean_rad - slope_radps * (since_s - mean_s) for since_s, off_rad in rows]
+    spread_rad = math.sqrt(sum(one**2 for one in about) / count)
+    end_rad = courses[0].heading_rad + turned_rad + mean_rad - slope_radps * mean_s
+    return _Line(end_rad, slope_radps, spread_rad)
 
 
 def _turn_rad(yaw_rate: Series, from_s: float, to_s: float) -> float:

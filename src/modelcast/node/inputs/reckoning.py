@@ -121,7 +121,7 @@ class Growth:
     """
 
     speed_ratio: float = 0.01
-    speed_mps: float = 0.1
+    speed_mps: float = 0.15
     course_rad: float = math.radians(1.0)
     yaw_rate_radps: float = math.radians(0.3)
 
