@@ -69,11 +69,13 @@ def test_fixes_of_the_real_gpsd_arrive_and_again_after_its_restart(peer, until):
         return found
 
     async def run() -> tuple[list, list, GpsdSource]:
-        one = GpsdSource("127.0.0.1", port, now_s=lambda: 60.0, utc_at_zero_s=zero_s)
+        clock = {"s": 60.0}
+        one = GpsdSource("127.0.0.1", port, now_s=lambda: clock["s"], utc_at_zero_s=zero_s)
         await one.start()
         async with peer() as feed:
             with gpsd(port, feed.port):
                 first = await fixes(one, feed)
+        clock["s"] = 70.0  # the receiver has another name now, and is taken for another one for two seconds
         async with peer() as feed:
             with gpsd(port, feed.port):
                 second = await fixes(one, feed)
