@@ -15,15 +15,16 @@ yaw rate        2 s, 5 values                              the course turned 10Â
 acceleration    2 s, 5 values                              the speed of fixes changed 3 m/s more or less
 ==============  =========================================  =============================================
 
-A speed is looked at first, since it judges places. What was given out before is not taken back: for as long
-as a freeze takes to show, the vehicle is elsewhere.
+A speed is looked at first, since it judges places; fixes whose own speed leaps as no vehicle's does (20
+m/sÂ²) judge none. What was given out before is not taken back: for as long as a freeze takes to show, the
+vehicle is elsewhere.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
-from modelcast.node.inputs.samples import GnssFix
+from modelcast.node.inputs.samples import PLAUSIBLE, GnssFix
 from modelcast.node.inputs.series import Series
 
 __all__ = ["frozen_quantities", "same_place_since"]
@@ -99,12 +100,19 @@ def frozen_quantities(fixes: Sequence[GnssFix], bus: Mapping[str, Series]) -> fr
 
 def _speed_differs(speed_mps: float, fixes: Sequence[GnssFix]) -> bool:
     """Whether fixes whose places can be trusted state other speeds than a constant one."""
-    if same_place_since(fixes, None) is not None:
+    if same_place_since(fixes, None) is not None or any(map(_leaps, fixes, fixes[1:])):
         return False
     latest = [fix for fix in fixes if fix.measured_s >= fixes[-1].measured_s - _VALUE_S]
     return all(
         abs(fix.speed_mps - abs(speed_mps)) > max(_SPEED_MPS, _SPEED_RATIO * fix.speed_mps) for fix in latest
     )
+
+
+def _leaps(sooner: GnssFix, later: GnssFix) -> bool:
+    """Whether a stated speed changed as no vehicle's does, as where a receiver hangs."""
+    most_mps2 = PLAUSIBLE["acceleration_mps2"][1]
+    step_s = later.measured_s - sooner.measured_s
+    return abs(later.speed_mps - sooner.speed_mps) > most_mps2 * step_s + _SPEED_MPS
 
 
 def _turn_differs(yaw_rate_radps: float, fixes: Sequence[GnssFix]) -> bool:
