@@ -59,7 +59,9 @@ def yaw_frame(raw: int, right: int = 0) -> bytes:
 def test_values_are_in_si_and_clockwise(dbc):
     reader = read_frames(dbc, read_signals(MAP))
     assert dict(reader.read(180, speed_frame(3600)).values) == {"speed_mps": pytest.approx(10.0)}
-    assert dict(reader.read(36, yaw_frame(1000)).values) == {"yaw_rate_radps": pytest.approx(-math.radians(10.0))}
+    assert dict(reader.read(36, yaw_frame(1000)).values) == {
+        "yaw_rate_radps": pytest.approx(-math.radians(10.0))
+    }
     assert dict(reader.read(0x0CF004FE, b"\1\0", extended=True).values) == {"brake": 1.0}
 
 
@@ -121,7 +123,9 @@ def test_units_have_their_definitions():
 def test_frames_of_a_virtual_bus_become_values(dbc, until):
     async def run() -> CanSource:
         with can.Bus(interface="virtual", channel="frames") as sender:
-            source = CanSource(bus_by_name("virtual", "frames"), read_frames(dbc, read_signals(MAP)), now_s=lambda: 5.0)
+            source = CanSource(
+                bus_by_name("virtual", "frames"), read_frames(dbc, read_signals(MAP)), now_s=lambda: 5.0
+            )
             await source.start()
             await until(lambda: source.counts().get("connections") == 1)
             for frame_id, data in ((180, speed_frame(3600)), (1234, bytes(8)), (36, yaw_frame(100))):
@@ -132,7 +136,10 @@ def test_frames_of_a_virtual_bus_become_values(dbc, until):
 
     source = asyncio.run(run())
     assert source.counts()["unknown id"] == 1
-    assert [(one.quantity, one.measured_s) for one in source.take(5.0)] == [("speed_mps", 5.0), ("yaw_rate_radps", 5.0)]
+    assert [(one.quantity, one.measured_s) for one in source.take(5.0)] == [
+        ("speed_mps", 5.0),
+        ("yaw_rate_radps", 5.0),
+    ]
 
 
 def test_a_bus_that_fails_is_opened_again(dbc, until):

@@ -22,7 +22,9 @@ def line(report: dict, **more: object) -> bytes:
 
 def source(port: int = 1, *, at_s: float = 10.0, **rules: float) -> GpsdSource:
     given = StreamRules(**({"hello": b"?WATCH\n", "ping": b"?VERSION;\n", "retry_s": 0.01} | rules))
-    return GpsdSource("127.0.0.1", port, now_s=lambda: at_s, utc_at_zero_s=ZERO_S, rules=given if rules else None)
+    return GpsdSource(
+        "127.0.0.1", port, now_s=lambda: at_s, utc_at_zero_s=ZERO_S, rules=given if rules else None
+    )
 
 
 def heard(*lines: bytes, at_s: float = 10.0) -> GpsdSource:
@@ -61,7 +63,10 @@ def test_error_estimates_are_95_percent_limits_on_their_axes():
     north = read_tpv(TPV | {"epx": 1.96, "epy": 3.92}, received_s=0.0, measured_s=0.0)
     east = read_tpv(TPV | {"epx": 3.92, "epy": 1.96}, received_s=0.0, measured_s=0.0)
     both = read_tpv(TPV | {"eph": 2.4477}, received_s=0.0, measured_s=0.0)
-    assert (north.semi_major_m, north.semi_minor_m) == (pytest.approx(2.0, abs=1e-3), pytest.approx(1.0, abs=1e-3))
+    assert (north.semi_major_m, north.semi_minor_m) == (
+        pytest.approx(2.0, abs=1e-3),
+        pytest.approx(1.0, abs=1e-3),
+    )
     assert (north.ellipse_orientation_rad, east.ellipse_orientation_rad) == (0.0, math.pi / 2.0)
     assert both.semi_major_m == both.semi_minor_m == pytest.approx(1.0, abs=1e-3)
 
@@ -121,7 +126,16 @@ def test_split_garbage_and_overlong_lines_leave_the_fixes_between_them(peer, unt
             await one.start()
             await until(lambda: b"?WATCH" in b"".join(server.heard))
             text = line(TPV)
-            for piece in (text[:7], text[7:30], text[30:], b"nonsense\n", b"x" * 5000, b"\n", line(SKY), text):
+            for piece in (
+                text[:7],
+                text[7:30],
+                text[30:],
+                b"nonsense\n",
+                b"x" * 5000,
+                b"\n",
+                line(SKY),
+                text,
+            ):
                 server.say(piece)
                 await asyncio.sleep(0)
             await until(lambda: one.counts().get("samples") == 2)

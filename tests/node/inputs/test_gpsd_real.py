@@ -27,7 +27,7 @@ def epoch(second: int) -> bytes:
     time = at.strftime("%H%M%S.00")
     return (
         sentence(f"GPGGA,{time},4200.0000,N,08300.{second:04d},W,1,08,1.0,200.0,M,-34.0,M,,")
-        + sentence(f"GPGSA,A,3,04,05,06,09,12,24,25,29,,,,,1.8,1.0,1.5")
+        + sentence("GPGSA,A,3,04,05,06,09,12,24,25,29,,,,,1.8,1.0,1.5")
         + sentence(f"GPRMC,{time},A,4200.0000,N,08300.{second:04d},W,20.0,90.0,{at:%d%m%y},,,A")
     )  # fmt: skip
 

@@ -1,5 +1,7 @@
 """Lines out of chunks."""
 
+from itertools import pairwise
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -12,7 +14,7 @@ MEGABYTES = 10
 def test_lines_do_not_depend_on_how_the_octets_were_cut(octets: bytes, cuts: list[int], most: int):
     whole, cut = LineSplitter(most), LineSplitter(most)
     bounds = [0, *sorted(min(at, len(octets)) for at in cuts), len(octets)]
-    pieces = [octets[low:high] for low, high in zip(bounds, bounds[1:], strict=False)]
+    pieces = [octets[low:high] for low, high in pairwise(bounds)]
     assert [line for piece in pieces for line in cut.feed(piece)] == whole.feed(octets)
     assert cut.overlong == whole.overlong
     assert cut.held == whole.held

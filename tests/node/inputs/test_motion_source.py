@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -126,7 +127,7 @@ def test_without_fixes_the_bus_carries_on_for_the_stated_time_then_there_is_sile
         assert error_m(motion, t_s) < 0.01
         radii.append(motion.ellipse[0])
     assert radii[0] == pytest.approx(DEFAULT_AXIS_M)
-    assert all(later > sooner for sooner, later in zip(radii[4:], radii[5:], strict=False))
+    assert all(later > sooner for sooner, later in pairwise(radii[4:]))
     assert source.at(20.1) is None
     assert [(one.before, one.after) for one in source.events()] == [
         ("silent", "gnss+can"), ("gnss+can", "can"), ("can", "silent"),
@@ -178,7 +179,9 @@ def test_a_clock_that_goes_back_begins_anew():
 
 
 def test_a_place_that_freezes_while_the_bus_drives_is_reckoned_on_from_where_it_froze():
-    frozen = [fix(t_s, at_s=min(t_s, 5.0), speed_mps=0.0) if t_s > 5.0 else fix(t_s) for t_s in times(0.0, 9.0, 0.1)]
+    frozen = [
+        fix(t_s, at_s=min(t_s, 5.0), speed_mps=0.0) if t_s > 5.0 else fix(t_s) for t_s in times(0.0, 9.0, 0.1)
+    ]
     source = fed(frozen + all_bus(0.0, 9.0))
     motions = {round(t_s, 1): source.at(t_s) for t_s in times(0.0, 9.0, 0.1)}
     assert motions[5.3].mode == "gnss+can"  # it does not show yet
@@ -250,7 +253,8 @@ def test_events_and_waiting_samples_are_bounded():
 
 
 SAMPLES: list[Sample] = sorted(
-    [fix(t_s, late_s=0.05) for t_s in [*times(0.0, 1.5, 0.1), *times(3.0, 4.0, 0.1)]] + all_bus(0.0, 3.5, 0.05),
+    [fix(t_s, late_s=0.05) for t_s in [*times(0.0, 1.5, 0.1), *times(3.0, 4.0, 0.1)]]
+    + all_bus(0.0, 3.5, 0.05),
     key=lambda one: one.received_s,
 )
 TICKS = times(0.0, 4.0, 0.1)

@@ -103,7 +103,9 @@ def test_fixes_come_over_tcp_and_again_after_the_peer_was_gone(peer, until):
     async def run() -> int:
         async with peer() as server:
             rules = StreamRules(retry_s=0.01)
-            one = NmeaSource(tcp("127.0.0.1", server.port), now_s=lambda: 100.0, utc_at_zero_s=ZERO_S, rules=rules)
+            one = NmeaSource(
+                tcp("127.0.0.1", server.port), now_s=lambda: 100.0, utc_at_zero_s=ZERO_S, rules=rules
+            )
             await one.start()
             for visits in (1, 2):
                 await until(lambda: len(server.writers) == visits)  # noqa: B023

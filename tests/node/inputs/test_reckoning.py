@@ -42,7 +42,11 @@ def test_an_ellipse_is_what_its_covariance_was_made_of(major_m: float, ratio: fl
     assert math.sin(found[2] - toward_rad) == pytest.approx(0.0, abs=1e-4)
 
 
-@given(st.lists(st.tuples(st.floats(0.0, 9.0), st.floats(0.0, 1.0), st.floats(-5.0, 5.0)), unique_by=lambda r: r[:2]))
+@given(
+    st.lists(
+        st.tuples(st.floats(0.0, 9.0), st.floats(0.0, 1.0), st.floats(-5.0, 5.0)), unique_by=lambda r: r[:2]
+    )
+)
 def test_a_series_does_not_depend_on_the_order_of_arrival(rows: list[tuple[float, float, float]]):
     one, other = Series(1000), Series(1000)
     for row in rows:

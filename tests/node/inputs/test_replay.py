@@ -58,7 +58,17 @@ def test_a_trip_of_a_file_is_found_by_its_id(tmp_path: Path):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "gpsd", "gpsd://", "gpsd://host", "gpsd://host:0", "gpsd://host:99999", "nmea:", "nmea:/dev/x@fast", "usb:1"],
+    [
+        "",
+        "gpsd",
+        "gpsd://",
+        "gpsd://host",
+        "gpsd://host:0",
+        "gpsd://host:99999",
+        "nmea:",
+        "nmea:/dev/x@fast",
+        "usb:1",
+    ],
 )
 def test_a_source_that_cannot_be_named_so_is_refused(text: str):
     with pytest.raises(ConfigError):

@@ -21,44 +21,29 @@ silent    else: `at` gives None
 import bisect
 import math
 from collections import Counter, deque
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import Origin, geodetic_to_local, local_to_geodetic
 from modelcast.node.inputs.fix_motion import course_of, end_slope_of, motion_of, origin_of
-from modelcast.node.inputs.frozen import frozen_quantities, same_place_since
+from modelcast.node.inputs.judging import SAME_S, State, judged
 from modelcast.node.inputs.motion import Change, Health, Mode, Motion
 from modelcast.node.inputs.outage import LEARNT_S, BusErrors, bus_errors
 from modelcast.node.inputs.reckoning import DEFAULT_AXIS_M, Growth, Way, ellipse_covariance_m2, way
 from modelcast.node.inputs.samples import PLAUSIBLE, GnssFix, Sample
-from modelcast.node.inputs.series import Series, stale_after_s
+from modelcast.node.inputs.series import Series
 from modelcast.station.sensing.rates import RATES_FROM_VELOCITY
 
 __all__ = ["MotionSource"]
 
-_SAME_S = 1e-6
-"""Instants closer than this are one."""
 _JUMP_M = 1.0
 """Where the place is farther from where the last motion led, at a change of mode, a new part begins."""
 _MOST_VALUES = 16_384
 _MOST_FIXES = 1024
 _MOST_WAITING = 65_536
 _MOST_EVENTS = 256
-
-
-@dataclass(frozen=True, slots=True)
-class _State:
-    """What there is at a tick: the fix to go on from, who is fresh, who is frozen."""
-
-    mode: Mode
-    why: str
-    fixes: Sequence[GnssFix]
-    fresh: frozenset[str]
-    frozen: frozenset[str]
-    stale_s: float
 
 
 class MotionSource:
@@ -119,7 +104,7 @@ class MotionSource:
         self._last_s = -math.inf
         self._last: Motion | None = None
         self._heading_rad = math.nan
-        self._state = _State("silent", "no fix yet", (), frozenset(), frozenset(), stale_s)
+        self._state = State("silent", "no fix yet", (), frozenset(), frozenset(), stale_s)
         self._learnt: tuple[tuple[float, ...], BusErrors] | None = None
 
     def feed(self, samples: Iterable[Sample]) -> None:
@@ -158,10 +143,10 @@ class MotionSource:
             self._forget()
         self._last_s = now_s
         self._admit(now_s)
-        state = self._judged(now_s)
+        state = judged(now_s, self._fixes, self._bus, stale_s=self._stale_s, reckon_s=self._dead_reckoning_s)
         motion = None if state.mode == "silent" else self._motion(now_s, state)
         if motion is None and state.mode != "silent":
-            state = _State("silent", "no heading yet", state.fixes, state.fresh, state.frozen, state.stale_s)
+            state = State("silent", "no heading yet", state.fixes, state.fresh, state.frozen, state.stale_s)
         self._tell(now_s, state)
         self._state, self._last = state, motion
         if motion is not None:
@@ -202,7 +187,7 @@ class MotionSource:
         """Sort in what has arrived, and drop what is too old for anything."""
         later: list[Sample] = []
         for sample in self._waiting:
-            if sample.received_s > now_s + _SAME_S:
+            if sample.received_s > now_s + SAME_S:
                 later.append(sample)
             elif isinstance(sample, GnssFix):
                 bisect.insort(self._fixes, sample, key=lambda fix: (fix.measured_s, fix.received_s))
@@ -215,40 +200,7 @@ class MotionSource:
         for series in self._bus.values():
             series.forget_before(oldest_s)
 
-    def _judged(self, now_s: float) -> _State:
-        """What there is at a tick."""
-        fixes = _one_an_instant(self._fixes)
-        stale_s = stale_after_s([fix.measured_s for fix in fixes[-6:]], self._stale_s)
-        frozen = frozen_quantities(fixes, self._bus)
-        fresh = frozenset(
-            name
-            for name, series in self._bus.items()
-            if name not in frozen and now_s - series.newest_s <= series.stale_after_s(self._stale_s) + _SAME_S
-        )
-        bus = fresh >= {"speed_mps", "yaw_rate_radps"}
-        if not fixes:
-            return _State("silent", "no fix yet", fixes, fresh, frozen, stale_s)
-        since = same_place_since(fixes, self._bus["speed_mps"] if "speed_mps" in fresh else None)
-        age_s = now_s - fixes[-1].measured_s
-        lost = f"no fix for {age_s:.1f} s"
-        if since is not None:
-            frozen |= {"place"}
-            fixes = fixes[: since + 1]
-            age_s = now_s - fixes[-1].measured_s
-            lost = f"place frozen for {age_s:.1f} s"
-        elif age_s <= stale_s + _SAME_S:
-            mode: Mode = "gnss+can" if bus else "gnss"
-            why = "fixes and bus" if bus else _bus_words(frozen, self._bus)
-            return _State(mode, why, fixes, fresh, frozen, stale_s)
-        if not bus:
-            return _State(
-                "silent", f"{lost} and {_bus_words(frozen, self._bus)}", fixes, fresh, frozen, stale_s
-            )
-        if age_s > self._dead_reckoning_s + _SAME_S:
-            return _State("silent", f"{lost}, too long to reckon", fixes, fresh, frozen, stale_s)
-        return _State("can", lost, fixes, fresh, frozen, stale_s)
-
-    def _motion(self, now_s: float, state: _State) -> Motion | None:
+    def _motion(self, now_s: float, state: State) -> Motion | None:
         """The motion at a tick, None where no heading is known."""
         fix = state.fixes[-1]
         age_s = now_s - fix.measured_s
@@ -274,7 +226,7 @@ class MotionSource:
             return own.yaw_rate_radps
 
         driven = Way(0.0, 0.0, heading_rad, 0.0)
-        if age_s > _SAME_S:
+        if age_s > SAME_S:
             series = [by_bus[name] for name in ("speed_mps", "yaw_rate_radps") if name in by_bus]
             knots_s = [knot for one in series for knot in one.knots(fix.measured_s, now_s)]
             driven = way(
@@ -292,12 +244,12 @@ class MotionSource:
                 *by_bus["speed_mps"].since(now_s - RATES_FROM_VELOCITY.span_s)
             )
         derived = {name for name in estimated if name not in by_bus}
-        if math.isfinite(own.stated_mps) and state.mode == "gnss" and age_s <= _SAME_S:
+        if math.isfinite(own.stated_mps) and state.mode == "gnss" and age_s <= SAME_S:
             derived.discard("speed_mps")
-        if not (math.isfinite(fix.heading_rad) and age_s <= _SAME_S):
+        if not (math.isfinite(fix.heading_rad) and age_s <= SAME_S):
             derived.add("heading_rad")
         moved = estimated | {name: value for name, value in measured.items() if name in estimated}
-        wrapped_rad = heading_rad if age_s <= _SAME_S else driven.heading_rad % math.tau
+        wrapped_rad = heading_rad if age_s <= SAME_S else driven.heading_rad % math.tau
         return Motion(
             t_s=now_s,
             mode=state.mode,
@@ -315,7 +267,7 @@ class MotionSource:
             **moved,
         )
 
-    def _errors(self, state: _State) -> BusErrors:
+    def _errors(self, state: State) -> BusErrors:
         """What the bus was off by before the fixes were lost, found once for what is known of that time."""
         speed, yaw_rate = self._bus["speed_mps"], self._bus["yaw_rate_radps"]
         last_s = state.fixes[-1].measured_s
@@ -353,7 +305,7 @@ class MotionSource:
         north_m = last.position_m[1] + last.speed_mps * since_s * math.cos(last.heading_rad)
         return math.hypot(position_m[0] - east_m, position_m[1] - north_m) > _JUMP_M
 
-    def _tell(self, now_s: float, state: _State) -> None:
+    def _tell(self, now_s: float, state: State) -> None:
         """Note what changed."""
         before = self._state
         if state.mode != before.mode:
@@ -363,26 +315,8 @@ class MotionSource:
             self._events.append(Change(now_s, "frozen", names[0], names[1], state.why))
 
 
-def _one_an_instant(fixes: Sequence[GnssFix]) -> list[GnssFix]:
-    """Fixes in order of time, of one instant the one that arrived last."""
-    last = len(fixes) - 1
-    return [
-        fix
-        for at, fix in enumerate(fixes)
-        if at == last or fixes[at + 1].measured_s - fix.measured_s > _SAME_S
-    ]
-
-
 def _covariance_m2(fix: GnssFix) -> FloatArray:
     """Of a fix, the default where it states no error."""
     if not fix.has_ellipse:
         return DEFAULT_AXIS_M**2 * np.eye(2)
     return ellipse_covariance_m2(fix.semi_major_m, fix.semi_minor_m, fix.ellipse_orientation_rad)
-
-
-def _bus_words(frozen: frozenset[str], bus: dict[str, Series]) -> str:
-    """Why the bus does not help."""
-    held = sorted(frozen & {"speed_mps", "yaw_rate_radps"})
-    if held:
-        return f"{' and '.join(held)} frozen"
-    return "bus lost" if any(len(one) for one in bus.values()) else "no bus"
