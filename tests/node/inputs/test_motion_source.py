@@ -68,8 +68,13 @@ def same(one: Motion | None, other: Motion | None) -> bool:
     if one is None or other is None:
         return one is other
     numbers = [
-        np.array([*m.place_deg, *m.position_m, m.speed_mps, m.heading_rad, m.acceleration_mps2, m.yaw_rate_radps,
-                  *m.covariance_m2.ravel(), m.age_s]) for m in (one, other)
+        np.array(
+            [
+                *motion.place_deg, *motion.position_m, motion.speed_mps, motion.heading_rad,
+                motion.acceleration_mps2, motion.yaw_rate_radps, *motion.covariance_m2.ravel(), motion.age_s,
+            ]
+        )
+        for motion in (one, other)
     ]  # fmt: skip
     return one.mode == other.mode and np.array_equal(*numbers, equal_nan=True)
 

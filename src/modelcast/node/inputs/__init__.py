@@ -16,8 +16,7 @@ Three verbs a source, two of the alignment; no iterators that wait::
 - Time is the node's: seconds that never fall, 0 at ``utc_at_zero_s``. A sample carries when it was measured
   and when it arrived; nothing before `MotionSource` judges how old is too old.
 - `gpsd`, `nmea`, `replay` and `can_bus` are the sources and `opening` makes them from the words of a
-  configuration; `samples` says what they give, `signals` what a bus means. `motion_source` aligns by
-  what `judging` finds there is,
-  `reckoning` goes on from a fix, `outage` says what the bus is off by, `frozen` finds what stands still and
-  should not.
+  configuration; `samples` says what they give, `signals` what a bus means. `motion_source` aligns by what
+  `judging` finds there is, `reckoning` goes on from a fix, `outage` says what the bus is off by, and `frozen`
+  finds what stands still and should not.
 """
