@@ -1,6 +1,5 @@
 """A drive to try the page with: simulated traffic, real stations and octets, a medium that loses."""
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
@@ -16,26 +15,30 @@ from modelcast.core.chance import child_generator
 from modelcast.dashboard.meter import MessageMeter
 from modelcast.dashboard.snapshot import Host, Snapshot, WarningShown, snapshot_of
 from modelcast.runtime.transport.virtual import VirtualMedium, VirtualTransport
+from modelcast.station.banks import named_bank
 from modelcast.station.fleet import Fleet
 from modelcast.station.receiver.ears import Ears
 from modelcast.station.receiver.local_dynamic_map import Beliefs, Receipt
+from modelcast.station.sender.sender import named_sender
 from modelcast.station.station import Station
 from modelcast.world.named_sensors import named_sensor
 from modelcast.world.scenario.base import AbstractScenario, FleetFrame, run_scenario
-from modelcast.world.scenario.highway import Highway
+from modelcast.world.scenario.grid import Grid
 from modelcast.world.scenario.sensed import sensed
 
 __all__ = ["DemoDrive"]
 
-_RING = Highway(length_m=900.0, density_per_km=32.0, lanes=2, form="ring", warm_up_s=30.0)
+_TOWN = Grid(columns=3, rows=3, density_per_km=14.0, junctions="priority", misjudged_ratio=0.1)
+_BANK = "learned+ctra+gp-vehicle+cv"
+_DELAY_S = 0.01
 
 
 @dataclass(frozen=True, slots=True)
 class DemoDrive:
     """One vehicle's map of the others around it; same seed, same snapshots.
 
-    The host is the vehicle of the first slot. Each other vehicle has its own way to it, on which each
-    message is lost by itself. All vehicles measure themselves as the named sensor does.
+    The host is the vehicle of the first slot, which must stay. Each other vehicle has its own way to it, on
+    which each message is lost by itself. All vehicles measure themselves as the named sensor does.
 
     Parameters
     ----------
@@ -43,18 +46,18 @@ class DemoDrive:
         Who drives.
     loss_ratio
         Share of messages that a way loses.
-    sender
-        What all send, by name.
+    bank
+        Sub-models of all, as `modelcast network --bank` takes them.
     sensor
         How they measure, by name.
     seed
         Of all randomness.
     """
 
-    scenario: AbstractScenario[Any] = _RING
+    scenario: AbstractScenario[Any] = _TOWN
     loss_ratio: float = 0.3
     _: KW_ONLY
-    sender: str = "mbc"
+    bank: str = _BANK
     sensor: str = "default"
     seed: int = 0
 
@@ -82,8 +85,10 @@ class _Way:
 
     transport: VirtualTransport
     sent: int = 0
+    """Messages that arrived or were lost."""
     heard: int = 0
-    frames: dict[bytes, int] = field(default_factory=dict[bytes, int])
+    frames: dict[bytes, tuple[float, int]] = field(default_factory=dict[bytes, tuple[float, int]])
+    """Time and length of those on their way."""
 
 
 class _Drive:
@@ -91,11 +96,13 @@ class _Drive:
 
     def __init__(self, demo: DemoDrive, first: FleetFrame) -> None:
         self._host = int(first.vehicle_id[0])
+        named = named_bank(demo.bank)
+        sender = named_sender("mbc", bank=named.bank, start=named.start, identify=named.identify)
         self._others = Fleet(
-            demo.sender, slots=len(first), seed=demo.seed + 1, ears=Ears((), capacity=1), spread_s=0.5
+            sender, slots=len(first), seed=demo.seed + 1, ears=Ears((), capacity=1), spread_s=0.5
         )
-        self._station = Station(demo.sender, temporary_id=self._host, seed=demo.seed + 2)
-        self._medium = VirtualMedium(IndependentErasure(demo.loss_ratio), delay_s=0.01, seed=demo.seed)
+        self._station = Station(sender, temporary_id=self._host, seed=demo.seed + 2)
+        self._medium = VirtualMedium(IndependentErasure(demo.loss_ratio), delay_s=_DELAY_S, seed=demo.seed)
         self._own = self._medium.join()
         self._ways: dict[int, _Way] = {}
         self._meter = MessageMeter()
@@ -138,15 +145,17 @@ class _Drive:
         receipts = self._station.hear(octets, received_s=[one.received_s for one in arrived])
         for one, receipt in zip(arrived, receipts.tolist(), strict=True):
             for way in self._ways.values():
-                frame_bytes = way.frames.pop(one.octets, 0)
-                if frame_bytes:
-                    way.heard += receipt == Receipt.ACCEPTED
-                    self._meter.received(one.received_s, frame_bytes)
+                if one.octets in way.frames:
+                    way.sent, way.heard = way.sent + 1, way.heard + 1
+                    self._meter.received(one.received_s, way.frames.pop(one.octets)[1])
                     break
             if receipt != Receipt.ACCEPTED:
                 self._meter.refused(Receipt(receipt).reason)
         for way in self._ways.values():
-            way.frames.clear()
+            lost = [octets for octets, (sent_s, _) in way.frames.items() if sent_s + _DELAY_S <= t_s]
+            for octets in lost:
+                del way.frames[octets]
+            way.sent += len(lost)
             way.transport.receive(t_s)
 
     def _send(self, t_s: float, own: Host, seen: FleetFrame, slot: int) -> None:
@@ -164,8 +173,7 @@ class _Drive:
             way = self._ways.get(message.vehicle)
             if way is None:
                 way = self._ways[message.vehicle] = _Way(self._medium.join())
-            way.sent += 1
-            way.frames[message.octets] = message.frame_bytes
+            way.frames[message.octets] = (message.send_s, message.frame_bytes)
             way.transport.send(message.octets, sent_s=message.send_s)
         for message in self._station.sense(
             t_s,
@@ -214,7 +222,7 @@ class _Drive:
 
     @staticmethod
     def _loss(ways: Sequence[_Way]) -> float:
-        sent = sum(way.sent - len(way.frames) for way in ways)
+        sent = sum(way.sent for way in ways)
         return 1.0 - sum(way.heard for way in ways) / sent if sent else float("nan")
 
 

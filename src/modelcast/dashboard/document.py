@@ -1,6 +1,7 @@
-"""Snapshots and roads as JSON texts: whole numbers in columns, so that a thousand remotes stay small and quick.
+"""Snapshots and roads as JSON texts: whole numbers in columns, so that a thousand remotes stay small.
 
-The tables in ``docs/node-page.md`` are the format. What is read is judged field by field: a log may come from anybody.
+The tables in ``docs/node-page.md`` are the format. What is read is judged field by field: a log may come from
+anybody.
 """
 
 import json
@@ -74,7 +75,7 @@ _REMOTES = Keys(
     {
         "ahead_ms": Each(Whole(1, 60_000), 0, _MOST_AHEAD),
         "names": Each(Text(80), 0, 256),
-        **dict.fromkeys(("id", "model", "path_cm", *_PLACES, *_SCALES), Anything()),
+        **dict.fromkeys(("id", "model", "path_cm", *_PLACES, *_SCALES), Each(Anything(), 0, MOST_REMOTES)),
     }
 )
 _SNAPSHOT = Keys(
@@ -88,7 +89,13 @@ _SNAPSHOT = Keys(
         "counters": _COUNTERS,
     }
 )
-_ROAD = Keys({"kind": Text(20), "schema": _UNSIGNED, "lines_dm": Anything()})
+_ROAD = Keys(
+    {
+        "kind": Text(20),
+        "schema": _UNSIGNED,
+        "lines_dm": Each(Each(_WHOLE, 4, 2 * _MOST_POINTS), 0, _MOST_POINTS),
+    }
+)
 
 
 def snapshot_text(snapshot: Snapshot) -> str:
@@ -207,8 +214,7 @@ def read_road(text: str) -> list[FloatArray]:
     ValueError
         Where it is none; a `FieldError` says where.
     """
-    lines: Any = _document(text, "road", _ROAD)["lines_dm"]
-    check(lines, Each(Each(_WHOLE, 2, 2 * _MOST_POINTS), 0, _MOST_POINTS), "$.lines_dm")
+    lines: list[list[int]] = _document(text, "road", _ROAD)["lines_dm"]
     for at, line in enumerate(lines):
         if len(line) % 2:
             raise FieldError(f"$.lines_dm[{at}]", len(line), "as many eastings as northings")
@@ -225,10 +231,11 @@ def _document(text: str, kind: str, rule: Keys) -> dict[str, Any]:
 
 
 def _read_remotes(given: dict[str, Any]) -> Remotes:
-    count = len(given["id"]) if isinstance(given["id"], list) else -1
-    if not 0 <= count <= MOST_REMOTES:
-        raise FieldError("$.remotes.id", given["id"], f"a list of 0 to {MOST_REMOTES} ids")
+    ids, paths = cast("list[Any]", given["id"]), cast("list[Any]", given["path_cm"])
+    count = len(ids)
     ahead_s = np.array(given["ahead_ms"], dtype=np.float64) / 1e3
+    if len(paths) != count:
+        raise FieldError("$.remotes.path_cm", len(paths), f"{count} paths, one an id")
     if (np.diff(ahead_s) <= 0.0).any():
         raise FieldError("$.remotes.ahead_ms", given["ahead_ms"], "rising times")
     vehicle = _read_column(given, "id", count, low=0, high=2**32 - 1).astype(np.int64)
@@ -236,20 +243,16 @@ def _read_remotes(given: dict[str, Any]) -> Remotes:
         raise FieldError("$.remotes.id", "an id", "ids that stand once")
     model = _read_column(given, "model", count, low=0, high=len(given["names"]) - 1).astype(np.int64)
     places = {
-        key: _read_column(given, key, count, low=0 if key in _PLACES[2:] else -_FAR) / 100.0 for key in _PLACES
+        key: _read_column(given, key, count, low=0 if key in _PLACES[2:] else -_FAR) / 100.0
+        for key in _PLACES
     }
     position_m = np.stack([places["east_cm"], places["north_cm"]], axis=1)
     others = {
         _FIELDS[key]: _read_column(given, key, count, optional=True) / scale for key, scale in _SCALES.items()
     }
-    paths: Any = given["path_cm"]
-    if not isinstance(paths, list) or len(cast("list[Any]", paths)) != count:
-        raise FieldError("$.remotes.path_cm", paths, f"a list of {count} paths")
-    flat: list[Any] = []
-    for at, path in enumerate(cast("list[Any]", paths)):
+    for at, path in enumerate(paths):
         check(path, Each(Each(_WHOLE, 2, 2), ahead_s.size, ahead_s.size), f"$.remotes.path_cm[{at}]")
-        flat.append(path)
-    offsets = np.array(flat, dtype=np.float64).reshape(count, ahead_s.size, 2) / 100.0
+    offsets = np.array(paths, dtype=np.float64).reshape(count, ahead_s.size, 2) / 100.0
     return Remotes(
         vehicle,
         position_m,
@@ -263,9 +266,15 @@ def _read_remotes(given: dict[str, Any]) -> Remotes:
 
 
 def _read_column(
-    given: Mapping[str, Any], key: str, count: int, *, low: int = -_FAR, high: int = _FAR, optional: bool = False
+    given: Mapping[str, Any],
+    key: str,
+    count: int,
+    *,
+    low: int = -_FAR,
+    high: int = _FAR,
+    optional: bool = False,
 ) -> FloatArray:
-    column: Any = given[key]
+    column: list[int | None] = given[key]
     rule = Whole(low, high)
     check(column, Each(Maybe(rule) if optional else rule, count, count), f"$.remotes.{key}")
     return np.array([np.nan if one is None else one for one in column], dtype=np.float64)

@@ -37,16 +37,16 @@ class AbstractFeed(abc.ABC):
     """Gives texts of `modelcast.dashboard.document` to whoever looks; all calls from one event loop."""
 
     @property
-    @abstractmethod
+    @abc.abstractmethod
     def name(self) -> str:
         """What is looked at, for people."""
 
     @property
-    @abstractmethod
+    @abc.abstractmethod
     def span(self) -> Span | None:
         """What of a log there is; None where snapshots come by themselves."""
 
-    @abstractmethod
+    @abc.abstractmethod
     def attach(self, slot: LatestSlot) -> None:
         """Begin to give to one who looks: the road, the newest or first snapshot, then what comes.
 
@@ -56,7 +56,7 @@ class AbstractFeed(abc.ABC):
             With the kinds `KINDS`.
         """
 
-    @abstractmethod
+    @abc.abstractmethod
     def detach(self, slot: LatestSlot) -> None:
         """Give no more.
 
@@ -66,7 +66,7 @@ class AbstractFeed(abc.ABC):
             As attached.
         """
 
-    @abstractmethod
+    @abc.abstractmethod
     def seek(self, slot: LatestSlot, t_s: float) -> None:
         """Give the newest snapshot of a log that is no later than a time; a live feed ignores it.
 

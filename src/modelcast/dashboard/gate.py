@@ -1,7 +1,8 @@
 """Who may look: the address asked for, the page that asks, and a token. Pure functions of a request's heads.
 
 A page of another site can make a browser ask this server, under a name of that site that points here (DNS
-rebinding). So the name asked for must be an address or one that was given; and a page that opens a socket must be this one.
+rebinding). So the name asked for must be an address or one that was given; and a page that opens a socket
+must be this one.
 """
 
 import hmac
@@ -92,7 +93,9 @@ class Gate:
         shown
             As it came, None for none.
         """
-        return not self.token or (shown is not None and hmac.compare_digest(shown.encode(), self.token.encode()))
+        return not self.token or (
+            shown is not None and hmac.compare_digest(shown.encode(), self.token.encode())
+        )
 
     def admits_cookies(self, cookies: Iterable[str]) -> bool:
         """Whether one of the ``Cookie`` heads carries a token that opens.

@@ -1,7 +1,7 @@
 """Snapshots in a file, one JSON document a line: written as they come, read at any time.
 
-A line is a text of `modelcast.dashboard.document`: a snapshot, or the road as known from then on. Times rise. What was
-cut off in the last line, as by a crash, is left out and counted.
+A line is a text of `modelcast.dashboard.document`: a snapshot, or the road that was driven. Times rise. What
+was cut off in the last line, as by a crash, is left out and counted.
 """
 
 import re

@@ -19,8 +19,8 @@ class SeenPaths:
     """Polylines that grow where somebody drives a way for the first time.
 
     A point is kept every 4 m. One that falls into a cell of 3 m in which a point of that direction (of eight)
-    is kept already adds nothing, so traffic that goes round and round leaves one line a lane. A line ends there, and
-    where a vehicle jumps by more than 60 m.
+    is kept already adds nothing, so traffic that goes round and round leaves one line a lane. A line ends
+    there, and where a vehicle jumps by more than 60 m.
 
     Parameters
     ----------

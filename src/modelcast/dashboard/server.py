@@ -7,10 +7,11 @@ import asyncio
 import json
 import socket
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from modelcast.core.exceptions import MissingExtraError, ModelcastError
 from modelcast.core.json_text import parse_json
+from modelcast.core.rules import Keys, Number, check
 from modelcast.dashboard.feed import KINDS, AbstractFeed
 from modelcast.dashboard.gate import COOKIE, HEADERS, Gate, is_loopback
 from modelcast.dashboard.slot import LatestSlot
@@ -29,12 +30,13 @@ except ImportError as error:
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-__all__ = ["MOST_CLIENTS", "listen", "page_server", "page_app"]
+__all__ = ["MOST_CLIENTS", "listen", "page_app", "page_server"]
 
 MOST_CLIENTS = 32
 """Sockets at a time; further ones are refused."""
 
 _LONGEST_REQUEST = 256
+_REQUEST = Keys({"at_s": Number(-1e10, 1e10)})
 _MEDIA = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
 _MISDIRECTED, _FORBIDDEN, _BUSY = 421, 403, 1013
 
@@ -186,12 +188,10 @@ async def _ask(browser: WebSocket, feed: AbstractFeed, slot: LatestSlot) -> None
 def _time_of(text: str) -> float | None:
     try:
         request = parse_json(text)
+        check(request, _REQUEST)
     except ValueError:
         return None
-    if not isinstance(request, dict) or set(request) != {"at_s"}:  # pyright: ignore[reportUnknownArgumentType]
-        return None
-    at_s: Any = request["at_s"]  # pyright: ignore[reportUnknownVariableType]
-    return float(at_s) if type(at_s) in {int, float} else None
+    return float(request["at_s"])
 
 
 class _Guarded:

@@ -6,7 +6,7 @@ __all__ = ["LatestSlot"]
 
 
 class LatestSlot:
-    """Holds the latest text of each kind until it is taken: a slow reader skips, and costs no more than one of each.
+    """Holds the latest text of each kind until it is taken: a slow reader skips, and costs one of each.
 
     Parameters
     ----------

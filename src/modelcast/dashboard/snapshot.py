@@ -99,7 +99,7 @@ class Remotes:
 
     def __post_init__(self) -> None:
         count = self.vehicle.size
-        wanted = {"position_m": (count, 2), "semi_axes_m": (count, 2)}
+        wanted: dict[str, tuple[int, ...]] = {"position_m": (count, 2), "semi_axes_m": (count, 2)}
         wanted["path_m"] = (count, self.ahead_s.size, 2)
         for name in (
             "heading_rad", "speed_mps", "angle_rad", "model", "age_s", "silent_s", "messages", "loss_ratio",
@@ -109,7 +109,7 @@ class Remotes:
         for name, shape in wanted.items():
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} must have shape {shape}, got {getattr(self, name).shape}")
-        if count and not (0 <= self.model.min() and self.model.max() < len(self.names)):
+        if count and not (self.model.min() >= 0 and self.model.max() < len(self.names)):
             raise ValueError(f"model must be from 0 to {len(self.names) - 1}, one of the names")
 
 
