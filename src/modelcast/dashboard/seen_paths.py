@@ -18,8 +18,8 @@ _SECTORS = 8
 class SeenPaths:
     """Polylines that grow where somebody drives a way for the first time.
 
-    A point is kept every 4 m. One that falls into a cell of 3 m in which a point of that direction (of eight)
-    is kept already adds nothing, so traffic that goes round and round leaves one line a lane. A line ends
+    A point is kept every 4 m. One that falls into a cell of 3 m through which a way of that direction (of eight)
+    leads already adds nothing, so traffic that goes round and round leaves one line a lane. A line ends
     there, and where a vehicle jumps by more than 60 m.
 
     Parameters
@@ -76,20 +76,15 @@ class SeenPaths:
         if gone_m > _BREAK_M:
             self._open[vehicle] = None
             return here
-        turn = math.atan2(here[1] - before[1], here[0] - before[0]) / (2.0 * math.pi)
-        cell = (
-            math.floor(here[0] / _CELL_M),
-            math.floor(here[1] / _CELL_M),
-            round(turn * _SECTORS) % _SECTORS,
-        )
+        cells = _cells(before, here, gone_m)
         line = self._open.get(vehicle)
-        if cell in self._taken or self.points + 2 > self._most_points:
+        if cells[-1] in self._taken or self.points + 2 > self._most_points:
             if line is not None and self.points < self._most_points:
                 line.append(here)  # so that lines meet
                 self.points += 1
             self._open[vehicle] = None
             return here
-        self._taken.add(cell)
+        self._taken.update(cells)
         if line is None:
             line = [before]
             self._lines.append(line)
@@ -98,3 +93,21 @@ class SeenPaths:
         line.append(here)
         self.points += 1
         return here
+
+
+def _cells(
+    before: tuple[float, float], here: tuple[float, float], gone_m: float
+) -> list[tuple[int, int, int]]:
+    """The cells from one place to another, with the direction; the last is that of the other."""
+    east_m, north_m = here[0] - before[0], here[1] - before[1]
+    sector = round(math.atan2(north_m, east_m) / (2.0 * math.pi) * _SECTORS) % _SECTORS
+    pieces = math.ceil(gone_m / (0.4 * _CELL_M))
+    shares = [piece / pieces for piece in range(pieces + 1)]
+    return [
+        (
+            math.floor((before[0] + share * east_m) / _CELL_M),
+            math.floor((before[1] + share * north_m) / _CELL_M),
+            sector,
+        )
+        for share in shares
+    ]

@@ -97,7 +97,7 @@ function bodiesOf(pen, group, size, colours) {
   pen.fillStyle = group.age === 2 ? colours.field : group.colour;
   pen.fill();
   pen.setLineDash(DASHES[group.age]);
-  pen.lineWidth = group.age === 2 ? 1.8 : 1.4;
+  pen.lineWidth = group.age === 2 ? 1.8 : 1.2;
   pen.strokeStyle = group.age === 2 ? group.colour : colours.ink;
   pen.stroke();
   pen.setLineDash([]);
@@ -182,7 +182,7 @@ export function drawMap(pen, camera, state, colours, colourOf) {
       const [x, y] = [camera.x(east), camera.y(north)];
       if (x > -80 && y > -80 && x < camera.width + 80 && y < camera.height + 80) shown.push({ remote, x, y });
     }
-    const size = Math.max(5, Math.min(2.4 * camera.scale, 11));
+    const size = Math.max(6, Math.min(2.4 * camera.scale, 12));
     const parts = [...groups(shown, colourOf)];
     for (const group of parts) ellipsesOf(pen, camera, group);
     for (const group of parts) pathsOf(pen, camera, group);

@@ -9,6 +9,7 @@ import { Series } from "./series.js";
 import { History, readSnapshot } from "./snapshots.js";
 
 const MOST_AHEAD_S = 0.5; // drawn on along the predicted path for no longer than this, where nothing new comes
+const FIRST_SIGHT_M = 260; // across the map at first, round the host
 const PALETTE = ["--m0", "--m1", "--m2", "--m3", "--m4", "--m5", "--m6", "--m7"];
 const find = (id) => document.getElementById(id);
 
@@ -62,10 +63,11 @@ function show(text, parsed = null) {
   state.warned = new Set(snapshot.warnings.map((one) => one.id));
   const chosen = snapshot.byId.get(state.chosen);
   if (chosen) series.add(snapshot.t, chosen);
-  panels.show(snapshot, state.chosen);
+  panels.show(snapshot, state.chosen, state.paused);
   if (!state.fitted && snapshot.remotes.length) {
     state.fitted = true;
-    fit();
+    if (snapshot.host) camera.scale = Math.min(camera.width, camera.height) / FIRST_SIGHT_M;
+    else fit();
   }
   timeline();
   state.dirty = true;
@@ -90,6 +92,7 @@ function pause(paused) {
   const button = find("pause");
   button.setAttribute("aria-pressed", String(paused));
   button.textContent = paused ? (state.span ? "Play" : "Go on") : "Pause";
+  if (paused && state.snapshot) panels.show(state.snapshot, state.chosen, true);
   if (!paused && !state.span && history.items.length) show(history.items[history.items.length - 1].text);
   panels.state(paused ? "paused" : state.span ? "playing" : "live", false);
   timeline();
@@ -114,10 +117,8 @@ function fit() {
     for (const one of state.snapshot.remotes) places.push([one.east, one.north]);
     if (state.snapshot.host) places.push([state.snapshot.host.east, state.snapshot.host.north]);
   }
-  const host = state.snapshot?.host;
+  setFollow(false);
   camera.fit(places);
-  if (state.follow && host) [camera.east, camera.north] = [host.east, host.north];
-  state.dirty = true;
 }
 
 function setFollow(follow) {

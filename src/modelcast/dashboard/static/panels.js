@@ -27,7 +27,6 @@ export class Panels {
     this.colourOf = colourOf;
     this.lastMs = -1e9;
     this.said = new Set();
-    this.chosen = null;
   }
 
   state(text, bad) {
@@ -36,10 +35,11 @@ export class Panels {
     place.dataset.bad = String(bad);
   }
 
-  show(snapshot, chosen) {
+  /** Show a snapshot; its figures at once where asked for, or where the last change is long enough ago. */
+  show(snapshot, chosen, atOnce) {
     this.#warnings(snapshot);
     const now = performance.now();
-    if (now - this.lastMs < EVERY_MS) return;
+    if (!atOnce && now - this.lastMs < EVERY_MS) return;
     this.lastMs = now;
     this.#counters(snapshot);
     this.#legend(snapshot);

@@ -63,7 +63,7 @@ export class Series {
     const { canvas } = chart;
     const ratio = window.devicePixelRatio || 1;
     const [wide, high] = [canvas.clientWidth, canvas.clientHeight];
-    if (canvas.width !== Math.round(wide * ratio)) {
+    if (canvas.width !== Math.round(wide * ratio) || canvas.height !== Math.round(high * ratio)) {
       canvas.width = Math.round(wide * ratio);
       canvas.height = Math.round(high * ratio);
     }
