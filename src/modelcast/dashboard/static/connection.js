@@ -2,6 +2,7 @@
 
 const LEAST_WAIT_MS = 500;
 const MOST_WAIT_MS = 5000;
+const HALF_MS = 0.0005; // times are whole milliseconds: what rounding took away does not choose the one before
 const SNAPSHOT = /^\{"kind":"snapshot","t_s":(-?[0-9.]+),/;
 
 export function connect(listener) {
@@ -49,7 +50,7 @@ export function connect(listener) {
     }
     if (socket.readyState !== WebSocket.OPEN) return;
     waiting = true;
-    socket.send(JSON.stringify({ at_s: t }));
+    socket.send(JSON.stringify({ at_s: t + HALF_MS }));
   }
 
   open();

@@ -62,21 +62,19 @@ function groups(shown, colourOf) {
 }
 
 function ellipsesOf(pen, camera, group) {
-  pen.beginPath();
+  pen.fillStyle = pen.strokeStyle = group.colour;
+  pen.lineWidth = 1;
   for (const { remote, x, y } of group.items) {
     const a = Math.min(CHI_95 * remote.major * camera.scale, 4000);
     const b = Math.min(CHI_95 * remote.minor * camera.scale, 4000);
     if (a < 3) continue;
-    pen.moveTo(x + a * Math.cos(remote.angle), y - a * Math.sin(remote.angle));
+    pen.beginPath();
     pen.ellipse(x, y, a, Math.max(b, 0.5), -remote.angle, 0, 2 * Math.PI);
+    pen.globalAlpha = 0.16;
+    pen.fill();
+    pen.globalAlpha = 0.8;
+    pen.stroke();
   }
-  pen.globalAlpha = 0.16;
-  pen.fillStyle = group.colour;
-  pen.fill();
-  pen.globalAlpha = 0.8;
-  pen.lineWidth = 1;
-  pen.strokeStyle = group.colour;
-  pen.stroke();
   pen.globalAlpha = 1;
 }
 
