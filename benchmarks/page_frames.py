@@ -1,9 +1,9 @@
-"""How many frames a second does the page draw with 500 remotes, and what do a snapshot's texts cost?
+"""Find out how many frames a second the page draws with 500 remotes, and what a snapshot's text costs.
 
-Snapshots of 10 Hz come as they do from a node: remotes in lanes, each with ellipse, path and label, all in sight. Frames
-are counted in the page by `requestAnimationFrame`; drawn frames are those on which the map was painted. Beside it the
-same page paints nothing new (paused): the most that this browser gives on this machine. The browser draws in software
-where there is no graphics processor.
+Snapshots of 10 Hz come as they do from a node: remotes in lanes, each with ellipse and path, all in sight.
+Frames are counted in the page by `requestAnimationFrame`; drawn ones are those on which the map was painted.
+Beside it the same page has nothing new to paint (paused): the most that this browser gives on this machine.
+The browser draws in software where there is no graphics processor.
 
     python benchmarks/page_frames.py [--remotes 500] [--seconds 10]
 """
@@ -80,6 +80,7 @@ def text_costs(count: int) -> None:
                 host.hear([message.octets], received_s=[message.send_s])
                 heard += 1
     text = snapshot_text(shown)
+    assert host.believe(0.3).vehicle.size == count
     here = shown.host
     for name, work in (
         ("build from a station", lambda: snapshot_of(host, 0.3, here, counters=Counters())),
@@ -91,15 +92,14 @@ def text_costs(count: int) -> None:
             begun_s = time.perf_counter()
             work()
             took.append(time.perf_counter() - begun_s)
-        print(
-            f"{count} remotes, {name}: median {1e3 * statistics.median(took):.1f} ms, most {1e3 * max(took):.1f} ms"
-        )
+        middle_ms, most_ms = 1e3 * statistics.median(took), 1e3 * max(took)
+        print(f"{count} remotes, {name}: median {middle_ms:.1f} ms, most {most_ms:.1f} ms")
     print(f"{count} remotes, text: {len(text)} bytes")
 
 
 async def frames(count: int, seconds: float) -> None:
     """Print frames a second while snapshots come at 10 Hz, and with the page paused."""
-    from playwright.async_api import async_playwright
+    from playwright.async_api import async_playwright  # noqa: PLC0415 - the texts need none
 
     feed, gate = LiveFeed("bench"), Gate()
     texts = [snapshot(0.1 * step, count) for step in range(200)]

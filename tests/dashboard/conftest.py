@@ -56,7 +56,7 @@ def make_snapshot() -> MakeSnapshot:
                 loss_ratio=0.25,
                 channel_busy_ratio=0.1,
                 rejected={"not a possible message": 4},
-            ),  # fmt: skip
+            ),
         )
 
     return make

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -38,8 +39,6 @@ def test_a_text_is_the_same_after_reading(make_snapshot: MakeSnapshot) -> None:
 
 
 def test_a_place_beyond_the_format_is_taken_to_its_edge(make_snapshot: MakeSnapshot) -> None:
-    from dataclasses import replace
-
     shown = make_snapshot(count=1, warned=False)
     far = replace(shown, remotes=replace(shown.remotes, semi_axes_m=np.array([[1e300, np.inf]])))
     assert read_snapshot(snapshot_text(far)).remotes.semi_axes_m.tolist() == [[2**31 / 100.0] * 2]

@@ -1,4 +1,4 @@
-"""Claims: what is newest reaches a reader, a log is wound to any time, and a foreign file is refused by its line."""
+"""Claims: what is newest reaches a reader, a log is wound to any time, a foreign file is refused by line."""
 
 import asyncio
 from collections.abc import Callable

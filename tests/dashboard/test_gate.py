@@ -1,5 +1,7 @@
 """Claims: who may look, and what every answer says, whoever asks."""
 
+import hmac
+
 import pytest
 
 from modelcast.dashboard.gate import COOKIE, Gate, is_loopback
@@ -82,8 +84,6 @@ def test_a_server_that_others_reach_needs_a_token() -> None:
 
 def test_a_token_is_asked_for_in_a_time_that_does_not_depend_on_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every comparison goes through the one that is made for it."""
-    import hmac
-
     asked: list[tuple[bytes, bytes]] = []
 
     def compare(one: bytes, other: bytes) -> bool:

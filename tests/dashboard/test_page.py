@@ -1,9 +1,9 @@
-"""Claims: the page in a browser shows what a feed gives, by mouse, by keys and by name, and asks for nothing else."""
+"""Claims: in a browser the page shows what a feed gives, by mouse, keys and name, and asks nothing else."""
 
 import asyncio
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,7 @@ ARGUMENTS = [
 PATIENCE_MS = 10_000
 """After which a page that does not show what it should has failed."""
 
-FIRST_SIGHT_M = 260.0
+FIRST_SIGHT_M = 360.0
 """Across the map at first, as `main.js` has it."""
 
 
@@ -76,7 +76,7 @@ class Looked:
 @pytest.fixture(scope="module")
 def browser(chromium: str) -> Iterator[Any]:
     """A headless Chromium."""
-    from playwright.sync_api import sync_playwright
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415 - where there is a browser
 
     with sync_playwright() as engine:
         opened = engine.chromium.launch(executable_path=chromium, args=ARGUMENTS)
@@ -142,7 +142,7 @@ def test_keys_choose_the_remotes_by_distance_and_let_go(looked: Looked, log: str
     page.keyboard.press("p")
     assert [*titles, page.locator("#chosen-title").inner_text()] == ["Remote 1", "Remote 2", "Remote 1"]
     facts = page.locator("#chosen-facts").inner_text()
-    for figure in ("ctra", "10.0 m/s", "0.25 m", "25 %", "1.50 × 0.50 m"):
+    for figure in ("ctra", "10.0 m/s", "0.25 m", "25 %", "1.50 \u00d7 0.50 m"):
         assert figure in facts
     assert "Remote 1" in page.locator("#chosen-said").inner_text()
     page.keyboard.press("Escape")
@@ -168,9 +168,9 @@ def test_a_distance_is_measured_between_two_clicks(looked: Looked, log: str) -> 
     paused_at(page, "5.0")
     box = page.locator("#map").bounding_box()
     page.keyboard.press("m")
-    for dx in (100, 300):
+    for dx in (100, 250):
         page.mouse.click(box["x"] + dx, box["y"] + 300)
-    wanted_m = 200.0 * FIRST_SIGHT_M / min(box["width"], box["height"])
+    wanted_m = 150.0 * FIRST_SIGHT_M / min(box["width"], box["height"])
     text = page.locator("#measured").inner_text()
     assert float(text.split(" m")[0]) == pytest.approx(wanted_m, abs=0.02)
     assert "bearing 90°" in text
@@ -298,8 +298,6 @@ def test_a_page_says_when_the_connection_is_lost(browser: Any, make_snapshot: Ma
 def test_names_from_a_log_are_shown_as_text(
     looked: Looked, tmp_path: Path, make_snapshot: MakeSnapshot
 ) -> None:
-    from dataclasses import replace
-
     markup = "<img src=x onerror=alert(1)>"
     shown = make_snapshot(1.0)
     names = (markup, "ctra", "cv")

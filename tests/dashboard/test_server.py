@@ -1,4 +1,4 @@
-"""Claims: the server answers its few requests to who may ask, and a client that stops reading costs little."""
+"""Claims: the server answers its few requests to who may ask; a client that stops reading costs little."""
 
 import asyncio
 import contextlib
@@ -7,8 +7,9 @@ import json
 import logging
 import socket
 import tracemalloc
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncGenerator, Callable
 from importlib.resources import files
+from pathlib import Path
 
 import pytest
 from websockets.asyncio.client import connect
@@ -27,7 +28,7 @@ MEGABYTE = 1_000_000
 
 
 @contextlib.asynccontextmanager
-async def serving(feed: AbstractFeed, gate: Gate | None = None) -> AsyncIterator[str]:
+async def serving(feed: AbstractFeed, gate: Gate | None = None) -> AsyncGenerator[str]:
     """The server on a free port of the loopback, by its address and port."""
     used = Gate() if gate is None else gate
     with listen("127.0.0.1", 0, used) as place:
@@ -132,10 +133,8 @@ def test_a_browser_is_given_the_newest_snapshot(make_snapshot: MakeSnapshot) -> 
     asyncio.run(run())
 
 
-def test_a_log_is_wound_to_the_time_asked_for(
-    tmp_path: pytest.TempPathFactory, make_snapshot: MakeSnapshot
-) -> None:
-    path = tmp_path / "log.jsonl"  # type: ignore[operator]
+def test_a_log_is_wound_to_the_time_asked_for(tmp_path: Path, make_snapshot: MakeSnapshot) -> None:
+    path = tmp_path / "log.jsonl"
     with SnapshotLogWriter(path) as writer:
         for step in range(10):
             writer.write(make_snapshot(1.0 + step))

@@ -1,5 +1,7 @@
 """Claims: what the page shows of a station is what the station believes, in closed forms where there are."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -91,8 +93,6 @@ def test_warnings_stand_by_level_then_by_age(host: Station) -> None:
 
 
 def test_a_model_that_has_no_name_is_refused(host: Station) -> None:
-    from dataclasses import replace
-
     remotes = snapshot_of(host, 4.0, HOST, counters=Counters()).remotes
     with pytest.raises(ValueError, match="model must be from 0"):
         replace(remotes, model=remotes.model + len(remotes.names))

@@ -141,7 +141,9 @@ class SnapshotLog(AbstractFeed):
     def span(self) -> Span:
         """First and last time, and the median step, in whole milliseconds."""
         steps = np.diff(self._times_s)
-        return Span(self._times_s[0], self._times_s[-1], round(float(np.median(steps)), 3) if steps.size else 0.1)
+        return Span(
+            self._times_s[0], self._times_s[-1], round(float(np.median(steps)), 3) if steps.size else 0.1
+        )
 
     def text_at(self, t_s: float) -> str:
         """The newest snapshot that is no later than a time, or the first, as its line has it.

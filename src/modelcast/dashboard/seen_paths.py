@@ -18,9 +18,9 @@ _SECTORS = 8
 class SeenPaths:
     """Polylines that grow where somebody drives a way for the first time.
 
-    A point is kept every 4 m. One that falls into a cell of 3 m through which a way of that direction (of eight)
-    leads already adds nothing, so traffic that goes round and round leaves one line a lane. A line ends
-    there, and where a vehicle jumps by more than 60 m.
+    A point is kept every 4 m. One that falls into a cell of 3 m through which a way of that direction (of
+    eight) leads already adds nothing, so traffic that goes round and round leaves one line a lane. A line
+    ends there, and where a vehicle jumps by more than 60 m.
 
     Parameters
     ----------

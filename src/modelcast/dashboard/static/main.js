@@ -9,7 +9,7 @@ import { Series } from "./series.js";
 import { History, readSnapshot } from "./snapshots.js";
 
 const MOST_AHEAD_S = 0.5; // drawn on along the predicted path for no longer than this, where nothing new comes
-const FIRST_SIGHT_M = 260; // across the map at first, round the host
+const FIRST_SIGHT_M = 360; // across the map at first, round the host
 const PALETTE = ["--m0", "--m1", "--m2", "--m3", "--m4", "--m5", "--m6", "--m7"];
 const find = (id) => document.getElementById(id);
 
