@@ -36,6 +36,7 @@ COMMANDS = (
     "road",
     "decode",
     "encode",
+    "view",
     "doctor",
 )
 """Names of the commands; each is the function of that name in the module of that name, imported when used."""
