@@ -38,7 +38,7 @@ def test_what_is_left_out_has_its_default(tmp_path: Path) -> None:
 def test_whatever_listens_stays_on_this_machine_unless_told_otherwise() -> None:
     own = NodeConfig()
     assert {own.air.interface, own.page.host, own.metrics.host} == {"127.0.0.1"}
-    assert (own.page.port, own.metrics.port, own.subscribe.path) == (0, 0, "")
+    assert (own.page.on, own.metrics.port, own.subscribe.path) == (False, 0, "")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Claims about a node, a step at a time."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from modelcast.apps.registry import get_application
 from modelcast.apps.warnings import Level
 from modelcast.channel.erasure import IndependentErasure
 from modelcast.core.geodesy import Origin, local_to_geodetic
-from modelcast.node.motion import AbstractMotionSource, Motion, Source
+from modelcast.node.inputs.motion import Motion
 from modelcast.node.node import Node, NodeState
 from modelcast.node.pseudonyms import Pseudonyms
 from modelcast.runtime.transport.base import AbstractTransport, Arrival
@@ -19,7 +20,7 @@ from modelcast.station.station import Station
 ORIGIN = Origin(48.0, 11.0, 500.0)
 
 
-class Straight(AbstractMotionSource):
+class Straight:
     """Drives north at constant speed, and brakes from a time on; knows nothing within the gaps."""
 
     def __init__(
@@ -39,18 +40,36 @@ class Straight(AbstractMotionSource):
         past_s = min(max(now_s - self.brakes_s, 0.0), self.speed_mps / 6.0)
         way_m = self.north_m + self.speed_mps * min(now_s, self.brakes_s)
         way_m += self.speed_mps * past_s - 3.0 * past_s**2
-        latitude, longitude = local_to_geodetic(np.array([[0.0, way_m]]), ORIGIN)[0].tolist()
-        speed_mps = self.speed_mps - 6.0 * past_s
         braking = 0.0 < past_s < self.speed_mps / 6.0
-        return Motion(
-            now_s,
-            (latitude, longitude),
-            speed_mps=speed_mps,
-            heading_rad=0.0,
-            acceleration_mps2=-6.0 if braking else 0.0,
-            yaw_rate_radps=0.0,
-            source=Source.RECORDED,
-        )
+        return moving(now_s, way_m, self.speed_mps - 6.0 * past_s, acceleration_mps2=-6.0 if braking else 0.0)
+
+
+def moving(now_s: float, north_m: float, speed_mps: float, *, acceleration_mps2: float = 0.0) -> Motion:
+    """On the way north."""
+    latitude, longitude = local_to_geodetic(np.array([[0.0, north_m]]), ORIGIN)[0].tolist()
+    return Motion(
+        t_s=now_s,
+        mode="gnss+can",
+        place_deg=(latitude, longitude),
+        position_m=(0.0, north_m),
+        speed_mps=speed_mps,
+        heading_rad=0.0,
+        acceleration_mps2=acceleration_mps2,
+        yaw_rate_radps=0.0,
+        derived=frozenset(),
+        covariance_m2=np.eye(2) * 1e-4,
+        ellipse_known=True,
+        age_s=0.0,
+        begins=False,
+    )
+
+
+@dataclass
+class Driven:
+    """A node and the drive that it measures."""
+
+    node: Node
+    drive: Straight
 
 
 class Tape(AbstractTransport):
@@ -74,23 +93,23 @@ def a_station(number: int, policy: str = "mbc") -> Station:
     return Station(policy, temporary_id=number, origin=ORIGIN, seed=number)
 
 
-def drive(nodes: Sequence[Node], steps: int, first: int = 1) -> list[list[NodeState]]:
+def drive(driven: Sequence[Driven], steps: int, first: int = 1) -> list[list[NodeState]]:
     """Steps of several nodes on one clock; frames leave when they are due, between steps."""
     states: list[list[NodeState]] = []
     for step in range(first, first + steps):
         now_s = 0.1 * step
-        for node in nodes:
-            node.hear(now_s)
-        states.append([node.step(now_s) for node in nodes])
-        for node in nodes:
-            node.send(now_s + 0.0999)
+        for one in driven:
+            one.node.hear(now_s)
+        states.append([one.node.step(now_s, one.drive.at(now_s)) for one in driven])
+        for one in driven:
+            one.node.send(now_s + 0.0999)
     return states
 
 
 def test_a_node_sends_what_its_station_would() -> None:
     tape, source, alone = Tape(), Straight(0.0, 15.0), a_station(7)
-    node = Node(a_station(7), source, tape, origin=ORIGIN)
-    drive([node], 60)
+    node = Node(a_station(7), tape)
+    drive([Driven(node, source)], 60)
     wanted: list[bytes] = []
     for step in range(1, 61):
         motion = source.at(0.1 * step)
@@ -99,7 +118,7 @@ def test_a_node_sends_what_its_station_would() -> None:
             one.octets
             for one in alone.sense(
                 0.1 * step,
-                place_deg=motion.place_deg,
+                motion.position_m,
                 speed_mps=15.0,
                 heading_rad=0.0,
                 acceleration_mps2=0.0,
@@ -115,39 +134,39 @@ def test_the_same_inputs_give_the_same_frames_and_map() -> None:
     def once() -> tuple[list[list[float]], dict[str, int]]:
         medium = VirtualMedium(IndependentErasure(0.3), delay_s=0.01, seed=4)
         nodes = [
-            Node(a_station(number), Straight(-30.0 * number, 15.0), medium.join(), origin=ORIGIN)
+            Driven(Node(a_station(number), medium.join()), Straight(-30.0 * number, 15.0))
             for number in (1, 2)
         ]
         states = drive(nodes, 80)
-        return [one.around.position_m.ravel().tolist() for _, one in states], dict(nodes[1].counts)
+        return [one.around.position_m.ravel().tolist() for _, one in states], dict(nodes[1].node.counts)
 
     assert once() == once()
 
 
 def test_a_host_believes_the_remote_to_be_where_it_is() -> None:
     medium = VirtualMedium(delay_s=0.01)
-    front = Node(a_station(1), Straight(0.0, 15.0), medium.join(), origin=ORIGIN)
-    back = Node(a_station(2), Straight(-40.0, 15.0), medium.join(), origin=ORIGIN)
+    front = Driven(Node(a_station(1), medium.join()), Straight(0.0, 15.0))
+    back = Driven(Node(a_station(2), medium.join()), Straight(-40.0, 15.0))
     states = drive([front, back], 60)
     last = states[-1][1]
     assert last.around.vehicle.tolist() == [1]
     assert np.allclose(last.around.position_m[0], (0.0, 15.0 * last.t_s), atol=0.3)
-    assert np.allclose(last.place_m, (0.0, 15.0 * last.t_s - 40.0), atol=1e-3)
-    assert back.counts["heard"] == front.counts["sent"] - len(front._waiting)
-    assert back.counts["receipt: accepted"] > 0
+    assert back.node.counts["heard"] == front.node.counts["sent"] - len(front.node._waiting)
+    assert back.node.counts["receipt: accepted"] > 0
 
 
 def test_a_leader_that_brakes_is_warned_of_and_the_warning_is_told_once() -> None:
     events: list[tuple[str, Mapping[str, object]]] = []
     medium = VirtualMedium(delay_s=0.01)
-    front = Node(a_station(1), Straight(0.0, 20.0, brakes_s=4.0), medium.join(), origin=ORIGIN)
-    back = Node(
-        a_station(2),
+    front = Driven(Node(a_station(1), medium.join()), Straight(0.0, 20.0, brakes_s=4.0))
+    back = Driven(
+        Node(
+            a_station(2),
+            medium.join(),
+            applications={"fcw": get_application("fcw")},
+            watch=lambda name, what: events.append((name, dict(what))),
+        ),
         Straight(-25.0, 20.0),
-        medium.join(),
-        origin=ORIGIN,
-        applications={"fcw": get_application("fcw")},
-        watch=lambda name, what: events.append((name, dict(what))),
     )
     states = drive([front, back], 55)
     warned = [one.warnings for _, one in states]
@@ -164,24 +183,25 @@ def test_a_leader_that_brakes_is_warned_of_and_the_warning_is_told_once() -> Non
 def test_without_a_motion_it_is_silent_and_hears_on_and_says_so() -> None:
     events: list[tuple[str, Mapping[str, object]]] = []
     medium = VirtualMedium(delay_s=0.01)
-    front = Node(a_station(1), Straight(0.0, 15.0), medium.join(), origin=ORIGIN)
-    back = Node(
-        a_station(2),
+    front = Driven(Node(a_station(1), medium.join()), Straight(0.0, 15.0))
+    back = Driven(
+        Node(
+            a_station(2),
+            medium.join(),
+            applications={"fcw": get_application("fcw")},
+            watch=lambda name, what: events.append((name, dict(what))),
+        ),
         Straight(-40.0, 15.0, gap_s=(3.0, 5.0)),
-        medium.join(),
-        origin=ORIGIN,
-        applications={"fcw": get_application("fcw")},
-        watch=lambda name, what: events.append((name, dict(what))),
     )
     before = drive([front, back], 29)
-    sent = back.counts["sent"]
+    sent = back.node.counts["sent"]
     silent = drive([front, back], 20, first=30)
-    assert back.counts["sent"] == sent
-    assert all(one.motion is None and np.isnan(one.place_m).all() for _, one in silent)
+    assert back.node.counts["sent"] == sent
+    assert all(one.motion is None for _, one in silent)
     assert silent[-1][1].around.vehicle.tolist() == [1]
     drive([front, back], 30, first=50)
-    assert back.counts["sent"] > sent
-    assert [what["source"] for name, what in events if name == "motion"] == ["recorded", "none", "recorded"]
+    assert back.node.counts["sent"] > sent
+    assert [what["mode"] for name, what in events if name == "motion"] == ["gnss+can", "silent", "gnss+can"]
     assert len(before) == 29
 
 
@@ -189,8 +209,8 @@ def test_a_new_name_ends_the_old_track_and_nothing_of_the_old_name_follows() -> 
     medium = VirtualMedium(delay_s=0.001)
     names = Pseudonyms(2.0, 2.0, np.random.default_rng(5))
     station = Station("bsm-10hz", temporary_id=names.temporary_id, origin=ORIGIN)
-    front = Node(station, Straight(0.0, 15.0), medium.join(), origin=ORIGIN, pseudonyms=names)
-    back = Node(a_station(2), Straight(-40.0, 15.0), medium.join(), origin=ORIGIN)
+    front = Driven(Node(station, medium.join(), pseudonyms=names), Straight(0.0, 15.0))
+    back = Driven(Node(a_station(2), medium.join()), Straight(-40.0, 15.0))
     seen = [tuple(one.around.vehicle.tolist()) for _, one in drive([front, back], 70)]
     assert names.changes == 3
     # Never two of one vehicle, and every name is one for two seconds.
@@ -200,13 +220,13 @@ def test_a_new_name_ends_the_old_track_and_nothing_of_the_old_name_follows() -> 
 
 def test_what_is_no_message_is_counted_and_harms_nothing() -> None:
     tape = Tape()
-    node = Node(a_station(1), Straight(0.0, 15.0), tape, origin=ORIGIN)
+    node = Node(a_station(1), tape)
     rng = np.random.default_rng(2)
     tape.inbox = [Arrival(rng.bytes(size), 0.05) for size in range(1, 300)]
     node.hear(0.05)
     assert node.counts["heard"] == 299
     assert node.counts["receipt: not a possible message"] == 299
-    assert node.step(0.1).around.vehicle.size == 0
+    assert node.step(0.1, None).around.vehicle.size == 0
 
 
 @pytest.mark.parametrize("span_s", [(0.0, 0.0), (5.0, 9.0)])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from modelcast.core.geodesy import Origin
-from modelcast.node.motion import AbstractMotionSource, Motion
+from modelcast.node.inputs.motion import Motion
 from modelcast.node.node import Node, NodeState
 from modelcast.node.run import Lateness, run_node
 from modelcast.runtime.transport.base import AbstractTransport, Arrival
@@ -19,12 +19,23 @@ ORIGIN = Origin(48.0, 11.0, 500.0)
 TICK_S = 0.1
 
 
-class Parked(AbstractMotionSource):
-    """Stands."""
-
-    def at(self, now_s: float) -> Motion | None:
-        """Where it stands."""
-        return Motion(now_s, (48.0, 11.0), speed_mps=0.0, heading_rad=0.0)
+def parked(now_s: float) -> Motion:
+    """A vehicle that stands."""
+    return Motion(
+        t_s=now_s,
+        mode="gnss",
+        place_deg=(48.0, 11.0),
+        position_m=(0.0, 0.0),
+        speed_mps=0.0,
+        heading_rad=0.0,
+        acceleration_mps2=0.0,
+        yaw_rate_radps=0.0,
+        derived=frozenset(),
+        covariance_m2=np.eye(2),
+        ellipse_known=True,
+        age_s=0.0,
+        begins=False,
+    )
 
 
 class Paired(AbstractTransport):
@@ -54,7 +65,7 @@ class Paired(AbstractTransport):
 
 def a_node(transport: AbstractTransport, number: int = 1) -> Node:
     station = Station("bsm-10hz", temporary_id=number, origin=ORIGIN)
-    return Node(station, Parked(), transport, origin=ORIGIN)
+    return Node(station, transport)
 
 
 def test_steps_are_at_whole_ticks_and_frames_leave_when_they_are_due() -> None:
@@ -65,7 +76,7 @@ def test_steps_are_at_whole_ticks_and_frames_leave_when_they_are_due() -> None:
         transport = Paired(clock, near)
         node = a_node(transport)
         asyncio.get_running_loop().call_later(2.05, stop.set)
-        await run_node(node, clock, tick_s=TICK_S, stop=stop, publish=states.append, lateness=late)
+        await run_node(node, clock, parked, tick_s=TICK_S, stop=stop, publish=states.append, lateness=late)
         return transport.left_s
 
     with near, far:
@@ -89,7 +100,7 @@ def test_a_frame_is_heard_as_it_comes_not_at_the_next_step() -> None:
         loop.call_later(0.53, far.send, b"frame")
         loop.call_later(0.57, far.send, b"frame")
         loop.call_later(0.95, stop.set)
-        await run_node(a_node(transport), clock, tick_s=TICK_S, stop=stop, fileno=near.fileno())
+        await run_node(a_node(transport), clock, parked, tick_s=TICK_S, stop=stop, fileno=near.fileno())
         return transport.taken_s
 
     with near, far:
@@ -109,7 +120,13 @@ def test_a_step_that_takes_too_long_costs_those_that_it_covers_and_no_more() -> 
 
         asyncio.get_running_loop().call_later(1.5, stop.set)
         await run_node(
-            a_node(Paired(clock, near)), clock, tick_s=TICK_S, stop=stop, publish=publish, lateness=late
+            a_node(Paired(clock, near)),
+            clock,
+            parked,
+            tick_s=TICK_S,
+            stop=stop,
+            publish=publish,
+            lateness=late,
         )
 
     with near, far:
@@ -128,7 +145,7 @@ def test_it_stops_at_once_and_leaves_the_socket() -> None:
         clock, stop, loop = LoopClock(), asyncio.Event(), asyncio.get_running_loop()
         loop.call_later(0.31, stop.set)
         node = a_node(Paired(clock, near))
-        await run_node(node, clock, tick_s=TICK_S, stop=stop, fileno=near.fileno())
+        await run_node(node, clock, parked, tick_s=TICK_S, stop=stop, fileno=near.fileno())
         assert not loop.remove_reader(near.fileno())
         return clock.now_s()
 

@@ -36,6 +36,7 @@ COMMANDS = (
     "road",
     "decode",
     "encode",
+    "node",
     "view",
     "doctor",
 )

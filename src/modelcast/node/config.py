@@ -18,8 +18,6 @@ __all__ = [
     "NodeConfig",
     "Page",
     "Pseudonyms",
-    "Record",
-    "Security",
     "Sending",
     "Subscribe",
     "Vehicle",
@@ -144,25 +142,6 @@ class Air(_Table):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Security(_Table):
-    """Whether messages are signed, and whether unsigned ones are believed.
-
-    Parameters
-    ----------
-    mode
-        ``unsecured``, or ``signed``.
-    credentials
-        Folder with the keys and certificates of a signed node.
-    trusted
-        Files of certificates whose subjects are believed.
-    """
-
-    mode: Annotated[str, Text(choices=("unsecured", "signed"))] = "unsecured"
-    credentials: Annotated[str, Text(400, empty=True)] = ""
-    trusted: Annotated[tuple[str, ...], Each(Text(400), 0, 100)] = ()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Pseudonyms(_Table):
     """When everything that names the vehicle changes together.
 
@@ -199,39 +178,22 @@ class Applications(_Table):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Record(_Table):
-    """What is kept.
-
-    Parameters
-    ----------
-    folder
-        Where recordings go; none where empty.
-    most_megabytes
-        Size at which recording stops [MB].
-    pcap, mcap
-        Whether frames and whether inputs, messages and beliefs are kept.
-    """
-
-    folder: Annotated[str, Text(400, empty=True)] = ""
-    most_megabytes: Annotated[float, Number(0.0, 1e6, over=True)] = 2000.0
-    pcap: Annotated[bool, Flag()] = True
-    mcap: Annotated[bool, Flag()] = True
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Page(_Table):
-    """The live page; none where the port is 0.
+    """The live page.
 
     Parameters
     ----------
+    on
+        Whether there is one.
     host, port
-        Where it listens.
+        Where it listens; port 0 for any that is free.
     token
         What a browser must show; needed wherever the host is not this machine.
     """
 
+    on: Annotated[bool, Flag()] = False
     host: _Address = LOOPBACK
-    port: _Port = 0
+    port: _Port = 8700
     token: Annotated[str, Text(200, empty=True)] = ""
 
 
@@ -256,13 +218,10 @@ class Subscribe(_Table):
     Parameters
     ----------
     path
-        Of a local socket.
-    every_s
-        Time between two maps [s].
+        Of a local socket, which only the user of the node may open.
     """
 
     path: Annotated[str, Text(100, empty=True)] = ""
-    every_s: Annotated[float, Number(0.02, 60.0)] = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -280,10 +239,8 @@ class NodeConfig:
     gnss: Gnss = field(default_factory=Gnss)
     can: Can = field(default_factory=Can)
     air: Air = field(default_factory=Air)
-    security: Security = field(default_factory=Security)
     pseudonyms: Pseudonyms = field(default_factory=Pseudonyms)
     applications: Applications = field(default_factory=Applications)
-    record: Record = field(default_factory=Record)
     page: Page = field(default_factory=Page)
     metrics: Metrics = field(default_factory=Metrics)
     subscribe: Subscribe = field(default_factory=Subscribe)

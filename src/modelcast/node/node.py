@@ -1,7 +1,7 @@
 """A station on the road, a step at a time: what a clock, sockets and files are put round.
 
-It measures by a motion source, sends by a transport within an envelope, hears, keeps the map and warns. Time
-is an argument here too: the same inputs at the same times give the same frames and map, byte for byte.
+It takes its motion, sends by a transport within an envelope, hears, keeps the map and warns. Time is an
+argument here too: the same inputs at the same times give the same frames and map, byte for byte.
 """
 
 import heapq
@@ -16,9 +16,9 @@ import numpy as np
 from modelcast.apps.base import AbstractApplication
 from modelcast.apps.motions import Motions
 from modelcast.apps.warnings import Level
-from modelcast.core.geodesy import Origin, geodetic_to_local
+from modelcast.dashboard.meter import MessageMeter
 from modelcast.node.envelope import AbstractEnvelope, Bare
-from modelcast.node.motion import AbstractMotionSource, Motion
+from modelcast.node.inputs.motion import Motion
 from modelcast.node.pseudonyms import Pseudonyms
 from modelcast.runtime.transport.base import AbstractTransport
 from modelcast.station.receiver.local_dynamic_map import Beliefs, Receipt
@@ -67,8 +67,6 @@ class NodeState:
         Its name.
     motion
         Its own; None where it knows none.
-    place_m
-        East and north of it, not a number where it knows none [m].
     around
         What it believes of its remotes.
     warnings
@@ -79,7 +77,6 @@ class NodeState:
     temporary_id: int
     motion: Motion | None
     _: KW_ONLY
-    place_m: tuple[float, float]
     around: Beliefs
     warnings: tuple[Warned, ...]
 
@@ -96,14 +93,10 @@ class Node:
     ----------
     station
         What it sends, and what it makes of what it hears.
-    source
-        Where its own motion comes from.
     transport
         How frames leave and arrive.
     envelope
         What goes round messages; None for nothing.
-    origin
-        Of the station's plane.
     applications
         What it warns of, by name.
     size_m
@@ -123,19 +116,17 @@ class Node:
     def __init__(
         self,
         station: Station,
-        source: AbstractMotionSource,
         transport: AbstractTransport,
         envelope: AbstractEnvelope | None = None,
         *,
-        origin: Origin,
         applications: Mapping[str, AbstractApplication] | None = None,
         size_m: tuple[float, float] = (4.6, 1.8),
         pseudonyms: Pseudonyms | None = None,
         watch: Watch = _unseen,
     ) -> None:
-        self._station, self._source, self._transport = station, source, transport
+        self.station, self._transport = station, transport
         self._envelope = Bare() if envelope is None else envelope
-        self._origin, self._size_m, self._pseudonyms = origin, size_m, pseudonyms
+        self._size_m, self._pseudonyms = size_m, pseudonyms
         self._applications = dict(applications or {})
         self._watch = watch
         self._waiting: list[tuple[float, int, bytes]] = []
@@ -144,49 +135,48 @@ class Node:
         self._warned: dict[tuple[str, int], Level] = {}
         self.counts: Counter[str] = Counter()
         """``sent``, ``sent_octets``, ``heard``, ``heard_octets``, ``refused: WHY`` and ``receipt: WHAT``."""
+        self.meter = MessageMeter()
+        """The same as rates, for who looks."""
 
     @property
     def next_send_s(self) -> float:
         """When the next frame is to leave, infinite where none waits [s]."""
         return self._waiting[0][0] if self._waiting else float("inf")
 
-    def step(self, now_s: float) -> NodeState:
-        """Measure, decide what is sent until the next step, and look around.
+    def step(self, now_s: float, motion: Motion | None) -> NodeState:
+        """Take the own motion in, decide what is sent until the next step, and look around.
 
         Parameters
         ----------
         now_s
             Now, later than the last step [s].
+        motion
+            The own motion now, on the station's plane; None where it is not known: nothing is sent then.
         """
         if self._pseudonyms is not None and self._pseudonyms.due(now_s):
-            self._station.rename(self._pseudonyms.temporary_id)
+            self.station.rename(self._pseudonyms.temporary_id)
             self._envelope.rename()
             self._waiting.clear()  # a message of the old name would tie the two together
             self._watch("renamed", {"temporary_id": self._pseudonyms.temporary_id})
-        motion = self._source.at(now_s)
-        made_of = "none" if motion is None else str(motion.source)
+        made_of = "silent" if motion is None else motion.mode
         if made_of != self._made_of:
-            self._watch("motion", {"source": made_of, "before": self._made_of})
+            self._watch("motion", {"mode": made_of, "before": self._made_of})
             self._made_of = made_of
-        place_m = (float("nan"), float("nan"))
         if motion is not None:
-            east_m, north_m = geodetic_to_local(np.array([motion.place_deg]), self._origin)[0].tolist()
-            place_m = (east_m, north_m)
             self._sense(now_s, motion)
-        around = self._station.believe(now_s)
+        around = self.station.believe(now_s)
         return NodeState(
             now_s,
-            self._station.temporary_id,
+            self.station.temporary_id,
             motion,
-            place_m=place_m,
             around=around,
-            warnings=self._warnings(motion, place_m, around),
+            warnings=self._warnings(motion, around),
         )
 
     def _sense(self, now_s: float, motion: Motion) -> None:
-        sent = self._station.sense(
+        sent = self.station.sense(
             now_s,
-            place_deg=motion.place_deg,
+            motion.position_m,
             speed_mps=motion.speed_mps,
             heading_rad=motion.heading_rad,
             acceleration_mps2=motion.acceleration_mps2,
@@ -208,6 +198,7 @@ class Node:
             _, _, octets = heapq.heappop(self._waiting)
             frame = self._envelope.wrap(octets, sent_s=now_s)
             self._transport.send(frame, sent_s=now_s)
+            self.meter.sent(now_s, len(frame))
             self.counts["sent"] += 1
             self.counts["sent_octets"] += len(frame)
 
@@ -225,26 +216,29 @@ class Node:
         octets: list[bytes] = []
         received_s: list[float] = []
         for one in arrived:
+            self.meter.received(one.received_s, len(one.octets))
             self.counts["heard"] += 1
             self.counts["heard_octets"] += len(one.octets)
             opened = self._envelope.open(one.octets, received_s=one.received_s)
             if opened.octets is None:
+                self.meter.refused(opened.why)
                 self.counts[f"refused: {opened.why}"] += 1
             else:
                 octets.append(opened.octets)
                 received_s.append(one.received_s)
-        receipts = self._station.hear(octets, received_s=received_s)
+        receipts = self.station.hear(octets, received_s=received_s)
         for receipt, times in zip(*np.unique(receipts, return_counts=True), strict=True):
-            self.counts[f"receipt: {Receipt(int(receipt)).reason}"] += int(times)
+            reason = Receipt(int(receipt)).reason
+            self.counts[f"receipt: {reason}"] += int(times)
+            if receipt != Receipt.ACCEPTED:
+                self.meter.refused(reason, int(times))
 
-    def _warnings(
-        self, motion: Motion | None, place_m: tuple[float, float], around: Beliefs
-    ) -> tuple[Warned, ...]:
+    def _warnings(self, motion: Motion | None, around: Beliefs) -> tuple[Warned, ...]:
         """What applications say; begins and ends are told."""
         found: list[Warned] = []
         remotes = around.vehicle.size
-        if motion is not None and motion.heading_rad is not None and remotes:
-            own = _rows(motion, place_m, self._size_m, remotes)
+        if motion is not None and remotes:
+            own = _rows(motion, self._size_m, remotes)
             others = Motions.of(
                 around.position_m,
                 speed_mps=around.speed_mps,
@@ -279,18 +273,14 @@ class Node:
         return tuple(found)
 
 
-def _rows(motion: Motion, place_m: tuple[float, float], size_m: tuple[float, float], rows: int) -> Motions:
+def _rows(motion: Motion, size_m: tuple[float, float], rows: int) -> Motions:
     """The host's own motion, once for every remote."""
-
-    def column(value: float | None) -> float:
-        return 0.0 if value is None else value
-
     return Motions.of(
-        np.tile(place_m, (rows, 1)),
-        speed_mps=column(motion.speed_mps),
-        heading_rad=column(motion.heading_rad),
-        acceleration_mps2=column(motion.acceleration_mps2),
-        yaw_rate_radps=column(motion.yaw_rate_radps),
+        np.tile(motion.position_m, (rows, 1)),
+        speed_mps=motion.speed_mps,
+        heading_rad=motion.heading_rad,
+        acceleration_mps2=motion.acceleration_mps2,
+        yaw_rate_radps=motion.yaw_rate_radps,
         length_m=size_m[0],
         width_m=size_m[1],
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.node.clock import AbstractClock
+from modelcast.node.inputs.motion import Motion
 from modelcast.node.node import Node, NodeState
 
 __all__ = ["Lateness", "run_node"]
@@ -56,6 +57,7 @@ class Lateness:
 async def run_node(
     node: Node,
     clock: AbstractClock,
+    measure: Callable[[float], Motion | None],
     *,
     tick_s: float,
     stop: asyncio.Event,
@@ -72,6 +74,8 @@ async def run_node(
     ----------
     node, clock
         What runs, and by which time.
+    measure
+        Gives the own motion at a step's instant.
     tick_s
         Time between steps [s].
     stop
@@ -100,7 +104,7 @@ async def run_node(
             number = max(due, number)
             late.add(clock.now_s() - number * tick_s)
             node.hear(clock.now_s())
-            state = node.step(number * tick_s)
+            state = node.step(number * tick_s, measure(number * tick_s))
             sender.plan()
             if publish is not None:
                 publish(state)
