@@ -142,6 +142,18 @@ def test_frames_of_a_virtual_bus_become_values(dbc, until):
     ]
 
 
+@pytest.mark.parametrize("kind", ["error", "remote"])
+def test_frames_that_hold_no_values_are_only_counted(dbc, kind: str):
+    source = CanSource(bus_by_name("virtual", "x"), read_frames(dbc, read_signals(MAP)), now_s=lambda: 0.0)
+    flags = {f"is_{kind}_frame": True}
+    source.hear(
+        can.Message(
+            arbitration_id=180, data=b"" if kind == "remote" else bytes(8), is_extended_id=False, **flags
+        )
+    )
+    assert source.counts() == {f"{kind} frame": 1}
+
+
 def test_a_bus_that_fails_is_opened_again(dbc, until):
     opened = Event()
     attempts: list[int] = []

@@ -140,6 +140,42 @@ def test_without_fixes_the_bus_carries_on_for_the_stated_time_then_there_is_sile
     assert "too long" in source.health.why
 
 
+def test_what_the_bus_is_off_by_is_learnt_while_there_are_fixes():
+    off = [value for t_s in times(0.0, 20.0, 0.02) for value in bus(t_s, SPEED_MPS / 1.05, YAW_RADPS + 0.02)]
+    source = fed([fix(t_s) for t_s in times(0.0, 15.0, 0.1)] + off)
+    source.at(15.0)
+    assert error_m(source.at(20.0), 20.0) < 0.05
+
+
+def test_a_bus_that_missed_turns_is_trusted_less():
+    def jittering(yaw_radps: float) -> list[BusValue]:
+        jitter = [1e-6 * (at % 2) for at in range(1001)]
+        return [one for at, by in enumerate(jitter) for one in bus(0.02 * at, yaw_radps=yaw_radps + by)]
+
+    fixes = [fix(t_s) for t_s in times(0.0, 15.0, 0.1)]
+    good, blind = (fed(fixes + jittering(yaw_radps)).at(18.0) for yaw_radps in (YAW_RADPS, 0.0))
+    assert good.mode == blind.mode == "can"
+    assert blind.ellipse[0] > 1.5 * good.ellipse[0]
+
+
+def test_between_slow_fixes_the_speed_follows_their_slope():
+    fixes = [fix(t_s, speed_mps=10.0 + 2.0 * t_s) for t_s in times(0.0, 5.0, 0.4)]
+    motion = fed(fixes).at(5.1)
+    assert motion.mode == "gnss"
+    assert motion.speed_mps == pytest.approx(10.0 + 2.0 * 5.1)
+    braking = [fix(t_s, speed_mps=max(8.0 - 2.0 * t_s, 0.1)) for t_s in times(0.0, 4.0, 0.4)]
+    assert fed(braking).at(4.6).speed_mps == 0.0  # and never backwards
+
+
+def test_the_course_of_a_car_that_stands_is_no_turn():
+    rng = np.random.default_rng(1)
+    standing = [
+        fix(t_s, at_s=0.0, speed_mps=0.2, heading_rad=float(rng.uniform(0.0, 6.0)))
+        for t_s in times(0.0, 3.0, 0.1)
+    ]
+    assert fed(standing).at(3.0).yaw_rate_radps == 0.0
+
+
 def test_a_bus_without_yaw_rate_does_not_carry_on():
     values = [one for one in all_bus(0.0, 10.0) if one.quantity == "speed_mps"]
     source = fed([fix(t_s) for t_s in times(0.0, 5.0, 0.1)] + values)
