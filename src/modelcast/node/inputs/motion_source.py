@@ -28,11 +28,11 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import Origin, geodetic_to_local, local_to_geodetic
 from modelcast.node.inputs.fix_motion import course_of, end_slope_of, motion_of, origin_of
-from modelcast.node.inputs.judging import SAME_S, State, judged
+from modelcast.node.inputs.judging import State, judged
 from modelcast.node.inputs.motion import Change, Health, Mode, Motion
 from modelcast.node.inputs.outage import LEARNT_S, BusErrors, bus_errors
 from modelcast.node.inputs.reckoning import DEFAULT_AXIS_M, Growth, Way, ellipse_covariance_m2, way
-from modelcast.node.inputs.samples import PLAUSIBLE, GnssFix, Sample
+from modelcast.node.inputs.samples import PLAUSIBLE, SAME_S, GnssFix, Sample
 from modelcast.node.inputs.series import Series
 from modelcast.station.sensing.rates import RATES_FROM_VELOCITY
 
