@@ -147,6 +147,34 @@ def test_what_the_bus_is_off_by_is_learnt_while_there_are_fixes():
     assert error_m(source.at(20.0), 20.0) < 0.05
 
 
+@pytest.mark.parametrize(("stands_s", "largest_m"), [(20.0, 0.1), (60.0, math.inf)])
+def test_a_car_that_drives_off_in_an_outage_after_a_stop_knows_its_course_or_says_that_it_does_not(
+    stands_s: float, largest_m: float
+):
+    """Courses of a standing antenna are noise; the one it stopped with holds."""
+    rng = np.random.default_rng(3)
+    lost_s = 12.0 + stands_s
+    drives = [fix(t_s) for t_s in times(0.0, 12.0, 0.1)]
+    stands = [
+        fix(t_s, at_s=12.0, speed_mps=0.1, heading_rad=float(rng.uniform(0.0, 6.0)))
+        for t_s in times(12.1, lost_s, 0.1)
+    ]
+    goes = lost_s + 0.5
+    values = [
+        value
+        for t_s in times(0.0, lost_s + 3.0, 0.02)
+        for value in (bus(t_s) if t_s <= 12.0 or t_s > goes else bus(t_s, 0.0, 0.0))
+    ]
+    source = fed(drives + stands + values)
+    driven_s = 2.5
+    motion = source.at(goes + driven_s)
+    assert motion.mode == "can"
+    error = error_m(motion, 12.0 + driven_s)
+    assert error < largest_m + 0.4  # the bus begins to move between two of its values
+    if largest_m == math.inf:
+        assert motion.ellipse[0] > SPEED_MPS * driven_s
+
+
 def test_a_bus_that_missed_turns_is_trusted_less():
     def jittering(yaw_radps: float) -> list[BusValue]:
         jitter = [1e-6 * (at % 2) for at in range(1001)]

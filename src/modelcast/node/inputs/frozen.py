@@ -28,6 +28,7 @@ from itertools import pairwise
 
 from modelcast.node.inputs.samples import PLAUSIBLE, GnssFix
 from modelcast.node.inputs.series import Series
+from modelcast.station.sensing.rates import NO_RATES_BELOW_MPS
 
 __all__ = ["frozen_quantities", "same_place_since"]
 
@@ -151,9 +152,9 @@ def _place(fix: GnssFix) -> tuple[float, float]:
 
 
 def _driven_m(times_s: Sequence[float], speeds_mps: Sequence[float]) -> float:
-    """Way at speeds, those that are no numbers taken for none [m]."""
+    """Way at speeds that are not those of a car that stands [m]."""
     rows = list(zip(times_s, speeds_mps, strict=True))
     return sum(
-        (later_s - sooner_s) * (0.0 if math.isnan(speed_mps) else speed_mps)
+        (later_s - sooner_s) * (speed_mps if speed_mps >= NO_RATES_BELOW_MPS else 0.0)
         for (sooner_s, speed_mps), (later_s, _) in pairwise(rows)
     )
