@@ -1,9 +1,9 @@
 """How far dead reckoning goes astray on real trips, and how often within its own ellipse.
 
 Trips of the folder that ``MODELCAST_DATA`` names are replayed. From every seventh second on the fixes are
-withheld; the bus goes on. At whole seconds of the outage the motion that `MotionSource` gives is compared with
-the recorded place. The recorded place is where the outage begins, so the ellipse that counts is that of the
-growth alone, without the fix's own.
+withheld; the bus goes on. At whole seconds of the outage the motion that `MotionSource` gives is compared
+with the recorded place. The recorded place is where the outage begins, so the ellipse that counts is that
+of the growth alone, without the fix's own.
 
 Two of the trips have a bus that measures. The third (`HELD`) has speed, heading and yaw rate of a receiver,
 smoothed over seconds and held for one, and places on a grid of half a metre: what such a bus is worth is

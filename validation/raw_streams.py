@@ -1,9 +1,9 @@
 """A drive's own streams, as late and as uneven as they were logged, against the same drive resampled.
 
-One comma2k19 segment: fixes at 10 Hz that were logged 60 to 130 ms after their epoch, speed at 83 Hz and the
-gyro at 104 Hz. A station that evaluates a trip takes each fix at its epoch; a node has a tick of its own and must
-carry the newest fix on to it. Printed is how far the node's motion at its ticks is from the recorded trip at the
-same instants, for ticks of several phases, and what a tick costs.
+One comma2k19 segment: fixes at 10 Hz that were logged 60 to 130 ms after their epoch, speed at 83 Hz and
+the gyro at 104 Hz. A station that evaluates a trip takes each fix at its epoch; a node has a tick of its
+own and must carry the newest fix on to it. Printed is how far the node's motion at its ticks is from the
+recorded trip at the same instants, for ticks of several phases, and what a tick costs.
 """
 
 import argparse

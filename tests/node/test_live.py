@@ -126,7 +126,7 @@ def test_figures_page_and_map_are_served_while_it_runs_and_closed_after(trip: Pa
     async def look() -> tuple[bytes, bytes, list[bytes]]:
         stop = asyncio.Event()
         running = asyncio.create_task(node.run(stop))
-        while node.state is None:
+        while node.state is None:  # noqa: ASYNC110 - time is virtual
             await asyncio.sleep(0.1)
         figures, page = await get(ports[0], "/metrics"), await get(ports[1], "/")
         reader, writer = await asyncio.open_unix_connection(str(place))

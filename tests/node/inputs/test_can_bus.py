@@ -142,6 +142,44 @@ def test_frames_of_a_virtual_bus_become_values(dbc, until):
     ]
 
 
+def test_frames_come_over_udp_multicast(dbc, until):
+    pytest.importorskip("msgpack")
+    channel = "239.74.163.77"
+    try:
+        sender = can.Bus(interface="udp_multicast", channel=channel)
+    except (can.CanError, OSError) as error:
+        pytest.skip(f"no multicast here: {error}")
+
+    async def run() -> dict[str, int]:
+        opened = bus_by_name("udp_multicast", channel)
+        source = CanSource(opened, read_frames(dbc, read_signals(MAP)), now_s=lambda: 5.0)
+        await source.start()
+        await until(lambda: source.counts().get("connections") == 1)
+
+        def came() -> bool:
+            sender.send(can.Message(arbitration_id=180, data=speed_frame(3600), is_extended_id=False))
+            return source.counts().get("samples", 0) > 0
+
+        await until(came)
+        await source.stop()
+        return dict(source.counts())
+
+    with sender:
+        assert asyncio.run(run())["samples"] > 0
+
+
+@pytest.mark.parametrize("kind", ["error", "remote"])
+def test_frames_that_hold_no_values_are_only_counted(dbc, kind: str):
+    source = CanSource(bus_by_name("virtual", "x"), read_frames(dbc, read_signals(MAP)), now_s=lambda: 0.0)
+    flags = {f"is_{kind}_frame": True}
+    source.hear(
+        can.Message(
+            arbitration_id=180, data=b"" if kind == "remote" else bytes(8), is_extended_id=False, **flags
+        )
+    )
+    assert source.counts() == {f"{kind} frame": 1}
+
+
 def test_a_bus_that_fails_is_opened_again(dbc, until):
     opened = Event()
     attempts: list[int] = []

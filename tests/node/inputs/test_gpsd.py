@@ -1,10 +1,13 @@
 """gpsd as a source, against a server that plays one."""
 
 import asyncio
+import contextlib
 import json
 import math
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from modelcast.node.inputs.gpsd import GpsdSource, read_report, read_tpv
 from modelcast.node.inputs.line_stream import StreamRules
@@ -113,6 +116,32 @@ def test_fixes_do_not_queue_up_the_newest_are_kept():
 def test_what_is_no_report_is_an_error_of_value(text: bytes):
     with pytest.raises(ValueError):  # noqa: PT011 - any of them is counted as garbage
         heard(text)
+
+
+SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8)
+NAMES = st.sampled_from(
+    ["class", "mode", "lat", "lon", "time", "speed", "track", "epx", "epy", "eph", "uSat", "device"]
+)
+
+
+@given(st.dictionaries(NAMES, SCALARS | st.just(3) | st.just("TPV") | st.lists(SCALARS, max_size=2)))
+def test_any_report_is_read_or_an_error_of_value(changes: dict):
+    one = source()
+    with contextlib.suppress(ValueError):
+        one.hear(json.dumps(TPV | changes).encode())
+    one.hear(line(TPV, device="/dev/a").strip())
+    assert all(abs(fix.latitude_deg) <= 90.0 for fix in one.take(10.0))
+
+
+def test_a_host_that_is_no_name_is_not_reached(until):
+    async def run() -> dict[str, int]:
+        one = GpsdSource("x" * 300, 1, now_s=lambda: 0.0, utc_at_zero_s=0.0, rules=StreamRules(retry_s=0.01))
+        await one.start()
+        await until(lambda: one.counts().get("not reached", 0) > 1)
+        await one.stop()
+        return dict(one.counts())
+
+    assert "connections" not in asyncio.run(run())
 
 
 def test_attributes_may_come_in_any_order():

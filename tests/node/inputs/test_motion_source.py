@@ -140,6 +140,70 @@ def test_without_fixes_the_bus_carries_on_for_the_stated_time_then_there_is_sile
     assert "too long" in source.health.why
 
 
+def test_what_the_bus_is_off_by_is_learnt_while_there_are_fixes():
+    off = [value for t_s in times(0.0, 20.0, 0.02) for value in bus(t_s, SPEED_MPS / 1.05, YAW_RADPS + 0.02)]
+    source = fed([fix(t_s) for t_s in times(0.0, 15.0, 0.1)] + off)
+    source.at(15.0)
+    assert error_m(source.at(20.0), 20.0) < 0.05
+
+
+@pytest.mark.parametrize(("stands_s", "largest_m"), [(20.0, 0.1), (60.0, math.inf)])
+def test_a_car_that_drives_off_in_an_outage_after_a_stop_knows_its_course_or_says_that_it_does_not(
+    stands_s: float, largest_m: float
+):
+    """Courses of a standing antenna are noise; the one it stopped with holds."""
+    rng = np.random.default_rng(3)
+    lost_s = 12.0 + stands_s
+    drives = [fix(t_s) for t_s in times(0.0, 12.0, 0.1)]
+    stands = [
+        fix(t_s, at_s=12.0, speed_mps=0.1, heading_rad=float(rng.uniform(0.0, 6.0)))
+        for t_s in times(12.1, lost_s, 0.1)
+    ]
+    goes = lost_s + 0.5
+    values = [
+        value
+        for t_s in times(0.0, lost_s + 3.0, 0.02)
+        for value in (bus(t_s) if t_s <= 12.0 or t_s > goes else bus(t_s, 0.0, 0.0))
+    ]
+    source = fed(drives + stands + values)
+    driven_s = 2.5
+    motion = source.at(goes + driven_s)
+    assert motion.mode == "can"
+    error = error_m(motion, 12.0 + driven_s)
+    assert error < largest_m + 0.4  # the bus begins to move between two of its values
+    if largest_m == math.inf:
+        assert motion.ellipse[0] > SPEED_MPS * driven_s
+
+
+def test_a_bus_that_missed_turns_is_trusted_less():
+    def jittering(yaw_radps: float) -> list[BusValue]:
+        jitter = [1e-6 * (at % 2) for at in range(1001)]
+        return [one for at, by in enumerate(jitter) for one in bus(0.02 * at, yaw_radps=yaw_radps + by)]
+
+    fixes = [fix(t_s) for t_s in times(0.0, 15.0, 0.1)]
+    good, blind = (fed(fixes + jittering(yaw_radps)).at(18.0) for yaw_radps in (YAW_RADPS, 0.0))
+    assert good.mode == blind.mode == "can"
+    assert blind.ellipse[0] > 1.5 * good.ellipse[0]
+
+
+def test_between_slow_fixes_the_speed_follows_their_slope():
+    fixes = [fix(t_s, speed_mps=10.0 + 2.0 * t_s) for t_s in times(0.0, 5.0, 0.4)]
+    motion = fed(fixes).at(5.1)
+    assert motion.mode == "gnss"
+    assert motion.speed_mps == pytest.approx(10.0 + 2.0 * 5.1)
+    braking = [fix(t_s, speed_mps=max(8.0 - 2.0 * t_s, 0.1)) for t_s in times(0.0, 4.0, 0.4)]
+    assert fed(braking).at(4.6).speed_mps == 0.0  # and never backwards
+
+
+def test_the_course_of_a_car_that_stands_is_no_turn():
+    rng = np.random.default_rng(1)
+    standing = [
+        fix(t_s, at_s=0.0, speed_mps=0.2, heading_rad=float(rng.uniform(0.0, 6.0)))
+        for t_s in times(0.0, 3.0, 0.1)
+    ]
+    assert fed(standing).at(3.0).yaw_rate_radps == 0.0
+
+
 def test_a_bus_without_yaw_rate_does_not_carry_on():
     values = [one for one in all_bus(0.0, 10.0) if one.quantity == "speed_mps"]
     source = fed([fix(t_s) for t_s in times(0.0, 5.0, 0.1)] + values)

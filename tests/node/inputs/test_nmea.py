@@ -71,6 +71,11 @@ def test_midnight_without_a_date_is_no_jump_back():
     assert [round(fix.measured_s, 1) for fix in fixes] == [59.0, 59.5, 60.0, 60.5]
 
 
+def test_the_first_fix_of_a_day_before_any_date_is_of_the_nearest_day():
+    one = heard(gga(60.0), gga(60.1), at_s=59.98)  # midnight, by a clock that is 20 ms behind
+    assert [fix.measured_s for fix in one.take(100.0)] == [59.98]
+
+
 def test_sentences_that_say_that_there_is_no_fix_give_none():
     one = heard(gga(1.0, quality=0), rmc(1.0, status="V"), gga(2.0), rmc(2.0, status="V"), rmc(3.0), gga(3.0))
     assert [fix.measured_s for fix in one.take(100.0)] == [pytest.approx(3.0)]

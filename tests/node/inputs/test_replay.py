@@ -11,7 +11,7 @@ from modelcast.io.write_trips import write_csv
 from modelcast.node.inputs.motion_source import MotionSource
 from modelcast.node.inputs.opening import gnss_source
 from modelcast.node.inputs.replay import TripReplay, trip_from
-from modelcast.node.inputs.samples import BusValue, GnssFix
+from modelcast.node.inputs.samples import SAME_S, BusValue, GnssFix
 from modelcast.world.drive import generate_drive
 
 TRIP = generate_drive(3, 90.0).truth
@@ -22,12 +22,21 @@ def test_every_sample_comes_once_and_none_before_its_time():
     found = []
     for now_s in np.arange(99.0, 200.0, 0.037).tolist():
         taken = replay.take(now_s)
-        assert all(one.received_s <= now_s for one in taken)
+        assert all(one.received_s <= now_s + SAME_S for one in taken)
         found += taken
     fixes = [one for one in found if isinstance(one, GnssFix)]
     assert [one.measured_s for one in fixes] == (100.0 + TRIP.t_s).tolist()
     assert len(found) == 4 * len(TRIP)
     assert replay.ended
+
+
+def test_ticks_computed_in_another_way_meet_the_recorded_times():
+    replay, source = TripReplay(TRIP), MotionSource()
+    for tick in range(300):
+        source.feed(replay.take(tick / 10))
+        motion = source.at(tick / 10)
+        assert motion is not None
+        assert motion.position_m == tuple(TRIP.position_m[tick].tolist())
 
 
 @pytest.mark.parametrize("times_as_fast", [0.5, 1.5])

@@ -11,8 +11,10 @@ place           5 fixes, 0.4 s                             more than 2 m were dr
                                                            speed that the same fixes state
 speed           2 s, 5 values                              fixes state speeds, for the last 2 s, that differ
                                                            by over 1.5 m/s and 10 %; their places move
-yaw rate        2 s, 5 values                              the course turned 10° more or less, above 3 m/s
-acceleration    2 s, 5 values                              the speed of fixes changed 3 m/s more or less
+yaw rate        2 s, 5 values                              the course turned 10° otherwise in the last 4 s,
+                                                           above 3 m/s
+acceleration    2 s, 5 values                              the speed of fixes changed 3 m/s otherwise in
+                                                           the last 4 s
 ==============  =========================================  =============================================
 
 A speed is looked at first, since it judges places; fixes whose own speed leaps as no vehicle's does (20
@@ -26,6 +28,7 @@ from itertools import pairwise
 
 from modelcast.node.inputs.samples import PLAUSIBLE, GnssFix
 from modelcast.node.inputs.series import Series
+from modelcast.station.sensing.rates import NO_RATES_BELOW_MPS
 
 __all__ = ["frozen_quantities", "same_place_since"]
 
@@ -34,6 +37,8 @@ _PLACE_S = 0.4
 _PLACE_M = 2.0
 _VALUES = 5
 _VALUE_S = 2.0
+_CHANGE_S = 4.0
+"""Turns and changes of speed are looked at for so long, so that small errors do not add up."""
 _SPEED_MPS = 1.5
 _SPEED_RATIO = 0.1
 _TURN_RAD = math.radians(10.0)
@@ -76,10 +81,10 @@ def frozen_quantities(fixes: Sequence[GnssFix], bus: Mapping[str, Series]) -> fr
         Its values by quantity.
     """
     found: set[str] = set()
-    for quantity, differs in (
-        ("speed_mps", _speed_differs),
-        ("yaw_rate_radps", _turn_differs),
-        ("acceleration_mps2", _speed_change_differs),
+    for quantity, differs, lasts_s in (
+        ("speed_mps", _speed_differs, math.inf),
+        ("yaw_rate_radps", _turn_differs, _CHANGE_S),
+        ("acceleration_mps2", _speed_change_differs, _CHANGE_S),
     ):
         series = bus.get(quantity)
         if series is None or not len(series):
@@ -88,7 +93,8 @@ def frozen_quantities(fixes: Sequence[GnssFix], bus: Mapping[str, Series]) -> fr
         lasted_s = series.newest_s - since_s
         if count < _VALUES or lasted_s < _VALUE_S:
             continue
-        during = [fix for fix in fixes if since_s <= fix.measured_s <= series.newest_s]
+        begin_s = max(since_s, series.newest_s - lasts_s)
+        during = [fix for fix in fixes if begin_s <= fix.measured_s <= series.newest_s]
         if (
             len(during) > 1
             and during[-1].measured_s - during[0].measured_s >= _VALUE_S / 2.0
@@ -146,9 +152,9 @@ def _place(fix: GnssFix) -> tuple[float, float]:
 
 
 def _driven_m(times_s: Sequence[float], speeds_mps: Sequence[float]) -> float:
-    """Way at speeds, those that are no numbers taken for none [m]."""
+    """Way at speeds that are not those of a car that stands [m]."""
     rows = list(zip(times_s, speeds_mps, strict=True))
     return sum(
-        (later_s - sooner_s) * (0.0 if math.isnan(speed_mps) else speed_mps)
+        (later_s - sooner_s) * (speed_mps if speed_mps >= NO_RATES_BELOW_MPS else 0.0)
         for (sooner_s, speed_mps), (later_s, _) in pairwise(rows)
     )

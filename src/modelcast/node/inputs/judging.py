@@ -5,13 +5,10 @@ from dataclasses import dataclass
 
 from modelcast.node.inputs.frozen import frozen_quantities, same_place_since
 from modelcast.node.inputs.motion import Mode
-from modelcast.node.inputs.samples import GnssFix
+from modelcast.node.inputs.samples import SAME_S, GnssFix
 from modelcast.node.inputs.series import Series, stale_after_s
 
-__all__ = ["SAME_S", "State", "judged"]
-
-SAME_S = 1e-6
-"""Instants closer than this are one."""
+__all__ = ["State", "judged"]
 
 _NEEDED = frozenset({"speed_mps", "yaw_rate_radps"})
 """What dead reckoning needs of the bus."""

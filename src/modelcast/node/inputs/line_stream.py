@@ -90,7 +90,7 @@ class LineStream:
             try:
                 async with asyncio.timeout(self._rules.connect_s):
                     reader, send, close = await self._connect()
-            except OSError:  # TimeoutError is one
+            except (OSError, ValueError):  # TimeoutError is the former, a name that is no host's the latter
                 self._box.count("not reached")
             else:
                 self._box.count("connections")

@@ -28,16 +28,18 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import Origin, geodetic_to_local, local_to_geodetic
 from modelcast.node.inputs.fix_motion import course_of, end_slope_of, motion_of, origin_of
-from modelcast.node.inputs.judging import SAME_S, State, judged
+from modelcast.node.inputs.judging import State, judged
 from modelcast.node.inputs.motion import Change, Health, Mode, Motion
 from modelcast.node.inputs.outage import LEARNT_S, BusErrors, bus_errors
 from modelcast.node.inputs.reckoning import DEFAULT_AXIS_M, Growth, Way, ellipse_covariance_m2, way
-from modelcast.node.inputs.samples import PLAUSIBLE, GnssFix, Sample
+from modelcast.node.inputs.samples import PLAUSIBLE, SAME_S, GnssFix, Sample
 from modelcast.node.inputs.series import Series
 from modelcast.station.sensing.rates import RATES_FROM_VELOCITY
 
 __all__ = ["MotionSource"]
 
+_STOOD_S = 30.0
+"""So long a car may stand, and what was learnt of its bus while it drove is still known."""
 _JUMP_M = 1.0
 """Where the place is farther from where the last motion led, at a change of mode, a new part begins."""
 _MOST_VALUES = 16_384
@@ -95,7 +97,7 @@ class MotionSource:
         self._stale_s = stale_s
         self._dead_reckoning_s = dead_reckoning_s
         self._growth = growth or Growth()
-        self._keep_s = LEARNT_S + dead_reckoning_s + stale_s
+        self._keep_s = LEARNT_S + _STOOD_S + dead_reckoning_s + stale_s
         self._waiting: list[Sample] = []
         self._fixes: list[GnssFix] = []
         self._bus: dict[str, Series] = {name: Series(_MOST_VALUES) for name in PLAUSIBLE}
@@ -272,7 +274,7 @@ class MotionSource:
         speed, yaw_rate = self._bus["speed_mps"], self._bus["yaw_rate_radps"]
         last_s = state.fixes[-1].measured_s
         both = (speed, yaw_rate)
-        counts = [one.count(last_s - LEARNT_S, last_s) for one in both]
+        counts = [one.count(state.fixes[0].measured_s, last_s) for one in both]
         nexts = [next(one.knots(last_s, math.inf), -math.inf) for one in both]
         key = (last_s, len(state.fixes), *counts, *nexts)
         if self._learnt is None or self._learnt[0] != key:

@@ -1,8 +1,8 @@
 """What a vehicle learns of its own bus while it has fixes, for the time when it has none.
 
-Over the last 10 s before a fix, courses of fixes less the turn by the bus's yaw rate are a line in time:
-its end is the course, free of a single fix's noise, its slope the bias of the yaw rate. Speeds of fixes
-over those of the bus give the scale of the latter.
+Over the last 10 s of driving before a fix, courses of fixes less the turn by the bus's yaw rate are a
+line in time: its end is the course, free of a single fix's noise, its slope the bias of the yaw rate.
+Speeds of fixes over those of the bus give the scale of the latter.
 """
 
 import math
@@ -13,6 +13,7 @@ from modelcast.node.inputs.fix_motion import Course, courses_of
 from modelcast.node.inputs.reckoning import Growth, way
 from modelcast.node.inputs.samples import GnssFix
 from modelcast.node.inputs.series import Series
+from modelcast.station.sensing.motion_filter import HEADING_HOLD_MPS
 
 __all__ = ["LEARNT_S", "BusErrors", "bus_errors"]
 
@@ -22,6 +23,8 @@ _LEAST_LINE_S = 3.0
 _ABOVE_MPS = 3.0
 _MOST_BIAS_RADPS = math.radians(1.5)
 _MOST_SCALE = 0.1
+_NO_COURSE_RAD = math.pi / 2.0
+"""Of the course of a car that has stood for as long as is remembered: none."""
 _TURN_S = 2.5
 """In such a time a course goes as far off its line as it is spread about it: a quarter of the window."""
 
@@ -76,10 +79,10 @@ def bus_errors(fixes: Sequence[GnssFix], speed: Series, yaw_rate: Series) -> Bus
         Of the bus.
     """
     last_s = fixes[-1].measured_s
-    recent = [fix for fix in fixes if fix.measured_s >= last_s - LEARNT_S]
-    used = [course for course in courses_of(recent) if course.speed_mps > _ABOVE_MPS]
+    used = [course for course in courses_of(fixes) if course.speed_mps > _ABOVE_MPS]
+    used = [course for course in used if course.t_s >= used[-1].t_s - LEARNT_S]
     if len(used) < _LEAST_FIXES:
-        return BusErrors()
+        return BusErrors(course_rad=0.0 if fixes[-1].speed_mps > HEADING_HOLD_MPS else _NO_COURSE_RAD)
     by_fixes = sum(course.speed_mps * speed.at(course.t_s) for course in used)
     by_bus = sum(speed.at(course.t_s) ** 2 for course in used)
     scale = by_fixes / by_bus if by_bus > 0.0 else 1.0

@@ -17,7 +17,7 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import local_to_geodetic
 from modelcast.io.trips import read_trips
 from modelcast.node.inputs.base import AbstractSource
-from modelcast.node.inputs.samples import PLAUSIBLE, BusValue, GnssFix, Sample
+from modelcast.node.inputs.samples import PLAUSIBLE, SAME_S, BusValue, GnssFix, Sample
 from modelcast.station.sensing.sensing import NOWHERE
 from modelcast.trips.trajectory import Trajectory
 
@@ -100,7 +100,7 @@ class TripReplay(AbstractSource):
 
     def take(self, now_s: float) -> list[Sample]:
         """What arrived since the last call."""
-        last = int(np.searchsorted(self.times_s + self._latency_s, now_s, side="right"))
+        last = int(np.searchsorted(self.times_s + self._latency_s, now_s + SAME_S, side="right"))
         samples = [sample for at in range(self._next, last) for sample in self._samples(at)]
         self._next = max(last, self._next)
         self._counts["samples"] += len(samples)

@@ -5,10 +5,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-__all__ = ["AHEAD_S", "PLAUSIBLE", "BusValue", "GnssFix", "Sample", "measured_at"]
+__all__ = ["AHEAD_S", "PLAUSIBLE", "SAME_S", "BusValue", "GnssFix", "Sample", "measured_at"]
 
 AHEAD_S = 0.1
 """How far a fix may be dated after its arrival: clocks differ. It is then taken as of its arrival."""
+
+SAME_S = 1e-6
+"""Instants closer than this are one, as a tick and a recorded time that were computed in two ways."""
 
 PLAUSIBLE: Mapping[str, tuple[float, float]] = MappingProxyType(
     {
