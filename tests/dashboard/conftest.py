@@ -1,7 +1,9 @@
 """Fixtures of the page's tests: small snapshots laid out by hand."""
 
+import re
 import shutil
 from collections.abc import Callable
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -70,3 +72,14 @@ def chromium() -> str:
         pytest.skip("no chromium on this machine")
     pytest.importorskip("playwright", reason="playwright is not installed")
     return found
+
+
+@pytest.fixture(scope="session")
+def themes() -> dict[str, dict[str, str]]:
+    """The page's colours by name, by day and at night."""
+    text = (files("modelcast.dashboard") / "static" / "page.css").read_text()
+    day, night = re.findall(r":root(?:\[[^\]]*\])? \{(.*?)\}", text, re.DOTALL)[:2]
+    return {
+        name: dict(re.findall(r"--([a-z0-9-]+): (#[0-9a-f]{6})", part))
+        for name, part in (("day", day), ("night", night))
+    }

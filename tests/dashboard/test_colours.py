@@ -1,7 +1,5 @@
 """Claims: text and marks of the page stand out by day and at night (WCAG 2.2, 1.4.3 and 1.4.11)."""
 
-import re
-from importlib.resources import files
 from itertools import combinations
 
 import pytest
@@ -22,16 +20,6 @@ FOR_DEUTANS = (
 """What is seen of linear red, green and blue (Machado et al. 2009, DOI 10.1109/TVCG.2009.113, severity 1)."""
 
 Linear = tuple[float, ...]
-
-
-def themes() -> dict[str, dict[str, str]]:
-    """Colours by name, by day and at night."""
-    text = (files("modelcast.dashboard") / "static" / "page.css").read_text()
-    day, night = re.findall(r":root(?:\[[^\]]*\])? \{(.*?)\}", text, re.DOTALL)[:2]
-    return {
-        name: dict(re.findall(r"--([a-z0-9-]+): (#[0-9a-f]{6})", part))
-        for name, part in (("day", day), ("night", night))
-    }
 
 
 def linear(colour: str) -> Linear:
@@ -61,8 +49,8 @@ def lab(rgb: Linear) -> Linear:
 
 
 @pytest.mark.parametrize("theme", ["day", "night"])
-def test_text_and_marks_stand_out(theme: str) -> None:
-    of = themes()[theme]
+def test_text_and_marks_stand_out(theme: str, themes: dict[str, dict[str, str]]) -> None:
+    of = themes[theme]
     texts = [("ink", "paper"), ("soft", "paper"), ("ink", "field"), ("ink", "button"), ("paper", "accent")]
     texts += [("alarm", "alarm-paper"), ("caution", "caution-paper"), ("alarm", "paper")]
     for one, other in texts:
@@ -74,10 +62,10 @@ def test_text_and_marks_stand_out(theme: str) -> None:
 @pytest.mark.parametrize("theme", ["day", "night"])
 @pytest.mark.parametrize("seen", [None, FOR_PROTANS, FOR_DEUTANS])
 def test_the_first_five_sub_models_are_told_apart_with_impaired_colour_vision(
-    theme: str, seen: tuple[Linear, ...] | None
+    theme: str, seen: tuple[Linear, ...] | None, themes: dict[str, dict[str, str]]
 ) -> None:
     """As a difference of L*a*b* (CIE 1976) of 10 at least, several times the least that is noticed."""
-    of = themes()[theme]
+    of = themes[theme]
     for one, other in combinations(range(5), 2):
         parts: list[Linear] = []
         for at in (one, other):

@@ -4,10 +4,13 @@ import asyncio
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from modelcast.dashboard.feed import AbstractFeed, LiveFeed
 from modelcast.dashboard.gate import Gate
@@ -24,6 +27,9 @@ ARGUMENTS = [
     "--enable-unsafe-swiftshader",
     "--ignore-gpu-blocklist",
 ]
+NEAR = 4.0
+"""Steps of 255 by which a colour on the screen may differ: the browser's own rounding."""
+
 PATIENCE_MS = 10_000
 """After which a page that does not show what it should has failed."""
 
@@ -172,8 +178,28 @@ def test_a_distance_is_measured_between_two_clicks(looked: Looked, log: str) -> 
         page.mouse.click(box["x"] + dx, box["y"] + 300)
     wanted_m = 150.0 * FIRST_SIGHT_M / min(box["width"], box["height"])
     text = page.locator("#measured").inner_text()
-    assert float(text.split(" m")[0]) == pytest.approx(wanted_m, abs=0.02)
+    assert float(text.split(" m")[0]) == pytest.approx(wanted_m, abs=wanted_m / 150.0)  # a pixel
     assert "bearing 90°" in text
+
+
+@pytest.mark.parametrize("night", [False, True])
+def test_what_is_on_the_screen_has_the_colours_of_road_host_remotes_and_warning(
+    browser: Any, log: str, themes: dict[str, dict[str, str]], *, night: bool
+) -> None:
+    """Of the picture as it is shown, not of what was drawn: a canvas may be drawn and not shown."""
+    context = browser.new_context(
+        viewport={"width": 1200, "height": 800}, color_scheme="dark" if night else "light"
+    )
+    found = Looked(context.new_page())
+    found.open(log)
+    paused_at(found.page, "25.0")
+    picture = 255.0 * imread(BytesIO(found.page.locator("#map").screenshot()))[:, :, :3]
+    of = themes["night" if night else "day"]
+    for name in ("field", "road", "host", "ink", "alarm", "m1", "m2"):
+        colour = [int(of[name][at : at + 2], 16) for at in (1, 3, 5)]
+        assert np.abs(picture - colour).max(axis=2).min() < NEAR, name
+    context.close()
+    assert found.problems == []
 
 
 def test_a_drag_moves_the_map_and_ends_following(looked: Looked, log: str) -> None:

@@ -4,9 +4,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from modelcast.dashboard.feed import AbstractFeed
+    from modelcast.dashboard.feed import AbstractFeed, LiveFeed
 
 __all__ = ["view"]
+
+_DRIVE_S = 600.0
+"""Length of one drive of the demo."""
 
 
 def view(
@@ -69,27 +72,30 @@ async def _serve(feed: "AbstractFeed", host: str, port: int, names: tuple[str, .
         say(f"http://{shown}:{found[1]}/" + (f"?token={gate.token}" if gate.token else ""))
         server = page_server(feed, gate)
         driving = asyncio.create_task(_drive(feed)) if isinstance(feed, LiveFeed) else None
+        if driving is not None:
+            driving.add_done_callback(lambda _: setattr(server, "should_exit", True))
         try:
             await server.serve(sockets=[place])
         finally:
-            if driving is not None:
-                driving.cancel()
+            if driving is not None and not driving.cancel():
+                await driving  # it ended by itself, so by an error
 
 
-async def _drive(feed: "AbstractFeed") -> None:
-    """Publish the demo's snapshots at their times, one drive after another."""
+async def _drive(feed: "LiveFeed") -> None:
+    """Publish the demo's snapshots at their times, one drive after another, while the server goes on."""
     import asyncio
     import time
     from dataclasses import replace
     from itertools import count
 
     from modelcast.dashboard.demo import DemoDrive
-    from modelcast.dashboard.feed import LiveFeed
 
-    assert isinstance(feed, LiveFeed)  # noqa: S101
-    begun_s = time.monotonic()
+    begun_s: float | None = None
     for seed in count():
-        offset_s = 600.0 * seed
-        for snapshot in DemoDrive(seed=seed).snapshots(600.0):
-            feed.publish(replace(snapshot, t_s=snapshot.t_s + offset_s))
-            await asyncio.sleep(max(begun_s + offset_s + snapshot.t_s - time.monotonic(), 0.0))
+        offset_s = _DRIVE_S * seed
+        drive = DemoDrive(seed=seed).snapshots(_DRIVE_S)
+        while (snapshot := await asyncio.to_thread(next, drive, None)) is not None:
+            t_s = snapshot.t_s + offset_s
+            feed.publish(replace(snapshot, t_s=t_s))
+            begun_s = time.monotonic() if begun_s is None else begun_s
+            await asyncio.sleep(max(begun_s + t_s - time.monotonic(), 0.0))

@@ -256,7 +256,7 @@ const dark = matchMedia("(prefers-color-scheme: dark)");
 dark.addEventListener("change", () => setNight(dark.matches));
 setNight(dark.matches);
 
-new ResizeObserver(() => {
+function resize() {
   const ratio = Math.min(window.devicePixelRatio || 1, 2);
   camera.width = canvas.clientWidth;
   camera.height = canvas.clientHeight;
@@ -264,7 +264,9 @@ new ResizeObserver(() => {
   canvas.height = Math.round(camera.height * ratio);
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
   state.dirty = true;
-}).observe(canvas);
+}
+resize(); // now: the first snapshot may come before the observer is asked
+new ResizeObserver(resize).observe(canvas);
 
 const socket = connect({
   hello(given) {
