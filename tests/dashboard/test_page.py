@@ -114,12 +114,17 @@ def log(tmp_path: Path, make_snapshot: MakeSnapshot) -> Iterator[str]:
         served.close()
 
 
+def drawn(page: Any) -> None:
+    """Wait until what was changed is drawn."""
+    for _ in range(2):
+        page.evaluate("new Promise((done) => requestAnimationFrame(() => done(null)))")
+
+
 def paused_at(page: Any, t_s: str) -> None:
     """Wind to a time by the slider."""
     page.locator("#scrub").fill(t_s)
     page.locator("#time").filter(has_text=f"{t_s} s").wait_for()
-    for _ in range(2):  # until it is drawn
-        page.evaluate("new Promise((done) => requestAnimationFrame(() => done(null)))")
+    drawn(page)
 
 
 def test_a_log_plays_is_paused_and_is_stepped_by_keys(looked: Looked, log: str) -> None:
@@ -151,6 +156,9 @@ def test_keys_choose_the_remotes_by_distance_and_let_go(looked: Looked, log: str
     for figure in ("ctra", "10.0 m/s", "0.25 m", "25 %", "1.50 \u00d7 0.50 m"):
         assert figure in facts
     assert "Remote 1" in page.locator("#chosen-said").inner_text()
+    drawn(page)
+    series = page.locator("#series figure:visible b").all_inner_texts()
+    assert series == ["0.25 m", "0.4 s", "0.2 s", "1", "25 %", "ctra"]
     page.keyboard.press("Escape")
     assert page.locator("#chosen").is_hidden()
 

@@ -280,7 +280,7 @@ const socket = connect({
     state.dirty = true;
   },
   snapshot(t, text) {
-    if (!state.span || !state.paused) history.add(t, text);
+    history.add(t, text);
     if (!state.paused || state.span) show(text);
     else timeline();
   },

@@ -58,8 +58,9 @@ export class History {
     this.characters = 0;
   }
 
-  /** Keep a text; what is too old for the bounds goes. */
+  /** Keep a text; time that goes back begins anew, and what is too old for the bounds goes. */
   add(t, text) {
+    if (this.items.length && t === this.items[this.items.length - 1].t) return;
     if (this.items.length && t <= this.items[this.items.length - 1].t) {
       this.items = [];
       this.characters = 0;
