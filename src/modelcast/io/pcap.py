@@ -109,11 +109,15 @@ def frames_of(content: bytes, path: str = "capture") -> Iterator[CapturedFrame]:
     elif is_capture(content):
         yield from _blocks(content, path)
     else:
-        raise DataFormatError(path, "no capture", remedy="Give a file of tcpdump, tshark or an on-board unit.")
+        raise DataFormatError(
+            path, "no capture", remedy="Give a file of tcpdump, tshark or an on-board unit."
+        )
 
 
 def _fault(path: str, what: str, number: int) -> DataFormatError:
-    return DataFormatError(path, f"record {number}: {what}", remedy="Capture again, or cut the file before it.")
+    return DataFormatError(
+        path, f"record {number}: {what}", remedy="Capture again, or cut the file before it."
+    )
 
 
 def _classic(content: bytes, path: str) -> Iterator[CapturedFrame]:
