@@ -53,7 +53,7 @@ def read_octets(path: str) -> bytes:
 
 
 def pieces_of(content: bytes) -> Iterator[Piece]:
-    r"""Yield what stands in octets of a file: runs of digits in a text, messages of a capture, or all of a binary file.
+    r"""Yield what stands in octets: runs of digits in a text, messages of a capture, or all of a binary file.
 
     Parameters
     ----------

@@ -164,7 +164,7 @@ def _blocks(content: bytes, path: str) -> Iterator[CapturedFrame]:
         if kind == _INTERFACE:
             interfaces.append(_interface(body, order, path, number))
         elif kind in (_ENHANCED, _SIMPLE):
-            yield _packet(kind, body, order, interfaces, path, number)
+            yield _packet(kind, body, order, interfaces=interfaces, path=path, number=number)
             number += 1
 
 
@@ -185,7 +185,7 @@ def _interface(body: bytes, order: str, path: str, number: int) -> _Interface:
 
 
 def _packet(
-    kind: int, body: bytes, order: str, interfaces: list[_Interface], path: str, number: int
+    kind: int, body: bytes, order: str, *, interfaces: list[_Interface], path: str, number: int
 ) -> CapturedFrame:
     head = 20 if kind == _ENHANCED else 4
     if len(body) < head:

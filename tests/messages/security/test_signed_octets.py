@@ -117,7 +117,7 @@ def test_what_was_written_is_read(message: SignedMessage) -> None:
 
 @given(messages)
 def test_another_implementation_of_the_standard_writes_the_same_octets(message: SignedMessage) -> None:
-    """pycrate, from the published module: it encodes our values to our octets, and reads and rewrites ours."""
+    """pycrate, from the published module: it encodes our values to our octets and reads ours."""
     JUDGE.set_val(message_value(message, null=0, defaults={}))
     assert JUDGE.to_coer() == message.octets
     JUDGE.from_coer(message.octets)

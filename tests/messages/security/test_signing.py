@@ -293,7 +293,7 @@ def test_what_is_signed_is_bound_to_the_certificate() -> None:
 
 
 def test_ten_thousand_senders_within_a_second_fill_no_more_than_the_caps() -> None:
-    """Twelve stand for them: the windows of senders are capped as the certificates are, whatever their age."""
+    """Twelve stand for them: windows of senders are capped as the certificates are, whatever their age."""
     verifier = Verifier((ROOT.certificate,), SecurityParameters(certificates=4))
     state, first = VerifierState(), b""
     for sender in range(40, 52):

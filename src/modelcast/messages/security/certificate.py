@@ -61,7 +61,7 @@ class Certificate:
     start_s
         First second it is good for, since 2004-01-01 00:00 TAI.
     duration_s
-        Good from the start on for as many seconds, the end excluded: a whole count of the unit, at most 65,535.
+        Good from the start on for as many seconds, the end excluded: at most 65,535 of the unit.
     public_key
         Compressed point: 33 octets, beginning with 2 or 3.
     signature
@@ -69,8 +69,8 @@ class Certificate:
     duration_unit
         Unit in which the wire counts the duration.
     psids
-        Applications for which the key may sign, at most 16, all without service-specific permissions; none for
-        an authority, which issues certificates and signs nothing else.
+        Applications for which the key may sign, 16 at most, without service-specific permissions; none for an
+        authority, which issues certificates and signs nothing else.
     name
         A name; None for a certificate without one.
     craca_id, crl_series
@@ -109,6 +109,17 @@ class Certificate:
                 raise ValueError(f"{name} must have {octets} octets, got {len(getattr(self, name))}")
         if self.public_key[0] not in _COMPRESSED:
             raise ValueError(f"public_key must be a compressed point: 2 or 3 first, got {self.public_key[0]}")
+        self._check_times()
+        if len(self.psids) > _MOST_PSIDS or not all(0 <= psid <= _LAST_S for psid in self.psids):
+            raise ValueError(f"psids must be {_MOST_PSIDS} at most, each from 0 to {_LAST_S}")
+        if len((self.name or "").encode()) > _MOST_NAME_OCTETS:
+            raise ValueError(f"name must have {_MOST_NAME_OCTETS} octets at most")
+        if not 0 <= self.crl_series <= _LAST_COUNT:
+            raise ValueError(f"crl_series must be from 0 to {_LAST_COUNT}, got {self.crl_series}")
+        if self.r_tag not in _R_TAGS:
+            raise ValueError(f"r_tag must be one of {_R_TAGS}, got {self.r_tag}")
+
+    def _check_times(self) -> None:
         if not 0 <= self.start_s <= _LAST_S:
             raise ValueError(f"start_s must be from 0 to {_LAST_S}, got {self.start_s}")
         if self.duration_unit not in get_args(DurationUnit):
@@ -120,14 +131,6 @@ class Certificate:
                 f"duration_s must be a multiple of {unit_s} from 0 to {_LAST_COUNT * unit_s}, "
                 f"got {self.duration_s}"
             )
-        if len(self.psids) > _MOST_PSIDS or not all(0 <= psid <= _LAST_S for psid in self.psids):
-            raise ValueError(f"psids must be {_MOST_PSIDS} at most, each from 0 to {_LAST_S}")
-        if len((self.name or "").encode()) > _MOST_NAME_OCTETS:
-            raise ValueError(f"name must have {_MOST_NAME_OCTETS} octets at most")
-        if not 0 <= self.crl_series <= _LAST_COUNT:
-            raise ValueError(f"crl_series must be from 0 to {_LAST_COUNT}, got {self.crl_series}")
-        if self.r_tag not in _R_TAGS:
-            raise ValueError(f"r_tag must be one of {_R_TAGS}, got {self.r_tag}")
 
     @property
     def to_be_signed(self) -> bytes:
