@@ -1,4 +1,4 @@
-"""A second decoder of what goes on the air, written from ``docs/wire.md`` alone; it imports nothing of modelcast.
+"""A second decoder of what goes on the air, from ``docs/wire.md`` alone; it imports nothing of modelcast.
 
 It reads Part I's table out of the page. `read` gives plain values, or raises ValueError.
 """

@@ -12,8 +12,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from page_blocks import put
-
 from modelcast.messages.airtime import Stack
 from modelcast.messages.bsm import BsmCore, decode_bsm, encode_bsm
 from modelcast.messages.bsm_fields import CORE_FIELDS
@@ -28,6 +26,7 @@ from modelcast.messages.security.authority import Authority
 from modelcast.messages.security.p256 import PrivateKey
 from modelcast.messages.security.signed import SignedMessage, signed_part
 from modelcast.messages.wsmp import encode_wsm
+from page_blocks import put
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "wire.md"

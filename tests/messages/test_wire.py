@@ -1,4 +1,4 @@
-"""Claims about ``docs/wire.md``: a decoder written from the page alone agrees, its vectors are what is sent."""
+"""Claims about ``docs/wire.md``: a decoder written from it agrees, its vectors are what is sent."""
 
 import json
 import runpy
