@@ -48,10 +48,14 @@ def random_frame(rng: random.Random) -> tuple[bytes, dict[str, Any]]:
     codes = [rng.choice((field.low, field.high, rng.randint(field.low, field.high))) for field in CORE_FIELDS]
     part_ii = [(rng.getrandbits(6), rng.randbytes(rng.randint(1, 150))) for _ in range(rng.randint(0, 2))]
     regional: list[tuple[int, bytes]] = []
-    model = None
+    said: dict[str, Any] | None = None
     if rng.random() < 0.6:
         size = rng.choice((0, rng.randint(0, 127)))
-        model = {"profile": rng.getrandbits(24), "sub_model": rng.getrandbits(3), "all": rng.getrandbits(1)}
+        model: dict[str, Any] = {
+            "profile": rng.getrandbits(24),
+            "sub_model": rng.getrandbits(3),
+            "all": rng.getrandbits(1),
+        }
         model["coefficients"] = rng.randbytes(size)
         extension = ModelExtension(
             model["profile"],
@@ -60,8 +64,9 @@ def random_frame(rng: random.Random) -> tuple[bytes, dict[str, Any]]:
             coefficients=model["coefficients"],
         )
         regional.append((128, encode_extension(extension)))
+        said = model
     octets = encode_bsm(BsmCore(tuple(codes)), part_ii=tuple(part_ii), regional=tuple(regional))
-    return octets, {"codes": codes, "part_ii": part_ii, "regional": regional, "model": model}
+    return octets, {"codes": codes, "part_ii": part_ii, "regional": regional, "model": said}
 
 
 def random_message(rng: random.Random) -> tuple[bytes, dict[str, Any]]:

@@ -14,8 +14,8 @@ WSMP and IEEE 1609.2 data are opened and nothing is verified: whoever sent an id
 Unix time.
 
 Skipped and counted: "time missing" (no secMark, or no time in the capture), "position unavailable",
-"duplicate time". Repaired and counted: "out of time order"; unavailable values, held or left out as `rows` says. Records
-without a basic safety message are told with their number under the name of the file.
+"duplicate time". Repaired and counted: "out of time order"; unavailable values, held or left out as `rows`
+says. Records without a basic safety message are told with their number under the name of the file.
 """
 
 from collections.abc import Iterator

@@ -53,7 +53,7 @@ def reference_codec() -> ReferenceCodec:
     >>> reference_codec().encode("MessageFrame", {"messageId": 20, "value": bytes(3)}).hex()
     '001403000000'
     """
-    import asn1tools
+    import asn1tools  # noqa: PLC0415 - a tool of the tests, not of those who run modelcast
 
     return cast("ReferenceCodec", asn1tools.compile_string(module_text(), "uper"))
 

@@ -108,10 +108,10 @@ def _unit(given: object) -> DurationUnit:
 
 
 def _psids(given: object) -> tuple[int, ...]:
-    numbers = cast("list[object]", given) if isinstance(given, list) else [None]
+    numbers = cast("list[object]", given) if isinstance(given, list) else [given]
     psids = tuple(number for number in numbers if type(number) is int)
     if len(psids) != len(numbers):
-        raise ValueError(f"psids must be a list of whole numbers, got {shown(given)}")
+        raise ValueError(f"psids must be a list of whole numbers, got {shown(numbers)}")
     return psids
 
 
