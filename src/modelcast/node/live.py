@@ -15,6 +15,7 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.dashboard.document import snapshot_text
 from modelcast.node.clock import AbstractClock, SteeredClock, SystemClock
 from modelcast.node.config import Air, NodeConfig, Page
+from modelcast.node.envelope import Unsecured
 from modelcast.node.inputs.base import AbstractSource
 from modelcast.node.inputs.motion import Motion
 from modelcast.node.inputs.motion_source import MotionSource
@@ -219,6 +220,7 @@ class LiveNode:
         self.node = node = Node(
             station,
             transport,
+            Unsecured(),
             applications={name: get_application(name) for name in config.applications.names},
             size_m=(config.vehicle.length_m, config.vehicle.width_m),
             pseudonyms=names,

@@ -134,7 +134,7 @@ class Node:
         self._made_of: str | None = None
         self._warned: dict[tuple[str, int], Level] = {}
         self.counts: Counter[str] = Counter()
-        """``sent``, ``sent_octets``, ``heard``, ``heard_octets``, ``refused: WHY`` and ``receipt: WHAT``."""
+        """``sent``, ``heard`` and their ``_octets``; ``refused: WHY``, ``opened: HOW``, ``receipt: WHAT``."""
         self.meter = MessageMeter()
         """The same as rates, for who looks."""
 
@@ -224,6 +224,7 @@ class Node:
                 self.meter.refused(opened.why)
                 self.counts[f"refused: {opened.why}"] += 1
             else:
+                self.counts[f"opened: {opened.why}"] += 1
                 octets.append(opened.octets)
                 received_s.append(one.received_s)
         receipts = self.station.hear(octets, received_s=received_s)

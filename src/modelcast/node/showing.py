@@ -82,6 +82,7 @@ def figures_of(node: Node, state: NodeState | None, late: Lateness) -> Iterator[
         yield Metric(f"modelcast_{name}_octets_total", "counter", f"{text} Their octets.", octets)
     for kind, label, text in (
         ("refused", "why", "Frames refused by their envelope."),
+        ("opened", "how", "Frames whose message was taken out of its envelope."),
         ("receipt", "receipt", "What became of messages."),
     ):
         start = f"{kind}: "
