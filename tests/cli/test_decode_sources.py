@@ -65,7 +65,7 @@ def test_an_unsecured_spdu_is_decoded_and_named(
             encode_unsecured(b"\x00\x13\x01\x00"),
             "payload from octet 3 on: message id 19 where 20 is expected: signal",
         ),
-        (bytes.fromhex("d4c3b2a1") + bytes(30), "a capture file (pcap), and no message in it"),
+        (bytes.fromhex("d4c3b2a1") + bytes(30), "record 1: the file ends within its head"),
         (bytes.fromhex("0a0d0d0a") + bytes(30), "a capture file (pcapng), and no message in it"),
         (bytes.fromhex("1f8b0800") + bytes(30), "a compressed file (gzip), and no message in it"),
     ],

@@ -10,6 +10,11 @@ import numpy as np
 import polars as pl
 import pytest
 
+from modelcast.io.pcap import pcap_octets
+from modelcast.messages.bsm import BsmCore, encode_bsm
+from modelcast.messages.ieee1609 import encode_unsecured
+from modelcast.messages.wsmp import encode_wsm
+
 COUNT = 12
 SPEED_MPS = 10.0
 LATITUDE_STEP_DEG = SPEED_MPS * 0.1 / 111_000.0
@@ -163,6 +168,22 @@ def write_comma(folder: Path, arrays: dict[str, np.ndarray] | None = None) -> Pa
     return folder
 
 
+def pcap_file() -> bytes:
+    def message(at: int) -> bytes:
+        core = BsmCore.from_values(
+            {
+                "message_count": at % 128, "temporary_id": 0xA1B2C3D4,
+                "second_of_minute_s": (50 + at / 10) % 60, "speed_mps": 11.1,
+                "latitude_deg": 42.0 + 1e-5 * at, "longitude_deg": -83.0, "elevation_m": 250.0,
+                "heading_rad": 0.0, "acceleration_forward_mps2": 0.0, "yaw_rate_radps": 0.0,
+            }
+        )  # fmt: skip
+        return encode_wsm(encode_unsecured(encode_bsm(core)))
+
+    start_ns = 1_700_000_030 * 10**9  # 50 s past a minute
+    return b"".join(pcap_octets((start_ns + 10**8 * at + 10**6, message(at)) for at in range(COUNT)))
+
+
 VALID: dict[str, tuple[str, Callable[[], bytes]]] = {
     "spmd-bsm": ("bsm.csv", lambda: bsm_file([bsm_row(at) for at in range(COUNT)], header=BSM_HEADER)),
     "spmd-wsu": ("wsu.csv", lambda: bsm_file([wsu_row(at) for at in range(COUNT)])),
@@ -174,6 +195,7 @@ VALID: dict[str, tuple[str, Callable[[], bytes]]] = {
         lambda: nmea_file([text(at / 10, at) for at in range(COUNT) for text in (gga, rmc)]),
     ),
     "smartloc": ("Drive_GT.txt", lambda: "\n".join([*smartloc_lines("point3"), ""]).encode()),
+    "pcap": ("heard.pcap", pcap_file),
     "csv": ("table.csv", csv_file),
     "parquet": ("table.parquet", parquet_file),
 }

@@ -36,6 +36,8 @@ COMMANDS = (
     "road",
     "decode",
     "encode",
+    "node",
+    "view",
     "doctor",
 )
 """Names of the commands; each is the function of that name in the module of that name, imported when used."""

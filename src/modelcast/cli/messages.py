@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Profiles", "Shown", "octets_of", "show"]
 
-_SIGNED_HEADS = (2, 3)
+_SIGNED_HEAD = b"\x03\x81"
 """First octet of a signed message; a frame of so high a message id is none that is read here."""
 
 
@@ -82,15 +82,16 @@ def show(octets: bytes, place: str, profiles: Profiles, *, signed: bool = True) 
     from modelcast.messages.identification_document import identification_document
     from modelcast.messages.ieee1609 import is_ieee1609_data
     from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identification
+    from modelcast.messages.sequence import is_message
     from modelcast.report.model_messages import identification_table
 
+    if signed and is_message(octets) and octets[:2] == _SIGNED_HEAD:
+        return _signed(octets, place, profiles)
     if is_ieee1609_data(octets):
         return _unsecured(octets, place, profiles)
     name = head_name(octets)
     if name is not None:
         raise CodecError(f"{name}, and no message in it", 0)
-    if signed and octets[0] in _SIGNED_HEADS:
-        return _signed(octets, place, profiles)
     if MESSAGE_ID.high & int.from_bytes(octets[:2], "big") == IDENTIFICATION_MESSAGE:
         message = decode_identification(octets)
         title = f"{place}: sub-model identification, {len(octets)} bytes"

@@ -18,6 +18,9 @@ from modelcast.core.extras import EXTRAS
 __all__ = ["CodecError", "ConfigError", "DataFormatError", "MissingExtraError", "ModelcastError"]
 
 
+_MOST_NAMED = 3
+
+
 class ModelcastError(Exception):
     """Base of every error modelcast raises on purpose; it comes out of a worker process as it was raised."""
 
@@ -90,5 +93,6 @@ class MissingExtraError(ModelcastError):
     """
 
     def __init__(self, what: str, extra: str) -> None:
-        packages = " and ".join(EXTRAS[extra].packages)
+        own = tuple(EXTRAS[extra].packages)
+        packages = " and ".join(own) if len(own) <= _MOST_NAMED else f"the packages of the extra {extra}"
         super().__init__(f"{what} needs {packages}: pip install 'modelcast[{extra}]'")

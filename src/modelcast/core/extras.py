@@ -25,9 +25,22 @@ class Extra:
 
 EXTRAS: Mapping[str, Extra] = MappingProxyType(
     {
-        "live": Extra(
-            MappingProxyType({"cryptography": "cryptography"}),
-            "signing and checking signatures from Python (modelcast.messages.security); no command",
+        "node": Extra(
+            MappingProxyType(
+                {
+                    "cantools": "cantools",
+                    "cryptography": "cryptography",
+                    "mcap": "mcap",
+                    "msgpack": "msgpack",
+                    "pyserial": "serial",
+                    "python-can": "can",
+                    "starlette": "starlette",
+                    "uvicorn": "uvicorn",
+                    "websockets": "websockets",
+                }
+            ),
+            "modelcast node, view, replay, demo-live; signing and checking signatures from Python "
+            "(modelcast.messages.security)",
         ),
         "train": Extra(
             MappingProxyType({"jax": "jax", "optax": "optax"}),

@@ -5,8 +5,12 @@ import stat
 from collections.abc import Iterator
 from pathlib import Path
 
-from modelcast.core.exceptions import DataFormatError
+from modelcast.core.exceptions import CodecError, DataFormatError
 from modelcast.io.message_text import Piece, pieces_of_text
+from modelcast.io.pcap import frames_of, is_capture, short_message_of
+from modelcast.messages.ieee1609 import is_ieee1609_data
+from modelcast.messages.sequence import begins_a_message
+from modelcast.messages.wsmp import decode_wsm
 
 __all__ = ["pieces_of", "read_octets"]
 
@@ -49,7 +53,7 @@ def read_octets(path: str) -> bytes:
 
 
 def pieces_of(content: bytes) -> Iterator[Piece]:
-    r"""Yield what stands in octets of a file: runs of digits in a text, or all of a binary file.
+    r"""Yield what stands in octets: runs of digits in a text, messages of a capture, or all of a binary file.
 
     Parameters
     ----------
@@ -61,11 +65,39 @@ def pieces_of(content: bytes) -> Iterator[Piece]:
     >>> [piece.octets.hex() for content in (b"00142501", b"\0\x14") for piece in pieces_of(content)]
     ['00142501', '0014']
     """
+    if is_capture(content):
+        yield from _captured(content)
+        return
     text = _text(content)
     if text is not None:
         yield from pieces_of_text(text)
     elif content:
         yield Piece("", content)
+
+
+def _captured(content: bytes) -> Iterator[Piece]:
+    """Yield what each record of a capture holds behind its headers, or why it holds nothing."""
+    try:
+        for frame in frames_of(content):
+            place = f"record {frame.number}"
+            message = short_message_of(frame)
+            if frame.cut:
+                yield Piece(place, fault=f"{frame.cut} octets were not captured")
+            elif message is None:
+                yield Piece(place, fault=f"no WAVE short message (link type {frame.link})")
+            else:
+                yield _opened(place, message)
+    except DataFormatError as error:
+        yield Piece("capture", fault=str(error))
+
+
+def _opened(place: str, message: bytes) -> Piece:
+    if is_ieee1609_data(message) or begins_a_message(message):
+        return Piece(place, message)
+    try:
+        return Piece(place, decode_wsm(message).payload)
+    except CodecError as error:
+        return Piece(place, fault=str(error))
 
 
 def _text(content: bytes) -> str | None:

@@ -34,6 +34,7 @@ FORMATS: Mapping[str, str] = MappingProxyType(
         "nyc-cvpd": "modelcast.io.nyc_cvpd:NycCvpdReader",
         "nmea": "modelcast.io.nmea:NmeaReader",
         "smartloc": "modelcast.io.smartloc:SmartLocReader",
+        "pcap": "modelcast.io.pcap_trips:PcapReader",
         "parquet": "modelcast.io.parquet:ParquetReader",
         "csv": "modelcast.io.csv:CsvReader",
     }

@@ -9,8 +9,6 @@ from functools import cache
 from importlib import resources
 from typing import Any, Protocol, cast
 
-import asn1tools
-
 from modelcast.messages.bsm import BasicSafetyMessage, BsmCore
 from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_FIELDS
 from modelcast.messages.fields import Field
@@ -48,11 +46,15 @@ def module_text() -> str:
 def reference_codec() -> ReferenceCodec:
     """asn1tools' codec for the module, in unaligned packed encoding rules.
 
+    The one place that needs asn1tools: tests compare with it, and nothing that runs calls it.
+
     Examples
     --------
     >>> reference_codec().encode("MessageFrame", {"messageId": 20, "value": bytes(3)}).hex()
     '001403000000'
     """
+    import asn1tools  # noqa: PLC0415 - a tool of the tests, not of those who run modelcast
+
     return cast("ReferenceCodec", asn1tools.compile_string(module_text(), "uper"))
 
 

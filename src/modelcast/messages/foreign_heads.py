@@ -1,8 +1,9 @@
 """Octets that are no message, by the name of what they begin with."""
 
 from modelcast.messages.ieee1609 import content_name, is_ieee1609_data
+from modelcast.messages.wsmp import wsmp_octets
 
-__all__ = ["head_name", "wsmp_octets"]
+__all__ = ["head_name"]
 
 _MAGICS = {
     "a1b2c3d4": "a capture file (pcap)",
@@ -15,8 +16,6 @@ _MAGICS = {
     "fd377a58": "a compressed file (xz)",
     "28b52ffd": "a compressed file (zstd)",
 }
-_WSMP_VERSION = 3
-_EXTENDED = 0x08
 _ETHERTYPE = b"\x88\xdc"
 _SEARCHED = 64
 
@@ -45,54 +44,3 @@ def head_name(data: bytes) -> str | None:
     if at >= 0 and wsmp_octets(data[at + 2 :]) is not None:
         return "a link-layer header (88 dc) and a WSMP header"
     return None
-
-
-def wsmp_octets(data: bytes) -> int | None:
-    """Octets of the WSMP header that data begin with; None where they begin with none.
-
-    A header is taken for one only where the length in it is that of the rest.
-
-    Parameters
-    ----------
-    data
-        A whole short message.
-
-    References
-    ----------
-    IEEE Std 1609.3-2016: WSM header, clause 8.3; PSID, clause 8.1.3. From published descriptions.
-
-    Examples
-    --------
-    >>> wsmp_octets(bytes.fromhex("03002003abcdef"))
-    4
-    """
-    if not data or data[0] >> 4 or data[0] & 0x07 != _WSMP_VERSION:
-        return None
-    try:
-        at = _past_elements(data, 1) if data[0] & _EXTENDED else 1
-        transport = data[at]
-        _, at = _counted(data, at + 1)
-        at = _past_elements(data, at) if transport else at
-        length, at = _counted(data, at)
-    except IndexError:
-        return None
-    return at if transport <= 1 and at + length == len(data) else None
-
-
-def _past_elements(data: bytes, at: int) -> int:
-    """Where extension elements end: a count, then for each an id, a length and octets."""
-    count, at = _counted(data, at)
-    for _ in range(count):
-        length, at = _counted(data, at + 1)
-        at += length
-    return at
-
-
-def _counted(data: bytes, at: int) -> tuple[int, int]:
-    """Read a number whose leading ones say how many octets follow the first, and tell where it ends."""
-    first = data[at]
-    more = 8 - (first ^ 0xFF).bit_length()
-    if more > 3:
-        raise IndexError(at)
-    octets = data[at : at + 1 + more]
-    return int.from_bytes(octets, "big") & ((1 << (7 + 7 * more)) - 1), at + 1 + more

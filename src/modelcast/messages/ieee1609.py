@@ -9,8 +9,7 @@ length     1 to 5  of unsecured data: one octet up to 127; above, 80 plus how ma
 payload    n       of unsecured data
 =========  ======  ==================================================================================
 
-Modelcast's own signed message (`security.signed`) also begins with 3. Its next octet is the first of a time
-of 63 bits, below 80; that of IEEE 1609.2 data is a tag, 80 or above. So no octets are both.
+Signed data are read and written by `security.signed`.
 
 References
 ----------

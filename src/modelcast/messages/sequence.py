@@ -7,18 +7,20 @@ from modelcast.core.exceptions import CodecError
 from modelcast.messages.bits import BitReader
 from modelcast.messages.bsm import decode_bsm
 from modelcast.messages.bsm_fields import MESSAGE_ID
-from modelcast.messages.foreign_heads import head_name, wsmp_octets
+from modelcast.messages.foreign_heads import head_name
 from modelcast.messages.frame import FRAME_NAMES, MAX_FRAME_OCTETS
 from modelcast.messages.ieee1609 import is_ieee1609_data, read_unsecured_head, unsecured_payload
 from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identification
-from modelcast.messages.security.signed import decode_signed, signed_octets
+from modelcast.messages.security.signed import MAX_SPDU_OCTETS, signed_octets
+from modelcast.messages.wsmp import wsmp_octets
 
 __all__ = ["Part", "announced_octets", "begins_a_message", "is_message", "parts_of"]
 
-_HEADS = re.compile(rb"\x00\x14|\x00\xf0|\x03\x80")
+_HEADS = re.compile(rb"\x00\x14|\x00\xf0|\x03[\x80\x81]")
 """First octets of messages that are looked for in other octets."""
 
-_SIGNED_HEADS = (2, 3)
+_VERSION = 3
+_SIGNED = b"\x03\x81"
 _HEAD_OCTETS = 16
 _SHOWN_OCTETS = 16
 
@@ -60,11 +62,11 @@ def announced_octets(data: bytes) -> int | None:
     >>> announced_octets(bytes.fromhex("00142501")), announced_octets(bytes.fromhex("038028001425"))
     (40, 43)
     """
+    if data[:2] == _SIGNED:
+        return signed_octets(data)
     if is_ieee1609_data(data):
         head = read_unsecured_head(data)
         return None if head is None else head.stop
-    if data and data[0] in _SIGNED_HEADS:
-        return signed_octets(data)
     reader = BitReader(data)
     try:
         extended = reader.bits(1)
@@ -89,11 +91,11 @@ def is_message(data: bytes) -> bool:
         Any octets.
     """
     try:
+        if data[:2] == _SIGNED:
+            return signed_octets(data) == len(data)
         if is_ieee1609_data(data):
             return is_message(unsecured_payload(data))
-        if data and data[0] in _SIGNED_HEADS:
-            decode_signed(data)
-        elif MESSAGE_ID.high & int.from_bytes(data[:2], "big") == IDENTIFICATION_MESSAGE:
+        if MESSAGE_ID.high & int.from_bytes(data[:2], "big") == IDENTIFICATION_MESSAGE:
             decode_identification(data)
         else:
             decode_bsm(data)
@@ -103,7 +105,7 @@ def is_message(data: bytes) -> bool:
 
 
 def begins_a_message(data: bytes) -> bool:
-    """Whether octets begin as a message does: a known frame, IEEE 1609.2 data, or a whole signed message.
+    """Whether octets begin as a message does: a known frame, or IEEE 1609.2 data.
 
     Parameters
     ----------
@@ -112,8 +114,6 @@ def begins_a_message(data: bytes) -> bool:
     """
     if is_ieee1609_data(data):
         return True
-    if data and data[0] in _SIGNED_HEADS:
-        return is_message(data)
     return MESSAGE_ID.high & int.from_bytes(data[:2], "big") in FRAME_NAMES and len(data) > 1
 
 
@@ -158,13 +158,16 @@ def parts_of(data: bytes) -> list[Part]:
 def _end(data: bytes, at: int) -> int | None:
     """Where the message ends that begins at an octet; None where none begins, or the octets end before."""
     head = data[at : at + _HEAD_OCTETS]
-    extended = bool(head[0] & 0x80)
-    count = announced_octets(data[at : at + 2 * MAX_FRAME_OCTETS] if extended else head)
+    if head[:2] == _SIGNED:
+        head = data[at : at + MAX_SPDU_OCTETS]
+    elif head[0] & 0x80:
+        head = data[at : at + 2 * MAX_FRAME_OCTETS]
+    count = announced_octets(head)
     if not count or at + count > len(data):
         return None
     stop = at + count
     # A WSMP header begins with 3 as well; it fits the whole of what is there, or is none.
-    if head[0] in _SIGNED_HEADS and not is_message(data[at:stop]) and wsmp_octets(data[at:]) is not None:
+    if head[0] == _VERSION and not is_message(data[at:stop]) and wsmp_octets(data[at:]) is not None:
         return None
     return stop
 

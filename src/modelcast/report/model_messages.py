@@ -88,10 +88,16 @@ def envelope_table(message: SignedMessage, title: str) -> RenderableType:
         What stands above.
     """
     signer = message.signer
-    rows = [("generation time", f"{message.generation_us} µs"), ("certificate digest", message.digest.hex())]
+    rows = [
+        ("application", f"{message.psid:#x}"),
+        ("generation time", f"{message.generation_us} µs"),
+        ("certificate digest", message.digest.hex()),
+    ]
     if not isinstance(signer, bytes):
         rows += [
-            ("issuer", signer.issuer.hex()),
+            ("issuer", signer.issuer.hex() or "itself"),
+            ("name", "none" if signer.name is None else signer.name),
+            ("may", "sign for " + ", ".join(map(hex, signer.psids)) if signer.psids else "issue"),
             ("start", f"{signer.start_s} s"),
             ("duration", f"{signer.duration_s} s"),
             ("public key", signer.public_key.hex()),

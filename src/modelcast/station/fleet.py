@@ -279,6 +279,25 @@ class Fleet:
         """
         return self._ears.map.believe(self._heard[self._slot_of(vehicle)], t_s)
 
+    def paths(self, vehicle: int, t_s: float, ahead_s: FloatArray) -> FloatArray:
+        """Where one vehicle believes its remotes to be later, in the order of `believe`, (N, H, 2) [m].
+
+        Parameters
+        ----------
+        vehicle
+            The host.
+        t_s
+            Any time from the newest message on [s].
+        ahead_s
+            How much later, (H,) [s].
+        """
+        return self._ears.map.paths(self._heard[self._slot_of(vehicle)], t_s, ahead_s)
+
+    @property
+    def model_names(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the sub-models that predict remotes, as in `LocalDynamicMap.model_names`."""
+        return self._ears.map.model_names
+
     def admit(self, vehicle: int) -> None:
         """Let a station hear that has measured nothing, as a roadside unit; who measures is admitted by that.
 

@@ -131,6 +131,21 @@ class Station:
         """
         return self._fleet.believe(self.temporary_id, t_s)
 
+    def paths(self, t_s: float, ahead_s: FloatArray) -> FloatArray:
+        """Where it believes its remotes to be later, in the order of `believe`, (N, H, 2) [m].
+
+        Parameters
+        ----------
+        t_s, ahead_s
+            As in `Fleet.paths`.
+        """
+        return self._fleet.paths(self.temporary_id, t_s, ahead_s)
+
+    @property
+    def model_names(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the sub-models that predict remotes, as in `LocalDynamicMap.model_names`."""
+        return self._fleet.model_names
+
     def rename(self, temporary_id: int) -> None:
         """Take another temporary id, as vehicles do from time to time: its next message begins anew.
 

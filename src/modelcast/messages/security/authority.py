@@ -1,13 +1,11 @@
 """Who vouches for senders: a key with a certificate of its own, and the certificates it issues."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from modelcast.messages.security.certificate import DIGEST_OCTETS, SIGNATURE_OCTETS, Certificate
+from modelcast.messages.security.certificate import SAFETY_PSID, SIGNATURE_OCTETS, Certificate, duration_unit
 from modelcast.messages.security.p256 import PrivateKey
 
 __all__ = ["Authority"]
-
-_SELF_ISSUED = bytes(DIGEST_OCTETS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +45,7 @@ class Authority:
         start_s, duration_s
             What its certificate is good for, whole seconds since the common instant.
         """
-        own = _signed(key, _SELF_ISSUED, key.public_octets, start_s=start_s, duration_s=duration_s)
-        return cls(key, own)
+        return cls(key, _signed(key, None, key.public_octets, start_s=start_s, duration_s=duration_s))
 
     def issue(self, public_key: bytes, *, start_s: int, duration_s: int) -> Certificate:
         """Certificate of a sender's key.
@@ -71,23 +68,19 @@ class Authority:
                 f"the authority is good from {own.start_s} s for {own.duration_s} s; "
                 f"{start_s} s for {duration_s} s is not inside"
             )
-        return _signed(self.key, own.digest, public_key, start_s=start_s, duration_s=duration_s)
+        return _signed(self.key, own, public_key, start_s=start_s, duration_s=duration_s)
 
 
 def _signed(
-    key: PrivateKey, issuer: bytes, public_key: bytes, *, start_s: int, duration_s: int
+    key: PrivateKey, issuer: Certificate | None, public_key: bytes, *, start_s: int, duration_s: int
 ) -> Certificate:
     blank = Certificate(
-        issuer,
+        b"" if issuer is None else issuer.digest,
         start_s,
         duration_s=duration_s,
         public_key=public_key,
         signature=bytes(SIGNATURE_OCTETS),
+        duration_unit=duration_unit(duration_s),
+        psids=() if issuer is None else (SAFETY_PSID,),
     )
-    return Certificate(
-        issuer,
-        start_s,
-        duration_s=duration_s,
-        public_key=public_key,
-        signature=key.sign(blank.signed_part),
-    )
+    return replace(blank, signature=key.sign(blank.signed_part(issuer)))

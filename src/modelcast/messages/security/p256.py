@@ -15,7 +15,7 @@ try:
     from cryptography.hazmat.primitives.hashes import SHA256
     from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 except ImportError as error:
-    raise MissingExtraError("signing", "live") from error
+    raise MissingExtraError("signing", "node") from error
 
 __all__ = ["PrivateKey", "PublicKey"]
 
@@ -63,7 +63,7 @@ class PublicKey:
         signature
             r and s, 32 octets each.
         """
-        r = int.from_bytes(signature[:_SCALAR_OCTETS], "big")
+        r = int.from_bytes(signature[:_SCALAR_OCTETS], "big") % _ORDER  # of a point, x goes on the air
         s = int.from_bytes(signature[_SCALAR_OCTETS:], "big")
         try:
             self._key.verify(encode_dss_signature(r, s), data, _VERIFYING)

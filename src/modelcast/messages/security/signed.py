@@ -1,46 +1,52 @@
-"""A signed message as octets.
+"""A signed message as octets: Ieee1609Dot2Data with signedData, in canonical octet encoding rules.
 
-==============  ===========  ================================================================================
+==============  ===============  ============================================================================
 part            octets
-==============  ===========  ================================================================================
-head            1            2 with a digest, 3 with a certificate: format 1 in the upper seven bits
-generation      8            microseconds since the common instant, as Time64 of IEEE 1609.2; first bit zero
-payload         1 or 2 + n   length determinant of ITU-T X.691 clause 11.9, then the octets
-signer          8 or 113     digest of the certificate, or the certificate
-signature       64           r and s of ECDSA over P-256 with SHA-256
-==============  ===========  ================================================================================
+==============  ===============  ============================================================================
+head            03 81 00         version 3, signed data, hash SHA-256
+payload         40 03 80 n ...   data present; unsecured data with their length and octets
+header          40 01 20 t       generation time present; PSID; Time64, microseconds, 8 octets
+signer          80 d             HashedId8 of the certificate, 8 octets
+or              81 01 01 c       one certificate
+signature       80 80 r s        ECDSA over P-256, r by its x coordinate, s
+==============  ===============  ============================================================================
+
+References
+----------
+IEEE Std 1609.2-2016: Ieee1609Dot2Data, 6.3.2; SignedData, 6.3.4; HeaderInfo, 6.3.9; the hash, 5.3.1.
 """
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 from modelcast.core.exceptions import CodecError
-from modelcast.messages.bits import MAX_OCTETS, BitReader, BitWriter
+from modelcast.messages.ieee1609 import encode_unsecured
 from modelcast.messages.security.certificate import (
-    CERTIFICATE_OCTETS,
     DIGEST_OCTETS,
+    SAFETY_PSID,
     SIGNATURE_OCTETS,
+    X_ONLY,
     Certificate,
+    read_certificate,
+    read_signature,
+    signature_octets,
 )
+from modelcast.messages.security.coer import CoerReader, unsigned
 from modelcast.messages.security.time64 import LAST_US
 
 __all__ = [
-    "CERTIFICATE_OVERHEAD_BYTES",
-    "DIGEST_OVERHEAD_BYTES",
+    "MAX_SPDU_OCTETS",
     "SignedMessage",
     "decode_signed",
     "signed_octets",
     "signed_part",
 ]
 
-_FORMAT = 1
-_GENERATION_BITS = 64
+MAX_SPDU_OCTETS = 2304
+"""More than a frame of IEEE 802.11 carries is refused before it is looked at."""
 
-DIGEST_OVERHEAD_BYTES = 1 + 8 + 1 + DIGEST_OCTETS + SIGNATURE_OCTETS
-"""What a message with a digest takes more than its payload of up to 127 octets; from there on one more."""
-
-CERTIFICATE_OVERHEAD_BYTES = DIGEST_OVERHEAD_BYTES - DIGEST_OCTETS + CERTIFICATE_OCTETS
-"""The same with the certificate."""
+_LAST_PSID = 2**32 - 1
+_SIGNED_HEAD = b"\3\x81"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,13 +56,17 @@ class SignedMessage:
     Parameters
     ----------
     generation_us
-        When it was signed: microseconds since the common instant.
+        When it was signed: microseconds since 2004-01-01 00:00 TAI.
     payload
-        1 to 16,383 octets.
+        1 to `MAX_SPDU_OCTETS` octets.
     signer
         The sender's certificate, or its digest.
     signature
-        64 octets.
+        r and s, 64 octets.
+    psid
+        The application that it says it is of.
+    r_tag
+        Form of r on the wire: 80 x alone, 82 or 83 a compressed point.
 
     Raises
     ------
@@ -68,16 +78,23 @@ class SignedMessage:
     payload: bytes
     signer: Certificate | bytes
     signature: bytes
+    _: KW_ONLY
+    psid: int = SAFETY_PSID
+    r_tag: int = X_ONLY
 
     def __post_init__(self) -> None:
         if not 0 <= self.generation_us <= LAST_US:
             raise ValueError(f"generation_us must be from 0 to {LAST_US}, got {self.generation_us}")
-        if not 1 <= len(self.payload) <= MAX_OCTETS:
-            raise ValueError(f"payload must have 1 to {MAX_OCTETS} octets, got {len(self.payload)}")
+        if not 1 <= len(self.payload) <= MAX_SPDU_OCTETS:
+            raise ValueError(f"payload must have 1 to {MAX_SPDU_OCTETS} octets, got {len(self.payload)}")
         if isinstance(self.signer, bytes) and len(self.signer) != DIGEST_OCTETS:
             raise ValueError(f"a digest must have {DIGEST_OCTETS} octets, got {len(self.signer)}")
         if len(self.signature) != SIGNATURE_OCTETS:
             raise ValueError(f"signature must have {SIGNATURE_OCTETS} octets, got {len(self.signature)}")
+        if not 0 <= self.psid <= _LAST_PSID:
+            raise ValueError(f"psid must be from 0 to {_LAST_PSID}, got {self.psid}")
+        if self.r_tag not in (X_ONLY, 0x82, 0x83):
+            raise ValueError(f"r_tag must be 128, 130 or 131, got {self.r_tag}")
 
     @property
     def digest(self) -> bytes:
@@ -87,29 +104,35 @@ class SignedMessage:
     @property
     def octets(self) -> bytes:
         """The message as it goes on the air."""
-        attached = isinstance(self.signer, Certificate)
-        signer = self.signer.octets if isinstance(self.signer, Certificate) else self.signer
-        head = _FORMAT << 1 | attached
-        return bytes([head]) + _timed(self.generation_us, self.payload) + signer + self.signature
+        if isinstance(self.signer, bytes):
+            signer = b"\x80" + self.signer
+        else:
+            signer = b"\x81\1\1" + self.signer.octets
+        signed = _to_be_signed(self.generation_us, self.payload, self.psid)
+        return _SIGNED_HEAD + b"\0" + signed + signer + signature_octets(self.signature, self.r_tag)
 
 
-def signed_part(generation_us: int, payload: bytes, certificate: Certificate) -> bytes:
-    """What is signed, 64 octets: the hash of time and payload, then the hash of the certificate.
+def signed_part(
+    generation_us: int, payload: bytes, certificate: Certificate, *, psid: int = SAFETY_PSID
+) -> bytes:
+    """What is signed, 64 octets: the hash of what is to be signed, then the hash of the certificate.
 
-    Hashed once more by the signature, it is built as IEEE 1609.2 5.3.1.2 builds it. A message with a digest
-    and the same with the certificate have one signature; another certificate of the same key has not.
+    The signature hashes them once more (IEEE Std 1609.2-2016, 5.3.1). A message with a digest and the same
+    with the certificate have one signature; another certificate of the same key has not.
 
     Parameters
     ----------
     generation_us
-        When it is signed: microseconds since the common instant.
+        When it is signed: microseconds since 2004-01-01 00:00 TAI.
     payload
         The octets to be signed.
     certificate
         The sender's.
+    psid
+        The application.
     """
-    timed = hashlib.sha256(_timed(generation_us, payload)).digest()
-    return timed + hashlib.sha256(certificate.octets).digest()
+    timed = hashlib.sha256(_to_be_signed(generation_us, payload, psid)).digest()
+    return timed + hashlib.sha256(certificate.canonical).digest()
 
 
 def decode_signed(data: bytes) -> SignedMessage:
@@ -123,34 +146,25 @@ def decode_signed(data: bytes) -> SignedMessage:
     Raises
     ------
     CodecError
-        Where they are not such a message. No other error comes out, whatever the octets are.
+        Where they are not such a message, more than `MAX_SPDU_OCTETS`, or have parts that are not read here.
+        No other error comes out, whatever the octets are.
 
     Examples
     --------
     >>> message = SignedMessage(5, b"payload", signer=bytes(8), signature=bytes(64))
     >>> decode_signed(message.octets) == message, len(message.octets) - len(b"payload")
-    (True, 82)
+    (True, 93)
     """
-    reader = BitReader(data)
-    head = reader.bits(7)
-    if head != _FORMAT:
-        raise CodecError(f"signed message of format {head}, not {_FORMAT}", 0)
-    attached = reader.bits(1)
-    generation_us = reader.bits(_GENERATION_BITS)
-    if generation_us > LAST_US:
-        raise CodecError(f"generated {generation_us} µs after the common instant, {LAST_US} at most", 8)
-    payload = reader.open_type()
-    begin = reader.position
-    signer: Certificate | bytes = reader.octets(CERTIFICATE_OCTETS if attached else DIGEST_OCTETS)
-    if attached:
-        signer = Certificate.from_octets(signer, begin)
-    signature = reader.octets(SIGNATURE_OCTETS)
+    if len(data) > MAX_SPDU_OCTETS:
+        raise CodecError(f"{len(data)} octets, more than {MAX_SPDU_OCTETS}", 8 * MAX_SPDU_OCTETS)
+    reader = CoerReader(data)
+    message = _read(reader)
     reader.finish()
-    return SignedMessage(generation_us, payload, signer, signature)
+    return message
 
 
 def signed_octets(data: bytes) -> int | None:
-    """How many octets the signed message takes that data begin with; they may end before.
+    """How many octets the signed message takes that data begin with.
 
     Parameters
     ----------
@@ -160,24 +174,47 @@ def signed_octets(data: bytes) -> int | None:
     Returns
     -------
     int or None
-        None where they begin with no signed message, or end within its head.
+        None where they begin with no whole signed message that is read here.
     """
-    reader = BitReader(data)
+    if data[:2] != _SIGNED_HEAD:
+        return None
+    reader = CoerReader(data[:MAX_SPDU_OCTETS])
     try:
-        head = reader.bits(7)
-        attached = reader.bits(1)
-        reader.bits(_GENERATION_BITS)
-        count = reader.length()
+        _read(reader)
     except CodecError:
         return None
-    if head != _FORMAT or count == 0:
-        return None
-    signer = CERTIFICATE_OCTETS if attached else DIGEST_OCTETS
-    return (reader.position >> 3) + count + signer + SIGNATURE_OCTETS
+    return reader.position
 
 
-def _timed(generation_us: int, payload: bytes) -> bytes:
-    writer = BitWriter()
-    writer.bits(generation_us, _GENERATION_BITS)
-    writer.open_type(payload)
-    return writer.octets()
+def _read(reader: CoerReader) -> SignedMessage:
+    reader.one_of((3,), "IEEE 1609.2 data of version")
+    reader.one_of((0x81,), "content of kind")
+    reader.one_of((0,), "hash of kind")
+    reader.one_of((0x40,), "signed payload with the parts")
+    reader.one_of((3,), "payload's data of version")
+    reader.one_of((0x80,), "payload's content of kind")
+    begin = reader.position
+    payload = reader.counted()
+    if not payload:
+        raise CodecError("no payload", 8 * begin)
+    reader.one_of((0x40,), "header with the parts")
+    begin = reader.position
+    psid = reader.unsigned()
+    if psid > _LAST_PSID:
+        raise CodecError(f"application {psid}", 8 * begin)
+    generation_us = reader.number(8)
+    signer: Certificate | bytes
+    if reader.one_of((0x80, 0x81), "signer of kind") == 0x80:
+        signer = reader.octets(DIGEST_OCTETS)
+    else:
+        begin = reader.position
+        if (count := reader.unsigned()) != 1:
+            raise CodecError(f"{count} certificates, and only one is read", 8 * begin)
+        signer = read_certificate(reader)
+    signature, r_tag = read_signature(reader)
+    return SignedMessage(generation_us, payload, signer, signature, psid=psid, r_tag=r_tag)
+
+
+def _to_be_signed(generation_us: int, payload: bytes, psid: int) -> bytes:
+    """ToBeSignedData: the payload, and the header with application and time."""
+    return b"\x40" + encode_unsecured(payload) + b"\x40" + unsigned(psid) + generation_us.to_bytes(8, "big")

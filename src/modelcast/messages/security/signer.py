@@ -52,7 +52,7 @@ class Signer:
     >>> verified.outcome.name, verified.payload
     ('ACCEPTED', b'payload')
     >>> len(octets), len(signer.sign(state, b"payload", t_s=10.4)[0])
-    (194, 89)
+    (226, 100)
     """
 
     key: PrivateKey
@@ -71,7 +71,7 @@ class Signer:
         state
             When the certificate last went along.
         payload
-            1 to 16,383 octets.
+            1 to 2,304 octets less what goes round them.
         t_s
             Now, since the common instant [s].
 

@@ -1,4 +1,4 @@
-"""Time on the wire: whole microseconds in 64 bits as Time64 of IEEE 1609.2, the first bit zero.
+"""Time on the wire: whole microseconds in 64 bits, Time64 of IEEE 1609.2.
 
 Sender and receiver have to count from the same instant; 1609.2 counts from 2004-01-01 00:00 TAI.
 """
@@ -7,8 +7,8 @@ import math
 
 __all__ = ["LAST_US", "SECONDS", "microseconds"]
 
-LAST_US = 2**63 - 1
-"""292,000 years. With the first bit zero, no message of ours begins as IEEE 1609.2 data do (`ieee1609`)."""
+LAST_US = 2**64 - 1
+"""585,000 years."""
 
 SECONDS = 1_000_000
 """Microseconds in a second."""
@@ -25,7 +25,7 @@ def microseconds(t_s: float) -> int:
     Raises
     ------
     ValueError
-        Where it is before that instant, not finite, or beyond 63 bits.
+        Where it is before that instant, not finite, or beyond 64 bits.
     """
     if not (math.isfinite(t_s) and 0 <= t_s * SECONDS < LAST_US):
         raise ValueError(f"t_s must be from 0 to {LAST_US // SECONDS} s after the common instant, got {t_s}")

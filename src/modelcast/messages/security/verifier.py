@@ -24,6 +24,7 @@ class Outcome(Enum):
     IN_FUTURE = "generated in the future"
     UNKNOWN_CERTIFICATE = "digest of a certificate not held"
     UNTRUSTED_CERTIFICATE = "certificate not issued by a trusted authority"
+    NOT_PERMITTED = "certificate not for this application"
     EXPIRED = "certificate, or its issuer's, not good at the time"
     REPLAYED = "seen before, or too old to tell"
     BAD_SIGNATURE = "signature does not fit"
@@ -58,10 +59,22 @@ def _no_windows() -> Mapping[bytes, ReplayWindow]:
 
 @dataclass(frozen=True, slots=True)
 class VerifierState:
-    """Certificates learnt, and what each sender sent lately, by digest of its certificate."""
+    """Certificates learnt, and what each sender sent lately, by digest of its certificate.
+
+    Parameters
+    ----------
+    store
+        Certificates learnt.
+    windows
+        Messages of each sender, as many senders at most as there may be certificates.
+    floor_us
+        A sender without a window is taken at generation times after this only: windows that reached up to it
+        were forgotten.
+    """
 
     store: CertificateStore = field(default_factory=CertificateStore)
     windows: Mapping[bytes, ReplayWindow] = field(default_factory=_no_windows)
+    floor_us: int = -1
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +117,8 @@ class Verifier:
         octets
             As they arrived.
         t_s
-            Now, since the common instant [s]; it never goes back.
+            Now, since the common instant [s]. It may go back: what was forgotten is judged by generation
+            times alone, so that no message is accepted twice whatever the clock does.
 
         Raises
         ------
@@ -140,7 +154,10 @@ class Verifier:
     def _vouched(self, certificate: Certificate) -> Sender | None:
         """The sender of a certificate that a trusted authority issued."""
         authority = self._trusted.get(certificate.issuer)
-        if authority is None or not authority.key.verifies(certificate.signed_part, certificate.signature):
+        if authority is None or authority.certificate.psids or not certificate.psids:
+            return None
+        signed = certificate.signed_part(authority.certificate)
+        if not authority.key.verifies(signed, certificate.signature):
             return None
         try:
             key = PublicKey(certificate.public_key)
@@ -156,10 +173,12 @@ class Verifier:
         times_s = (message.generation_us / SECONDS, now_us / SECONDS)
         if issuer is None:
             return Outcome.UNTRUSTED_CERTIFICATE, state
+        if message.psid not in certificate.psids:
+            return Outcome.NOT_PERMITTED, state
         if not all(one.is_good_at(t_s) for one in (certificate, issuer.certificate) for t_s in times_s):
             return Outcome.EXPIRED, state
-        content = signed_part(message.generation_us, message.payload, certificate)
-        window = state.windows.get(message.digest, ReplayWindow())
+        content = signed_part(message.generation_us, message.payload, certificate, psid=message.psid)
+        window = state.windows.get(message.digest, ReplayWindow(floor_us=state.floor_us))
         if window.holds(message.generation_us, content):
             return Outcome.REPLAYED, state
         if not sender.key.verifies(content, message.signature):
@@ -173,12 +192,17 @@ class Verifier:
         if state.store.get(digest) is not sender:
             store = state.store.add(sender, self.parameters.certificates, t_s=now_us / SECONDS)
             state = replace(state, store=store)
-        windows = state.windows
+        windows, floor_us = dict(state.windows), state.floor_us
         window = windows.get(digest)
         if window is None:
             # A sender appears: a good moment to forget those of whom any message would be too old now.
+            window = ReplayWindow(floor_us=floor_us)
             oldest_us = self._oldest_us(now_us)
-            windows = {one: known for one, known in windows.items() if known.newest_us >= oldest_us}
-            window = ReplayWindow()
-        window = window.admit(message.generation_us, content, self.parameters.remembered)
-        return replace(state, windows=MappingProxyType({**windows, digest: window}))
+            by_time = sorted(windows, key=lambda one: windows[one].newest_us)
+            too_many = len(windows) + 1 - self.parameters.certificates
+            for rank, one in enumerate(by_time):
+                if rank >= too_many and windows[one].newest_us >= oldest_us:
+                    break
+                floor_us = max(floor_us, windows.pop(one).newest_us)
+        windows[digest] = window.admit(message.generation_us, content, self.parameters.remembered)
+        return replace(state, windows=MappingProxyType(windows), floor_us=floor_us)

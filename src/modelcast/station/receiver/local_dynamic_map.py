@@ -25,7 +25,7 @@ from modelcast.station.receiver.heard_kernels import Messages
 from modelcast.station.receiver.plausibility import Plausibility
 from modelcast.station.receiver.plausibility_kernels import COLUMNS
 from modelcast.station.receiver.plausibility_limits import DEFAULT_LIMITS
-from modelcast.station.receiver.track_kernels import HELD_FIT_S, HELD_MEMBER, TRACK_COLUMNS
+from modelcast.station.receiver.track_kernels import HELD_FIT_S, HELD_MEMBER, HELD_RECEIVED_S, TRACK_COLUMNS
 
 __all__ = ["Beliefs", "LocalDynamicMap", "MapState", "Receipt"]
 
@@ -140,6 +140,8 @@ class Beliefs:
         Of the position, (N, 2, 2) [m²].
     information_age_s
         Since the fit, (N,) [s].
+    received_s
+        Arrival of the last message that renewed the track, (N,) [s].
     in_use, profile
         Sub-model that predicts, of which profile held; profile -1 is Part I alone, (N,).
     length_m, width_m
@@ -158,6 +160,7 @@ class Beliefs:
     yaw_rate_radps: FloatArray
     covariance_m2: FloatArray
     information_age_s: FloatArray
+    received_s: FloatArray
     in_use: IntArray
     profile: IntArray
     length_m: FloatArray
@@ -332,6 +335,25 @@ class LocalDynamicMap:
         belief_kernels.predict_motions(state.slots, self.known, which, t_s, motion)
         return state.facts[which, slot_kernels.FACT_VEHICLE], motion
 
+    def paths(self, state: MapState, t_s: float, ahead_s: FloatArray) -> FloatArray:
+        """Where all remotes that are live at a time are believed to be later, by rising id, (N, H, 2) [m].
+
+        Parameters
+        ----------
+        state
+            What is held.
+        t_s
+            Any time from the newest message on [s].
+        ahead_s
+            How much later, (H,) [s].
+        """
+        which = self._live(state, t_s)
+        out, places = np.empty((which.size, ahead_s.size, 2)), np.empty((which.size, 2))
+        for at, later_s in enumerate(ahead_s.tolist()):
+            belief_kernels.predict_places(state.slots, self.known, which, t_s + later_s, places)
+            out[:, at] = places
+        return out
+
     def believe(self, state: MapState, t_s: float) -> Beliefs:
         """What is believed of all live remotes.
 
@@ -360,12 +382,18 @@ class LocalDynamicMap:
             yaw_rate_radps=motion[:, belief_kernels.BELIEF_YAW_RATE],
             covariance_m2=self._covariance(state.parameters[which], profile, in_use, age_s),
             information_age_s=age_s,
+            received_s=held[:, HELD_RECEIVED_S],
             in_use=in_use,
             profile=profile,
             length_m=told[:, slot_kernels.TOLD_LENGTH],
             width_m=told[:, slot_kernels.TOLD_WIDTH],
             user=facts[:, slot_kernels.FACT_USER],
         )
+
+    @cached_property
+    def model_names(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the sub-models of Part I alone, then of each profile: of `Beliefs.profile` + 1."""
+        return tuple(tuple(member.name for member in bank.members) for bank in self._banks)
 
     @cached_property
     def _banks(self) -> tuple[Bank, ...]:

@@ -1,0 +1,116 @@
+"""``modelcast node``: remote and host in one, on the road."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from modelcast.node.config import NodeConfig
+    from modelcast.node.live import LiveNode
+    from modelcast.station.sender.sender import Sender
+
+__all__ = ["node"]
+
+
+def node(
+    config: Path | None = None,
+    *,
+    gnss: str | None = None,
+    dashboard: bool = False,
+    port: int = 8700,
+    duration: float = 0.0,
+    check: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Run a station on the road: measure, send, hear, keep the map, warn.
+
+    Frames go out as UDP multicast on this machine alone, unless the configuration says otherwise. What
+    happens is written to the standard error, a line of JSON each. Ends by SIGTERM or Ctrl-C.
+
+    Parameters
+    ----------
+    config
+        A TOML file with the tables vehicle, sending, gnss, can, air, pseudonyms, applications, page, metrics
+        and subscribe. What is left out has its default.
+    gnss
+        Where places come from, instead of the file's: gpsd://HOST:PORT, nmea:DEVICE, nmea+tcp://HOST:PORT,
+        nmea+file:FILE, or trip:FILE with a recorded trip.
+    dashboard
+        Serve the live page on this machine.
+    port
+        Its port; 0 for any that is free.
+    duration
+        End after so long [s]; 0 for never.
+    check
+        Check the configuration and what it names, and end.
+    quiet
+        Write no line of what happens.
+    """
+    import asyncio
+    import io
+    import sys
+    import time
+    from dataclasses import replace
+
+    from modelcast.cli.terminal import say
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.node.config import NodeConfig, read_config
+    from modelcast.node.journal import Journal
+    from modelcast.node.live import LiveNode
+
+    if not duration >= 0.0:
+        raise ConfigError(f"--duration must not be negative, got {duration}")
+    asked = NodeConfig() if config is None else read_config(config)
+    if gnss is not None:
+        asked = replace(asked, gnss=replace(asked.gnss, source=gnss))
+    if dashboard:
+        asked = replace(asked, page=replace(asked.page, port=port, on=True))
+    sender = _sender(asked)
+    if check:
+        say(f"{'the defaults' if config is None else config}: all is as it should be")
+        return 0
+    journal = Journal(io.StringIO() if quiet else sys.stderr, time.time)
+    live = LiveNode(asked, sender, journal, show=say)
+    asyncio.run(_run(live, duration))
+    return 0
+
+
+async def _run(live: "LiveNode", duration_s: float) -> None:
+    """Run until a signal, or the end of the time."""
+    import asyncio
+    import signal
+
+    stop, loop = asyncio.Event(), asyncio.get_running_loop()
+    for one in (signal.SIGTERM, signal.SIGINT):
+        loop.add_signal_handler(one, stop.set)
+    if duration_s:
+        loop.call_later(duration_s, stop.set)
+    await live.run(stop)
+
+
+def _sender(config: "NodeConfig") -> "Sender":
+    """What the node sends, and when."""
+    from modelcast.cli.banks import bank_in_use, profile_in_use
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.station.banks import free_bank
+    from modelcast.station.sender.sender import FREE_SENDERS, MODEL_SENDERS, named_sender
+
+    own = config.sending
+    profile = profile_in_use(own.profile or None)
+    named = bank_in_use(own.bank, profile=profile) if own.policy in MODEL_SENDERS else None
+    failing = named is not None and own.policy == "mbc"
+    start = named.start if named is not None and failing else None
+    identify = named.identify if named is not None and failing else None
+    own_bank = None if named is None else named.bank
+    try:
+        return named_sender(
+            own.policy,
+            bank=free_bank(profile) if own.policy in FREE_SENDERS else own_bank,
+            start=start,
+            identify=identify,
+            costs=named.costs("bytes") if named is not None and identify == "cheapest" else None,
+            selector=named.selector if named is not None and start == "predicted" else None,
+            threshold_m=own.threshold_m,
+            keep_alive_s=own.keep_alive_s,
+        )
+    except ValueError as error:
+        raise ConfigError(f"[sending]: {error}") from error

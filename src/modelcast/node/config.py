@@ -1,0 +1,262 @@
+"""What a node is asked to be: its configuration file, checked before anything starts."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+from modelcast.core.rules import Each, Flag, Number, Text, Whole, check_fields
+from modelcast.node.multicast import GROUP, LOOPBACK, PORT
+from modelcast.node.toml_file import read_tables
+from modelcast.station.sender.sender import SENDERS
+
+__all__ = [
+    "Air",
+    "Applications",
+    "Can",
+    "Gnss",
+    "Metrics",
+    "NodeConfig",
+    "Page",
+    "Pseudonyms",
+    "Sending",
+    "Subscribe",
+    "Vehicle",
+    "read_config",
+]
+
+_Address = Annotated[str, Text(45)]
+_Port = Annotated[int, Whole(0, 65535)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Table:
+    """A table of the file: its fields are what their rules say."""
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Vehicle(_Table):
+    """Who is on the air.
+
+    Parameters
+    ----------
+    length_m, width_m
+        Of the vehicle [m].
+    name
+        For logs and the page; never sent.
+    """
+
+    length_m: Annotated[float, Number(0.0, 40.95, over=True)] = 4.6
+    width_m: Annotated[float, Number(0.0, 10.23, over=True)] = 1.8
+    name: Annotated[str, Text(60)] = "node"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sending(_Table):
+    """What is sent, and when.
+
+    Parameters
+    ----------
+    policy
+        A name of `modelcast.station.sender.sender.SENDERS`.
+    bank, profile
+        As for ``modelcast evaluate``; an empty profile for the shipped one.
+    threshold_m
+        Of error-driven policies [m].
+    keep_alive_s
+        Their longest silence [s].
+    tick_s
+        Time between measurements [s].
+    """
+
+    policy: Annotated[str, Text(choices=SENDERS)] = "mbc"
+    bank: Annotated[str, Text(400)] = "default"
+    profile: Annotated[str, Text(400, empty=True)] = ""
+    threshold_m: Annotated[float, Number(0.0, 100.0, over=True)] = 0.2
+    keep_alive_s: Annotated[float, Number(0.0, 60.0, over=True)] = 1.0
+    tick_s: Annotated[float, Number(0.05, 1.0)] = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gnss(_Table):
+    """Where places come from.
+
+    Parameters
+    ----------
+    source
+        ``gpsd://HOST:PORT``, ``nmea:DEVICE``, ``nmea+tcp://HOST:PORT``, ``nmea+file:FILE``, or
+        ``trip:FILE`` with a recorded trip.
+    speed
+        How many times as fast a recorded trip is driven.
+    stale_s
+        Longest age of a fix that is used, whatever its period [s].
+    dead_reckoning_s
+        How long a place may be reckoned from the vehicle's bus alone [s]; then the node falls silent.
+    """
+
+    source: Annotated[str, Text(400)] = "gpsd://127.0.0.1:2947"
+    speed: Annotated[float, Number(0.0, 1000.0, over=True)] = 1.0
+    stale_s: Annotated[float, Number(0.0, 10.0, over=True)] = 1.0
+    dead_reckoning_s: Annotated[float, Number(0.0, 120.0)] = 5.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Can(_Table):
+    """The vehicle's bus; none where no interface is named.
+
+    Parameters
+    ----------
+    interface, channel
+        As python-can names them: ``socketcan`` and ``can0``, ``udp_multicast`` and a group, ``virtual``.
+    dbc
+        File that says what the frames hold.
+    signals
+        A preset by name, or pairs ``meaning=Message.Signal`` separated by commas.
+    """
+
+    interface: Annotated[str, Text(60, empty=True)] = ""
+    channel: Annotated[str, Text(60, empty=True)] = ""
+    dbc: Annotated[str, Text(400, empty=True)] = ""
+    signals: Annotated[str, Text(400, empty=True)] = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Air(_Table):
+    """How frames leave.
+
+    Parameters
+    ----------
+    transport
+        ``multicast``, or a name that another package registers in ``modelcast.transports``.
+    group, port, interface, hops
+        As for `modelcast.node.multicast.MulticastTransport`.
+    """
+
+    transport: Annotated[str, Text(60)] = "multicast"
+    group: _Address = GROUP
+    port: Annotated[int, Whole(1, 65535)] = PORT
+    interface: _Address = LOOPBACK
+    hops: Annotated[int, Whole(0, 255)] = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pseudonyms(_Table):
+    """When everything that names the vehicle changes together.
+
+    Parameters
+    ----------
+    least_s, most_s
+        Between two changes, evenly drawn [s]; 0 and 0 for never.
+    """
+
+    least_s: Annotated[float, Number(0.0, 86_400.0)] = 300.0
+    most_s: Annotated[float, Number(0.0, 86_400.0)] = 900.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if self.least_s > self.most_s:
+            raise ValueError(f"least_s must not be above most_s, got {self.least_s} and {self.most_s}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Applications(_Table):
+    """What the host warns of.
+
+    Parameters
+    ----------
+    names
+        Of `modelcast.apps.registry`.
+    """
+
+    names: Annotated[tuple[str, ...], Each(Text(choices=("fcw", "eebl", "ima")), 0, 3)] = (
+        "fcw",
+        "eebl",
+        "ima",
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Page(_Table):
+    """The live page.
+
+    Parameters
+    ----------
+    on
+        Whether there is one.
+    host, port
+        Where it listens; port 0 for any that is free.
+    token
+        What a browser must show; needed wherever the host is not this machine.
+    """
+
+    on: Annotated[bool, Flag()] = False
+    host: _Address = LOOPBACK
+    port: _Port = 8700
+    token: Annotated[str, Text(200, empty=True)] = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Metrics(_Table):
+    """Figures for Prometheus; none where the port is 0.
+
+    Parameters
+    ----------
+    host, port
+        Where it listens.
+    """
+
+    host: _Address = LOOPBACK
+    port: _Port = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subscribe(_Table):
+    """The map for other programs, as lines of JSON; none where the path is empty.
+
+    Parameters
+    ----------
+    path
+        Of a local socket, which only the user of the node may open.
+    """
+
+    path: Annotated[str, Text(100, empty=True)] = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeConfig:
+    """A node's configuration, a table each.
+
+    Examples
+    --------
+    >>> NodeConfig().air.interface
+    '127.0.0.1'
+    """
+
+    vehicle: Vehicle = field(default_factory=Vehicle)
+    sending: Sending = field(default_factory=Sending)
+    gnss: Gnss = field(default_factory=Gnss)
+    can: Can = field(default_factory=Can)
+    air: Air = field(default_factory=Air)
+    pseudonyms: Pseudonyms = field(default_factory=Pseudonyms)
+    applications: Applications = field(default_factory=Applications)
+    page: Page = field(default_factory=Page)
+    metrics: Metrics = field(default_factory=Metrics)
+    subscribe: Subscribe = field(default_factory=Subscribe)
+
+
+def read_config(path: str | Path) -> NodeConfig:
+    """Read a node's configuration.
+
+    Parameters
+    ----------
+    path
+        A TOML file with the tables of `NodeConfig`; what is left out has its default.
+
+    Raises
+    ------
+    DataFormatError
+        Where it holds what is not known or not allowed; it names line and remedy.
+    """
+    return read_tables(path, NodeConfig)

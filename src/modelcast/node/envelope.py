@@ -1,0 +1,106 @@
+"""What goes round a message on the air, and how it is taken off again."""
+
+import abc
+from dataclasses import dataclass
+
+from modelcast.core.exceptions import CodecError
+from modelcast.messages.ieee1609 import encode_unsecured, read_unsecured_head, unsecured_payload
+from modelcast.messages.security.signed import decode_signed
+from modelcast.messages.wsmp import decode_wsm, encode_wsm
+
+__all__ = ["AbstractEnvelope", "Bare", "Opened", "Unsecured"]
+
+_SAFETY_PSID = 0x20
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A frame without its envelope.
+
+    Parameters
+    ----------
+    octets
+        The message; None where the frame is refused.
+    why
+        What became of it, in a word or two for counters: ``accepted``, or why not.
+    """
+
+    octets: bytes | None
+    why: str
+
+
+class AbstractEnvelope(abc.ABC):
+    """One station's way to wrap what it sends and to open what it hears."""
+
+    @abc.abstractmethod
+    def wrap(self, octets: bytes, *, sent_s: float) -> bytes:
+        """Return a message as it goes on the air.
+
+        Parameters
+        ----------
+        octets
+            The message.
+        sent_s
+            When it leaves [s].
+        """
+
+    @abc.abstractmethod
+    def open(self, frame: bytes, *, received_s: float) -> Opened:
+        """Return what a frame holds. Nothing in it is trusted, and nothing is raised.
+
+        Parameters
+        ----------
+        frame
+            Whatever arrived.
+        received_s
+            When [s].
+        """
+
+    @abc.abstractmethod
+    def rename(self) -> None:
+        """Take other credentials, as the station takes another temporary id."""
+
+
+class Bare(AbstractEnvelope):
+    """No envelope: messages are frames as they are, as between the virtual transport's stations."""
+
+    def wrap(self, octets: bytes, *, sent_s: float) -> bytes:  # noqa: ARG002 - nothing is dated
+        """Return the message."""
+        return octets
+
+    def open(self, frame: bytes, *, received_s: float) -> Opened:  # noqa: ARG002 - nothing is checked
+        """Return the frame."""
+        return Opened(frame, "accepted")
+
+    def rename(self) -> None:
+        """Change nothing: there is nothing to change."""
+
+
+class Unsecured(AbstractEnvelope):
+    """A WAVE short message with unsecured IEEE 1609.2 data (docs/wire.md).
+
+    What others sign is opened too, unverified: this host holds no keys. Receivers that require signatures
+    refuse what it sends.
+    """
+
+    def wrap(self, octets: bytes, *, sent_s: float) -> bytes:  # noqa: ARG002 - nothing is dated
+        """Return the message with its two heads."""
+        return encode_wsm(encode_unsecured(octets))
+
+    def open(self, frame: bytes, *, received_s: float) -> Opened:  # noqa: ARG002 - nothing is dated
+        """Return what is inside, or where it stops being what it should."""
+        try:
+            message = decode_wsm(frame)
+        except CodecError:
+            return Opened(None, "no short message")
+        if message.psid != _SAFETY_PSID:
+            return Opened(None, "another application")
+        try:
+            if read_unsecured_head(message.payload) is not None:
+                return Opened(unsecured_payload(message.payload), "accepted")
+            return Opened(decode_signed(message.payload).payload, "not verified")
+        except CodecError:
+            return Opened(None, "no data of IEEE 1609.2")
+
+    def rename(self) -> None:
+        """Change nothing: there are no credentials."""

@@ -1,0 +1,61 @@
+"""Claims about ``modelcast node``."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from modelcast.cli.app import run
+from modelcast.io.write_trips import write_csv
+from modelcast.world.drive import generate_drive
+
+
+@pytest.fixture(scope="module")
+def trip(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("trip") / "drive.csv"
+    write_csv([generate_drive(3, 90.0).truth], path)
+    return path
+
+
+def test_a_configuration_is_checked_and_nothing_runs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "node.toml"
+    path.write_text("[vehicle]\nlength_m = 12.0\n", encoding="utf-8")
+    assert run(["node", str(path), "--check"]) == 0
+    assert "all is as it should be" in capsys.readouterr().out
+    path.write_text("[vehicle]\nlength_m = 120.0\n", encoding="utf-8")
+    assert run(["node", str(path), "--check"]) != 0
+    assert "row 2: [vehicle] length_m must be a number" in " ".join(capsys.readouterr().err.split())
+    path.write_text('[sending]\nbank = "cow"\n', encoding="utf-8")
+    assert run(["node", str(path), "--check"]) != 0
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("--duration -1", "--duration must not be negative"),
+        ("--gnss cow:moo --duration 1", "is no source of fixes"),
+        ("--gnss trip:nowhere.csv --duration 1", "nowhere.csv"),
+    ],
+)
+def test_mistakes_are_told(words: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["node", *words.split(), "--quiet"]) != 0
+    assert told in " ".join(capsys.readouterr().err.split())
+
+
+def test_it_ends_by_a_signal_with_what_it_did(trip: Path, tmp_path: Path) -> None:
+    path = tmp_path / "node.toml"
+    path.write_text('[air]\ngroup = "239.255.16.79"\nport = 16791\n', encoding="utf-8")
+    words = [sys.executable, "-m", "modelcast", "node", str(path), "--gnss", f"trip:{trip}"]
+    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as process:  # noqa: S603 - our own words
+        assert process.stderr is not None
+        for line in process.stderr:
+            if '"event": "motion"' in line:
+                process.send_signal(signal.SIGTERM)
+                break
+        rest = process.stderr.read()
+        assert process.wait(60.0) == 0
+    assert '"event": "stop"' in rest

@@ -1,0 +1,177 @@
+"""Claims about a node put together from its configuration: sockets are real, time is not the wall's."""
+
+import asyncio
+import io
+import json
+import socket
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from modelcast.core.exceptions import ConfigError
+from modelcast.io.write_trips import write_csv
+from modelcast.node.clock import SteeredClock
+from modelcast.node.config import Air, Gnss, Metrics, NodeConfig, Page, Pseudonyms, Subscribe
+from modelcast.node.journal import Journal
+from modelcast.node.live import LiveNode, open_transport
+from modelcast.station.sender.sender import named_sender
+from modelcast.world.drive import generate_drive
+
+from .virtual_time import run_in_virtual_time
+
+SENDER = named_sender("mbc")
+
+
+class VirtualClock(SteeredClock):
+    """The running loop's time."""
+
+    def __init__(self) -> None:
+        super().__init__(1_764_000_000.0)
+
+    def now_s(self) -> float:
+        """Now."""
+        return self.at(asyncio.get_running_loop().time())
+
+
+@pytest.fixture(scope="module")
+def trip(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("trip") / "drive.csv"
+    write_csv([generate_drive(3, 90.0).truth], path)
+    return path
+
+
+def free_port(kind: int) -> int:
+    with socket.socket(socket.AF_INET, kind) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def config(trip: Path, **tables: Any) -> NodeConfig:
+    air = Air(group="239.255.16.78", port=tables.pop("port"))
+    return NodeConfig(air=air, gnss=Gnss(source=f"trip:{trip}"), **tables)
+
+
+def a_node(asked: NodeConfig) -> tuple[LiveNode, io.StringIO]:
+    lines = io.StringIO()
+    return LiveNode(asked, SENDER, Journal(lines, lambda: 0.0), clock=VirtualClock()), lines
+
+
+def events(lines: io.StringIO) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in lines.getvalue().splitlines()]
+
+
+async def for_a_while(*nodes: LiveNode, seconds: float) -> None:
+    stop = asyncio.Event()
+    asyncio.get_running_loop().call_later(seconds, stop.set)
+    await asyncio.gather(*(node.run(stop) for node in nodes))
+
+
+def test_two_nodes_on_one_group_track_each_other(trip: Path) -> None:
+    port = free_port(socket.SOCK_DGRAM)
+    (one, lines), (other, _) = (a_node(config(trip, port=port)) for _ in range(2))
+    run_in_virtual_time(for_a_while(one, other, seconds=10.0))
+    assert one.node is not None
+    assert other.node is not None
+    for own, its in ((one, other), (other, one)):
+        assert own.state is not None
+        assert own.state.around.vehicle.tolist() == [its.node.station.temporary_id if its.node else -1]
+        assert own.node is not None
+        assert own.node.counts["receipt: accepted"] > 3
+    # Both drive the same trip: the other is where this one is, up to the thresholds of what is sent.
+    assert one.state is not None
+    assert one.state.motion is not None
+    (off_m,) = abs(one.state.around.position_m - one.state.motion.position_m).max(axis=1)
+    assert off_m < 1.0
+    assert one.late.count == pytest.approx(100, abs=3)
+    told = events(lines)
+    assert [told[0]["event"], told[-1]["event"]] == ["start", "stop"]
+    assert {"event": "motion", "mode": "gnss+can", "before": None} in [
+        {name: line[name] for name in ("event", "mode", "before") if name in line} for line in told
+    ]
+    assert told[-1]["sent"] == one.node.counts["sent"]
+
+
+def test_names_change_while_it_runs_and_the_other_follows(trip: Path) -> None:
+    port = free_port(socket.SOCK_DGRAM)
+    shy, _ = a_node(config(trip, port=port, pseudonyms=Pseudonyms(least_s=3.0, most_s=3.0)))
+    other, _ = a_node(config(trip, port=port))
+    run_in_virtual_time(for_a_while(shy, other, seconds=11.0))
+    assert shy.node is not None
+    assert other.state is not None
+    assert other.state.around.vehicle.tolist() == [shy.node.station.temporary_id]
+
+
+async def get(port: int, path: str) -> bytes:
+    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+    writer.write(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n".encode())
+    found = await reader.read()
+    writer.close()
+    return found
+
+
+def test_figures_page_and_map_are_served_while_it_runs_and_closed_after(trip: Path, tmp_path: Path) -> None:
+    ports = [free_port(socket.SOCK_STREAM) for _ in range(2)]
+    place = tmp_path / "map.sock"
+    asked = config(
+        trip,
+        port=free_port(socket.SOCK_DGRAM),
+        metrics=Metrics(port=ports[0]),
+        page=Page(on=True, port=ports[1]),
+        subscribe=Subscribe(path=str(place)),
+    )
+    node, _ = a_node(asked)
+
+    async def look() -> tuple[bytes, bytes, list[bytes]]:
+        stop = asyncio.Event()
+        running = asyncio.create_task(node.run(stop))
+        while node.state is None:  # noqa: ASYNC110 - time is virtual
+            await asyncio.sleep(0.1)
+        figures, page = await get(ports[0], "/metrics"), await get(ports[1], "/")
+        reader, writer = await asyncio.open_unix_connection(str(place))
+        lines = [await reader.readline() for _ in range(3)]
+        writer.close()
+        stop.set()
+        await running
+        return figures, page, lines
+
+    figures, page, lines = run_in_virtual_time(look())
+    assert b"\nmodelcast_silent 0\n" in figures
+    assert page.startswith(b"HTTP/1.1 200")
+    times = [json.loads(line)["t_s"] for line in lines]
+    assert times == sorted(times)
+    assert place.stat().st_mode & 0o077 == 0 if place.exists() else True
+    for port in ports:
+        with socket.socket() as probe, pytest.raises(ConnectionRefusedError):
+            probe.connect(("127.0.0.1", port))
+
+
+def test_a_page_for_others_needs_a_token(trip: Path) -> None:
+    asked = config(trip, port=free_port(socket.SOCK_DGRAM), page=Page(on=True, host="0.0.0.0", port=0))  # noqa: S104
+    node, _ = a_node(asked)
+    with pytest.raises(ConfigError, match="give a token"):
+        run_in_virtual_time(for_a_while(node, seconds=5.0))
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"gnss": Gnss(source="cow:moo")}, "is no source of fixes"),
+        ({"air": Air(transport="pigeon")}, "'pigeon' is not installed; there are multicast"),
+        ({"metrics": Metrics(host="203.0.113.9", port=9)}, r"\[metrics\] cannot listen on 203.0.113.9:9"),
+        (
+            {"subscribe": Subscribe(path="/nowhere/at/all/map.sock")},
+            r"\[subscribe\] cannot listen at /nowhere",
+        ),
+    ],
+)
+def test_what_cannot_be_opened_is_told(changed: dict[str, Any], told: str, trip: Path) -> None:
+    node, _ = a_node(replace(config(trip, port=free_port(socket.SOCK_DGRAM)), **changed))
+    with pytest.raises(ConfigError, match=told):
+        run_in_virtual_time(for_a_while(node, seconds=5.0))
+
+
+def test_a_transport_that_is_multicast_is_made_as_the_table_says() -> None:
+    with pytest.raises(ConfigError, match="cannot join"):
+        open_transport(Air(interface="203.0.113.9"), VirtualClock())
