@@ -59,3 +59,25 @@ def test_it_ends_by_a_signal_with_what_it_did(trip: Path, tmp_path: Path) -> Non
         rest = process.stderr.read()
         assert process.wait(60.0) == 0
     assert '"event": "stop"' in rest
+
+
+def test_four_nodes_run_on_this_machine_and_say_what_one_believes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["demo-live", "--headless", "--duration", "4", "--udp-port", "16793", "--loss", "0"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) >= 2
+    assert "second" in lines[-1]
+    assert "m off" in lines[-1]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("--duration 0", "--duration must be above 0"),
+        ("--loss 1.5", "--loss must be from 0 to 1"),
+        ("--policy cow", "--policy must be of bsm-10hz"),
+        ("--port 70000", "must be from 0 to 65535"),
+    ],
+)
+def test_what_four_nodes_cannot_do_is_told(words: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["demo-live", "--headless", *words.split()]) != 0
+    assert told in " ".join(capsys.readouterr().err.split())

@@ -158,7 +158,10 @@ def test_every_row_of_a_mutated_file_is_accounted_for_or_it_is_refused(session_m
         assert rows == ROWS[name](content)
 
 
-@pytest.mark.parametrize("name", ["parquet", "comma2k19"])
+BINARY = ("parquet", "comma2k19", "pcap")
+
+
+@pytest.mark.parametrize("name", BINARY)
 @settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(steps=st.lists(mutation, min_size=1, max_size=3), pick=st.integers(0, 5))
 def test_every_row_of_a_mutated_binary_file_is_accounted_for_or_it_is_refused(
@@ -178,7 +181,7 @@ def test_every_row_of_a_mutated_binary_file_is_accounted_for_or_it_is_refused(
 
 
 def test_the_properties_run_over_all_built_in_readers():
-    assert {*TEXT, "parquet", "comma2k19"} == set(FORMATS)
+    assert {*TEXT, *BINARY} == set(FORMATS)
 
 
 @pytest.mark.parametrize("ending", ENDS[:4], ids=repr)

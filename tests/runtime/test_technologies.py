@@ -178,6 +178,8 @@ def test_hosts_that_heard_the_same_believe_the_same(drives: dict[str, Drive]) ->
 
 def same_beliefs(one: Beliefs, other: Beliefs) -> None:
     for column in fields(Beliefs):
+        if column.name == "received_s":
+            continue  # when, not what: technologies take their own time
         np.testing.assert_array_equal(getattr(one, column.name), getattr(other, column.name), column.name)
 
 

@@ -37,6 +37,7 @@ COMMANDS = (
     "decode",
     "encode",
     "node",
+    "demo-live",
     "view",
     "doctor",
 )
@@ -60,7 +61,8 @@ app = App(
     suppress_keyboard_interrupt=False,
 )
 for _name in COMMANDS:
-    app.command(f"modelcast.cli.{_name}:{_name}", name=_name)
+    _module = _name.replace("-", "_")
+    app.command(f"modelcast.cli.{_module}:{_module}", name=_name)
 
 
 def run(arguments: Sequence[str]) -> int:

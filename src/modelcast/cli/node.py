@@ -4,11 +4,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import asyncio
+
     from modelcast.node.config import NodeConfig
     from modelcast.node.live import LiveNode
     from modelcast.station.sender.sender import Sender
 
-__all__ = ["node"]
+__all__ = ["node", "sender_of_config", "stopped_by_signals"]
 
 
 def node(
@@ -64,7 +66,7 @@ def node(
         asked = replace(asked, gnss=replace(asked.gnss, source=gnss))
     if dashboard:
         asked = replace(asked, page=replace(asked.page, port=port, on=True))
-    sender = _sender(asked)
+    sender = sender_of_config(asked)
     if check:
         say(f"{'the defaults' if config is None else config}: all is as it should be")
         return 0
@@ -76,6 +78,17 @@ def node(
 
 async def _run(live: "LiveNode", duration_s: float) -> None:
     """Run until a signal, or the end of the time."""
+    await live.run(stopped_by_signals(duration_s))
+
+
+def stopped_by_signals(duration_s: float) -> "asyncio.Event":
+    """What is set by SIGTERM, by Ctrl-C, or after a time; to be called in a running loop.
+
+    Parameters
+    ----------
+    duration_s
+        The time [s]; 0 for none.
+    """
     import asyncio
     import signal
 
@@ -84,11 +97,22 @@ async def _run(live: "LiveNode", duration_s: float) -> None:
         loop.add_signal_handler(one, stop.set)
     if duration_s:
         loop.call_later(duration_s, stop.set)
-    await live.run(stop)
+    return stop
 
 
-def _sender(config: "NodeConfig") -> "Sender":
-    """What the node sends, and when."""
+def sender_of_config(config: "NodeConfig") -> "Sender":
+    """What the node sends, and when.
+
+    Parameters
+    ----------
+    config
+        The node's configuration.
+
+    Raises
+    ------
+    ConfigError, DataFormatError
+        Where bank, profile or rules cannot be had.
+    """
     from modelcast.cli.banks import bank_in_use, profile_in_use
     from modelcast.core.exceptions import ConfigError
     from modelcast.station.banks import free_bank

@@ -132,6 +132,8 @@ class Air(_Table):
         ``multicast``, or a name that another package registers in ``modelcast.transports``.
     group, port, interface, hops
         As for `modelcast.node.multicast.MulticastTransport`.
+    loss_ratio
+        Share of the frames that are thrown away as they arrive, to try losses.
     """
 
     transport: Annotated[str, Text(60)] = "multicast"
@@ -139,6 +141,7 @@ class Air(_Table):
     port: Annotated[int, Whole(1, 65535)] = PORT
     interface: _Address = LOOPBACK
     hops: Annotated[int, Whole(0, 255)] = 1
+    loss_ratio: Annotated[float, Number(0.0, 1.0)] = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,6 +12,7 @@ import numpy as np
 
 from modelcast.apps.registry import get_application
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.geodesy import Origin
 from modelcast.dashboard.document import snapshot_text
 from modelcast.node.clock import AbstractClock, SteeredClock, SystemClock
 from modelcast.node.config import Air, NodeConfig, Page
@@ -20,7 +21,9 @@ from modelcast.node.inputs.base import AbstractSource
 from modelcast.node.inputs.motion import Motion
 from modelcast.node.inputs.motion_source import MotionSource
 from modelcast.node.inputs.opening import bus_source, gnss_source
+from modelcast.node.inputs.replay import TripReplay
 from modelcast.node.journal import Journal
+from modelcast.node.lossy import LossyTransport
 from modelcast.node.metrics import Metric, serve_metrics
 from modelcast.node.multicast import MulticastTransport
 from modelcast.node.node import Node, NodeState
@@ -56,6 +59,12 @@ def open_transport(air: Air, clock: AbstractClock) -> AbstractTransport:
     ConfigError
         Where it cannot be opened, or nothing of that name is installed.
     """
+    own: AbstractTransport = _opened(air, clock)
+    return own if air.loss_ratio == 0.0 else LossyTransport(own, air.loss_ratio, secrets.randbits(63))
+
+
+def _opened(air: Air, clock: AbstractClock) -> AbstractTransport:
+    """The transport itself."""
     if air.transport == "multicast":
         return MulticastTransport(
             clock.now_s, group=air.group, port=air.port, interface=air.interface, hops=air.hops
@@ -102,6 +111,8 @@ class LiveNode:
         Takes what happens.
     clock
         None for the machine's.
+    gnss
+        Where places come from, instead of the configuration's source.
     show
         Takes the address of the page, once.
     """
@@ -113,16 +124,20 @@ class LiveNode:
         journal: Journal,
         *,
         clock: SteeredClock | None = None,
+        gnss: AbstractSource | None = None,
         show: Callable[[str], None] | None = None,
     ) -> None:
         self._config, self._sender, self._journal, self._show = config, sender, journal, show
         self._clock = SystemClock() if clock is None else clock
+        self._gnss = gnss
         self.late = Lateness()
         """How late steps began."""
         self.state: NodeState | None = None
         """After the last step."""
         self.node: Node | None = None
         """None until it knows where it is."""
+        self.origin: Origin | None = None
+        """Of its plane; None until then."""
 
     async def run(self, stop: asyncio.Event) -> None:
         """Run until told to stop; everything that was opened is closed then.
@@ -140,8 +155,7 @@ class LiveNode:
         config, clock = self._config, self._clock
         async with AsyncExitStack() as stack:
             transport = open_transport(config.air, clock)
-            if isinstance(transport, MulticastTransport):
-                stack.enter_context(transport)
+            stack.callback(transport.close)
             inputs = await stack.enter_async_context(self._inputs())
             if isinstance(clock, SystemClock):
                 await stack.enter_async_context(_running(_follow(clock)))
@@ -162,13 +176,16 @@ class LiveNode:
     @asynccontextmanager
     async def _inputs(self) -> AsyncGenerator[_Inputs]:
         config, clock = self._config, self._clock
-        gnss = gnss_source(
-            config.gnss.source,
-            now_s=clock.now_s,
-            utc_at_zero_s=clock.minute_utc_s,
-            times_as_fast=config.gnss.speed,
-        )
-        sources = [gnss]
+        sources = [
+            gnss_source(
+                config.gnss.source,
+                now_s=clock.now_s,
+                utc_at_zero_s=clock.minute_utc_s,
+                times_as_fast=config.gnss.speed,
+            )
+            if self._gnss is None
+            else self._gnss
+        ]
         if config.can.interface:
             sources.append(
                 bus_source(
@@ -179,7 +196,11 @@ class LiveNode:
                     now_s=clock.now_s,
                 )
             )
-        motion = MotionSource(stale_s=config.gnss.stale_s, dead_reckoning_s=config.gnss.dead_reckoning_s)
+        # A recorded trip is driven again on its own plane: its places are the recorded ones to the bit.
+        origin = sources[0].origin if isinstance(sources[0], TripReplay) else None
+        motion = MotionSource(
+            origin, stale_s=config.gnss.stale_s, dead_reckoning_s=config.gnss.dead_reckoning_s
+        )
         started: list[AbstractSource] = []
         try:
             for source in sources:
@@ -208,6 +229,7 @@ class LiveNode:
         config = self._config
         origin = inputs.motion.origin
         assert origin is not None  # noqa: S101 - a place was found
+        self.origin = origin
         rng = np.random.default_rng(secrets.randbits(128))
         names = Pseudonyms(config.pseudonyms.least_s, config.pseudonyms.most_s, rng)
         station = Station(
@@ -236,10 +258,9 @@ class LiveNode:
             for take in takers:
                 take(state)
 
-        fileno = transport.fileno() if isinstance(transport, MulticastTransport) else None
         await run_node(
-            node, self._clock, inputs.at, tick_s=config.sending.tick_s, stop=stop, fileno=fileno,
-            publish=publish, lateness=self.late,
+            node, self._clock, inputs.at, tick_s=config.sending.tick_s, stop=stop,
+            fileno=transport.fileno(), publish=publish, lateness=self.late,
         )  # fmt: skip
 
     def _keep(self, state: NodeState) -> None:

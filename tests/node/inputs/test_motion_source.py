@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from modelcast.core.geodesy import Origin, local_to_geodetic
+from modelcast.core.geodesy import Origin, geodetic_to_local, local_to_geodetic
 from modelcast.node.inputs.motion import Motion
 from modelcast.node.inputs.motion_source import MotionSource
 from modelcast.node.inputs.reckoning import DEFAULT_AXIS_M
@@ -367,3 +367,19 @@ def _after_ticks(samples: list[Sample], until_s: float) -> Motion | None:
     for t_s in times(0.0, until_s - 0.1, 0.1):
         source.at(t_s)
     return source.at(until_s)
+
+
+def test_a_place_on_the_trips_plane_is_not_taken_for_one_on_its_own() -> None:
+    """Without an origin the plane begins at the first fix used, wherever the trip's own plane begins."""
+    trip = generate_drive(1, 90.0).truth
+    replay = TripReplay(trip)
+    source = MotionSource()
+    replay.take(19.95)  # what came before is lost
+    for tick in range(200, 230):
+        source.feed(replay.take(tick * 0.1))
+        motion = source.at(tick * 0.1)
+    assert motion is not None
+    assert source.origin is not None
+    assert source.origin != replay.origin
+    wanted = geodetic_to_local(np.array([motion.place_deg]), source.origin)[0]
+    assert np.allclose(motion.position_m, wanted, atol=1e-6)

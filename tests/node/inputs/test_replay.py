@@ -31,7 +31,8 @@ def test_every_sample_comes_once_and_none_before_its_time():
 
 
 def test_ticks_computed_in_another_way_meet_the_recorded_times():
-    replay, source = TripReplay(TRIP), MotionSource()
+    replay = TripReplay(TRIP)
+    source = MotionSource(replay.origin)
     for tick in range(300):
         source.feed(replay.take(tick / 10))
         motion = source.at(tick / 10)

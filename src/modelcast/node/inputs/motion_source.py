@@ -94,6 +94,7 @@ class MotionSource:
                 f"stale_s must be positive, dead_reckoning_s not negative, got {stale_s}, {dead_reckoning_s}"
             )
         self.origin = origin
+        self._knows_plane = origin is not None
         self._stale_s = stale_s
         self._dead_reckoning_s = dead_reckoning_s
         self._growth = growth or Growth()
@@ -290,7 +291,7 @@ class MotionSource:
         if not stays:
             place_deg = local_to_geodetic(np.array([[driven.east_m, driven.north_m]]), origin_of(fix))
         latitude_deg, longitude_deg = place_deg[0].tolist()
-        if stays and fix.position_m is not None:
+        if stays and fix.position_m is not None and self._knows_plane:
             return (latitude_deg, longitude_deg), fix.position_m
         east_m, north_m = geodetic_to_local(place_deg, self.origin)[0].tolist()
         return (latitude_deg, longitude_deg), (east_m, north_m)

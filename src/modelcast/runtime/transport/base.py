@@ -45,6 +45,13 @@ class AbstractTransport(abc.ABC):
             Where the frame is empty or too long, or the time is no number.
         """
 
+    def fileno(self) -> int | None:
+        """Number of a socket that frames arrive at, for an event loop to wait on; None without one."""
+        return None
+
+    def close(self) -> None:  # noqa: B027 - most have nothing to let go of
+        """Let go of sockets and devices."""
+
     @abc.abstractmethod
     def receive(self, until_s: float) -> list[Arrival]:
         """Return what has arrived by a time and was not returned before, in order of arrival.
