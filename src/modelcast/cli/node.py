@@ -114,6 +114,7 @@ def sender_of_config(config: "NodeConfig") -> "Sender":
         Where bank, profile or rules cannot be had.
     """
     from modelcast.cli.banks import bank_in_use, profile_in_use
+    from modelcast.cli.network_senders import rules_in_use
     from modelcast.core.exceptions import ConfigError
     from modelcast.station.banks import free_bank
     from modelcast.station.sender.sender import FREE_SENDERS, MODEL_SENDERS, named_sender
@@ -121,18 +122,12 @@ def sender_of_config(config: "NodeConfig") -> "Sender":
     own = config.sending
     profile = profile_in_use(own.profile or None)
     named = bank_in_use(own.bank, profile=profile) if own.policy in MODEL_SENDERS else None
-    failing = named is not None and own.policy == "mbc"
-    start = named.start if named is not None and failing else None
-    identify = named.identify if named is not None and failing else None
     own_bank = None if named is None else named.bank
     try:
         return named_sender(
             own.policy,
             bank=free_bank(profile) if own.policy in FREE_SENDERS else own_bank,
-            start=start,
-            identify=identify,
-            costs=named.costs("bytes") if named is not None and identify == "cheapest" else None,
-            selector=named.selector if named is not None and start == "predicted" else None,
+            **rules_in_use(own.policy, named),
             threshold_m=own.threshold_m,
             keep_alive_s=own.keep_alive_s,
         )

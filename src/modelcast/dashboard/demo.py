@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.apps.motions import LENGTH_M, WIDTH_M, Motions
+from modelcast.apps.around import believed_motions, repeated
 from modelcast.apps.registry import APPLICATIONS
 from modelcast.apps.warnings import Level
 from modelcast.channel.erasure import IndependentErasure
-from modelcast.core.arrays import FloatArray
 from modelcast.core.chance import child_generator
 from modelcast.dashboard.meter import MessageMeter
 from modelcast.dashboard.snapshot import Host, Snapshot, WarningShown, snapshot_of
@@ -193,22 +192,15 @@ class _Drive:
         count = beliefs.vehicle.size
         if not count:
             return []
-        mine = Motions.of(
-            np.tile(own.position_m, (count, 1)),
+        mine = repeated(
+            own.position_m,
+            count,
             speed_mps=own.speed_mps,
             heading_rad=own.heading_rad,
             acceleration_mps2=float(seen.acceleration_mps2[slot]),
             yaw_rate_radps=float(seen.yaw_rate_radps[slot]),
         )
-        theirs = Motions.of(
-            beliefs.position_m,
-            speed_mps=beliefs.speed_mps,
-            heading_rad=beliefs.heading_rad,
-            acceleration_mps2=beliefs.acceleration_mps2,
-            yaw_rate_radps=beliefs.yaw_rate_radps,
-            length_m=_or(beliefs.length_m, LENGTH_M),
-            width_m=_or(beliefs.width_m, WIDTH_M),
-        )
+        theirs = believed_motions(beliefs)
         said: dict[tuple[str, int], int] = {}
         for kind, application in APPLICATIONS.items():
             level = application.assess(mine, theirs).level
@@ -224,7 +216,3 @@ class _Drive:
     def _loss(ways: Sequence[_Way]) -> float:
         sent = sum(way.sent for way in ways)
         return 1.0 - sum(way.heard for way in ways) / sent if sent else float("nan")
-
-
-def _or(values: FloatArray, other: float) -> FloatArray:
-    return np.where(np.isfinite(values), values, other)

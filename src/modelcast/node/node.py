@@ -13,6 +13,7 @@ from typing import final
 
 import numpy as np
 
+from modelcast.apps.around import believed_motions, repeated
 from modelcast.apps.base import AbstractApplication
 from modelcast.apps.motions import Motions
 from modelcast.apps.warnings import Level
@@ -240,16 +241,7 @@ class Node:
         remotes = around.vehicle.size
         if motion is not None and remotes:
             own = _rows(motion, self._size_m, remotes)
-            others = Motions.of(
-                around.position_m,
-                speed_mps=around.speed_mps,
-                heading_rad=around.heading_rad,
-                acceleration_mps2=around.acceleration_mps2,
-                yaw_rate_radps=around.yaw_rate_radps,
-                length_m=around.length_m,
-                width_m=around.width_m,
-                covariance_m2=around.covariance_m2,
-            )
+            others = believed_motions(around)
             for name, application in self._applications.items():
                 said = application.assess(own, others)
                 found += [
@@ -276,8 +268,9 @@ class Node:
 
 def _rows(motion: Motion, size_m: tuple[float, float], rows: int) -> Motions:
     """The host's own motion, once for every remote."""
-    return Motions.of(
-        np.tile(motion.position_m, (rows, 1)),
+    return repeated(
+        motion.position_m,
+        rows,
         speed_mps=motion.speed_mps,
         heading_rad=motion.heading_rad,
         acceleration_mps2=motion.acceleration_mps2,
