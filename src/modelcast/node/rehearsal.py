@@ -19,7 +19,7 @@ from modelcast.node.demo import demo_trips
 from modelcast.node.envelope import Unsecured
 from modelcast.node.inputs.motion_source import MotionSource
 from modelcast.node.inputs.replay import TripReplay
-from modelcast.node.node import Node
+from modelcast.node.node import Node, NodeState
 from modelcast.node.pseudonyms import Pseudonyms
 from modelcast.node.showing import Showing
 from modelcast.runtime.transport.virtual import VirtualMedium
@@ -132,12 +132,13 @@ def _drive(sender: Sender, applications: Mapping[str, AbstractApplication], tick
     showing = Showing(nodes[-1][0])
     for step in range(1, round(_LASTS_S / tick_s)):
         now_s = tick_s * step
+        states: list[NodeState] = []
         for node, replay, source in nodes:
             node.hear(now_s)
             source.feed(replay.take(now_s))
-            state = node.step(now_s, source.at(now_s))
+            states.append(node.step(now_s, source.at(now_s)))
             node.send(now_s + 0.5 * tick_s)
-        showing.snapshot(state)  # of the last
+        showing.snapshot(states[-1])
 
 
 def _node(
