@@ -58,7 +58,7 @@ class SignedMessage:
     Parameters
     ----------
     generation_us
-        When it was signed: microseconds since 2004-01-01 00:00 TAI.
+        When it was signed: TAI microseconds since 2004-01-01 00:00 UTC.
     payload
         1 to `MAX_SPDU_OCTETS` octets.
     signer
@@ -125,7 +125,7 @@ def signed_part(
     Parameters
     ----------
     generation_us
-        When it is signed: microseconds since 2004-01-01 00:00 TAI.
+        When it is signed: TAI microseconds since 2004-01-01 00:00 UTC.
     payload
         The octets to be signed.
     certificate
