@@ -6,17 +6,15 @@ from collections.abc import AsyncGenerator, Callable, Coroutine
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from importlib.metadata import entry_points
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from modelcast.apps.registry import get_application
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import Origin
 from modelcast.dashboard.document import snapshot_text
+from modelcast.node.building import node_of
 from modelcast.node.clock import AbstractClock, SteeredClock, SystemClock
 from modelcast.node.config import Air, NodeConfig, Page
-from modelcast.node.envelope import Unsecured
 from modelcast.node.inputs.base import AbstractSource
 from modelcast.node.inputs.motion import Motion
 from modelcast.node.inputs.motion_source import MotionSource
@@ -27,13 +25,14 @@ from modelcast.node.lossy import LossyTransport
 from modelcast.node.metrics import Metric, serve_metrics
 from modelcast.node.multicast import MulticastTransport
 from modelcast.node.node import Node, NodeState
-from modelcast.node.pseudonyms import Pseudonyms
 from modelcast.node.run import Lateness, run_node
-from modelcast.node.showing import Showing, figures_of
+from modelcast.node.showing import Showing, figures_of, figures_of_recorder
 from modelcast.node.subscribers import Subscribers
 from modelcast.runtime.transport.base import AbstractTransport
 from modelcast.station.sender.sender import Sender
-from modelcast.station.station import Station
+
+if TYPE_CHECKING:
+    from modelcast.node.recording.recorder import Recorder
 
 __all__ = ["LiveNode", "open_transport"]
 
@@ -86,11 +85,15 @@ class _Inputs:
     sources: tuple[AbstractSource, ...]
     motion: MotionSource
     journal: Journal
+    record: "Recorder | None" = None
 
     def at(self, now_s: float) -> Motion | None:
         """The own motion at a step's instant; what changed is written down."""
         for source in self.sources:
-            self.motion.feed(source.take(now_s))
+            samples = source.take(now_s)
+            self.motion.feed(samples)
+            if self.record is not None:
+                self.record.sampled(now_s, samples)
         found = self.motion.at(now_s)
         for change in self.motion.events():
             what = {"what": change.what, "before": change.before, "after": change.after, "why": change.why}
@@ -138,6 +141,7 @@ class LiveNode:
         """None until it knows where it is."""
         self.origin: Origin | None = None
         """Of its plane; None until then."""
+        self._recorded: Recorder | None = None
 
     async def run(self, stop: asyncio.Event) -> None:
         """Run until told to stop; everything that was opened is closed then.
@@ -230,25 +234,18 @@ class LiveNode:
         origin = inputs.motion.origin
         assert origin is not None  # noqa: S101 - a place was found
         self.origin = origin
-        rng = np.random.default_rng(secrets.randbits(128))
-        names = Pseudonyms(config.pseudonyms.least_s, config.pseudonyms.most_s, rng)
-        station = Station(
-            self._sender,
-            temporary_id=names.temporary_id,
-            dt_s=config.sending.tick_s,
-            origin=origin,
-            seed=secrets.randbits(63),
-        )
-        self.node = node = Node(
-            station,
-            transport,
-            Unsecured(),
-            applications={name: get_application(name) for name in config.applications.names},
-            size_m=(config.vehicle.length_m, config.vehicle.width_m),
-            pseudonyms=names,
-            watch=self._journal.note,
-        )
+        seeds = secrets.randbits(128), secrets.randbits(63)
+        recorder = self._recorder(origin, *seeds)
+        if recorder is not None:
+            stack.enter_context(recorder)
+            inputs.record = recorder
+        self.node = node = node_of(
+            config, self._sender, transport, origin=origin, names_seed=seeds[0], station_seed=seeds[1],
+            watch=self._journal.note, record=recorder,
+        )  # fmt: skip
         takers: list[Callable[[NodeState], None]] = [self._keep]
+        if recorder is not None:
+            takers.append(_recording(node, recorder, self._journal))
         if config.page.on:
             takers.append(await stack.enter_async_context(self._page(node, config.page)))
         if config.subscribe.path:
@@ -267,7 +264,35 @@ class LiveNode:
         self.state = state
 
     def _figures(self) -> list[Metric]:
-        return [] if self.node is None else list(figures_of(self.node, self.state, self.late))
+        if self.node is None:
+            return []
+        recorded = [] if self._recorded is None else list(figures_of_recorder(self._recorded))
+        return [*figures_of(self.node, self.state, self.late), *recorded]
+
+    def _recorder(self, origin: Origin, names_seed: int, station_seed: int) -> "Recorder | None":
+        """What the configuration says is written down."""
+        own, clock = self._config.record, self._clock
+        if not own.folder:
+            return None
+        from modelcast.node.recording.making import about_node  # noqa: PLC0415 - the extra is needed here
+        from modelcast.node.recording.recorder import Recorder  # noqa: PLC0415
+
+        about = about_node(
+            self._config,
+            self._sender,
+            utc_at_zero_s=clock.minute_utc_s,
+            origin=origin,
+            names_seed=names_seed,
+            station_seed=station_seed,
+        )
+        try:
+            self._recorded = Recorder(
+                Path(own.folder), about, begin_s=clock.now_s(), most_octets=1e6 * own.most_mb
+            )
+        except OSError as error:
+            raise ConfigError(f"[record] cannot write in {own.folder}: {error.strerror or error}") from error
+        self._journal.note("recording", {"file": str(self._recorded.path)})
+        return self._recorded
 
     @asynccontextmanager
     async def _page(self, node: Node, page: Page) -> AsyncGenerator[Callable[[NodeState], None]]:
@@ -297,6 +322,21 @@ class LiveNode:
                     yield publish
                 finally:
                     server.should_exit = True
+
+
+def _recording(node: Node, recorder: "Recorder", journal: Journal) -> Callable[[NodeState], None]:
+    """What takes states for the page's snapshots of a recording, and says when it ended."""
+    showing, told = Showing(node), False
+
+    def take(state: NodeState) -> None:
+        nonlocal told
+        if recorder.wants_page:
+            recorder.shown(showing.snapshot(state))
+        if recorder.ended and not told:
+            told = True
+            journal.note("recording ended", {"why": recorder.ended, "octets": recorder.octets})
+
+    return take
 
 
 @asynccontextmanager
