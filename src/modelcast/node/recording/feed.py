@@ -27,7 +27,7 @@ __all__ = ["RecordingFeed"]
 
 _MOST_SNAPSHOTS = 2_000_000
 _MOST_STEPS = 10_000_000
-_LONGEST_GAP_S = 0.5
+_LONGEST_GAP_S = 0.3
 """Between two recorded places that truth is taken from."""
 
 
@@ -142,9 +142,10 @@ class RecordingFeed(AbstractFeed):
             self._times_s.append(snapshot.t_s)
             self._places.append(message.place)
             remotes = snapshot.remotes
-            seen.add(zip(remotes.vehicle.tolist(), *remotes.position_m.T.tolist(), strict=True))
+            places = list(zip(remotes.vehicle.tolist(), *remotes.position_m.T.tolist(), strict=True))
             if snapshot.host is not None:
-                seen.add([(-1, *snapshot.host.position_m)])
+                places.append((-1, *snapshot.host.position_m))
+            seen.add(places)
         if not self._times_s:
             raise DataFormatError(
                 str(self._reader.path), "holds no snapshot", remedy="Record for a second or longer."

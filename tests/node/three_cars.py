@@ -7,7 +7,7 @@ from pathlib import Path
 from modelcast.channel.erasure import IndependentErasure
 from modelcast.core.geodesy import Origin
 from modelcast.node.building import node_of
-from modelcast.node.config import NodeConfig, Pseudonyms, Sending
+from modelcast.node.config import NodeConfig, Pseudonyms
 from modelcast.node.inputs.motion_source import MotionSource
 from modelcast.node.inputs.replay import TripReplay
 from modelcast.node.node import Node
