@@ -26,7 +26,6 @@ from modelcast.messages.security.p256 import PrivateKey, PublicKey
 from modelcast.messages.security.signer import Signer
 from modelcast.messages.security.time64 import since_2004_s
 from modelcast.models.profile import default_profile
-from modelcast.node.credentials import Credentials
 from modelcast.node.envelope import AbstractEnvelope, Unsecured
 from modelcast.node.inputs.motion import Motion
 from modelcast.node.multicast import MulticastTransport
@@ -77,7 +76,7 @@ def signing() -> Callable[[int], Signed]:
     def envelope(secret: int) -> Signed:
         key = PrivateKey(secret)
         signer = Signer(key, root.issue(key.public_octets, start_s=START_S, duration_s=86_400))
-        return Signed(Credentials((root.certificate,), (signer,)), utc_at_zero_s=ZERO_UTC_S)
+        return Signed((root.certificate,), (signer,), utc_at_zero_s=ZERO_UTC_S)
 
     return envelope
 

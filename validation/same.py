@@ -1,7 +1,8 @@
 """Is what is evaluated, what is simulated and what drives the same? Every trip, bank and rule, byte for byte.
 
 Drives each trip by the trip runtime, by a fleet of one on an ideal channel and by a lone `Station`, and lets
-a host hear it over a lossy channel (`modelcast.study.agreement`). Prints a row a trip, a table of banks and
+a host hear it over a lossy channel (`modelcast.study.agreement`); where the recording states the whole motion
+also by a node that another node hears (`modelcast.node.agreement`). Prints a row a trip, a table of banks and
 rules, and every difference by its first byte; ends with 1 where there is one.
 """
 
@@ -14,6 +15,7 @@ from pathlib import Path
 
 from modelcast.core.exceptions import ModelcastError
 from modelcast.io.trips import read_trips
+from modelcast.node.agreement import node_agreement
 from modelcast.station.banks import named_bank
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.study.agreement import agreement
@@ -25,6 +27,7 @@ from trip_sources import folders
 BANKS = ("default", "paper", "ctra", "gp-intercept+cv", "shs", "hdp-hmm+ctra+shs+cv", "imm", "learned+imm+cv")
 RULES = ("guarded/never", "hindsight/cheapest", "order/on-failure", "keep/on-failure", "survivor/on-failure")
 THRESHOLD_M = 0.3
+COLUMNS = ("speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps")
 
 Outcome = tuple[str, str, str, int, str]
 """Trip, bank, rules, messages, and what differs: empty for nothing."""
@@ -43,6 +46,7 @@ def compared(trip: Trajectory) -> list[Outcome]:
                 costs = named.costs("bytes") if identify == "cheapest" else None
                 policy = ErrorDriven(THRESHOLD_M, start, identify, costs=costs)  # type: ignore[arg-type]
                 one = agreement(case, named.bank, policy)
+                node = node_agreement(case, named.bank, policy) if states_all(case.seen) else None
             except ValueError as error:
                 found.append((trip.trip_id, bank_name, rule, 0, f"refused: {error}"))
                 continue
@@ -51,10 +55,17 @@ def compared(trip: Trajectory) -> list[Outcome]:
                 ("station", one.station),
                 ("host", one.host),
                 ("motion", one.motion),
+                ("node", "" if node is None else node.sent),
+                ("node's host", "" if node is None else node.host),
             )
             off = "; ".join(f"{name}: {text}" for name, text in parts if text)
             found.append((trip.trip_id, bank_name, rule, one.messages, off))
     return found
+
+
+def states_all(trip: Trajectory) -> bool:
+    """Whether a recording states all that a node would else make from earlier fixes."""
+    return all(getattr(trip, name) is not None for name in COLUMNS)
 
 
 def chosen(data: Path, most: int) -> list[Trajectory]:
@@ -105,6 +116,7 @@ def main() -> int:
         print(f"{bank:18s}" + "".join(f"{cell:>22s}" for cell in cells))
     for key, text in refused.items():
         print(f"{'/'.join(key)}: {text}")
+    print(f"by a node too: {sum(map(states_all, trips))} of {len(trips)} trips")
     print(f"{messages} messages equal byte for byte in all runtimes, {differences} differences")
     return 1 if differences else 0
 

@@ -42,9 +42,8 @@ def credentials(*secrets: int, root: int = 7, lasts_s: int = 3600) -> Credential
 
 
 def envelope(*secrets: int, required: bool = True, root: int = 7, lasts_s: int = 3600) -> Signed:
-    return Signed(
-        credentials(*secrets, root=root, lasts_s=lasts_s), utc_at_zero_s=ZERO_UTC_S, required=required
-    )
+    found = credentials(*secrets, root=root, lasts_s=lasts_s)
+    return Signed(found.trusted, found.own, utc_at_zero_s=ZERO_UTC_S, required=required)
 
 
 def wrapped(one: Signed, octets: bytes, t_s: float) -> bytes:

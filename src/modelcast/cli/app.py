@@ -1,7 +1,8 @@
 """The command line: its commands, its exit codes, and how errors are shown.
 
-Exit codes: 0 done; 1 internal error (of doctor: something is broken); 2 usage, bad input or no usable trip; 3
-some trips failed, the rest is complete; 130 interrupted; 141 whoever read the output stopped reading.
+Exit codes: 0 done; 1 internal error (of doctor: something is broken; of replay: something differs); 2 usage,
+bad input or no usable trip; 3 some trips failed, the rest is complete; 130 interrupted; 141 whoever read the
+output stopped reading.
 """
 
 import os
@@ -41,6 +42,7 @@ COMMANDS = (
     "credentials",
     "demo-live",
     "view",
+    "replay",
     "doctor",
 )
 """Names of the commands; each is the function of that name in the module of that name, imported when used."""

@@ -16,18 +16,21 @@ def view(
     log: Path | None = None,
     *,
     demo: bool = False,
+    truth: tuple[Path, ...] = (),
     host: str = "127.0.0.1",
     port: int = 8700,
     name: tuple[str, ...] = (),
 ) -> int:
-    """Show what a host believed on a page in the browser: a log of snapshots, or a simulated drive.
+    """Show what a host believed on a page in the browser: a recording, a log of snapshots, or a made drive.
 
     Parameters
     ----------
     log
-        A log of snapshots, lines of JSON.
+        A recording of modelcast node (MCAP), or a log of snapshots (lines of JSON).
     demo
         Show a simulated drive instead, at its own pace, until interrupted.
+    truth
+        Recordings of other nodes, which say where those were: the page shows the errors then.
     host
         Address to listen on. Where other machines can reach it, the page asks for a token, which is printed.
     port
@@ -38,6 +41,7 @@ def view(
     import asyncio
     from contextlib import ExitStack
 
+    from modelcast.cli.terminal import say
     from modelcast.core.exceptions import ConfigError
     from modelcast.dashboard.feed import LiveFeed
     from modelcast.dashboard.log import SnapshotLog
@@ -47,12 +51,28 @@ def view(
     if not 0 <= port < 2**16:
         raise ConfigError(f"--port must be from 0 to 65535, got {port}")
     with ExitStack() as open_files:
-        feed: AbstractFeed = LiveFeed("demo") if log is None else open_files.enter_context(SnapshotLog(log))
+        feed: AbstractFeed = LiveFeed("demo")
+        if log is not None and _is_recording(log):
+            from modelcast.node.recording.feed import RecordingFeed
+
+            feed = open_files.enter_context(RecordingFeed(log, truth))
+            if feed.cut_off:
+                say(f"{log}: its end is missing")
+        elif truth:
+            raise ConfigError("--truth goes with a recording of modelcast node (MCAP)")
+        elif log is not None:
+            feed = open_files.enter_context(SnapshotLog(log))
         try:
             asyncio.run(_serve(feed, host, port, name))
         except KeyboardInterrupt:
             return 0
     return 0
+
+
+def _is_recording(log: Path) -> bool:
+    """Whether a file begins as an MCAP does."""
+    with log.open("rb") as file:
+        return file.read(8) == b"\x89MCAP0\r\n"
 
 
 async def _serve(feed: "AbstractFeed", host: str, port: int, names: tuple[str, ...]) -> None:

@@ -18,6 +18,7 @@ __all__ = [
     "NodeConfig",
     "Page",
     "Pseudonyms",
+    "Record",
     "Security",
     "Sending",
     "Subscribe",
@@ -263,6 +264,22 @@ class Subscribe(_Table):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Record(_Table):
+    """What is written down of all that the node does; nothing where no folder is named.
+
+    Parameters
+    ----------
+    folder
+        Where recordings go, a pair of files each; it is made where it is not there.
+    most_mb
+        Of all recordings in the folder, those of before included [10^6 octets].
+    """
+
+    folder: Annotated[str, Text(400, empty=True)] = ""
+    most_mb: Annotated[float, Number(0.0, 1e7, over=True)] = 2000.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NodeConfig:
     """A node's configuration, a table each.
 
@@ -283,6 +300,7 @@ class NodeConfig:
     page: Page = field(default_factory=Page)
     metrics: Metrics = field(default_factory=Metrics)
     subscribe: Subscribe = field(default_factory=Subscribe)
+    record: Record = field(default_factory=Record)
 
 
 def read_config(path: str | Path) -> NodeConfig:

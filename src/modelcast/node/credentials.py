@@ -24,11 +24,9 @@ from modelcast.messages.security.authority import Authority
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.p256 import SECRET_OCTETS, SEED_OCTETS, PrivateKey
 from modelcast.messages.security.signer import Signer
+from modelcast.node.recording.about import MOST_CERTIFICATES
 
-__all__ = ["MOST_CERTIFICATES", "Credentials", "make_credentials", "read_authority", "read_credentials"]
-
-MOST_CERTIFICATES = 1000
-"""Pseudonym certificates of one node; twenty a week are usual."""
+__all__ = ["Credentials", "make_credentials", "read_authority", "read_credentials"]
 
 _LARGEST_OCTETS = 1024
 

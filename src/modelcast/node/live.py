@@ -3,21 +3,20 @@
 import asyncio
 import secrets
 from collections.abc import AsyncGenerator, Callable, Coroutine
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import AsyncExitStack, ExitStack, asynccontextmanager
 from functools import cache
 from importlib.metadata import entry_points
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from modelcast.apps.registry import get_application
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import Origin
 from modelcast.dashboard.document import snapshot_text
 from modelcast.dashboard.snapshot import NOBODY, Snapshot
+from modelcast.node.building import credentials_of, envelope_of, node_of
 from modelcast.node.clock import AbstractClock, SteeredClock, SystemClock
-from modelcast.node.config import Air, NodeConfig, Page, Security
-from modelcast.node.envelope import AbstractEnvelope, Unsecured
+from modelcast.node.config import Air, NodeConfig, Page
+from modelcast.node.envelope import AbstractEnvelope
 from modelcast.node.inputs.base import AbstractSource
 from modelcast.node.inputs.motion import Motion
 from modelcast.node.inputs.motion_source import MotionSource
@@ -30,15 +29,17 @@ from modelcast.node.metrics import Metric, serve_metrics
 from modelcast.node.multicast import MulticastTransport
 from modelcast.node.node import Node, NodeState
 from modelcast.node.plane import HeldTransport, Plane, place_in
-from modelcast.node.pseudonyms import Pseudonyms
 from modelcast.node.run import Lateness, run_node
-from modelcast.node.showing import Showing, figures_of
+from modelcast.node.showing import Showing, figures_of, figures_of_recorder
 from modelcast.node.subscribers import Subscribers
 from modelcast.runtime.transport.base import AbstractTransport
 from modelcast.station.sender.sender import Sender
-from modelcast.station.station import Station
 
-__all__ = ["LiveNode", "open_envelope", "open_transport"]
+if TYPE_CHECKING:
+    from modelcast.node.credentials import Credentials
+    from modelcast.node.recording.recorder import Recorder
+
+__all__ = ["LiveNode", "open_transport"]
 
 _FOLLOW_S = 5.0
 _UNWATCHED_STEPS = 10
@@ -85,30 +86,6 @@ def _opened(air: Air, clock: AbstractClock) -> AbstractTransport:
     return transport
 
 
-def open_envelope(security: Security, clock: SteeredClock) -> AbstractEnvelope:
-    """What goes round messages, as a configuration says.
-
-    Parameters
-    ----------
-    security
-        Its table.
-    clock
-        The node's.
-
-    Raises
-    ------
-    ConfigError, MissingExtraError
-        Where credentials cannot be read, or the library for signatures is not installed.
-    """
-    if security.mode == "none":
-        return Unsecured()
-    from modelcast.node.credentials import read_credentials  # noqa: PLC0415 - the extra is needed here
-    from modelcast.node.signed import Signed  # noqa: PLC0415
-
-    credentials = read_credentials(security.folder)
-    return Signed(credentials, utc_at_zero_s=clock.minute_utc_s, required=security.required)
-
-
 class LiveNode:
     """A node on a real clock.
 
@@ -141,7 +118,6 @@ class LiveNode:
         self._config, self._sender, self._journal, self._show = config, sender, journal, show
         self._clock = SystemClock() if clock is None else clock
         self._gnss = gnss
-        self._envelope: AbstractEnvelope = Unsecured()
         self._takers: list[_Taker] = []
         self._roads: list[Callable[[], None]] = []
         self.late = Lateness()
@@ -152,6 +128,8 @@ class LiveNode:
         """None until its plane begins (`modelcast.node.plane`); another one where it begins anew."""
         self.origin: Origin | None = None
         """Of its plane; None until then."""
+        self._recorded: Recorder | None = None
+        self._credentials: Credentials | None = None
 
     async def run(self, stop: asyncio.Event) -> None:
         """Run until told to stop; everything that was opened is closed then.
@@ -167,7 +145,7 @@ class LiveNode:
             Where something cannot be opened as the configuration says.
         """
         config, clock = self._config, self._clock
-        self._envelope = open_envelope(config.security, clock)
+        self._credentials = credentials_of(config.security)
         async with AsyncExitStack() as stack:
             transport = HeldTransport(open_transport(config.air, clock))
             stack.callback(transport.close)
@@ -270,32 +248,42 @@ class LiveNode:
         self, inputs: Measuring, transport: AbstractTransport, stop: asyncio.Event, plane: Plane
     ) -> None:
         """Run on a plane until told to stop, or until the own first place is far from where it begins."""
-        config = self._config
         self.origin = inputs.motion.origin = plane.origin
-        rng = np.random.default_rng(secrets.randbits(128))
-        names = Pseudonyms(config.pseudonyms.least_s, config.pseudonyms.most_s, rng)
-        station = Station(
-            self._sender,
-            temporary_id=names.temporary_id,
-            dt_s=config.sending.tick_s,
-            origin=plane.origin,
-            seed=secrets.randbits(63),
-        )
-        node = Node(
-            station,
-            transport,
-            self._envelope,
-            applications={name: get_application(name) for name in config.applications.names},
-            size_m=(config.vehicle.length_m, config.vehicle.width_m),
-            pseudonyms=names,
-            watch=self._journal.note,
-        )
-        if self.node is not None:
-            node.counts.update(self.node.counts)
-            for forget in self._roads:
-                forget()
-        self.node = node
+        with ExitStack() as stack:
+            node = self._made(plane, transport, stack)
+            inputs.record = self._recorded
+            if self.node is not None:
+                node.counts.update(self.node.counts)
+                for forget in self._roads:
+                    forget()
+            self.node = node
+            await self._drive(node, inputs, transport, stop, plane)
+            inputs.record = None
+
+    def _made(self, plane: Plane, transport: AbstractTransport, stack: ExitStack) -> Node:
+        """The node for a plane, and what writes down what it does."""
+        seeds = secrets.randbits(128), secrets.randbits(63)
+        self._recorded = self._recorder(plane.origin, *seeds)
+        if self._recorded is not None:
+            stack.enter_context(self._recorded)
+        return node_of(
+            self._config, self._sender, transport, self._envelope(), origin=plane.origin, names_seed=seeds[0],
+            station_seed=seeds[1], watch=self._journal.note, record=self._recorded,
+        )  # fmt: skip
+
+    def _envelope(self) -> AbstractEnvelope:
+        return envelope_of(self._credentials, self._config.security, utc_at_zero_s=self._clock.minute_utc_s)
+
+    async def _drive(
+        self,
+        node: Node,
+        inputs: Measuring,
+        transport: AbstractTransport,
+        stop: asyncio.Event,
+        plane: Plane,
+    ) -> None:
         showing = Showing(node)
+        written = None if self._recorded is None else _written(self._recorded, self._journal)
         ended, settled = asyncio.Event(), False
 
         def measure(now_s: float) -> Motion | None:
@@ -311,11 +299,14 @@ class LiveNode:
 
         def publish(state: NodeState) -> None:
             self.state = state
-            self._show_all(cache(lambda: showing.snapshot(state)))
+            snapshot = cache(lambda: showing.snapshot(state))
+            self._show_all(snapshot)
+            if written is not None:
+                written(snapshot)
 
         async with _running(_passed_on(stop, ended)):
             await run_node(
-                node, self._clock, measure, tick_s=config.sending.tick_s, stop=ended,
+                node, self._clock, measure, tick_s=self._config.sending.tick_s, stop=ended,
                 fileno=transport.fileno(), publish=publish, lateness=self.late,
             )  # fmt: skip
 
@@ -324,7 +315,34 @@ class LiveNode:
             take(make)
 
     def _figures(self, inputs: Measuring) -> list[Metric]:
-        return [*figures_of(self.node, self.state, self.late), *inputs.figures()]
+        recorded = [] if self._recorded is None else list(figures_of_recorder(self._recorded))
+        return [*figures_of(self.node, self.state, self.late), *inputs.figures(), *recorded]
+
+    def _recorder(self, origin: Origin, names_seed: int, station_seed: int) -> "Recorder | None":
+        """What the configuration says is written down."""
+        own, clock = self._config.record, self._clock
+        if not own.folder:
+            return None
+        from modelcast.node.recording.making import about_node  # noqa: PLC0415 - the extra is needed here
+        from modelcast.node.recording.recorder import Recorder  # noqa: PLC0415
+
+        about = about_node(
+            self._config,
+            self._sender,
+            utc_at_zero_s=clock.minute_utc_s,
+            origin=origin,
+            names_seed=names_seed,
+            station_seed=station_seed,
+            credentials=self._credentials,
+        )
+        try:
+            self._recorded = Recorder(
+                Path(own.folder), about, begin_s=clock.now_s(), most_octets=1e6 * own.most_mb
+            )
+        except OSError as error:
+            raise ConfigError(f"[record] cannot write in {own.folder}: {error.strerror or error}") from error
+        self._journal.note("recording", {"file": str(self._recorded.path)})
+        return self._recorded
 
     @asynccontextmanager
     async def _page(self, page: Page) -> AsyncGenerator[_Taker]:
@@ -355,6 +373,21 @@ class LiveNode:
                     yield publish
                 finally:
                     server.should_exit = True
+
+
+def _written(recorder: "Recorder", journal: Journal) -> _Taker:
+    """What writes the page's snapshots into a recording, and says when it ended."""
+    told = False
+
+    def take(make: Callable[[], Snapshot]) -> None:
+        nonlocal told
+        if recorder.wants_page:
+            recorder.shown(make())
+        if recorder.ended and not told:
+            told = True
+            journal.note("recording ended", {"why": recorder.ended, "octets": recorder.octets})
+
+    return take
 
 
 @asynccontextmanager

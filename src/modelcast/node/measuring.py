@@ -2,13 +2,16 @@
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from typing import final, get_args
+from typing import TYPE_CHECKING, final, get_args
 
 from modelcast.node.inputs.base import AbstractSource
 from modelcast.node.inputs.motion import Mode, Motion
 from modelcast.node.inputs.motion_source import MotionSource
 from modelcast.node.journal import Journal
 from modelcast.node.metrics import Metric
+
+if TYPE_CHECKING:
+    from modelcast.node.recording.recorder import Recorder
 
 __all__ = ["Measuring"]
 
@@ -33,6 +36,8 @@ class Measuring:
 
     def __init__(self, sources: Mapping[str, AbstractSource], motion: MotionSource, journal: Journal) -> None:
         self.motion = motion
+        self.record: Recorder | None = None
+        """Takes what sources give; None for nobody."""
         self._sources, self._journal = dict(sources), journal
         self._changes: Counter[str] = Counter(dict.fromkeys(("frozen", *_MODES), 0))
         self._lost: Counter[str] = Counter(dict.fromkeys(sources, 0))
@@ -46,7 +51,10 @@ class Measuring:
             As for `MotionSource.at` [s].
         """
         for source in self._sources.values():
-            self.motion.feed(source.take(now_s))
+            samples = source.take(now_s)
+            self.motion.feed(samples)
+            if self.record is not None:
+                self.record.sampled(now_s, samples)
         found = self.motion.at(now_s)
         for change in self.motion.events():
             if change.what == "mode":

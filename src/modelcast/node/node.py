@@ -17,10 +17,12 @@ from modelcast.apps.around import believed_motions, repeated
 from modelcast.apps.base import AbstractApplication
 from modelcast.apps.motions import Motions
 from modelcast.apps.warnings import Level
+from modelcast.core.arrays import IntArray
 from modelcast.dashboard.meter import MessageMeter
 from modelcast.node.envelope import AbstractEnvelope, Bare
 from modelcast.node.inputs.motion import Motion
 from modelcast.node.pseudonyms import Pseudonyms
+from modelcast.node.recording.record import AbstractRecord
 from modelcast.runtime.transport.base import AbstractTransport
 from modelcast.station.receiver.local_dynamic_map import Beliefs, Receipt
 from modelcast.station.station import Station
@@ -82,10 +84,6 @@ class NodeState:
     warnings: tuple[Warned, ...]
 
 
-def _unseen(_name: str, _what: Mapping[str, object]) -> None:
-    """Takes an event that nobody looks at."""
-
-
 @final
 class Node:
     """Remote and host in one.
@@ -106,7 +104,9 @@ class Node:
         When its names change; None for never.
     watch
         Takes what happens: ``motion`` (what it is made of changed), ``renamed``, ``warning`` (one begins or
-        ends).
+        ends); None for nobody.
+    record
+        Takes what it does, so that it can be done again; None for nobody.
 
     Notes
     -----
@@ -123,13 +123,14 @@ class Node:
         applications: Mapping[str, AbstractApplication] | None = None,
         size_m: tuple[float, float] = (4.6, 1.8),
         pseudonyms: Pseudonyms | None = None,
-        watch: Watch = _unseen,
+        watch: Watch | None = None,
+        record: AbstractRecord | None = None,
     ) -> None:
         self.station, self._transport = station, transport
         self._envelope = Bare() if envelope is None else envelope
         self._size_m, self._pseudonyms = size_m, pseudonyms
         self._applications = dict(applications or {})
-        self._watch = watch
+        self._events, self._record = watch, record
         self._waiting: list[tuple[float, int, bytes]] = []
         self._order = count()
         self._made_of: str | None = None
@@ -167,13 +168,20 @@ class Node:
         if motion is not None:
             self._sense(now_s, motion)
         around = self.station.believe(now_s)
-        return NodeState(
+        state = NodeState(
             now_s,
             self.station.temporary_id,
             motion,
             around=around,
             warnings=self._warnings(motion, around),
         )
+        if self._record is not None:
+            self._record.stepped(state)
+        return state
+
+    def _watch(self, name: str, what: Mapping[str, object]) -> None:
+        if self._events is not None:
+            self._events(name, what)
 
     def _sense(self, now_s: float, motion: Motion) -> None:
         sent = self.station.sense(
@@ -204,6 +212,8 @@ class Node:
                 self._watch("unsent", {"why": "no certificate is good now"})
                 continue
             self._transport.send(frame, sent_s=now_s)
+            if self._record is not None:
+                self._record.sent(now_s, octets, frame)
             self.meter.sent(now_s, len(frame))
             self.counts["sent"] += 1
             self.counts["sent_octets"] += len(frame)
@@ -223,14 +233,18 @@ class Node:
         received_s: list[float] = []
         opened_as: Counter[str] = Counter()
         refused_as: Counter[str] = Counter()
+        outcomes: list[str] = []
+        opened_at: list[int] = []
         for one in arrived:
             self.meter.received(one.received_s, len(one.octets))
             self.counts["heard_octets"] += len(one.octets)
             opened = self._envelope.open(one.octets, received_s=one.received_s)
+            outcomes.append(opened.why)
             if opened.octets is None:
                 refused_as[opened.why] += 1
             else:
                 opened_as[opened.why] += 1
+                opened_at.append(len(outcomes) - 1)
                 octets.append(opened.octets)
                 received_s.append(one.received_s)
         self.counts["heard"] += len(arrived)
@@ -240,6 +254,15 @@ class Node:
             self.counts[f"refused: {why}"] += times
             self.meter.refused(why, times)
         receipts = self.station.hear(octets, received_s=received_s)
+        self._count(receipts)
+        if self._record is not None:
+            for at, receipt in zip(opened_at, receipts.tolist(), strict=True):
+                outcomes[at] = Receipt(receipt).reason
+            self._record.heard(now_s, arrived, outcomes)
+        return len(arrived)
+
+    def _count(self, receipts: IntArray) -> None:
+        """Count what became of messages."""
         for receipt, times in enumerate(np.bincount(receipts).tolist()):
             if not times:
                 continue
@@ -247,7 +270,6 @@ class Node:
             self.counts[f"receipt: {reason}"] += times
             if receipt != Receipt.ACCEPTED:
                 self.meter.refused(reason, times)
-        return len(arrived)
 
     def _warnings(self, motion: Motion | None, around: Beliefs) -> tuple[Warned, ...]:
         """What applications say; begins and ends are told."""

@@ -2,13 +2,17 @@
 
 from collections import Counter
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from modelcast.dashboard.snapshot import AHEAD_S, Host, Snapshot, WarningShown, remotes_of
 from modelcast.node.metrics import Metric
 from modelcast.node.node import Node, NodeState
 from modelcast.node.run import Lateness
 
-__all__ = ["Showing", "figures_of"]
+if TYPE_CHECKING:
+    from modelcast.node.recording.recorder import Recorder
+
+__all__ = ["Showing", "figures_of", "figures_of_recorder"]
 
 _SHARES = (0.5, 0.99)
 
@@ -100,3 +104,17 @@ def figures_of(node: Node | None, state: NodeState | None, late: Lateness) -> It
     lateness = {f"{share:g}": late.quantile_s(share) for share in _SHARES}
     text = "How late steps begin, over the last 4096."
     yield Metric("modelcast_lateness_seconds", "gauge", text, lateness, "quantile")
+
+
+def figures_of_recorder(recorder: "Recorder") -> Iterator[Metric]:
+    """The figures of a recording for Prometheus.
+
+    Parameters
+    ----------
+    recorder
+        Which.
+    """
+    octets = {"": float(recorder.octets)}
+    yield Metric("modelcast_recorded_octets_total", "counter", "Octets written of the recording.", octets)
+    text = "1 while the node is recorded, 0 after that ended."
+    yield Metric("modelcast_recording", "gauge", text, {"": 0.0 if recorder.ended else 1.0})

@@ -1,16 +1,17 @@
 """Signed frames: what a node signs as it leaves, and verifies as it arrives."""
 
+from collections.abc import Sequence
 from typing import final
 
 from modelcast.core.exceptions import CodecError
 from modelcast.messages.ieee1609 import read_unsecured_head, unsecured_payload
+from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.parameters import SecurityParameters
 from modelcast.messages.security.signed import decode_signed
-from modelcast.messages.security.signer import SignerState
+from modelcast.messages.security.signer import Signer, SignerState
 from modelcast.messages.security.time64 import since_2004_s
 from modelcast.messages.security.verifier import Outcome, Verifier, VerifierState
 from modelcast.messages.wsmp import encode_wsm
-from modelcast.node.credentials import Credentials
 from modelcast.node.envelope import NOT_VERIFIED, AbstractEnvelope, Opened, opened_safety
 
 __all__ = ["Signed"]
@@ -27,8 +28,11 @@ class Signed(AbstractEnvelope):
 
     Parameters
     ----------
-    credentials
-        What it signs with, and whom it trusts.
+    trusted
+        Certificates of authorities.
+    own
+        A signer a pseudonym. Where only a certificate is known, as in a replay, what it would sign leaves as
+        it is.
     utc_at_zero_s
         UTC at time 0 of the node, since 1970 without leap seconds [s].
     required
@@ -41,29 +45,35 @@ class Signed(AbstractEnvelope):
     Raises
     ------
     ValueError
-        As for `Verifier`.
+        Where there is nothing to sign with, or as for `Verifier`.
     """
 
     def __init__(
         self,
-        credentials: Credentials,
+        trusted: Sequence[Certificate],
+        own: Sequence[Signer | Certificate],
         *,
         utc_at_zero_s: float,
         required: bool = True,
         parameters: SecurityParameters = _PARAMETERS,
     ) -> None:
-        self._own, self._required = credentials.own, required
+        if not own:
+            raise ValueError("own must hold one at least")
+        self._own, self._required = tuple(own), required
         self._at = 0
         self._attached = SignerState()
         self._zero_s = since_2004_s(utc_at_zero_s)
-        self._verifier, self._held = Verifier(credentials.trusted, parameters), VerifierState()
+        self._verifier, self._held = Verifier(tuple(trusted), parameters), VerifierState()
 
     def wrap(self, octets: bytes, *, sent_s: float) -> bytes | None:
         """Return the message signed, with its head; None where no certificate is good now."""
         t_s = self._zero_s + sent_s
-        if not self._own[self._at].certificate.is_good_at(t_s) and not self._next_good(t_s):
+        if not self._is_good(self._at, t_s) and not self._next_good(t_s):
             return None
-        signed, self._attached = self._own[self._at].sign(self._attached, octets, t_s=t_s)
+        own = self._own[self._at]
+        if isinstance(own, Certificate):
+            return octets
+        signed, self._attached = own.sign(self._attached, octets, t_s=t_s)
         return encode_wsm(signed)
 
     def open(self, frame: bytes, *, received_s: float) -> Opened:
@@ -91,11 +101,15 @@ class Signed(AbstractEnvelope):
         self._at = (self._at + 1) % len(self._own)
         self._attached = SignerState()
 
+    def _is_good(self, at: int, t_s: float) -> bool:
+        own = self._own[at]
+        return (own if isinstance(own, Certificate) else own.certificate).is_good_at(t_s)
+
     def _next_good(self, t_s: float) -> bool:
         """Go on to a certificate that is good now, if there is any."""
         for step in range(1, len(self._own)):
             at = (self._at + step) % len(self._own)
-            if self._own[at].certificate.is_good_at(t_s):
+            if self._is_good(at, t_s):
                 self._at, self._attached = at, SignerState()
                 return True
         return False

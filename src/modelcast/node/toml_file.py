@@ -1,5 +1,6 @@
 """A TOML file into frozen dataclasses: one a table, checked by the rules of its fields, wrong lines named."""
 
+import json
 import re
 import tomllib
 from collections.abc import Mapping
@@ -10,7 +11,7 @@ from typing import Any, TypeVar, cast
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.rules import FieldError, shown
 
-__all__ = ["read_tables", "tables_of"]
+__all__ = ["lines_of", "read_tables", "tables_of"]
 
 _LARGEST_BYTES = 1 << 20
 _LINE = re.compile(r"line (\d+)")
@@ -83,6 +84,38 @@ def tables_of(text: str, kind: type[Kind], path: str = "<text>") -> Kind:
             raise DataFormatError(path, problem, row=row, remedy=f"Write [{name}] on a line of its own.")
         values[name] = _table(text, path, name, cast("Mapping[str, Any]", table), tables[name])
     return kind(**values)
+
+
+def lines_of(tables: Any) -> list[str]:
+    r"""Lines of TOML from which `tables_of` makes the same again.
+
+    Parameters
+    ----------
+    tables
+        A frozen dataclass whose fields are such dataclasses, of texts, numbers, truth values and tuples of
+        texts.
+
+    Examples
+    --------
+    >>> from modelcast.node.config import NodeConfig
+    >>> lines_of(NodeConfig())[:2]
+    ['[vehicle]', 'length_m = 4.6']
+    >>> tables_of("\n".join(lines_of(NodeConfig())), NodeConfig) == NodeConfig()
+    True
+    """
+    lines: list[str] = []
+    for table in fields(tables):
+        own = getattr(tables, table.name)
+        lines.append(f"[{table.name}]")
+        lines += [f"{one.name} = {_toml(getattr(own, one.name))}" for one in fields(own)]
+    return lines
+
+
+def _toml(value: object) -> str:
+    """A value; texts hold no control characters (`modelcast.core.rules.Text`), so JSON's are TOML's."""
+    if isinstance(value, tuple):
+        return "[" + ", ".join(_toml(one) for one in cast("tuple[object, ...]", value)) + "]"
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _kinds(kind: Any) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.channel.tabulated import ReceptionTable, TabulatedRadio
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import BoolArray, FloatArray
 from modelcast.core.chance import child_generator
 from modelcast.messages.bsm import decode_bsm
 from modelcast.messages.code_table import MOTION_FIELDS
@@ -34,7 +34,7 @@ from modelcast.study.case import TripCase
 from modelcast.trips.trajectory import Trajectory
 from modelcast.world.scenario.base import FleetFrame
 
-__all__ = ["Agreement", "agreement", "first_difference"]
+__all__ = ["Agreement", "TripDrive", "agreement", "drive_by_trip", "first_difference", "replayed_places"]
 
 _ID = 1
 _LOSS_RATIO = 0.4
@@ -92,23 +92,56 @@ def agreement(case: TripCase, bank: Bank, policy: ErrorDriven, *, seed: int = 0)
     ValueError
         Where the rules do not go with the bank.
     """
+    trip, drive = case.seen, drive_by_trip(case, bank, policy, temporary_id=_ID)
+    sender = Sender("agreement", policy, bank)
+    posted, motion = _fleet_events(case, sender, drive.writer)
+    ears = Ears((bank,), np.inf, None, dt_s=trip.dt_s, capacity=4)
+    return Agreement(
+        len(drive.events),
+        first_difference(drive.events, posted),
+        first_difference(drive.events, _station_events(case, sender)),
+        _host_difference(case, ears, drive, seed),
+        motion=motion,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class TripDrive:
+    """What the trip runtime makes of a trip.
+
+    Parameters
+    ----------
+    runtime, walked
+        The runtime, and what it sent.
+    writer
+        Turns it into octets.
+    events
+        Sample and octets of each message.
+    """
+
+    runtime: TripRuntime
+    walked: TripMessages
+    writer: StationOctets
+    events: Events
+
+
+def drive_by_trip(case: TripCase, bank: Bank, policy: ErrorDriven, *, temporary_id: int) -> TripDrive:
+    """Drive one trip by the trip runtime.
+
+    Parameters
+    ----------
+    case, bank, policy
+        As for `agreement`.
+    temporary_id
+        Of the vehicle.
+    """
     trip = case.seen
     runtime = TripRuntime(trip, bank, case.estimator, quantised=True)
     walked = runtime.run(policy)
     writer = _writer(runtime.bank, bank, policy, trip)
-    octets = writer.encode(runtime.sent(walked, temporary_id=_ID))
-    expected = list(zip(np.flatnonzero(walked.transmits).tolist(), octets, strict=True))
-    sender = Sender("agreement", policy, bank)
-    posted, motion = _fleet_events(case, sender, writer)
-    return Agreement(
-        len(expected),
-        first_difference(expected, posted),
-        first_difference(expected, _station_events(case, sender)),
-        _host_difference(
-            case, Ears((bank,), np.inf, None, dt_s=trip.dt_s, capacity=4), (runtime, walked), expected, seed
-        ),
-        motion=motion,
-    )
+    octets = writer.encode(runtime.sent(walked, temporary_id=temporary_id))
+    samples = np.flatnonzero(walked.transmits).tolist()
+    return TripDrive(runtime, walked, writer, list(zip(samples, octets, strict=True)))
 
 
 def _writer(whole: Bank, bank: Bank, policy: ErrorDriven, trip: Trajectory) -> StationOctets:
@@ -216,14 +249,12 @@ def first_difference(expected: Events, found: Events) -> str:
     return ""
 
 
-def _host_difference(
-    case: TripCase, ears: Ears, sent: tuple[TripRuntime, TripMessages], expected: Events, seed: int
-) -> str:
+def _host_difference(case: TripCase, ears: Ears, drive: TripDrive, seed: int) -> str:
     """The first sample at which a host that hears the octets believes something else than the replay."""
     trip, count = case.seen, len(case.seen)
     lost = child_generator(seed, trip.trip_id, "agreement").random((1, count)) < _LOSS_RATIO
-    replayed = _replayed(trip, *sent, lost)
-    state, frames = ears.init(), dict(expected)
+    replayed = replayed_places(trip, drive, lost)
+    state, frames = ears.init(), dict(drive.events)
     for i in range(count):
         t_s = float(trip.t_s[i])
         if i in frames and not lost[0, i]:
@@ -237,13 +268,18 @@ def _host_difference(
     return ""
 
 
-def _replayed(
-    trip: Trajectory,
-    runtime: TripRuntime,
-    walked: TripMessages,
-    lost: np.ndarray[tuple[int, int], np.dtype[np.bool_]],
-) -> FloatArray:
-    """Where the replay puts the sender at each sample, (2, T) [m]."""
+def replayed_places(trip: Trajectory, drive: TripDrive, lost: BoolArray) -> FloatArray:
+    """Where the replay of an evaluation puts the sender at each sample, (2, T) [m].
+
+    Parameters
+    ----------
+    trip
+        What the sender saw.
+    drive
+        What was sent.
+    lost
+        Samples whose message the host misses, (1, T).
+    """
     count = len(trip)
     still, east = np.zeros((count, 2)), np.tile([1.0, 0.0], (count, 1))
-    return replay(runtime, schedules_of([walked]), lost, still, east).errors[2:4, 0]
+    return replay(drive.runtime, schedules_of([drive.walked]), lost, still, east).errors[2:4, 0]

@@ -1,0 +1,115 @@
+"""A node made from its configuration and the seeds of its names: on the road, and again from a recording."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from modelcast.apps.registry import get_application
+from modelcast.core.geodesy import Origin
+from modelcast.node.config import NodeConfig, Security
+from modelcast.node.envelope import AbstractEnvelope, Unsecured
+from modelcast.node.node import Node, Watch
+from modelcast.node.pseudonyms import Pseudonyms
+from modelcast.node.recording.record import AbstractRecord
+from modelcast.runtime.transport.base import AbstractTransport
+from modelcast.station.sender.sender import Sender
+from modelcast.station.station import Station
+
+if TYPE_CHECKING:
+    from modelcast.node.credentials import Credentials
+
+__all__ = ["credentials_of", "envelope_of", "node_of"]
+
+
+def node_of(
+    config: NodeConfig,
+    sender: Sender,
+    transport: AbstractTransport,
+    envelope: AbstractEnvelope,
+    *,
+    origin: Origin,
+    names_seed: int,
+    station_seed: int,
+    watch: Watch | None = None,
+    record: AbstractRecord | None = None,
+) -> Node:
+    """The node that a configuration asks for.
+
+    Parameters
+    ----------
+    config
+        Its configuration.
+    sender
+        What it sends, and when.
+    transport
+        How frames leave and arrive.
+    envelope
+        What goes round messages.
+    origin
+        Of its plane.
+    names_seed, station_seed
+        Of temporary ids and of the station; on the road ones that nobody can guess.
+    watch, record
+        As in `Node`.
+    """
+    names = Pseudonyms(config.pseudonyms.least_s, config.pseudonyms.most_s, np.random.default_rng(names_seed))
+    station = Station(
+        sender,
+        temporary_id=names.temporary_id,
+        dt_s=config.sending.tick_s,
+        origin=origin,
+        seed=station_seed,
+    )
+    return Node(
+        station,
+        transport,
+        envelope,
+        applications={name: get_application(name) for name in config.applications.names},
+        size_m=(config.vehicle.length_m, config.vehicle.width_m),
+        pseudonyms=names,
+        watch=watch,
+        record=record,
+    )
+
+
+def credentials_of(security: Security) -> "Credentials | None":
+    """What a configuration says the node signs with, and whom it trusts; None where nothing is signed.
+
+    Parameters
+    ----------
+    security
+        Its table.
+
+    Raises
+    ------
+    ConfigError, MissingExtraError
+        Where credentials cannot be read, or the library for signatures is not installed.
+    """
+    if security.mode == "none":
+        return None
+    from modelcast.node.credentials import read_credentials  # noqa: PLC0415 - the extra is needed here
+
+    return read_credentials(security.folder)
+
+
+def envelope_of(
+    credentials: "Credentials | None", security: Security, *, utc_at_zero_s: float
+) -> AbstractEnvelope:
+    """What goes round the messages of a node.
+
+    Parameters
+    ----------
+    credentials
+        What it signs with, and whom it trusts; None where nothing is signed.
+    security
+        Table of its configuration.
+    utc_at_zero_s
+        UTC at the clock's 0, since 1970 [s].
+    """
+    if credentials is None:
+        return Unsecured()
+    from modelcast.node.signed import Signed  # noqa: PLC0415 - the extra is needed here
+
+    return Signed(
+        credentials.trusted, credentials.own, utc_at_zero_s=utc_at_zero_s, required=security.required
+    )
