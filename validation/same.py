@@ -15,7 +15,7 @@ from pathlib import Path
 
 from modelcast.core.exceptions import ModelcastError
 from modelcast.io.trips import read_trips
-from modelcast.node.agreement import node_agreement
+from modelcast.node.agreement import node_agreement, states_its_motion
 from modelcast.station.banks import named_bank
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.study.agreement import agreement
@@ -27,7 +27,6 @@ from trip_sources import folders
 BANKS = ("default", "paper", "ctra", "gp-intercept+cv", "shs", "hdp-hmm+ctra+shs+cv", "imm", "learned+imm+cv")
 RULES = ("guarded/never", "hindsight/cheapest", "order/on-failure", "keep/on-failure", "survivor/on-failure")
 THRESHOLD_M = 0.3
-COLUMNS = ("speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps")
 
 Outcome = tuple[str, str, str, int, str]
 """Trip, bank, rules, messages, and what differs: empty for nothing."""
@@ -46,7 +45,7 @@ def compared(trip: Trajectory) -> list[Outcome]:
                 costs = named.costs("bytes") if identify == "cheapest" else None
                 policy = ErrorDriven(THRESHOLD_M, start, identify, costs=costs)  # type: ignore[arg-type]
                 one = agreement(case, named.bank, policy)
-                node = node_agreement(case, named.bank, policy) if states_all(case.seen) else None
+                node = node_agreement(case, named.bank, policy) if states_its_motion(case) else None
             except ValueError as error:
                 found.append((trip.trip_id, bank_name, rule, 0, f"refused: {error}"))
                 continue
@@ -61,11 +60,6 @@ def compared(trip: Trajectory) -> list[Outcome]:
             off = "; ".join(f"{name}: {text}" for name, text in parts if text)
             found.append((trip.trip_id, bank_name, rule, one.messages, off))
     return found
-
-
-def states_all(trip: Trajectory) -> bool:
-    """Whether a recording states all that a node would else make from earlier fixes."""
-    return all(getattr(trip, name) is not None for name in COLUMNS)
 
 
 def chosen(data: Path, most: int) -> list[Trajectory]:
@@ -116,7 +110,8 @@ def main() -> int:
         print(f"{bank:18s}" + "".join(f"{cell:>22s}" for cell in cells))
     for key, text in refused.items():
         print(f"{'/'.join(key)}: {text}")
-    print(f"by a node too: {sum(map(states_all, trips))} of {len(trips)} trips")
+    by_node = sum(states_its_motion(make_case(trip, EvaluationSettings())) for trip in trips)
+    print(f"by a node too: {by_node} of {len(trips)} trips")
     print(f"{messages} messages equal byte for byte in all runtimes, {differences} differences")
     return 1 if differences else 0
 

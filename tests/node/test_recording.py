@@ -7,7 +7,7 @@ import shutil
 import signal
 import subprocess
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -41,7 +41,7 @@ NOBODY = Station("mbc").believe(0.0)
 
 
 @contextmanager
-def files_of_at_most(octets: int) -> Iterator[None]:
+def files_of_at_most(octets: int) -> Generator[None]:
     """A disk on which no file grows beyond so much: writing more is an error of the system."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (octets, before[1]))

@@ -97,13 +97,32 @@ def flipped(text: str) -> str:
 
 def flip(column: str) -> Change:
     """A bit of a column of the 60th map."""
-    return only("/beliefs", 60, columns=lambda own: own | {column: flipped(own[column])})
+
+    def change(own: dict[str, str]) -> dict[str, str]:
+        return own | {column: flipped(own[column])}
+
+    return only("/beliefs", 60, columns=change)
+
+
+def renamed(name: int) -> int:
+    """Another temporary id."""
+    return name ^ 1
+
+
+def aside(motion: dict[str, Any]) -> dict[str, Any]:
+    """The same motion, three metres beside."""
+    return motion | {"position_m": [motion["position_m"][0] + 3.0, 0.0]}
+
+
+def without_begin(topic: str, words: dict[str, Any]) -> dict[str, Any] | None:
+    """All but what the node is made again from."""
+    return None if topic == "/about" else words
 
 
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        (only("/step", 30, temporary_id=lambda name: name ^ 1), "step 30 .*: temporary_id is"),
+        (only("/step", 30, temporary_id=renamed), "step 30 .*: temporary_id is"),
         (only("/step", 30, warnings=[{"application": "ima", "vehicle": 1, "level": 2}]), "30 .*: warnings"),
         (only("/heard", 5, outcome="otherwise"), "the frame received at .*: 'accepted', not 'otherwise'"),
         (only("/sent", 4, message="AAAA"), "differs from octet 1 on"),
@@ -133,8 +152,8 @@ def test_what_the_node_does_depends_on_what_is_fed(recording: Path, tmp_path: Pa
         seen += topic == "/heard"
         return None if topic == "/heard" and seen == 2 else words
 
-    aside = only("/step", 20, motion=lambda own: own | {"position_m": [own["position_m"][0] + 3.0, 0.0]})
-    for change in (fewer, aside, only("/about", 1, names_seed="c0ffee")):
+    moved = only("/step", 20, motion=aside)
+    for change in (fewer, moved, only("/about", 1, names_seed="c0ffee")):
         with pytest.raises(AssertionError):
             expect_same(rewritten(recording, tmp_path / "other.mcap", change))
     expect_same(rewritten(recording, tmp_path / "other.mcap", same))
@@ -166,7 +185,7 @@ def test_a_recording_cut_off_is_compared_as_far_as_it_goes(recording: Path, tmp_
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        (lambda topic, words: None if topic == "/about" else words, "does not begin with /about"),
+        (without_begin, "does not begin with /about"),
         (only("/about", 1, schema=2), "made by a newer modelcast"),
         (only("/about", 1, profile=5), "had the number 5, and has"),
         (only("/about", 1, config=["[air]", "speed = 3"]), "a configuration that this one refuses"),

@@ -54,15 +54,30 @@ def drive(
     for number in range(3):
         truth = generate_drive(4 + number, 90.0).truth
         trip = TripReplay(replace(truth, position_m=truth.position_m + 5.0 * number, origin=origin))
-        seeds = {"names_seed": SEEDS[0] + 2 * number, "station_seed": SEEDS[1] + 2 * number}
+        names_seed, station_seed = SEEDS[0] + 2 * number, SEEDS[1] + 2 * number
         recorder = None
         if number < recorded:
             about = about_node(
-                asked, sender, utc_at_zero_s=UTC_S, origin=origin, credentials=credentials, **seeds
+                asked,
+                sender,
+                utc_at_zero_s=UTC_S,
+                origin=origin,
+                names_seed=names_seed,
+                station_seed=station_seed,
+                credentials=credentials,
             )
             recorder = Recorder(folder, about, begin_s=0.0, most_octets=most_octets)
         envelope = envelope_of(credentials, asked.security, utc_at_zero_s=UTC_S)
-        node = node_of(asked, sender, medium.join(), envelope, origin=origin, record=recorder, **seeds)
+        node = node_of(
+            asked,
+            sender,
+            medium.join(),
+            envelope,
+            origin=origin,
+            names_seed=names_seed,
+            station_seed=station_seed,
+            record=recorder,
+        )
         cars.append(Car(node, trip, MotionSource(origin), recorder))
     shows = [Showing(car.node) for car in cars]
     for step in range(steps):

@@ -35,8 +35,8 @@ def node(
     Parameters
     ----------
     config
-        A TOML file with the tables vehicle, sending, gnss, can, air, pseudonyms, applications, page, metrics
-        and subscribe. What is left out has its default.
+        A TOML file with the tables vehicle, sending, gnss, can, air, pseudonyms, applications, page, metrics,
+        subscribe and record. What is left out has its default.
     gnss
         Where places come from, instead of the file's: gpsd://HOST:PORT, nmea:DEVICE, nmea+tcp://HOST:PORT,
         nmea+file:FILE, or trip:FILE with a recorded trip.

@@ -37,6 +37,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
                     "starlette": "starlette",
                     "uvicorn": "uvicorn",
                     "websockets": "websockets",
+                    "zstandard": "zstandard",
                 }
             ),
             "modelcast node, view, replay, demo-live; signing and checking signatures from Python "

@@ -28,10 +28,11 @@ from modelcast.station.station import Station
 from modelcast.study.agreement import drive_by_trip, first_difference, replayed_places
 from modelcast.study.case import TripCase
 
-__all__ = ["NodeAgreement", "node_agreement"]
+__all__ = ["NodeAgreement", "node_agreement", "states_its_motion"]
 
 _ID = 1
 _LOSS_RATIO = 0.4
+_MOTION = ("speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps")
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +60,20 @@ class NodeAgreement:
     def agrees(self) -> bool:
         """Whether there is no difference."""
         return not (self.sent or self.host)
+
+
+def states_its_motion(case: TripCase) -> bool:
+    """Whether an evaluation takes the whole motion as the recording states it.
+
+    Where it does not, since a quantity is missing or a speed is stuck, it estimates velocities over a window
+    of places, and a node makes them from earlier fixes: the two are not the same.
+
+    Parameters
+    ----------
+    case
+        The trip, made ready.
+    """
+    return case.estimator.window == 0 and all(getattr(case.seen, name) is not None for name in _MOTION)
 
 
 def node_agreement(case: TripCase, bank: Bank, policy: ErrorDriven, *, seed: int = 0) -> NodeAgreement:
