@@ -32,7 +32,7 @@ from modelcast.node.node import Node, NodeState
 from modelcast.node.plane import HeldTransport, Plane, place_in
 from modelcast.node.pseudonyms import Pseudonyms
 from modelcast.node.run import Lateness, run_node
-from modelcast.node.showing import Showing, figures_of
+from modelcast.node.showing import Showing, Truth, figures_of
 from modelcast.node.subscribers import Subscribers
 from modelcast.runtime.transport.base import AbstractTransport
 from modelcast.station.sender.sender import Sender
@@ -102,6 +102,8 @@ class LiveNode:
         Where places come from, instead of the configuration's source.
     show
         Takes the address of the page, once.
+    truth_m
+        As in `modelcast.node.showing.Showing`.
     """
 
     def __init__(
@@ -113,10 +115,11 @@ class LiveNode:
         clock: SteeredClock | None = None,
         gnss: AbstractSource | None = None,
         show: Callable[[str], None] | None = None,
+        truth_m: Truth | None = None,
     ) -> None:
         self._config, self._sender, self._journal, self._show = config, sender, journal, show
         self._clock = SystemClock() if clock is None else clock
-        self._gnss = gnss
+        self._gnss, self._truth_m = gnss, truth_m
         self._takers: list[_Taker] = []
         self._roads: list[Callable[[], None]] = []
         self.late = Lateness()
@@ -267,7 +270,7 @@ class LiveNode:
             for forget in self._roads:
                 forget()
         self.node = node
-        showing = Showing(node)
+        showing = Showing(node, self._truth_m)
         ended, settled = asyncio.Event(), False
 
         def measure(now_s: float) -> Motion | None:
