@@ -15,6 +15,7 @@ from modelcast.node.inputs.replay import TripReplay
 from modelcast.node.journal import Journal
 from modelcast.node.live import LiveNode
 from modelcast.node.lossy import LossyTransport
+from modelcast.node.showing import Showing
 from modelcast.runtime.transport.virtual import VirtualMedium
 from modelcast.station.sender.sender import named_sender
 
@@ -95,6 +96,14 @@ def test_every_node_knows_the_others_in_spite_of_losses() -> None:
         assert set(around.vehicle.tolist()) == set(where) - {node.state.temporary_id}
         true_m = geodetic_to_local(np.array([where[one] for one in around.vehicle.tolist()]), node.origin)
         assert np.hypot(*(around.position_m - true_m).T).max() < 2.0
+        # What the page shows of each: its error, and what came and was lost in the last five seconds.
+        places = dict(zip(around.vehicle.tolist(), map(tuple, true_m.tolist()), strict=True))
+        shown = Showing(node.node, lambda _, places=places: places).snapshot(node.state)
+        assert shown.remotes.error_m == pytest.approx(np.hypot(*(around.position_m - true_m).T))
+        assert shown.remotes.messages.min() >= 1.0
+        lost = shown.remotes.loss_ratio[shown.remotes.messages > 1]
+        assert ((lost >= 0.0) & (lost < 0.9)).all()
+        assert 0.0 < shown.counters.loss_ratio < 0.8
 
 
 def test_a_share_of_what_arrives_is_thrown_away() -> None:

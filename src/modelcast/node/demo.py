@@ -65,8 +65,8 @@ def place_at(trip: Trajectory, t_s: float) -> tuple[float, float]:
     >>> [round(one, 3) for one in place_at(demo_trips()["leader"], 0.05)]
     [0.0, 0.7]
     """
-    east_m, north_m = (float(np.interp(t_s, trip.t_s, column)) for column in trip.position_m.T)
-    return east_m, north_m
+    place_m = [float(np.interp(t_s, trip.t_s, trip.position_m[:, axis])) for axis in (0, 1)]
+    return place_m[0], place_m[1]
 
 
 def _crossing(t_s: FloatArray) -> Trajectory:
