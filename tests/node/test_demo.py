@@ -62,7 +62,7 @@ def test_the_drives_are_what_their_columns_say_and_nobody_touches() -> None:
 
 def test_every_node_knows_the_others_in_spite_of_losses(monkeypatch: pytest.MonkeyPatch) -> None:
     # Nodes draw names and losses from what nobody can guess; here all runs draw the same.
-    monkeypatch.setattr("secrets.randbits", random.Random(7).getrandbits)
+    monkeypatch.setattr("secrets.randbits", random.Random(7).getrandbits)  # noqa: S311 - not for secrets
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         port = int(probe.getsockname()[1])
