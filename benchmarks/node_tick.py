@@ -5,13 +5,15 @@ heads of the wire. What is counted is what the host does in a tenth of a second:
 envelopes, decode, check, update its map, predict all remotes and assess every application. Frames arrive in
 so many portions a tick: 1 is a host that was busy, 100 one that is woken for ten frames at a time.
 
+Signed, every message is verified; beside it stands what the bare verifications of as many signatures take.
+
     python benchmarks/node_tick.py [--remotes 1000] [--ticks 200]
 """
 
 import argparse
 import gc
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -19,11 +21,17 @@ from modelcast.apps.registry import get_application
 from modelcast.core.arrays import FloatArray
 from modelcast.core.chance import child_generator
 from modelcast.core.geodesy import Origin
+from modelcast.messages.security.authority import Authority
+from modelcast.messages.security.p256 import PrivateKey, PublicKey
+from modelcast.messages.security.signer import Signer
+from modelcast.messages.security.time64 import since_2004_s
 from modelcast.models.profile import default_profile
-from modelcast.node.envelope import Unsecured
+from modelcast.node.credentials import Credentials
+from modelcast.node.envelope import AbstractEnvelope, Unsecured
 from modelcast.node.inputs.motion import Motion
 from modelcast.node.multicast import MulticastTransport
 from modelcast.node.node import Node
+from modelcast.node.signed import Signed
 from modelcast.station.fleet import Fleet
 from modelcast.station.policy.periodic import Periodic
 from modelcast.station.sender.sender import Sender, named_sender
@@ -34,6 +42,8 @@ TICK_S, WARM_TICKS = 0.1, 20
 LANES, ROAD_M, SPEED_MPS = 8, 800.0, 25.0
 APPLICATIONS = ("fcw", "eebl", "ima")
 PORT = 17_399
+ZERO_UTC_S = 1_764_000_000.0
+START_S = int(since_2004_s(ZERO_UTC_S)) - 60
 
 
 def main() -> None:
@@ -48,8 +58,41 @@ def main() -> None:
     gc.collect()
     gc.freeze()
     for portions in (1, 10, 100, given.remotes):
-        print(f"host, {portions:4} portions a tick: {row(host(sent, portions))}", flush=True)
+        print(f"host, {portions:4} portions a tick: {row(host(sent, portions, Unsecured()))}", flush=True)
     print(f"remote alone: {row(alone(given.ticks))}")
+    envelope = signing()
+    others = {name: envelope(2 + name) for name in range(1, given.remotes + 1)}
+    signed = frames_of(given.remotes, given.ticks // 4, envelopes=others)
+    size = np.mean([len(one) for tick in signed for one in tick])
+    print(f"signed, frames of {size:.0f} octets on average")
+    for portions in (1, 10):
+        print(f"host, {portions:4} portions a tick: {row(host(signed, portions, envelope(2)))}", flush=True)
+    print(f"bare verifications: {row(bare(given.remotes, given.ticks // 4))}")
+
+
+def signing() -> Callable[[int], Signed]:
+    """What makes a new envelope of a secret number, all by one authority."""
+    root = Authority.create(PrivateKey(1), start_s=START_S, duration_s=86_400)
+
+    def envelope(secret: int) -> Signed:
+        key = PrivateKey(secret)
+        signer = Signer(key, root.issue(key.public_octets, start_s=START_S, duration_s=86_400))
+        return Signed(Credentials((root.certificate,), (signer,)), utc_at_zero_s=ZERO_UTC_S)
+
+    return envelope
+
+
+def bare(count: int, ticks: int) -> FloatArray:
+    """Processor time of as many verifications as there are messages in a tick [ms]."""
+    key, data = PrivateKey(3), bytes(64)
+    public, signature = PublicKey(key.public_octets), key.sign(data)
+    found: list[float] = []
+    for _ in range(ticks):
+        begin = time.process_time_ns()
+        for _ in range(count):
+            public.verifies(data, signature)
+        found.append((time.process_time_ns() - begin) / 1e6)
+    return np.array(found)
 
 
 def row(times_ms: FloatArray) -> str:
@@ -58,12 +101,19 @@ def row(times_ms: FloatArray) -> str:
     return f"p50 {p50:.2f} ms, p99 {p99:.2f} ms, most {times_ms.max():.2f} ms"
 
 
-def frames_of(remotes: int, ticks: int, *, begin_s: float = 0.0) -> list[list[bytes]]:
+def frames_of(
+    remotes: int,
+    ticks: int,
+    *,
+    begin_s: float = 0.0,
+    envelopes: Mapping[int, AbstractEnvelope] | None = None,
+) -> list[list[bytes]]:
     """What all remotes send from a time on, a list a tick, in the order in which they leave."""
     sender = Sender("model at 10 Hz", Periodic(10.0), default_profile().bank, start="recent")
     fleet = Fleet(sender, slots=remotes, dt_s=TICK_S, origin=ORIGIN)
     rng = child_generator(0, "node tick")
-    name, envelope = np.arange(1, remotes + 1), Unsecured()
+    name, plain = np.arange(1, remotes + 1), Unsecured()
+    around = dict.fromkeys(name.tolist(), plain) if envelopes is None else envelopes
     lane = name % LANES
     mean_mps, phase = SPEED_MPS + rng.uniform(-5.0, 5.0, remotes), rng.uniform(0.0, 2.0 * np.pi, remotes)
     start_m = rng.uniform(-ROAD_M / 2.0, ROAD_M / 2.0, remotes)
@@ -82,7 +132,8 @@ def frames_of(remotes: int, ticks: int, *, begin_s: float = 0.0) -> list[list[by
             yaw_rate_radps=np.zeros(remotes),
         )
         leaving = sorted(all_of_them, key=lambda one: one.send_s)
-        sent.append([envelope.wrap(one.octets, sent_s=one.send_s) for one in leaving])
+        frames = [around[one.vehicle].wrap(one.octets, sent_s=one.send_s) for one in leaving]
+        sent.append([one for one in frames if one is not None])
     return sent
 
 
@@ -105,7 +156,7 @@ def motion(t_s: float) -> Motion:
     )
 
 
-def host(sent: Sequence[Sequence[bytes]], portions: int) -> FloatArray:
+def host(sent: Sequence[Sequence[bytes]], portions: int, envelope: AbstractEnvelope) -> FloatArray:
     """Processor time of every tick of a host that hears them [ms]."""
     clock_s = [0.0]
     station = Station("mbc", temporary_id=0, dt_s=TICK_S, origin=ORIGIN)
@@ -115,7 +166,7 @@ def host(sent: Sequence[Sequence[bytes]], portions: int) -> FloatArray:
         MulticastTransport(lambda: clock_s[0], port=PORT) as own,
     ):
         node = Node(
-            station, own, Unsecured(), applications={name: get_application(name) for name in APPLICATIONS}
+            station, own, envelope, applications={name: get_application(name) for name in APPLICATIONS}
         )
         for tick, frames in enumerate(sent):
             spent_ns = 0

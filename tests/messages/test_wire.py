@@ -86,7 +86,7 @@ def test_the_signature_of_a_vector_follows_the_rule_of_the_page(one: dict[str, A
         assert data["signer"] == sender
         verifier = Verifier((Certificate.from_octets(bytes.fromhex(WHOLE["authority"]["certificate"])),))
         payload = decode_wsm(bytes.fromhex(one["short_message"])).payload
-        verified, _ = verifier.verify(VerifierState(), payload, t_s=one["generation_us"] / 1e6)
+        verified = verifier.verify(VerifierState(), payload, t_s=one["generation_us"] / 1e6)
         assert verified.outcome is Outcome.ACCEPTED
 
 

@@ -38,6 +38,7 @@ COMMANDS = (
     "encode",
     "node",
     "prepare",
+    "credentials",
     "demo-live",
     "view",
     "doctor",

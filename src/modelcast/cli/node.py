@@ -11,7 +11,10 @@ if TYPE_CHECKING:
     from modelcast.node.live import LiveNode
     from modelcast.station.sender.sender import Sender
 
+
 __all__ = ["node", "sender_of_config", "stopped_by_signals"]
+
+_SOON_S = 86_400.0
 
 
 def node(
@@ -68,6 +71,7 @@ def node(
     if dashboard:
         asked = replace(asked, page=replace(asked.page, port=port, on=True))
     sender = sender_of_config(asked)
+    _check_credentials(asked)
     if check:
         say(f"{'the defaults' if config is None else config}: all is as it should be")
         return 0
@@ -97,6 +101,29 @@ def _get_ready(config: "NodeConfig", sender: "Sender", journal: "Journal") -> No
     if met.unkept:
         what |= {"not_kept": len(met.unkept), "remedy": "set MODELCAST_CACHE_DIR to a folder of its user"}
     journal.note("ready", what)
+
+
+def _check_credentials(config: "NodeConfig") -> None:
+    """Read what the node signs with; where nothing of it is good now, nothing could be sent."""
+    import time
+
+    from modelcast.cli.terminal import complain
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.messages.security.time64 import since_2004_s
+
+    if config.security.mode == "none":
+        return
+    from modelcast.node.credentials import read_credentials
+
+    now_s = since_2004_s(time.time())
+    left_s = read_credentials(config.security.folder).good_until_s(now_s) - now_s
+    if left_s <= 0.0:
+        raise ConfigError(
+            f"[security] {config.security.folder} holds no certificate that is good now: make credentials "
+            f"with modelcast credentials new"
+        )
+    if left_s < _SOON_S:
+        complain(f"[security] the last certificate ends in {left_s / 3600.0:.1f} hours")
 
 
 async def _run(live: "LiveNode", duration_s: float) -> None:

@@ -18,6 +18,7 @@ __all__ = [
     "NodeConfig",
     "Page",
     "Pseudonyms",
+    "Security",
     "Sending",
     "Subscribe",
     "Vehicle",
@@ -155,6 +156,30 @@ class Air(_Table):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Security(_Table):
+    """Whether messages are signed.
+
+    Parameters
+    ----------
+    mode
+        ``none``: nothing is signed or verified. ``signed``: what is sent is signed, what is heard verified.
+    folder
+        With keys and certificates, as ``modelcast credentials new`` makes it.
+    required
+        Whether what is not verified is refused.
+    """
+
+    mode: Annotated[str, Text(choices=("none", "signed"))] = "none"
+    folder: Annotated[str, Text(400, empty=True)] = ""
+    required: Annotated[bool, Flag()] = True
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if self.mode == "signed" and not self.folder:
+            raise ValueError("folder must name credentials where mode is 'signed': modelcast credentials new")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Pseudonyms(_Table):
     """When everything that names the vehicle changes together.
 
@@ -252,6 +277,7 @@ class NodeConfig:
     gnss: Gnss = field(default_factory=Gnss)
     can: Can = field(default_factory=Can)
     air: Air = field(default_factory=Air)
+    security: Security = field(default_factory=Security)
     pseudonyms: Pseudonyms = field(default_factory=Pseudonyms)
     applications: Applications = field(default_factory=Applications)
     page: Page = field(default_factory=Page)

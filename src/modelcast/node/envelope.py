@@ -6,13 +6,15 @@ from dataclasses import dataclass
 
 from modelcast.core.exceptions import CodecError
 from modelcast.messages.ieee1609 import encode_unsecured, read_unsecured_head, unsecured_payload
+from modelcast.messages.security.certificate import SAFETY_PSID
 from modelcast.messages.security.signed import decode_signed
 from modelcast.messages.wsmp import decode_wsm, encode_wsm
 from modelcast.runtime.transport.base import MOST_OCTETS
 
-__all__ = ["AbstractEnvelope", "Bare", "Opened", "Unsecured"]
+__all__ = ["NOT_VERIFIED", "AbstractEnvelope", "Bare", "Opened", "Unsecured", "opened_safety"]
 
-_SAFETY_PSID = 0x20
+NOT_VERIFIED = "not verified"
+"""Why a message was taken of which nobody knows whose it is."""
 
 _LEAST_HEADS, _MOST_HEADS = 4, 16
 """Octets that both heads take, with room."""
@@ -38,8 +40,8 @@ class AbstractEnvelope(abc.ABC):
     """One station's way to wrap what it sends and to open what it hears."""
 
     @abc.abstractmethod
-    def wrap(self, octets: bytes, *, sent_s: float) -> bytes:
-        """Return a message as it goes on the air.
+    def wrap(self, octets: bytes, *, sent_s: float) -> bytes | None:
+        """Return a message as it goes on the air; None where it must not, for want of credentials.
 
         Parameters
         ----------
@@ -97,21 +99,33 @@ class Unsecured(AbstractEnvelope):
         heads = _shortest_heads(len(frame))
         if heads and frame.startswith(heads):
             return Opened(frame[len(heads) :], "accepted")
+        message = opened_safety(frame)
+        if isinstance(message, Opened):
+            return message
         try:
-            message = decode_wsm(frame)
-        except CodecError:
-            return Opened(None, "no short message")
-        if message.psid != _SAFETY_PSID:
-            return Opened(None, "another application")
-        try:
-            if read_unsecured_head(message.payload) is not None:
-                return Opened(unsecured_payload(message.payload), "accepted")
-            return Opened(decode_signed(message.payload).payload, "not verified")
+            if read_unsecured_head(message) is not None:
+                return Opened(unsecured_payload(message), "accepted")
+            return Opened(decode_signed(message).payload, NOT_VERIFIED)
         except CodecError:
             return Opened(None, "no data of IEEE 1609.2")
 
     def rename(self) -> None:
         """Change nothing: there are no credentials."""
+
+
+def opened_safety(frame: bytes) -> bytes | Opened:
+    """The data of IEEE 1609.2 in a short message of safety messages, or that there is none.
+
+    Parameters
+    ----------
+    frame
+        Whatever arrived.
+    """
+    try:
+        message = decode_wsm(frame)
+    except CodecError:
+        return Opened(None, "no short message")
+    return message.payload if message.psid == SAFETY_PSID else Opened(None, "another application")
 
 
 @functools.lru_cache(maxsize=MOST_OCTETS)

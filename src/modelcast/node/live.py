@@ -16,8 +16,8 @@ from modelcast.core.geodesy import Origin
 from modelcast.dashboard.document import snapshot_text
 from modelcast.dashboard.snapshot import NOBODY, Snapshot
 from modelcast.node.clock import AbstractClock, SteeredClock, SystemClock
-from modelcast.node.config import Air, NodeConfig, Page
-from modelcast.node.envelope import Unsecured
+from modelcast.node.config import Air, NodeConfig, Page, Security
+from modelcast.node.envelope import AbstractEnvelope, Unsecured
 from modelcast.node.inputs.base import AbstractSource
 from modelcast.node.inputs.motion import Motion
 from modelcast.node.inputs.motion_source import MotionSource
@@ -38,7 +38,7 @@ from modelcast.runtime.transport.base import AbstractTransport
 from modelcast.station.sender.sender import Sender
 from modelcast.station.station import Station
 
-__all__ = ["LiveNode", "open_transport"]
+__all__ = ["LiveNode", "open_envelope", "open_transport"]
 
 _FOLLOW_S = 5.0
 _UNWATCHED_STEPS = 10
@@ -85,6 +85,30 @@ def _opened(air: Air, clock: AbstractClock) -> AbstractTransport:
     return transport
 
 
+def open_envelope(security: Security, clock: SteeredClock) -> AbstractEnvelope:
+    """What goes round messages, as a configuration says.
+
+    Parameters
+    ----------
+    security
+        Its table.
+    clock
+        The node's.
+
+    Raises
+    ------
+    ConfigError, MissingExtraError
+        Where credentials cannot be read, or the library for signatures is not installed.
+    """
+    if security.mode == "none":
+        return Unsecured()
+    from modelcast.node.credentials import read_credentials  # noqa: PLC0415 - the extra is needed here
+    from modelcast.node.signed import Signed  # noqa: PLC0415
+
+    credentials = read_credentials(security.folder)
+    return Signed(credentials, utc_at_zero_s=clock.minute_utc_s, required=security.required)
+
+
 class LiveNode:
     """A node on a real clock.
 
@@ -120,6 +144,7 @@ class LiveNode:
         self._config, self._sender, self._journal, self._show = config, sender, journal, show
         self._clock = SystemClock() if clock is None else clock
         self._gnss, self._truth_m = gnss, truth_m
+        self._envelope: AbstractEnvelope = Unsecured()
         self._takers: list[_Taker] = []
         self._roads: list[Callable[[], None]] = []
         self.late = Lateness()
@@ -145,6 +170,7 @@ class LiveNode:
             Where something cannot be opened as the configuration says.
         """
         config, clock = self._config, self._clock
+        self._envelope = open_envelope(config.security, clock)
         async with AsyncExitStack() as stack:
             transport = HeldTransport(open_transport(config.air, clock))
             stack.callback(transport.close)
@@ -236,6 +262,8 @@ class LiveNode:
             return Plane(motion.origin, "own")
         if self.node is None and gnss.latitude_deg is not None and gnss.longitude_deg is not None:
             return Plane(Origin(gnss.latitude_deg, gnss.longitude_deg), "configured")
+        if self._config.security.mode == "signed" and self._config.security.required:
+            return None  # a place that nobody vouches for is nothing to begin at
         for arrival in transport.peek(now_s):
             if (place := place_in(arrival.octets)) is not None:
                 return Plane(place, "heard")
@@ -259,7 +287,7 @@ class LiveNode:
         node = Node(
             station,
             transport,
-            Unsecured(),
+            self._envelope,
             applications={name: get_application(name) for name in config.applications.names},
             size_m=(config.vehicle.length_m, config.vehicle.width_m),
             pseudonyms=names,

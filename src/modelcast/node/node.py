@@ -135,7 +135,8 @@ class Node:
         self._made_of: str | None = None
         self._warned: dict[tuple[str, int], Level] = {}
         self.counts: Counter[str] = Counter()
-        """``sent``, ``heard`` and their ``_octets``; ``refused: WHY``, ``opened: HOW``, ``receipt: WHAT``."""
+        """``sent``, ``heard``, their ``_octets``, ``unsent``, and ``refused: WHY``, ``opened: HOW``,
+        ``receipt: WHAT``."""
         self.meter = MessageMeter()
         """The same as rates, for who looks."""
 
@@ -198,6 +199,10 @@ class Node:
         while self._waiting and self._waiting[0][0] <= now_s:
             _, _, octets = heapq.heappop(self._waiting)
             frame = self._envelope.wrap(octets, sent_s=now_s)
+            if frame is None:
+                self.counts["unsent"] += 1
+                self._watch("unsent", {"why": "no certificate is good now"})
+                continue
             self._transport.send(frame, sent_s=now_s)
             self.meter.sent(now_s, len(frame))
             self.counts["sent"] += 1

@@ -39,8 +39,13 @@ def verified(
     """The last verification and the state after messages that arrive at once."""
     state = VerifierState()
     for one in octets:
-        verification, state = verifier.verify(state, one, t_s=t_s)
+        verification = verifier.verify(state, one, t_s=t_s)
     return verification, state
+
+
+def copied(state: VerifierState) -> tuple[object, ...]:
+    """What a state holds, to compare later."""
+    return dict(state.store.senders), dict(state.windows), state.floor_us
 
 
 def test_it_signs_as_rfc_6979_says() -> None:
@@ -60,7 +65,7 @@ def test_what_was_signed_is_accepted() -> None:
     assert verification == Verification(
         Outcome.ACCEPTED, SIGNER.certificate.digest, generation_s=200.0, payload=b"payload"
     )
-    again, _ = VERIFIER.verify(state, sent(200.1, known=True), t_s=200.1)
+    again = VERIFIER.verify(state, sent(200.1, known=True), t_s=200.1)
     assert (again.outcome, again.payload) == (Outcome.ACCEPTED, b"payload")
 
 
@@ -153,11 +158,12 @@ def test_any_octet_changed_is_refused(at: int, change: int) -> None:
         assert replace(decode_signed(bytes(octets)), r_tag=0x80).octets == sent(199.5, known=True)
         return
     try:
-        verification, after = VERIFIER.verify(state, bytes(octets), t_s=199.5)
+        held = copied(state)
+        verification = VERIFIER.verify(state, bytes(octets), t_s=199.5)
     except CodecError:
         return
     assert verification.outcome is not Outcome.ACCEPTED
-    assert after is state
+    assert copied(state) == held
 
 
 def test_no_number_is_a_signature() -> None:
@@ -204,9 +210,10 @@ def test_no_message_is_admitted_twice_in_whatever_order(times: list[int], limit:
 def test_what_is_refused_leaves_the_state_alone() -> None:
     _, state = verified(sent())
     for octets in (sent(), sent(150.0), sent(payload=b"other")[:-1] + b"\0"):
-        verification, after = VERIFIER.verify(state, octets, t_s=200.0)
+        held = copied(state)
+        verification = VERIFIER.verify(state, octets, t_s=200.0)
         assert verification.outcome is not Outcome.ACCEPTED
-        assert after is state
+        assert copied(state) == held
 
 
 def test_memory_is_bounded() -> None:
@@ -217,7 +224,7 @@ def test_memory_is_bounded() -> None:
         signer = Signer(key, ROOT.issue(key.public_octets, start_s=100, duration_s=900))
         for step in range(6):
             octets = sent(200 + sender + step / 10, signer=signer)
-            verification, state = verifier.verify(state, octets, t_s=200 + sender + step / 10)
+            verification = verifier.verify(state, octets, t_s=200 + sender + step / 10)
             assert verification.outcome is Outcome.ACCEPTED
     assert len(state.store.senders) == 3
     assert len(state.windows) <= 3
@@ -228,15 +235,8 @@ def test_expired_certificates_leave_the_store() -> None:
     key = PrivateKey(30)
     late = Signer(key, ROOT.issue(key.public_octets, start_s=900, duration_s=900))
     _, state = verified(sent(999.0), t_s=999.0)
-    _, state = VERIFIER.verify(state, sent(1001.0, signer=late), t_s=1001.0)
+    VERIFIER.verify(state, sent(1001.0, signer=late), t_s=1001.0)
     assert list(state.store.senders) == [late.certificate.digest]
-
-
-def test_the_given_state_is_left_alone() -> None:
-    _, state = verified(sent())
-    held = dict(state.windows)
-    VERIFIER.verify(state, sent(200.1, known=True), t_s=200.1)
-    assert state.windows == held
 
 
 def test_malformed_octets_are_an_error_not_an_outcome() -> None:
@@ -305,10 +305,10 @@ def test_ten_thousand_senders_within_a_second_fill_no_more_than_the_caps() -> No
             signer=Signer(key, ROOT.issue(key.public_octets, start_s=100, duration_s=900)),
         )
         first = first or octets
-        verification, state = verifier.verify(state, octets, t_s=200.1)
+        verification = verifier.verify(state, octets, t_s=200.1)
         assert verification.outcome is Outcome.ACCEPTED
         assert max(len(state.windows), len(state.store.senders)) <= 4
-    assert verifier.verify(state, first, t_s=200.1)[0].outcome is Outcome.REPLAYED
+    assert verifier.verify(state, first, t_s=200.1).outcome is Outcome.REPLAYED
 
 
 def test_no_message_is_accepted_twice_when_the_clock_goes_back() -> None:
@@ -317,12 +317,12 @@ def test_no_message_is_accepted_twice_when_the_clock_goes_back() -> None:
     key = PrivateKey(30)
     other = Signer(key, ROOT.issue(key.public_octets, start_s=100, duration_s=900))
     _, state = verified(octets)
-    later, state = VERIFIER.verify(state, sent(300.0, signer=other), t_s=300.0)
+    later = VERIFIER.verify(state, sent(300.0, signer=other), t_s=300.0)
     assert later.outcome is Outcome.ACCEPTED
     assert SIGNER.certificate.digest not in state.windows
-    assert VERIFIER.verify(state, octets, t_s=200.0)[0].outcome is Outcome.REPLAYED
-    assert VERIFIER.verify(state, sent(200.5), t_s=200.0)[0].outcome is Outcome.IN_FUTURE
-    assert VERIFIER.verify(state, sent(200.5), t_s=200.5)[0].outcome is Outcome.ACCEPTED
+    assert VERIFIER.verify(state, octets, t_s=200.0).outcome is Outcome.REPLAYED
+    assert VERIFIER.verify(state, sent(200.5), t_s=200.0).outcome is Outcome.IN_FUTURE
+    assert VERIFIER.verify(state, sent(200.5), t_s=200.5).outcome is Outcome.ACCEPTED
 
 
 def test_a_certificate_is_for_its_applications_only() -> None:

@@ -59,7 +59,7 @@ class Certificate:
     issuer
         HashedId8 of the issuer's certificate; no octets where it is its own issuer.
     start_s
-        First second it is good for, since 2004-01-01 00:00 TAI.
+        First second it is good for, since 2004-01-01 00:00 UTC, leap seconds counted.
     duration_s
         Good from the start on for as many seconds, the end excluded: at most 65,535 of the unit.
     public_key
@@ -194,7 +194,7 @@ class Certificate:
         Parameters
         ----------
         t_s
-            Time since 2004-01-01 00:00 TAI [s].
+            Time since 2004-01-01 00:00 UTC, leap seconds counted [s].
         """
         return self.start_s <= t_s < self.start_s + self.duration_s
 

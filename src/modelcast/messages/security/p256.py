@@ -17,13 +17,13 @@ try:
 except ImportError as error:
     raise MissingExtraError("signing", "node") from error
 
-__all__ = ["PrivateKey", "PublicKey"]
+__all__ = ["SECRET_OCTETS", "SEED_OCTETS", "PrivateKey", "PublicKey"]
 
 _ORDER = 0xFFFFFFFF_00000000_FFFFFFFF_FFFFFFFF_BCE6FAAD_A7179E84_F3B9CAC2_FC632551
 """Order of the group, SP 800-186 3.2.1.3."""
 
-_SCALAR_OCTETS = 32
-_SEED_OCTETS = 48
+SECRET_OCTETS = 32
+SEED_OCTETS = 48
 _SIGNING = ec.ECDSA(SHA256(), deterministic_signing=True)
 _VERIFYING = ec.ECDSA(SHA256())
 
@@ -63,8 +63,8 @@ class PublicKey:
         signature
             r and s, 32 octets each.
         """
-        r = int.from_bytes(signature[:_SCALAR_OCTETS], "big") % _ORDER  # of a point, x goes on the air
-        s = int.from_bytes(signature[_SCALAR_OCTETS:], "big")
+        r = int.from_bytes(signature[:SECRET_OCTETS], "big") % _ORDER  # of a point, x goes on the air
+        s = int.from_bytes(signature[SECRET_OCTETS:], "big")
         try:
             self._key.verify(encode_dss_signature(r, s), data, _VERIFYING)
         except InvalidSignature:
@@ -109,8 +109,8 @@ class PrivateKey:
         ValueError
             Where they are not 48.
         """
-        if len(octets) != _SEED_OCTETS:
-            raise ValueError(f"{_SEED_OCTETS} random octets are needed, got {len(octets)}")
+        if len(octets) != SEED_OCTETS:
+            raise ValueError(f"{SEED_OCTETS} random octets are needed, got {len(octets)}")
         return cls(int.from_bytes(octets, "big") % (_ORDER - 1) + 1)
 
     @property
@@ -127,4 +127,4 @@ class PrivateKey:
             What to sign; hashed with SHA-256 first.
         """
         r, s = decode_dss_signature(self._key.sign(data, _SIGNING))
-        return r.to_bytes(_SCALAR_OCTETS, "big") + s.to_bytes(_SCALAR_OCTETS, "big")
+        return r.to_bytes(SECRET_OCTETS, "big") + s.to_bytes(SECRET_OCTETS, "big")

@@ -41,6 +41,7 @@ __all__ = [
     "payload_of_signed",
     "signed_octets",
     "signed_part",
+    "signed_part_of",
 ]
 
 MAX_SPDU_OCTETS = 2304
@@ -57,7 +58,7 @@ class SignedMessage:
     Parameters
     ----------
     generation_us
-        When it was signed: microseconds since 2004-01-01 00:00 TAI.
+        When it was signed: TAI microseconds since 2004-01-01 00:00 UTC.
     payload
         1 to `MAX_SPDU_OCTETS` octets.
     signer
@@ -124,7 +125,7 @@ def signed_part(
     Parameters
     ----------
     generation_us
-        When it is signed: microseconds since 2004-01-01 00:00 TAI.
+        When it is signed: TAI microseconds since 2004-01-01 00:00 UTC.
     payload
         The octets to be signed.
     certificate
@@ -132,8 +133,22 @@ def signed_part(
     psid
         The application.
     """
-    timed = hashlib.sha256(_to_be_signed(generation_us, payload, psid)).digest()
-    return timed + hashlib.sha256(certificate.canonical).digest()
+    return signed_part_of(generation_us, payload, hashlib.sha256(certificate.canonical).digest(), psid=psid)
+
+
+def signed_part_of(
+    generation_us: int, payload: bytes, certificate_hash: bytes, *, psid: int = SAFETY_PSID
+) -> bytes:
+    """The same for a certificate whose hash is known.
+
+    Parameters
+    ----------
+    generation_us, payload, psid
+        As for `signed_part`.
+    certificate_hash
+        SHA-256 of the certificate's canonical octets.
+    """
+    return hashlib.sha256(_to_be_signed(generation_us, payload, psid)).digest() + certificate_hash
 
 
 def decode_signed(data: bytes) -> SignedMessage:

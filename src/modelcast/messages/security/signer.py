@@ -48,7 +48,7 @@ class Signer:
     >>> signer = Signer(key, authority.issue(key.public_octets, start_s=0, duration_s=600))
     >>> octets, state = signer.sign(SignerState(), b"payload", t_s=10.0)
     >>> verifier = Verifier((authority.certificate,))
-    >>> verified, _ = verifier.verify(VerifierState(), octets, t_s=10.01)
+    >>> verified = verifier.verify(VerifierState(), octets, t_s=10.01)
     >>> verified.outcome.name, verified.payload
     ('ACCEPTED', b'payload')
     >>> len(octets), len(signer.sign(state, b"payload", t_s=10.4)[0])

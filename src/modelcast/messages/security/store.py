@@ -1,5 +1,6 @@
 """The certificates of senders that a receiver has verified, by digest."""
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -24,6 +25,12 @@ class Sender:
 
     certificate: Certificate
     key: PublicKey
+    certificate_hash: bytes = field(init=False, repr=False)
+    """SHA-256 of the certificate, which goes into all that it signs."""
+
+    def __post_init__(self) -> None:
+        own = hashlib.sha256(self.certificate.canonical).digest()
+        object.__setattr__(self, "certificate_hash", own)
 
 
 def _nobody() -> Mapping[bytes, Sender]:

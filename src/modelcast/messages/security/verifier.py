@@ -1,7 +1,7 @@
 """The receiving side: what became of a signed message, and its payload where all is well."""
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field
 from enum import Enum
 from types import MappingProxyType
 
@@ -9,7 +9,7 @@ from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.p256 import PublicKey
 from modelcast.messages.security.parameters import DEFAULT_PARAMETERS, SecurityParameters
 from modelcast.messages.security.replay import ReplayWindow
-from modelcast.messages.security.signed import SignedMessage, decode_signed, signed_part
+from modelcast.messages.security.signed import SignedMessage, decode_signed, signed_part_of
 from modelcast.messages.security.store import CertificateStore, Sender
 from modelcast.messages.security.time64 import SECONDS, microseconds
 
@@ -53,13 +53,12 @@ class Verification:
     payload: bytes | None = None
 
 
-def _no_windows() -> Mapping[bytes, ReplayWindow]:
-    return MappingProxyType({})
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class VerifierState:
     """Certificates learnt, and what each sender sent lately, by digest of its certificate.
+
+    It is owned by whoever verifies with it: each message that is accepted changes it, at a cost that does not
+    depend on how many senders there are.
 
     Parameters
     ----------
@@ -73,7 +72,7 @@ class VerifierState:
     """
 
     store: CertificateStore = field(default_factory=CertificateStore)
-    windows: Mapping[bytes, ReplayWindow] = field(default_factory=_no_windows)
+    windows: dict[bytes, ReplayWindow] = field(default_factory=dict[bytes, ReplayWindow])
     floor_us: int = -1
 
 
@@ -105,15 +104,13 @@ class Verifier:
         trusted = {one.digest: Sender(one, PublicKey(one.public_key)) for one in self.authorities}
         object.__setattr__(self, "_trusted", MappingProxyType(trusted))
 
-    def verify(
-        self, state: VerifierState, octets: bytes, *, t_s: float
-    ) -> tuple[Verification, VerifierState]:
-        """Take one message in; returns what became of it and the new state.
+    def verify(self, state: VerifierState, octets: bytes, *, t_s: float) -> Verification:
+        """Take one message in, and return what became of it.
 
         Parameters
         ----------
         state
-            What is held.
+            What is held; changed where the message is accepted.
         octets
             As they arrived.
         t_s
@@ -136,10 +133,10 @@ class Verifier:
             if sender is None:
                 outcome = Outcome.UNKNOWN_CERTIFICATE
             else:
-                outcome, state = self._judge(state, message, sender, now_us)
+                outcome = self._judge(state, message, sender, now_us)
         payload = message.payload if outcome is Outcome.ACCEPTED else None
         when_s = message.generation_us / SECONDS
-        return Verification(outcome, message.digest, generation_s=when_s, payload=payload), state
+        return Verification(outcome, message.digest, generation_s=when_s, payload=payload)
 
     def _timely(self, message: SignedMessage, now_us: int) -> Outcome | None:
         if message.generation_us > now_us + round(self.parameters.max_ahead_s * SECONDS):
@@ -165,44 +162,43 @@ class Verifier:
             return None
         return Sender(certificate, key)
 
-    def _judge(
-        self, state: VerifierState, message: SignedMessage, sender: Sender, now_us: int
-    ) -> tuple[Outcome, VerifierState]:
+    def _judge(self, state: VerifierState, message: SignedMessage, sender: Sender, now_us: int) -> Outcome:
         certificate = sender.certificate
         issuer = self._trusted.get(certificate.issuer)
         times_s = (message.generation_us / SECONDS, now_us / SECONDS)
         if issuer is None:
-            return Outcome.UNTRUSTED_CERTIFICATE, state
+            return Outcome.UNTRUSTED_CERTIFICATE
         if message.psid not in certificate.psids:
-            return Outcome.NOT_PERMITTED, state
+            return Outcome.NOT_PERMITTED
         if not all(one.is_good_at(t_s) for one in (certificate, issuer.certificate) for t_s in times_s):
-            return Outcome.EXPIRED, state
-        content = signed_part(message.generation_us, message.payload, certificate, psid=message.psid)
+            return Outcome.EXPIRED
+        content = signed_part_of(
+            message.generation_us, message.payload, sender.certificate_hash, psid=message.psid
+        )
         window = state.windows.get(message.digest, ReplayWindow(floor_us=state.floor_us))
         if window.holds(message.generation_us, content):
-            return Outcome.REPLAYED, state
+            return Outcome.REPLAYED
         if not sender.key.verifies(content, message.signature):
-            return Outcome.BAD_SIGNATURE, state
-        return Outcome.ACCEPTED, self._taken(state, message, sender, content, now_us)
+            return Outcome.BAD_SIGNATURE
+        self._take(state, message, sender, content, now_us)
+        return Outcome.ACCEPTED
 
-    def _taken(
+    def _take(
         self, state: VerifierState, message: SignedMessage, sender: Sender, content: bytes, now_us: int
-    ) -> VerifierState:
+    ) -> None:
         digest = message.digest
         if state.store.get(digest) is not sender:
-            store = state.store.add(sender, self.parameters.certificates, t_s=now_us / SECONDS)
-            state = replace(state, store=store)
-        windows, floor_us = dict(state.windows), state.floor_us
+            state.store = state.store.add(sender, self.parameters.certificates, t_s=now_us / SECONDS)
+        windows = state.windows
         window = windows.get(digest)
         if window is None:
             # A sender appears: a good moment to forget those of whom any message would be too old now.
-            window = ReplayWindow(floor_us=floor_us)
+            window = ReplayWindow(floor_us=state.floor_us)
             oldest_us = self._oldest_us(now_us)
             by_time = sorted(windows, key=lambda one: windows[one].newest_us)
             too_many = len(windows) + 1 - self.parameters.certificates
             for rank, one in enumerate(by_time):
                 if rank >= too_many and windows[one].newest_us >= oldest_us:
                     break
-                floor_us = max(floor_us, windows.pop(one).newest_us)
+                state.floor_us = max(state.floor_us, windows.pop(one).newest_us)
         windows[digest] = window.admit(message.generation_us, content, self.parameters.remembered)
-        return replace(state, windows=MappingProxyType(windows), floor_us=floor_us)
