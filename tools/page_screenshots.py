@@ -1,8 +1,10 @@
 """Take pictures of the page, wide and narrow, by day and at night, into a folder.
 
-They show the drive of ``modelcast view --demo`` after 46 seconds, with the remote nearest to the host chosen.
+They show the drive of ``modelcast view --demo`` after 46 seconds, with the remote nearest to the host chosen,
+or with ``--live`` the page of ``modelcast demo-live`` after half a minute.
 
     python tools/page_screenshots.py out/page
+    python tools/page_screenshots.py --live out/live
 """
 
 import argparse
@@ -10,9 +12,13 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from modelcast.dashboard.demo import DemoDrive
 from modelcast.dashboard.log import SnapshotLogWriter
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
 
 ARGUMENTS = [
     "--no-sandbox",
@@ -24,43 +30,59 @@ ARGUMENTS = [
 ]
 SIZES = {"wide": (1280, 800), "narrow": (390, 844)}
 SHOWN_S = "45.9"
+LIVE_S = 30.0
 
 
 def main() -> None:
-    """Write the log, serve it, and take the pictures."""
-    from playwright.sync_api import sync_playwright  # noqa: PLC0415 - after the help
-
+    """Serve what is shown, and take the pictures."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    folder: Path = parser.parse_args().folder
+    parser.add_argument("--live", action="store_true", help="of modelcast demo-live, after half a minute")
+    arguments = parser.parse_args()
+    folder: Path = arguments.folder
     folder.mkdir(parents=True, exist_ok=True)
-    log = folder / "drive.jsonl"
-    with SnapshotLogWriter(log) as writer:
-        for one in DemoDrive().snapshots(60.0):
-            writer.write(one)
-    words = [sys.executable, "-u", "-m", "modelcast", "view", str(log), "--port", "0"]
+    words = [sys.executable, "-u", "-m", "modelcast"]
+    if arguments.live:
+        words += ["demo-live", "--port", "0", "--udp-port", "16795", "--duration", "120"]
+    else:
+        log = folder / "drive.jsonl"
+        with SnapshotLogWriter(log) as writer:
+            for one in DemoDrive().snapshots(60.0):
+                writer.write(one)
+        words += ["view", str(log), "--port", "0"]
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as serving:  # noqa: S603
         assert serving.stdout is not None
-        address = serving.stdout.readline().strip()
-        with sync_playwright() as engine:
-            browser = engine.chromium.launch(executable_path=shutil.which("chromium"), args=ARGUMENTS)
-            for name, (width, height) in SIZES.items():
-                for scheme in ("light", "dark"):
-                    context = browser.new_context(
-                        viewport={"width": width, "height": height}, color_scheme=scheme
-                    )
-                    page = context.new_page()
-                    page.goto(address)
-                    page.locator("#legend li").first.wait_for()
+        address = next(line.strip() for line in serving.stdout if line.startswith("http"))
+        _take(address, folder, live=arguments.live)
+        serving.terminate()
+
+
+def _take(address: str, folder: Path, *, live: bool) -> None:
+    """Take the pictures; of what is live all contexts look on for half a minute first."""
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415 - after the help
+
+    with sync_playwright() as engine:
+        browser = engine.chromium.launch(executable_path=shutil.which("chromium"), args=ARGUMENTS)
+        pages: dict[str, Page] = {}
+        for name, (width, height) in SIZES.items():
+            for scheme in ("light", "dark"):
+                context = browser.new_context(
+                    viewport={"width": width, "height": height}, color_scheme=scheme
+                )
+                page = pages[f"{name}-{'day' if scheme == 'light' else 'night'}"] = context.new_page()
+                page.goto(address)
+                page.locator("#legend li").first.wait_for()
+                if not live:
                     page.locator("#scrub").fill(SHOWN_S)
                     page.locator("#time").filter(has_text=f"{SHOWN_S} s").wait_for()
-                    page.keyboard.press("n")
-                    for _ in range(2):
-                        page.evaluate("new Promise((done) => requestAnimationFrame(() => done(null)))")
-                    page.screenshot(path=folder / f"{name}-{'day' if scheme == 'light' else 'night'}.png")
-                    context.close()
-            browser.close()
-        serving.terminate()
+                page.keyboard.press("n")
+        if live:
+            next(iter(pages.values())).wait_for_timeout(LIVE_S * 1000.0)
+        for name, page in pages.items():
+            for _ in range(2):
+                page.evaluate("new Promise((done) => requestAnimationFrame(() => done(null)))")
+            page.screenshot(path=folder / f"{name}.png")
+        browser.close()
 
 
 if __name__ == "__main__":

@@ -52,7 +52,7 @@ def demo_live(
     from modelcast.core.exceptions import ConfigError
     from modelcast.node.clock import SystemClock
     from modelcast.node.config import Air, NodeConfig, Page, Sending, Vehicle
-    from modelcast.node.demo import DEMO_S, demo_trips
+    from modelcast.node.demo import DEMO_S, demo_trips, place_at
     from modelcast.node.inputs.replay import TripReplay
     from modelcast.node.journal import Journal
     from modelcast.node.live import LiveNode
@@ -72,7 +72,17 @@ def demo_live(
     clock = SystemClock()
     begin_s = clock.now_s() + 1.0
     nodes: dict[str, LiveNode] = {}
-    for name, trip in demo_trips().items():
+    trips = demo_trips()
+
+    def truth_m(t_s: float) -> dict[int, tuple[float, float]]:
+        """Where the drives are: all have one plane."""
+        return {
+            node.state.temporary_id: place_at(trips[name], t_s - begin_s)
+            for name, node in nodes.items()
+            if node.state is not None
+        }
+
+    for name, trip in trips.items():
         config = NodeConfig(
             vehicle=Vehicle(name=name),
             sending=Sending(policy=policy),
@@ -86,6 +96,7 @@ def demo_live(
             clock=clock,
             gnss=TripReplay(trip, begin_s=begin_s),
             show=say,
+            truth_m=truth_m,
         )
     asyncio.run(_run_all(nodes, duration))
     return 0

@@ -54,8 +54,8 @@ class SafetyOptions:
     burst
         Mean lengths of loss bursts [s], several after one another; 0 for losses one by one.
     losses
-        Logs whose losses are replayed, several after one another: BsmP1 of Safety Pilot, events of New York.
-        Without --per they are the only losses.
+        Logs whose losses are replayed, several after one another: BsmP1 of Safety Pilot, events of New York,
+        captures (pcap, pcapng). Without --per they are the only losses.
     sensors
         What vehicles see of themselves, by name, several after one another: default (1 cm), ins, gnss and
         the others of 'modelcast evaluate --sensor'.

@@ -19,7 +19,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import Origin
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 
-__all__ = ["DEMO_S", "demo_trips"]
+__all__ = ["DEMO_S", "demo_trips", "place_at"]
 
 DEMO_S = 600.0
 """How long the drive lasts [s]."""
@@ -48,6 +48,25 @@ def demo_trips() -> Mapping[str, Trajectory]:
     found = {name: _following(name, t_s, place) for place, name in enumerate(names)}
     found["crossing"] = _crossing(t_s)
     return MappingProxyType(found)
+
+
+def place_at(trip: Trajectory, t_s: float) -> tuple[float, float]:
+    """Where a drive is at a time, between two samples on the line that joins them: east and north [m].
+
+    Parameters
+    ----------
+    trip
+        The drive.
+    t_s
+        Since it began; outside, its ends [s].
+
+    Examples
+    --------
+    >>> [round(one, 3) for one in place_at(demo_trips()["leader"], 0.05)]
+    [0.0, 0.7]
+    """
+    place_m = [float(np.interp(t_s, trip.t_s, trip.position_m[:, axis])) for axis in (0, 1)]
+    return place_m[0], place_m[1]
 
 
 def _crossing(t_s: FloatArray) -> Trajectory:

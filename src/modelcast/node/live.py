@@ -30,7 +30,7 @@ from modelcast.node.multicast import MulticastTransport
 from modelcast.node.node import Node, NodeState
 from modelcast.node.plane import HeldTransport, Plane, place_in
 from modelcast.node.run import Lateness, run_node
-from modelcast.node.showing import Showing, figures_of, figures_of_recorder
+from modelcast.node.showing import Showing, Truth, figures_of, figures_of_recorder
 from modelcast.node.subscribers import Subscribers
 from modelcast.runtime.transport.base import AbstractTransport
 from modelcast.station.sender.sender import Sender
@@ -103,6 +103,8 @@ class LiveNode:
         Where places come from, instead of the configuration's source.
     show
         Takes the address of the page, once.
+    truth_m
+        As in `modelcast.node.showing.Showing`.
     """
 
     def __init__(
@@ -114,10 +116,11 @@ class LiveNode:
         clock: SteeredClock | None = None,
         gnss: AbstractSource | None = None,
         show: Callable[[str], None] | None = None,
+        truth_m: Truth | None = None,
     ) -> None:
         self._config, self._sender, self._journal, self._show = config, sender, journal, show
         self._clock = SystemClock() if clock is None else clock
-        self._gnss = gnss
+        self._gnss, self._truth_m = gnss, truth_m
         self._takers: list[_Taker] = []
         self._roads: list[Callable[[], None]] = []
         self.late = Lateness()
@@ -282,7 +285,7 @@ class LiveNode:
         stop: asyncio.Event,
         plane: Plane,
     ) -> None:
-        showing = Showing(node)
+        showing = Showing(node, self._truth_m)
         written = None if self._recorded is None else _written(self._recorded, self._journal)
         ended, settled = asyncio.Event(), False
 

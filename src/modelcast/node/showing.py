@@ -1,7 +1,7 @@
 """What the page and the figures say of a node, from its state after a step."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from modelcast.dashboard.snapshot import AHEAD_S, Host, Snapshot, WarningShown, remotes_of
@@ -12,7 +12,10 @@ from modelcast.node.run import Lateness
 if TYPE_CHECKING:
     from modelcast.node.recording.recorder import Recorder
 
-__all__ = ["Showing", "figures_of", "figures_of_recorder"]
+__all__ = ["Showing", "Truth", "figures_of", "figures_of_recorder"]
+
+Truth = Callable[[float], Mapping[int, tuple[float, float]]]
+"""Gives true places on the node's plane at a time [s], by temporary id [m]."""
 
 _SHARES = (0.5, 0.99)
 
@@ -24,10 +27,12 @@ class Showing:
     ----------
     node
         Which.
+    truth_m
+        Gives where vehicles are at a time, by temporary id, where that is known; None where nobody knows.
     """
 
-    def __init__(self, node: Node) -> None:
-        self._node = node
+    def __init__(self, node: Node, truth_m: Truth | None = None) -> None:
+        self._node, self._truth_m = node, truth_m
         self._begun_s: dict[tuple[str, int], float] = {}
 
     def snapshot(self, state: NodeState) -> Snapshot:
@@ -48,6 +53,8 @@ class Showing:
             speed_mps=own.speed_mps,
             inputs=own.mode,
         )
+        vehicles: list[int] = state.around.vehicle.tolist()
+        heard = node.station.deliveries(state.around.vehicle, state.t_s)
         return Snapshot(
             state.t_s,
             host,
@@ -56,12 +63,15 @@ class Showing:
                 node.station.paths(state.t_s, AHEAD_S),
                 state.t_s,
                 model_names=node.station.model_names,
+                messages=dict(zip(vehicles, heard.received.tolist(), strict=True)),
+                loss_ratio=dict(zip(vehicles, heard.loss_ratio.tolist(), strict=True)),
+                truth_m=None if self._truth_m is None else self._truth_m(state.t_s),
             ),
             warnings=tuple(
                 WarningShown(level, kind, vehicle, self._begun_s[kind, vehicle])
                 for (kind, vehicle), level in said.items()
             ),
-            counters=node.meter.counters(state.t_s),
+            counters=node.meter.counters(state.t_s, loss_ratio=heard.total_loss_ratio),
         )
 
 

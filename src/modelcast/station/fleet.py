@@ -17,6 +17,7 @@ from modelcast.station.context.knowledge import Knowledge
 from modelcast.station.context.road import NO_ROADS
 from modelcast.station.context.road_kernels import Roads
 from modelcast.station.policy.neighbours import neighbour_tables
+from modelcast.station.receiver.deliveries import Deliveries, deliveries_of
 from modelcast.station.receiver.ears import Ears
 from modelcast.station.receiver.local_dynamic_map import Beliefs
 from modelcast.station.sender.message_arrays import MESSAGES_KEPT, SENDER_BITS, contents, outbox, sent_tally
@@ -292,6 +293,20 @@ class Fleet:
             How much later, (H,) [s].
         """
         return self._ears.map.paths(self._heard[self._slot_of(vehicle)], t_s, ahead_s)
+
+    def deliveries(self, vehicle: int, remotes: IntArray, t_s: float) -> Deliveries:
+        """How many of the messages of some remotes one vehicle has heard of late.
+
+        Parameters
+        ----------
+        vehicle
+            The host.
+        remotes
+            Their temporary ids, (N,).
+        t_s
+            Now, from the newest message on [s].
+        """
+        return deliveries_of(self._tables, self._slot_of(vehicle), remotes, t_s)
 
     @property
     def model_names(self) -> tuple[tuple[str, ...], ...]:

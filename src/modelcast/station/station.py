@@ -7,6 +7,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.geodesy import Origin, geodetic_to_local
 from modelcast.station.fleet import Fleet, Sending
+from modelcast.station.receiver.deliveries import Deliveries
 from modelcast.station.receiver.ears import Ears
 from modelcast.station.receiver.local_dynamic_map import Beliefs
 from modelcast.station.sender.sender import Sender
@@ -140,6 +141,16 @@ class Station:
             As in `Fleet.paths`.
         """
         return self._fleet.paths(self.temporary_id, t_s, ahead_s)
+
+    def deliveries(self, remotes: IntArray, t_s: float) -> Deliveries:
+        """How many of the messages of some remotes it has heard of late.
+
+        Parameters
+        ----------
+        remotes, t_s
+            As in `Fleet.deliveries`.
+        """
+        return self._fleet.deliveries(self.temporary_id, remotes, t_s)
 
     @property
     def model_names(self) -> tuple[tuple[str, ...], ...]:

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import FloatMatrix, FloatVector, Int16Matrix, IntVector, Layout
+from modelcast.core.kernel_types import FloatMatrix, FloatVector, Int16Matrix, IntMatrix, IntVector, Layout
 
 __all__ = [
     "HOST_TYPE",
@@ -27,6 +27,7 @@ __all__ = [
     "SlotMatrix",
     "count",
     "count_each",
+    "delivered_each",
     "find",
     "forget",
     "hear",
@@ -232,8 +233,8 @@ def hear(
 
 
 @kernel(inlined=True)
-def _packet_error_ratio(held: Slot, number: int, kept: int) -> float:
-    """Ratio of one remote over the sub-intervals before ``number``; NaN for fewer than two messages."""
+def _delivered(held: Slot, number: int, kept: int) -> tuple[int, int]:
+    """Messages of one remote in the sub-intervals before ``number``: (received, sent by their counts)."""
     newest = held.newest
     received, first, last = 0, 0, 0
     oldest = max(number, newest) - kept + 1
@@ -246,10 +247,16 @@ def _packet_error_ratio(held: Slot, number: int, kept: int) -> float:
             last = int(held.last[at])
             received += here
         at = at + 1 if at + 1 < kept else 0
-    if received < 2:
-        return np.nan
-    expected = 1 + ((last - first) & (MESSAGE_COUNTS - 1))
-    return max(expected - received, 0) / expected
+    if received == 0:
+        return 0, 0
+    return received, max(1 + ((last - first) & (MESSAGE_COUNTS - 1)), received)
+
+
+@kernel(inlined=True)
+def _packet_error_ratio(held: Slot, number: int, kept: int) -> float:
+    """Ratio of one remote over the sub-intervals before ``number``; NaN for fewer than two messages."""
+    received, expected = _delivered(held, number, kept)
+    return (expected - received) / expected if received > 1 else np.nan
 
 
 @kernel(inlined=True)
@@ -309,6 +316,27 @@ def survey(
                 ratios += 1
                 total += ratio
     return near, total / ratios if ratios > 0 else np.nan
+
+
+@kernel
+def delivered_each(
+    hosts: HostVector,
+    slots: SlotMatrix,
+    index: Int16Matrix,
+    host: int,
+    remote: IntVector,
+    t_s: float,
+    sub_interval_s: float,
+    out: IntMatrix,
+) -> None:
+    """Messages of K remotes in the sub-intervals that are over: received, and sent by counts, (K, 2)."""
+    number = _sub_interval(t_s, hosts[host].phase_s, sub_interval_s)
+    for k in range(remote.size):
+        slot = find(slots, index, host, remote[k])
+        if slot == _EMPTY:
+            out[k, 0], out[k, 1] = 0, 0
+        else:
+            out[k, 0], out[k, 1] = _delivered(slots[host, slot], number, hosts[host].kept)
 
 
 @kernel

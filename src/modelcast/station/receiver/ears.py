@@ -24,6 +24,7 @@ from modelcast.models.bank import Bank
 from modelcast.models.calibration import Calibration
 from modelcast.station.banks import BASELINE_BANK, profile_number_of
 from modelcast.station.policy.neighbours_kernels import NeighbourTables, hear_each
+from modelcast.station.receiver.deliveries import SHORT_ID, SUB_INTERVAL_S
 from modelcast.station.receiver.heard import Heard, HeardKind
 from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap, MapState, Receipt
 from modelcast.station.receiver.plausibility import Plausibility
@@ -31,8 +32,6 @@ from modelcast.station.receiver.plausibility import Plausibility
 __all__ = ["Ears"]
 
 _NOTHING = -1
-_SUB_INTERVAL_S = 1.0
-_SHORT_ID = 2**31 - 1
 _PLAIN = StationCodec.of(BASELINE_BANK, 0, "never")
 """Of a host that holds no profile."""
 
@@ -248,10 +247,10 @@ def _count(tables: NeighbourTables, host: int, heard: Heard, receipts: IntArray)
     hear_each(
         *tables,
         np.full(told.size, host),
-        heard.temporary_id[told] & _SHORT_ID,
+        heard.temporary_id[told] & SHORT_ID,
         heard.message_count[told],
         heard.received_s[told],
         np.ascontiguousarray(heard.position_m[told]),
-        _SUB_INTERVAL_S,
+        SUB_INTERVAL_S,
         np.empty(told.size, dtype=np.int64),
     )
