@@ -313,7 +313,11 @@ async def _subscribers(node: Node, path: str) -> AsyncGenerator[Callable[[NodeSt
             subscribers.publish(snapshot_text(showing.snapshot(state)))
 
     async with server:
-        yield publish
+        try:
+            yield publish
+        finally:
+            server.close()
+            await subscribers.close()
 
 
 async def _follow(clock: SystemClock) -> None:
