@@ -1,12 +1,17 @@
-# modelcast: `make demo` and `make test` are all a newcomer needs; both create .venv by themselves.
+# modelcast: `make demo`, `make demo-live` and `make test` are all a newcomer needs; each creates .venv by themselves.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo test verify check bench bench-paired mutate fuzz paper validate setup setup-dev lock clean same
+.PHONY: demo demo-live test verify check bench bench-paired mutate fuzz paper validate setup setup-dev lock clean same
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
+
+# Four nodes on this machine, and the page of one of them; DEMO_LIVE_ARGUMENTS="--headless" serves no page.
+DEMO_LIVE_ARGUMENTS ?=
+demo-live: $(VENV)/.node
+	$(BIN)/modelcast demo-live $(DEMO_LIVE_ARGUMENTS)
 
 test: check
 	$(BIN)/python -m pytest -n auto
@@ -73,6 +78,10 @@ $(VENV)/.dev: requirements-dev.lock $(VENV)/.runtime
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.lock
 	touch $@
 
+$(VENV)/.node: requirements-node.lock $(VENV)/.runtime
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-node.lock
+	touch $@
+
 # Needs uv; nothing else here does.
 lock:
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
@@ -81,6 +90,8 @@ lock:
 		pyproject.toml --group dev -o requirements-dev.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 		pyproject.toml --group fuzz -o requirements-fuzz.lock
+	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
+		pyproject.toml --group build --extra node -c requirements-dev.lock -o requirements-node.lock
 
 clean:
 	rm -rf $(VENV) out build dist

@@ -19,6 +19,8 @@ SCRIPTS = (
     "dsrc_channel.py",
     "network_loop.py",
     "safety_applications.py",
+    "node_tick.py",
+    "node_latency.py",
 )
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 

@@ -279,6 +279,24 @@ def test_a_place_that_cannot_be_written_costs_one_line(tmp_path: Path) -> None:
     assert CACHE_VARIABLE in found.stderr
 
 
+READY = """
+import numpy as np
+from fixture_package.caller import total
+print(total.is_ready, total.is_kept)
+total(np.arange(4.0))
+print(total.is_ready, total.is_kept)
+"""
+
+
+def test_whether_a_kernel_is_ready_and_kept_is_known(tmp_path: Path) -> None:
+    fixture_package(tmp_path, 2.0)
+    assert run_fixture(tmp_path, READY).stdout.splitlines() == ["False False", "True True"]
+    assert run_fixture(tmp_path, READY).stdout.splitlines() == ["False True", "True True"]
+    (tmp_path / "file").write_text("")
+    cache = tmp_path / "file" / "cache"
+    assert run_fixture(tmp_path, READY, cache=cache).stdout.splitlines() == ["False False", "True False"]
+
+
 def test_a_folder_that_others_may_write_is_not_trusted(tmp_path: Path) -> None:
     fixture_package(tmp_path, 2.0)
     cache = tmp_path / "cache"

@@ -156,8 +156,6 @@ def test_text_in_latin_letters_is_text() -> None:
         (f"{PLAIN.hex()[:10]}g{PLAIN.hex()[11:]}", "column 11: 'g' is not a hexadecimal digit"),
         (PLAIN.hex()[1:], "an odd number of hexadecimal digits: 79"),
         (f"x: {PLAIN.hex()[:-1]}", "an odd number of hexadecimal digits: 79"),
-        (base64.b64encode(PLAIN).decode(), "Base64, not hexadecimal digits"),
-        (f'"p": "{base64.b64encode(LONG).decode()}"', "column 7: Base64"),
         ("x: 0123456789abcdef, fedcba9876543210", "columns 4, 22"),
     ],
 )
@@ -167,10 +165,45 @@ def test_what_holds_no_octets_tells_why(text: str, told: str) -> None:
     assert told in piece.fault
 
 
-def test_base64_over_several_lines_is_one_fault() -> None:
-    (piece,) = pieces_of_text(base64.encodebytes(LONG).decode())
-    assert piece.place == "lines 1 to 3"
-    assert "Base64" in piece.fault
+def wrapped_base64(octets: bytes, letters: int) -> str:
+    text = base64.b64encode(octets).decode()
+    return "\n".join(text[at : at + letters] for at in range(0, len(text), letters))
+
+
+@pytest.mark.parametrize(
+    ("text", "places"),
+    [
+        (base64.b64encode(PLAIN).decode(), ["line 1"]),
+        (base64.b64encode(PLAIN).decode().rstrip("="), ["line 1"]),
+        (base64.urlsafe_b64encode(PLAIN).decode(), ["line 1"]),
+        (f'"p": "{base64.b64encode(PLAIN).decode()}"', ["line 1, column 7"]),
+        (wrapped_base64(PLAIN, 20), ["lines 1 to 3"]),
+        (wrapped_base64(PLAIN, 16) + "\n\n" + base64.b64encode(PLAIN).decode(), ["lines 1 to 4", "line 6"]),
+        ("\n".join([base64.b64encode(PLAIN).decode()] * 3), ["line 1", "line 2", "line 3"]),
+        (base64.b64encode(PLAIN).decode() + "\n" + PLAIN.hex(), ["line 1", "line 2"]),
+    ],
+)
+def test_base64_is_read_beside_digits(text: str, places: list[str]) -> None:
+    found = list(pieces_of_text(text))
+    assert [piece.place for piece in found] == places
+    assert {piece.octets for piece in found} == {PLAIN}
+
+
+def test_base64_of_other_octets_is_read_where_it_stands_alone() -> None:
+    """Of a short message with its WAVE head; inside a text such letters may be anything."""
+    octets = b"\x03\x0f\x01\xac\x01\x00" + PLAIN
+    (piece,) = pieces_of_text(base64.b64encode(octets).decode())
+    assert piece.octets == octets
+    (piece,) = pieces_of_text(f"it is {base64.b64encode(octets).decode()}")
+    assert piece.fault
+
+
+@given(st.binary(min_size=4, max_size=60))
+def test_no_base64_of_a_message_is_digits_alone(rest: bytes) -> None:
+    """So a line is one of the two, and nobody has to say which."""
+    for head in (b"\x00\x14", b"\x00\xf0", b"\x03\x80\x20\x00\x14", b"\x03\x81\x00\x40\x03\x80"):
+        text = base64.b64encode(head + rest).decode().rstrip("=")
+        assert not set("0123456789abcdefABCDEF").issuperset(text)
 
 
 @given(st.text(max_size=200) | st.text("0123456789abcdef \n:,x*{}[]|", max_size=200))

@@ -1,16 +1,18 @@
 """Claims about what goes round a node's messages."""
 
+import contextlib
 import os
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modelcast.messages.ieee1609 import encode_unsecured
+from modelcast.core.exceptions import CodecError
+from modelcast.messages.ieee1609 import encode_unsecured, unsecured_payload
 from modelcast.messages.security.authority import Authority
 from modelcast.messages.security.p256 import PrivateKey
 from modelcast.messages.security.signer import Signer, SignerState
-from modelcast.messages.wsmp import MAX_WSM_OCTETS, encode_wsm
+from modelcast.messages.wsmp import MAX_WSM_OCTETS, decode_wsm, encode_wsm
 from modelcast.node.envelope import Bare, Opened, Unsecured
 
 
@@ -52,3 +54,17 @@ def test_what_others_sign_is_opened_and_said_to_be_unverified() -> None:
     signer = Signer(key, root.issue(key.public_octets, start_s=0, duration_s=3600))
     signed, _ = signer.sign(SignerState(), b"payload", t_s=10.0)
     assert Unsecured().open(encode_wsm(signed), received_s=0.0) == Opened(b"payload", "not verified")
+
+
+@given(st.binary(min_size=1, max_size=MAX_WSM_OCTETS - 20), st.data())
+def test_a_head_with_another_octet_is_not_taken_for_ours(octets: bytes, data: st.DataObject) -> None:
+    frame = bytearray(Unsecured().wrap(octets, sent_s=0.0))
+    at = data.draw(st.integers(0, len(frame) - len(octets) - 1))
+    frame[at] ^= data.draw(st.integers(1, 255))
+    found = Unsecured().open(bytes(frame), received_s=0.0)
+    with contextlib.suppress(CodecError):
+        message = decode_wsm(bytes(frame))  # whatever is let in is what the wire's own reader reads
+        if found.why == "accepted":
+            assert (message.psid, unsecured_payload(message.payload)) == (0x20, found.octets)
+            return
+    assert found.why != "accepted"

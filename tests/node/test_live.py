@@ -8,12 +8,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.geodesy import Origin, geodetic_to_local
 from modelcast.io.write_trips import write_csv
 from modelcast.node.clock import SteeredClock
 from modelcast.node.config import Air, Gnss, Metrics, NodeConfig, Page, Pseudonyms, Subscribe
+from modelcast.node.inputs.base import AbstractSource
+from modelcast.node.inputs.samples import GnssFix, Sample
 from modelcast.node.journal import Journal
 from modelcast.node.live import LiveNode, open_transport
 from modelcast.station.sender.sender import named_sender
@@ -200,3 +204,132 @@ def test_who_listens_to_the_map_is_sent_away_at_the_end_and_nothing_is_left_unme
 
     assert run_in_virtual_time(main()).count(b"\n") <= 1
     assert unmet == []
+
+
+class Waiting(AbstractSource):
+    """A receiver that has no fix before a time, and then stands at one place."""
+
+    def __init__(self, place_deg: tuple[float, float], from_s: float) -> None:
+        self._place_deg, self._next_s = place_deg, from_s
+
+    async def start(self) -> None:
+        """Nothing to open."""
+
+    async def stop(self) -> None:
+        """Nothing to close."""
+
+    def take(self, now_s: float) -> list[Sample]:
+        """A fix every tenth of a second."""
+        found: list[Sample] = []
+        while self._next_s <= now_s:
+            at_s = self._next_s
+            latitude_deg, longitude_deg = self._place_deg
+            found.append(
+                GnssFix(
+                    received_s=at_s,
+                    measured_s=at_s,
+                    latitude_deg=latitude_deg + 1e-5 * at_s,
+                    longitude_deg=longitude_deg,
+                    speed_mps=11.0,
+                    heading_rad=0.0,
+                )
+            )
+            self._next_s += 0.1
+        return found
+
+    def counts(self) -> dict[str, int]:
+        """None."""
+        return {}
+
+
+def waiting_node(asked: NodeConfig, gnss: AbstractSource) -> tuple[LiveNode, io.StringIO]:
+    lines = io.StringIO()
+    return LiveNode(asked, SENDER, Journal(lines, lambda: 0.0), clock=VirtualClock(), gnss=gnss), lines
+
+
+def planes(lines: io.StringIO) -> list[str]:
+    return [line["found"] for line in events(lines) if line["event"] == "plane"]
+
+
+def test_a_node_without_a_place_hears_and_keeps_the_map(trip: Path) -> None:
+    """The plane begins at the first place heard; where others are is the same on the Earth."""
+    port = free_port(socket.SOCK_DGRAM)
+    speaks, told = a_node(config(trip, port=port))
+    blind, lines = waiting_node(config(trip, port=port), Waiting((0.0, 0.0), 9e9))
+    run_in_virtual_time(for_a_while(speaks, blind, seconds=8.0))
+    assert (planes(told), planes(lines)) == (["trip"], ["heard"])
+    assert blind.node is not None
+    assert blind.state is not None
+    assert speaks.state is not None
+    assert speaks.state.motion is not None
+    assert blind.origin is not None
+    assert blind.state.motion is None
+    assert blind.node.counts["sent"] == 0
+    assert blind.state.around.vehicle.tolist() == [speaks.state.temporary_id]
+    true_m = geodetic_to_local(np.array([speaks.state.motion.place_deg]), blind.origin)
+    assert np.hypot(*(blind.state.around.position_m - true_m).T)[0] < 1.0
+    # The frame that told the place is heard like any other.
+    assert blind.node.counts["heard"] == speaks.node.counts["sent"] if speaks.node else False
+
+
+def test_the_plane_begins_at_the_configured_place_or_at_the_own(trip: Path) -> None:
+    port = free_port(socket.SOCK_DGRAM)
+    asked = config(trip, port=port)
+    there = replace(asked, gnss=replace(asked.gnss, latitude_deg=48.0, longitude_deg=11.0))
+    named, first = waiting_node(there, Waiting((48.01, 11.0), 3.0))
+    own, second = waiting_node(asked, Waiting((48.01, 11.0), 3.0))
+    run_in_virtual_time(for_a_while(named, own, seconds=6.0))
+    assert named.origin == Origin(48.0, 11.0)
+    assert (planes(first), planes(second)) == (["configured"], ["own"])
+    for node in (named, own):
+        assert node.state is not None
+        assert node.state.motion is not None
+    assert own.origin is not None
+    assert own.origin.latitude_deg == pytest.approx(48.01, abs=1e-3)
+
+
+def test_a_plane_begun_far_from_the_own_place_is_left(trip: Path) -> None:
+    """Whoever forges a first message, or moves a vehicle by ship, silences nobody."""
+    asked = config(trip, port=free_port(socket.SOCK_DGRAM))
+    there = replace(asked, gnss=replace(asked.gnss, latitude_deg=-33.0, longitude_deg=151.0))
+    node, lines = waiting_node(there, Waiting((48.0, 11.0), 3.0))
+    run_in_virtual_time(for_a_while(node, seconds=8.0))
+    assert planes(lines) == ["configured", "own"]
+    assert node.node is not None
+    assert node.state is not None
+    assert node.state.motion is not None
+    assert abs(np.array(node.state.motion.position_m)).max() < 100.0
+    assert node.node.counts["sent"] > 0
+
+
+def test_figures_page_and_map_answer_before_any_place_is_known(trip: Path, tmp_path: Path) -> None:
+    ports = [free_port(socket.SOCK_STREAM) for _ in range(2)]
+    place = tmp_path / "map.sock"
+    asked = config(
+        trip,
+        port=free_port(socket.SOCK_DGRAM),
+        metrics=Metrics(port=ports[0]),
+        page=Page(on=True, port=ports[1]),
+        subscribe=Subscribe(path=str(place)),
+    )
+    node, _ = waiting_node(asked, Waiting((48.0, 11.0), 9e9))
+
+    async def look() -> tuple[bytes, bytes, bytes]:
+        stop = asyncio.Event()
+        running = asyncio.create_task(node.run(stop))
+        await asyncio.sleep(1.0)
+        figures, page = await get(ports[0], "/metrics"), await get(ports[1], "/")
+        reader, writer = await asyncio.open_unix_connection(str(place))
+        line = await reader.readline()
+        writer.close()
+        stop.set()
+        await running
+        return figures, page, line
+
+    figures, page, line = run_in_virtual_time(look())
+    assert node.node is None
+    for told in ("modelcast_silent 1", 'modelcast_mode{mode="silent"} 1', "modelcast_fix_age_seconds +Inf"):
+        assert f"\n{told}\n" in figures.decode()
+    assert page.startswith(b"HTTP/1.1 200")
+    shown = json.loads(line)
+    assert (shown["host"], shown["remotes"]["id"]) == (None, [])

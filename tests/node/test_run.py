@@ -107,6 +107,43 @@ def test_a_frame_is_heard_as_it_comes_not_at_the_next_step() -> None:
         assert run_in_virtual_time(main()) == pytest.approx([0.53, 0.57])
 
 
+@pytest.mark.parametrize(("costs_s", "waits_s"), [(0.0005, 0.0035), (0.001, 0.007), (0.02, 0.01)])
+def test_what_comes_while_frames_have_just_been_heard_waits_in_proportion_to_what_that_took(
+    costs_s: float, waits_s: float
+) -> None:
+    near, far = socket.socketpair(type=socket.SOCK_DGRAM)
+    at_s = 0.51 + 0.0001 * np.arange(300)
+
+    class Slow(Paired):
+        """Takes its time, and notes when by the loop's."""
+
+        def __init__(self, clock: LoopClock, end: socket.socket) -> None:
+            super().__init__(clock, end)
+            self.heard_s: list[float] = []
+
+        def receive(self, until_s: float) -> list[Arrival]:
+            found = super().receive(until_s)
+            if found:
+                self.heard_s.append(asyncio.get_running_loop().time())
+                self.clock.spend(costs_s)
+            return found
+
+    async def main() -> list[float]:
+        clock, stop, loop = LoopClock(), asyncio.Event(), asyncio.get_running_loop()
+        for one_s in at_s.tolist():
+            loop.call_at(loop.time() + one_s, far.send, b"frame")
+        loop.call_later(0.59, stop.set)
+        transport = Slow(clock, near)
+        await run_node(a_node(transport), clock, parked, tick_s=TICK_S, stop=stop, fileno=near.fileno())
+        assert len(transport.taken_s) == at_s.size
+        return transport.heard_s
+
+    with near, far:
+        heard_s = run_in_virtual_time(main())
+    assert heard_s[0] == pytest.approx(0.51)
+    assert np.diff(heard_s[:-1]) == pytest.approx(waits_s, abs=2e-4)
+
+
 def test_a_step_that_takes_too_long_costs_those_that_it_covers_and_no_more() -> None:
     late, states, near, far = Lateness(), list[NodeState](), *socket.socketpair(type=socket.SOCK_DGRAM)
 

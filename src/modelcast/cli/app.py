@@ -37,6 +37,7 @@ COMMANDS = (
     "decode",
     "encode",
     "node",
+    "prepare",
     "demo-live",
     "view",
     "doctor",

@@ -18,9 +18,10 @@ def decode(source: Source, *, json: bool = False, profile: Path | None = None) -
     Parameters
     ----------
     source
-        Hexadecimal digits; or a file of them: one message a line, wrapped, dumped by xxd, hexdump or od, an
-        array, or behind labels; or a binary file of messages; or - for the standard input. Messages may stand
-        one after another, in an unsecured IEEE 1609.2 SPDU, or behind other octets; what is not read is told.
+        Hexadecimal digits or Base64; or a file of them: one message a line, wrapped, dumped by xxd, hexdump
+        or od, an array, or behind labels; or a binary file of messages, or a capture (pcap, pcapng); or - for
+        the standard input. Messages may stand one after another, in an unsecured IEEE 1609.2 SPDU, or behind
+        other octets; what is not read is told.
     json
         Print one JSON document a line instead of tables, in SI units; `modelcast encode` reads them back.
     profile

@@ -46,6 +46,8 @@ def demo_live(
     import io
 
     from modelcast.cli.node import sender_of_config
+    from modelcast.cli.prepare import rehearsed
+    from modelcast.cli.progress import watching
     from modelcast.cli.terminal import say
     from modelcast.core.exceptions import ConfigError
     from modelcast.node.clock import SystemClock
@@ -64,6 +66,9 @@ def demo_live(
         raise ConfigError(f"--policy must be of {', '.join(SENDERS)}, got {policy!r}")
     if not (0 <= port < 2**16 and 0 < udp_port < 2**16):
         raise ConfigError(f"--port and --udp-port must be from 0 to 65535, got {port} and {udp_port}")
+    sender = sender_of_config(NodeConfig(sending=Sending(policy=policy)))
+    with watching("getting ready") as announce:
+        rehearsed(NodeConfig(), sender, announce=announce)
     clock = SystemClock()
     begin_s = clock.now_s() + 1.0
     nodes: dict[str, LiveNode] = {}
@@ -76,7 +81,7 @@ def demo_live(
         )
         nodes[name] = LiveNode(
             config,
-            sender_of_config(config),
+            sender,
             Journal(io.StringIO(), lambda: 0.0),
             clock=clock,
             gnss=TripReplay(trip, begin_s=begin_s),

@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     import asyncio
 
     from modelcast.node.config import NodeConfig
+    from modelcast.node.journal import Journal
     from modelcast.node.live import LiveNode
     from modelcast.station.sender.sender import Sender
 
@@ -71,9 +72,31 @@ def node(
         say(f"{'the defaults' if config is None else config}: all is as it should be")
         return 0
     journal = Journal(io.StringIO() if quiet else sys.stderr, time.time)
+    _get_ready(asked, sender, journal)
     live = LiveNode(asked, sender, journal, show=say)
     asyncio.run(_run(live, duration))
     return 0
+
+
+def _get_ready(config: "NodeConfig", sender: "Sender", journal: "Journal") -> None:
+    """Load what the node runs before it opens anything; on a cold cache that takes a while, and is told."""
+    from modelcast.cli.kernel_cache import kernel_cache
+    from modelcast.cli.prepare import rehearsed
+
+    told: list[str] = []
+
+    def announce(label: str) -> None:
+        if not told:
+            why = "compiled code is not in the cache: this start takes a minute or two"
+            place, remedy = str(kernel_cache().place), "run modelcast prepare beforehand, as the node's user"
+            journal.note("compiling", {"why": why, "place": place, "remedy": remedy})
+        told.append(label)
+
+    met = rehearsed(config, sender, announce=announce)
+    what: dict[str, object] = {"kernels": met.ready, "compiled": len(met.compiled), "took_s": met.took_s}
+    if met.unkept:
+        what |= {"not_kept": len(met.unkept), "remedy": "set MODELCAST_CACHE_DIR to a folder of its user"}
+    journal.note("ready", what)
 
 
 async def _run(live: "LiveNode", duration_s: float) -> None:

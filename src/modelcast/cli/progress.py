@@ -20,7 +20,7 @@ from modelcast.cli.terminal import error_console
 from modelcast.core.printable import printable
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["busy", "counted", "staged", "watched"]
+__all__ = ["busy", "counted", "staged", "watched", "watching"]
 
 
 @contextmanager
@@ -80,6 +80,28 @@ def counted(label: str, *, quiet: bool) -> Generator[Callable[[int, int], None]]
 
     def show(done: int, steps: int) -> None:
         bar.update(task, completed=done, total=steps)
+
+    with bar:
+        yield show
+
+
+@contextmanager
+def watching(label: str) -> Generator[Callable[[str], None]]:
+    """Yield a function that takes names of what is being done, whose number nobody knows beforehand.
+
+    Parameters
+    ----------
+    label
+        What is being done.
+    """
+    bar = _bar(label, quiet=False, steps=False)
+    task = bar.add_task(label, total=None, note="")
+    done = 0
+
+    def show(name: str) -> None:
+        nonlocal done
+        done += 1
+        bar.update(task, note=f"{done}: {printable(name)}")
 
     with bar:
         yield show

@@ -29,4 +29,7 @@ def owned(values: Any, dtype: Any = np.float64) -> Any:
     >>> owned(every_other).flags.c_contiguous, owned(every_other.copy()) is every_other
     (True, False)
     """
-    return np.require(values, dtype, ["C", "W"])
+    given: Any = values
+    if isinstance(values, np.ndarray) and given.dtype == dtype and given.flags.carray:
+        return given
+    return np.require(given, dtype, ["C", "W"])

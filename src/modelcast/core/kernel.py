@@ -112,6 +112,17 @@ class Kernel(registry.CPUDispatcher):  # type: ignore[misc]
         except TypeError as error:
             raise TypeError(f"{self.label}: {error}") from None
 
+    @property
+    def is_ready(self) -> bool:
+        """Whether it was loaded or compiled, so that Python calls it without delay."""
+        return self._own is not None
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether the next process finds it in the cache."""
+        file = _file_of(self, _Own.suffix)
+        return file is not None and file.read() is not None
+
     def ready(self) -> Any:
         """Load or compile, once, what Python calls; returns Numba's result."""
         if self._own is None:

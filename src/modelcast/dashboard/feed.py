@@ -123,6 +123,12 @@ class LiveFeed(AbstractFeed):
         for slot in self._slots:
             slot.put("snapshot", self._newest)
 
+    def forget_road(self) -> None:
+        """Draw the road anew, as where the plane has changed."""
+        self._seen, self._road = SeenPaths(), None
+        for slot in self._slots:
+            slot.put("road", road_text([]))
+
     def attach(self, slot: LatestSlot) -> None:
         """Begin to give the road and the newest snapshot."""
         self._slots.add(slot)

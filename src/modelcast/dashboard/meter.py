@@ -1,5 +1,6 @@
 """Messages and bytes a second, over the last moments; time is an argument."""
 
+import math
 from collections import Counter
 
 import numpy as np
@@ -89,7 +90,7 @@ class MessageMeter:
         loss_ratio, channel_busy_ratio
             As in `Counters`.
         """
-        newest = int(np.floor(t_s / _BIN_S + 1e-6))
+        newest = math.floor(t_s / _BIN_S + 1e-6)
         rows = [row for at, row in self._held.items() if newest - self._bins < at <= newest]
         sent, sent_bytes, received, received_bytes = (
             sum(row[column] for row in rows) / (self._bins * _BIN_S) for column in range(4)
@@ -105,7 +106,7 @@ class MessageMeter:
         )
 
     def _count(self, t_s: float, column: int, frame_bytes: int) -> None:
-        at = int(np.floor(t_s / _BIN_S + 1e-6))
+        at = math.floor(t_s / _BIN_S + 1e-6)
         row = self._held.get(at)
         if row is None:
             row = self._held[at] = [0, 0, 0, 0]

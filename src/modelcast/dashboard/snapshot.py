@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
+from typing import Final
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from modelcast.station.station import Station
 
 __all__ = [
     "AHEAD_S",
+    "NOBODY",
     "Counters",
     "Host",
     "Remotes",
@@ -111,6 +113,26 @@ class Remotes:
                 raise ValueError(f"{name} must have shape {shape}, got {getattr(self, name).shape}")
         if count and not (self.model.min() >= 0 and self.model.max() < len(self.names)):
             raise ValueError(f"model must be from 0 to {len(self.names) - 1}, one of the names")
+
+
+NOBODY: Final = Remotes(
+    np.zeros(0, dtype=np.int64),
+    np.zeros((0, 2)),
+    heading_rad=np.zeros(0),
+    speed_mps=np.zeros(0),
+    semi_axes_m=np.zeros((0, 2)),
+    angle_rad=np.zeros(0),
+    ahead_s=AHEAD_S,
+    path_m=np.zeros((0, AHEAD_S.size, 2)),
+    names=("Part I",),
+    model=np.zeros(0, dtype=np.int64),
+    age_s=np.zeros(0),
+    silent_s=np.zeros(0),
+    messages=np.zeros(0),
+    loss_ratio=np.zeros(0),
+    error_m=np.zeros(0),
+)
+"""What a host knows of others before it hears any."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,8 +20,11 @@ class HeardLinks:
         Vehicles, or files of one, that logged their own messages: of them nothing is lost, on no radio.
     uncounted
         Messages heard without a time or a count.
+    skipped
+        What else of the log was not taken as it is, in words with numbers.
     """
 
     links: Sequence[LinkRecord]
     own: int
     uncounted: int
+    skipped: tuple[str, ...] = ()

@@ -5,6 +5,7 @@ Format          What tells losses
 ==============  =============================================================================
 ``spmd-bsm``    ``GenTime``, ``MsgCount``, ``TxRandom`` of rows whose RxDevice is not TxDevice
 ``nyc-cvpd``    ``T_s``, ``msgCnt`` of the vehicles that the event's host heard
+``pcap``        ``secMark``, ``msgCnt`` of the messages in a capture, pcap or pcapng
 ==============  =============================================================================
 """
 
@@ -19,6 +20,7 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.core.printable import printable
 from modelcast.io.heard_links import HeardLinks
 from modelcast.io.nyc_losses import read_event_links
+from modelcast.io.pcap_losses import read_capture_links
 from modelcast.io.registry import get_reader
 from modelcast.io.regular import sha256_of
 from modelcast.io.spmd_losses import UNCOUNTED_COLUMNS, read_bsm_links
@@ -27,13 +29,13 @@ from modelcast.io.text_head import file_head, first_lines, split_fields
 __all__ = ["LOSS_FORMATS", "LossLog", "read_loss_logs"]
 
 LOSS_FORMATS: Mapping[str, Callable[[str], HeardLinks]] = MappingProxyType(
-    {"spmd-bsm": read_bsm_links, "nyc-cvpd": read_event_links}
+    {"spmd-bsm": read_bsm_links, "nyc-cvpd": read_event_links, "pcap": read_capture_links}
 )
 """Formats that tell what was lost, and what reads their links."""
 
 _REMEDY = (
     "Name a log of what one vehicle heard of others, with counts of messages: BsmP1 of Safety Pilot with "
-    "rows whose RxDevice is not TxDevice, or an event of New York."
+    "rows whose RxDevice is not TxDevice, an event of New York, or a capture (pcap) of what a radio heard."
 )
 
 
@@ -76,7 +78,8 @@ class LossLog:
             (self.heard.own, "log", " of own messages"),
         ]
         shown = [f"{_several(count, word)}{more}" for count, word, more in left if count]
-        return text + (f"; not replayed: {', '.join(shown)}" if shown else "")
+        text += f"; not replayed: {', '.join(shown)}" if shown else ""
+        return text + (f"; met: {', '.join(self.heard.skipped)}" if self.heard.skipped else "")
 
 
 def _several(count: int, word: str) -> str:

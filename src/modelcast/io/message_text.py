@@ -1,4 +1,4 @@
-r"""Octets in text: digits one message a line, wrapped, dumped with offsets, as an array, or behind labels.
+r"""Octets in text: digits one message a line, wrapped, dumped, as an array, in Base64, or behind labels.
 
 ==========================  ==================================================================================
 lines                       read as
@@ -7,19 +7,19 @@ digits only                 octets; blanks, ``: - , ;``, ``0x`` and ``\x`` betwe
 digits that go on           one run, where a line's own head announces more octets than it holds (``xxd -p``)
 offsets in front            one run (`octet_dumps`)
 ``{0x00, 0x14, ...}``       one run (`octet_dumps`)
+Base64                      one run, over lines that go on (`base64_text`); beside other text too
 digits among other text     each run that begins as a message does; a single run in any case
 blank, or ``#`` in front    nothing
-anything else               a fault that names the first character that is no digit, or Base64
+anything else               a fault that names the first character that is no digit
 ==========================  ==================================================================================
 """
 
 import ast
-import base64
-import binascii
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from modelcast.io.base64_text import encoded_lines, encoded_run
 from modelcast.io.octet_dumps import array_at, dump_at
 from modelcast.messages.sequence import announced_octets, begins_a_message, is_message
 
@@ -31,20 +31,13 @@ _RUN = re.compile(r"(?<![0-9A-Za-z_])(?:0[xX])?([0-9A-Fa-f]{16,})(?![0-9A-Za-z_]
 _SPACED_RUN = re.compile(
     r"(?<![0-9A-Za-z_])(?:0[xX])?[0-9A-Fa-f]{2}(?:[ ,:\-]{1,2}(?:0[xX])?[0-9A-Fa-f]{2}){7,}(?![0-9A-Za-z_])"
 )
-_BASE64 = re.compile(r"(?<![0-9A-Za-z+/_\-])[0-9A-Za-z+/_\-]{16,}={0,2}(?![0-9A-Za-z+/=])")
 _BEGINNING = re.compile(r"0?|00|001|00f|(?:0014|00f0)[0-9a-f]{0,3}|0[23][0-9a-f]{0,20}", re.IGNORECASE)
 """Digits that may begin a message and are too few to tell."""
 
-_BASE64_LINE = re.compile(r"[0-9A-Za-z+/_\-]+={0,2}")
 _BYTES = re.compile(
     r"(?<![0-9A-Za-z_])b(?:'(?:[^'\\]|\\[\\'\"nrt]|\\x[0-9a-f]{2})+'|\"(?:[^\"\\]|\\[\\'\"nrt]|\\x[0-9a-f]{2})+\")"
 )
 """Octets as Python prints them."""
-
-_LEAST_FOREIGN = 0.2
-"""Share of letters that are no hexadecimal digits, from which on a run is Base64; three in four there."""
-
-_LEAST_BASE64 = 40
 
 _HEX = frozenset("0123456789abcdefABCDEF")
 
@@ -98,10 +91,13 @@ def pieces_of_text(text: str) -> Iterator[Piece]:
             joined, stop = _wrapped(lines, at, digits)
             yield _piece(_place(at, stop), joined)
             at = stop
-        else:
-            stop = _encoded_lines(lines, at)
-            yield from _labelled(lines[at], _place(at, stop))
+        elif (encoded := encoded_lines(lines, at)) is not None:
+            octets, stop = encoded
+            yield _piece(_place(at, stop), octets.hex())
             at = stop
+        else:
+            yield from _labelled(lines[at], _place(at, at + 1))
+            at += 1
 
 
 def _place(at: int, stop: int) -> str:
@@ -204,15 +200,6 @@ def _whole(digits: str) -> bool:
     return bool(count) and count <= len(octets) and is_message(octets[:count])
 
 
-def _encoded_lines(lines: Sequence[str], at: int) -> int:
-    """Line behind those of Base64 that begin at a line; the next where it is anything else."""
-    stop = at + 1
-    if _BASE64.fullmatch(lines[at].strip()) and _encoded(lines[at]) is not None:
-        while stop < len(lines) and _BASE64_LINE.fullmatch(lines[stop].strip()):
-            stop += 1
-    return stop
-
-
 def _labelled(line: str, place: str) -> Iterator[Piece]:
     """Yield the runs of digits in a line with other text, or what is wrong with it."""
     runs = [(found.start(1), found[1]) for found in _RUN.finditer(line)]
@@ -220,13 +207,11 @@ def _labelled(line: str, place: str) -> Iterator[Piece]:
         runs = [(found.start(), _digits(found[0]) or "") for found in _SPACED_RUN.finditer(line)]
     chosen = [run for run in runs if _begins(run[1])] or runs
     written = _BYTES.search(line)
-    encoded = None if any(_begins(run) for _, run in runs) else _encoded(line)
+    encoded = None if any(_begins(run) for _, run in runs) else encoded_run(line)
     if written is not None:
         yield _piece(f"{place}, column {written.start() + 1}", ast.literal_eval(written[0]).hex())
     elif encoded is not None:
-        yield Piece(
-            place, fault=f"column {encoded}: Base64, not hexadecimal digits: decode it first (base64 -d)"
-        )
+        yield _piece(f"{place}, column {encoded.column + 1}", encoded.octets.hex())
     elif not chosen:
         yield Piece(place, fault=_no_digit(line))
     elif len(chosen) > 1 and not _begins(chosen[0][1]):
@@ -244,20 +229,3 @@ def _no_digit(line: str) -> str:
         if letter not in _HEX and not letter.isspace():
             return f"column {column}: '{letter}' is not a hexadecimal digit"
     return "not an even number of hexadecimal digits"
-
-
-def _encoded(line: str) -> int | None:
-    """Column of a run of Base64 that begins as a message does, or of a line that is nothing else."""
-    for found in _BASE64.finditer(line):
-        run = found[0]
-        foreign = sum(letter not in _HEX for letter in run.rstrip("="))
-        if foreign < _LEAST_FOREIGN * len(run):
-            continue  # digits with a slip of the pen
-        plain = run.rstrip("=").replace("-", "+").replace("_", "/")
-        try:
-            octets = base64.b64decode(plain + "=" * (-len(plain) % 4), validate=True)
-        except (binascii.Error, ValueError):
-            continue
-        if begins_a_message(octets) or (run == line.strip() and len(run) >= _LEAST_BASE64):
-            return found.start() + 1
-    return None

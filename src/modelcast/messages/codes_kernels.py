@@ -26,6 +26,7 @@ __all__ = [
     "decoded_parameters",
     "decoded_rows",
     "instant_of",
+    "instants_of",
     "motion_codes",
     "motion_rows",
     "quantise_parameters",
@@ -184,3 +185,10 @@ def instant_of(code: int, near_s: float, minute_s: float) -> float:
     """Return the instant [s] that a code stands for: of all minutes the one next to ``near_s``."""
     mark_s = code / 1000.0
     return minute_s + _MINUTE_S * np.rint((near_s - minute_s - mark_s) / _MINUTE_S) + mark_s
+
+
+@kernel
+def instants_of(codes: IntVector, near_s: FloatVector, minute_s: float, instants_s: FloatVector) -> None:
+    """Write the instants [s] that codes stand for, each next to its ``near_s``, (B,) all."""
+    for row in range(codes.size):
+        instants_s[row] = instant_of(codes[row], near_s[row], minute_s)

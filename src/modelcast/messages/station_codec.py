@@ -6,7 +6,7 @@ again has the same bits as what the sender holds (`codes_kernels.quantise_parame
 """
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Final
 
 import numpy as np
@@ -206,6 +206,23 @@ class StationCodec:
     carries_all: bool
     plain: tuple[bool, ...]
     plain_place: int = -1
+    _wire: update_kernels.UpdateWire = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        table = self.table
+        wire = update_kernels.UpdateWire(
+            table.rows,
+            table.offsets,
+            table.wire,
+            table.wire_offsets,
+            CORE_LAYOUT,
+            np.array(self.plain),
+            self.carries_all,
+            BASIC_SAFETY_MESSAGE,
+            LOCAL_REGION,
+            self.profile.number,
+        )
+        object.__setattr__(self, "_wire", wire)
 
     @classmethod
     def of(cls, bank: Bank, number: int, identify: str) -> "StationCodec":
@@ -301,7 +318,7 @@ class StationCodec:
             owned(codes[:, : len(CORE_FIELDS)], np.int64),
             owned(codes[:, len(CORE_FIELDS) :], np.int64),
         )
-        update_kernels.pack_updates(self._wire(), owned(rows.in_use, np.int64), core, own, frames, lengths)
+        update_kernels.pack_updates(self._wire, owned(rows.in_use, np.int64), core, own, frames, lengths)
         return frames, lengths
 
     def decode(
@@ -325,7 +342,7 @@ class StationCodec:
         codes = np.zeros((size, len(self.table.names)), np.int64)
         reading, in_use = np.zeros(size, np.int64), np.zeros(size, np.int64)
         given = owned(frames, np.uint8), owned(lengths, np.int64)
-        update_kernels.unpack_updates(self._wire(), *given, reading, in_use, core, codes)
+        update_kernels.unpack_updates(self._wire, *given, reading, in_use, core, codes)
         faults: list[tuple[int, CodecError]] = []
         for row in np.flatnonzero(reading == update_kernels.ELSE).tolist():
             core[row], codes[row], in_use[row] = 0, 0, -1
@@ -345,11 +362,14 @@ class StationCodec:
         known = (core >= CORE_MEANING[:, FIRST]) & (core <= CORE_MEANING[:, LAST])
         reading[(reading != UpdateReading.FAULTY) & ~known[:, _NEEDED].all(axis=1)] = UpdateReading.INCOMPLETE
         in_use[in_use < 0] = self.plain_place if any(self.plain) else -1
-        marks = zip(core[:, _MARK].tolist(), received_s.tolist(), strict=True)
+        instants_s = np.empty(size)
+        codes_kernels.instants_of(
+            owned(core[:, _MARK], np.int64), owned(received_s), float(minute_s), instants_s
+        )
         rows = UpdateRows(
             core[:, _ID],
             core[:, _COUNT],
-            np.array([codes_kernels.instant_of(mark, at_s, minute_s) for mark, at_s in marks]),
+            instants_s,
             place=core[:, _PLACE],
             in_use=in_use,
             parameters=self.table.decoded(core, codes),
@@ -374,21 +394,6 @@ class StationCodec:
             in_use,
             carries_all=self.carries_all,
             codes=tuple(tuple(own[bounds[m] : bounds[m + 1]]) for m in carried),
-        )
-
-    def _wire(self) -> update_kernels.UpdateWire:
-        table = self.table
-        return update_kernels.UpdateWire(
-            table.rows,
-            table.offsets,
-            table.wire,
-            table.wire_offsets,
-            CORE_LAYOUT,
-            np.array(self.plain),
-            self.carries_all,
-            BASIC_SAFETY_MESSAGE,
-            LOCAL_REGION,
-            self.profile.number,
         )
 
 

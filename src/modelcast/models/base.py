@@ -8,6 +8,7 @@ these same two functions by their addresses, so a new model needs no change else
 """
 
 import abc
+import functools
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
@@ -27,6 +28,7 @@ __all__ = [
     "PointFunctions",
     "Stream",
     "Windows",
+    "made_functions",
 ]
 
 
@@ -414,7 +416,7 @@ class AbstractSubModel(AbstractMotionModel):
         given = windows.samples.shape[1]
         if given < self.window:
             raise ValueError(f"{self.name} needs windows of {self.window} samples, got {given}")
-        ready = self.point_functions(windows.dt_s)
+        ready = made_functions(self, windows.dt_s)
         first = given - self.window if ready.stream is None else 0
         samples = np.ascontiguousarray(windows.samples[:, first:], dtype=np.float64)
         out = np.empty((samples.shape[0], len(self.parameter_names)))
@@ -425,7 +427,7 @@ class AbstractSubModel(AbstractMotionModel):
     def predict(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
         """Mean displacement from the window's last sample, (B, H, 2) [m]."""
         parameters = self.checked(parameters)
-        ready = self.point_functions(dt_s)
+        ready = made_functions(self, dt_s)
         horizons_s = np.ascontiguousarray(horizons_s, dtype=np.float64)
         out = np.empty((parameters.shape[0], horizons_s.size, 2))
         point_kernels.predict_batch(
@@ -442,7 +444,7 @@ class AbstractSubModel(AbstractMotionModel):
     def predict_at(self, parameters: FloatArray, ages_s: FloatArray, *, dt_s: float) -> FloatArray:
         """Mean displacement of each row at its own age, (B, 2) [m]."""
         parameters = self.checked(parameters, ages_s)
-        ready = self.point_functions(dt_s)
+        ready = made_functions(self, dt_s)
         ages_s = np.ascontiguousarray(ages_s, dtype=np.float64)
         out = np.empty((parameters.shape[0], 2))
         point_kernels.predict_each(
@@ -455,3 +457,35 @@ class AbstractSubModel(AbstractMotionModel):
             out,
         )
         return out
+
+
+def made_functions(member: AbstractSubModel, dt_s: float) -> PointFunctions:
+    """Point functions of a sub-model for a sampling interval, made once.
+
+    Parameters
+    ----------
+    member
+        The sub-model.
+    dt_s
+        Sampling interval [s].
+    """
+    return _functions(_Same(member), dt_s)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Same:
+    """A sub-model by identity: telling whether two are equal costs as much as making their tables."""
+
+    member: AbstractSubModel
+
+    def __hash__(self) -> int:
+        return id(self.member)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and other.member is self.member
+
+
+@functools.lru_cache(maxsize=64)
+def _functions(same: _Same, dt_s: float) -> PointFunctions:
+    """Point functions of a member, made once for an interval."""
+    return same.member.point_functions(dt_s)

@@ -1,14 +1,13 @@
 """A bank made ready for one sampling interval, and its members as compiled loops take them."""
 
-import functools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.models.bank import Bank
-from modelcast.models.base import AbstractSubModel, PointFunctions
+from modelcast.models.base import PointFunctions, made_functions
 from modelcast.models.context_columns import CONTEXT_COLUMNS
 from modelcast.models.member_kernels import Members
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
@@ -45,6 +44,11 @@ class ReadyBank:
     windows: IntArray
     offsets: IntArray
     trust: FloatArray
+    _members: Members | None = field(default=None, init=False, repr=False, compare=False)
+
+    def __reduce__(self) -> tuple[type["ReadyBank"], tuple[object, ...]]:
+        """Leave addresses behind: in another process they mean nothing."""
+        return ReadyBank, (self.functions, self.windows, self.offsets, self.trust)
 
     @classmethod
     def of(cls, bank: Bank, dt_s: float) -> "ReadyBank":
@@ -57,7 +61,7 @@ class ReadyBank:
         dt_s
             Sampling interval [s].
         """
-        functions = tuple(_functions(_Same(member), dt_s) for member in bank.members)
+        functions = tuple(made_functions(member, dt_s) for member in bank.members)
         return cls(functions, bank.windows, bank.offsets, bank.trust)
 
     @classmethod
@@ -94,7 +98,13 @@ class ReadyBank:
 
     @property
     def members(self) -> Members:
-        """What compiled loops take; it means something in this process alone."""
+        """What compiled loops take, made once; it means something in this process alone."""
+        if self._members is None:
+            object.__setattr__(self, "_members", self._made_members())
+        assert self._members is not None  # noqa: S101 - just made
+        return self._members
+
+    def _made_members(self) -> Members:
         column = self.state_column
         constants = [one.reading_context(SAMPLE_COLUMNS) for one in self.functions]
         bounds = np.cumsum([0] + [one.size for one in constants], dtype=np.int64)
@@ -117,22 +127,3 @@ class ReadyBank:
             streams=streams,
             absorbs=np.array([one.absorb_address for one in self.functions], dtype=np.int64),
         )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Same:
-    """A sub-model by identity: telling whether two are equal costs as much as making their tables."""
-
-    member: AbstractSubModel
-
-    def __hash__(self) -> int:
-        return id(self.member)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and other.member is self.member
-
-
-@functools.lru_cache(maxsize=64)
-def _functions(same: _Same, dt_s: float) -> PointFunctions:
-    """Point functions of a member, made once for an interval."""
-    return same.member.point_functions(dt_s)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-from modelcast.core.rules import Each, Flag, Number, Text, Whole, check_fields
+from modelcast.core.rules import Each, Flag, Maybe, Number, Text, Whole, check_fields
 from modelcast.node.multicast import GROUP, LOOPBACK, PORT
 from modelcast.node.toml_file import read_tables
 from modelcast.station.sender.sender import SENDERS
@@ -94,12 +94,22 @@ class Gnss(_Table):
         Longest age of a fix that is used, whatever its period [s].
     dead_reckoning_s
         How long a place may be reckoned from the vehicle's bus alone [s]; then the node falls silent.
+    latitude_deg, longitude_deg
+        Where the map's plane begins, both or none: near where the vehicle is, so that the node hears before
+        it knows its own place [deg].
     """
 
     source: Annotated[str, Text(400)] = "gpsd://127.0.0.1:2947"
     speed: Annotated[float, Number(0.0, 1000.0, over=True)] = 1.0
     stale_s: Annotated[float, Number(0.0, 10.0, over=True)] = 1.0
     dead_reckoning_s: Annotated[float, Number(0.0, 120.0)] = 5.0
+    latitude_deg: Annotated[float | None, Maybe(Number(-90.0, 90.0))] = None
+    longitude_deg: Annotated[float | None, Maybe(Number(-180.0, 180.0))] = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if (self.latitude_deg is None) != (self.longitude_deg is None):
+            raise ValueError("latitude_deg and longitude_deg are given both or not at all")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,7 +4,7 @@ import asyncio
 import secrets
 from collections.abc import AsyncGenerator, Callable, Coroutine
 from contextlib import AsyncExitStack, asynccontextmanager
-from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import entry_points
 from typing import Any
 
@@ -14,6 +14,7 @@ from modelcast.apps.registry import get_application
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import Origin
 from modelcast.dashboard.document import snapshot_text
+from modelcast.dashboard.snapshot import NOBODY, Snapshot
 from modelcast.node.clock import AbstractClock, SteeredClock, SystemClock
 from modelcast.node.config import Air, NodeConfig, Page
 from modelcast.node.envelope import Unsecured
@@ -24,9 +25,11 @@ from modelcast.node.inputs.opening import bus_source, gnss_source
 from modelcast.node.inputs.replay import TripReplay
 from modelcast.node.journal import Journal
 from modelcast.node.lossy import LossyTransport
+from modelcast.node.measuring import Measuring
 from modelcast.node.metrics import Metric, serve_metrics
 from modelcast.node.multicast import MulticastTransport
 from modelcast.node.node import Node, NodeState
+from modelcast.node.plane import HeldTransport, Plane, place_in
 from modelcast.node.pseudonyms import Pseudonyms
 from modelcast.node.run import Lateness, run_node
 from modelcast.node.showing import Showing, figures_of
@@ -42,6 +45,9 @@ _UNWATCHED_STEPS = 10
 """Where nobody looks at the page, the road is still drawn, at every so many steps."""
 
 _STOPPING_S = 0.5
+
+_Taker = Callable[[Callable[[], Snapshot]], None]
+"""Takes what makes a snapshot, and calls it if somebody looks."""
 
 
 def open_transport(air: Air, clock: AbstractClock) -> AbstractTransport:
@@ -79,25 +85,6 @@ def _opened(air: Air, clock: AbstractClock) -> AbstractTransport:
     return transport
 
 
-@dataclass(slots=True)
-class _Inputs:
-    """Sources, and what aligns them."""
-
-    sources: tuple[AbstractSource, ...]
-    motion: MotionSource
-    journal: Journal
-
-    def at(self, now_s: float) -> Motion | None:
-        """The own motion at a step's instant; what changed is written down."""
-        for source in self.sources:
-            self.motion.feed(source.take(now_s))
-        found = self.motion.at(now_s)
-        for change in self.motion.events():
-            what = {"what": change.what, "before": change.before, "after": change.after, "why": change.why}
-            self.journal.note("inputs", what)
-        return found
-
-
 class LiveNode:
     """A node on a real clock.
 
@@ -130,12 +117,14 @@ class LiveNode:
         self._config, self._sender, self._journal, self._show = config, sender, journal, show
         self._clock = SystemClock() if clock is None else clock
         self._gnss = gnss
+        self._takers: list[_Taker] = []
+        self._roads: list[Callable[[], None]] = []
         self.late = Lateness()
         """How late steps began."""
         self.state: NodeState | None = None
         """After the last step."""
         self.node: Node | None = None
-        """None until it knows where it is."""
+        """None until its plane begins (`modelcast.node.plane`); another one where it begins anew."""
         self.origin: Origin | None = None
         """Of its plane; None until then."""
 
@@ -154,7 +143,7 @@ class LiveNode:
         """
         config, clock = self._config, self._clock
         async with AsyncExitStack() as stack:
-            transport = open_transport(config.air, clock)
+            transport = HeldTransport(open_transport(config.air, clock))
             stack.callback(transport.close)
             inputs = await stack.enter_async_context(self._inputs())
             if isinstance(clock, SystemClock):
@@ -162,22 +151,26 @@ class LiveNode:
             if config.metrics.port:
                 try:
                     server = await serve_metrics(
-                        self._figures, host=config.metrics.host, port=config.metrics.port
+                        lambda: self._figures(inputs), host=config.metrics.host, port=config.metrics.port
                     )
                 except OSError as error:
                     place = f"{config.metrics.host}:{config.metrics.port}"
                     raise ConfigError(f"[metrics] cannot listen on {place}: {error.strerror}") from error
                 await stack.enter_async_context(server)
             self._journal.note("start", {"name": config.vehicle.name, "policy": config.sending.policy})
-            if await self._placed(inputs, stop):
-                await self._go(inputs, transport, stop, stack)
+            if config.page.on:
+                self._takers.append(await stack.enter_async_context(self._page(config.page)))
+            if config.subscribe.path:
+                self._takers.append(await stack.enter_async_context(_subscribers(config.subscribe.path)))
+            while not stop.is_set() and (plane := await self._placed(inputs, transport, stop)) is not None:
+                await self._go(inputs, transport, stop, plane)
             self._journal.note("stop", dict(self.node.counts) if self.node is not None else {})
 
     @asynccontextmanager
-    async def _inputs(self) -> AsyncGenerator[_Inputs]:
+    async def _inputs(self) -> AsyncGenerator[Measuring]:
         config, clock = self._config, self._clock
-        sources = [
-            gnss_source(
+        sources = {
+            "gnss": gnss_source(
                 config.gnss.source,
                 now_s=clock.now_s,
                 utc_at_zero_s=clock.minute_utc_s,
@@ -185,61 +178,82 @@ class LiveNode:
             )
             if self._gnss is None
             else self._gnss
-        ]
+        }
         if config.can.interface:
-            sources.append(
-                bus_source(
-                    interface=config.can.interface,
-                    channel=config.can.channel,
-                    dbc=config.can.dbc,
-                    signals=config.can.signals,
-                    now_s=clock.now_s,
-                )
+            sources["can"] = bus_source(
+                interface=config.can.interface,
+                channel=config.can.channel,
+                dbc=config.can.dbc,
+                signals=config.can.signals,
+                now_s=clock.now_s,
             )
         # A recorded trip is driven again on its own plane: its places are the recorded ones to the bit.
-        origin = sources[0].origin if isinstance(sources[0], TripReplay) else None
+        fixes = sources["gnss"]
+        origin = fixes.origin if isinstance(fixes, TripReplay) else None
         motion = MotionSource(
             origin, stale_s=config.gnss.stale_s, dead_reckoning_s=config.gnss.dead_reckoning_s
         )
         started: list[AbstractSource] = []
         try:
-            for source in sources:
+            for source in sources.values():
                 await source.start()
                 started.append(source)
-            yield _Inputs(tuple(sources), motion, self._journal)
+            yield Measuring(sources, motion, self._journal)
         finally:
             for source in started:
                 await source.stop()
 
-    async def _placed(self, inputs: _Inputs, stop: asyncio.Event) -> bool:
-        """Wait for the first place, which the plane of the map begins at; False where it is told to stop."""
+    async def _placed(self, inputs: Measuring, transport: HeldTransport, stop: asyncio.Event) -> Plane | None:
+        """Wait for a place that the plane of the map begins at; None where it is told to stop."""
         while not stop.is_set():
-            if inputs.at(self._clock.now_s()) is not None:
-                return True
+            now_s = self._clock.now_s()
+            plane = self._plane(inputs, transport, now_s)
+            if plane is not None:
+                where = {
+                    "latitude_deg": plane.origin.latitude_deg,
+                    "longitude_deg": plane.origin.longitude_deg,
+                }
+                self._journal.note("plane", {**where, "found": plane.found})
+                return plane
+            self._show_all(lambda at_s=now_s: Snapshot(at_s, None, remotes=NOBODY))
             try:
                 async with asyncio.timeout(self._config.sending.tick_s):
                     await stop.wait()
             except TimeoutError:
                 continue
-        return False
+        return None
+
+    def _plane(self, inputs: Measuring, transport: HeldTransport, now_s: float) -> Plane | None:
+        """Where the plane begins, if any place is known."""
+        gnss, motion = self._config.gnss, inputs.motion
+        if motion.origin is not None and self.node is None:
+            return Plane(motion.origin, "trip")
+        placed = inputs.at(now_s) is not None
+        if placed and motion.origin is not None:
+            return Plane(motion.origin, "own")
+        if self.node is None and gnss.latitude_deg is not None and gnss.longitude_deg is not None:
+            return Plane(Origin(gnss.latitude_deg, gnss.longitude_deg), "configured")
+        for arrival in transport.peek(now_s):
+            if (place := place_in(arrival.octets)) is not None:
+                return Plane(place, "heard")
+        return None
 
     async def _go(
-        self, inputs: _Inputs, transport: AbstractTransport, stop: asyncio.Event, stack: AsyncExitStack
+        self, inputs: Measuring, transport: AbstractTransport, stop: asyncio.Event, plane: Plane
     ) -> None:
+        """Run on a plane until told to stop, or until the own first place is far from where it begins."""
         config = self._config
-        origin = inputs.motion.origin
-        assert origin is not None  # noqa: S101 - a place was found
-        self.origin = origin
+        self.origin = inputs.motion.origin = plane.origin
         rng = np.random.default_rng(secrets.randbits(128))
         names = Pseudonyms(config.pseudonyms.least_s, config.pseudonyms.most_s, rng)
         station = Station(
             self._sender,
             temporary_id=names.temporary_id,
             dt_s=config.sending.tick_s,
-            origin=origin,
+            origin=plane.origin,
             seed=secrets.randbits(63),
         )
-        self.node = node = Node(
+        node = Node(
             station,
             transport,
             Unsecured(),
@@ -248,30 +262,45 @@ class LiveNode:
             pseudonyms=names,
             watch=self._journal.note,
         )
-        takers: list[Callable[[NodeState], None]] = [self._keep]
-        if config.page.on:
-            takers.append(await stack.enter_async_context(self._page(node, config.page)))
-        if config.subscribe.path:
-            takers.append(await stack.enter_async_context(_subscribers(node, config.subscribe.path)))
+        if self.node is not None:
+            node.counts.update(self.node.counts)
+            for forget in self._roads:
+                forget()
+        self.node = node
+        showing = Showing(node)
+        ended, settled = asyncio.Event(), False
+
+        def measure(now_s: float) -> Motion | None:
+            nonlocal settled
+            motion = inputs.at(now_s)
+            if motion is not None and not settled:
+                settled = True
+                if plane.is_far(motion.position_m):
+                    inputs.motion.origin = None
+                    ended.set()
+                    return None
+            return motion
 
         def publish(state: NodeState) -> None:
-            for take in takers:
-                take(state)
+            self.state = state
+            self._show_all(cache(lambda: showing.snapshot(state)))
 
-        await run_node(
-            node, self._clock, inputs.at, tick_s=config.sending.tick_s, stop=stop,
-            fileno=transport.fileno(), publish=publish, lateness=self.late,
-        )  # fmt: skip
+        async with _running(_passed_on(stop, ended)):
+            await run_node(
+                node, self._clock, measure, tick_s=config.sending.tick_s, stop=ended,
+                fileno=transport.fileno(), publish=publish, lateness=self.late,
+            )  # fmt: skip
 
-    def _keep(self, state: NodeState) -> None:
-        self.state = state
+    def _show_all(self, make: Callable[[], Snapshot]) -> None:
+        for take in self._takers:
+            take(make)
 
-    def _figures(self) -> list[Metric]:
-        return [] if self.node is None else list(figures_of(self.node, self.state, self.late))
+    def _figures(self, inputs: Measuring) -> list[Metric]:
+        return [*figures_of(self.node, self.state, self.late), *inputs.figures()]
 
     @asynccontextmanager
-    async def _page(self, node: Node, page: Page) -> AsyncGenerator[Callable[[NodeState], None]]:
-        """Serve the page; gives what takes states."""
+    async def _page(self, page: Page) -> AsyncGenerator[_Taker]:
+        """Serve the page; gives what takes snapshots."""
         from modelcast.dashboard.feed import LiveFeed  # noqa: PLC0415 - the extra is needed here
         from modelcast.dashboard.gate import Gate, is_loopback  # noqa: PLC0415
         from modelcast.dashboard.server import listen, page_server  # noqa: PLC0415
@@ -281,11 +310,12 @@ class LiveNode:
                 f"[page] host {page.host} is reached by other machines: give a token of 16 characters or more"
             )
         gate = Gate(page.token if not is_loopback(page.host) else "")
-        feed, showing = LiveFeed(self._config.vehicle.name), Showing(node)
+        feed = LiveFeed(self._config.vehicle.name)
+        self._roads.append(feed.forget_road)
 
-        def publish(state: NodeState) -> None:
+        def publish(make: Callable[[], Snapshot]) -> None:
             if feed.watched or self.late.count % _UNWATCHED_STEPS == 0:
-                feed.publish(showing.snapshot(state))
+                feed.publish(make())
 
         with listen(page.host, page.port, gate) as place:
             host, port = place.getsockname()[:2]
@@ -300,17 +330,17 @@ class LiveNode:
 
 
 @asynccontextmanager
-async def _subscribers(node: Node, path: str) -> AsyncGenerator[Callable[[NodeState], None]]:
-    """Serve the map to other programs; gives what takes states."""
-    subscribers, showing = Subscribers(), Showing(node)
+async def _subscribers(path: str) -> AsyncGenerator[_Taker]:
+    """Serve the map to other programs; gives what takes snapshots."""
+    subscribers = Subscribers()
     try:
         server = await subscribers.serve(path)
     except OSError as error:
         raise ConfigError(f"[subscribe] cannot listen at {path}: {error.strerror or error}") from error
 
-    def publish(state: NodeState) -> None:
+    def publish(make: Callable[[], Snapshot]) -> None:
         if subscribers.watched:
-            subscribers.publish(snapshot_text(showing.snapshot(state)))
+            subscribers.publish(snapshot_text(make()))
 
     async with server:
         try:
@@ -325,6 +355,12 @@ async def _follow(clock: SystemClock) -> None:
     while True:
         await asyncio.sleep(_FOLLOW_S)
         clock.follow_system()
+
+
+async def _passed_on(stop: asyncio.Event, ended: asyncio.Event) -> None:
+    """Let one event set another."""
+    await stop.wait()
+    ended.set()
 
 
 @asynccontextmanager

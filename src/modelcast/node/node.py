@@ -203,8 +203,8 @@ class Node:
             self.counts["sent"] += 1
             self.counts["sent_octets"] += len(frame)
 
-    def hear(self, now_s: float) -> None:
-        """Take in what has arrived.
+    def hear(self, now_s: float) -> int:
+        """Take in what has arrived, and return how many frames that were.
 
         Parameters
         ----------
@@ -213,27 +213,36 @@ class Node:
         """
         arrived = self._transport.receive(now_s)
         if not arrived:
-            return
+            return 0
         octets: list[bytes] = []
         received_s: list[float] = []
+        opened_as: Counter[str] = Counter()
+        refused_as: Counter[str] = Counter()
         for one in arrived:
             self.meter.received(one.received_s, len(one.octets))
-            self.counts["heard"] += 1
             self.counts["heard_octets"] += len(one.octets)
             opened = self._envelope.open(one.octets, received_s=one.received_s)
             if opened.octets is None:
-                self.meter.refused(opened.why)
-                self.counts[f"refused: {opened.why}"] += 1
+                refused_as[opened.why] += 1
             else:
-                self.counts[f"opened: {opened.why}"] += 1
+                opened_as[opened.why] += 1
                 octets.append(opened.octets)
                 received_s.append(one.received_s)
+        self.counts["heard"] += len(arrived)
+        for why, times in opened_as.items():
+            self.counts[f"opened: {why}"] += times
+        for why, times in refused_as.items():
+            self.counts[f"refused: {why}"] += times
+            self.meter.refused(why, times)
         receipts = self.station.hear(octets, received_s=received_s)
-        for receipt, times in zip(*np.unique(receipts, return_counts=True), strict=True):
-            reason = Receipt(int(receipt)).reason
-            self.counts[f"receipt: {reason}"] += int(times)
+        for receipt, times in enumerate(np.bincount(receipts).tolist()):
+            if not times:
+                continue
+            reason = Receipt(receipt).reason
+            self.counts[f"receipt: {reason}"] += times
             if receipt != Receipt.ACCEPTED:
-                self.meter.refused(reason, int(times))
+                self.meter.refused(reason, times)
+        return len(arrived)
 
     def _warnings(self, motion: Motion | None, around: Beliefs) -> tuple[Warned, ...]:
         """What applications say; begins and ends are told."""

@@ -16,6 +16,12 @@ __all__ = ["Lateness", "run_node"]
 
 _KEPT = 4096
 
+_TOGETHER_S = 0.01
+"""Frames that arrive this soon after others have been heard wait for each other at most [s]."""
+
+_REST = 7.0
+"""Times as long as a hearing took, what arrives next waits: hearing takes an eighth of the time at most."""
+
 
 @final
 class Lateness:
@@ -81,7 +87,8 @@ async def run_node(
     stop
         Set from outside.
     fileno
-        Socket that frames arrive at, to hear them as they come; None to hear at every step alone.
+        Socket that frames arrive at, to hear them as they come, those of a flood together; None to
+        hear at every step alone.
     publish
         Takes the state after every step.
     lateness
@@ -91,11 +98,7 @@ async def run_node(
     late = Lateness() if lateness is None else lateness
     sender = _Sender(node, clock, loop)
 
-    def hear() -> None:
-        node.hear(clock.now_s())
-
-    if fileno is not None:
-        loop.add_reader(fileno, hear)
+    ear = None if fileno is None else _Ear(node, clock, loop, fileno)
     number = math.floor(clock.now_s() / tick_s) + 1
     try:
         while not await _until(clock, number * tick_s, stop):
@@ -110,8 +113,8 @@ async def run_node(
                 publish(state)
             number += 1
     finally:
-        if fileno is not None:
-            loop.remove_reader(fileno)
+        if ear is not None:
+            ear.cancel()
         sender.cancel()
 
 
@@ -127,6 +130,39 @@ async def _until(clock: AbstractClock, due_s: float, stop: asyncio.Event) -> boo
     # Whoever has no time to wait still lets others run.
     await asyncio.sleep(0)
     return stop.is_set()
+
+
+class _Ear:
+    """Hears frames as they arrive, and in a flood those of some milliseconds together.
+
+    A frame costs little beside a call: a hundred at once are ten times cheaper than one at a time.
+    """
+
+    def __init__(
+        self, node: Node, clock: AbstractClock, loop: asyncio.AbstractEventLoop, fileno: int
+    ) -> None:
+        self._node, self._clock, self._loop, self._fileno = node, clock, loop, fileno
+        self._handle: asyncio.TimerHandle | None = None
+        self._listen()
+
+    def _listen(self) -> None:
+        self._handle = None
+        self._loop.add_reader(self._fileno, self._hear)
+
+    def _hear(self) -> None:
+        begin_s = self._clock.now_s()
+        if not self._node.hear(begin_s):
+            return
+        took_s = self._clock.now_s() - begin_s
+        self._loop.remove_reader(self._fileno)
+        self._handle = self._loop.call_later(min(_REST * took_s, _TOGETHER_S), self._listen)
+
+    def cancel(self) -> None:
+        """Hear no more."""
+        if self._handle is not None:
+            self._handle.cancel()
+        else:
+            self._loop.remove_reader(self._fileno)
 
 
 class _Sender:

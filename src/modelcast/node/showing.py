@@ -1,5 +1,6 @@
 """What the page and the figures say of a node, from its state after a step."""
 
+from collections import Counter
 from collections.abc import Iterator
 
 from modelcast.dashboard.snapshot import AHEAD_S, Host, Snapshot, WarningShown, remotes_of
@@ -60,19 +61,19 @@ class Showing:
         )
 
 
-def figures_of(node: Node, state: NodeState | None, late: Lateness) -> Iterator[Metric]:
+def figures_of(node: Node | None, state: NodeState | None, late: Lateness) -> Iterator[Metric]:
     """The figures of a node for Prometheus.
 
     Parameters
     ----------
     node
-        Which.
+        Which; None before its plane begins.
     state
         After its last step; None before the first.
     late
         How late its steps began.
     """
-    counts = node.counts
+    counts = Counter[str]() if node is None else node.counts
     for name, text in (
         ("sent", "Frames handed to the transport."),
         ("heard", "Frames that arrived."),

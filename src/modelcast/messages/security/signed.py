@@ -38,6 +38,7 @@ __all__ = [
     "MAX_SPDU_OCTETS",
     "SignedMessage",
     "decode_signed",
+    "payload_of_signed",
     "signed_octets",
     "signed_part",
 ]
@@ -186,7 +187,33 @@ def signed_octets(data: bytes) -> int | None:
     return reader.position
 
 
-def _read(reader: CoerReader) -> SignedMessage:
+def payload_of_signed(data: bytes) -> bytes:
+    """The payload of a signed message, whatever stands behind it: other headers, certificates of any kind.
+
+    So what is sent with implicit certificates or linkage data, which are not read, can still be looked at.
+
+    Parameters
+    ----------
+    data
+        One message; octets behind its payload are not looked at.
+
+    Raises
+    ------
+    CodecError
+        Where they do not begin as such a message, or are more than `MAX_SPDU_OCTETS`.
+
+    Examples
+    --------
+    >>> message = SignedMessage(5, b"payload", signer=bytes(8), signature=bytes(64))
+    >>> payload_of_signed(message.octets[:-80] + bytes(200))
+    b'payload'
+    """
+    if len(data) > MAX_SPDU_OCTETS:
+        raise CodecError(f"{len(data)} octets, more than {MAX_SPDU_OCTETS}", 8 * MAX_SPDU_OCTETS)
+    return _read_payload(CoerReader(data))
+
+
+def _read_payload(reader: CoerReader) -> bytes:
     reader.one_of((3,), "IEEE 1609.2 data of version")
     reader.one_of((0x81,), "content of kind")
     reader.one_of((0,), "hash of kind")
@@ -197,6 +224,11 @@ def _read(reader: CoerReader) -> SignedMessage:
     payload = reader.counted()
     if not payload:
         raise CodecError("no payload", 8 * begin)
+    return payload
+
+
+def _read(reader: CoerReader) -> SignedMessage:
+    payload = _read_payload(reader)
     reader.one_of((0x40,), "header with the parts")
     begin = reader.position
     psid = reader.unsigned()

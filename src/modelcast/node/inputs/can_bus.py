@@ -72,7 +72,7 @@ class CanSource(AbstractSource):
         return self._box.take(now_s)
 
     def counts(self) -> Mapping[str, int]:
-        """Values, connections, and what was passed over: "unknown id", "bad frame", "implausible"."""
+        """Frames, values ("samples"), connections, and what was passed over by reason."""
         return self._box.counts()
 
     def hear(self, frame: can.Message) -> None:
@@ -83,6 +83,7 @@ class CanSource(AbstractSource):
         frame
             As python-can gives it.
         """
+        self._box.count("frames")
         if frame.is_error_frame or frame.is_remote_frame:
             self._box.count("error frame" if frame.is_error_frame else "remote frame")
             return

@@ -15,7 +15,7 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import CodecError
 from modelcast.core.geodesy import Origin, frame_constants
 from modelcast.core.geodesy_kernels import places_of
-from modelcast.messages.bsm_batch import values_of_codes
+from modelcast.messages.bsm_batch import OctetArray, values_of_codes
 from modelcast.messages.bsm_fields import CORE_INDEX
 from modelcast.messages.mbc_update import UpdateReading
 from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identification
@@ -122,7 +122,8 @@ class Ears:
         if arrived_s.shape != (len(octets),):
             raise ValueError(f"received_s must be ({len(octets)},), one a frame, got {arrived_s.shape}")
         receipts = np.full(len(octets), Receipt.MALFORMED, dtype=np.int64)
-        named = np.array([_message_id(one) == IDENTIFICATION_MESSAGE for one in octets], dtype=np.bool_)
+        frames, lengths = _side_by_side(octets)
+        named = _message_ids(frames, lengths) == IDENTIFICATION_MESSAGE
         # An identification counts its age from the update before it, so what came before is taken in first.
         bounds = [0, *(np.flatnonzero(named[1:] != named[:-1]) + 1).tolist(), len(octets)]
         for first, end in pairwise(bounds):
@@ -131,7 +132,11 @@ class Ears:
             if named[first]:
                 rows, heard = self._identifications(state, octets, arrived_s, range(first, end))
             else:
-                rows, heard = self._updates(octets, arrived_s, range(first, end), origin, minute_s)
+                which = slice(first, end)
+                rows, heard = self._updates(
+                    frames[which], lengths[which], arrived_s[which], origin=origin, minute_s=minute_s
+                )
+                rows += first
             state.receipts[Receipt.MALFORMED] += end - first - rows.size
             receipts[rows], state = self.map.hear(state, heard)
             if tables is not None:
@@ -139,37 +144,35 @@ class Ears:
         return receipts, state
 
     def _updates(
-        self, octets: Sequence[bytes], arrived_s: FloatArray, which: range, origin: Origin, minute_s: float
+        self, frames: OctetArray, lengths: IntArray, arrived_s: FloatArray, *, origin: Origin, minute_s: float
     ) -> tuple[IntArray, Heard]:
-        """Read basic safety messages with the first profile that knows each."""
-        own, rows = [octets[row] for row in which], np.arange(which.start, which.stop)
-        lengths = np.array([len(one) for one in own], dtype=np.int64)
-        frames = np.zeros((rows.size, max(int(lengths.max()), 1)), dtype=np.uint8)
-        for at, one in enumerate(own):
-            frames[at, : len(one)] = np.frombuffer(one, dtype=np.uint8)
-        profile = np.full(rows.size, _NOTHING)
-        read = _PLAIN.decode(frames, lengths, received_s=arrived_s[rows], minute_s=minute_s)
-        parameters = np.full((rows.size, self._widest), np.nan)
-        in_use = np.zeros(rows.size, dtype=np.int64)
-        for place, codec in enumerate(self._codecs):
-            read = codec.decode(frames, lengths, received_s=arrived_s[rows], minute_s=minute_s)
+        """Read basic safety messages with the first profile that knows each; gives the rows that are some."""
+        profile = np.full(lengths.size, _NOTHING)
+        parameters = np.full((lengths.size, self._widest), np.nan)
+        in_use = np.zeros(lengths.size, dtype=np.int64)
+        readings = [
+            codec.decode(frames, lengths, received_s=arrived_s, minute_s=minute_s)
+            for codec in self._codecs or (_PLAIN,)
+        ]
+        for place, read in enumerate(readings[: len(self._codecs)]):
             known = (read.reading == UpdateReading.MODEL) & (profile == _NOTHING)
             profile[known] = place
             parameters[known, : read.rows.parameters.shape[1]] = read.rows.parameters[known]
             in_use[known] = read.rows.in_use[known]
-        fine = ~np.isin(read.reading, (UpdateReading.FAULTY, UpdateReading.INCOMPLETE))
-        position_m = np.empty((rows.size, 2))
+        read = readings[-1]  # of Part I all say the same
+        fine = (read.reading != UpdateReading.FAULTY) & (read.reading != UpdateReading.INCOMPLETE)
+        position_m = np.empty((lengths.size, 2))
         places_of(frame_constants(origin), np.ascontiguousarray(read.rows.place), position_m)
         values = values_of_codes(read.core)
         motion = {name: values[fine, CORE_INDEX[name]] for name in _MOTION}
         kind = np.where(profile == _NOTHING, HeardKind.PLAIN, HeardKind.UPDATE)
         count = int(fine.sum())
-        return rows[fine], Heard(
+        return np.flatnonzero(fine), Heard(
             kind[fine].astype(np.int64),
             read.rows.vehicle[fine],
             read.rows.message_count[fine],
             t_s=read.rows.t_s[fine],
-            received_s=arrived_s[rows][fine],
+            received_s=arrived_s[fine],
             position_m=position_m[fine],
             speed_mps=motion["speed_mps"],
             heading_rad=motion["heading_rad"],
@@ -225,14 +228,22 @@ class Ears:
         return max((int(bank.offsets[-1]) for bank in self.map.profiles), default=0)
 
 
-def _message_id(octets: bytes) -> int:
-    """Number of a frame's kind, -1 where there is none."""
-    return int.from_bytes(octets[:2], "big") if len(octets) >= 2 else _NOTHING
+def _side_by_side(octets: Sequence[bytes]) -> tuple[OctetArray, IntArray]:
+    """Frames as rows, zeros behind each, (K, L), and how many octets of each count, (K,)."""
+    lengths = np.array([len(one) for one in octets], dtype=np.int64)
+    frames = np.zeros((lengths.size, max(int(lengths.max(initial=0)), 2)), dtype=np.uint8)
+    frames[np.arange(frames.shape[1]) < lengths[:, None]] = np.frombuffer(b"".join(octets), dtype=np.uint8)
+    return frames, lengths
+
+
+def _message_ids(frames: OctetArray, lengths: IntArray) -> IntArray:
+    """Number of each frame's kind, -1 where there is none."""
+    return np.where(lengths >= 2, 256 * frames[:, 0].astype(np.int64) + frames[:, 1], _NOTHING)
 
 
 def _count(tables: NeighbourTables, host: int, heard: Heard, receipts: IntArray) -> None:
     """Enter the remotes whose messages were believed into the tables that vehicle density is counted from."""
-    believed = np.isin(receipts, (Receipt.ACCEPTED, Receipt.REPEATED))
+    believed = (receipts == Receipt.ACCEPTED) | (receipts == Receipt.REPEATED)
     told = np.flatnonzero(believed & (heard.kind != HeardKind.IDENTIFICATION))
     hear_each(
         *tables,
