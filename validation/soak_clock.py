@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 from modelcast.cli.node import sender_of_config, stopped_by_signals
-from modelcast.node.clock import SteeredClock
+from modelcast.node.clock import SteeredClock, read_together
 from modelcast.node.config import read_config
 from modelcast.node.journal import Journal
 from modelcast.node.live import LiveNode
@@ -25,12 +25,18 @@ async def _follow(clock: SteeredClock) -> None:
         lambda: asyncio.StreamReaderProtocol(reader), sys.stdin
     )
     while line := await reader.readline():
-        clock.steer(time.monotonic(), utc_s=time.time() + float(line))
+        counted_s, utc_s = read_together(time.monotonic, time.time)
+        clock.steer(counted_s, utc_s=utc_s + float(line))
+
+
+def _clock() -> SteeredClock:
+    """As the machine's is now."""
+    counted_s, utc_s = read_together(time.monotonic, time.time)
+    return SteeredClock(utc_s - counted_s)
 
 
 async def _run(path: Path) -> None:
-    config, clock = read_config(path), SteeredClock(time.time() - time.monotonic())
-    clock.steer(time.monotonic(), utc_s=time.time())
+    config, clock = read_config(path), _clock()
     live = LiveNode(config, sender_of_config(config), Journal(sys.stderr, time.time), clock=clock)
     following = asyncio.create_task(_follow(clock))
     await live.run(stopped_by_signals(0.0))

@@ -80,7 +80,7 @@ class Stand:
         names: Sequence[str] = NAMES,
         relayed: bool = True,
     ) -> None:
-        self.names, self.rng, self._folder = tuple(names), rng, folder
+        self.names, self.rng, self.folder = tuple(names), rng, folder
         self.maps = Maps()
         self.memory: dict[str, list[tuple[float, float, float]]] = {name: [] for name in names}
         """Of each node: when [UTC, s], resident now and at most [MB]."""
@@ -105,8 +105,8 @@ class Stand:
 
     async def start(self) -> None:
         """Start everything."""
-        self._folder.mkdir(parents=True, exist_ok=True)
-        (self._folder / "bus.dbc").write_text(BUS_DBC, encoding="ascii")
+        self.folder.mkdir(parents=True, exist_ok=True)
+        (self.folder / "bus.dbc").write_text(BUS_DBC, encoding="ascii")
         self.relay.watch = self._keep_frame
         self.relay.start()
         for at, name in enumerate(self.names):
@@ -141,6 +141,19 @@ class Stand:
             for remote in remotes or self.names
             if host != remote
         )
+
+    def configure(self, name: str, tables: str) -> None:
+        """Add tables to a node's configuration, for its next start.
+
+        Parameters
+        ----------
+        name
+            The node's.
+        tables
+            TOML.
+        """
+        path = self.folder / f"{name}.toml"
+        path.write_text(path.read_text(encoding="utf-8") + tables, encoding="utf-8")
 
     async def restart(self, name: str, *, told_clock: bool = False) -> None:
         """Start a node that has ended."""
@@ -194,11 +207,11 @@ class Stand:
         return Flood(self.relay, self.names.index(victim), frames_per_s, make)
 
     def _node(self, at: int, name: str) -> NodeProcess:
-        socket_path, metrics_port = self._folder / f"{name}.sock", free_port(socket.SOCK_STREAM)
-        path = self._folder / f"{name}.toml"
+        socket_path, metrics_port = self.folder / f"{name}.sock", free_port(socket.SOCK_STREAM)
+        path = self.folder / f"{name}.toml"
         bus = (
             f'[can]\ninterface = "udp_multicast"\nchannel = "{self._bus_group}"\n'
-            f'dbc = "{self._folder / "bus.dbc"}"\nsignals = "{BUS_SIGNALS}"\n'
+            f'dbc = "{self.folder / "bus.dbc"}"\nsignals = "{BUS_SIGNALS}"\n'
         )
         path.write_text(
             f'[vehicle]\nname = "{name}"\n'
