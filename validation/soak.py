@@ -47,7 +47,7 @@ ENDS_S = 5.0
 
 _SLOPE_FROM_S, _SLOPE_LEAST_S = 60.0, 400.0
 _QUIET = ("leader", "second")
-_SETTLES_S = 60.0
+_SETTLES_S = 120.0
 _MOST_REASONS = 3
 
 

@@ -5,6 +5,7 @@ UTC plus the offset, as a service that sets clocks would do.
 """
 
 import asyncio
+import gc
 import sys
 import time
 from pathlib import Path
@@ -45,6 +46,7 @@ async def _run(path: Path) -> None:
 
 def main() -> int:
     """Run until SIGTERM."""
+    gc.freeze()
     asyncio.run(_run(Path(sys.argv[1])))
     return 0
 

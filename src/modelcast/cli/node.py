@@ -49,6 +49,7 @@ def node(
         Write no line of what happens.
     """
     import asyncio
+    import gc
     import io
     import sys
     import time
@@ -74,6 +75,8 @@ def node(
     journal = Journal(io.StringIO() if quiet else sys.stderr, time.time)
     _get_ready(asked, sender, journal)
     live = LiveNode(asked, sender, journal, show=say)
+    # What is loaded by now stays until the end; looked through for garbage it would make steps and the end late.
+    gc.freeze()
     asyncio.run(_run(live, duration))
     return 0
 
