@@ -46,6 +46,9 @@ ENDS_S = 5.0
 """Longest until a process is gone after SIGTERM; what it does within 1 s is a fault of its own."""
 
 _SLOPE_FROM_S, _SLOPE_LEAST_S = 60.0, 400.0
+_LOOKS_ON_S = 10.0
+"""So long is looked on at least, where a fault allows for more."""
+
 _QUIET = ("leader", "second")
 _SETTLES_S = 120.0
 _MOST_REASONS = 3
@@ -96,7 +99,11 @@ async def one_fault(stand: Stand, fault: Fault) -> Outcome:
         await asyncio.sleep(fault.lasts_s)
         end_s = time.time()
     counts = await stand.counts()
-    await asyncio.sleep(fault.after_s)
+    await asyncio.sleep(min(fault.after_s, _LOOKS_ON_S))
+    left_s = end_s + fault.after_s - time.time()
+    await stand.until(
+        lambda: stand.maps.recovery_s(end_s, time.time(), pairs) < math.inf, at_most_s=left_s, each_s=1.0
+    )
     stretch = stand.maps.stretch(begin_s + 0.2, end_s, pairs)
     recovery_s = stand.maps.recovery_s(end_s, time.time(), pairs)
     peak_mb = max(

@@ -169,13 +169,13 @@ class Stand:
         known = self._known[name]
         return known.inputs, known.inputs_since_s
 
-    async def until(self, true: Callable[[], bool], *, at_most_s: float) -> float:
+    async def until(self, true: Callable[[], bool], *, at_most_s: float, each_s: float = 0.02) -> float:
         """Wait until something is true; returns how long that took, infinite where it did not come [s]."""
         begin_s = time.monotonic()
         while not true():
             if time.monotonic() - begin_s > at_most_s:
                 return np.inf
-            await asyncio.sleep(0.02)
+            await asyncio.sleep(each_s)
         return time.monotonic() - begin_s
 
     async def counts(self) -> Counter[str]:

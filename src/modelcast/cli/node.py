@@ -75,7 +75,7 @@ def node(
     journal = Journal(io.StringIO() if quiet else sys.stderr, time.time)
     _get_ready(asked, sender, journal)
     live = LiveNode(asked, sender, journal, show=say)
-    # What is loaded by now stays until the end; looked through for garbage it would make steps and the end late.
+    # What is loaded by now stays: looked through for garbage it would make steps late, and the end.
     gc.freeze()
     asyncio.run(_run(live, duration))
     return 0
