@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo demo-live test verify check bench bench-paired mutate fuzz paper validate setup setup-dev lock clean same
+.PHONY: demo demo-live test verify check bench bench-paired mutate fuzz paper validate soak setup setup-dev lock clean same
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -64,6 +64,12 @@ paper: setup-dev
 SAME_ARGUMENTS ?=
 same: setup-dev
 	$(BIN)/python validation/same.py $(SAME_ARGUMENTS)
+
+# What nodes do when things go wrong, ten minutes, on this machine's loopback interface; SOAK_ARGUMENTS are the script's
+# (--short, --minutes, --only, --write).
+SOAK_ARGUMENTS ?=
+soak: setup-dev
+	$(BIN)/python validation/soak.py $(SOAK_ARGUMENTS)
 
 setup: $(VENV)/.runtime
 setup-dev: $(VENV)/.dev

@@ -1,5 +1,6 @@
 """Claims about ``modelcast node``."""
 
+import gc
 import signal
 import subprocess
 import sys
@@ -59,6 +60,18 @@ def test_it_ends_by_a_signal_with_what_it_did(trip: Path, tmp_path: Path) -> Non
         rest = process.stderr.read()
         assert process.wait(60.0) == 0
     assert '"event": "stop"' in rest
+
+
+def test_what_it_starts_with_is_not_looked_through_for_garbage(trip: Path, tmp_path: Path) -> None:
+    """Neither while it runs, when steps would be late, nor at its end."""
+    path = tmp_path / "node.toml"
+    path.write_text('[air]\ngroup = "239.255.16.79"\nport = 16795\n', encoding="utf-8")
+    gc.unfreeze()
+    try:
+        assert run(["node", str(path), "--gnss", f"trip:{trip}", "--duration", "0.2", "--quiet"]) == 0
+        assert gc.get_freeze_count() > 10_000
+    finally:
+        gc.unfreeze()
 
 
 def test_four_nodes_run_on_this_machine_and_say_what_one_believes(capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modelcast.node.clock import ManualClock, SteeredClock, SystemClock
+from modelcast.node.clock import ManualClock, SteeredClock, SystemClock, read_together
 
 
 def test_it_begins_within_a_minute_of_utc():
@@ -80,3 +80,18 @@ def test_a_clock_set_by_hand_is_not_set_back() -> None:
     with pytest.raises(ValueError, match=r"not before 4\.0"):
         clock.set(3.5)
     assert clock.now_s() == 4.0
+
+
+def test_a_clock_that_is_read_while_others_run_is_read_again() -> None:
+    """Of readings that took 50, 20 and 0.05 ms the last counts, and no more are made."""
+    counted = iter([0.0, 0.05, 1.0, 1.02, 2.0, 2.00005])
+    utc = iter([100.049, 101.0, 102.00001])
+    counted_s, utc_s = read_together(lambda: next(counted), lambda: next(utc))
+    assert utc_s - counted_s == pytest.approx(100.0, abs=5e-5)
+
+
+def test_where_a_machine_is_always_busy_the_quickest_reading_counts() -> None:
+    counted = iter([0.0, 0.5, 1.0, 1.1, 2.0, 2.9])
+    utc = iter([100.4, 101.06, 102.1])
+    counted_s, utc_s = read_together(lambda: next(counted), lambda: next(utc), most=3)
+    assert utc_s - counted_s == pytest.approx(100.0, abs=0.05)

@@ -181,6 +181,31 @@ def test_a_transport_that_is_multicast_is_made_as_the_table_says() -> None:
         open_transport(Air(interface="203.0.113.9"), VirtualClock())
 
 
+def test_who_listens_to_the_map_is_sent_away_at_the_end_and_nothing_is_left_unmet(
+    trip: Path, tmp_path: Path
+) -> None:
+    path, unmet = tmp_path / "map.sock", list[object]()
+    asked = config(trip, port=free_port(socket.SOCK_DGRAM), subscribe=Subscribe(path=str(path)))
+    node, _ = a_node(asked)
+
+    async def main() -> bytes:
+        asyncio.get_running_loop().set_exception_handler(lambda _loop, what: unmet.append(what))
+        stop = asyncio.Event()
+        running = asyncio.create_task(node.run(stop))
+        while not path.exists():  # noqa: ASYNC110 - a file tells nobody
+            await asyncio.sleep(0.1)
+        reader, writer = await asyncio.open_unix_connection(str(path), limit=2**20)
+        await reader.readline()
+        stop.set()
+        await running
+        left = await reader.read()
+        writer.close()
+        return left
+
+    assert run_in_virtual_time(main()).count(b"\n") <= 1
+    assert unmet == []
+
+
 class Waiting(AbstractSource):
     """A receiver that has no fix before a time, and then stands at one place."""
 

@@ -52,6 +52,7 @@ def node(
         Write no line of what happens.
     """
     import asyncio
+    import gc
     import io
     import sys
     import time
@@ -78,6 +79,8 @@ def node(
     journal = Journal(io.StringIO() if quiet else sys.stderr, time.time)
     _get_ready(asked, sender, journal)
     live = LiveNode(asked, sender, journal, show=say)
+    # What is loaded by now stays: looked through for garbage it would make steps late, and the end.
+    gc.freeze()
     asyncio.run(_run(live, duration))
     return 0
 

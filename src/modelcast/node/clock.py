@@ -7,9 +7,10 @@ minute, so the node's time must be UTC to some milliseconds, and a station wants
 import abc
 import math
 import time
+from collections.abc import Callable
 from typing import final
 
-__all__ = ["AbstractClock", "ManualClock", "SteeredClock", "SystemClock"]
+__all__ = ["AbstractClock", "ManualClock", "SteeredClock", "SystemClock", "read_together"]
 
 _SLEW = 0.01
 """Most that time is made to run faster or slower while an error is taken back."""
@@ -150,12 +151,50 @@ class SteeredClock(AbstractClock):
         return self.at(time.monotonic())
 
 
+def read_together(
+    counter: Callable[[], float], utc: Callable[[], float], *, within_s: float = 1e-4, most: int = 20
+) -> tuple[float, float]:
+    """Read a counter and UTC at one instant; returns both [s].
+
+    Between two readings a busy machine may run others for tens of milliseconds, and a clock set by them would
+    be wrong by as much. So the counter is read before and after, again where that took long, and of all
+    readings the quickest counts.
+
+    Parameters
+    ----------
+    counter, utc
+        What is read.
+    within_s
+        A reading as quick as this is good enough [s].
+    most
+        Readings at most.
+
+    Examples
+    --------
+    >>> counted = iter([0.0, 0.5, 1.0, 1.00002])
+    >>> utc_s = iter([100.4, 101.00001])
+    >>> read_together(lambda: next(counted), lambda: next(utc_s))
+    (1.00001, 101.00001)
+    """
+    took_s, found = math.inf, (math.nan, math.nan)
+    for _ in range(most):
+        before_s = counter()
+        utc_s = utc()
+        after_s = counter()
+        if after_s - before_s < took_s:
+            took_s, found = after_s - before_s, (before_s + (after_s - before_s) / 2.0, utc_s)
+        if took_s <= within_s:
+            break
+    return found
+
+
 @final
 class SystemClock(SteeredClock):
     """The machine's clock, which its own time service keeps; its steps are met as those of any source."""
 
     def __init__(self) -> None:
-        super().__init__(time.time() - time.monotonic())
+        counted_s, utc_s = read_together(time.monotonic, time.time)
+        super().__init__(utc_s - counted_s)
 
     def now_s(self) -> float:
         """Now, by the machine's counter steered towards its UTC [s]."""
@@ -164,4 +203,5 @@ class SystemClock(SteeredClock):
 
     def follow_system(self) -> None:
         """Steer towards what the machine takes for UTC; to be called every few seconds."""
-        self.steer(time.monotonic(), utc_s=time.time())
+        counted_s, utc_s = read_together(time.monotonic, time.time)
+        self.steer(counted_s, utc_s=utc_s)

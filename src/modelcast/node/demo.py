@@ -34,8 +34,13 @@ _SMOOTH_S = 0.4
 _CROSSES_S, _AHEAD_M, _WIDE_M = 26.0, 25.0, 120.0
 
 
-def demo_trips() -> Mapping[str, Trajectory]:
+def demo_trips(lasts_s: float = DEMO_S) -> Mapping[str, Trajectory]:
     """The drives by the names of their vehicles, on one clock.
+
+    Parameters
+    ----------
+    lasts_s
+        How long they last, positive [s].
 
     Examples
     --------
@@ -43,7 +48,7 @@ def demo_trips() -> Mapping[str, Trajectory]:
     >>> list(trips), round(trips["leader"].duration_s)
     (['leader', 'second', 'third', 'crossing'], 600)
     """
-    t_s: FloatArray = _STEP_S * np.arange(round(DEMO_S / _STEP_S) + 1, dtype=np.float64)
+    t_s: FloatArray = _STEP_S * np.arange(round(lasts_s / _STEP_S) + 1, dtype=np.float64)
     names = ("leader", "second", "third")
     found = {name: _following(name, t_s, place) for place, name in enumerate(names)}
     found["crossing"] = _crossing(t_s)
@@ -108,7 +113,7 @@ def _following(name: str, t_s: FloatArray, place: int) -> Trajectory:
 
 def _leader(t_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Speed, acceleration and way of the leader at any times, those before 0 too, (T,) each."""
-    fine_s = np.arange(round((DEMO_S + 20.0) / 0.01)) * 0.01 - 10.0
+    fine_s = np.arange(round((float(np.max(t_s)) + 20.0) / 0.01)) * 0.01 - 10.0
     phase_s = np.where(fine_s < 0.0, 0.0, fine_s % _PERIOD_S)
     down_s = (_CRUISE_MPS - _SLOW_MPS) / _BRAKES_MPS2
     braked = np.clip(phase_s - _FIRST_S, 0.0, down_s)

@@ -407,7 +407,11 @@ async def _subscribers(path: str) -> AsyncGenerator[_Taker]:
             subscribers.publish(snapshot_text(make()))
 
     async with server:
-        yield publish
+        try:
+            yield publish
+        finally:
+            server.close()
+            await subscribers.close()
 
 
 async def _follow(clock: SystemClock) -> None:

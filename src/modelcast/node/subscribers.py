@@ -27,6 +27,7 @@ class Subscribers:
 
     def __init__(self) -> None:
         self._slots: set[LatestSlot] = set()
+        self._given: set[asyncio.Task[None]] = set()
         self.refused = 0
         """Programs that came while 32 were there, or that did not read."""
 
@@ -62,9 +63,21 @@ class Subscribers:
         _remove_socket(Path(path))
         before = os.umask(0o177)
         try:
-            return await asyncio.start_unix_server(self._give, path)
+            return await asyncio.start_unix_server(self._meet, path)
         finally:
             os.umask(before)
+
+    async def close(self) -> None:
+        """Send all away; to be called once nobody new is let in."""
+        for task in self._given:
+            task.cancel()
+        await asyncio.gather(*self._given, return_exceptions=True)
+
+    def _meet(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        # A task of our own: one of asyncio's that is cancelled is told of as an error that nobody met.
+        task = asyncio.create_task(self._give(reader, writer))
+        self._given.add(task)
+        task.add_done_callback(self._given.discard)
 
     async def _give(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         if len(self._slots) >= _MOST:
