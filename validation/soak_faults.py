@@ -2,16 +2,21 @@
 
 import asyncio
 import math
+import os
 import time
 from collections.abc import AsyncGenerator, Callable, Mapping
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
-from dataclasses import KW_ONLY, dataclass, field, fields
+from dataclasses import KW_ONLY, dataclass, field
 
-from modelcast.node.config import NodeConfig
+from modelcast.messages.security.time64 import since_2004_s
+from modelcast.node.credentials import make_credentials
+from modelcast.node.envelope import Unsecured
+from modelcast.node.signed import Signed
 from modelcast.node.trials.bus_player import BusGives
 from modelcast.node.trials.gpsd_player import Gives
 from modelcast.node.trials.hostile import InventedVehicles, random_frames
 from modelcast.node.trials.impairment import CLEAR, Impairment
+from modelcast.node.trials.relay import altered
 from soak_stand import NAMES, WITH_BUS, Stand
 
 __all__ = ["FAULTS", "SHORT", "Bounds", "Fault", "Seen"]
@@ -22,6 +27,7 @@ NOMINAL_PER_S = 1000
 
 MANY_NAMES = 10_000
 _ROOM_MB = 0.1
+_FORGED, _DAY_S = 100, 86_400
 _ENDS = {"all closed after, s": 1.0, "process gone after, s": 5.0}
 """An interpreter takes a while to go after the node has closed everything, on a busy machine seconds."""
 
@@ -29,11 +35,6 @@ _STARTS_S = 55.0
 """A start is Python's and that of compiled code: some seconds, on a machine busy with others many."""
 
 _OTHERS = tuple(name for name in NAMES if name != WITH_BUS)
-
-
-def _has(table: str) -> bool:
-    """Whether a node's configuration has a table."""
-    return any(one.name == table for one in fields(NodeConfig))
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,6 +263,7 @@ async def _disk_full(stand: Stand) -> AsyncGenerator[Seen]:
     folder = stand.folder / "recordings"
     stand.configure("crossing", f'[record]\nfolder = "{folder}"\nmost_mb = {_ROOM_MB}\n')
     await stand.restart("crossing")
+    await stand.until(lambda: any(folder.rglob("*.mcap")), at_most_s=_STARTS_S)
     yield seen
     figures = await node.figures()
     seen["recording goes on"] = figures.get(("modelcast_recording", ""), math.inf)
@@ -274,6 +276,51 @@ async def _random(stand: Stand) -> AsyncGenerator[Seen]:
         return random_frames(count, stand.rng)
 
     async with stand.flood(WITH_BUS, NOMINAL_PER_S, make) as flood:
+        seen: Seen = {}
+        yield seen
+    seen["frames"] = flood.sent
+
+
+@asynccontextmanager
+async def _keys(stand: Stand) -> AsyncGenerator[Seen]:
+    """All are started anew, each with keys of one authority."""
+    start_s, authority = int(since_2004_s(time.time())) - 60, None
+    for name in stand.names:
+        await stand.nodes[name].stop()
+        folder = stand.folder / f"keys-{name}"
+        make_credentials(
+            folder, count=3, start_s=start_s, duration_s=_DAY_S, random=os.urandom, authority=authority
+        )
+        authority = authority or folder / "authority"
+        stand.configure(name, f'[security]\nmode = "signed"\nfolder = "{folder}"\n')
+        await stand.restart(name)
+    yield {}
+
+
+@asynccontextmanager
+async def _forged(stand: Stand) -> AsyncGenerator[Seen]:
+    """A hundred names a second: unsigned, signed under an authority of the forger, true frames altered."""
+    near, start_s = stand.drives[WITH_BUS].at(time.time()), int(since_2004_s(time.time())) - 60
+    crowd = InventedVehicles(_FORGED, near=near, from_utc_s=time.time(), rng=stand.rng)
+    own = make_credentials(
+        stand.folder / "forger", count=1, start_s=start_s, duration_s=_DAY_S, random=os.urandom
+    )
+    envelope, plain = Signed(own.trusted, own.own, utc_at_zero_s=0.0), Unsecured()
+    sent = 0
+
+    def make(count: int, now_s: float) -> list[bytes]:
+        nonlocal sent
+        first, sent = sent, sent + count
+        found: list[bytes] = []
+        for number in range(first, sent):
+            (frame,) = crowd.frames(range(number % _FORGED, number % _FORGED + 1), utc_s=now_s)
+            message = plain.open(frame, received_s=now_s).octets
+            signed = envelope.wrap(message or b"", sent_s=now_s)
+            true = altered(stand.frames[-1][1], stand.rng)
+            found.append((frame, signed or frame, true)[number % 3])
+        return found
+
+    async with stand.flood(WITH_BUS, float(_FORGED), make) as flood:
         seen: Seen = {}
         yield seen
     seen["frames"] = flood.sent
@@ -394,13 +441,7 @@ FAULTS: tuple[Fault, ...] = (
     ),
     Fault(
         "a full disk: a recording with room for 0.1 MB", _disk_full, 25.0, 5.0,
-        Bounds(0.4, 60.0, 3.0, seen={"recording goes on": 0.0, "recorded, MB": _ROOM_MB}),
-        skip="" if _has("record") else "this version records nothing",
-    ),
-    Fault(
-        "100 forged senders a second where keys are required",
-        _crowd(100, 100.0), 8.0, 3.0, Bounds(1.0, 2.0, 1.0, strangers=0), hosts=(WITH_BUS,),
-        skip="" if _has("security") else "this version signs nothing",
+        Bounds(0.4, 60.0, _STARTS_S, seen={"recording goes on": 0.0, "recorded, MB": _ROOM_MB}),
     ),
     Fault(
         "random octets, 1,000 frames a second to one node",
@@ -414,6 +455,14 @@ FAULTS: tuple[Fault, ...] = (
     Fault(
         "10,000 temporary ids in 5 s, and once more",
         _crowd(MANY_NAMES, MANY_NAMES / 5.0), 10.0, 10.0, Bounds(0.3, 5.0, 6.0), hosts=(WITH_BUS,),
+    ),
+    Fault(
+        "all ended, and started again with keys, which they require", _keys, 5.0, _STARTS_S,
+        Bounds(recovery_s=_STARTS_S),
+    ),
+    Fault(
+        "100 forged senders a second where keys are required",
+        _forged, 8.0, 3.0, Bounds(1.0, 2.0, 1.0, strangers=0), hosts=(WITH_BUS,),
     ),
 )  # fmt: skip
 """In the order in which they are done."""

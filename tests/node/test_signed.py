@@ -163,3 +163,18 @@ def test_a_clock_that_goes_back_lets_nothing_in_twice() -> None:
     assert host.open(first, received_s=1.0).why == "accepted"
     assert host.open(wrapped(one, b"message", 500.0), received_s=500.0).why == "accepted"
     assert host.open(first, received_s=1.0).octets is None
+
+
+def test_which_certificate_is_the_first_is_drawn() -> None:
+    found = credentials(20, 24, 25)
+    names = [
+        decode_signed(
+            decode_wsm(
+                wrapped(
+                    Signed(found.trusted, found.own, utc_at_zero_s=ZERO_UTC_S, first=first), b"message", 1.0
+                )
+            ).payload
+        ).digest
+        for first in (0, 1, 5)
+    ]
+    assert names == [found.own[place].certificate.digest for place in (0, 1, 2)]

@@ -67,7 +67,7 @@ def drive(
                 credentials=credentials,
             )
             recorder = Recorder(folder, about, begin_s=0.0, most_octets=most_octets)
-        envelope = envelope_of(credentials, asked.security, utc_at_zero_s=UTC_S)
+        envelope = envelope_of(credentials, asked.security, utc_at_zero_s=UTC_S, names_seed=names_seed)
         node = node_of(
             asked,
             sender,

@@ -93,7 +93,7 @@ def credentials_of(security: Security) -> "Credentials | None":
 
 
 def envelope_of(
-    credentials: "Credentials | None", security: Security, *, utc_at_zero_s: float
+    credentials: "Credentials | None", security: Security, *, utc_at_zero_s: float, names_seed: int
 ) -> AbstractEnvelope:
     """What goes round the messages of a node.
 
@@ -105,11 +105,17 @@ def envelope_of(
         Table of its configuration.
     utc_at_zero_s
         UTC at the clock's 0, since 1970 [s].
+    names_seed
+        As for `node_of`; it says which certificate is the first.
     """
     if credentials is None:
         return Unsecured()
     from modelcast.node.signed import Signed  # noqa: PLC0415 - the extra is needed here
 
     return Signed(
-        credentials.trusted, credentials.own, utc_at_zero_s=utc_at_zero_s, required=security.required
+        credentials.trusted,
+        credentials.own,
+        utc_at_zero_s=utc_at_zero_s,
+        first=names_seed,
+        required=security.required,
     )

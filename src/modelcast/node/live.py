@@ -270,12 +270,17 @@ class LiveNode:
         if self._recorded is not None:
             stack.enter_context(self._recorded)
         return node_of(
-            self._config, self._sender, transport, self._envelope(), origin=plane.origin, names_seed=seeds[0],
-            station_seed=seeds[1], watch=self._journal.note, record=self._recorded,
+            self._config, self._sender, transport, self._envelope(seeds[0]), origin=plane.origin,
+            names_seed=seeds[0], station_seed=seeds[1], watch=self._journal.note, record=self._recorded,
         )  # fmt: skip
 
-    def _envelope(self) -> AbstractEnvelope:
-        return envelope_of(self._credentials, self._config.security, utc_at_zero_s=self._clock.minute_utc_s)
+    def _envelope(self, names_seed: int) -> AbstractEnvelope:
+        return envelope_of(
+            self._credentials,
+            self._config.security,
+            utc_at_zero_s=self._clock.minute_utc_s,
+            names_seed=names_seed,
+        )
 
     async def _drive(
         self,

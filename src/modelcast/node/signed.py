@@ -35,6 +35,8 @@ class Signed(AbstractEnvelope):
         it is.
     utc_at_zero_s
         UTC at time 0 of the node, since 1970 without leap seconds [s].
+    first
+        Which of its own signs first. A node draws it: its starts are not known by one certificate.
     required
         Whether what is not verified is refused. Where it is not, unsigned messages are taken and those of
         senders whom nobody vouches for, all counted as not verified; one that is forged is refused all the
@@ -54,13 +56,14 @@ class Signed(AbstractEnvelope):
         own: Sequence[Signer | Certificate],
         *,
         utc_at_zero_s: float,
+        first: int = 0,
         required: bool = True,
         parameters: SecurityParameters = _PARAMETERS,
     ) -> None:
         if not own:
             raise ValueError("own must hold one at least")
         self._own, self._required = tuple(own), required
-        self._at = 0
+        self._at = first % len(self._own)
         self._attached = SignerState()
         self._zero_s = since_2004_s(utc_at_zero_s)
         self._verifier, self._held = Verifier(tuple(trusted), parameters), VerifierState()

@@ -93,7 +93,7 @@ def lines_of(tables: Any) -> list[str]:
     ----------
     tables
         A frozen dataclass whose fields are such dataclasses, of texts, numbers, truth values and tuples of
-        texts.
+        texts. None, which TOML has no word for, must be a default: it is left out.
 
     Examples
     --------
@@ -107,7 +107,8 @@ def lines_of(tables: Any) -> list[str]:
     for table in fields(tables):
         own = getattr(tables, table.name)
         lines.append(f"[{table.name}]")
-        lines += [f"{one.name} = {_toml(getattr(own, one.name))}" for one in fields(own)]
+        values = {one.name: getattr(own, one.name) for one in fields(own)}
+        lines += [f"{name} = {_toml(value)}" for name, value in values.items() if value is not None]
     return lines
 
 

@@ -79,7 +79,13 @@ def envelope_again(about: About, security: Security, path: str) -> AbstractEnvel
 
     try:
         trusted, own = ([Certificate.from_octets(one) for one in all_] for all_ in (about.trusted, about.own))
-        return Signed(trusted, own, utc_at_zero_s=about.utc_at_zero_s, required=security.required)
+        return Signed(
+            trusted,
+            own,
+            utc_at_zero_s=about.utc_at_zero_s,
+            first=about.names_seed,
+            required=security.required,
+        )
     except (CodecError, ValueError) as error:
         raise DataFormatError(
             path, f"its certificates are none ({error})", remedy="It must be as modelcast node recorded it."
