@@ -7,7 +7,7 @@ refused by name.
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
-from operator import index
+from operator import index, le
 from typing import Final
 
 from modelcast.core.exceptions import CodecError
@@ -68,6 +68,9 @@ _LAYOUTS: Final = {
     elevation: (_places(elevation=elevation), _rest_bits(_LATITUDE, elevation=elevation))
     for elevation in (True, False)
 }
+_LOWS: Final = tuple(field.low for field in PERSON_FIELDS)
+_HIGHS: Final = tuple(field.high for field in PERSON_FIELDS)
+_PLAIN: Final = {int}
 _NO_ELEVATION: Final = PERSON_FIELDS[_ELEVATION].unavailable
 
 
@@ -108,7 +111,14 @@ class PersonalSafetyMessage:
     frame_additions: tuple[bytes | None, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "codes", _checked("codes", PERSON_FIELDS, self.codes))
+        codes = self.codes
+        if not (
+            len(codes) == len(PERSON_FIELDS)
+            and set(map(type, codes)) == _PLAIN
+            and all(map(le, _LOWS, codes))
+            and all(map(le, codes, _HIGHS))
+        ):  # NumPy's integers have no room for a message
+            object.__setattr__(self, "codes", _checked("codes", PERSON_FIELDS, codes))
         if not self.has_elevation and self.codes[_ELEVATION] != _NO_ELEVATION:
             got = self.codes[_ELEVATION]
             raise ValueError(f"elevation_m: code must be {_NO_ELEVATION} where it is left out, got {got}")
@@ -207,8 +217,13 @@ def encode_psm(message: PersonalSafetyMessage) -> bytes:
     whole += sum(
         [code - low << shift for code, (shift, mask, low) in zip(message.codes, places, strict=True) if mask]
     )
+    width = _HEAD_BITS + rest_bits
+    if not (preamble or message.frame_additions):
+        size = (width + 7) // 8
+        frame = (PERSONAL_SAFETY_MESSAGE << 8 | size) << 8 * size | whole << 8 * size - width
+        return frame.to_bytes(3 + size, "big")
     writer = BitWriter()
-    writer.bits(whole, _HEAD_BITS + rest_bits)
+    writer.bits(whole, width)
     if message.acceleration:
         _write(writer, ACCELERATION_FIELDS, message.acceleration)
     if message.path_prediction:
@@ -260,7 +275,8 @@ def decode_psm(data: bytes) -> PersonalSafetyMessage:
     places, rest_bits = _LAYOUTS[has_elevation]
     whole = head << rest_bits | reader.bits(rest_bits)
     codes = tuple([(whole >> shift & mask) + low for shift, mask, low in places])
-    _refuse_beyond(PERSON_FIELDS, codes, begin)
+    if not all(map(le, codes, _HIGHS)):
+        _refuse_beyond(PERSON_FIELDS, codes, begin)
     acceleration = path_prediction = ()
     if preamble & _BIT["accelSet"]:
         acceleration = _read(reader, ACCELERATION_FIELDS)
