@@ -37,9 +37,10 @@ class ReferenceCodec(Protocol):
 
 
 def module_text() -> str:
-    """Text of both ASN.1 modules: of the standard's messages, and of what modelcast adds to them."""
+    """Text of the ASN.1 modules: of the standard's messages, and of what modelcast adds to them."""
     folder = resources.files("modelcast.messages")
-    return "\n".join(folder.joinpath(name).read_text(encoding="ascii") for name in ("bsm.asn", "mbc.asn"))
+    names = ("bsm.asn", "psm.asn", "mbc.asn")
+    return "\n".join(folder.joinpath(name).read_text(encoding="ascii") for name in names)
 
 
 @cache
