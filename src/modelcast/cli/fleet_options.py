@@ -46,6 +46,9 @@ class FleetOptions:
         Lanes in each direction of it; 0 for as many as the density needs.
     blocks
         Junctions on each side of grid and crossing.
+    pedestrians, cyclists
+        People in grid and crossing, beside the vehicles of the density: on pavements and crossings,
+        and beside the lanes.
     certificates
         Which messages carry the certificate: gap, timer, always, digest, unsigned.
     profile
@@ -96,6 +99,8 @@ class FleetOptions:
     length: float = 2000.0
     lanes: int = 0
     blocks: int = 5
+    pedestrians: int = 0
+    cyclists: int = 0
     certificates: CertificateRule = "gap"
     profile: str | None = None
     start: StartRule | None = None
@@ -140,6 +145,8 @@ class FleetOptions:
             length_m=self.length,
             lanes=self.lanes,
             blocks=self.blocks,
+            pedestrians=self.pedestrians,
+            cyclists=self.cyclists,
             seed=self.seed,
             certificates=self.certificates,
             banks=banks,

@@ -30,6 +30,9 @@ _MOST_LANES = 32
 
 BUILT_IN = ("highway", "braking", "cut-in", "grid", "crossing")
 SUMO = ("sumo-highway", "sumo-grid", "sumo-junction")
+PEOPLED = ("grid", "crossing")
+"""Scenarios in which people walk and ride."""
+
 RECORDED = ("platoon", "trips")
 RADIOS = ("dsrc", "sidelink", "abstract", "ideal")
 
@@ -52,6 +55,8 @@ class NetworkPlan:
         Junctions on each side of a grid.
     seed
         Of all random numbers.
+    pedestrians, cyclists
+        People in a grid of ours, 0 for none.
     certificates
         Rule of the certificates.
     banks, profile, start, identify, cost
@@ -102,6 +107,8 @@ class NetworkPlan:
     relaxed_error_m: float | None
     sensor: SensorOptions
     trips: tuple[str, ...] = ()
+    pedestrians: int = 0
+    cyclists: int = 0
     receivers_ratios: tuple[float, ...] = ()
     margin_m: float = 0.0
     applications: tuple[str, ...] = ()
@@ -115,7 +122,14 @@ class NetworkPlan:
         found: dict[str, Any] = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
         found["sensor"]["model"] = asdict(self.sensor.model())
         del found["banks"], found["thresholds_m"]
-        for name in ("receivers_ratios", "margin_m", "applications", "algorithm"):
+        for name in (
+            "pedestrians",
+            "cyclists",
+            "receivers_ratios",
+            "margin_m",
+            "applications",
+            "algorithm",
+        ):
             if not found[name]:
                 del found[name]
         del found["threads"]  # the result is the same whatever the number of threads
@@ -192,6 +206,11 @@ class NetworkPlan:
         return self.scenario in {"sumo-junction", "platoon"} or self.from_file
 
     @property
+    def has_people(self) -> bool:
+        """Whether people are asked for beside the vehicles."""
+        return self.pedestrians + self.cyclists > 0
+
+    @property
     def is_town(self) -> bool:
         """Whether buildings stand along the streets."""
         return self.scenario in {"grid", "crossing", "sumo-grid"}
@@ -216,6 +235,15 @@ class NetworkPlan:
         if self.trips and self.scenario not in RECORDED:
             raise ConfigError(
                 f"--trips goes with --scenario {' or '.join(RECORDED)}, got --scenario {self.scenario}"
+            )
+        if min(self.pedestrians, self.cyclists) < 0:
+            raise ConfigError(
+                f"--pedestrians and --cyclists must be at least 0, got {self.pedestrians} and {self.cyclists}"
+            )
+        if self.has_people and self.scenario not in PEOPLED:
+            raise ConfigError(
+                f"--pedestrians and --cyclists go with --scenario {' or '.join(PEOPLED)}, "
+                f"got --scenario {self.scenario}"
             )
         for path in self.trips:
             if not Path(path).exists():

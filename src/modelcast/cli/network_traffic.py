@@ -18,6 +18,7 @@ from modelcast.world.scenario.braking import BrakingStreams
 from modelcast.world.scenario.grid import Grid
 from modelcast.world.scenario.highway import Highway
 from modelcast.world.scenario.library import TripRoad
+from modelcast.world.scenario.peopled_grid import PeopledGrid
 from modelcast.world.scenario.recorded import Replay
 from modelcast.world.scenario.resampling import resampled
 
@@ -100,6 +101,12 @@ def _built_in(plan: NetworkPlan, density_per_km: float) -> AbstractScenario[Any]
             brakings_per_minute=0.0,
             cut_ins_per_minute=CUT_INS_PER_MINUTE,
         )
+    grid = _grid(plan, density_per_km)
+    return PeopledGrid(grid, plan.pedestrians, plan.cyclists) if plan.has_people else grid
+
+
+def _grid(plan: NetworkPlan, density_per_km: float) -> Grid:
+    """The streets and vehicles of a scenario of `PEOPLED`."""
     if plan.scenario == "grid":
         return Grid(plan.blocks, plan.blocks, density_per_km, block_m=BLOCK_M)
     return Grid(
