@@ -79,7 +79,8 @@ class FleetOptions:
         1 cm, or the sensor's white position noise where that is more.
     application
         What hosts warn of by what they hear, several after one another: fcw (forward collision), eebl
-        (emergency electronic brake light), ima (intersection movement assist). Missed and false warnings are
+        (emergency electronic brake light), ima (intersection movement assist), vru (vehicles of people, and
+        people of vehicles). Missed and false warnings are
         those against the same application with perfect knowledge. None where not given.
     algorithm
         Warning range of fcw, as for safety; camp-linear where not given.
