@@ -47,9 +47,9 @@ class VulnerableRoadUserWarning(AbstractApplication):
     -----
     With the person's place (way x, offset y) along the path, its velocity (u, w) there and the half sizes of
     both, the vehicle is beside the person from (x - half) to (x + half) at closing speed v - u, and the
-    person in the strip while |y + w t| <= reach. A warning where the margin is not positive. On the person's side
-    the deviation of the margin is that of the vehicle's place across its path; of who is in the strip already
-    it is none.
+    person in the strip while |y + w t| <= reach. A warning where the margin is not positive. On the person's
+    side the deviation of the margin is that of the vehicle's place across its path; of who is in the strip
+    already it is none.
 
     References
     ----------

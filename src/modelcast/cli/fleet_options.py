@@ -49,6 +49,8 @@ class FleetOptions:
     pedestrians, cyclists
         People in grid and crossing, beside the vehicles of the density: on pavements and crossings,
         and beside the lanes.
+    persons
+        Take the persons of a file of floating-car data, as pedestrians; else they are skipped.
     certificates
         Which messages carry the certificate: gap, timer, always, digest, unsigned.
     profile
@@ -102,6 +104,7 @@ class FleetOptions:
     blocks: int = 5
     pedestrians: int = 0
     cyclists: int = 0
+    persons: bool = False
     certificates: CertificateRule = "gap"
     profile: str | None = None
     start: StartRule | None = None
@@ -148,6 +151,7 @@ class FleetOptions:
             blocks=self.blocks,
             pedestrians=self.pedestrians,
             cyclists=self.cyclists,
+            persons=self.persons,
             seed=self.seed,
             certificates=self.certificates,
             banks=banks,

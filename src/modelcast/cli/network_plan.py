@@ -57,6 +57,8 @@ class NetworkPlan:
         Of all random numbers.
     pedestrians, cyclists
         People in a grid of ours, 0 for none.
+    persons
+        Whether the persons of a file of floating-car data are taken.
     certificates
         Rule of the certificates.
     banks, profile, start, identify, cost
@@ -109,6 +111,7 @@ class NetworkPlan:
     trips: tuple[str, ...] = ()
     pedestrians: int = 0
     cyclists: int = 0
+    persons: bool = False
     receivers_ratios: tuple[float, ...] = ()
     margin_m: float = 0.0
     applications: tuple[str, ...] = ()
@@ -124,6 +127,7 @@ class NetworkPlan:
         del found["banks"], found["thresholds_m"]
         for name in (
             "pedestrians",
+            "persons",
             "cyclists",
             "receivers_ratios",
             "margin_m",
@@ -235,6 +239,10 @@ class NetworkPlan:
         if self.trips and self.scenario not in RECORDED:
             raise ConfigError(
                 f"--trips goes with --scenario {' or '.join(RECORDED)}, got --scenario {self.scenario}"
+            )
+        if self.persons and not self.from_file:
+            raise ConfigError(
+                f"--persons goes with a file of floating-car data, got --scenario {self.scenario}"
             )
         if min(self.pedestrians, self.cyclists) < 0:
             raise ConfigError(

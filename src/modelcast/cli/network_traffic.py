@@ -82,7 +82,7 @@ def traffic(
     else:
         from modelcast.io.fcd import read_fcd
 
-        frames = resampled(read_fcd(plan.scenario, found=found), STEP_S)
+        frames = resampled(read_fcd(plan.scenario, found=found, people=plan.persons), STEP_S)
         yield takewhile(lambda frame: frame.t_s < plan.duration_s, frames)
 
 
