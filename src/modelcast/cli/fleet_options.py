@@ -49,6 +49,9 @@ class FleetOptions:
     pedestrians, cyclists
         People in grid and crossing, beside the vehicles of the density: on pavements and crossings,
         and beside the lanes.
+    pedestrian_tracks, cyclist_tracks
+        Recorded tracks of people, files or folders, laid over the crossings of grid and crossing, each once
+        at a random time. They do not see the vehicles, nor the vehicles them.
     persons
         Take the persons of a file of floating-car data, as pedestrians; else they are skipped.
     certificates
@@ -104,6 +107,8 @@ class FleetOptions:
     blocks: int = 5
     pedestrians: int = 0
     cyclists: int = 0
+    pedestrian_tracks: Paths = ()
+    cyclist_tracks: Paths = ()
     persons: bool = False
     certificates: CertificateRule = "gap"
     profile: str | None = None
@@ -151,6 +156,8 @@ class FleetOptions:
             blocks=self.blocks,
             pedestrians=self.pedestrians,
             cyclists=self.cyclists,
+            pedestrian_tracks=tuple(str(path) for path in self.pedestrian_tracks),
+            cyclist_tracks=tuple(str(path) for path in self.cyclist_tracks),
             persons=self.persons,
             seed=self.seed,
             certificates=self.certificates,
