@@ -67,7 +67,8 @@ def make_footways(streets: Streets, *, columns: int, rows: int, block_m: float) 
         As `make_streets` had them.
     """
     departure = np.full((columns * rows, 4), -1, dtype=np.int64)
-    for link, direction in enumerate(streets.direction.tolist()):
+    for link in range(streets.direction.size):
+        direction = int(streets.direction[link])
         dx, dy = _STEPS[direction]
         departure[int(streets.ends[link]) - dx - columns * dy, direction] = link
     corners = 4 * columns * rows

@@ -141,7 +141,7 @@ def foresee(town: Town, lengths: FloatVector, roads: Roads, ways: Ways, link_m: 
                 _due(soon, hard, AT_BEGINNING, link, ahead, v, runs)
         if moves:
             ahead = link_m + roads.connectors[kind] - CROSSING_FAR_M - front
-            _due(soon, hard, AT_BEGINNING, roads.follower[link, kind], max(ahead, 0.0), v, runs)
+            _due(soon, hard, AT_BEGINNING, int(roads.follower[link, kind]), max(ahead, 0.0), v, runs)
 
 
 @kernel(inlined=True)
@@ -387,7 +387,7 @@ def ride(
                     way = ahead + RIDE_LINE_M + roads.connectors[kind] + 2.0 * half
                     needs = way / max(0.5 * (v + across), 0.6 * across) + (0.0 if v > 1.0 else 1.0)
                     first_rank = kind == 0 and is_major(int(roads.direction[link]))
-                    insists = first_rank or waited[i] > RIDE_PATIENCE_S
+                    insists = first_rank or bool(waited[i] > RIDE_PATIENCE_S)
                     if (kind == 2 and not signals) or _may_ride(
                         int(roads.ends[link]), needs, roads, ways, signals, insists
                     ):
@@ -395,7 +395,7 @@ def ride(
                     elif v < STANDS_MPS:
                         waited[i] += dt
                 if integers[COMMITTED, i] == 0:
-                    gap = max(to_line, -0.5) + riders[GAP, i]
+                    gap = float(max(to_line, -0.5) + riders[GAP, i])
                     wish = min(
                         wish, max(wanted(riders, i, v, gap, 0.0, 0.0, v0), -v * v / (2.0 * ahead) - 0.5)
                     )
