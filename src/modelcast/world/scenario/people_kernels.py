@@ -376,8 +376,9 @@ def ride(
             for n in range(k + 1, first[link + 1]):
                 j = order[n]
                 if abs(aside[j] - aside[i]) < ABREAST_M:
-                    gaps[i] = max(numbers[S, j] - s - riders[LENGTH, i], 0.1)
-                    wish = min(wish, wanted(riders, i, v, gaps[i], numbers[V, j], numbers[A, j], v0))
+                    room = max(float(numbers[S, j] - s - riders[LENGTH, i]), 0.1)
+                    gaps[i] = room
+                    wish = min(wish, wanted(riders, i, v, room, numbers[V, j], numbers[A, j], v0))
                     break
             across = _ride_speed(kind, roads.connectors, desired)
             to_line = link_m - RIDE_LINE_M - s - half
