@@ -18,6 +18,7 @@ SCRIPTS = (
     "congestion.py",
     "dsrc_channel.py",
     "network_loop.py",
+    "people_loop.py",
     "safety_applications.py",
     "node_tick.py",
     "node_latency.py",

@@ -39,6 +39,7 @@ def _random_pairs(rng: np.random.Generator, rows: int, *, known: bool = True) ->
             length_m=rng.uniform(3.0, 12.0, rows),
             width_m=rng.uniform(1.5, 2.5, rows),
             covariance_m2=spread @ spread.transpose(0, 2, 1),
+            kind=rng.permutation(np.arange(rows) % 4),
         )
 
     heading = rng.uniform(-np.pi, np.pi, rows)
@@ -67,6 +68,7 @@ def _moved(motions: Motions, turn_rad: float, by_m: tuple[float, float]) -> Moti
         length_m=motions.length_m,
         width_m=motions.width_m,
         covariance_m2=None if covariance is None else turn @ covariance @ turn.T,
+        kind=motions.kind,
     )
 
 

@@ -24,6 +24,7 @@ def rows(motions: Motions, which) -> Motions:
         length_m=motions.length_m[which],
         width_m=motions.width_m[which],
         covariance_m2=None if motions.covariance_m2 is None else motions.covariance_m2[which],
+        kind=None if motions.kind is None else motions.kind[which],
     )
 
 

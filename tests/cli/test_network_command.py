@@ -299,3 +299,14 @@ def test_a_changed_file_gives_a_new_run_and_what_was_skipped_is_shown(
     assert second["inputs"] != first["inputs"]
     assert (out / "MANIFEST.txt").is_file()
     assert {item.name for item in tmp_path.iterdir()} == {"traffic.csv", "out"}
+
+
+@pytest.mark.parametrize(
+    ("scenario", "people", "told"),
+    [("highway", "5", "go with --scenario grid or crossing"), ("grid", "-5", "at least 0")],
+)
+def test_people_go_with_the_grids_of_ours(
+    scenario: str, people: str, told: str, capsys: pytest.CaptureFixture[str]
+):
+    assert run(["network", "--scenario", scenario, "--pedestrians", people, "--quiet"]) == USAGE
+    assert told in " ".join(capsys.readouterr().err.split())

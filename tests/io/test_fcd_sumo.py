@@ -15,8 +15,11 @@ from hypothesis import strategies as st
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, enu_to_geodetic
+from modelcast.core.kinds import Kind
 from modelcast.io.fcd import read_fcd, survey_fcd
 from modelcast.world.scenario.base import FleetFrame
+from modelcast.world.scenario.people import CYCLIST_M, PEDESTRIAN_M
+from modelcast.world.scenario.resampling import resampled
 
 Row = Mapping[str, Any]
 """A row: tag, time, id, x, y, angle, type, speed, pos, lane, edge; what a tag does not have is absent."""
@@ -453,3 +456,66 @@ def test_of_a_mutated_file_every_row_is_taken_or_counted(
         return
     assert found.reading.rows == taken(frames) + sum(found.reading.skipped.values())
     assert found.taken == taken(frames)
+
+
+PEOPLE = """<fcd-export>
+{steps}
+</fcd-export>
+"""
+STEP = """  <timestep time="{t:.1f}">
+    <vehicle id="0" x="{x:.3f}" y="0" angle="90" type="car" speed="10" pos="1" lane="e_0"/>
+    <vehicle id="b" x="0" y="{y:.3f}" angle="0" type="my_bicycle" speed="4" pos="1" lane="f_0"/>
+    <vehicle id="m" x="20" y="{y:.3f}" angle="0" type="motorbike" speed="4" pos="1" lane="f_0"/>
+    <person id="0" x="5" y="{z:.3f}" angle="180" speed="1.2" pos="2" edge="w" type="DEFAULT_PEDTYPE"/>
+    <person id="2" x="{x:.3f}" y="0" angle="90" speed="10" pos="1" edge="e" type="p" vehicle="0"/>
+    <container id="k" x="9" y="9" angle="0" speed="0" pos="1" edge="e"/>
+  </timestep>"""
+
+
+def people_file(path: Path, steps: int = 30) -> Path:
+    shown = [STEP.format(t=0.1 * k, x=1.0 * k, y=0.4 * k, z=-0.12 * k) for k in range(steps)]
+    path.write_text(PEOPLE.format(steps="\n".join(shown)), encoding="utf-8")
+    return path
+
+
+def test_persons_are_pedestrians_where_they_are_asked_for(tmp_path: Path) -> None:
+    """A person may have a vehicle's name; who rides in one is that vehicle; bicycles say so by their type."""
+    path = people_file(tmp_path / "fcd.xml")
+    found = survey_fcd(path, people=True)
+    assert dict(found.reading.skipped) == {"person in a vehicle": 30, "container": 30}
+    assert (found.taken, found.vehicles, found.pedestrians, found.cyclists) == (120, 4, 1, 1)
+    assert "people among them, by kind: 1 pedestrian, 1 cyclist" in found.notes
+    last = list(read_fcd(path, people=True))[-1]
+    assert last.kind is not None
+    assert last.width_m is not None
+    assert sorted(last.kind.tolist()) == [Kind.VEHICLE, Kind.VEHICLE, Kind.PEDESTRIAN, Kind.CYCLIST]
+    walker, rider = (int(np.flatnonzero(last.kind == kind)[0]) for kind in (Kind.PEDESTRIAN, Kind.CYCLIST))
+    assert last.position_m[walker] == pytest.approx([5.0, -0.12 * 29], abs=1e-6), "not moved back"
+    assert abs(last.heading_rad[walker]) == pytest.approx(np.pi)
+    assert last.position_m[rider] == pytest.approx([0.0, 0.4 * 29 - 0.95], abs=1e-6), "half a bicycle back"
+    assert (last.length_m[walker], last.width_m[walker]) == PEDESTRIAN_M
+    assert (last.length_m[rider], last.width_m[rider]) == CYCLIST_M
+
+
+def test_persons_that_nobody_asked_for_are_counted(tmp_path: Path) -> None:
+    found = survey_fcd(people_file(tmp_path / "fcd.xml"))
+    assert dict(found.reading.skipped) == {"person": 60, "container": 30}
+    assert (found.vehicles, found.pedestrians, found.cyclists) == (3, 0, 1)
+
+
+def test_every_form_gives_the_same_persons(tmp_path: Path) -> None:
+    rows = traffic()
+    write_xml(tmp_path / "fcd.xml", rows)
+    write_csv(tmp_path / "fcd.csv", rows)
+    frames = [list(read_fcd(tmp_path / name, people=True)) for name in ("fcd.xml", "fcd.csv")]
+    for one, other in zip(*frames, strict=True):
+        assert one.kind is not None
+        assert other.kind is not None
+        np.testing.assert_array_equal(one.kind, other.kind)
+        np.testing.assert_allclose(one.position_m, other.position_m, atol=1e-6)
+    assert (frames[0][-1].kind == Kind.PEDESTRIAN).sum() == 1
+
+
+def test_resampled_frames_keep_kinds(tmp_path: Path) -> None:
+    frames = list(resampled(read_fcd(people_file(tmp_path / "fcd.xml"), people=True), 0.05))
+    assert all(frame.kind is not None and (frame.kind == Kind.PEDESTRIAN).sum() == 1 for frame in frames)

@@ -69,6 +69,7 @@ def columns_of(motions: Motions) -> Columns:
         owned(motions.length_m),
         owned(motions.width_m),
         np.empty((0, 2, 2)) if covariance is None else owned(covariance),
+        np.zeros(len(motions), dtype=np.int64) if motions.kind is None else owned(motions.kind, np.int64),
     )
 
 

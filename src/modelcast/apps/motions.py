@@ -1,11 +1,11 @@
-"""How vehicles move, as safety applications take it: a row a vehicle, believed or true."""
+"""How road users move, as safety applications take it: a row each, believed or true."""
 
 from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import FloatArray, IntArray
 
 __all__ = ["LENGTH_M", "WIDTH_M", "Motions"]
 
@@ -36,6 +36,8 @@ class Motions:
         (N,) [m].
     covariance_m2
         Of the position, (N, 2, 2) [m²]; None where it counts as exact.
+    kind
+        Of road user, values of `modelcast.core.kinds.Kind`, (N,); None where all are vehicles.
 
     Raises
     ------
@@ -57,6 +59,7 @@ class Motions:
     length_m: FloatArray
     width_m: FloatArray
     covariance_m2: FloatArray | None = None
+    kind: IntArray | None = None
 
     def __post_init__(self) -> None:
         if self.position_m.ndim != 2 or self.position_m.shape[1] != 2:
@@ -70,6 +73,8 @@ class Motions:
                 raise ValueError(f"{name} must have shape {(count,)}, got {shape}")
         if self.covariance_m2 is not None and self.covariance_m2.shape != (count, 2, 2):
             raise ValueError(f"covariance_m2 must have shape {(count, 2, 2)}, got {self.covariance_m2.shape}")
+        if self.kind is not None and self.kind.shape != (count,):
+            raise ValueError(f"kind must have shape {(count,)}, got {self.kind.shape}")
 
     @classmethod
     def of(
@@ -83,6 +88,7 @@ class Motions:
         length_m: npt.ArrayLike = LENGTH_M,
         width_m: npt.ArrayLike = WIDTH_M,
         covariance_m2: npt.ArrayLike | None = None,
+        kind: npt.ArrayLike | None = None,
     ) -> "Motions":
         """Motions from anything like arrays; one number counts for all rows.
 
@@ -90,7 +96,7 @@ class Motions:
         ----------
         position_m, speed_mps, heading_rad, acceleration_mps2, yaw_rate_radps
             As in `Motions`.
-        length_m, width_m, covariance_m2
+        length_m, width_m, covariance_m2, kind
             As in `Motions`; sizes that are not known (NaN) are `LENGTH_M` and `WIDTH_M`.
         """
         place = np.asarray(position_m, dtype=np.float64).reshape(-1, 2)
@@ -109,6 +115,7 @@ class Motions:
             length_m=np.where(np.isnan(length), LENGTH_M, length),
             width_m=np.where(np.isnan(width), WIDTH_M, width),
             covariance_m2=None if covariance_m2 is None else np.asarray(covariance_m2, dtype=np.float64),
+            kind=None if kind is None else np.broadcast_to(np.asarray(kind, dtype=np.int64), len(place)),
         )
 
     def __len__(self) -> int:

@@ -24,6 +24,8 @@ __all__ = [
     "contact_time",
     "first_root",
     "known",
+    "path_offset",
+    "path_way",
     "spread",
     "travel",
 ]
@@ -46,6 +48,7 @@ class Columns(NamedTuple):
     length: FloatVector
     width: FloatVector
     covariance: FloatCube
+    kind: IntVector
 
 
 class Lane(NamedTuple):

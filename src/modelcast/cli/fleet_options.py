@@ -46,6 +46,14 @@ class FleetOptions:
         Lanes in each direction of it; 0 for as many as the density needs.
     blocks
         Junctions on each side of grid and crossing.
+    pedestrians, cyclists
+        People in grid and crossing, beside the vehicles of the density: on pavements and crossings,
+        and beside the lanes.
+    pedestrian_tracks, cyclist_tracks
+        Recorded tracks of people, files or folders, laid over the crossings of grid and crossing, each once
+        at a random time. They do not see the vehicles, nor the vehicles them.
+    persons
+        Take the persons of a file of floating-car data, as pedestrians; else they are skipped.
     certificates
         Which messages carry the certificate: gap, timer, always, digest, unsigned.
     profile
@@ -76,7 +84,8 @@ class FleetOptions:
         1 cm, or the sensor's white position noise where that is more.
     application
         What hosts warn of by what they hear, several after one another: fcw (forward collision), eebl
-        (emergency electronic brake light), ima (intersection movement assist). Missed and false warnings are
+        (emergency electronic brake light), ima (intersection movement assist), vru (vehicles of people, and
+        people of vehicles). Missed and false warnings are
         those against the same application with perfect knowledge. None where not given.
     algorithm
         Warning range of fcw, as for safety; camp-linear where not given.
@@ -96,6 +105,11 @@ class FleetOptions:
     length: float = 2000.0
     lanes: int = 0
     blocks: int = 5
+    pedestrians: int = 0
+    cyclists: int = 0
+    pedestrian_tracks: Paths = ()
+    cyclist_tracks: Paths = ()
+    persons: bool = False
     certificates: CertificateRule = "gap"
     profile: str | None = None
     start: StartRule | None = None
@@ -140,6 +154,11 @@ class FleetOptions:
             length_m=self.length,
             lanes=self.lanes,
             blocks=self.blocks,
+            pedestrians=self.pedestrians,
+            cyclists=self.cyclists,
+            pedestrian_tracks=tuple(str(path) for path in self.pedestrian_tracks),
+            cyclist_tracks=tuple(str(path) for path in self.cyclist_tracks),
+            persons=self.persons,
             seed=self.seed,
             certificates=self.certificates,
             banks=banks,

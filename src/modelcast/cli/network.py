@@ -111,4 +111,4 @@ def survey(plan: "NetworkPlan") -> "FcdSurvey | None":
         return None
     from modelcast.io.fcd import survey_fcd
 
-    return survey_fcd(plan.scenario)
+    return survey_fcd(plan.scenario, people=plan.persons)

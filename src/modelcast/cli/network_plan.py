@@ -30,6 +30,9 @@ _MOST_LANES = 32
 
 BUILT_IN = ("highway", "braking", "cut-in", "grid", "crossing")
 SUMO = ("sumo-highway", "sumo-grid", "sumo-junction")
+PEOPLED = ("grid", "crossing")
+"""Scenarios in which people walk and ride."""
+
 RECORDED = ("platoon", "trips")
 RADIOS = ("dsrc", "sidelink", "abstract", "ideal")
 
@@ -52,6 +55,12 @@ class NetworkPlan:
         Junctions on each side of a grid.
     seed
         Of all random numbers.
+    pedestrians, cyclists
+        People in a grid of ours, 0 for none.
+    pedestrian_tracks, cyclist_tracks
+        Files or folders of recorded tracks that are laid over the crossings of a grid of ours.
+    persons
+        Whether the persons of a file of floating-car data are taken.
     certificates
         Rule of the certificates.
     banks, profile, start, identify, cost
@@ -102,6 +111,11 @@ class NetworkPlan:
     relaxed_error_m: float | None
     sensor: SensorOptions
     trips: tuple[str, ...] = ()
+    pedestrians: int = 0
+    cyclists: int = 0
+    pedestrian_tracks: tuple[str, ...] = ()
+    cyclist_tracks: tuple[str, ...] = ()
+    persons: bool = False
     receivers_ratios: tuple[float, ...] = ()
     margin_m: float = 0.0
     applications: tuple[str, ...] = ()
@@ -113,9 +127,21 @@ class NetworkPlan:
         Each run has one of the banks and thresholds.
         """
         found: dict[str, Any] = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
+        for name in ("pedestrian_tracks", "cyclist_tracks"):
+            found[name] = [Path(path).name for path in found[name]]
         found["sensor"]["model"] = asdict(self.sensor.model())
         del found["banks"], found["thresholds_m"]
-        for name in ("receivers_ratios", "margin_m", "applications", "algorithm"):
+        for name in (
+            "pedestrians",
+            "pedestrian_tracks",
+            "cyclist_tracks",
+            "persons",
+            "cyclists",
+            "receivers_ratios",
+            "margin_m",
+            "applications",
+            "algorithm",
+        ):
             if not found[name]:
                 del found[name]
         del found["threads"]  # the result is the same whatever the number of threads
@@ -168,7 +194,7 @@ class NetworkPlan:
 
         files = [self.scenario] if self.from_file else []
         files += [] if self.profile is None else [self.profile]
-        paths = [Path(path) for path in (*self.trips, *files)]
+        paths = [Path(path) for path in (*self.trips, *self.tracks, *files)]
         hashes = recorded_inputs(paths).items()
         inputs: dict[str, str] = {
             f"{number} {Path(name).name}": found["sha256"] for number, (name, found) in enumerate(hashes)
@@ -190,6 +216,16 @@ class NetworkPlan:
     def has_own_density(self) -> bool:
         """Whether the traffic comes with a density of its own."""
         return self.scenario in {"sumo-junction", "platoon"} or self.from_file
+
+    @property
+    def has_people(self) -> bool:
+        """Whether people are asked for beside the vehicles."""
+        return self.pedestrians + self.cyclists > 0
+
+    @property
+    def tracks(self) -> tuple[str, ...]:
+        """Files or folders of recorded tracks of people."""
+        return (*self.pedestrian_tracks, *self.cyclist_tracks)
 
     @property
     def is_town(self) -> bool:
@@ -217,7 +253,20 @@ class NetworkPlan:
             raise ConfigError(
                 f"--trips goes with --scenario {' or '.join(RECORDED)}, got --scenario {self.scenario}"
             )
-        for path in self.trips:
+        if self.persons and not self.from_file:
+            raise ConfigError(
+                f"--persons goes with a file of floating-car data, got --scenario {self.scenario}"
+            )
+        if min(self.pedestrians, self.cyclists) < 0:
+            raise ConfigError(
+                f"--pedestrians and --cyclists must be at least 0, got {self.pedestrians} and {self.cyclists}"
+            )
+        if (self.has_people or self.tracks) and self.scenario not in PEOPLED:
+            raise ConfigError(
+                f"--pedestrians, --cyclists and their tracks go with --scenario {' or '.join(PEOPLED)}, "
+                f"got --scenario {self.scenario}"
+            )
+        for path in (*self.trips, *self.tracks):
             if not Path(path).exists():
                 raise DataFormatError(path, "does not exist", remedy="Check the path.")
         if self.scenario in SUMO:

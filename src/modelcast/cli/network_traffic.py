@@ -10,6 +10,7 @@ from typing import Any
 
 from modelcast.cli.network_plan import BUILT_IN, SUMO, NetworkPlan
 from modelcast.core.chance import child_generator
+from modelcast.core.kinds import Kind
 from modelcast.io.fcd_survey import FcdSurvey
 from modelcast.study.network.rows import NetworkCase
 from modelcast.trips.trajectory import Trajectory
@@ -17,7 +18,10 @@ from modelcast.world.scenario.base import STEP_S, AbstractScenario, FleetFrame, 
 from modelcast.world.scenario.braking import BrakingStreams
 from modelcast.world.scenario.grid import Grid
 from modelcast.world.scenario.highway import Highway
+from modelcast.world.scenario.joined import Joined
+from modelcast.world.scenario.laid_tracks import crossings_of, laid_tracks
 from modelcast.world.scenario.library import TripRoad
+from modelcast.world.scenario.peopled_grid import PeopledGrid
 from modelcast.world.scenario.recorded import Replay
 from modelcast.world.scenario.resampling import resampled
 
@@ -66,7 +70,10 @@ def traffic(
     """
     rng = child_generator(plan.seed, case.run, "traffic")
     if plan.scenario in BUILT_IN:
-        yield run_scenario(_built_in(plan, case.density_per_km), rng, duration_s=plan.duration_s)
+        scenario = _built_in(plan, case.density_per_km)
+        if plan.tracks:
+            scenario = Joined(scenario, _laid_tracks(plan, case))
+        yield run_scenario(scenario, rng, duration_s=plan.duration_s)
     elif plan.scenario in SUMO:
         with tempfile.TemporaryDirectory(prefix="modelcast-") as name:
             yield _sumo_frames(plan, case, Path(name))
@@ -81,7 +88,7 @@ def traffic(
     else:
         from modelcast.io.fcd import read_fcd
 
-        frames = resampled(read_fcd(plan.scenario, found=found), STEP_S)
+        frames = resampled(read_fcd(plan.scenario, found=found, people=plan.persons), STEP_S)
         yield takewhile(lambda frame: frame.t_s < plan.duration_s, frames)
 
 
@@ -100,6 +107,12 @@ def _built_in(plan: NetworkPlan, density_per_km: float) -> AbstractScenario[Any]
             brakings_per_minute=0.0,
             cut_ins_per_minute=CUT_INS_PER_MINUTE,
         )
+    grid = _grid(plan, density_per_km)
+    return PeopledGrid(grid, plan.pedestrians, plan.cyclists) if plan.has_people else grid
+
+
+def _grid(plan: NetworkPlan, density_per_km: float) -> Grid:
+    """The streets and vehicles of a scenario of `PEOPLED`."""
     if plan.scenario == "grid":
         return Grid(plan.blocks, plan.blocks, density_per_km, block_m=BLOCK_M)
     return Grid(
@@ -113,6 +126,18 @@ def _built_in(plan: NetworkPlan, density_per_km: float) -> AbstractScenario[Any]
     )
 
 
+def _laid_tracks(plan: NetworkPlan, case: NetworkCase) -> Replay:
+    """Recorded tracks of people over the crossings of the grid, each run in a way of its own."""
+    on_foot, riding = _trips(plan.pedestrian_tracks), _trips(plan.cyclist_tracks)
+    return laid_tracks(
+        (*on_foot, *riding),
+        [*(Kind.PEDESTRIAN for _ in on_foot), *(Kind.CYCLIST for _ in riding)],
+        crossings_of(_grid(plan, case.density_per_km)),
+        rng=child_generator(plan.seed, case.run, "tracks"),
+        duration_s=plan.duration_s,
+    )
+
+
 @functools.lru_cache(maxsize=8)
 def _platoon(path: str) -> Replay:
     """The cars of an OpenACC file; a process reads it once."""
@@ -121,12 +146,12 @@ def _platoon(path: str) -> Replay:
     return read_platoon(path)
 
 
-@functools.lru_cache(maxsize=1)
+@functools.lru_cache(maxsize=2)
 def _trips(paths: tuple[str, ...]) -> tuple[Trajectory, ...]:
     """The trips of all files; a process reads them once."""
     from modelcast.io.trips import read_trips
 
-    return tuple(read_trips(paths))
+    return tuple(read_trips(paths)) if paths else ()
 
 
 def _sumo_frames(plan: NetworkPlan, case: NetworkCase, folder: Path) -> Iterator[FleetFrame]:

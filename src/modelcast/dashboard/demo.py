@@ -23,11 +23,14 @@ from modelcast.station.station import Station
 from modelcast.world.named_sensors import named_sensor
 from modelcast.world.scenario.base import AbstractScenario, FleetFrame, run_scenario
 from modelcast.world.scenario.grid import Grid
+from modelcast.world.scenario.peopled_grid import PeopledGrid
 from modelcast.world.scenario.sensed import sensed
 
 __all__ = ["DemoDrive"]
 
-_TOWN = Grid(columns=3, rows=3, density_per_km=14.0, junctions="priority", misjudged_ratio=0.1)
+_TOWN = PeopledGrid(
+    Grid(columns=3, rows=3, density_per_km=14.0, junctions="priority", misjudged_ratio=0.1), 24, 12
+)
 _BANK = "learned+ctra+gp-vehicle+cv"
 _DELAY_S = 0.01
 
@@ -132,6 +135,12 @@ class _Drive:
             truth_m={
                 int(one): (float(place[0]), float(place[1]))
                 for one, place in zip(truth.vehicle_id[here], truth.position_m[here], strict=True)
+            },
+            kinds=None
+            if truth.kind is None
+            else {
+                int(one): int(kind)
+                for one, kind in zip(truth.vehicle_id[here], truth.kind[here], strict=True)
             },
         )
         self._send(t_s, own, seen, slot)

@@ -12,6 +12,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.json_text import parse_json, schema_of
+from modelcast.core.kinds import Kind
 from modelcast.core.rules import Each, FieldError, Keys, Maybe, Number, Table, Text, Whole, check
 from modelcast.core.rules.scalars import Anything
 from modelcast.dashboard.snapshot import Counters, Host, Remotes, Snapshot, WarningShown
@@ -76,7 +77,8 @@ _REMOTES = Keys(
         "ahead_ms": Each(Whole(1, 60_000), 0, _MOST_AHEAD),
         "names": Each(Text(80), 0, 256),
         **dict.fromkeys(("id", "model", "path_cm", *_PLACES, *_SCALES), Each(Anything(), 0, MOST_REMOTES)),
-    }
+    },
+    {"kind": Each(Anything(), 0, MOST_REMOTES)},
 )
 _SNAPSHOT = Keys(
     {
@@ -133,6 +135,7 @@ def snapshot_text(snapshot: Snapshot) -> str:
             "minor_cm": _rounded(remotes.semi_axes_m[:, 1] * 100.0),
             "path_cm": _rounded(offsets),
             **{key: _rounded(getattr(remotes, _FIELDS[key]) * scale) for key, scale in _SCALES.items()},
+            **({} if remotes.kind is None else {"kind": remotes.kind.tolist()}),
         },
         "warnings": [
             {"level": one.level, "kind": one.kind, "id": one.vehicle, "begun_s": round(one.begun_s, 3)}
@@ -250,6 +253,9 @@ def _read_remotes(given: dict[str, Any]) -> Remotes:
     others = {
         _FIELDS[key]: _read_column(given, key, count, optional=True) / scale for key, scale in _SCALES.items()
     }
+    kind = None
+    if "kind" in given:
+        kind = _read_column(given, "kind", count, low=min(Kind), high=max(Kind)).astype(np.int64)
     for at, path in enumerate(paths):
         check(path, Each(Each(_WHOLE, 2, 2), ahead_s.size, ahead_s.size), f"$.remotes.path_cm[{at}]")
     offsets = np.array(paths, dtype=np.float64).reshape(count, ahead_s.size, 2) / 100.0
@@ -261,6 +267,7 @@ def _read_remotes(given: dict[str, Any]) -> Remotes:
         path_m=position_m[:, None] + offsets,
         names=tuple(given["names"]),
         model=model,
+        kind=kind,
         **others,
     )
 

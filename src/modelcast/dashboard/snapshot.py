@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.kinds import Kind
 from modelcast.station.receiver.local_dynamic_map import Beliefs
 from modelcast.station.station import Station
 
@@ -75,6 +76,8 @@ class Remotes:
     messages, loss_ratio, error_m
         Messages taken from each, share of its messages that were lost, distance from the truth; NaN where
         not known, (N,).
+    kind
+        Of road user, values of `modelcast.core.kinds.Kind`, (N,); None where the host is not told.
 
     Raises
     ------
@@ -98,6 +101,7 @@ class Remotes:
     messages: FloatArray
     loss_ratio: FloatArray
     error_m: FloatArray
+    kind: IntArray | None = None
 
     def __post_init__(self) -> None:
         count = self.vehicle.size
@@ -108,6 +112,8 @@ class Remotes:
             "error_m",
         ):  # fmt: skip
             wanted[name] = (count,)
+        if self.kind is not None and self.kind.shape != (count,):
+            raise ValueError(f"kind must have shape {(count,)}, got {self.kind.shape}")
         for name, shape in wanted.items():
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} must have shape {shape}, got {getattr(self, name).shape}")
@@ -251,6 +257,7 @@ def remotes_of(
     messages: Mapping[int, int] | None = None,
     loss_ratio: Mapping[int, float] | None = None,
     truth_m: Mapping[int, tuple[float, float]] | None = None,
+    kinds: Mapping[int, int] | None = None,
 ) -> Remotes:
     """What is believed of N remotes, as columns of the page.
 
@@ -264,8 +271,8 @@ def remotes_of(
         As `Station.model_names` has them.
     ahead_s
         Of the path's points, (H,) [s].
-    messages, loss_ratio, truth_m
-        By temporary id, what is known of them.
+    messages, loss_ratio, truth_m, kinds
+        By temporary id, what is known of them; who has no kind among them is a vehicle.
     """
     firsts = np.cumsum([0, *(len(names) for names in model_names)])
     vehicles: list[int] = beliefs.vehicle.tolist()
@@ -287,6 +294,9 @@ def remotes_of(
         messages=_column(messages, vehicles),
         loss_ratio=_column(loss_ratio, vehicles),
         error_m=np.hypot(*(beliefs.position_m - true_m).T),
+        kind=None
+        if kinds is None
+        else np.array([kinds.get(one, Kind.VEHICLE) for one in vehicles], dtype=np.int64),
     )
 
 
@@ -300,6 +310,7 @@ def snapshot_of(
     messages: Mapping[int, int] | None = None,
     loss_ratio: Mapping[int, float] | None = None,
     truth_m: Mapping[int, tuple[float, float]] | None = None,
+    kinds: Mapping[int, int] | None = None,
 ) -> Snapshot:
     """What the page shows of a station at one time; the station is only asked.
 
@@ -311,7 +322,7 @@ def snapshot_of(
         Any time from its newest message on [s].
     host, counters, warnings
         As in `Snapshot`.
-    messages, loss_ratio, truth_m
+    messages, loss_ratio, truth_m, kinds
         As in `remotes_of`.
     """
     remotes = remotes_of(
@@ -322,6 +333,7 @@ def snapshot_of(
         messages=messages,
         loss_ratio=loss_ratio,
         truth_m=truth_m,
+        kinds=kinds,
     )
     urgent = tuple(sorted(warnings, key=lambda one: (-one.level, one.begun_s, one.vehicle)))
     return Snapshot(t_s, host, remotes=remotes, warnings=urgent, counters=counters)

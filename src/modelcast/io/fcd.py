@@ -19,6 +19,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import heading_to_velocity, wrap_angle_rad
+from modelcast.core.kinds import Kind
 from modelcast.io.base import Tally
 from modelcast.io.fcd_columns import FcdRow
 from modelcast.io.fcd_survey import FcdSurvey, survey
@@ -28,6 +29,7 @@ from modelcast.trips.trajectory import GAP_STEPS
 from modelcast.world.scenario.base import NOBODY, FleetFrame
 from modelcast.world.scenario.completion import with_course, with_rates
 from modelcast.world.scenario.motion import checked, is_jump
+from modelcast.world.scenario.people import SIZES_M
 
 __all__ = ["most_vehicles", "read_fcd", "survey_fcd"]
 
@@ -37,13 +39,17 @@ _NO_HEADING = "no heading (attribute angle of SUMO), and no motion yet to take i
 
 
 def survey_fcd(
-    path: str | Path, *, vehicle_length_m: float = 4.5, front_bumper: bool | None = None
+    path: str | Path,
+    *,
+    vehicle_length_m: float = 4.5,
+    front_bumper: bool | None = None,
+    people: bool = False,
 ) -> FcdSurvey:
     """Return what a file holds, and how many of its rows `read_fcd` takes.
 
     Parameters
     ----------
-    path, vehicle_length_m, front_bumper
+    path, vehicle_length_m, front_bumper, people
         As for `read_fcd`.
 
     Raises
@@ -51,7 +57,7 @@ def survey_fcd(
     DataFormatError
         As `read_fcd`.
     """
-    found = survey(str(path), front_bumper=front_bumper, vehicle_length_m=vehicle_length_m)
+    found = survey(str(path), front_bumper=front_bumper, vehicle_length_m=vehicle_length_m, people=people)
     if not found.unknown[1]:
         return found
     # Which rows have no heading shows only when the motion around them is known.
@@ -72,6 +78,7 @@ def read_fcd(
     vehicle_length_m: float = 4.5,
     front_bumper: bool | None = None,
     found: FcdSurvey | None = None,
+    people: bool = False,
 ) -> Iterator[FleetFrame]:
     """Yield a file's frames at the file's own times, counted from its first.
 
@@ -90,7 +97,10 @@ def read_fcd(
     front_bumper
         Whether positions are those of the front bumper; where None, in SUMO's files they are.
     found
-        What `survey_fcd` found, to spare reading the file once more.
+        What `survey_fcd` found, to spare reading the file once more; it says whether people are taken.
+    people
+        Whether SUMO's persons are taken, as pedestrians; else they are skipped. Bicycles are cyclists in any
+        case.
 
     Raises
     ------
@@ -101,7 +111,9 @@ def read_fcd(
     at = str(path)
     if found is None:
         times = None if slots is None else _HEAD_TIMES
-        found = survey(at, front_bumper=front_bumper, vehicle_length_m=vehicle_length_m, times=times)
+        found = survey(
+            at, front_bumper=front_bumper, vehicle_length_m=vehicle_length_m, times=times, people=people
+        )
     places = found.most if slots is None else slots
     return _checked(at, _frames(found, places, vehicle_length_m, Tally()))
 
@@ -154,15 +166,16 @@ class _RawFrames:
 
     def __init__(self, found: FcdSurvey, slots: int, length_m: float) -> None:
         self.headless = 0
-        self._found, self._length_m, self._slots = found, length_m, slots
+        self._found, self._slots = found, slots
         self._seats = FleetSlots(slots)
+        self._lengths_m = {**{kind: size_m[0] for kind, size_m in SIZES_M.items()}, Kind.VEHICLE: length_m}
         self._before: dict[str, FloatArray] = {}
         self._jumps: dict[str, int] = {}
 
     def __iter__(self) -> Iterator[FleetFrame]:
         gap_s = GAP_STEPS * self._found.step_s
         start_s, last_s = inf, inf
-        for rows in by_time(self._found.path):
+        for rows in by_time(self._found.path, people=self._found.people):
             t_s = rows[0].t_s
             start_s = min(start_s, t_s)
             if t_s - last_s > gap_s:
@@ -180,7 +193,8 @@ class _RawFrames:
         numbers = np.array([row.numbers for row in rows]).reshape(-1, len(RAW_COLUMNS))
         numbers[:, :2] = in_metres(numbers, self._found.origin)
         unknown = np.isnan(numbers[:, _LENGTH])
-        numbers[unknown, _LENGTH] = self._length_m
+        usual = np.array([self._lengths_m[row.kind] for row in rows])
+        numbers[unknown, _LENGTH] = usual[unknown]
         numbers[:, _HEADING] = wrap_angle_rad(numbers[:, _HEADING] + self._found.turn_rad)
         if not self.headless and np.isnan(numbers[:, _HEADING]).any():
             self.headless = rows[int(np.argmax(np.isnan(numbers[:, _HEADING])))].row
@@ -202,7 +216,8 @@ class _RawFrames:
     def _seated(
         self, t_s: float, labels: Sequence[str], numbers: FloatArray, rows: Sequence[FcdRow]
     ) -> FleetFrame:
-        frame = self._seats.frame(t_s, labels, numbers)
+        kinds = [row.kind for row in rows if not row.skipped] if labels else []
+        frame = self._seats.frame(t_s, labels, numbers, kinds)
         if frame is None:
             raise DataFormatError(
                 self._found.path,
@@ -228,7 +243,9 @@ def _middles(frames: Iterable[FleetFrame], tally: Tally, *, shifted: bool) -> It
             continue
         tally.skip(_NO_HEADING, int(headless.sum()))
         here = frame.active & ~headless
-        back = heading_to_velocity(0.5 * frame.length_m, heading)
+        # SUMO's persons are points: half of their 0.2 m is less than what its positions mean.
+        walks = frame.kind == Kind.PEDESTRIAN if frame.kind is not None else np.zeros_like(here)
+        back = heading_to_velocity(np.where(walks, 0.0, 0.5 * frame.length_m), heading)
         yield replace(
             frame,
             position_m=(frame.position_m - back) * here[:, None],

@@ -20,8 +20,12 @@ The names ``vehicle_...`` are those of SUMO's tables (``timestep_vehicle_...`` w
 ones those of its XML and of tables with plain headers. Other columns are left alone, but for those of SUMO
 that say what a row is: tag, lane, edge, type and pos.
 
-Rows that are not of vehicles are counted by what they are: persons, containers, vehicles off the road (SUMO
-writes -1073741824 for what it does not know of them), time steps without vehicles.
+Where people are asked for, persons are rows of pedestrians, under a name of their own (``person <id>``), but
+for those who ride in a vehicle, which SUMO names in the attribute vehicle. A vehicle is a cyclist where its
+type says so: its name holds ``bike`` or ``bicycle``, as SUMO's DEFAULT_BIKETYPE.
+
+Other rows are counted by what they are: persons, containers, vehicles off the road (SUMO writes -1073741824
+for what it does not know of them), time steps without vehicles.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -30,6 +34,7 @@ from math import inf, nan, pi
 from typing import Any, NamedTuple
 
 from modelcast.core.exceptions import DataFormatError
+from modelcast.core.kinds import Kind
 from modelcast.io.rows import LARGEST
 
 __all__ = [
@@ -46,6 +51,8 @@ __all__ = [
 EMPTY = "time step without vehicles"
 OTHER = "other element"
 _OFF_ROAD = "vehicle off the road"
+_RIDES = "person in a vehicle"
+_BIKES = ("bike", "bicycle")
 _PERSON, _CONTAINER = "person", "container"
 _EITHER = "person or container"
 _NO_LANE = f"{_EITHER}, or off the road: no lane"
@@ -85,7 +92,7 @@ _FULL = "timestep_vehicle_"
 
 
 class FcdRow(NamedTuple):
-    """One row: a vehicle at one time, its unknown numbers NaN; or, where `skipped` says why, none.
+    """One row: a vehicle or person at one time, its unknown numbers NaN; or, where `skipped` says why, none.
 
     Numbers are east, north (or longitude, latitude), speed, heading, acceleration, yaw rate, length.
     """
@@ -95,6 +102,7 @@ class FcdRow(NamedTuple):
     vehicle: str
     numbers: tuple[float, float, float, float, float, float, float]
     skipped: str = ""
+    kind: Kind = Kind.VEHICLE
 
 
 _NOTHING = (nan, nan, nan, nan, nan, nan, nan)
@@ -177,12 +185,13 @@ def xml_columns(attributes: Collection[str]) -> dict[str, str]:
     attributes
         Names of the element's attributes.
     """
-    return {
+    found = {
         meaning: name
         for meaning, known in _NAMES.items()
         for name in known[-1:]
         if name in attributes and meaning not in {"time", "heading_rad"}
     }
+    return {**found, "rides_in": "vehicle"} if "vehicle" in attributes else found
 
 
 def table_kind(columns: FcdColumns) -> Callable[[Mapping[str, Any]], str]:
@@ -217,7 +226,9 @@ def _named_kind(values: Mapping[str, Any]) -> str:
     return _CONTAINER if values.get("container") or named == "DEFAULT_CONTAINERTYPE" else ""
 
 
-def fcd_row(path: str, row: int, values: Mapping[str, Any], kind: str = "") -> FcdRow:
+def fcd_row(
+    path: str, row: int, values: Mapping[str, Any], kind: str = "", *, people: bool = False
+) -> FcdRow:
     """Return a row of values by meaning.
 
     Parameters
@@ -228,6 +239,8 @@ def fcd_row(path: str, row: int, values: Mapping[str, Any], kind: str = "") -> F
         By meaning; None, blank or absent where not known.
     kind
         Why it is no vehicle; empty where it is one.
+    people
+        Whether persons are wanted.
 
     Raises
     ------
@@ -235,7 +248,10 @@ def fcd_row(path: str, row: int, values: Mapping[str, Any], kind: str = "") -> F
         Where a needed value is missing, or a value is not a finite number or negative.
     """
     time = _time(path, row, values.get("time"))
-    if kind:
+    walks = people and kind == _PERSON and bool(values.get("vehicle"))
+    if walks and values.get("rides_in"):
+        return FcdRow(row, time, "", _NOTHING, _RIDES)
+    if kind and not walks:
         return FcdRow(row, time, "", _NOTHING, kind)
     vehicle = values.get("vehicle")
     if vehicle is None or vehicle == "":
@@ -260,7 +276,12 @@ def fcd_row(path: str, row: int, values: Mapping[str, Any], kind: str = "") -> F
     if speed < 0.0 or length < 0.0:
         name, value = ("speed", speed) if speed < 0.0 else ("length", length)
         raise DataFormatError(path, f"{name} is {value}, negative", row=row, remedy="Correct the value.")
-    return FcdRow(row, time, str(vehicle), (east, north, speed, heading, acceleration, yaw_rate, length))
+    numbers = (east, north, speed, heading, acceleration, yaw_rate, length)
+    if walks:
+        return FcdRow(row, time, f"person {vehicle}", numbers, kind=Kind.PEDESTRIAN)
+    named = str(values.get("type") or "").lower()
+    rides = any(name in named for name in _BIKES) and "motorbike" not in named
+    return FcdRow(row, time, str(vehicle), numbers, kind=Kind.CYCLIST if rides else Kind.VEHICLE)
 
 
 def _is_invalid(value: Any) -> bool:

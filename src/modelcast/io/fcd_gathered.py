@@ -8,6 +8,7 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import Origin
+from modelcast.core.kinds import Kind
 from modelcast.io.base import Tally
 from modelcast.io.fcd_columns import FcdRow
 from modelcast.io.fcd_times import in_metres
@@ -33,6 +34,8 @@ class Gathered:
         Vehicles, and how many there were at most at one time.
     visits, alone
         How often a vehicle came, and how often it was there at one time only.
+    people
+        Names of those that are no vehicles, by kind.
     unknown
         Rows without a speed, a heading, a length.
     low, high
@@ -50,6 +53,7 @@ class Gathered:
     most: int = 0
     visits: int = 0
     alone: int = 0
+    people: dict[Kind, set[str]] = field(default_factory=dict[Kind, set[str]])
     unknown: tuple[int, int, int] = (0, 0, 0)
     low: FloatArray = field(default_factory=lambda: np.full(2, inf))
     high: FloatArray = field(default_factory=lambda: np.full(2, -inf))
@@ -79,6 +83,9 @@ class Gathered:
                 self.tally.skip(row.skipped, 1)
         here = [row for row in rows if not row.skipped]
         self.most = max(self.most, len(here))
+        for row in here:
+            if row.kind != Kind.VEHICLE:
+                self.people.setdefault(row.kind, set()).add(row.vehicle)
         self._visit([row.vehicle for row in here])
         numbers = np.array([row.numbers for row in here]).reshape(-1, 7)
         speed, heading, length = (int(np.isnan(numbers[:, at]).sum()) for at in (SPEED, HEADING, LENGTH))

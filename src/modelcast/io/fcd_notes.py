@@ -47,6 +47,9 @@ def notes(
         yield "positions are front bumpers, as SUMO's: moved back by half a length"
     else:
         yield "positions are taken for the middles of vehicles"
+    counts = {kind.name.lower(): len(names) for kind, names in sorted(found.people.items())}
+    if counts:
+        yield f"people among them, by kind: {', '.join(f'{count} {name}' for name, count in counts.items())}"
     if found.unknown[2]:
         yield f"{found.unknown[2]} rows without a length: {length_m:g} m taken"
     if columns is not None and not columns.tells_vehicles:

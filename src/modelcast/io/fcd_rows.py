@@ -61,13 +61,15 @@ def read_columns(path: str) -> FcdColumns | None:
         return fcd_columns(path, [str(name) for name in file.schema_arrow.names])
 
 
-def read_rows(path: str) -> Iterator[FcdRow]:
+def read_rows(path: str, *, people: bool = False) -> Iterator[FcdRow]:
     """Yield a file's rows, those that are no vehicles among them.
 
     Parameters
     ----------
     path
         The file; its content says which of the three formats it is.
+    people
+        Whether persons are wanted: else they are no vehicles.
 
     Raises
     ------
@@ -76,11 +78,11 @@ def read_rows(path: str) -> Iterator[FcdRow]:
     """
     columns = read_columns(path)
     if columns is None:
-        yield from _xml_rows(path)
+        yield from _xml_rows(path, people=people)
     elif fcd_kind(path) == "csv":
-        yield from _csv_rows(path, columns)
+        yield from _csv_rows(path, columns, people=people)
     else:
-        yield from _parquet_rows(path, columns)
+        yield from _parquet_rows(path, columns, people=people)
 
 
 def _csv_header(path: str) -> tuple[list[str], str]:
@@ -91,7 +93,7 @@ def _csv_header(path: str) -> tuple[list[str], str]:
     return [field.strip(' \t\r\n"') for field in line.split(mark)], mark
 
 
-def _csv_rows(path: str, columns: FcdColumns) -> Iterator[FcdRow]:
+def _csv_rows(path: str, columns: FcdColumns, *, people: bool) -> Iterator[FcdRow]:
     names, mark = _csv_header(path)
     field = {meaning: names.index(name) for meaning, name in columns.found.items()}
     kind = table_kind(columns)
@@ -110,16 +112,16 @@ def _csv_rows(path: str, columns: FcdColumns) -> Iterator[FcdRow]:
                         remedy="Check that the line is whole.",
                     )
                 values = {meaning: cells[at].strip() for meaning, at in field.items()}
-                yield _table_row(path, reader.line_num, values, kind(values))
+                yield _table_row(path, reader.line_num, values, kind(values), people=people)
         except csv.Error as error:
             raise DataFormatError(path, str(error), row=reader.line_num) from error
 
 
-def _table_row(path: str, number: int, values: Mapping[str, Any], kind: str) -> FcdRow:
+def _table_row(path: str, number: int, values: Mapping[str, Any], kind: str, *, people: bool) -> FcdRow:
     """Return a row of a table; SUMO writes a time step without vehicles as a row with a time alone."""
     if not kind and all(values[name] in {None, ""} for name in ("vehicle", "east", "north")):
         kind = EMPTY
-    return fcd_row(path, number, values, kind)
+    return fcd_row(path, number, values, kind, people=people)
 
 
 @contextmanager
@@ -135,7 +137,7 @@ def _parquet(path: str) -> Generator[pq.ParquetFile]:
             ) from error
 
 
-def _parquet_rows(path: str, columns: FcdColumns) -> Iterator[FcdRow]:
+def _parquet_rows(path: str, columns: FcdColumns, *, people: bool) -> Iterator[FcdRow]:
     found, kind = columns.found, table_kind(columns)
     number = 0
     with _parquet(path) as file:
@@ -144,13 +146,14 @@ def _parquet_rows(path: str, columns: FcdColumns) -> Iterator[FcdRow]:
             for cells in zip(*lists, strict=True):
                 number += 1
                 values = dict(zip(found, cells, strict=True))
-                yield _table_row(path, number, values, kind(values))
+                yield _table_row(path, number, values, kind(values), people=people)
 
 
 class _XmlRows:
     """Handlers of the parser: gathers the rows of the elements that begin."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, *, people: bool) -> None:
+        self._people = people
         self.parser = expat.ParserCreate()
         self.parser.StartElementHandler = self._begin
         self.parser.EndElementHandler = self._end
@@ -176,7 +179,7 @@ class _XmlRows:
             values: dict[str, Any] = {meaning: attributes[at] for meaning, at in self._names[known].items()}
             values["time"] = self._time
             kind = "" if name == "vehicle" else name if name in _XML_ROWS else OTHER
-            self.rows.append(fcd_row(self._path, line, values, kind))
+            self.rows.append(fcd_row(self._path, line, values, kind, people=self._people))
 
     def _end(self, name: str) -> None:
         self._depth -= 1
@@ -187,9 +190,9 @@ class _XmlRows:
             self._time = None
 
 
-def _xml_rows(path: str) -> Iterator[FcdRow]:
+def _xml_rows(path: str, *, people: bool) -> Iterator[FcdRow]:
     """Yield the rows of SUMO's FCD output; their numbers are lines."""
-    found = _XmlRows(path)
+    found = _XmlRows(path, people=people)
     try:
         with opened(path) as file:
             while chunk := file.read(_CHUNK):

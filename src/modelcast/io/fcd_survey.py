@@ -18,6 +18,7 @@ import numpy as np
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
+from modelcast.core.kinds import Kind
 from modelcast.io.fcd_columns import FcdColumns
 from modelcast.io.fcd_gathered import Gathered
 from modelcast.io.fcd_notes import notes
@@ -59,6 +60,10 @@ class FcdSurvey:
         Rows of vehicles without a speed, a heading, a length.
     notes
         What else should be known of it, in sentences.
+    pedestrians, cyclists
+        How many of the vehicles are no vehicles but people.
+    people
+        Whether its persons are taken.
     """
 
     path: str
@@ -74,6 +79,9 @@ class FcdSurvey:
     front_bumper: bool
     unknown: tuple[int, int, int]
     notes: tuple[str, ...]
+    pedestrians: int = 0
+    cyclists: int = 0
+    people: bool = False
 
     @property
     def taken(self) -> int:
@@ -82,7 +90,12 @@ class FcdSurvey:
 
 
 def survey(
-    path: str, *, front_bumper: bool | None = None, vehicle_length_m: float = 4.5, times: int | None = None
+    path: str,
+    *,
+    front_bumper: bool | None = None,
+    vehicle_length_m: float = 4.5,
+    times: int | None = None,
+    people: bool = False,
 ) -> FcdSurvey:
     """Return what a file holds; none of it is kept.
 
@@ -96,6 +109,8 @@ def survey(
         Length of vehicles whose length the file does not say [m], for the notes.
     times
         How many time steps are looked at; None for all.
+    people
+        Whether its persons are taken.
 
     Raises
     ------
@@ -104,7 +119,7 @@ def survey(
     """
     columns = read_columns(path)
     found = Gathered()
-    for rows in islice(by_time(path), times):
+    for rows in islice(by_time(path, people=people), times):
         found.add(rows)
     found.finish()
     reading = found.tally.reading(found.rows, found.rows - found.tally.left_out)
@@ -133,6 +148,9 @@ def survey(
         front_bumper=shifted,
         unknown=found.unknown,
         notes=tuple(told),
+        pedestrians=len(found.people.get(Kind.PEDESTRIAN, ())),
+        cyclists=len(found.people.get(Kind.CYCLIST, ())),
+        people=people,
     )
 
 
@@ -201,6 +219,8 @@ def survey_document(found: FcdSurvey) -> Mapping[str, Any]:
         "skipped": dict(found.reading.skipped),
         "repaired": dict(found.reading.repaired),
         "vehicles": found.vehicles,
+        "pedestrians": found.pedestrians,
+        "cyclists": found.cyclists,
         "most_at_once": found.most,
         "duration_s": found.end_s - found.start_s,
         "step_s": None if found.step_s == inf else found.step_s,

@@ -13,7 +13,7 @@ from modelcast.io.fcd_rows import read_rows
 __all__ = ["by_time", "in_metres"]
 
 
-def by_time(path: str) -> Iterator[Sequence[FcdRow]]:
+def by_time(path: str, *, people: bool = False) -> Iterator[Sequence[FcdRow]]:
     """Yield the rows of each time, checked for order; each vehicle once.
 
     Parameters
@@ -28,7 +28,7 @@ def by_time(path: str) -> Iterator[Sequence[FcdRow]]:
     """
     gathered: list[FcdRow] = []
     seen: dict[str, int] = {}
-    for row in read_rows(path):
+    for row in read_rows(path, people=people):
         if gathered and row.t_s != gathered[0].t_s:
             if row.t_s < gathered[0].t_s:
                 raise DataFormatError(

@@ -4,8 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.kinds import Kind
 from modelcast.world.scenario.base import NOBODY, FleetFrame
+from modelcast.world.scenario.people import SIZES_M
 
 __all__ = ["RAW_COLUMNS", "FleetSlots"]
 
@@ -37,7 +39,9 @@ class FleetSlots:
         self._slots = slots
         self._next = 0
 
-    def frame(self, t_s: float, labels: Sequence[str], rows: FloatArray) -> FleetFrame | None:
+    def frame(
+        self, t_s: float, labels: Sequence[str], rows: FloatArray, kinds: Sequence[Kind] | None = None
+    ) -> FleetFrame | None:
         """Return the frame of the vehicles that are there, or None where they are more than the slots.
 
         Parameters
@@ -48,6 +52,8 @@ class FleetSlots:
             Names of the vehicles, each once.
         rows
             Their numbers, (len(labels), 7), in the order of `RAW_COLUMNS`; NaN where not known.
+        kinds
+            Of each; None where all traffic is vehicles.
         """
         here = set(labels)
         gone = sorted(self._slot[label] for label in self._slot if label not in here)
@@ -66,6 +72,12 @@ class FleetSlots:
         at = np.array([self._slot[label] for label in labels], dtype=np.int64)
         table = np.zeros((len(RAW_COLUMNS), self._slots))
         table[:, at] = rows.reshape(-1, len(RAW_COLUMNS)).T
+        kind: IntArray | None = None
+        width: FloatArray | None = None
+        if kinds is not None:
+            kind, width = np.zeros(self._slots, dtype=np.int64), np.zeros(self._slots)
+            kind[at] = [int(one) for one in kinds]
+            width[at] = [SIZES_M[one][1] for one in kinds]
         identity = np.full(self._slots, NOBODY, dtype=np.int64)
         identity[at] = [self._identity[label] for label in labels]
         return FleetFrame(
@@ -78,4 +90,6 @@ class FleetSlots:
             length_m=table[6],
             vehicle_id=identity,
             active=identity != NOBODY,
+            kind=kind,
+            width_m=width,
         )

@@ -7,12 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from modelcast.core.kinds import Kind
 from modelcast.world.drive import generate_drive
 from modelcast.world.scenario.base import NOBODY, STEP_S, AbstractScenario, run_scenario
 from modelcast.world.scenario.braking import BrakingStreams
 from modelcast.world.scenario.grid import Grid
 from modelcast.world.scenario.highway import Highway
+from modelcast.world.scenario.joined import Joined
+from modelcast.world.scenario.laid_tracks import crossings_of, laid_tracks
 from modelcast.world.scenario.library import TripRoad
+from modelcast.world.scenario.peopled_grid import PeopledGrid
 from modelcast.world.scenario.recorded import make_replay
 
 DRIVES = [generate_drive(seed, 90.0).truth for seed in (1, 2)]
@@ -24,6 +28,17 @@ SCENARIOS: dict[str, AbstractScenario[Any]] = {
     "cut-ins": BrakingStreams(800.0, 60.0, cut_ins_per_minute=60.0, warm_up_s=5.0),
     "grid": Grid(3, 3, 25.0, warm_up_s=5.0),
     "grid with priority": Grid(3, 3, 25.0, junctions="priority", misjudged_ratio=0.5, warm_up_s=5.0),
+    "grid with people": PeopledGrid(Grid(3, 3, 25.0, warm_up_s=5.0), 30, 20),
+    "tracks of people beside a road": Joined(
+        Highway(800.0, 20.0, warm_up_s=5.0),
+        laid_tracks(
+            DRIVES,
+            [Kind.PEDESTRIAN, Kind.CYCLIST],
+            crossings_of(Grid(2, 2, 20.0)),
+            rng=np.random.default_rng(1),
+            duration_s=60.0,
+        ),
+    ),
     "replay": make_replay(DRIVES, [0.0, 1.0]),
     "library": TripRoad(DRIVES, 600.0, 50.0),
 }

@@ -3,6 +3,7 @@
 const CHI_95 = Math.sqrt(5.991); // 95 % of a normal distribution in two dimensions
 const FRESH_S = 1;
 const STALE_S = 3;
+const [PEDESTRIAN, CYCLIST, ROAD_WORKER, ROADSIDE] = [1, 2, 3, 4]; // modelcast.core.kinds.Kind
 const DASHES = [[], [4, 2.5], [1.5, 3]];
 
 /** Class of a remote's age: 0 fresh, 1 older, 2 stale. */
@@ -36,6 +37,40 @@ function arrow(pen, x, y, heading, size) {
   pen.lineTo(x - s * 0.4, y - c * 0.4);
   pen.lineTo(x - s * 0.85 + c * 0.75, y - c * 0.85 - s * 0.75);
   pen.closePath();
+}
+
+/** A body by its kind: an arrow, a disc with a nose, a slim arrow on two wheels, a square. */
+function body(pen, x, y, remote, size) {
+  const heading = remote.heading ?? 0;
+  const [s, c] = [Math.sin(heading), -Math.cos(heading)];
+  if (remote.kind === PEDESTRIAN || remote.kind === ROAD_WORKER) {
+    const r = size * 0.55;
+    pen.moveTo(x + r, y);
+    pen.arc(x, y, r, 0, 2 * Math.PI);
+    if (remote.heading !== null) {
+      pen.moveTo(x + s * r * 2, y + c * r * 2);
+      pen.lineTo(x + c * r * 0.6 + s * r * 0.8, y - s * r * 0.6 + c * r * 0.8);
+      pen.lineTo(x - c * r * 0.6 + s * r * 0.8, y + s * r * 0.6 + c * r * 0.8);
+      pen.closePath();
+    }
+  } else if (remote.kind === CYCLIST) {
+    const r = size * 0.42;
+    for (const end of [-0.8, 0.8]) {
+      const [wx, wy] = [x + s * size * end, y + c * size * end];
+      pen.moveTo(wx + r, wy);
+      pen.arc(wx, wy, r, 0, 2 * Math.PI);
+    }
+    const [w, l] = [size * 0.18, size * 0.8];
+    pen.moveTo(x + s * l + c * w, y + c * l - s * w);
+    pen.lineTo(x + s * l - c * w, y + c * l + s * w);
+    pen.lineTo(x - s * l - c * w, y - c * l + s * w);
+    pen.lineTo(x - s * l + c * w, y - c * l - s * w);
+    pen.closePath();
+  } else if (remote.kind === ROADSIDE) {
+    pen.rect(x - size * 0.7, y - size * 0.7, size * 1.4, size * 1.4);
+  } else {
+    arrow(pen, x, y, remote.heading, size);
+  }
 }
 
 function roadLines(pen, camera, lines, colours) {
@@ -91,7 +126,7 @@ function pathsOf(pen, camera, group) {
 
 function bodiesOf(pen, group, size, colours) {
   pen.beginPath();
-  for (const { remote, x, y } of group.items) arrow(pen, x, y, remote.heading, size);
+  for (const { remote, x, y } of group.items) body(pen, x, y, remote, size);
   pen.fillStyle = group.age === 2 ? colours.field : group.colour;
   pen.fill();
   pen.setLineDash(DASHES[group.age]);

@@ -29,6 +29,7 @@ export function readSnapshot(text) {
       messages: columns.messages[k],
       loss: part("loss_permille", 1000),
       error: part("error_mm", 1000),
+      kind: columns.kind ? columns.kind[k] : 0,
     });
   }
   const host = given.host && {

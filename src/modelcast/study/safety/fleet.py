@@ -12,7 +12,7 @@ from typing import final
 
 import numpy as np
 
-from modelcast.apps.motions import Motions
+from modelcast.apps.motions import WIDTH_M, Motions
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.chance import child_generator
 from modelcast.runtime.fleet.loop import FleetLoop
@@ -116,7 +116,8 @@ class SafetyObserver(AbstractObserver):
     Notes
     -----
     Rows are kept where perfect knowledge or the host warns, or the true margin is below
-    `FleetSafetySettings.near_m`: others change no score. The size of a vehicle is what its messages state.
+    `FleetSafetySettings.near_m`: others change no score. Size and kind of a road user are what its
+    messages state.
     """
 
     def __init__(self, settings: FleetSafetySettings) -> None:
@@ -157,13 +158,13 @@ class SafetyObserver(AbstractObserver):
         self.pairs += given.host.size
         true = _true(frame)
         host, remote = given.host, given.remote
-        right = _motions(true[host], frame.length_m[host]), _motions(true[remote], frame.length_m[remote])
-        own = _motions(loop.own_motion(host), frame.length_m[host])
+        right = _motions(true[host], frame, host), _motions(true[remote], frame, remote)
+        own = _motions(loop.own_motion(host), frame, host)
         who = frame.vehicle_id[host], frame.vehicle_id[remote]
         for name, application in self.settings.applications.items():
             truly = application.assess(*right)
             for reading, motion in given.motions.items():
-                believed = _motions(motion[:, _BELIEVED], frame.length_m[remote])
+                believed = _motions(motion[:, _BELIEVED], frame, remote)
                 warned = application.assess(own, believed).warned
                 kept = truly.warned | warned | (np.abs(truly.margin_m) < self.settings.near_m)
                 if kept.any():
@@ -209,9 +210,11 @@ def _true(frame: FleetFrame) -> FloatArray:
     return np.column_stack((frame.position_m, *columns))
 
 
-def _motions(rows: FloatArray, length_m: FloatArray) -> Motions:
-    """Motions from columns of `modelcast.station.arrays.MEASURED`, (N, 6)."""
+def _motions(rows: FloatArray, frame: FleetFrame, slots: IntArray) -> Motions:
+    """Motions from columns of `modelcast.station.arrays.MEASURED`, (N, 6), of these slots, (N,)."""
     return Motions.of(
         rows[:, :2], speed_mps=rows[:, 2], heading_rad=rows[:, 3],
-        acceleration_mps2=rows[:, 4], yaw_rate_radps=rows[:, 5], length_m=length_m,
+        acceleration_mps2=rows[:, 4], yaw_rate_radps=rows[:, 5], length_m=frame.length_m[slots],
+        width_m=WIDTH_M if frame.width_m is None else frame.width_m[slots],
+        kind=None if frame.kind is None else frame.kind[slots],
     )  # fmt: skip

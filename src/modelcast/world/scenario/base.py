@@ -8,7 +8,7 @@ identifier is never used twice in a run.
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import KW_ONLY, dataclass
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -52,6 +52,10 @@ class FleetFrame:
     begins
         Whose measurement does not connect with the last, as after a jump of a receiver, (V,); None for
         nobody's. Gaps in time are seen by themselves.
+    kind
+        Of each road user, values of `Kind`, (V,); None where all are vehicles.
+    width_m
+        Of each road user, (V,) [m]; None where all are as wide as a car.
 
     Raises
     ------
@@ -70,6 +74,8 @@ class FleetFrame:
     vehicle_id: IntArray
     active: BoolArray
     begins: BoolArray | None = None
+    kind: IntArray | None = None
+    width_m: FloatArray | None = None
 
     def __post_init__(self) -> None:
         shape = self.active.shape
@@ -81,6 +87,10 @@ class FleetFrame:
                 raise ValueError(f"{name} must have shape {shape}, got {column.shape}")
         if self.vehicle_id.shape != shape:
             raise ValueError(f"vehicle_id must have shape {shape}, got {self.vehicle_id.shape}")
+        for name in ("begins", "kind", "width_m"):
+            optional: np.ndarray[Any, Any] | None = getattr(self, name)
+            if optional is not None and optional.shape != shape:
+                raise ValueError(f"{name} must have shape {shape}, got {optional.shape}")
 
     def __len__(self) -> int:
         return int(self.active.size)

@@ -113,6 +113,8 @@ class Grid(AbstractScenario[GridState]):
         Odds of going straight on, above 0 and below 1; the rest is shared by left and right.
     drivers
         Who drives.
+    people_s
+        At the end of each cycle of signals, when all vehicles have red and people cross [s].
     warm_up_s
         Driven before t = 0, where nobody misjudges [s].
 
@@ -139,6 +141,7 @@ class Grid(AbstractScenario[GridState]):
     misjudged_ratio: float = 0.0
     straight_ratio: float = 0.5
     drivers: Drivers = CITY
+    people_s: float = 0.0
     warm_up_s: float = 120.0
     _streets: Streets = field(init=False, repr=False, compare=False)
 
@@ -156,10 +159,16 @@ class Grid(AbstractScenario[GridState]):
             raise ValueError(f"misjudged_ratio must lie in 0..1, got {self.misjudged_ratio}")
         if not 0.0 < self.straight_ratio < 1.0:
             raise ValueError(f"straight_ratio must lie between 0 and 1, got {self.straight_ratio}")
-        if not self.warm_up_s >= 0.0:
-            raise ValueError(f"warm_up_s must be at least 0, got {self.warm_up_s}")
+        for name in ("warm_up_s", "people_s"):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name} must be at least 0, got {getattr(self, name)}")
         streets = make_streets(
-            self.columns, self.rows, block_m=self.block_m, junction_m=self.junction_m, green_s=self.green_s
+            self.columns,
+            self.rows,
+            block_m=self.block_m,
+            junction_m=self.junction_m,
+            green_s=self.green_s,
+            people_s=self.people_s,
         )
         object.__setattr__(self, "_streets", streets)
         room = self.drivers.length_m[1] + self.drivers.gap_m
@@ -169,6 +178,11 @@ class Grid(AbstractScenario[GridState]):
                 f"density_per_km must make between 1 and {most} vehicles on {self.street_m:.0f} m, "
                 f"got {self.slots}"
             )
+
+    @property
+    def streets(self) -> Streets:
+        """Its streets as tables."""
+        return self._streets
 
     @property
     def street_m(self) -> float:
@@ -216,6 +230,18 @@ class Grid(AbstractScenario[GridState]):
 
     def step(self, state: GridState) -> GridState:
         """Return the state a step later."""
+        return self.step_among(state, np.zeros((2, self._streets.direction.size)))
+
+    def step_among(self, state: GridState, busy_s: FloatArray) -> GridState:
+        """Return the state a step later, where people are on the lanes.
+
+        Parameters
+        ----------
+        state
+            As `init` or `step` gave it.
+        busy_s
+            For how long people still are on the crossings of each link, (2, K) [s]: `town_arrays.Roads`.
+        """
         streets = self._streets
         town = arrays.Town(
             state.numbers.copy(),
@@ -234,6 +260,7 @@ class Grid(AbstractScenario[GridState]):
             streets.direction,
             streets.approach,
             streets.conflicts,
+            busy_s,
         )
         normals = state.rng.standard_normal((arrays.NORMALS, self.slots))
         uniforms = state.rng.random(self.slots)

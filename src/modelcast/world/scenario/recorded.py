@@ -6,8 +6,10 @@ from dataclasses import KW_ONLY, dataclass, field
 import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.kinds import Kind
 from modelcast.trips.trajectory import Trajectory
 from modelcast.world.scenario.base import NOBODY, STEP_S, AbstractScenario, FleetFrame
+from modelcast.world.scenario.people import SIZES_M
 from modelcast.world.true_motion import true_motion
 
 __all__ = ["Replay", "make_replay"]
@@ -29,6 +31,8 @@ class Replay(AbstractScenario[int]):
         When which vehicle is there, (T, V).
     length_m
         (V,) [m].
+    kind
+        As in `FleetFrame`, (V,), with the usual width of each; None where all are vehicles.
 
     Raises
     ------
@@ -44,6 +48,7 @@ class Replay(AbstractScenario[int]):
     yaw_rate_radps: FloatArray
     active: BoolArray
     length_m: FloatArray
+    kind: IntArray | None = None
     _identity: IntArray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -53,6 +58,8 @@ class Replay(AbstractScenario[int]):
                 f"active must be (T, V), position_m (T, V, 2) and length_m (V,), got {shape}, "
                 f"{self.position_m.shape} and {self.length_m.shape}"
             )
+        if self.kind is not None and self.kind.shape != shape[1:]:
+            raise ValueError(f"kind must have shape {shape[1:]}, got {self.kind.shape}")
         for name in ("speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps"):
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} must have shape {shape}, got {getattr(self, name).shape}")
@@ -94,10 +101,20 @@ class Replay(AbstractScenario[int]):
             length_m=self.length_m * here,
             vehicle_id=np.where(here, self._identity[at], NOBODY),
             active=here,
+            kind=self.kind,
+            width_m=None
+            if self.kind is None
+            else np.array([SIZES_M[Kind(one)][1] for one in self.kind.tolist()]),
         )
 
 
-def make_replay(trips: Sequence[Trajectory], starts_s: Sequence[float], *, length_m: float = 4.5) -> Replay:
+def make_replay(
+    trips: Sequence[Trajectory],
+    starts_s: Sequence[float],
+    *,
+    length_m: float = SIZES_M[Kind.VEHICLE][0],
+    kinds: Sequence[Kind] | None = None,
+) -> Replay:
     """Trips on a common clock of `STEP_S`, interpolated linearly; in the gaps of a trip its car is not there.
 
     Parameters
@@ -109,12 +126,16 @@ def make_replay(trips: Sequence[Trajectory], starts_s: Sequence[float], *, lengt
         When each trip begins on the common clock, (V,) [s].
     length_m
         Length of the vehicles [m].
+    kinds
+        Of each; people have their usual length. None where all are vehicles.
 
     Raises
     ------
     ValueError
         Where there is no trip, the numbers differ, or a trip is coarser than the clock.
     """
+    if kinds is not None and len(kinds) != len(trips):
+        raise ValueError(f"as many kinds as trips are needed: {len(kinds)}, {len(trips)}")
     if not trips or len(trips) != len(starts_s):
         raise ValueError(f"as many starts as trips are needed, at least one: {len(starts_s)}, {len(trips)}")
     coarse = [trip.trip_id for trip in trips if trip.dt_s > 1.5 * STEP_S]
@@ -149,5 +170,8 @@ def make_replay(trips: Sequence[Trajectory], starts_s: Sequence[float], *, lengt
         acceleration_mps2=columns["acceleration"],
         yaw_rate_radps=columns["yaw_rate"],
         active=active,
-        length_m=np.full(len(trips), length_m),
+        length_m=np.full(len(trips), length_m)
+        if kinds is None
+        else np.array([length_m if one == Kind.VEHICLE else SIZES_M[one][0] for one in kinds]),
+        kind=None if kinds is None else np.array(kinds, dtype=np.int64),
     )

@@ -102,7 +102,9 @@ def turn_curve(tangent_m: float) -> tuple[float, FloatArray]:
     return length_m, np.concatenate([unit * length_m, tangent[:, None]], axis=1)
 
 
-def make_streets(columns: int, rows: int, *, block_m: float, junction_m: float, green_s: float) -> Streets:
+def make_streets(
+    columns: int, rows: int, *, block_m: float, junction_m: float, green_s: float, people_s: float = 0.0
+) -> Streets:
     """Return the tables of a grid of junctions, the south-western one at the origin.
 
     Parameters
@@ -115,6 +117,8 @@ def make_streets(columns: int, rows: int, *, block_m: float, junction_m: float, 
         From a junction's middle to its stop lines [m].
     green_s
         Green for each approach [s]; approaches have green one after the other, so that no ways cross.
+    people_s
+        At the end of each cycle, when all vehicles have red and people cross [s].
     """
     links = [
         (x, y, d)
@@ -143,7 +147,7 @@ def make_streets(columns: int, rows: int, *, block_m: float, junction_m: float, 
         ends.append(end[1] * columns + end[0])
         came = [a for a in range(4) if (end[0] - _STEPS[a][0], end[1] - _STEPS[a][1], a) in number]
         begin.append(came.index(d) * phase_s)
-        cycle.append(len(came) * phase_s)
+        cycle.append(len(came) * phase_s + people_s)
     approach = np.full((columns * rows, 4), -1, dtype=np.int64)
     for k, (_, _, d) in enumerate(links):
         approach[ends[k], d] = k

@@ -4,7 +4,18 @@ from typing import NamedTuple
 
 from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntCube, IntMatrix, IntVector
 
-__all__ = ["COLUMNS", "COUNTS", "INTEGERS", "NORMALS", "Roads", "Town"]
+__all__ = [
+    "AT_BEGINNING",
+    "AT_END",
+    "COLUMNS",
+    "COUNTS",
+    "CROSSING_FAR_M",
+    "CROSSING_NEAR_M",
+    "INTEGERS",
+    "NORMALS",
+    "Roads",
+    "Town",
+]
 
 S, V, A, WANDER, WANDER_1, WANDER_2, GAP_ERR, APPROACH_ERR, PEDAL = range(9)
 COLUMNS = 9
@@ -23,6 +34,12 @@ COUNTS = 2
 of them that should have waited."""
 
 NORMALS = 4
+
+AT_END, AT_BEGINNING = range(2)
+"""Rows of `Roads.busy`."""
+
+CROSSING_FAR_M, CROSSING_NEAR_M = 5.0, 2.0
+"""A crossing lies between these distances from the stop line, towards the middle of the junction [m]."""
 
 LINK_M, GREEN_S, AMBER_S, TURN_MPS2, WANDER_M, PEDAL_NOISE, PERCEPTION, LANE_M, PRIORITY, STRAIGHT_ON = range(
     10
@@ -46,7 +63,12 @@ class Town(NamedTuple):
 
 
 class Roads(NamedTuple):
-    """What is driven on, as in `Streets`, the signals' times those of the clock of the step."""
+    """What is driven on, as in `Streets`, the signals' times those of the clock of the step.
+
+    ``busy`` (2, K) says for how long people still are on the lane [s], 0 for nobody: row `AT_END` where the
+    pavement's line crosses each link's way into the junction at its end, row `AT_BEGINNING` where it crosses
+    its way out of the junction at its beginning.
+    """
 
     follower: IntMatrix
     connectors: FloatVector
@@ -56,3 +78,4 @@ class Roads(NamedTuple):
     direction: IntVector
     approach: IntMatrix
     conflicts: IntCube
+    busy: FloatMatrix

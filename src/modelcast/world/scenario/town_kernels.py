@@ -45,8 +45,12 @@ from modelcast.world.scenario.pose_kernels import lateral_clock, place
 from modelcast.world.scenario.town_arrays import (
     AMBER_S,
     APPROACH_ERR,
+    AT_BEGINNING,
+    AT_END,
     CAME_FROM,
     COMMITTED,
+    CROSSING_FAR_M,
+    CROSSING_NEAR_M,
     CROSSINGS,
     GAP_ERR,
     GREEN_S,
@@ -268,14 +272,43 @@ def _wish_across(
 
 
 @kernel(inlined=True)
+def _wish_before(drivers: FloatMatrix, i: int, v: float, ahead: float, v0: float) -> tuple[float, float]:
+    """Acceleration wanted to stop before a place ahead, and the gap."""
+    gap = ahead + drivers[GAP, i] - LINE_M
+    must_brake = v * v / (2.0 * ahead)
+    return max(wanted(drivers, i, v, gap, 0.0, 0.0, v0), -must_brake - 0.5), gap
+
+
+@kernel(inlined=True)
 def _wish_at_line(
     town: Town, drivers: FloatMatrix, i: int, v0: float, settings: FloatVector
 ) -> tuple[float, float]:
     """Acceleration wanted to stop at the line, and the gap."""
-    v, ahead = town.numbers[V, i], to_line(town, drivers, i, settings)
-    gap = ahead + drivers[GAP, i] - LINE_M
-    must_brake = v * v / (2.0 * ahead)
-    return max(wanted(drivers, i, v, gap, 0.0, 0.0, v0), -must_brake - 0.5), gap
+    return _wish_before(drivers, i, town.numbers[V, i], to_line(town, drivers, i, settings), v0)
+
+
+@kernel(inlined=True)
+def _wish_for_people(
+    town: Town, drivers: FloatMatrix, roads: Roads, i: int, v0: float, settings: FloatVector
+) -> tuple[float, float]:
+    """Acceleration wanted to let people cross, and the gap: those still there when it comes, 1 s to spare."""
+    v, front = town.numbers[V, i], town.numbers[S, i] + 0.5 * drivers[LENGTH, i]
+    link, kind = town.integers[LINK, i], town.integers[NEXT_MOVE, i]
+    wish, gap = FREE_M, FREE_M
+    ahead = settings[LINK_M] + CROSSING_NEAR_M - front
+    if ahead > 0.0 and roads.busy[AT_END, link] > 0.0 and ahead < v * (roads.busy[AT_END, link] + 1.0) + 5.0:
+        wish, gap = _wish_before(drivers, i, v, max(ahead, 0.1), v0)
+    onto = roads.follower[link, kind]
+    for way in range(2):
+        if way == 0:
+            ahead, busy = -CROSSING_FAR_M - front, roads.busy[AT_BEGINNING, link]
+        else:
+            ahead = settings[LINK_M] + roads.connectors[kind] - CROSSING_FAR_M - front
+            busy = roads.busy[AT_BEGINNING, onto]
+        if ahead > 0.0 and busy > 0.0 and ahead < v * (busy + 1.0) + 5.0:
+            other, room = _wish_before(drivers, i, v, max(ahead, 0.1), v0)
+            wish, gap = min(wish, other), min(gap, room)
+    return wish, gap
 
 
 @kernel(inlined=True)
@@ -384,7 +417,8 @@ def step(
                 needed = (v * v - ease * ease) / (2.0 * max(length - s, 0.5))
                 if needed > 0.9 * EASE_MPS2:
                     wish = min(wish, -needed)
-            target[i] = wish
+            for_people, room_m = _wish_for_people(town, drivers, roads, i, v0, settings)
+            target[i], gaps[i] = min(wish, for_people), min(gaps[i], room_m)
     for i in range(vehicles):
         _move_on(town, roads, i, target[i], gaps[i], normals[3, i], uniforms[i], misjudges[i], settings, dt)
     sort_by_link(numbers, integers, order, first)
