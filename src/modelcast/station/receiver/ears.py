@@ -242,8 +242,11 @@ def _message_ids(frames: OctetArray, lengths: IntArray) -> IntArray:
 
 
 def _count(tables: NeighbourTables, host: int, heard: Heard, receipts: IntArray) -> None:
-    """Enter the remotes whose messages were believed into the tables that vehicle density is counted from."""
-    believed = (receipts == Receipt.ACCEPTED) | (receipts == Receipt.REPEATED)
+    """Enter the remotes whose messages were believed into the tables that vehicle density is counted from.
+
+    A message of an instant already told is none: a relay's copy would count as a message that was not lost.
+    """
+    believed = receipts == Receipt.ACCEPTED
     told = np.flatnonzero(believed & (heard.kind != HeardKind.IDENTIFICATION))
     hear_each(
         *tables,
