@@ -35,8 +35,8 @@ from modelcast.channel.frame_kernels import Heard
 from modelcast.channel.propagation_kernels import (
     PropagationTables,
     fading_factor,
-    looked_up,
     is_raised,
+    looked_up,
     median_ln,
 )
 from modelcast.channel.random_kernels import word_of

@@ -209,8 +209,7 @@ class Propagation:
         Median loss behind a building; needs ``streets``. A raised antenna changes that round a corner by what
         it changes along the first street (`ManhattanNlos`), and any other by its gain alone.
     raised
-        Stations with antennas above the road; None for none. `gain_db` is that of links between stations that are
-        not raised.
+        Stations with antennas above the road; None for none. `gain_db` is that of links without them.
 
     Examples
     --------

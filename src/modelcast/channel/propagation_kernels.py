@@ -126,9 +126,7 @@ def median_ln(
     if tables.nlos_kind == 1:
         return looked_up(nlos_ln, distance_m * per_m), False
     first_m, second_m = abs(other_east - east), abs(other_north - north)
-    ways = max(
-        _corner_ln(first_m, second_m, nlos_ln, per_m), _corner_ln(second_m, first_m, nlos_ln, per_m)
-    )
+    ways = max(_corner_ln(first_m, second_m, nlos_ln, per_m), _corner_ln(second_m, first_m, nlos_ln, per_m))
     return min(ways + tables.corner_ln, 0.0), False
 
 
