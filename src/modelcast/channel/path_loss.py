@@ -164,8 +164,8 @@ class WinnerB1(AbstractPathLoss):
     Notes
     -----
     22.7 log d + 27 + 20 log f up to the break point 4 h h' f/c, and 40 log d + 7.56 - 17.3 log h
-    - 17.3 log h' + 2.7 log f beyond, with the effective heights h = antenna_m - 1 and h' of the other end. At 1.5 m and
-    5.9 GHz the break point is 19.7 m and
+    - 17.3 log h' + 2.7 log f beyond, with the effective heights h = antenna_m - 1 and h' of the other end.
+    At 1.5 m and 5.9 GHz the break point is 19.7 m and
     the two parts miss each other there by 0.1 dB.
 
     References

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from modelcast.cli.options import SensorOptions
+from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.network_runs import RunKey
 from modelcast.messages.rules import CertificateRule
@@ -76,6 +77,8 @@ class NetworkPlan:
         Vehicles so near to an end of a straight road are not counted as hosts [m].
     applications, algorithm
         What hosts warn of, by name, none where it is empty; and the warning range of fcw, None for its own.
+    roadside
+        Units beside the vehicles; None for none.
     """
 
     scenario: str
@@ -106,6 +109,7 @@ class NetworkPlan:
     margin_m: float = 0.0
     applications: tuple[str, ...] = ()
     algorithm: str | None = None
+    roadside: RoadsidePlan | None = None
 
     def as_plain(self) -> dict[str, Any]:
         """What every run depends on, as plain values; files by their names, the sensor with its figures.
@@ -115,7 +119,7 @@ class NetworkPlan:
         found: dict[str, Any] = {**asdict(self), "trips": [Path(path).name for path in self.trips]}
         found["sensor"]["model"] = asdict(self.sensor.model())
         del found["banks"], found["thresholds_m"]
-        for name in ("receivers_ratios", "margin_m", "applications", "algorithm"):
+        for name in ("receivers_ratios", "margin_m", "applications", "algorithm", "roadside"):
             if not found[name]:
                 del found[name]
         del found["threads"]  # the result is the same whatever the number of threads

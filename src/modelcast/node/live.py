@@ -15,7 +15,7 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import Origin
 from modelcast.dashboard.document import snapshot_text
 from modelcast.node.clock import AbstractClock, SteeredClock, SystemClock
-from modelcast.node.config import Air, NodeConfig, Page
+from modelcast.node.config import Air, NodeConfig, Page, Roadside
 from modelcast.node.envelope import Unsecured
 from modelcast.node.inputs.base import AbstractSource
 from modelcast.node.inputs.motion import Motion
@@ -28,10 +28,12 @@ from modelcast.node.metrics import Metric, serve_metrics
 from modelcast.node.multicast import MulticastTransport
 from modelcast.node.node import Node, NodeState
 from modelcast.node.pseudonyms import Pseudonyms
+from modelcast.node.relaying import Relaying
 from modelcast.node.run import Lateness, run_node
 from modelcast.node.showing import Showing, figures_of
 from modelcast.node.subscribers import Subscribers
 from modelcast.runtime.transport.base import AbstractTransport
+from modelcast.station.relay import RelayRule
 from modelcast.station.sender.sender import Sender
 from modelcast.station.station import Station
 
@@ -98,6 +100,17 @@ class _Inputs:
         return found
 
 
+def _nowhere(journal: Journal) -> _Inputs:
+    """Inputs of a unit that does not move: none."""
+    return _Inputs((), MotionSource(None, stale_s=1.0, dead_reckoning_s=0.0), journal)
+
+
+def _relaying(site: Roadside, tick_s: float) -> Relaying:
+    """What a unit repeats."""
+    rule = RelayRule(rate_hz=site.relay_rate_hz, within_m=site.relay_within_m, max_age_s=site.relay_age_s)
+    return Relaying(rule, tick_s)
+
+
 class LiveNode:
     """A node on a real clock.
 
@@ -156,7 +169,9 @@ class LiveNode:
         async with AsyncExitStack() as stack:
             transport = open_transport(config.air, clock)
             stack.callback(transport.close)
-            inputs = await stack.enter_async_context(self._inputs())
+            inputs = _nowhere(self._journal)
+            if not config.roadside.on:
+                inputs = await stack.enter_async_context(self._inputs())
             if isinstance(clock, SystemClock):
                 await stack.enter_async_context(_running(_follow(clock)))
             if config.metrics.port:
@@ -168,7 +183,8 @@ class LiveNode:
                     place = f"{config.metrics.host}:{config.metrics.port}"
                     raise ConfigError(f"[metrics] cannot listen on {place}: {error.strerror}") from error
                 await stack.enter_async_context(server)
-            self._journal.note("start", {"name": config.vehicle.name, "policy": config.sending.policy})
+            what = "roadside" if config.roadside.on else config.sending.policy
+            self._journal.note("start", {"name": config.vehicle.name, "policy": what})
             if await self._placed(inputs, stop):
                 await self._go(inputs, transport, stop, stack)
             self._journal.note("stop", dict(self.node.counts) if self.node is not None else {})
@@ -213,6 +229,8 @@ class LiveNode:
 
     async def _placed(self, inputs: _Inputs, stop: asyncio.Event) -> bool:
         """Wait for the first place, which the plane of the map begins at; False where it is told to stop."""
+        if self._config.roadside.on:
+            return True
         while not stop.is_set():
             if inputs.at(self._clock.now_s()) is not None:
                 return True
@@ -227,7 +245,8 @@ class LiveNode:
         self, inputs: _Inputs, transport: AbstractTransport, stop: asyncio.Event, stack: AsyncExitStack
     ) -> None:
         config = self._config
-        origin = inputs.motion.origin
+        site = config.roadside
+        origin = Origin(site.latitude_deg, site.longitude_deg) if site.on else inputs.motion.origin
         assert origin is not None  # noqa: S101 - a place was found
         self.origin = origin
         rng = np.random.default_rng(secrets.randbits(128))
@@ -245,7 +264,8 @@ class LiveNode:
             Unsecured(),
             applications={name: get_application(name) for name in config.applications.names},
             size_m=(config.vehicle.length_m, config.vehicle.width_m),
-            pseudonyms=names,
+            pseudonyms=None if site.on else names,
+            relaying=_relaying(site, config.sending.tick_s) if site.on and site.relay else None,
             watch=self._journal.note,
         )
         takers: list[Callable[[NodeState], None]] = [self._keep]

@@ -21,6 +21,7 @@ from modelcast.dashboard.meter import MessageMeter
 from modelcast.node.envelope import AbstractEnvelope, Bare
 from modelcast.node.inputs.motion import Motion
 from modelcast.node.pseudonyms import Pseudonyms
+from modelcast.node.relaying import Relaying
 from modelcast.runtime.transport.base import AbstractTransport
 from modelcast.station.receiver.local_dynamic_map import Beliefs, Receipt
 from modelcast.station.station import Station
@@ -104,6 +105,8 @@ class Node:
         Length and width of the vehicle [m].
     pseudonyms
         When its names change; None for never.
+    relaying
+        Which messages it repeats; None for none. A node that does stands at the origin of its plane.
     watch
         Takes what happens: ``motion`` (what it is made of changed), ``renamed``, ``warning`` (one begins or
         ends).
@@ -123,6 +126,7 @@ class Node:
         applications: Mapping[str, AbstractApplication] | None = None,
         size_m: tuple[float, float] = (4.6, 1.8),
         pseudonyms: Pseudonyms | None = None,
+        relaying: Relaying | None = None,
         watch: Watch = _unseen,
     ) -> None:
         self.station, self._transport = station, transport
@@ -130,6 +134,7 @@ class Node:
         self._size_m, self._pseudonyms = size_m, pseudonyms
         self._applications = dict(applications or {})
         self._watch = watch
+        self._relaying = relaying
         self._waiting: list[tuple[float, int, bytes]] = []
         self._order = count()
         self._made_of: str | None = None
@@ -166,6 +171,11 @@ class Node:
         if motion is not None:
             self._sense(now_s, motion)
         around = self.station.believe(now_s)
+        if self._relaying is not None:
+            for send_s, octets in self._relaying.turn(now_s, around):
+                heapq.heappush(self._waiting, (send_s, next(self._order), octets))
+            for why, times in self._relaying.counts.items():
+                self.counts[f"relay: {why.replace('_', ' ')}"] = times
         return NodeState(
             now_s,
             self.station.temporary_id,
@@ -235,6 +245,8 @@ class Node:
             self.counts[f"refused: {why}"] += times
             self.meter.refused(why, times)
         receipts = self.station.hear(octets, received_s=received_s)
+        if self._relaying is not None:
+            self._relaying.hear(octets, received_s, receipts)
         for receipt, times in enumerate(np.bincount(receipts).tolist()):
             if not times:
                 continue

@@ -75,7 +75,7 @@ class RoadsideRun:
     repeated, unsent, by_another, replaced, too_old, too_far
         Messages handed over again, of these never sent since the next took their place, and what was not
         repeated, as `modelcast.station.relay.RelayState` has it.
-    airtime_bytes
+    repeated_bytes
         Bytes of the frames repeated.
     """
 
@@ -91,7 +91,7 @@ class RoadsideRun:
     replaced: int
     too_old: int
     too_far: int
-    airtime_bytes: int
+    repeated_bytes: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -259,7 +259,7 @@ class RoadsideUnits:
             busy_ratio=self._busy / max(self._steps * len(self.roadside), 1),
             unit_s=unit_s,
             unsent=self._unsent,
-            airtime_bytes=self._bytes,
+            repeated_bytes=self._bytes,
             **counts,
         )
 
