@@ -52,27 +52,31 @@ def test_a_unit_hears_all_that_is_sent_in_reach_and_tracks_all_there() -> None:
     assert found is not None
     np.testing.assert_array_equal(found.sent, found.delivered)
     assert found.sent.sum() > 0
-    np.testing.assert_array_equal(found.tally.held, found.tally.pairs)
+    assert (found.tally.held <= found.tally.pairs).all()
+    assert found.tally.held.sum() > 0.99 * found.tally.pairs.sum()  # who has just come was not heard yet
     assert found.unit_s == pytest.approx(3.0)
     assert found.repeated == 0
 
 
 def test_without_losses_copies_change_nothing_that_hosts_hold() -> None:
-    """They are all older than what is held, or the same."""
+    """They are older than what is held, or the same; only who has just come learns something by them."""
     relayed = run(replace(MIDDLE, relay=RelayRule(within_m=np.inf, rate_hz=1000.0)))
     plain = run(None)
-    for name in ("error", "age", "held", "pairs", "gap"):
-        np.testing.assert_array_equal(getattr(relayed.tally, name), getattr(plain.tally, name))
+    np.testing.assert_array_equal(relayed.tally.pairs, plain.tally.pairs)
+    more = relayed.tally.held - plain.tally.held
+    assert (more >= 0).all()
+    assert more.sum() <= 0.01 * plain.tally.held.sum()
+    assert np.abs(relayed.tally.age - plain.tally.age).sum() <= 0.01 * plain.tally.age.sum()
     assert relayed.roadside is not None
     assert relayed.roadside.repeated == pytest.approx(plain.sent.total[at.MESSAGES], rel=0.05)
 
 
 def test_vehicles_out_of_reach_of_one_another_hold_each_other_by_a_relay() -> None:
+    """Without it they do only while they have not forgotten those that drove away."""
     plain = run(None, range_m=150.0)
     relayed = run(replace(MIDDLE, relay=RelayRule(rate_hz=1000.0)), range_m=150.0)
     far = slice(7, 10)  # from 175 m on
-    assert plain.tally.held[far].sum() == 0
-    assert relayed.tally.held[far].sum() > 0
+    assert relayed.tally.held[far].sum() > 2 * plain.tally.held[far].sum()
     assert relayed.tally.held[:6].sum() >= plain.tally.held[:6].sum()
 
 
@@ -87,13 +91,13 @@ def test_what_cannot_be_had_is_refused() -> None:
     with pytest.raises(ValueError, match="finite"):
         Roadside(np.array([[np.nan, 0.0]]))
     frames = run_scenario(Highway(500.0, 20.0, warm_up_s=0.0), np.random.default_rng(1), duration_s=0.2)
-    senders = Mix((named_sender("bsm-10hz"), named_sender("baseline")), 0.5)
+    senders = Mix((named_sender("bsm-10hz"), named_sender("baseline")), (0.5, 0.5))
     with pytest.raises(ValueError, match="mixed fleet"):
         run_network(frames, senders, ErasureRadio(Ideal()), SETTINGS, seed=1, roadside=MIDDLE)
 
 
 def heard_dbm(radio: Dsrc, sender: int, receiver: int) -> float:
-    """Power of a frame at 300 m, of two stations of which the second may be raised."""
+    """Power of a frame at 150 m, of two stations of which the second may be raised."""
     state = radio.init(2, np.random.default_rng(1))
     frame = Transmissions(
         np.array([sender]),
@@ -102,19 +106,27 @@ def heard_dbm(radio: Dsrc, sender: int, receiver: int) -> float:
         power_dbm=np.array([20.0]),
         message_id=np.array([0]),
     )
-    received, _ = radio.step(state, frame, np.array([[0.0, 0.0], [300.0, 0.0]]), 0.1)
+    received, _ = radio.step(state, frame, np.array([[0.0, 0.0], [150.0, 0.0]]), 0.1)
     assert received.receiver.tolist() == [receiver]
     return float(received.rssi_dbm[0])
 
 
 def test_a_raised_antenna_is_worth_what_the_path_loss_says_both_ways() -> None:
-    """Beyond both break points, WINNER+ B1 gains 17.3 log(5 / 0.5) dB from 1.5 m to 6 m at one end."""
     raised = WinnerB1(other_antenna_m=6.0)
+    far_m = np.array([150.0])
+    worth_db = float((WinnerB1().loss_db(far_m) - raised.loss_db(far_m))[0])
     plain = Propagation(shadowing=None, fading=None)
     high = replace(plain, raised=RaisedAntennas(1, raised, 3.0))
     for ends in ((0, 1), (1, 0)):
         gained = heard_dbm(Dsrc(propagation=high), *ends) - heard_dbm(Dsrc(propagation=plain), *ends)
-        assert gained == pytest.approx(17.3 + 3.0, abs=0.05)
+        assert gained == pytest.approx(worth_db + 3.0, abs=0.05)
+
+
+def test_beyond_both_break_points_ten_times_the_effective_height_is_worth_what_the_formula_says() -> None:
+    """From 1.5 m to 6 m, a metre of it lost to traffic: 17.3 log(5 / 0.5)."""
+    far_m = np.array([300.0, 800.0])
+    worth_db = WinnerB1().loss_db(far_m) - WinnerB1(other_antenna_m=6.0).loss_db(far_m)
+    np.testing.assert_allclose(worth_db, 17.3, rtol=1e-12)
 
 
 def test_one_height_at_both_ends_is_the_formula_for_two_alike() -> None:

@@ -50,9 +50,17 @@ thresholds, since 5 warnings, since 6 relative errors and no capacities, since 7
 
 _TEXT = {"radio", "policy", "bank", "sender", "reading", "application"}
 
+_SOME = {
+    "pairings",
+    "penetration",
+    "warnings",
+    "warned_hosts",
+    "warned_events",
+    "pooled_warnings",
+    "roadside",
+    "roadside_distances",
+}
 """Tables that only some runs have: of mixed fleets, of hosts with applications, of roadside units."""
-         "roadside_distances"}  # fmt: skip
-"""Tables that only runs of mixed fleets have, of hosts with applications, of roadside units."""
 
 
 def network_document(
