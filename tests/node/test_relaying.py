@@ -23,10 +23,12 @@ class Wire(AbstractTransport):
         self.waiting: list[Arrival] = []
 
     def send(self, octets: bytes, *, sent_s: float) -> None:
+        """Hold it."""
         self.sent.append((sent_s, octets))
 
-    def receive(self, now_s: float) -> list[Arrival]:
-        del now_s
+    def receive(self, until_s: float) -> list[Arrival]:
+        """Hand over what waits."""
+        del until_s
         arrived, self.waiting = self.waiting, []
         return arrived
 

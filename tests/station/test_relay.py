@@ -133,6 +133,23 @@ def test_copies_change_nothing_of_what_a_host_believes() -> None:
         np.testing.assert_array_equal(one.information_age_s, other.information_age_s)
 
 
+def test_a_station_does_not_track_itself_by_its_own_messages_repeated() -> None:
+    car = Station("bsm-10hz", temporary_id=1)
+    sent = [
+        message
+        for step in range(10)
+        for message in car.sense(0.1 * step, (1.5 * step, 0.0), speed_mps=15.0, heading_rad=np.pi / 2)
+    ]
+    octets, times = [one.octets for one in sent], [one.send_s + 0.1 for one in sent]
+    assert set(car.hear(octets[:5], received_s=times[:5]).tolist()) == {Receipt.REPEATED}
+    car.rename(77)
+    assert set(car.hear(octets[5:], received_s=times[5:]).tolist()) == {Receipt.REPEATED}
+    assert car.believe(1.1).vehicle.size == 0
+    other = Station("bsm-10hz", temporary_id=2)
+    other.hear(octets, received_s=times)
+    assert other.believe(1.1).vehicle.tolist() == [1]
+
+
 def test_a_copy_of_a_lost_message_is_as_old_as_the_message() -> None:
     host = Station(temporary_id=2)
     send_s, octets = driven(1.0)[-1]

@@ -205,6 +205,9 @@ def _hear_each(
             message, at_s = int(heard.message_id[k]), float(heard.received_s[k])
             sender, number = message & mask, message >> SENDER_BITS
             ring = number % MESSAGES_KEPT
+            if sender == host:
+                counts[STALE] += 1  # its own, repeated by a relay
+                continue
             if heard.vehicle[host] < 0 or rows[sender, ring, CONTENT_NUMBER] != number:
                 counts[STALE] += 1
                 continue

@@ -95,6 +95,7 @@ class Ears:
         minute_s: float = 0.0,
         tables: NeighbourTables | None = None,
         host: int = 0,
+        own: Sequence[int] = (),
     ) -> tuple[IntArray, MapState]:
         """Take messages in: the `Receipt` of each, (K,), and the new state. The given one is used up.
 
@@ -112,6 +113,8 @@ class Ears:
             Time at which some minute of UTC began [s].
         tables, host
             Neighbours that J2945/1 counts, and whose row is the host's; None for none.
+        own
+            Temporary ids of the host itself: what relays repeat of its own messages is `Receipt.REPEATED`.
 
         Raises
         ------
@@ -138,6 +141,11 @@ class Ears:
                 )
                 rows += first
             state.receipts[Receipt.MALFORMED] += end - first - rows.size
+            mine = np.isin(heard.temporary_id, own)
+            if mine.any():
+                receipts[rows[mine]] = Receipt.REPEATED
+                state.receipts[Receipt.REPEATED] += int(mine.sum())
+                rows, heard = rows[~mine], heard.taken(np.flatnonzero(~mine))
             receipts[rows], state = self.map.hear(state, heard)
             if tables is not None:
                 _count(tables, host, heard, receipts[rows])
