@@ -59,7 +59,7 @@ def test_a_unit_hears_all_that_is_sent_in_reach_and_tracks_all_there() -> None:
 
 
 def test_without_losses_copies_change_nothing_that_hosts_hold() -> None:
-    """They are older than what is held, the same, or the host's own; only newcomers learn something by them."""
+    """They are older than what is held, the same, or the host's own; only newcomers learn by them."""
     relayed = run(replace(MIDDLE, relay=RelayRule(within_m=np.inf, rate_hz=1000.0)))
     plain = run(None)
     np.testing.assert_array_equal(relayed.tally.pairs, plain.tally.pairs)
