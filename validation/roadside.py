@@ -26,8 +26,8 @@ from page_blocks import put
 PAGE = Path(__file__).parents[1] / "docs" / "roadside.md"
 ARMS = {"none": "none", "hears": "hears", "relay": "relays"}
 WARNED_HEADS = (
-    "sender", "units", "messages/s a vehicle", "repeated/s a unit", "busy", "true warnings", "missed", "false",
-    "false/h", "never", "late p50 / p90 [s]", "tracked 50-150 m",
+    "sender", "units", "messages/s a vehicle", "repeated/s a unit", "busy", "true warnings", "missed",
+    "false", "false/h", "never", "late p50 / p90 [s]", "tracked 50-150 m",
 )  # fmt: skip
 UNIT_HEADS = (
     "sender",

@@ -83,14 +83,9 @@ class Relaying:
         around
             What the unit believes of the vehicles now, itself at the origin of its plane.
         """
-        key, author, heard_s = (
-            np.array(column, dtype=kind)
-            for column, kind in zip(
-                zip(*self._heard, strict=True) if self._heard else ([], [], []),
-                (np.int64, np.int64, np.float64),
-                strict=True,
-            )
-        )
+        key: IntArray = np.array([one[0] for one in self._heard], dtype=np.int64)
+        author: IntArray = np.array([one[1] for one in self._heard], dtype=np.int64)
+        heard_s: FloatArray = np.array([one[2] for one in self._heard], dtype=np.float64)
         self._heard = []
         at = np.searchsorted(around.vehicle, author)
         at = np.minimum(at, max(around.vehicle.size - 1, 0))

@@ -30,6 +30,10 @@ def measure_roadside(
     """
     case: dict[str, Any] = {name: getattr(result.run, name) for name in CASE_KEYS}
     width_m, middle = settings.distance_bin_m, span(*HEADLINE_M, settings.distance_bin_m)
+    middle_held: dict[str, Any] = {**held_figures(run.tally, middle)}
+    by_distance: list[dict[str, Any]] = [
+        {**held_figures(run.tally, slice(number, number + 1))} for number in range(settings.distances)
+    ]
     total = RoadsideRow(
         **case,
         units=units,
@@ -42,7 +46,7 @@ def measure_roadside(
         replaced_rate_hz=ratio(run.replaced, run.unit_s),
         too_old_rate_hz=ratio(run.too_old, run.unit_s),
         too_far_rate_hz=ratio(run.too_far, run.unit_s),
-        **held_figures(run.tally, middle),
+        **middle_held,
     )
     distances = tuple(
         RoadsideDistanceRow(
@@ -52,8 +56,8 @@ def measure_roadside(
             frames=int(run.sent[number]),
             pairs=int(run.tally.pairs[number]),
             delivery_ratio=ratio(float(run.delivered[number]), float(run.sent[number])),
-            **held_figures(run.tally, slice(number, number + 1)),
+            **held,
         )
-        for number in range(settings.distances)
+        for number, held in enumerate(by_distance)
     )
     return replace(result, roadside=(total,), roadside_distances=distances)
