@@ -35,6 +35,7 @@ from modelcast.channel.frame_kernels import Heard
 from modelcast.channel.propagation_kernels import (
     PropagationTables,
     fading_factor,
+    is_raised,
     looked_up,
     median_ln,
 )
@@ -135,12 +136,12 @@ def pack_links(
 def heard_within_m(sent_ln: float, tables: PropagationTables, quiet_mw: float, range_m: float) -> float:
     """Return the distance at which a frame's median power falls below ``quiet_mw``, at most the range."""
     needed_ln = np.log(quiet_mw) - sent_ln
-    low, high = 0, min(int(range_m * tables.per_m) + 1, tables.los_ln.size - 1)
-    if tables.los_ln[high] >= needed_ln:
+    low, high = 0, min(int(range_m * tables.per_m) + 1, tables.reach_ln.size - 1)
+    if tables.reach_ln[high] >= needed_ln:
         return range_m
     while high - low > 1:
         middle = (low + high) // 2
-        if tables.los_ln[middle] >= needed_ln:
+        if tables.reach_ln[middle] >= needed_ln:
             low = middle
         else:
             high = middle
@@ -165,7 +166,7 @@ def find_near(
     """
     east, north = position_m[v, 0], position_m[v, 1]
     left, right, row_from, row_to = cell_span(cells, east, north, constants.range_m)
-    open_ground, work, count = tables.nlos_kind == 0, near.work, 0
+    open_ground, work, count = tables.nlos_kind == 0 and tables.raised == 0, near.work, 0
     for row in range(row_from, row_to + 1):
         low, high = row_span(cells, row, left, right)
         # Without a sign, so that nothing asks whether it counts from the end.
@@ -191,7 +192,8 @@ def find_near(
     else:
         for n in range(count):
             j, distance_m = near.who[n], work[DISTANCE_M, n]
-            ln, los = median_ln(east, north, position_m[j, 0], position_m[j, 1], distance_m, tables)
+            raised = is_raised(v, j, position_m.shape[0], tables.raised)
+            ln, los = median_ln(east, north, position_m[j, 0], position_m[j, 1], distance_m, raised, tables)
             if constants.shadowed:
                 ln += (tables.shadowing_los_ln if los else tables.shadowing_nlos_ln) * work[SHADOW, n]
             work[POWER_MW, n] = ln

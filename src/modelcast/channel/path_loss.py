@@ -158,11 +158,14 @@ class WinnerB1(AbstractPathLoss):
         Carrier [GHz].
     antenna_m
         Height of both antennas over the road; a metre of it is lost to traffic [m].
+    other_antenna_m
+        Height of the other end's, as of a roadside unit; None for the same [m].
 
     Notes
     -----
-    22.7 log d + 27 + 20 log f up to the break point 4 h² f/c, and 40 log d + 7.56 - 34.6 log h + 2.7 log f
-    beyond, with the effective height h = antenna_m - 1. At 1.5 m and 5.9 GHz the break point is 19.7 m and
+    22.7 log d + 27 + 20 log f up to the break point 4 h h' f/c, and 40 log d + 7.56 - 17.3 log h
+    - 17.3 log h' + 2.7 log f beyond, with the effective heights h = antenna_m - 1 and h' of the other end.
+    At 1.5 m and 5.9 GHz the break point is 19.7 m and
     the two parts miss each other there by 0.1 dB.
 
     References
@@ -172,17 +175,21 @@ class WinnerB1(AbstractPathLoss):
 
     frequency_ghz: float = 5.9
     antenna_m: float = 1.5
+    other_antenna_m: float | None = None
 
     def __post_init__(self) -> None:
-        _positive(frequency_ghz=self.frequency_ghz, effective_height_m=self.antenna_m - 1.0)
+        heights_m = [height - 1.0 for height in (self.antenna_m, self.other_antenna_m) if height is not None]
+        _positive(frequency_ghz=self.frequency_ghz, effective_height_m=min(heights_m))
 
     def loss_db(self, distance_m: FloatArray) -> FloatArray:
         """Loss on a line of sight, any shape [dB]."""
         distance_m = np.maximum(distance_m, NEAREST_M)
         height_m, log_f = self.antenna_m - 1.0, np.log10(self.frequency_ghz)
-        break_m = 4.0 * height_m**2 * self.frequency_ghz * 1e9 / LIGHT_MPS
+        other_m = height_m if self.other_antenna_m is None else self.other_antenna_m - 1.0
+        lift_db = 17.3 * (np.log10(height_m) + np.log10(other_m))
+        break_m = 4.0 * height_m * other_m * self.frequency_ghz * 1e9 / LIGHT_MPS
         near = 22.7 * np.log10(distance_m) + 27.0 + 20.0 * log_f
-        far = 40.0 * np.log10(distance_m) + 7.56 - 34.6 * np.log10(height_m) + 2.7 * log_f
+        far = 40.0 * np.log10(distance_m) + 7.56 - lift_db + 2.7 * log_f
         return np.asarray(np.where(distance_m <= break_m, near, far), dtype=np.float64)
 
 

@@ -15,7 +15,7 @@ from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.random_kernels import CELLS
 from modelcast.core.arrays import BoolArray, FloatArray
 
-__all__ = ["NakagamiFading", "Propagation", "Shadowing", "StreetGrid"]
+__all__ = ["NakagamiFading", "Propagation", "RaisedAntennas", "Shadowing", "StreetGrid"]
 
 _LN_PER_DB = np.log(10.0) / 10.0
 _SPACING_M = 0.5
@@ -165,6 +165,35 @@ class StreetGrid:
 
 
 @dataclass(frozen=True, slots=True)
+class RaisedAntennas:
+    """Stations whose antennas stand above the road, as roadside units' do: the last ones of a radio.
+
+    Parameters
+    ----------
+    stations
+        How many of the last stations.
+    path_loss
+        Median loss on a line of sight of a link of which one end is raised.
+    gain_db
+        What their antennas add to such a link beside that, as they hear and as they send [dB].
+    """
+
+    stations: int
+    path_loss: AbstractPathLoss
+    gain_db: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.stations < 1:
+            raise ValueError(f"stations must be at least 1, got {self.stations}")
+        if not np.isfinite(self.gain_db):
+            raise ValueError(f"gain_db must be finite, got {self.gain_db}")
+
+    def loss_db(self, distance_m: FloatArray) -> FloatArray:
+        """Median loss less the gain, any shape [dB]."""
+        return np.asarray(self.path_loss.loss_db(distance_m) - self.gain_db, dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True)
 class Propagation:
     """Path loss, shadowing, fading and buildings together.
 
@@ -177,7 +206,10 @@ class Propagation:
     streets
         Where buildings are; None for open ground, where everybody sees everybody.
     nlos
-        Median loss behind a building; needs ``streets``.
+        Median loss behind a building; needs ``streets``. A raised antenna changes that round a corner by what
+        it changes along the first street (`ManhattanNlos`), and any other by its gain alone.
+    raised
+        Stations with antennas above the road; None for none. `gain_db` is that of links without them.
 
     Examples
     --------
@@ -193,6 +225,7 @@ class Propagation:
     _: KW_ONLY
     streets: StreetGrid | None = None
     nlos: AbstractPathLoss | ManhattanNlos | None = None
+    raised: RaisedAntennas | None = None
 
     def __post_init__(self) -> None:
         if (self.streets is None) != (self.nlos is None):
@@ -232,7 +265,10 @@ class Propagation:
     def range_m(self, loss_db: float, *, longest_m: float = 5000.0) -> float:
         """Distance from which on the median loss stays above a bound, at most ``longest_m`` [m]."""
         reach_m = np.arange(NEAREST_M, longest_m + 1.0)
-        heard = np.flatnonzero(self.path_loss.loss_db(reach_m) <= loss_db)
+        least_db = self.path_loss.loss_db(reach_m)
+        if self.raised is not None:
+            least_db = np.minimum(least_db, self.raised.loss_db(reach_m))
+        heard = np.flatnonzero(least_db <= loss_db)
         return float(reach_m[heard[-1]]) if heard.size else NEAREST_M
 
     def tables(self, range_m: float) -> PropagationTables:
@@ -246,6 +282,14 @@ class Propagation:
         elif self.nlos is not None:
             kind = _NLOS_BY_DISTANCE
             nlos_ln = np.minimum(-self.nlos.loss_db(distance_m), 0.0) * _LN_PER_DB
+        raised_los_ln, raised_nlos_ln = los_ln, nlos_ln
+        if self.raised is not None:
+            raised_los_ln = np.minimum(-self.raised.loss_db(distance_m), 0.0) * _LN_PER_DB
+            raised_nlos_ln = (
+                -self.raised.loss_db(distance_m) * _LN_PER_DB
+                if kind == _NLOS_MANHATTAN
+                else nlos_ln + self.raised.gain_db * _LN_PER_DB
+            )
         shadowing = self.shadowing or Shadowing(0.0, 0.0)
         fading, edges_m = np.ones((3, 1)), (np.inf, np.inf)
         if self.fading is not None:
@@ -266,6 +310,10 @@ class Propagation:
             fading=fading.astype(np.float32),
             fading_near_m=edges_m[0],
             fading_far_m=edges_m[1],
+            raised=0 if self.raised is None else self.raised.stations,
+            raised_los_ln=raised_los_ln,
+            raised_nlos_ln=raised_nlos_ln,
+            reach_ln=np.maximum(los_ln, raised_los_ln),
         )
 
     def draw_gains(

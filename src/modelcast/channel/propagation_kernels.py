@@ -29,6 +29,7 @@ __all__ = [
     "PropagationTables",
     "draw_gains",
     "fading_factor",
+    "is_raised",
     "looked_up",
     "median_ln",
 ]
@@ -42,7 +43,9 @@ class PropagationTables(NamedTuple):
 
     ``los_ln`` and ``nlos_ln`` (K,) are natural logarithms of the power gain at multiples of ``1 / per_m``
     metres; ``normal`` (CELLS,) and ``fading`` (3, CELLS) or (3, 1) are equally probable values, in single
-    precision, so that a row of them stays at hand.
+    precision, so that a row of them stays at hand. The last ``raised`` stations have antennas above the road:
+    ``raised_los_ln`` and ``raised_nlos_ln`` are for links of which one end is raised. ``reach_ln`` is the
+    greater of both on a line of sight.
     """
 
     los_ln: FloatVector
@@ -59,6 +62,16 @@ class PropagationTables(NamedTuple):
     fading: Float32Matrix
     fading_near_m: float
     fading_far_m: float
+    raised: int
+    raised_los_ln: FloatVector
+    raised_nlos_ln: FloatVector
+    reach_ln: FloatVector
+
+
+@kernel(inlined=True)
+def is_raised(one: int, other: int, stations: int, raised: int) -> bool:
+    """Return whether one end of a link, and not the other, is among the last ``raised`` stations."""
+    return (one >= stations - raised) != (other >= stations - raised)
 
 
 @kernel(inlined=True)
@@ -80,11 +93,11 @@ def _same_street(first: float, second: float, block_m: float, half_m: float) -> 
 
 
 @kernel(inlined=True)
-def _corner_ln(first_m: float, second_m: float, tables: PropagationTables) -> float:
+def _corner_ln(first_m: float, second_m: float, nlos_ln: FloatVector, per_m: float) -> float:
     second_m = max(second_m, 1.0)
     exponent = max(2.8 - 0.0024 * max(first_m, 1.0), 1.84)
     turned_db = 10.0 * exponent * np.log10(second_m) - 12.5 * exponent
-    return looked_up(tables.nlos_ln, first_m * tables.per_m) - turned_db * _LN10 / 10.0
+    return looked_up(nlos_ln, first_m * per_m) - turned_db * _LN10 / 10.0
 
 
 @kernel(inlined=True)
@@ -94,19 +107,26 @@ def median_ln(
     other_east: float,
     other_north: float,
     distance_m: float,
+    raised: bool,
     tables: PropagationTables,
 ) -> tuple[float, bool]:
-    """Return the natural logarithm of the median gain of a link, and whether its ends see each other."""
+    """Return the natural logarithm of the median gain of a link, and whether its ends see each other.
+
+    ``raised`` says whether one end of it is.
+    """
+    los_ln, nlos_ln, per_m = tables.los_ln, tables.nlos_ln, tables.per_m
+    if raised:
+        los_ln, nlos_ln = tables.raised_los_ln, tables.raised_nlos_ln
     if tables.nlos_kind == 0:
-        return looked_up(tables.los_ln, distance_m * tables.per_m), True
+        return looked_up(los_ln, distance_m * per_m), True
     if _same_street(east, other_east, tables.block_m, tables.half_street_m) or _same_street(
         north, other_north, tables.block_m, tables.half_street_m
     ):
-        return looked_up(tables.los_ln, distance_m * tables.per_m), True
+        return looked_up(los_ln, distance_m * per_m), True
     if tables.nlos_kind == 1:
-        return looked_up(tables.nlos_ln, distance_m * tables.per_m), False
+        return looked_up(nlos_ln, distance_m * per_m), False
     first_m, second_m = abs(other_east - east), abs(other_north - north)
-    ways = max(_corner_ln(first_m, second_m, tables), _corner_ln(second_m, first_m, tables))
+    ways = max(_corner_ln(first_m, second_m, nlos_ln, per_m), _corner_ln(second_m, first_m, nlos_ln, per_m))
     return min(ways + tables.corner_ln, 0.0), False
 
 
@@ -133,7 +153,13 @@ def draw_gains(
         east_m, north_m = position_m[j, 0] - position_m[i, 0], position_m[j, 1] - position_m[i, 1]
         distance_m = np.sqrt(east_m * east_m + north_m * north_m)
         ln, los = median_ln(
-            position_m[i, 0], position_m[i, 1], position_m[j, 0], position_m[j, 1], distance_m, tables
+            position_m[i, 0],
+            position_m[i, 1],
+            position_m[j, 0],
+            position_m[j, 1],
+            distance_m,
+            is_raised(i, j, position_m.shape[0], tables.raised),
+            tables,
         )
         word = next_word(random)
         slot = pair_slot(i, j, pairs)

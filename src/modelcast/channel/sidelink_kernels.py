@@ -11,7 +11,7 @@ import numpy as np
 from modelcast.channel.cells_kernels import Cells, find_in_range
 from modelcast.channel.error_kernels import hazard_at
 from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_heard
-from modelcast.channel.propagation_kernels import PropagationTables, fading_factor, median_ln
+from modelcast.channel.propagation_kernels import PropagationTables, fading_factor, is_raised, median_ln
 from modelcast.channel.random_kernels import LUCK, next_word, uniform, uniform_of, word_of
 from modelcast.channel.shadowing_kernels import SILENT, ShadowRows, Sweep, shadow_of
 from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants, select_resource
@@ -134,7 +134,8 @@ def _receive_powers(
         away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
         j = int(cells.order[k])
         distance_m = np.sqrt(away_east * away_east + away_north * away_north)
-        ln, los = median_ln(east, north, cells.place[k, 0], cells.place[k, 1], distance_m, tables)
+        raised = is_raised(v, j, position_m.shape[0], tables.raised)
+        ln, los = median_ln(east, north, cells.place[k, 0], cells.place[k, 1], distance_m, raised, tables)
         word = word_of(seed, j)
         if constants.shadowed:
             sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln

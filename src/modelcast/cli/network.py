@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from modelcast.cli.fleet_options import FleetOptions
 from modelcast.cli.options import Numbers, SensorOptions, Words
+from modelcast.cli.roadside_options import RoadsideOptions
 
 if TYPE_CHECKING:
     from modelcast.cli.network_plan import NetworkPlan
@@ -22,6 +23,7 @@ def network(
     threshold: Numbers = (0.2,),
     options: FleetOptions = FleetOptions(),  # noqa: B008 - frozen
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
+    roadside: RoadsideOptions = RoadsideOptions(),  # noqa: B008 - frozen
     out: Path = Path("out/network"),
     jobs: int = 0,
     json: bool = False,
@@ -54,6 +56,8 @@ def network(
         Traffic, senders and hosts.
     sensor
         What vehicles see of themselves.
+    roadside
+        Fixed stations beside them.
     out
         Output folder.
     jobs
@@ -65,6 +69,7 @@ def network(
     """
     import json as json_format
     import sys
+    from dataclasses import replace
 
     from modelcast.cli.network_cases import Varied, network_cases, rival_of
     from modelcast.cli.network_senders import sender_rows
@@ -76,6 +81,8 @@ def network(
     from modelcast.report.network import network_console
 
     plan = options.plan(sensor, banks=tuple(bank), thresholds_m=tuple(threshold))
+    units = roadside.plan(scenario=plan.scenario, blocks=plan.blocks)
+    plan = replace(plan, roadside=units)
     cases = network_cases(plan, Varied(density, radio, policy, options.seeds))
     asked = Sweep(
         plan,

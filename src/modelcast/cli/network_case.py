@@ -16,6 +16,7 @@ from modelcast.station.sender.sender import MODEL_SENDERS, Sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.study.network.measure import measure
 from modelcast.study.network.mixed import measure_mixed, mixed_of
+from modelcast.study.network.roadside import measure_roadside
 from modelcast.study.network.rows import CaseResult, NetworkCase
 from modelcast.study.network.warned import measure_warnings
 from modelcast.study.safety.fleet import SafetyObserver
@@ -59,6 +60,8 @@ def _radio(plan: NetworkPlan, name: str) -> tuple[Any, float]:
     from modelcast.channel.tabulated import TabulatedRadio, measured_table
 
     propagation = propagation_of(plan)
+    if plan.roadside is not None:
+        propagation = plan.roadside.raise_antennas(propagation)
     if name == "dsrc":
         dsrc = Dsrc(propagation=propagation)
         return dsrc, dsrc.parameters.bin_m
@@ -109,10 +112,13 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
                 sensor=FleetSensor(model),
                 threads=plan.threads,
                 observer=observer,
+                roadside=None if plan.roadside is None else plan.roadside.units(),
             )
     except ValueError as error:
         raise ConfigError(str(error)) from error
     result = measure(run, case, plan.settings, outcome_bin_m=bin_m)
+    if run.roadside is not None and plan.roadside is not None:
+        result = measure_roadside(result, run.roadside, len(plan.roadside.places_m), plan.settings)
     if mixed.is_mixed:
         result = measure_mixed(result, run, mixed, plan.settings, plan.receivers_ratios)
     if observer is None:

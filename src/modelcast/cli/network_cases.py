@@ -6,6 +6,7 @@ from itertools import product
 from math import inf, isfinite, nan
 
 from modelcast.cli.network_plan import RADIOS, NetworkPlan
+from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError
 from modelcast.station.sender.sender import MODEL_SENDERS, SENDERS
 from modelcast.study.network.mixed import mixed_of
@@ -54,6 +55,8 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
         if unknown or not given:
             raise ConfigError(f"--{name} must be of {', '.join(known)}, got {', '.join(unknown) or 'none'}")
     plan.check_traffic()
+    if plan.roadside is not None:
+        _check_roadside(plan.roadside, varied)
     _ = plan.warns()
     if varied.seeds < 1 or not all(value > 0 for value in varied.densities_per_km):
         raise ConfigError(
@@ -78,6 +81,23 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
             range(varied.seeds),
         )
     ]
+
+
+def _check_roadside(roadside: RoadsidePlan, varied: Varied) -> None:
+    """Refuse units that cannot be had, before anything runs."""
+    if any(mixed_of(name).is_mixed for name in varied.policies):
+        raise ConfigError("--roadside goes with one sender a fleet: units read messages of one bank")
+    if roadside.relay is not None and "sidelink" in varied.radios:
+        raise ConfigError(
+            "--relay goes with --radio dsrc, abstract or ideal: a sidelink station holds one message at a "
+            "time and sends it at its reserved time, so a relay there would lose most of what it repeats"
+        )
+    try:
+        _ = roadside.units()
+    except ValueError as error:
+        raise ConfigError(f"--roadside: {error}") from error
+    if not roadside.height_m > 1.0:
+        raise ConfigError(f"--roadside-height must be above 1 m, got {roadside.height_m}")
 
 
 def rival_of(against: str | None, cases: Sequence[NetworkCase]) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from modelcast.cli.options import SensorOptions
+from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.network_runs import RunKey
 from modelcast.messages.rules import CertificateRule
@@ -85,6 +86,8 @@ class NetworkPlan:
         Vehicles so near to an end of a straight road are not counted as hosts [m].
     applications, algorithm
         What hosts warn of, by name, none where it is empty; and the warning range of fcw, None for its own.
+    roadside
+        Units beside the vehicles; None for none.
     """
 
     scenario: str
@@ -120,6 +123,7 @@ class NetworkPlan:
     margin_m: float = 0.0
     applications: tuple[str, ...] = ()
     algorithm: str | None = None
+    roadside: RoadsidePlan | None = None
 
     def as_plain(self) -> dict[str, Any]:
         """What every run depends on, as plain values; files by their names, the sensor with its figures.
@@ -141,6 +145,7 @@ class NetworkPlan:
             "margin_m",
             "applications",
             "algorithm",
+            "roadside",
         ):
             if not found[name]:
                 del found[name]

@@ -1,7 +1,7 @@
 """``modelcast node``: remote and host in one, on the road."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     import asyncio
@@ -21,6 +21,7 @@ def node(
     config: Path | None = None,
     *,
     gnss: str | None = None,
+    kind: Literal["vehicle", "roadside"] = "vehicle",
     dashboard: bool = False,
     port: int = 8700,
     duration: float = 0.0,
@@ -36,10 +37,13 @@ def node(
     ----------
     config
         A TOML file with the tables vehicle, sending, gnss, can, air, pseudonyms, applications, page, metrics,
-        subscribe and record. What is left out has its default.
+        roadside, subscribe and record. What is left out has its default.
     gnss
         Where places come from, instead of the file's: gpsd://HOST:PORT, nmea:DEVICE, nmea+tcp://HOST:PORT,
         nmea+file:FILE, or trip:FILE with a recorded trip.
+    kind
+        roadside: a fixed unit at the place of the file's table roadside, that hears, keeps the map, and may
+        relay; vehicle: what the file says, a vehicle where it says nothing.
     dashboard
         Serve the live page on this machine.
     port
@@ -69,6 +73,8 @@ def node(
     asked = NodeConfig() if config is None else read_config(config)
     if gnss is not None:
         asked = replace(asked, gnss=replace(asked.gnss, source=gnss))
+    if kind == "roadside":
+        asked = replace(asked, roadside=replace(asked.roadside, on=True))
     if dashboard:
         asked = replace(asked, page=replace(asked.page, port=port, on=True))
     sender = sender_of_config(asked)

@@ -3,9 +3,10 @@
 ``runs/<case>-<key>.json``
     Rows of one run (`modelcast.io.network_runs`).
 ``summary.json`` (`network_document`)
-    ``schema`` (6), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
+    ``schema`` (7), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
     of floating-car data holds, else null), ``options``, ``senders`` (`SenderRow`), ``runs`` (`RunRow`),
-    ``pooled`` (`PooledRow`), ``warnings`` (`PooledWarnings`). A number that does not exist is null.
+    ``pooled`` (`PooledRow`), ``warnings`` (`PooledWarnings`),
+    ``roadside`` (`RoadsideRow`). A number that does not exist is null.
 ``runs.parquet``, ``distances.parquet``, ``outcomes.parquet``, ``seconds.parquet``
     One row a run; a run and bin of 25 m; a run and bin of the radio; a run and second.
 ``pairings.parquet``, ``penetration.parquet``
@@ -13,6 +14,8 @@
 ``warnings.parquet``, ``warned_hosts.parquet``, ``warned_events.parquet``, ``pooled_warnings.parquet``
     Where hosts have applications: one row a run, application, sender and reading; each of its hosts; each
     true warning; and all seeds together.
+``roadside.parquet``, ``roadside_distances.parquet``
+    With roadside units: one row a run; a run and bin of 25 m.
 
 The same runs give the same bytes.
 """
@@ -27,6 +30,7 @@ import numpy as np
 from modelcast.io.arrow import columns_table, write_tables
 from modelcast.io.documents import document_text, plain_value, row_document
 from modelcast.io.network_runs import RunKey
+from modelcast.study.network.roadside_rows import RoadsideDistanceRow, RoadsideRow
 from modelcast.study.network.rows import (
     DistanceRow,
     NetworkResult,
@@ -40,14 +44,23 @@ from modelcast.study.network.warning_rows import PooledWarnings, WarnedEventRow,
 
 __all__ = ["NETWORK_SCHEMA", "network_document", "write_network"]
 
-NETWORK_SCHEMA = 6
+NETWORK_SCHEMA = 7
 """Version of the layout of ``summary.json``; since 2 it holds inputs and traffic, since 3 banks, since 4
-thresholds, since 5 warnings, since 6 relative errors and no capacities."""
+thresholds, since 5 warnings, since 6 relative errors and no capacities, since 7 roadside."""
 
 _TEXT = {"radio", "policy", "bank", "sender", "reading", "application"}
 
-_SOME = {"pairings", "penetration", "warnings", "warned_hosts", "warned_events", "pooled_warnings"}
-"""Tables that only runs of mixed fleets have, or those whose hosts have applications."""
+_SOME = {
+    "pairings",
+    "penetration",
+    "warnings",
+    "warned_hosts",
+    "warned_events",
+    "pooled_warnings",
+    "roadside",
+    "roadside_distances",
+}
+"""Tables that only some runs have: of mixed fleets, of hosts with applications, of roadside units."""
 
 
 def network_document(
@@ -84,6 +97,7 @@ def network_document(
         "runs": [row_document(row) for row in result.runs],
         "pooled": [row_document(row) for row in result.pooled],
         "warnings": [row_document(row) for row in result.pooled_warnings],
+        "roadside": [row_document(row) for row in result.roadside],
     }
 
 
@@ -121,6 +135,8 @@ def write_network(
         ("warned_hosts", result.warned_hosts, WarnedHostRow),
         ("warned_events", result.warned_events, WarnedEventRow),
         ("pooled_warnings", result.pooled_warnings, PooledWarnings),
+        ("roadside", result.roadside, RoadsideRow),
+        ("roadside_distances", result.roadside_distances, RoadsideDistanceRow),
     )
     for name, rows, row_type in groups:
         if not rows and name in _SOME:

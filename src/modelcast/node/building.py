@@ -6,12 +6,14 @@ import numpy as np
 
 from modelcast.apps.registry import get_application
 from modelcast.core.geodesy import Origin
-from modelcast.node.config import NodeConfig, Security
+from modelcast.node.config import NodeConfig, Roadside, Security
 from modelcast.node.envelope import AbstractEnvelope, Unsecured
 from modelcast.node.node import Node, Watch
 from modelcast.node.pseudonyms import Pseudonyms
 from modelcast.node.recording.record import AbstractRecord
+from modelcast.node.relaying import Relaying
 from modelcast.runtime.transport.base import AbstractTransport
+from modelcast.station.relay import RelayRule
 from modelcast.station.sender.sender import Sender
 from modelcast.station.station import Station
 
@@ -60,16 +62,24 @@ def node_of(
         origin=origin,
         seed=station_seed,
     )
+    site = config.roadside
     return Node(
         station,
         transport,
         envelope,
         applications={name: get_application(name) for name in config.applications.names},
         size_m=(config.vehicle.length_m, config.vehicle.width_m),
-        pseudonyms=names,
+        pseudonyms=None if site.on else names,
+        relaying=_relaying(site, config.sending.tick_s) if site.on and site.relay else None,
         watch=watch,
         record=record,
     )
+
+
+def _relaying(site: Roadside, tick_s: float) -> Relaying:
+    """What a unit repeats."""
+    rule = RelayRule(rate_hz=site.relay_rate_hz, within_m=site.relay_within_m, max_age_s=site.relay_age_s)
+    return Relaying(rule, tick_s)
 
 
 def credentials_of(security: Security) -> "Credentials | None":

@@ -19,6 +19,7 @@ __all__ = [
     "Page",
     "Pseudonyms",
     "Record",
+    "Roadside",
     "Security",
     "Sending",
     "Subscribe",
@@ -251,6 +252,34 @@ class Metrics(_Table):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Roadside(_Table):
+    """A fixed unit at the roadside instead of a vehicle: it hears, keeps the map, and may relay.
+
+    Parameters
+    ----------
+    on
+        Whether the node is one: it then reads no gnss and no can, and sends nothing of its own.
+    latitude_deg, longitude_deg
+        Where it stands [deg].
+    antenna_m
+        Height of its antenna over the road, for the page and whoever asks [m].
+    relay
+        Repeat unchanged what it heard, once, within its own envelope.
+    relay_rate_hz, relay_within_m, relay_age_s
+        At most so many a second, of vehicles so near, so young.
+    """
+
+    on: Annotated[bool, Flag()] = False
+    latitude_deg: Annotated[float, Number(-90.0, 90.0)] = 0.0
+    longitude_deg: Annotated[float, Number(-180.0, 180.0)] = 0.0
+    antenna_m: Annotated[float, Number(0.0, 100.0)] = 6.0
+    relay: Annotated[bool, Flag()] = False
+    relay_rate_hz: Annotated[float, Number(0.0, 10_000.0, over=True)] = 200.0
+    relay_within_m: Annotated[float, Number(0.0, 10_000.0, over=True)] = 200.0
+    relay_age_s: Annotated[float, Number(0.0, 10.0, over=True)] = 0.3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Subscribe(_Table):
     """The map for other programs, as lines of JSON; none where the path is empty.
 
@@ -299,6 +328,7 @@ class NodeConfig:
     applications: Applications = field(default_factory=Applications)
     page: Page = field(default_factory=Page)
     metrics: Metrics = field(default_factory=Metrics)
+    roadside: Roadside = field(default_factory=Roadside)
     subscribe: Subscribe = field(default_factory=Subscribe)
     record: Record = field(default_factory=Record)
 

@@ -152,7 +152,9 @@ class LiveNode:
         async with AsyncExitStack() as stack:
             transport = HeldTransport(open_transport(config.air, clock))
             stack.callback(transport.close)
-            inputs = await stack.enter_async_context(self._inputs())
+            inputs = Measuring({}, MotionSource(None), self._journal)
+            if not config.roadside.on:
+                inputs = await stack.enter_async_context(self._inputs())
             if isinstance(clock, SystemClock):
                 await stack.enter_async_context(_running(_follow(clock)))
             if config.metrics.port:
@@ -164,7 +166,8 @@ class LiveNode:
                     place = f"{config.metrics.host}:{config.metrics.port}"
                     raise ConfigError(f"[metrics] cannot listen on {place}: {error.strerror}") from error
                 await stack.enter_async_context(server)
-            self._journal.note("start", {"name": config.vehicle.name, "policy": config.sending.policy})
+            what = "roadside" if config.roadside.on else config.sending.policy
+            self._journal.note("start", {"name": config.vehicle.name, "policy": what})
             if config.page.on:
                 self._takers.append(await stack.enter_async_context(self._page(config.page)))
             if config.subscribe.path:
@@ -214,7 +217,12 @@ class LiveNode:
         """Wait for a place that the plane of the map begins at; None where it is told to stop."""
         while not stop.is_set():
             now_s = self._clock.now_s()
-            plane = self._plane(inputs, transport, now_s)
+            site = self._config.roadside
+            plane = (
+                Plane(Origin(site.latitude_deg, site.longitude_deg), "configured")
+                if site.on
+                else self._plane(inputs, transport, now_s)
+            )
             if plane is not None:
                 where = {
                     "latitude_deg": plane.origin.latitude_deg,

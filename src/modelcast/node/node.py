@@ -23,6 +23,7 @@ from modelcast.node.envelope import AbstractEnvelope, Bare
 from modelcast.node.inputs.motion import Motion
 from modelcast.node.pseudonyms import Pseudonyms
 from modelcast.node.recording.record import AbstractRecord
+from modelcast.node.relaying import Relaying
 from modelcast.runtime.transport.base import AbstractTransport
 from modelcast.station.receiver.local_dynamic_map import Beliefs, Receipt
 from modelcast.station.station import Station
@@ -102,6 +103,8 @@ class Node:
         Length and width of the vehicle [m].
     pseudonyms
         When its names change; None for never.
+    relaying
+        Which messages it repeats; None for none. A node that does stands at the origin of its plane.
     watch
         Takes what happens: ``motion`` (what it is made of changed), ``renamed``, ``warning`` (one begins or
         ends); None for nobody.
@@ -123,6 +126,7 @@ class Node:
         applications: Mapping[str, AbstractApplication] | None = None,
         size_m: tuple[float, float] = (4.6, 1.8),
         pseudonyms: Pseudonyms | None = None,
+        relaying: Relaying | None = None,
         watch: Watch | None = None,
         record: AbstractRecord | None = None,
     ) -> None:
@@ -131,6 +135,7 @@ class Node:
         self._size_m, self._pseudonyms = size_m, pseudonyms
         self._applications = dict(applications or {})
         self._events, self._record = watch, record
+        self._relaying = relaying
         self._waiting: list[tuple[float, int, bytes]] = []
         self._order = count()
         self._made_of: str | None = None
@@ -168,6 +173,8 @@ class Node:
         if motion is not None:
             self._sense(now_s, motion)
         around = self.station.believe(now_s)
+        if self._relaying is not None:
+            self._relay(self._relaying, now_s, around)
         state = NodeState(
             now_s,
             self.station.temporary_id,
@@ -255,11 +262,20 @@ class Node:
             self.meter.refused(why, times)
         receipts = self.station.hear(octets, received_s=received_s)
         self._count(receipts)
+        if self._relaying is not None:
+            self._relaying.hear(octets, received_s, receipts)
         if self._record is not None:
             for at, receipt in zip(opened_at, receipts.tolist(), strict=True):
                 outcomes[at] = Receipt(receipt).reason
             self._record.heard(now_s, arrived, outcomes)
         return len(arrived)
+
+    def _relay(self, relaying: Relaying, now_s: float, around: Beliefs) -> None:
+        """Repeat what is to be repeated until the next step."""
+        for send_s, octets in relaying.turn(now_s, around):
+            heapq.heappush(self._waiting, (send_s, next(self._order), octets))
+        for why, times in relaying.counts.items():
+            self.counts[f"relay: {why.replace('_', ' ')}"] = times
 
     def _count(self, receipts: IntArray) -> None:
         """Count what became of messages."""

@@ -17,6 +17,7 @@ from modelcast.report.fleet_warnings import warnings_console, warnings_markdown,
 from modelcast.report.literal import literal, markdown
 from modelcast.report.mixed import mixed_markdown, mixed_part
 from modelcast.report.page import CSS, escape, number, option_rows, page, table
+from modelcast.report.roadside import roadside_cells, roadside_heads, roadside_markdown
 from modelcast.report.style import style
 from modelcast.study.network.rows import NO_BANK, NetworkResult, PooledRow
 
@@ -142,6 +143,8 @@ def network_markdown(
     lines += [_joined(cells) for cells in _rows(result, names)]
     if result.pooled_warnings:
         lines += ["", "Warnings:", "", *warnings_markdown(result)]
+    if result.roadside:
+        lines += ["", "Roadside units, of vehicles 50 m to 150 m away:", "", *roadside_markdown(result)]
     if result.senders:
         lines += ["", "What was sent of each bank, and by which rules:", ""]
         lines += [_joined(_SENDERS), "|" + "---|" * len(_SENDERS)]
@@ -237,6 +240,8 @@ def write_network_report(
             f"<figcaption>{escape(caption)}</figcaption></figure>"
         )
     body += [line for part in parts for line in part.markup()]
+    if result.roadside:
+        body += ["<h2>Roadside units</h2>", table(roadside_heads, roadside_cells(result), text_columns=4)]
     if result.senders:
         body += ["<h2>Banks</h2>", table(_SENDERS, _sender_cells(result), text_columns=len(_SENDERS))]
     if traffic is not None:

@@ -153,6 +153,7 @@ class Fleet:
         own = self.sender.bank
         self._ears = Ears((own,), dt_s=dt_s, calibrations=(calibrations_of(own),)) if ears is None else ears
         self._heard = {slot: self._ears.init() for slot in range(slots)}
+        self._before: dict[int, int] = {}
         self._tables = neighbour_tables(slots, min(self._ears.capacity, 2**15 - 1), phase_s=self._phase)
         self._outbox, self._tally = outbox(slots), sent_tally()
         self._contents = contents(slots, widest(self.sender, self._bank))
@@ -265,6 +266,7 @@ class Fleet:
             minute_s=self._minute_s,
             tables=self._tables,
             host=slot,
+            own=(vehicle, self._before.get(slot, vehicle)),
         )
         return receipts
 
@@ -333,6 +335,7 @@ class Fleet:
             raise ValueError(f"the fleet has {self._vehicle.size} slots, and all are taken: give it more")
         self._vehicle[free[0]], self._new[free[0]] = vehicle, True
         self._heard[int(free[0])] = self._ears.init()
+        self._before.pop(int(free[0]), None)
 
     def rename(self, vehicle: int, temporary_id: int) -> None:
         """Give one vehicle another temporary id and message count, as they change from time to time.
@@ -355,6 +358,7 @@ class Fleet:
         if not 0 <= temporary_id < _IDS or (self._vehicle == temporary_id).any():
             raise ValueError(f"temporary_id must be free and from 0 to 2^32 - 1, got {temporary_id}")
         self._vehicle[slot] = temporary_id
+        self._before[slot] = vehicle  # a relay may still repeat what it sent by that name
         if self._given is None:
             return
         stations = self._stations

@@ -129,7 +129,8 @@ RENEWALS = [
     (SubModelIdentification(1, 0, 1.5, in_use=1), 1.5, ACCEPTED, True),
     (SubModelIdentification(1, 3, 1.5, in_use=1), 1.5, Receipt.UNKNOWN_UPDATE, False),
     (SubModelIdentification(1, 0, -0.5, in_use=1), 1.5, Receipt.OLDER, False),
-    (update(1, 0.0), 1.5, Receipt.REPEATED, True),
+    (update(1, 0.0), 1.5, Receipt.REPEATED, False),  # a copy, as a relay sends it
+    (replace(update(1, 0.0), sequence=9), 1.5, Receipt.REPEATED, True),
     (update(1, -0.5), 1.5, Receipt.OLDER, False),
     (update(1, 1.5), 1.5, ACCEPTED, True),
 ]
@@ -292,7 +293,7 @@ def test_an_update_repeated_after_an_identification_is_still_a_repeated_one() ->
     track_kernels.take_update(row, 4, 0, 10.0, 10.0, 3.0)
     assert track_kernels.take_identification(row, 4, 1, 11.0, 11.0, 3.0) == track_kernels.ACCEPTED
     assert track_kernels.take_update(row, 4, 0, 10.0, 11.5, 3.0) == track_kernels.REPEATED
-    assert row.tolist() == [4.0, 1.0, 10.0, 11.0, 11.5]
+    assert row.tolist() == [4.0, 1.0, 10.0, 11.0, 11.0]
     assert track_kernels.take_update(row, 5, 0, 11.0, 11.6, 3.0) == track_kernels.ACCEPTED
     assert row.tolist() == [5.0, 0.0, 11.0, 11.0, 11.6]
 

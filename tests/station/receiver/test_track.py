@@ -69,6 +69,13 @@ def test_an_update_replaces_what_was_fitted_before_it(fit_s: float, status: int,
     assert held.tolist() == after
 
 
+def test_a_copy_of_what_is_held_does_not_tell_that_the_remote_is_alive() -> None:
+    held = holding()
+    before = held.tolist()
+    assert track.take_update(held, 4, 1, 10.0, 12.0, EXPIRY_S) == REPEATED
+    assert held.tolist() == before
+
+
 def test_after_an_expiry_an_older_update_is_a_first_one() -> None:
     held = holding()
     assert track.take_update(held, 5, 2, 9.9, 13.1, EXPIRY_S) == ACCEPTED
@@ -156,7 +163,8 @@ class Reference:
         elif self.held is not None and t_s < self.held[1]:
             return OLDER
         elif self.held is not None and t_s == self.held[1]:
-            self.renewed_s = received_s
+            if content != self.held[0]:
+                self.renewed_s = received_s
             return REPEATED
         else:
             self.held = content, t_s

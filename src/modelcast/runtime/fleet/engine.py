@@ -14,6 +14,7 @@ from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.mix import Mix
 from modelcast.runtime.fleet.mixed import GroupRun, MixedTally
 from modelcast.runtime.fleet.observer import AbstractObserver
+from modelcast.runtime.fleet.roadside import Roadside, RoadsideRun
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.sender.message_arrays import SentTally
 from modelcast.station.sender.sender import Sender
@@ -49,6 +50,9 @@ class NetworkRun:
         Counts by sender and reading; no rows where all speak alike and read models.
     groups
         What the vehicles of each sender did.
+    roadside
+        What roadside units counted; None where there are none. Frames that they sent, and those in reach of
+        them, are among the ``outcomes``.
     """
 
     sent: SentTally
@@ -63,6 +67,7 @@ class NetworkRun:
     sender_bytes: IntArray
     mixed: MixedTally
     groups: tuple[GroupRun, ...]
+    roadside: RoadsideRun | None = None
 
 
 def run_network(
@@ -76,6 +81,7 @@ def run_network(
     threads: int = 1,
     progress: Callable[[int], None] | None = None,
     observer: AbstractObserver | None = None,
+    roadside: Roadside | None = None,
 ) -> NetworkRun:
     """Run a fleet on the air and return what was counted.
 
@@ -99,6 +105,8 @@ def run_network(
         Called after every step with the number of steps done.
     observer
         Looks on; None for nobody.
+    roadside
+        Units beside the vehicles; None for none.
 
     Raises
     ------
@@ -129,7 +137,7 @@ def run_network(
     first = next(pending, None)
     if first is None:
         raise ValueError("frames must hold at least one frame")
-    loop = FleetLoop(first, mix, radio, chosen, seed=seed, sensor=sensor, threads=threads)
+    loop = FleetLoop(first, mix, radio, chosen, seed=seed, sensor=sensor, threads=threads, roadside=roadside)
     warm_up = round(chosen.warm_up_s / chosen.dt_s)
     a_second = max(1, round(1.0 / chosen.dt_s))
     outcomes: IntArray | None = None
@@ -168,4 +176,5 @@ def run_network(
         groups=tuple(
             GroupRun(one.sender.name, one.sent, one.vehicle_steps * chosen.dt_s) for one in loop.speakers
         ),
+        roadside=None if loop.units is None else loop.units.run(),
     )

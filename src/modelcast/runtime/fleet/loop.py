@@ -35,6 +35,7 @@ from modelcast.runtime.fleet.believed_kernels import Readers
 from modelcast.runtime.fleet.mix import Draw, Mix
 from modelcast.runtime.fleet.mixed import MixedTally, mixed_tally, pooled_mixed, within
 from modelcast.runtime.fleet.reception_kernels import Heard, HearingLimits
+from modelcast.runtime.fleet.roadside import Roadside, RoadsideUnits, with_slots
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.fleet.speakers import Hosts, Speakers
 from modelcast.station.arrays import MEASURED
@@ -79,6 +80,9 @@ transmit power; and of J2945/1's state: smoothed density, longest time between m
 PARTS = 8
 """Parts of a fleet that threads share at most; sums are kept for so many groups."""
 
+_UNIT = 2**31 - 1
+"""Number of the first roadside unit where vehicles have their identifiers; the others' count down from it."""
+
 _STEP_SLACK_S = 1e-6
 _SPARE_SLOTS = 64
 
@@ -103,6 +107,8 @@ class FleetLoop:
         How many work on the parts of the fleet.
     sensing
         How stations read their measurements; None for all columns measured, and the sender's filter.
+    roadside
+        Units beside the vehicles, in the slots behind theirs; None for none.
     """
 
     def __init__(
@@ -116,15 +122,21 @@ class FleetLoop:
         sensor: FleetSensor | None = None,
         threads: int = 1,
         sensing: Sensing | None = None,
+        roadside: Roadside | None = None,
     ) -> None:
-        vehicles = len(first)
+        moving = len(first)
+        self.units = None if roadside is None else RoadsideUnits(roadside, moving, settings)
+        self._fixed = 0 if roadside is None else len(roadside)
+        vehicles = moving + self._fixed
         if vehicles >= 1 << SENDER_BITS:
             raise ValueError(f"a fleet has fewer than {1 << SENDER_BITS} slots, got {vehicles}")
         if threads < 1:
             raise ValueError(f"threads must be at least 1, got {threads}")
         rng = child_generator(seed, "senders")
-        phase = rng.random(vehicles)
+        phase = np.append(rng.random(moving), np.zeros(self._fixed))
         self.mix = sender if isinstance(sender, Mix) else Mix((sender,))
+        if roadside is not None and not self.mix.is_one:
+            raise ValueError("roadside units read messages of one sender: a mixed fleet has none")
         self.sender, self.radio, self.settings = self.mix.senders[0], radio, settings
         self.expiry_s = max(settings.expiry_s, 2.0 * max(one.longest_silence_s for one in self.mix.senders))
         if not np.isfinite(self.expiry_s):
@@ -134,13 +146,13 @@ class FleetLoop:
         number = min(PARTS, 1 << (2 * threads - 1).bit_length())
         self._work = WHOLE if pool is None else Parts(number, pool)
         # A part begins with the first slot of a group of `SentTally`.
-        edges = [-(-vehicles * part // self._work.number) for part in range(self._work.number + 1)]
+        edges = [-(-moving * part // self._work.number) for part in range(self._work.number + 1)]
         self._parts = list(pairwise(edges))
         self.speakers = _speakers(self.mix, settings, phase, self._parts, sensing)
         self._ready = ReadyBank.joined([one.bank.ready for one in self.speakers])
         self._members = self._ready.members
-        one = len(self.speakers) == 1
-        self.vehicle = self.stations.senders.vehicle if one else np.full(vehicles, -1, dtype=np.int64)
+        shared = len(self.speakers) == 1 and self.units is None
+        self.vehicle = self.stations.senders.vehicle if shared else np.full(vehicles, -1, dtype=np.int64)
         self.group, self.reading = (np.zeros(vehicles, dtype=np.int64) for _ in range(2))
         self.reading[:] = Reading.MODEL
         self._draw = None if self.mix.is_one else Draw(self.mix, seed)
@@ -162,7 +174,7 @@ class FleetLoop:
         self._sensor = sensor
         self._sensor_state: FleetSensorState | None = None
         if sensor is not None:
-            self._sensor_state = sensor.init(vehicles, child_generator(seed, "sensor"))
+            self._sensor_state = sensor.init(moving, child_generator(seed, "sensor"))
         self._counted = np.ones(vehicles, dtype=np.bool_)
         self._last_s = -np.inf
 
@@ -195,6 +207,7 @@ class FleetLoop:
         seen = frame
         if self._sensor is not None and self._sensor_state is not None:
             seen, self._sensor_state = self._sensor.sense(self._sensor_state, frame)
+        frame, seen = with_slots(frame, self._fixed), with_slots(seen, self._fixed)
         before = self.sent.total
         busy_ratio = self.radio.channel_busy_ratio(self._radio_state)
         truth_m = np.where(frame.active[:, None], frame.position_m, np.nan)
@@ -203,8 +216,12 @@ class FleetLoop:
             low_m, high_m = settings.counted_m
             self._counted = (frame.position_m[:, 0] >= low_m) & (frame.position_m[:, 0] <= high_m)
         self._track(truth_m, t_s)
+        if self.units is not None:
+            truth_m[self.units.slots] = self.units.roadside.places_m
+            self._counted[self.units.slots] = True
+            self._track_units(self.units, truth_m, t_s)
         self._send(started, t_s, busy_ratio)
-        received = self._carry(truth_m, now_s - t_s, until_s)
+        received = self._carry(truth_m, (now_s, until_s), now_s - t_s, busy_ratio)
         self._hear(received, truth_m)
         self.number += 1
         self._last_s = t_s
@@ -218,6 +235,8 @@ class FleetLoop:
             self._draw.place(self.vehicle, started, self.group, self.reading)
         for number, one in enumerate(self.speakers):
             one.begin(frame, frame.active & (self.group == number), started)
+        if self.units is not None:
+            self.vehicle[self.units.slots] = _UNIT - np.arange(self._fixed)
         one = len(self.speakers) == 1
         self._members = self.stations.models.members if one else self._ready.members
         reception_kernels.clear_hosts(started, self.tables, self.tracks)
@@ -254,18 +273,7 @@ class FleetLoop:
     def _track(self, truth_m: FloatArray, now_s: float) -> None:
         """Set all tracks against the truth."""
         settings = self.settings
-        tracking = Tracking(
-            members=self._members,
-            t_s=now_s,
-            step=self.number,
-            expiry_s=self.expiry_s,
-            distance_bin_m=settings.distance_bin_m,
-            middle=settings.middle_bins,
-            vehicle=self.vehicle,
-            truth_m=truth_m,
-            own_error_m=np.ascontiguousarray(self._shown(slice(2)) - truth_m),
-            counted=self._counted,
-        )
+        tracking = self._tracking(truth_m, now_s)
         if self._draw is not None:
             self._track_mixed(tracking)
             return
@@ -289,6 +297,41 @@ class FleetLoop:
             )
 
         self._work.each(work)
+
+    def _tracking(self, truth_m: FloatArray, now_s: float) -> Tracking:
+        return Tracking(
+            members=self._members,
+            t_s=now_s,
+            step=self.number,
+            expiry_s=self.expiry_s,
+            distance_bin_m=self.settings.distance_bin_m,
+            middle=self.settings.middle_bins,
+            vehicle=self.vehicle,
+            truth_m=truth_m,
+            own_error_m=np.ascontiguousarray(self._places(truth_m) - truth_m),
+            counted=self._counted,
+        )
+
+    def _places(self, truth_m: FloatArray) -> FloatArray:
+        """Where stations take themselves to be: units know their place, (V, 2) [m]."""
+        shown_m = self._shown(slice(2))
+        if self.units is not None:
+            shown_m = shown_m.copy()
+            shown_m[self.units.slots] = truth_m[self.units.slots]
+        return shown_m
+
+    def _track_units(self, units: RoadsideUnits, truth_m: FloatArray, now_s: float) -> None:
+        """Set the tracks of roadside units against the truth."""
+        tracking_kernels.sample_tracks(
+            self._tracking(truth_m, now_s),
+            self.tables.hosts,
+            self.contents,
+            self.tracks.held,
+            units.tally,
+            units.slots.start,
+            units.slots.stop,
+        )
+        units.count_pairs(truth_m[: units.first])
 
     def _track_mixed(self, tracking: Tracking) -> None:
         """Set all tracks against the truth, each as its host reads."""
@@ -325,7 +368,9 @@ class FleetLoop:
             started=started,
             critical=started,
             busy_ratio=owned(busy_ratio),
-            uniforms=self._rng.random((started.size, 4)),
+            uniforms=np.append(
+                self._rng.random((started.size - self._fixed, 4)), np.zeros((self._fixed, 4)), axis=0
+            ),
         )
         inputs = [one.inputs(given, first=self.number == 0) for one in self.speakers]
 
@@ -347,8 +392,11 @@ class FleetLoop:
             columns = [column[order] for column in columns]
         return Outbox(*columns, filled=np.array([columns[0].size]))
 
-    def _carry(self, truth_m: FloatArray, shift_s: float, until_s: float) -> Receptions:
-        """Give the outboxes to the radio, in order of time; its clock is ahead by a shift."""
+    def _carry(
+        self, truth_m: FloatArray, span_s: tuple[float, float], shift_s: float, busy_ratio: FloatArray
+    ) -> Receptions:
+        """Give the outboxes to the radio, in order of time; its clock, of the span, is ahead by a shift."""
+        now_s, until_s = span_s
         every = self.handed_over()
         order = np.argsort(every.ready_s, kind="stable")
         batch = Transmissions(
@@ -359,7 +407,11 @@ class FleetLoop:
             message_id=every.message_id[order],
             next_s=every.next_s[order] + shift_s,
         )
+        if self.units is not None:
+            batch = self.units.add(batch, truth_m, now_s, until_s)
         received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s, self._work)
+        if self.units is not None:
+            received = self.units.hear(received, busy_ratio[self.units.slots])
         return replace(received, t_s=received.t_s - shift_s) if shift_s != 0.0 else received
 
     def posted(self, group: int = 0) -> SentMessages:
@@ -388,10 +440,11 @@ class FleetLoop:
             order=order,
             start=start,
             vehicle=vehicle,
-            seen_m=self._shown(slice(2)),
+            seen_m=self._places(truth_m),
             truth_m=truth_m,
             reading=self.reading,
             counted=self._counted,
+            is_copy=owned(received.sender >= self.vehicle.size - self._fixed, np.bool_),
         )
         limits = HearingLimits(
             self.settings.reach_m, self.expiry_s, _SUB_INTERVAL_S, self.settings.distance_bin_m
@@ -409,6 +462,17 @@ class FleetLoop:
             )
 
         self._work.each(work)
+        if self.units is not None:
+            reception_kernels.hear_messages(
+                heard,
+                limits,
+                self.tables,
+                self.contents.rows,
+                self.tracks,
+                self.units.tally,
+                self.units.slots.start,
+                self.units.slots.stop,
+            )
 
     def believed(
         self,
@@ -483,7 +547,8 @@ class FleetLoop:
         ]
         rows = np.concatenate(timed) if timed else None
         row = np.full(len(SERIES), np.nan)
-        row[0], row[1], row[2] = here.sum(), gained[MESSAGES], received.size
+        heard = received.size if self.units is None else (received.receiver < self.units.first).sum()
+        row[0], row[1], row[2] = here.sum(), gained[MESSAGES], heard
         found = here & self._counted
         row[3] = busy_ratio[found].mean() if found.any() else np.nan
         row[4] = gained[POWER_DBM] / gained[MESSAGES] if gained[MESSAGES] > 0 else np.nan
@@ -525,6 +590,8 @@ class FleetLoop:
                 counts[...] = 0
         for one in self.speakers:
             one.forget_counts()
+        if self.units is not None:
+            self.units.forget_counts()
 
 
 _HEADING = MEASURED - 3

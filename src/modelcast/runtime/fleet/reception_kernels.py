@@ -20,7 +20,7 @@ from modelcast.runtime.fleet.arrays import (
 )
 from modelcast.runtime.fleet.bins_kernels import bin_of
 from modelcast.station.policy.error_driven_kernels import IDENTIFICATION
-from modelcast.station.policy.neighbours_kernels import NeighbourTables, hear
+from modelcast.station.policy.neighbours_kernels import NeighbourTables, find, hear
 from modelcast.station.receiver.reading_kernels import MODEL
 from modelcast.station.receiver.track_kernels import (
     ACCEPTED,
@@ -64,7 +64,7 @@ class Heard(NamedTuple):
 
     ``order`` (R,) puts them host by host, those of host h from ``start[h]`` to ``start[h + 1]``. ``seen_m``
     is where hosts take themselves to be, ``truth_m`` where they are, (V, 2); ``reading`` (V,) how they read
-    messages (`reading_kernels`), ``counted`` (V,) whose gaps count.
+    messages (`reading_kernels`), ``counted`` (V,) whose gaps count. ``is_copy`` (R,): sent by a relay.
     """
 
     message_id: IntVector
@@ -76,6 +76,7 @@ class Heard(NamedTuple):
     truth_m: FloatMatrix
     reading: IntVector
     counted: BoolVector
+    is_copy: BoolVector
 
 
 class HearingLimits(NamedTuple):
@@ -204,6 +205,9 @@ def _hear_each(
             message, at_s = int(heard.message_id[k]), float(heard.received_s[k])
             sender, number = message & mask, message >> SENDER_BITS
             ring = number % MESSAGES_KEPT
+            if sender == host:
+                counts[STALE] += 1  # its own, repeated by a relay
+                continue
             if heard.vehicle[host] < 0 or rows[sender, ring, CONTENT_NUMBER] != number:
                 counts[STALE] += 1
                 continue
@@ -216,10 +220,13 @@ def _hear_each(
                 counts[FAR] += 1
                 continue
             remote = int(rows[sender, ring, CONTENT_VEHICLE])
-            slot = hear(
-                tables.hosts, tables.slots, tables.lookup, tables.free, host, remote, ring, at_s,
-                stated_east_m, stated_north_m, limits.sub_interval_s,
-            )  # fmt: skip
+            # A relay's copy tells nothing of the link to the remote: it is counted for no packet error ratio.
+            slot = find(tables.slots, tables.lookup, host, remote) if heard.is_copy[k] else -1
+            if slot < 0:
+                slot = hear(
+                    tables.hosts, tables.slots, tables.lookup, tables.free, host, remote, ring, at_s,
+                    stated_east_m, stated_north_m, limits.sub_interval_s,
+                )  # fmt: skip
             if slot < 0:
                 counts[REFUSED] += 1
                 continue

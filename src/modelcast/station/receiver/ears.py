@@ -94,6 +94,7 @@ class Ears:
         minute_s: float = 0.0,
         tables: NeighbourTables | None = None,
         host: int = 0,
+        own: Sequence[int] = (),
     ) -> tuple[IntArray, MapState]:
         """Take messages in: the `Receipt` of each, (K,), and the new state. The given one is used up.
 
@@ -111,6 +112,8 @@ class Ears:
             Time at which some minute of UTC began [s].
         tables, host
             Neighbours that J2945/1 counts, and whose row is the host's; None for none.
+        own
+            Temporary ids of the host itself: what relays repeat of its own messages is `Receipt.REPEATED`.
 
         Raises
         ------
@@ -137,6 +140,11 @@ class Ears:
                 )
                 rows += first
             state.receipts[Receipt.MALFORMED] += end - first - rows.size
+            mine = np.isin(heard.temporary_id, own)
+            if mine.any():
+                receipts[rows[mine]] = Receipt.REPEATED
+                state.receipts[Receipt.REPEATED] += int(mine.sum())
+                rows, heard = rows[~mine], heard.taken(np.flatnonzero(~mine))
             receipts[rows], state = self.map.hear(state, heard)
             if tables is not None:
                 _count(tables, host, heard, receipts[rows])
@@ -241,8 +249,11 @@ def _message_ids(frames: OctetArray, lengths: IntArray) -> IntArray:
 
 
 def _count(tables: NeighbourTables, host: int, heard: Heard, receipts: IntArray) -> None:
-    """Enter the remotes whose messages were believed into the tables that vehicle density is counted from."""
-    believed = (receipts == Receipt.ACCEPTED) | (receipts == Receipt.REPEATED)
+    """Enter the remotes whose messages were believed into the tables that vehicle density is counted from.
+
+    A message of an instant already told is none: a relay's copy would count as a message that was not lost.
+    """
+    believed = receipts == Receipt.ACCEPTED
     told = np.flatnonzero(believed & (heard.kind != HeardKind.IDENTIFICATION))
     hear_each(
         *tables,

@@ -1,7 +1,7 @@
 """What a host hears: messages of many remotes as arrays, in the order in which they arrived."""
 
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass, fields
+from dataclasses import KW_ONLY, dataclass, fields, replace
 from enum import IntEnum
 
 import numpy as np
@@ -90,6 +90,16 @@ class Heard:
                 raise ValueError(f"{one.name} must be {wanted}, got {shape}")
         if not (np.isfinite(self.received_s).all() and (np.diff(self.received_s) >= 0).all()):
             raise ValueError("received_s must be finite and not fall: messages come in order of arrival")
+
+    def taken(self, rows: IntArray) -> "Heard":
+        """Some of the messages, in their order.
+
+        Parameters
+        ----------
+        rows
+            Their numbers, rising.
+        """
+        return replace(self, **{one.name: getattr(self, one.name)[rows] for one in fields(self)})
 
     @property
     def codes(self) -> IntArray:

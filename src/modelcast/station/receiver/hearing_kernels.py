@@ -41,6 +41,7 @@ from modelcast.station.receiver.track_kernels import (
     HELD_CONTENT,
     HELD_FIT_S,
     HELD_MEMBER,
+    HELD_RECEIVED_S,
     IN_FUTURE,
     OLDER,
     REPEATED,
@@ -312,7 +313,7 @@ def _update(
     status = take_update(
         held, int(code[heard.COUNT]), in_use, number[heard.STATED], received_s, rules.expiry_s
     )
-    if status != OLDER:
+    if status != OLDER and held[HELD_RECEIVED_S] == received_s:
         renew_slot(slots, slot)
     if status == ACCEPTED:
         _keep(slots, slot, code, (profile, in_use, continues), number, row, velocity, known, moved)

@@ -68,15 +68,18 @@ def take_update(
     """Take in an update: `ACCEPTED`, `OLDER` or `REPEATED`.
 
     One fitted before what is held changes nothing. Of two of one instant the first stays; the second tells
-    that the remote is alive. An expired track is forgotten first.
+    that the remote is alive, unless it is the first once more, as a relay repeats it: a copy tells nothing of
+    the remote that was not known. An expired track is forgotten first.
     """
     if not is_live(held, received_s, expiry_s):
         forget(held)
     if fit_s < held[HELD_FIT_S]:
         return OLDER
-    held[HELD_RECEIVED_S] = received_s
     if fit_s == held[HELD_FIT_S]:
+        if content != held[HELD_CONTENT]:
+            held[HELD_RECEIVED_S] = received_s
         return REPEATED
+    held[HELD_RECEIVED_S] = received_s
     held[HELD_CONTENT] = content
     held[HELD_MEMBER] = member
     held[HELD_FIT_S] = fit_s

@@ -18,7 +18,7 @@ from modelcast.study.network.rows import (
     SecondRow,
 )
 
-__all__ = ["binned_quantiles", "measure"]
+__all__ = ["binned_quantiles", "held_figures", "measure", "ratio", "span"]
 
 _EDGES: FloatArray = lower_edge(np.arange(BINS + 1, dtype=np.int64))
 
@@ -56,7 +56,14 @@ def binned_quantiles(counts: IntArray | FloatArray, probabilities: tuple[float, 
     return found
 
 
-def _ratio(part: float, whole: float) -> float:
+def ratio(part: float, whole: float) -> float:
+    """A share, NaN of nothing.
+
+    Parameters
+    ----------
+    part, whole
+        Counts or sums.
+    """
     return part / whole if whole > 0 else np.nan
 
 
@@ -84,17 +91,34 @@ def measure(
     )
 
 
-def _span(low_m: float, high_m: float, width_m: float) -> slice:
+def span(low_m: float, high_m: float, width_m: float) -> slice:
+    """Bins from one distance to another.
+
+    Parameters
+    ----------
+    low_m, high_m
+        Bounds [m].
+    width_m
+        Of a bin [m].
+    """
     return slice(round(low_m / width_m), round(high_m / width_m))
 
 
-def _held(counts: Tally, span: slice) -> dict[str, float]:
-    """What hosts hold at the distances of a span: the columns that a run and a distance share."""
+def held_figures(counts: Tally, span: slice) -> dict[str, float]:
+    """What hosts hold at the distances of a span: the columns that a run and a distance share.
+
+    Parameters
+    ----------
+    counts
+        Of the hosts.
+    span
+        Bins of distance.
+    """
     pte = binned_quantiles(counts.error[span].sum(axis=0), (0.5, 0.9, 0.95, 0.99))
     age = binned_quantiles(counts.age[span].sum(axis=0), (0.5, 0.9))
     gap = binned_quantiles(counts.gap[span].sum(axis=0), (0.5, 0.9))
     return {
-        "held_ratio": _ratio(float(counts.held[span].sum()), float(counts.pairs[span].sum())),
+        "held_ratio": ratio(float(counts.held[span].sum()), float(counts.pairs[span].sum())),
         "pte_p50_m": pte[0],
         "pte_p90_m": pte[1],
         "pte_p95_m": pte[2],
@@ -109,13 +133,13 @@ def _held(counts: Tally, span: slice) -> dict[str, float]:
 def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outcome_bin_m: float) -> RunRow:
     counts, sums = run.tally, run.sent.total
     sent = float(sums[at.MESSAGES])
-    middle = _span(*HEADLINE_M, settings.distance_bin_m)
+    middle = span(*HEADLINE_M, settings.distance_bin_m)
     gap = counts.gap[middle].sum(axis=0)
     relative = binned_quantiles(counts.relative[middle].sum(axis=0), (0.5, 0.9, 0.99))
-    fate = run.outcomes[_span(*HEADLINE_M, outcome_bin_m)].sum(axis=0).astype(np.float64)
+    fate = run.outcomes[span(*HEADLINE_M, outcome_bin_m)].sum(axis=0).astype(np.float64)
     frames = float(fate.sum())
     steady = run.series[round(settings.warm_up_s / settings.dt_s) :]
-    causes = [_ratio(float(run.sent.causes[cause]), sent) for cause in range(at.CAUSES)]
+    causes = [ratio(float(run.sent.causes[cause]), sent) for cause in range(at.CAUSES)]
     means = [float(column.mean()) for column in steady[:, [0, 5, 6, 7]].T]
     return RunRow(
         density_per_km=case.density_per_km,
@@ -125,28 +149,28 @@ def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outc
         threshold_m=case.threshold_m,
         run=case.run,
         vehicles=means[0],
-        message_rate_hz=_ratio(sent, run.vehicle_s),
-        update_rate_hz=_ratio(sent - sums[at.IDENTIFICATIONS], run.vehicle_s),
-        identification_rate_hz=_ratio(sums[at.IDENTIFICATIONS], run.vehicle_s),
+        message_rate_hz=ratio(sent, run.vehicle_s),
+        update_rate_hz=ratio(sent - sums[at.IDENTIFICATIONS], run.vehicle_s),
+        identification_rate_hz=ratio(sums[at.IDENTIFICATIONS], run.vehicle_s),
         time_ratio=causes[1],
         dynamics_ratio=causes[2],
         critical_ratio=causes[3],
-        model_ratio=_ratio(sums[at.MODELS], sent),
-        certificate_ratio=_ratio(sums[at.CERTIFICATES], sent),
-        payload_bytes=_ratio(sums[at.PAYLOAD_BYTES], sent),
-        frame_bytes=_ratio(sums[at.FRAME_BYTES], sent),
-        bytes_per_s=_ratio(sums[at.FRAME_BYTES], run.vehicle_s),
-        airtime_ratio=_ratio(sums[at.AIRTIME_S], run.vehicle_s),
-        power_dbm=_ratio(sums[at.POWER_DBM], sent),
+        model_ratio=ratio(sums[at.MODELS], sent),
+        certificate_ratio=ratio(sums[at.CERTIFICATES], sent),
+        payload_bytes=ratio(sums[at.PAYLOAD_BYTES], sent),
+        frame_bytes=ratio(sums[at.FRAME_BYTES], sent),
+        bytes_per_s=ratio(sums[at.FRAME_BYTES], run.vehicle_s),
+        airtime_ratio=ratio(sums[at.AIRTIME_S], run.vehicle_s),
+        power_dbm=ratio(sums[at.POWER_DBM], sent),
         busy_ratio=run.busy_ratio,
-        expired_ratio=_ratio(float(run.expired), sent),
-        delivery_ratio=_ratio(fate[0], frames),
-        collision_ratio=_ratio(fate[3] + fate[4], frames),
-        hidden_ratio=_ratio(fate[3], frames),
-        concurrent_ratio=_ratio(fate[4], frames),
-        half_duplex_ratio=_ratio(fate[1], frames),
-        weak_ratio=_ratio(fate[2], frames),
-        **_held(counts, middle),
+        expired_ratio=ratio(float(run.expired), sent),
+        delivery_ratio=ratio(fate[0], frames),
+        collision_ratio=ratio(fate[3] + fate[4], frames),
+        hidden_ratio=ratio(fate[3], frames),
+        concurrent_ratio=ratio(fate[4], frames),
+        half_duplex_ratio=ratio(fate[1], frames),
+        weak_ratio=ratio(fate[2], frames),
+        **held_figures(counts, middle),
         relative_p50_m=relative[0],
         relative_p90_m=relative[1],
         relative_p99_m=relative[2],
@@ -154,7 +178,7 @@ def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outc
         neighbours=means[1],
         inter_transmit_time_s=means[2],
         channel_quality=means[3],
-        tracks_per_s=_ratio(float(counts.held.sum()), len(steady) * settings.dt_s),
+        tracks_per_s=ratio(float(counts.held.sum()), len(steady) * settings.dt_s),
     )
 
 
@@ -170,7 +194,7 @@ def _distance_rows(run: NetworkRun, case: NetworkCase, settings: NetworkSettings
             low_m=number * settings.distance_bin_m,
             high_m=(number + 1) * settings.distance_bin_m,
             pairs=int(run.tally.pairs[number]),
-            **_held(run.tally, slice(number, number + 1)),
+            **held_figures(run.tally, slice(number, number + 1)),
         )
         for number in range(settings.distances)
     ]
@@ -180,7 +204,7 @@ def _outcome_rows(run: NetworkRun, case: NetworkCase, bin_m: float) -> list[Outc
     rows: list[OutcomeRow] = []
     for number, fate in enumerate(run.outcomes):
         pairs = int(fate.sum())
-        shares = [_ratio(float(part), pairs) for part in fate]
+        shares = [ratio(float(part), pairs) for part in fate]
         rows.append(
             OutcomeRow(
                 density_per_km=case.density_per_km,

@@ -49,6 +49,8 @@ def gather(
         warnings=[row for one in ordered for row in one.warnings],
         warned_hosts=[row for one in ordered for row in one.warned_hosts],
         warned_events=[row for one in ordered for row in one.warned_events],
+        roadside=[row for one in ordered for row in one.roadside],
+        roadside_distances=[row for one in ordered for row in one.roadside_distances],
         pooled_warnings=pool_warnings(ordered, against),
     )
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
 from math import isfinite, nan
 
+from modelcast.study.network.roadside_rows import RoadsideDistanceRow, RoadsideRow
 from modelcast.study.network.warning_rows import PooledWarnings, WarnedEventRow, WarnedHostRow, WarningRow
 
 __all__ = [
@@ -397,6 +398,8 @@ class CaseResult:
     warnings: Sequence[WarningRow] = ()
     warned_hosts: Sequence[WarnedHostRow] = ()
     warned_events: Sequence[WarnedEventRow] = ()
+    roadside: Sequence[RoadsideRow] = ()
+    roadside_distances: Sequence[RoadsideDistanceRow] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -416,6 +419,8 @@ class NetworkResult:
     warned_hosts: Sequence[WarnedHostRow] = field(default=())
     warned_events: Sequence[WarnedEventRow] = field(default=())
     pooled_warnings: Sequence[PooledWarnings] = field(default=())
+    roadside: Sequence[RoadsideRow] = field(default=())
+    roadside_distances: Sequence[RoadsideDistanceRow] = field(default=())
 
     @property
     def banks(self) -> tuple[str, ...]:

@@ -139,7 +139,7 @@ class SafetyObserver(AbstractObserver):
         host, remote = near_pairs(frame.position_m, frame.active, self.settings.radius_m)
         asked = self._asked(frame)[host]
         host, remote = host[asked], remote[asked]
-        new = loop.vehicle != frame.vehicle_id
+        new = loop.vehicle[: len(frame)] != frame.vehicle_id
         unknown = new[host] | new[remote]
         motions: dict[Reading, FloatArray] = {}
         for reading in self.settings.readings:
