@@ -1,14 +1,17 @@
 """Where the page's snapshots come from: live, or from a log that can be wound to any time."""
 
 import abc
+from bisect import bisect_right
 from dataclasses import dataclass
+
+import numpy as np
 
 from modelcast.dashboard.document import road_text, snapshot_text
 from modelcast.dashboard.seen_paths import SeenPaths
 from modelcast.dashboard.slot import LatestSlot
 from modelcast.dashboard.snapshot import Snapshot
 
-__all__ = ["KINDS", "AbstractFeed", "LiveFeed", "Span"]
+__all__ = ["KINDS", "AbstractFeed", "AbstractLogFeed", "LiveFeed", "Span"]
 
 KINDS = ("road", "snapshot")
 """Of the texts that a feed puts into a slot."""
@@ -77,6 +80,56 @@ class AbstractFeed(abc.ABC):
         t_s
             The time, any number [s].
         """
+
+
+class AbstractLogFeed(AbstractFeed):
+    """A log whose snapshots are found by their times, which rise; whoever opens it fills these in."""
+
+    def __init__(self) -> None:
+        self._times_s: list[float] = []
+        self._road = road_text([])
+
+    def __len__(self) -> int:
+        return len(self._times_s)
+
+    @property
+    def span(self) -> Span:
+        """First and last time, and the median step, in whole milliseconds."""
+        steps = np.diff(self._times_s)
+        step_s = round(float(np.median(steps)), 3) if steps.size else 0.1
+        return Span(self._times_s[0], self._times_s[-1], step_s)
+
+    @abc.abstractmethod
+    def text_at(self, t_s: float) -> str:
+        """The newest snapshot that is no later than a time, or the first.
+
+        Parameters
+        ----------
+        t_s
+            The time [s].
+        """
+
+    def place_at(self, t_s: float) -> int:
+        """Which snapshot that is, counted from 0.
+
+        Parameters
+        ----------
+        t_s
+            The time [s].
+        """
+        return max(bisect_right(self._times_s, t_s) - 1, 0)
+
+    def attach(self, slot: LatestSlot) -> None:
+        """Give the road and the first snapshot."""
+        slot.put("road", self._road)
+        self.seek(slot, -np.inf)
+
+    def detach(self, slot: LatestSlot) -> None:
+        """Nothing: a log gives only what it is asked for."""
+
+    def seek(self, slot: LatestSlot, t_s: float) -> None:
+        """Give the snapshot of a time."""
+        slot.put("snapshot", self.text_at(t_s))
 
 
 class LiveFeed(AbstractFeed):

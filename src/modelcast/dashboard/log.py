@@ -5,7 +5,6 @@ was cut off in the last line, as by a crash, is left out and counted.
 """
 
 import re
-from bisect import bisect_right
 from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
@@ -16,9 +15,8 @@ import numpy as np
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.rules import shown
 from modelcast.dashboard.document import read_road, read_snapshot, road_text, snapshot_text
-from modelcast.dashboard.feed import AbstractFeed, Span
+from modelcast.dashboard.feed import AbstractLogFeed
 from modelcast.dashboard.seen_paths import SeenPaths
-from modelcast.dashboard.slot import LatestSlot
 from modelcast.dashboard.snapshot import Snapshot
 
 __all__ = ["LONGEST_LINE_BYTES", "MOST_LINES", "SnapshotLog", "SnapshotLogWriter"]
@@ -87,7 +85,7 @@ class SnapshotLogWriter:
         self._file.write(snapshot_text(snapshot).encode() + b"\n")
 
 
-class SnapshotLog(AbstractFeed):
+class SnapshotLog(AbstractLogFeed):
     """A log that can be wound to any time; a context manager.
 
     Opening reads the beginnings of all lines; a line is judged when it is shown.
@@ -107,9 +105,8 @@ class SnapshotLog(AbstractFeed):
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._times_s: list[float] = []
+        super().__init__()
         self._places: list[tuple[int, int, int]] = []
-        self._road = road_text([])
         self.cut_off = 0
         """Lines left out since their end is missing: 0 or 1."""
         self._file = path.open("rb")
@@ -129,21 +126,10 @@ class SnapshotLog(AbstractFeed):
         """Close it."""
         self._file.close()
 
-    def __len__(self) -> int:
-        return len(self._times_s)
-
     @property
     def name(self) -> str:
         """The file's own name."""
         return self._path.name
-
-    @property
-    def span(self) -> Span:
-        """First and last time, and the median step, in whole milliseconds."""
-        steps = np.diff(self._times_s)
-        return Span(
-            self._times_s[0], self._times_s[-1], round(float(np.median(steps)), 3) if steps.size else 0.1
-        )
 
     def text_at(self, t_s: float) -> str:
         """The newest snapshot that is no later than a time, or the first, as its line has it.
@@ -158,22 +144,9 @@ class SnapshotLog(AbstractFeed):
         DataFormatError
             Where the line is no snapshot.
         """
-        at = max(bisect_right(self._times_s, t_s) - 1, 0)
-        row, start, length = self._places[at]
+        row, start, length = self._places[self.place_at(t_s)]
         self._file.seek(start)
         return self._judged(row, self._file.read(length))
-
-    def attach(self, slot: LatestSlot) -> None:
-        """Give the road and the first snapshot."""
-        slot.put("road", self._road)
-        self.seek(slot, -np.inf)
-
-    def detach(self, slot: LatestSlot) -> None:
-        """Nothing: a log gives only what it is asked for."""
-
-    def seek(self, slot: LatestSlot, t_s: float) -> None:
-        """Give the snapshot of a time; a line that is none is left out."""
-        slot.put("snapshot", self.text_at(t_s))
 
     def _scan(self) -> None:
         start = 0

@@ -1,6 +1,5 @@
 """A recording on the page: wound to any time, with errors where other recordings know the truth."""
 
-from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,9 +12,8 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import geodetic_to_local
 from modelcast.dashboard.document import read_snapshot, road_text, snapshot_text
-from modelcast.dashboard.feed import AbstractFeed, Span
+from modelcast.dashboard.feed import AbstractLogFeed
 from modelcast.dashboard.seen_paths import SeenPaths
-from modelcast.dashboard.slot import LatestSlot
 from modelcast.dashboard.snapshot import Snapshot
 from modelcast.node.recording.about import About
 from modelcast.node.recording.reader import Place, Recorded, RecordReader
@@ -32,7 +30,7 @@ _LONGEST_GAP_S = 0.3
 
 
 @final
-class RecordingFeed(AbstractFeed):
+class RecordingFeed(AbstractLogFeed):
     """A recording that can be wound to any time; a context manager.
 
     Opening reads all of it once; what is kept is where each snapshot stands, and the road.
@@ -55,7 +53,7 @@ class RecordingFeed(AbstractFeed):
 
     def __init__(self, path: Path, truths: Sequence[Path] = ()) -> None:
         self._reader = RecordReader(path)
-        self._times_s: list[float] = []
+        super().__init__()
         self._places: list[Place] = []
         self._truth: dict[int, FloatArray] = {}
         try:
@@ -79,9 +77,6 @@ class RecordingFeed(AbstractFeed):
         """Close it."""
         self._reader.__exit__(kind, error, trace)
 
-    def __len__(self) -> int:
-        return len(self._times_s)
-
     @property
     def name(self) -> str:
         """The file's own name."""
@@ -91,13 +86,6 @@ class RecordingFeed(AbstractFeed):
     def cut_off(self) -> bool:
         """Whether the end of the recording is missing."""
         return self._reader.cut_off
-
-    @property
-    def span(self) -> Span:
-        """First and last time, and the median step, in whole milliseconds."""
-        steps = np.diff(self._times_s)
-        step_s = round(float(np.median(steps)), 3) if steps.size else 0.1
-        return Span(self._times_s[0], self._times_s[-1], step_s)
 
     def text_at(self, t_s: float) -> str:
         """The newest snapshot that is no later than a time, or the first.
@@ -112,20 +100,8 @@ class RecordingFeed(AbstractFeed):
         DataFormatError
             Where the file has changed since it was opened.
         """
-        found = self._reader.at(self._places[max(bisect_right(self._times_s, t_s) - 1, 0)])
+        found = self._reader.at(self._places[self.place_at(t_s)])
         return snapshot_text(self._with_errors(self._judged(found)))
-
-    def attach(self, slot: LatestSlot) -> None:
-        """Give the road and the first snapshot."""
-        slot.put("road", self._road)
-        self.seek(slot, -np.inf)
-
-    def detach(self, slot: LatestSlot) -> None:
-        """Nothing: a recording gives only what it is asked for."""
-
-    def seek(self, slot: LatestSlot, t_s: float) -> None:
-        """Give the snapshot of a time."""
-        slot.put("snapshot", self.text_at(t_s))
 
     def _read_all(self) -> list[FloatArray]:
         """Find all snapshots, and draw the road from them."""
