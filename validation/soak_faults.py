@@ -27,7 +27,7 @@ NOMINAL_PER_S = 1000
 
 MANY_NAMES = 10_000
 _ROOM_MB = 0.1
-_FORGED, _DAY_S = 100, 86_400
+_FORGED, _WEEK_S = 100, 86_400
 _ENDS = {"all closed after, s": 1.0, "process gone after, s": 5.0}
 """An interpreter takes a while to go after the node has closed everything, on a busy machine seconds."""
 
@@ -289,7 +289,7 @@ async def _keys(stand: Stand) -> AsyncGenerator[Seen]:
         await stand.nodes[name].stop()
         folder = stand.folder / f"keys-{name}"
         make_credentials(
-            folder, count=3, start_s=start_s, duration_s=_DAY_S, random=os.urandom, authority=authority
+            folder, count=3, start_s=start_s, duration_s=_WEEK_S, random=os.urandom, authority=authority
         )
         authority = authority or folder / "authority"
         stand.configure(name, f'[security]\nmode = "signed"\nfolder = "{folder}"\n')
@@ -303,7 +303,7 @@ async def _forged(stand: Stand) -> AsyncGenerator[Seen]:
     near, start_s = stand.drives[WITH_BUS].at(time.time()), int(since_2004_s(time.time())) - 60
     crowd = InventedVehicles(_FORGED, near=near, from_utc_s=time.time(), rng=stand.rng)
     own = make_credentials(
-        stand.folder / "forger", count=1, start_s=start_s, duration_s=_DAY_S, random=os.urandom
+        stand.folder / "forger", count=1, start_s=start_s, duration_s=_WEEK_S, random=os.urandom
     )
     envelope, plain = Signed(own.trusted, own.own, utc_at_zero_s=0.0), Unsecured()
     sent = 0

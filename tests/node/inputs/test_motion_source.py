@@ -280,6 +280,16 @@ def test_a_speed_on_cruise_control_is_not_frozen_and_one_that_contradicts_the_fi
     assert source.health.why == "speed_mps frozen"
 
 
+@pytest.mark.parametrize(("after_s", "mode"), [(0.9, "gnss+can"), (1.1, "gnss")])
+def test_a_speed_that_hangs_shows_when_the_fixes_have_contradicted_it_for_a_second(after_s: float, mode: str):
+    last_s = 4.0 + after_s
+    stuck = [value for t_s in times(0.0, last_s, 0.02) for value in bus(t_s, SPEED_MPS)]
+    fixes = [
+        fix(t_s, speed_mps=SPEED_MPS - (2.0 if t_s > 4.0 - 1e-6 else 0.0)) for t_s in times(0.0, last_s, 0.1)
+    ]
+    assert fed(fixes + stuck).at(last_s).mode == mode
+
+
 def test_a_yaw_rate_that_misses_a_turn_is_frozen():
     straight = [value for t_s in times(0.0, 5.0, 0.02) for value in bus(t_s, yaw_radps=0.0)]
     source = fed([fix(t_s) for t_s in times(0.0, 5.0, 0.1)] + straight)

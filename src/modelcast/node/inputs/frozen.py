@@ -9,7 +9,7 @@ Frozen          Same for                                   While
 ==============  =========================================  =============================================
 place           5 fixes, 0.4 s                             more than 2 m were driven, by the bus, or by the
                                                            speed that the same fixes state
-speed           2 s, 5 values                              fixes state speeds, for the last 2 s, that differ
+speed           2 s, 5 values                              fixes state speeds, for the last 1 s, that differ
                                                            by over 1.5 m/s and 10 %; their places move
 yaw rate        2 s, 5 values                              the course turned 10° otherwise in the last 4 s,
                                                            above 3 m/s
@@ -39,6 +39,7 @@ _VALUES = 5
 _VALUE_S = 2.0
 _CHANGE_S = 4.0
 """Turns and changes of speed are looked at for so long, so that small errors do not add up."""
+_SPEED_S = 1.0
 _SPEED_MPS = 1.5
 _SPEED_RATIO = 0.1
 _TURN_RAD = math.radians(10.0)
@@ -108,7 +109,7 @@ def _speed_differs(speed_mps: float, fixes: Sequence[GnssFix]) -> bool:
     """Whether fixes whose places can be trusted state other speeds than a constant one."""
     if same_place_since(fixes, None) is not None or any(map(_leaps, fixes, fixes[1:])):
         return False
-    latest = [fix for fix in fixes if fix.measured_s >= fixes[-1].measured_s - _VALUE_S]
+    latest = [fix for fix in fixes if fix.measured_s >= fixes[-1].measured_s - _SPEED_S]
     return all(
         abs(fix.speed_mps - abs(speed_mps)) > max(_SPEED_MPS, _SPEED_RATIO * fix.speed_mps) for fix in latest
     )
