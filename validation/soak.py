@@ -13,6 +13,7 @@ import argparse
 import asyncio
 import math
 import os
+import signal
 import sys
 import tempfile
 import time
@@ -168,12 +169,28 @@ class Soak:
         self.broken: list[str] = []
 
     async def run(self, folder: Path) -> None:
-        """Do everything."""
-        rng, begin_s = np.random.default_rng(self._seed), time.time()
+        """Do everything; SIGTERM and Ctrl-C end the nodes too."""
+        rng = np.random.default_rng(self._seed)
         drives_s = max(DEMO_S, self._lasts_s + 120.0)
         stand = Stand(folder / "faults", lasts_s=drives_s, rng=rng)
         quiet = Stand(folder / "quiet", lasts_s=drives_s, rng=rng, names=_QUIET, relayed=False)
         loop = await asyncio.create_subprocess_exec(sys.executable, str(LOOP), stdout=asyncio.subprocess.PIPE)
+        this = asyncio.current_task()
+        assert this is not None
+        asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, this.cancel)
+        try:
+            await self._all(stand, quiet)
+            await self._last_words(stand, quiet, loop)
+        finally:
+            for node in (*stand.nodes.values(), *quiet.nodes.values()):
+                await node.kill()  # those that have not ended
+            if loop.returncode is None:
+                loop.kill()
+                await loop.wait()
+
+    async def _all(self, stand: Stand, quiet: Stand) -> None:
+        """Every fault that was asked for."""
+        begin_s = time.time()
         await stand.start()
         if not self._short:
             await quiet.start()
@@ -194,7 +211,6 @@ class Soak:
             self._say(row(outcome))
         await self._octets(stand)
         await asyncio.sleep(0.0 if self._short else max(begin_s + self._lasts_s - time.time(), 0.0))
-        await self._last_words(stand, quiet, loop)
 
     def _say(self, *lines: str) -> None:
         self.lines += lines
@@ -279,7 +295,11 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     soak = Soak(short=asked.short, lasts_s=60.0 * asked.minutes, seed=asked.seed, only=asked.only)
     with tempfile.TemporaryDirectory(prefix="soak-") as folder:
-        asyncio.run(soak.run(Path(folder)))
+        try:
+            asyncio.run(soak.run(Path(folder)))
+        except asyncio.CancelledError:
+            print("ended by SIGTERM")
+            return 1
     for line in soak.broken:
         print(f"BROKEN {line}")
     if asked.write:
