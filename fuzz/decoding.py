@@ -1,9 +1,9 @@
 """What must hold for any octets: they are a message that encodes to the same octets, or a `CodecError`.
 
 The octets go through every decoder of `modelcast.messages`: as a frame, a basic safety message (by the single
-codec and by the compiled batch), an update, an identification, the value of a model's extension, a signed
-message and a certificate; and they are taken apart as messages one after another. What a signed message holds
-goes through the same decoders again.
+codec and by the compiled batch), a personal one, an update, an identification, the value of a model's
+extension, a signed message and a certificate; and they are taken apart as messages one after another. What a
+signed message holds goes through the same decoders again.
 """
 
 import numpy as np
@@ -21,6 +21,7 @@ from modelcast.messages.mbc_wire import (
     encode_extension,
     encode_identification,
 )
+from modelcast.messages.psm import encode_psm
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.signed import decode_signed
 from modelcast.messages.sequence import parts_of
@@ -102,7 +103,10 @@ def _read(data: bytes) -> BasicSafetyMessage | None:
         assert 0 <= refusal.offset_bits <= 8 * len(data)
     else:
         _check_update(found)
-        return found.message
+        if isinstance(found.message, BasicSafetyMessage):
+            return found.message
+        assert encode_psm(found.message) == data
+        return None
     try:
         return decode_bsm(data)
     except CodecError as refusal:
