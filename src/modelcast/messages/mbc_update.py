@@ -14,7 +14,7 @@ from typing import Final
 from modelcast.core.exceptions import CodecError
 from modelcast.core.kinds import Kind
 from modelcast.messages.bits import BitReader, BitWriter
-from modelcast.messages.bsm import BasicSafetyMessage, BsmCore, decode_bsm
+from modelcast.messages.bsm import BasicSafetyMessage, BsmCore
 from modelcast.messages.bsm_fields import (
     LOCAL_REGION,
     MAX_PART_II,
@@ -31,9 +31,8 @@ from modelcast.messages.mbc_wire import (
     ModelExtension,
     decode_extension,
 )
-from modelcast.messages.message_heads import HEADS, MessageHead, kind_of, part_one_of
-from modelcast.messages.psm import PersonalSafetyMessage, decode_psm, regional_bit
-from modelcast.messages.psm_fields import PERSONAL_SAFETY_MESSAGE
+from modelcast.messages.message_heads import HEADS, MessageHead, decode_safety, kind_of, part_one_of
+from modelcast.messages.psm import PersonalSafetyMessage, regional_bit
 
 __all__ = [
     "ReceivedUpdate",
@@ -244,8 +243,7 @@ def read_update(data: bytes, profiles: Mapping[int, WireProfile]) -> ReceivedUpd
         Where they are neither of the two, or its model is none, or none of that profile. A profile that is
         not known is no error: see `UpdateReading`.
     """
-    is_person = int.from_bytes(data[:2], "big") & 0x7FFF == PERSONAL_SAFETY_MESSAGE
-    message = decode_psm(data) if is_person else decode_bsm(data)
+    message = decode_safety(data)
     places = [place for place, (region, _) in enumerate(message.regional) if region == LOCAL_REGION]
     if not places:
         return ReceivedUpdate(message, UpdateReading.PLAIN)

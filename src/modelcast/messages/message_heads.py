@@ -14,17 +14,18 @@ from typing import Final
 import numpy as np
 
 from modelcast.core.kinds import PEOPLE, Kind
-from modelcast.messages.bsm import BasicSafetyMessage, BsmCore
+from modelcast.messages.bsm import BasicSafetyMessage, BsmCore, decode_bsm
 from modelcast.messages.bsm_fields import (
     BASIC_SAFETY_MESSAGE,
     CORE_FIELDS,
     CORE_INDEX,
     MAX_REGIONAL,
+    MESSAGE_ID,
     PREAMBLE_BITS,
 )
 from modelcast.messages.field_columns import field_layout
 from modelcast.messages.fields import Field
-from modelcast.messages.psm import PersonalSafetyMessage
+from modelcast.messages.psm import PersonalSafetyMessage, decode_psm
 from modelcast.messages.psm_fields import (
     ACCELERATION_FIELDS,
     OPTION_NAMES,
@@ -41,6 +42,7 @@ __all__ = [
     "KINDS_OF_TYPES",
     "MessageHead",
     "check_speaks",
+    "decode_safety",
     "head_table",
     "heads_of_members",
     "kind_of",
@@ -48,7 +50,7 @@ __all__ = [
 ]
 
 _LONG_LENGTH: Final = 128
-_CLOSED: Final = (0, 0, 1)
+_CLOSED: Final[tuple[int, int, int]] = (0, 0, 1)
 """A bit that is zero: extensions, an elevation, regional extensions of the position."""
 
 KINDS_OF_TYPES: Final = (Kind.PEDESTRIAN, Kind.PEDESTRIAN, Kind.CYCLIST, Kind.ROAD_WORKER, Kind.PEDESTRIAN)
@@ -203,6 +205,23 @@ def head_table() -> HeadTable:
         unavailable=np.array(_UNAVAILABLE, np.int64),
         kinds=np.array(KINDS_OF_TYPES, np.int64),
     )
+
+
+def decode_safety(data: bytes) -> BasicSafetyMessage | PersonalSafetyMessage:
+    """Read a basic or personal safety message in its frame.
+
+    Parameters
+    ----------
+    data
+        The octets of the frame, no more and no fewer.
+
+    Raises
+    ------
+    CodecError
+        Where they are neither of the two.
+    """
+    is_person = MESSAGE_ID.high & int.from_bytes(data[:2], "big") == PERSONAL_SAFETY_MESSAGE
+    return decode_psm(data) if is_person else decode_bsm(data)
 
 
 def kind_of(message: BasicSafetyMessage | PersonalSafetyMessage) -> Kind:

@@ -183,7 +183,7 @@ def _pack_update(
     if not plain:
         bits += _COUNT_BITS + _REGION_BITS + (8 if inner < _LONG else 16) + 8 * inner
     value = (bits + 7) >> 3
-    start = _put_length(out, _put(out, 0, heads.message_id[h], _ID_BITS), value)
+    start = _put_length(out, _put(out, 0, int(heads.message_id[h]), _ID_BITS), value)
     preamble = int(heads.preamble[h]) | (0 if plain else 1)
     layout = heads.layout[begin : begin + rows]
     at = write_fields(row, layout, preamble, int(heads.preamble_bits[h]), out, start >> 3)
