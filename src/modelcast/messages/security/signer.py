@@ -78,13 +78,12 @@ class Signer:
         t_s
             Now, since the common instant [s].
         psid
-            The application.
+            The application; whether the certificate is good for it is for receivers to judge.
 
         Raises
         ------
         ValueError
-            Where the payload is too long or empty, or the certificate is not good now or not for that
-            application.
+            Where the payload is too long or empty, or the certificate is not good now.
         """
         now_us = microseconds(t_s)
         if not self.certificate.is_good_at(now_us / SECONDS):
@@ -92,9 +91,6 @@ class Signer:
             raise ValueError(
                 f"the certificate is good from {own.start_s} s for {own.duration_s} s, not at {t_s} s"
             )
-        if psid not in self.certificate.psids:
-            may = ", ".join(map(hex, self.certificate.psids))
-            raise ValueError(f"the certificate is good for the applications {may}, not for {psid:#x}")
         last_us = state.attached_us
         due = last_us is None or now_us - last_us > round(self.parameters.certificate_interval_s * SECONDS)
         signature = self.key.sign(signed_part(now_us, payload, self.certificate, psid=psid))
