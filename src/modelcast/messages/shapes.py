@@ -26,7 +26,6 @@ from operator import index
 from typing import SupportsIndex, TypeAlias, cast
 
 from modelcast.core.exceptions import CodecError
-from modelcast.core.rules import shown
 from modelcast.messages.bits import BitReader, BitWriter
 from modelcast.messages.field_table import read_code
 from modelcast.messages.fields import Field
@@ -198,7 +197,7 @@ class Record(AbstractShape):
     def checked(self, value: Value) -> Value:
         """One value a member, None where it is left out."""
         if not isinstance(value, tuple) or len(value) != len(self.members):
-            raise ValueError(f"{self.name} must be {len(self.members)} values, got {shown(value)}")
+            raise ValueError(f"{self.name} must be {len(self.members)} values, got {value!r}")
         found: list[Value | None] = []
         for member, one in zip(self.members, value, strict=True):
             if one is None and member.name not in self.optional:
@@ -257,7 +256,7 @@ class Series(AbstractShape):
     def checked(self, value: Value) -> Value:
         """One value an item."""
         if not isinstance(value, tuple) or not 1 <= len(value) <= self.most or None in value:
-            raise ValueError(f"{self.name} must be 1 to {self.most} values, got {shown(value)}")
+            raise ValueError(f"{self.name} must be 1 to {self.most} values, got {value!r}")
         return tuple(self.item.checked(one) for one in cast("tuple[Value, ...]", value))
 
     def read(self, reader: BitReader) -> Value:
@@ -301,7 +300,7 @@ class Choice(AbstractShape):
                 return index(place), self.alternatives[index(place)].checked(one)
             case _:
                 raise ValueError(
-                    f"{self.name} must be the place of one of {len(places)} and its value, got {shown(value)}"
+                    f"{self.name} must be the place of one of {len(places)} and its value, got {value!r}"
                 )
 
     def read(self, reader: BitReader) -> Value:
