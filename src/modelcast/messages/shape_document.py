@@ -67,15 +67,7 @@ def value_of_document(shape: AbstractShape, given: object) -> Value:
         case Series(item=item):
             return tuple(value_of_document(item, one) for one in given_list(shape.name, given))
         case Choice(alternatives=alternatives):
-            names = [one.name for one in alternatives]
-            match given:
-                case {**one} if len(one) == 1 and next(iter(one)) in names:
-                    place = names.index(next(iter(one)))
-                    return place, value_of_document(alternatives[place], one[names[place]])
-                case _:
-                    raise ValueError(
-                        f"{shape.name} must be an object of one of {', '.join(names)}, got {shown(given)}"
-                    )
+            return _choice(shape.name, alternatives, given)
         case _:
             raise TypeError(f"no document of {shape}")
 
@@ -94,3 +86,14 @@ def _record(shape: Record, given: object) -> Value:
         else value_of_document(member, found.get(member.name))
         for member in shape.members
     )
+
+
+def _choice(name: str, alternatives: tuple[AbstractShape, ...], given: object) -> Value:
+    found = cast("Mapping[str, object]", given if isinstance(given, Mapping) else {})
+    names = [one.name for one in alternatives]
+    if len(found) != 1 or not found.keys() <= set(names):
+        told = shown(cast("object", given))
+        raise ValueError(f"{name} must be an object of one of {', '.join(names)}, got {told}")
+    ((chosen, one),) = found.items()
+    place = names.index(chosen)
+    return place, value_of_document(alternatives[place], one)

@@ -20,6 +20,7 @@ References
 ITU-T X.691: enumerations, clause 14; sequences, 19; lists, 20; choices, 23.
 """
 
+import dataclasses
 from abc import ABC, abstractmethod
 from dataclasses import KW_ONLY, dataclass
 from operator import index
@@ -41,15 +42,10 @@ class AbstractShape(ABC):
 
     __slots__ = ()
 
-    @property
-    @abstractmethod
-    def name(self) -> str:
-        """Our name."""
-
-    @property
-    @abstractmethod
-    def standard_name(self) -> str:
-        """Name in the standard."""
+    name: str
+    """Our name."""
+    standard_name: str
+    """Name in the standard."""
 
     @abstractmethod
     def checked(self, value: Value) -> Value:
@@ -109,16 +105,14 @@ class Number(AbstractShape):
     field: Field
     _: KW_ONLY
     extensible: bool = False
+    name: str = dataclasses.field(init=False)
+    """Name of the field."""
+    standard_name: str = dataclasses.field(init=False)
+    """Last part of the standard's name of the field."""
 
-    @property
-    def name(self) -> str:
-        """Name of the field."""
-        return self.field.name
-
-    @property
-    def standard_name(self) -> str:
-        """Last part of the standard's name of the field."""
-        return self.field.standard_name.rpartition(".")[2]
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", self.field.name)
+        object.__setattr__(self, "standard_name", self.field.standard_name.rpartition(".")[2])
 
     def checked(self, value: Value) -> Value:
         """The code as Python's own integer."""
@@ -147,16 +141,14 @@ class Truth(AbstractShape):
     """
 
     field: Field
+    name: str = dataclasses.field(init=False)
+    """Name of the field."""
+    standard_name: str = dataclasses.field(init=False)
+    """The standard's name of the field."""
 
-    @property
-    def name(self) -> str:
-        """Name of the field."""
-        return self.field.name
-
-    @property
-    def standard_name(self) -> str:
-        """The standard's name of the field."""
-        return self.field.standard_name
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", self.field.name)
+        object.__setattr__(self, "standard_name", self.field.standard_name)
 
     def checked(self, value: Value) -> Value:
         """The code as Python's own integer."""
