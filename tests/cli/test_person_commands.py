@@ -10,7 +10,7 @@ from modelcast.io.pcap import pcap_octets
 from modelcast.messages.bsm import BsmCore, encode_bsm
 from modelcast.messages.ieee1609 import encode_unsecured
 from modelcast.messages.psm import PersonalSafetyMessage, encode_psm, person_codes
-from modelcast.messages.wsmp import PEOPLE_PSID, decode_wsm, encode_wsm
+from modelcast.messages.wsmp import decode_wsm, encode_wsm
 
 CODES = person_codes({"basic_type": 2, "message_count": 7, "temporary_id": 1, "speed_mps": 4.2})
 CRUMB = (100, -100, 0, 250, 70, None, 60)
@@ -83,8 +83,9 @@ def test_messages_of_people_and_vehicles_are_read_one_after_another(
 def test_a_capture_of_the_application_of_people_is_read(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    wsm = encode_wsm(encode_unsecured(RICH), psid=PEOPLE_PSID)
-    assert decode_wsm(wsm).psid == PEOPLE_PSID == 0x27
+    wsm = encode_wsm(encode_unsecured(RICH))
+    wsm = wsm[:2] + b"\x27" + wsm[3:]
+    assert decode_wsm(wsm).psid == 0x27
     path = tmp_path / "people.pcap"
     path.write_bytes(b"".join(pcap_octets([(1_700_000_000 * 10**9, wsm)])))
     assert run(["decode", "--json", str(path)]) == 0

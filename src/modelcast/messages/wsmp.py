@@ -15,33 +15,19 @@ Extension elements (a count, then each an id, a length and octets) are skipped.
 References
 ----------
 IEEE Std 1609.3-2016: WSM header, clause 8.3; PSID, clause 8.1.3. From published descriptions, and as other
-dissectors read it. Applications: the public register of ISO 5345 (ITS-AID), which is that of IEEE 1609.12.
+dissectors read it.
 """
 
 from typing import NamedTuple
 
 from modelcast.core.exceptions import CodecError
 
-__all__ = [
-    "MAX_WSM_OCTETS",
-    "PEOPLE_PSID",
-    "SAFETY_PSID",
-    "ShortMessage",
-    "decode_wsm",
-    "encode_wsm",
-    "wsmp_octets",
-]
+__all__ = ["MAX_WSM_OCTETS", "ShortMessage", "decode_wsm", "encode_wsm", "wsmp_octets"]
 
 MAX_WSM_OCTETS = 2304
 """Longest short message: what a frame of IEEE 802.11 carries at most."""
 
-SAFETY_PSID = 0x20
-"""Of vehicles: basic safety messages (SAE J2945/1)."""
-
-PEOPLE_PSID = 0x27
-"""Of vulnerable road users: personal safety messages (SAE J2945/9)."""
-
-_ONE_OCTET_PSIDS = 0x80
+_SAFETY_PSID = 0x20
 _WSMP_VERSION = 3
 _EXTENDED = 0x08
 _MOST_ELEMENTS = 32
@@ -63,33 +49,27 @@ class ShortMessage(NamedTuple):
     payload: bytes
 
 
-def encode_wsm(payload: bytes, *, psid: int = SAFETY_PSID) -> bytes:
-    """Octets of a short message without extensions.
+def encode_wsm(payload: bytes) -> bytes:
+    """Octets of a short message of the safety application, without extensions.
 
     Parameters
     ----------
     payload
         Octets, with the header `MAX_WSM_OCTETS` at most.
-    psid
-        The application, one that takes an octet: 0 to 127.
 
     Raises
     ------
     ValueError
-        Where they are too many, or the application takes more.
+        Where they are too many.
 
     Examples
     --------
     >>> encode_wsm(b"abc").hex(), encode_wsm(bytes(200))[:5].hex()
     ('03002003616263', '03002080c8')
-    >>> encode_wsm(b"abc", psid=PEOPLE_PSID).hex()
-    '03002703616263'
     """
-    if not 0 <= psid < _ONE_OCTET_PSIDS:
-        raise ValueError(f"psid must be within 0..{_ONE_OCTET_PSIDS - 1}, got {psid}")
     count = len(payload)
     length = bytes([count]) if count < _ONE_OCTET else (_ONE_OCTET << 8 | count).to_bytes(2, "big")
-    whole = bytes([_WSMP_VERSION, 0, psid]) + length + payload
+    whole = bytes([_WSMP_VERSION, 0, _SAFETY_PSID]) + length + payload
     if len(whole) > MAX_WSM_OCTETS:
         raise ValueError(f"a short message has {MAX_WSM_OCTETS} octets at most, got {len(whole)}")
     return whole
