@@ -9,6 +9,7 @@ import atheris
 
 # Compiled code is no Python, and Numba refuses to compile what atheris has instrumented: it comes first.
 import modelcast.messages.bsm_kernels
+import modelcast.messages.psm_kernels
 import modelcast.models.profile  # noqa: F401
 
 with atheris.instrument_imports(include=["modelcast.messages"]):

@@ -15,12 +15,14 @@ from modelcast.messages.fields import Field
 
 __all__ = [
     "ReferenceCodec",
+    "code_of_item",
     "message_of_reference_value",
     "module_text",
     "reference_codec",
     "reference_decode",
     "reference_encode",
     "reference_value",
+    "standard_item",
 ]
 
 
@@ -77,7 +79,7 @@ def reference_value(message: BasicSafetyMessage) -> dict[str, Any]:
     core: dict[str, Any] = {}
     for field, code in zip(CORE_FIELDS, message.core.codes, strict=True):
         group, _, name = field.standard_name.rpartition(".")
-        (core.setdefault(group, {}) if group else core)[name] = _plain(field, code)
+        (core.setdefault(group, {}) if group else core)[name] = standard_item(field, code)
     value: dict[str, Any] = {"coreData": core}
     if message.part_ii:
         value["partII"] = [{"partII-Id": i, "partII-Value": octets} for i, octets in message.part_ii]
@@ -99,7 +101,7 @@ def message_of_reference_value(value: Any) -> BasicSafetyMessage:
         item = value["coreData"]
         for name in field.standard_name.split("."):
             item = item[name]
-        codes.append(_code(field, item))
+        codes.append(code_of_item(field, item))
     return BasicSafetyMessage(
         BsmCore(tuple(codes)),
         part_ii=tuple((one["partII-Id"], one["partII-Value"]) for one in value.get("partII", ())),
@@ -107,7 +109,16 @@ def message_of_reference_value(value: Any) -> BasicSafetyMessage:
     )
 
 
-def _plain(field: Field, code: int) -> Any:
+def standard_item(field: Field, code: int) -> Any:
+    """A code as asn1tools takes it.
+
+    Parameters
+    ----------
+    field
+        The field.
+    code
+        Its code.
+    """
     if field.choices:
         return field.choices[code]
     if field.flags:
@@ -116,7 +127,16 @@ def _plain(field: Field, code: int) -> Any:
     return code.to_bytes(4, "big") if field.name == "temporary_id" else code
 
 
-def _code(field: Field, item: Any) -> int:
+def code_of_item(field: Field, item: Any) -> int:
+    """Code of what asn1tools gives.
+
+    Parameters
+    ----------
+    field
+        The field.
+    item
+        As `standard_item` makes it.
+    """
     if field.choices:
         return field.choices.index(item)
     if field.flags:

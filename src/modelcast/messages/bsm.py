@@ -9,7 +9,6 @@ For many messages at once see `bsm_batch`.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
-from operator import index, le
 from typing import Final
 
 from modelcast.core.exceptions import CodecError
@@ -18,31 +17,23 @@ from modelcast.messages.bsm_fields import (
     BASIC_SAFETY_MESSAGE,
     CORE_BITS,
     CORE_FIELDS,
-    CORE_INDEX,
     CORE_OCTETS,
-    MAX_PART_II,
-    MAX_REGIONAL,
-    PART_II_ID,
     PREAMBLE_BITS,
-    REGION_ID,
 )
-from modelcast.messages.frame import check_additions, check_octets, encode_frame, read_header, read_tail
+from modelcast.messages.contents import PART_II, REGIONAL, Content
+from modelcast.messages.field_table import FieldTable
+from modelcast.messages.frame import check_additions, encode_frame, read_header, read_tail
 
-__all__ = ["BasicSafetyMessage", "BsmCore", "Content", "decode_bsm", "encode_bsm", "encode_message"]
+__all__ = ["BasicSafetyMessage", "BsmCore", "decode_bsm", "encode_bsm", "encode_message"]
 
-Content = tuple[int, bytes]
-"""An id and the octets of an open type."""
-
-_LOWS: Final = tuple(field.low for field in CORE_FIELDS)
-_HIGHS: Final = tuple(field.high for field in CORE_FIELDS)
+_TABLE: Final = FieldTable(CORE_FIELDS)
 _MASKS: Final = tuple((1 << field.width_bits) - 1 for field in CORE_FIELDS)
 _SHIFTS: Final = tuple(
     CORE_BITS - sum(field.width_bits for field in CORE_FIELDS[: i + 1]) for i in range(len(CORE_FIELDS))
 )
+_LOWS: Final = tuple(field.low for field in CORE_FIELDS)
 _PUT: Final = tuple(zip(_LOWS, _SHIFTS, strict=True))
 _TAKE: Final = tuple(zip(_SHIFTS, _MASKS, _LOWS, strict=True))
-_PLAIN: Final = {int}
-"""Extension bit, Part II present, regional extensions present."""
 _SPARE_BITS: Final = 8 * CORE_OCTETS - PREAMBLE_BITS - CORE_BITS
 _CORE_HEADER: Final = (BASIC_SAFETY_MESSAGE << 8 | CORE_OCTETS) << 8 * CORE_OCTETS
 """Message id and length of a frame that holds Part I alone, in front of it."""
@@ -73,19 +64,9 @@ class BsmCore:
     codes: tuple[int, ...]
 
     def __post_init__(self) -> None:
-        codes = self.codes
-        if len(codes) != len(CORE_FIELDS):
-            raise ValueError(f"codes must be {len(CORE_FIELDS)}, got {len(codes)}")
-        if not (all(map(le, _LOWS, codes)) and all(map(le, codes, _HIGHS))):
-            field, code = next(
-                (field, code)
-                for field, code in zip(CORE_FIELDS, codes, strict=True)
-                if not field.low <= code <= field.high
-            )
-            raise ValueError(f"{field.name}: code {code} must lie within {field.low}..{field.high}")
-        if set(map(type, codes)) != _PLAIN:  # NumPy's integers have no room for a message
-            whole = tuple(field.checked(code) for field, code in zip(CORE_FIELDS, codes, strict=True))
-            object.__setattr__(self, "codes", whole)
+        codes = _TABLE.checked("codes", self.codes)
+        if codes is not self.codes:
+            object.__setattr__(self, "codes", codes)
 
     @classmethod
     def from_values(cls, values: Mapping[str, float | None]) -> "BsmCore":
@@ -103,10 +84,7 @@ class BsmCore:
             Where a name is unknown, a value is refused, or a field without a code for unavailable
             (``message_count``, ``temporary_id``, ``yaw_rate_radps``) is left out.
         """
-        unknown = values.keys() - CORE_INDEX.keys()
-        if unknown:
-            raise ValueError(f"no field is called {sorted(unknown)}; the fields are {list(CORE_INDEX)}")
-        return cls(tuple(field.code_of(values.get(field.name)) for field in CORE_FIELDS))
+        return cls(_TABLE.codes_of(values))
 
     def value(self, name: str) -> float | None:
         """Value of one field in SI units, None where unavailable or reserved.
@@ -121,12 +99,11 @@ class BsmCore:
         KeyError
             Where there is no such field.
         """
-        index = CORE_INDEX[name]
-        return CORE_FIELDS[index].value_of(self.codes[index])
+        return _TABLE.value_of(self.codes, name)
 
     def values(self) -> dict[str, float | None]:
         """Values of all fields in SI units, by name."""
-        return {field.name: field.value_of(code) for field, code in zip(CORE_FIELDS, self.codes, strict=True)}
+        return _TABLE.values_of(self.codes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,15 +139,8 @@ class BasicSafetyMessage:
     def __post_init__(self) -> None:
         if not (self.part_ii or self.regional or self.additions or self.frame_additions):
             return
-        for name, contents, most, identifier in (
-            ("part_ii", self.part_ii, MAX_PART_II, PART_II_ID),
-            ("regional", self.regional, MAX_REGIONAL, REGION_ID),
-        ):
-            if len(contents) > most:
-                raise ValueError(f"{name} must have {most} entries at most, got {len(contents)}")
-            for number, octets in contents:
-                identifier.checked(number)
-                check_octets(f"each of {name}", octets)
+        PART_II.check(self.part_ii)
+        REGIONAL.check(self.regional)
         check_additions("additions", self.additions)
         check_additions("frame_additions", self.frame_additions)
 
@@ -216,15 +186,10 @@ def encode_bsm(
     preamble = bool(message.additions) << 2 | bool(message.part_ii) << 1 | bool(message.regional)
     writer.bits(preamble, PREAMBLE_BITS)
     writer.bits(whole, CORE_BITS)
-    for contents, count_bits, identifier in (
-        (message.part_ii, (MAX_PART_II - 1).bit_length(), PART_II_ID),
-        (message.regional, (MAX_REGIONAL - 1).bit_length(), REGION_ID),
-    ):
-        if contents:
-            writer.bits(len(contents) - 1, count_bits)
-            for number, octets in contents:
-                writer.bits(index(number), identifier.width_bits)
-                writer.open_type(octets)
+    if message.part_ii:
+        PART_II.write(writer, message.part_ii)
+    if message.regional:
+        REGIONAL.write(writer, message.regional)
     if message.additions:
         writer.additions(message.additions)
     return encode_frame(BASIC_SAFETY_MESSAGE, writer.octets(), message.frame_additions)
@@ -289,9 +254,9 @@ def decode_bsm(data: bytes) -> BasicSafetyMessage:
         reader = BitReader(data, start, stop)
         reader.position += PREAMBLE_BITS + CORE_BITS
         if preamble & 2:
-            part_ii = _contents(reader, MAX_PART_II, PART_II_ID.width_bits)
+            part_ii = PART_II.read(reader)
         if preamble & 1:
-            regional = _contents(reader, MAX_REGIONAL, REGION_ID.width_bits)
+            regional = REGIONAL.read(reader)
         if preamble & 4:
             additions = reader.additions()
         reader.finish()
@@ -305,22 +270,12 @@ def decode_bsm(data: bytes) -> BasicSafetyMessage:
     )
 
 
-def _contents(reader: BitReader, most: int, identifier_bits: int) -> tuple[Content, ...]:
-    """Entries of Part II or regional extensions."""
-    count = reader.bits((most - 1).bit_length()) + 1
-    return tuple([(reader.bits(identifier_bits), reader.open_type()) for _ in range(count)])
-
-
 def _core_fault(data: bytes, start: int, stop: int) -> CodecError:
     """Error that tells the first fault of a Part I that is known to have one."""
     reader = BitReader(data, start, stop)
     try:
         reader.bits(PREAMBLE_BITS)
-        for field in CORE_FIELDS:
-            begin = reader.position
-            code = reader.bits(field.width_bits) + field.low
-            if code > field.high:
-                return CodecError(f"{field.standard_name} {code} is beyond {field.high}", begin)
+        _TABLE.read(reader)
     except CodecError as fault:
         return fault
     return CodecError("Part I is cut short", reader.position)

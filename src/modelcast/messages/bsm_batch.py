@@ -8,50 +8,33 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.messages import bsm_kernels
 from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_FIELDS, CORE_OCTETS
-from modelcast.messages.fields import Field
+from modelcast.messages.field_columns import FieldColumns, OctetArray, check_frames
 
 __all__ = [
     "CORE_FRAME_OCTETS",
     "CORE_LAYOUT",
     "CORE_MEANING",
     "CoreBatch",
-    "OctetArray",
     "codes_of_values",
     "decode_cores",
     "encode_cores",
-    "field_meaning",
     "values_of_codes",
 ]
 
-OctetArray = npt.NDArray[np.uint8]
-
+_COLUMNS: Final = FieldColumns(CORE_FIELDS)
 _HEADER: Final = np.array([BASIC_SAFETY_MESSAGE >> 8, BASIC_SAFETY_MESSAGE & 0xFF, CORE_OCTETS], np.uint8)
 CORE_FRAME_OCTETS: Final = _HEADER.size + CORE_OCTETS
 """Octets of a frame that holds Part I alone: 40."""
 
-CORE_LAYOUT: Final = np.array([(f.low, f.high - f.low, f.width_bits) for f in CORE_FIELDS], np.int64)
-"""How Part I lies on the wire, as `bsm_kernels` takes it, (25, 3)."""
+CORE_LAYOUT: Final = _COLUMNS.layout
+"""How Part I lies on the wire, as `field_kernels` takes it, (25, 3)."""
 
-
-def field_meaning(field: Field) -> tuple[float, ...]:
-    """What the codes of a field stand for, as `bsm_kernels` takes it.
-
-    Parameters
-    ----------
-    field
-        Of a message.
-    """
-    unavailable = np.nan if field.unavailable is None else float(field.unavailable)
-    return (*field.known_codes, unavailable, *field.step, field.si_per_unit, float(field.outside))
-
-
-CORE_MEANING: Final = np.array([field_meaning(field) for field in CORE_FIELDS], np.float64)
-"""What the codes of Part I stand for, as `bsm_kernels` takes it, (25, 7)."""
+CORE_MEANING: Final = _COLUMNS.meaning
+"""What the codes of Part I stand for, as `field_kernels` takes it, (25, 7)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,15 +71,7 @@ def codes_of_values(values: FloatArray) -> IntArray:
     ValueError
         Where the shape is wrong, or a value has no code.
     """
-    _check_columns(values)
-    codes = np.empty(values.shape, np.int64)
-    row, at = bsm_kernels.codes_of(np.ascontiguousarray(values, np.float64), CORE_MEANING, codes)
-    if row >= 0:
-        try:
-            CORE_FIELDS[at].code_of(float(values[row, at]))
-        except ValueError as error:
-            raise ValueError(f"row {row}: {error}") from None
-    return codes
+    return _COLUMNS.codes_of(values)
 
 
 def values_of_codes(codes: IntArray) -> FloatArray:
@@ -112,10 +87,7 @@ def values_of_codes(codes: IntArray) -> FloatArray:
     ValueError
         Where the shape is wrong.
     """
-    _check_columns(codes)
-    values = np.empty(codes.shape, np.float64)
-    bsm_kernels.values_of(np.ascontiguousarray(codes, np.int64), CORE_MEANING, values)
-    return values
+    return _COLUMNS.values_of(codes)
 
 
 def encode_cores(codes: IntArray) -> tuple[OctetArray, IntArray]:
@@ -139,17 +111,13 @@ def encode_cores(codes: IntArray) -> tuple[OctetArray, IntArray]:
     >>> frames[0, :8].tobytes().hex(), lengths.tolist()
     ('00142501c0000000', [40])
     """
-    _check_columns(codes)
+    _COLUMNS.check(codes)
     frames = np.empty((codes.shape[0], CORE_FRAME_OCTETS), np.uint8)
     whole = np.ascontiguousarray(codes, np.int64)
     row = bsm_kernels.pack(whole, CORE_LAYOUT, _HEADER, frames)
-    if row >= 0:
-        field, code = next(
-            (field, int(code))
-            for field, code in zip(CORE_FIELDS, whole[row], strict=True)
-            if not field.low <= code <= field.high
-        )
-        raise ValueError(f"row {row}: {field.name}: code {code} must lie within {field.low}..{field.high}")
+    refusal = None if row < 0 else _COLUMNS.refusal(whole, row)
+    if refusal is not None:
+        raise refusal
     return frames, np.full(len(frames), CORE_FRAME_OCTETS, np.int64)
 
 
@@ -168,12 +136,7 @@ def decode_cores(frames: OctetArray, lengths: IntArray) -> CoreBatch:
     ValueError
         Where the shapes do not fit, or a length is beyond its row.
     """
-    if frames.ndim != 2 or lengths.shape != frames.shape[:1]:
-        raise ValueError(f"frames (B, L) and lengths (B,) do not fit: {frames.shape}, {lengths.shape}")
-    if lengths.size and not 0 <= lengths.min() <= lengths.max() <= frames.shape[1]:
-        raise ValueError(
-            f"lengths must lie within 0..{frames.shape[1]}, got {lengths.min()}..{lengths.max()}"
-        )
+    check_frames(frames, lengths)
     rows = len(frames)
     found = CoreBatch(
         np.zeros((rows, len(CORE_FIELDS)), np.int64), np.empty(rows, np.int64), np.empty(rows, np.bool_)
@@ -188,8 +151,3 @@ def decode_cores(frames: OctetArray, lengths: IntArray) -> CoreBatch:
         found.more,
     )
     return found
-
-
-def _check_columns(table: FloatArray | IntArray) -> None:
-    if table.ndim != 2 or table.shape[1] != len(CORE_FIELDS):
-        raise ValueError(f"one column a field is needed, (B, {len(CORE_FIELDS)}), got {table.shape}")

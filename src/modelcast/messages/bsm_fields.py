@@ -9,6 +9,7 @@ unavailable. The yaw rate has no code for unavailable.
 """
 
 import math
+from dataclasses import replace
 
 from modelcast.messages.fields import Field, Outside
 
@@ -27,6 +28,7 @@ __all__ = [
     "PREAMBLE_BITS",
     "REGION_ID",
     "STANDARD_GRAVITY_MPS2",
+    "core_field",
 ]
 
 STANDARD_GRAVITY_MPS2 = 9.80665
@@ -152,6 +154,21 @@ CORE_FIELDS: tuple[Field, ...] = (
 
 CORE_INDEX: dict[str, int] = {field.name: index for index, field in enumerate(CORE_FIELDS)}
 """Place of a field in Part I, by our name."""
+
+
+def core_field(name: str, standard_name: str = "") -> Field:
+    """A row of a basic safety message.
+
+    Parameters
+    ----------
+    name
+        Our name.
+    standard_name
+        Name in the standard where it stands now; empty for the same.
+    """
+    field = CORE_FIELDS[CORE_INDEX[name]]
+    return replace(field, standard_name=standard_name) if standard_name else field
+
 
 CORE_BITS = sum(field.width_bits for field in CORE_FIELDS)
 """Bits of Part I: 290."""

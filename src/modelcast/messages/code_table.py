@@ -100,7 +100,7 @@ class CodeTable:
 
 
 def coefficient_meaning(field: PayloadField) -> tuple[float, ...]:
-    """What the codes of a coefficient stand for, as `bsm_kernels` takes it.
+    """What the codes of a coefficient stand for, as `field_kernels` takes it.
 
     Parameters
     ----------

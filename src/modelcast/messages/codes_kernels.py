@@ -1,9 +1,9 @@
 """Compiled codes: what a sub-model's parameters become on the wire, and what a receiver makes of the codes.
 
 One description serves sender, receiver and simulation. A table has one row a parameter: the columns of
-`bsm_kernels` that say what a code stands for, then where the code stands (`modelcast.messages.code_table`). A
-velocity is carried as speed and heading. Its two rows are those of the two fields, and its two codes are
-theirs; a speed of code 0 has no direction, and its heading is 0.
+`field_kernels` that say what a code stands for, then where the code stands
+(`modelcast.messages.code_table`). A velocity is carried as speed and heading. Its two rows are those of the
+two fields, and its two codes are theirs; a speed of code 0 has no direction, and its heading is 0.
 
 Sums are never regrouped, so that a value has the same bits wherever it is computed.
 """
@@ -14,7 +14,7 @@ import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntMatrix, IntVector
-from modelcast.messages.bsm_kernels import FIRST, LAST, code_of, value_of
+from modelcast.messages.field_kernels import FIRST, LAST, code_of, value_of
 
 __all__ = [
     "BITS",
@@ -36,7 +36,7 @@ __all__ = [
 ]
 
 PLACE, BITS, COLUMNS = 7, 8, 9
-"""Columns behind those of `bsm_kernels`: the field's place in Part I, or `IN_EXTENSION`; its bits there."""
+"""Columns behind those of `field_kernels`: the field's place in Part I, or `IN_EXTENSION`; its bits there."""
 
 IN_EXTENSION = -1
 SPEED_PLACE, HEADING_PLACE = 10, 11

@@ -8,12 +8,13 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import CodecError
-from modelcast.messages import bsm_kernels
+from modelcast.messages import field_kernels
 from modelcast.messages.bsm import BsmCore, encode_bsm
-from modelcast.messages.bsm_batch import CORE_MEANING, codes_of_values, field_meaning
+from modelcast.messages.bsm_batch import CORE_MEANING, codes_of_values
 from modelcast.messages.bsm_fields import CORE_BITS, CORE_FIELDS, LOCAL_REGION, PREAMBLE_BITS
 from modelcast.messages.code_table import coefficient_meaning
 from modelcast.messages.codec import AbstractCodec
+from modelcast.messages.field_columns import field_meaning
 from modelcast.messages.frame import read_header
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import (
@@ -111,7 +112,7 @@ class UpdateCodec(AbstractCodec[UpdateMessage]):
             owner[_CORE + 1 :] = np.repeat(range(len(layouts)), [len(layout.fields) for layout in layouts])
         held = np.array(parameters, np.float64, order="C")
         meaning = np.array([*CORE_MEANING, field_meaning(SUB_MODEL), *own])
-        row, at = bsm_kernels.quantise(held, meaning, owner, in_use)
+        row, at = field_kernels.quantise(held, meaning, owner, in_use)
         if row >= 0:
             if at > _CORE:
                 raise ValueError(f"row {row}: every coefficient carried must be a number: none means unknown")
@@ -181,7 +182,7 @@ class IdentificationCodec(AbstractCodec[IdentificationMessage]):
         """Values that a receiver holds, (B, 4)."""
         self._check(parameters)
         held = np.array(parameters, np.float64, order="C")
-        row, at = bsm_kernels.quantise(
+        row, at = field_kernels.quantise(
             held, _IDENTIFICATION_MEANING, np.full(len(_IDENTIFICATION), -1), np.zeros(len(held), np.int64)
         )
         if row >= 0:

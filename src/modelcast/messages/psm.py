@@ -1,77 +1,94 @@
 """The personal safety message of SAE J2735, one at a time: octets to values and back.
 
-What every message holds, accelerations and the predicted path are understood field by field (`psm_fields`).
-Regional extensions and extension additions are kept as octets, as in a basic safety message. All else is
-refused by name.
+What every message holds and all its optional parts are understood field by field (`psm_fields`). Regional
+extensions and extension additions are kept as octets, as in a basic safety message. Refused by name are
+extensions of ``position``, and what a later edition may put into a part: packed encoding rules cannot step
+over what they do not know.
+
+For many messages at once see `psm_batch`.
 """
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
-from operator import index, le
-from typing import Final
+from typing import Final, NamedTuple, cast
 
 from modelcast.core.exceptions import CodecError
 from modelcast.messages.bits import BitReader, BitWriter
-from modelcast.messages.bsm import Content
-from modelcast.messages.bsm_fields import MAX_REGIONAL, REGION_ID
-from modelcast.messages.fields import Field
-from modelcast.messages.frame import check_additions, check_octets, encode_frame, read_header, read_tail
+from modelcast.messages.contents import REGIONAL, Content
+from modelcast.messages.field_table import FieldTable
+from modelcast.messages.frame import check_additions, encode_frame, read_header, read_tail
 from modelcast.messages.psm_fields import (
-    ACCELERATION_FIELDS,
     OPTION_NAMES,
-    PATH_PREDICTION_FIELDS,
+    PART_SHAPES,
     PERSON_FIELDS,
     PERSON_INDEX,
     PERSONAL_SAFETY_MESSAGE,
-    READ_OPTIONS,
 )
+from modelcast.messages.shapes import Value
 
 __all__ = ["PersonalSafetyMessage", "decode_psm", "encode_psm", "person_codes"]
 
+_TABLE: Final = FieldTable(PERSON_FIELDS)
 _OPTIONS: Final = len(OPTION_NAMES)
-_BIT: Final = {name: 1 << _OPTIONS - 1 - place for place, name in enumerate(OPTION_NAMES)}
 _EXTENDED: Final = 1 << _OPTIONS
-_READ: Final = _EXTENDED | sum(_BIT[name] for name in READ_OPTIONS)
+_REGIONAL: Final = 1
+_BITS: Final = {shape.name: 1 << _OPTIONS - 1 - place for place, shape in enumerate(PART_SHAPES)}
+_SHAPES: Final = {shape.name: shape for shape in PART_SHAPES}
+_OWN: Final = ("acceleration", "path_prediction")
+"""Parts that have a name of their own in a message; the others stand in its ``parts``."""
+
 _ELEVATION: Final = PERSON_INDEX["elevation_m"]
 _LATITUDE: Final = PERSON_INDEX["latitude_deg"]
+_NO_ELEVATION: Final = PERSON_FIELDS[_ELEVATION].unavailable
 _PREAMBLE_BITS: Final = 1 + _OPTIONS
-_POSITION_BITS: Final = 3
-"""Extension bit, elevation present, regional extensions of the position present."""
 _TYPE_BITS: Final = 1
 """Extension bit of the type of person."""
-_HEAD_BITS: Final = (
-    _PREAMBLE_BITS + _TYPE_BITS + sum(f.width_bits for f in PERSON_FIELDS[:_LATITUDE]) + _POSITION_BITS
-)
+_POSITION_BITS: Final = 3
+"""Extension bit, elevation present, regional extensions of the position present."""
 _WITH_ELEVATION: Final = 2
 
+_WINDOW_BITS: Final = 224
+"""Bits of a message without optional parts, its elevation and the padding included."""
+_PREAMBLE_AT: Final = _WINDOW_BITS - _PREAMBLE_BITS
+_TYPE_AT: Final = _PREAMBLE_AT - _TYPE_BITS
+_POSITION_AT: Final = _TYPE_AT - sum(field.width_bits for field in PERSON_FIELDS[:_LATITUDE]) - _POSITION_BITS
 
-def _rest_bits(first: int, *, elevation: bool) -> int:
-    """Bits of the fields from one on."""
-    return sum(
-        field.width_bits
-        for place, field in enumerate(PERSON_FIELDS)
-        if place >= first and (elevation or place != _ELEVATION)
-    )
+_CLOSED: Final = 1 << _TYPE_AT | (5 << _POSITION_AT)
+"""What must be zero: extensions of the type of person, extensions and regional extensions of the position."""
+
+_HEAD: Final = FieldTable(PERSON_FIELDS[:_LATITUDE])
+_TAIL: Final = FieldTable(PERSON_FIELDS[_LATITUDE:])
+_SHORT_TAIL: Final = FieldTable(PERSON_FIELDS[_LATITUDE:_ELEVATION] + PERSON_FIELDS[_ELEVATION + 1 :])
 
 
-def _places(*, elevation: bool) -> tuple[tuple[int, int, int], ...]:
-    """Shift, mask and low of every field; nothing is taken for an elevation that is left out."""
+class _Layout(NamedTuple):
+    """Where everything lies in the first bits of a message, with or without its elevation."""
+
+    take: tuple[tuple[int, int, int], ...]
+    """Shift within `_WINDOW_BITS`, mask and low of every field; the mask is 0 for what is left out."""
+    put: tuple[tuple[int, int], ...]
+    """Low and shift of the fields that are there."""
+    flags: int
+    """Bits of the position's preamble, in their place."""
+    end_at: int
+    """Bits of the window behind the fields."""
+    octets: int
+    """What a message takes that has no optional part."""
+
+
+def _layout(*, elevation: bool) -> _Layout:
     rows: list[tuple[int, int, int]] = []
+    shift = _TYPE_AT
     for place, field in enumerate(PERSON_FIELDS):
-        shift = _rest_bits(place + 1, elevation=elevation) + (_POSITION_BITS if place < _LATITUDE else 0)
-        mask = 0 if place == _ELEVATION and not elevation else (1 << field.width_bits) - 1
-        rows.append((shift, mask, field.low))
-    return tuple(rows)
+        width = 0 if place == _ELEVATION and not elevation else field.width_bits
+        shift -= width + (_POSITION_BITS if place == _LATITUDE else 0)
+        rows.append((shift, (1 << width) - 1, field.low))
+    flags = (_WITH_ELEVATION if elevation else 0) << _POSITION_AT
+    put = tuple((low, shift) for shift, mask, low in rows if mask)
+    return _Layout(tuple(rows), put, flags, shift, (_WINDOW_BITS - shift + 7) // 8)
 
 
-_LAYOUTS: Final = {
-    elevation: (_places(elevation=elevation), _rest_bits(_LATITUDE, elevation=elevation))
-    for elevation in (True, False)
-}
-_LOWS: Final = tuple(field.low for field in PERSON_FIELDS)
-_HIGHS: Final = tuple(field.high for field in PERSON_FIELDS)
-_PLAIN: Final = {int}
-_NO_ELEVATION: Final = PERSON_FIELDS[_ELEVATION].unavailable
+_LAYOUTS: Final = {elevation: _layout(elevation=elevation) for elevation in (True, False)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +105,9 @@ class PersonalSafetyMessage:
         Codes of `ACCELERATION_FIELDS`; empty where absent.
     path_prediction
         Codes of `PATH_PREDICTION_FIELDS`; empty where absent.
+    parts
+        Our name and value of every other optional part that is there, in the order of `PART_SHAPES`; what a
+        value is, `shapes` says.
     regional
         Region id (0 to 255) and octets of up to four extensions; empty where there are none.
     additions
@@ -98,7 +118,14 @@ class PersonalSafetyMessage:
     Raises
     ------
     ValueError
-        Where a count, a code, an id or a length is out of its range.
+        Where a count, a code, a part, an id or a length is out of its range.
+
+    Examples
+    --------
+    >>> codes = person_codes({"basic_type": 1, "message_count": 7, "temporary_id": 1})
+    >>> message = PersonalSafetyMessage(codes, parts=(("cross_state", 1), ("cluster_radius_m", 3)))
+    >>> message.part("cross_state"), message.part("sizing"), len(encode_psm(message))
+    (1, None, 32)
     """
 
     codes: tuple[int, ...]
@@ -106,33 +133,28 @@ class PersonalSafetyMessage:
     has_elevation: bool = True
     acceleration: tuple[int, ...] = ()
     path_prediction: tuple[int, ...] = ()
+    parts: tuple[tuple[str, Value], ...] = ()
     regional: tuple[Content, ...] = ()
     additions: tuple[bytes | None, ...] = ()
     frame_additions: tuple[bytes | None, ...] = ()
 
     def __post_init__(self) -> None:
-        codes = self.codes
-        if not (
-            len(codes) == len(PERSON_FIELDS)
-            and set(map(type, codes)) == _PLAIN
-            and all(map(le, _LOWS, codes))
-            and all(map(le, codes, _HIGHS))
-        ):  # NumPy's integers have no room for a message
-            object.__setattr__(self, "codes", _checked("codes", PERSON_FIELDS, codes))
-        if not self.has_elevation and self.codes[_ELEVATION] != _NO_ELEVATION:
-            got = self.codes[_ELEVATION]
+        codes = _TABLE.checked("codes", self.codes)
+        if codes is not self.codes:
+            object.__setattr__(self, "codes", codes)
+        if not self.has_elevation and codes[_ELEVATION] != _NO_ELEVATION:
+            got = codes[_ELEVATION]
             raise ValueError(f"elevation_m: code must be {_NO_ELEVATION} where it is left out, got {got}")
-        for name, fields in _GROUPS:
-            given = getattr(self, name)
-            if given:
-                object.__setattr__(self, name, _checked(name, fields, given))
-        if len(self.regional) > MAX_REGIONAL:
-            raise ValueError(f"regional must have {MAX_REGIONAL} entries at most, got {len(self.regional)}")
-        for number, octets in self.regional:
-            REGION_ID.checked(number)
-            check_octets("each of regional", octets)
-        check_additions("additions", self.additions)
-        check_additions("frame_additions", self.frame_additions)
+        if self.acceleration or self.path_prediction or self.parts:
+            for name in _OWN:
+                given = getattr(self, name)
+                if given:
+                    object.__setattr__(self, name, _SHAPES[name].checked(given))
+            object.__setattr__(self, "parts", _checked_parts(self.parts))
+        if self.regional or self.additions or self.frame_additions:
+            REGIONAL.check(self.regional)
+            check_additions("additions", self.additions)
+            check_additions("frame_additions", self.frame_additions)
 
     def value(self, name: str) -> float | None:
         """Value of a field of `PERSON_FIELDS` in SI units, None where unavailable or reserved.
@@ -147,18 +169,37 @@ class PersonalSafetyMessage:
         KeyError
             Where there is no such field.
         """
-        place = PERSON_INDEX[name]
-        return PERSON_FIELDS[place].value_of(self.codes[place])
+        return _TABLE.value_of(self.codes, name)
+
+    def part(self, name: str) -> Value | None:
+        """Value of an optional part, None where it is absent.
+
+        Parameters
+        ----------
+        name
+            Our name of one of `PART_SHAPES`.
+
+        Raises
+        ------
+        KeyError
+            Where there is no such part.
+        """
+        if name in _OWN:
+            return getattr(self, name) or None
+        if name not in _SHAPES:
+            raise KeyError(name)
+        return dict(self.parts).get(name)
 
 
-_GROUPS: Final = (("acceleration", ACCELERATION_FIELDS), ("path_prediction", PATH_PREDICTION_FIELDS))
-
-
-def _checked(name: str, fields: tuple[Field, ...], codes: tuple[int, ...]) -> tuple[int, ...]:
-    """Codes as Python's integers, each in its range."""
-    if len(codes) != len(fields):
-        raise ValueError(f"{name} must be {len(fields)}, got {len(codes)}")
-    return tuple([field.checked(code) for field, code in zip(fields, codes, strict=True)])
+def _checked_parts(parts: tuple[tuple[str, Value], ...]) -> tuple[tuple[str, Value], ...]:
+    """Parts with Python's own integers, each known and in its order."""
+    names = [name for name, _ in parts]
+    known = [name for name in _SHAPES if name not in _OWN]
+    if [name for name in known if name in names] != names:
+        raise ValueError(
+            f"parts must be some of {', '.join(known)}, each once and in this order, got {names}"
+        )
+    return tuple((name, _SHAPES[name].checked(value)) for name, value in parts)
 
 
 def person_codes(values: Mapping[str, float | None]) -> tuple[int, ...]:
@@ -181,10 +222,7 @@ def person_codes(values: Mapping[str, float | None]) -> tuple[int, ...]:
     >>> PersonalSafetyMessage(codes).value("speed_mps")
     1.4
     """
-    unknown = values.keys() - PERSON_INDEX.keys()
-    if unknown:
-        raise ValueError(f"no field is called {sorted(unknown)}; the fields are {list(PERSON_INDEX)}")
-    return tuple(field.code_of(values.get(field.name)) for field in PERSON_FIELDS)
+    return _TABLE.codes_of(values)
 
 
 def encode_psm(message: PersonalSafetyMessage) -> bytes:
@@ -205,38 +243,40 @@ def encode_psm(message: PersonalSafetyMessage) -> bytes:
     >>> len(encode_psm(PersonalSafetyMessage(person_codes({"message_count": 7, "temporary_id": 1}))))
     31
     """
-    places, rest_bits = _LAYOUTS[message.has_elevation]
-    preamble = (
-        (_EXTENDED if message.additions else 0)
-        | (_BIT["accelSet"] if message.acceleration else 0)
-        | (_BIT["pathPrediction"] if message.path_prediction else 0)
-        | (_BIT["regional"] if message.regional else 0)
+    layout = _LAYOUTS[message.has_elevation]
+    codes = message.codes
+    if not message.has_elevation:
+        codes = codes[:_ELEVATION] + codes[_ELEVATION + 1 :]
+    whole = layout.flags + sum(
+        [code - low << shift for code, (low, shift) in zip(codes, layout.put, strict=True)]
     )
-    whole = preamble << _HEAD_BITS - _PREAMBLE_BITS + rest_bits
-    whole |= (_WITH_ELEVATION if message.has_elevation else 0) << rest_bits
-    whole += sum(
-        [code - low << shift for code, (shift, mask, low) in zip(message.codes, places, strict=True) if mask]
-    )
-    width = _HEAD_BITS + rest_bits
-    if not (preamble or message.frame_additions):
-        size = (width + 7) // 8
-        frame = (PERSONAL_SAFETY_MESSAGE << 8 | size) << 8 * size | whole << 8 * size - width
+    parts = _present(message)
+    if not (parts or message.regional or message.additions or message.frame_additions):
+        size = layout.octets
+        frame = (PERSONAL_SAFETY_MESSAGE << 8 | size) << 8 * size | whole >> _WINDOW_BITS - 8 * size
         return frame.to_bytes(3 + size, "big")
+    preamble = _EXTENDED * bool(message.additions) + _REGIONAL * bool(message.regional)
+    preamble += sum(_BITS[name] for name in parts)
     writer = BitWriter()
-    writer.bits(whole, width)
-    if message.acceleration:
-        _write(writer, ACCELERATION_FIELDS, message.acceleration)
-    if message.path_prediction:
-        writer.bits(0, 1)
-        _write(writer, PATH_PREDICTION_FIELDS, message.path_prediction)
+    writer.bits((whole | preamble << _PREAMBLE_AT) >> layout.end_at, _WINDOW_BITS - layout.end_at)
+    for shape in PART_SHAPES:
+        if shape.name in parts:
+            shape.write(writer, parts[shape.name])
     if message.regional:
-        writer.bits(len(message.regional) - 1, (MAX_REGIONAL - 1).bit_length())
-        for number, octets in message.regional:
-            writer.bits(index(number), REGION_ID.width_bits)
-            writer.open_type(octets)
+        REGIONAL.write(writer, message.regional)
     if message.additions:
         writer.additions(message.additions)
     return encode_frame(PERSONAL_SAFETY_MESSAGE, writer.octets(), message.frame_additions)
+
+
+def _present(message: PersonalSafetyMessage) -> dict[str, Value]:
+    """Optional parts by name."""
+    found: dict[str, Value] = dict(message.parts) if message.parts else {}
+    if message.acceleration:
+        found["acceleration"] = message.acceleration
+    if message.path_prediction:
+        found["path_prediction"] = message.path_prediction
+    return found
 
 
 def decode_psm(data: bytes) -> PersonalSafetyMessage:
@@ -250,7 +290,8 @@ def decode_psm(data: bytes) -> PersonalSafetyMessage:
     Raises
     ------
     CodecError
-        Where they are not such a message, or it holds a part that is not read; the error names the part.
+        Where they are not such a message, or a later edition is needed to read it; the first fault in the
+        order of the wire.
 
     Examples
     --------
@@ -259,61 +300,54 @@ def decode_psm(data: bytes) -> PersonalSafetyMessage:
     True
     """
     header = read_header(data, PERSONAL_SAFETY_MESSAGE)
-    reader = BitReader(data, header.start, header.stop)
-    begin = reader.position
-    head = reader.bits(_HEAD_BITS)
-    preamble = head >> _HEAD_BITS - _PREAMBLE_BITS
-    if preamble & ~_READ:
-        unread = [name for name in OPTION_NAMES if preamble & _BIT[name] and name not in READ_OPTIONS]
-        raise CodecError(f"parts that are not read: {', '.join(unread)}", begin)
-    if head >> _HEAD_BITS - _PREAMBLE_BITS - _TYPE_BITS & 1:
-        raise CodecError("basicType of a later edition", begin + _PREAMBLE_BITS)
-    position = head & (1 << _POSITION_BITS) - 1
-    if position & ~_WITH_ELEVATION:
-        raise CodecError("extensions of position are not read", reader.position - _POSITION_BITS)
-    has_elevation = bool(position)
-    places, rest_bits = _LAYOUTS[has_elevation]
-    whole = head << rest_bits | reader.bits(rest_bits)
-    codes = tuple([(whole >> shift & mask) + low for shift, mask, low in places])
-    if not all(map(le, codes, _HIGHS)):
-        _refuse_beyond(PERSON_FIELDS, codes, begin)
-    acceleration = path_prediction = ()
-    if preamble & _BIT["accelSet"]:
-        acceleration = _read(reader, ACCELERATION_FIELDS)
-    if preamble & _BIT["pathPrediction"]:
-        if reader.bits(1):
-            raise CodecError("extensions of pathPrediction are not read", reader.position - 1)
-        path_prediction = _read(reader, PATH_PREDICTION_FIELDS)
-    regional: tuple[Content, ...] = ()
-    if preamble & _BIT["regional"]:
-        count = reader.bits((MAX_REGIONAL - 1).bit_length()) + 1
-        regional = tuple([(reader.bits(REGION_ID.width_bits), reader.open_type()) for _ in range(count)])
+    start, stop = header.start, header.stop
+    window = data[start : min(stop, start + _WINDOW_BITS // 8)]
+    whole = int.from_bytes(window, "big") << _WINDOW_BITS - 8 * len(window)
+    has_elevation = bool(whole >> _POSITION_AT & _WITH_ELEVATION)
+    layout = _LAYOUTS[has_elevation]
+    codes = tuple([(whole >> shift & mask) + low for shift, mask, low in layout.take])
+    if stop - start < layout.octets or whole & _CLOSED or not _TABLE.holds(codes):
+        raise _fault(data, start, stop)
+    preamble = whole >> _PREAMBLE_AT
+    if not preamble and stop - start == layout.octets and not whole & (1 << layout.end_at) - 1:
+        additions = read_tail(data, header)
+        return PersonalSafetyMessage(codes, has_elevation=has_elevation, frame_additions=additions)
+    reader = BitReader(data, start, stop)
+    reader.position += _WINDOW_BITS - layout.end_at
+    parts = {shape.name: shape.read(reader) for shape in PART_SHAPES if preamble & _BITS[shape.name]}
+    own = {name: parts.pop(name) for name in _OWN if name in parts}
+    regional = REGIONAL.read(reader) if preamble & _REGIONAL else ()
     additions = reader.additions() if preamble & _EXTENDED else ()
     reader.finish()
     return PersonalSafetyMessage(
         codes,
         has_elevation=has_elevation,
-        acceleration=acceleration,
-        path_prediction=path_prediction,
+        acceleration=cast("tuple[int, ...]", own.get("acceleration", ())),
+        path_prediction=cast("tuple[int, ...]", own.get("path_prediction", ())),
+        parts=tuple(parts.items()),
         regional=regional,
         additions=additions,
         frame_additions=read_tail(data, header),
     )
 
 
-def _write(writer: BitWriter, fields: tuple[Field, ...], codes: tuple[int, ...]) -> None:
-    for field, code in zip(fields, codes, strict=True):
-        writer.bits(code - field.low, field.width_bits)
+def _fault(data: bytes, start: int, stop: int) -> CodecError:
+    """Error that tells the first fault of the fields that every message holds, known to have one."""
+    reader = BitReader(data, start, stop)
+    try:
+        reader.bits(_PREAMBLE_BITS)
+        _refuse(reader, "basicType of a later edition")
+        _HEAD.read(reader)
+        _refuse(reader, "extensions of position are not read")
+        has_elevation = reader.bits(1)
+        _refuse(reader, "regional extensions of position are not read")
+        (_TAIL if has_elevation else _SHORT_TAIL).read(reader)
+    except CodecError as fault:
+        return fault
+    return CodecError("the message is cut short", reader.position)
 
 
-def _read(reader: BitReader, fields: tuple[Field, ...]) -> tuple[int, ...]:
+def _refuse(reader: BitReader, reason: str) -> None:
     begin = reader.position
-    codes = tuple([reader.bits(field.width_bits) + field.low for field in fields])
-    _refuse_beyond(fields, codes, begin)
-    return codes
-
-
-def _refuse_beyond(fields: tuple[Field, ...], codes: tuple[int, ...], bit: int) -> None:
-    for field, code in zip(fields, codes, strict=True):
-        if code > field.high:
-            raise CodecError(f"{field.standard_name} {code} is beyond {field.high}", bit)
+    if reader.bits(1):
+        raise CodecError(reason, begin)

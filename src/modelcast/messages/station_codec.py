@@ -15,10 +15,11 @@ from modelcast.core.arrays import FloatArray, IntArray, owned
 from modelcast.core.exceptions import CodecError
 from modelcast.messages import codes_kernels, update_kernels
 from modelcast.messages.bsm import BsmCore
-from modelcast.messages.bsm_batch import CORE_LAYOUT, CORE_MEANING, OctetArray, codes_of_values
+from modelcast.messages.bsm_batch import CORE_LAYOUT, CORE_MEANING, codes_of_values
 from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_FIELDS, CORE_INDEX, LOCAL_REGION
-from modelcast.messages.bsm_kernels import FIRST, LAST
 from modelcast.messages.code_table import CodeTable, code_table
+from modelcast.messages.field_columns import OctetArray
+from modelcast.messages.field_kernels import FIRST, LAST
 from modelcast.messages.fields import as_float
 from modelcast.messages.mbc_codec import IDENTIFICATION_OCTETS
 from modelcast.messages.mbc_profile import WireProfile, carries_all, plain_members

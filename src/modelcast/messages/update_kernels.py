@@ -16,8 +16,8 @@ from modelcast.core.kernel_types import (
     UInt8Vector,
 )
 from modelcast.messages.bsm_fields import PREAMBLE_BITS
-from modelcast.messages.bsm_kernels import FIRST, WIDTH, read_core, write_core
 from modelcast.messages.codes_kernels import BITS
+from modelcast.messages.field_kernels import FIRST, WIDTH, read_fields, write_fields
 
 __all__ = ["ELSE", "MODEL", "PLAIN", "UpdateWire", "pack_updates", "unpack_updates"]
 
@@ -39,7 +39,7 @@ class UpdateWire(NamedTuple):
     table, offsets, wire, wire_offsets
         As in `modelcast.messages.code_table.CodeTable`.
     layout
-        Of Part I, as `bsm_kernels` takes it.
+        Of Part I, as `field_kernels` takes it.
     plain
         Sub-models with which a message is a plain one, (M,).
     carries_all
@@ -126,7 +126,7 @@ def _pack_update(w: UpdateWire, in_use: int, core: IntVector, codes: IntVector, 
         bits += _COUNT_BITS + _REGION_BITS + (8 if inner < _LONG else 16) + 8 * inner
     value = (bits + 7) >> 3
     start = _put_length(out, _put(out, 0, w.message_id, _ID_BITS), value)
-    at = write_core(core, w.layout, 0 if plain else 1, out, start >> 3)
+    at = write_fields(core, w.layout, 0 if plain else 1, PREAMBLE_BITS, out, start >> 3)
     if not plain:
         at = _put(out, at, 0, _COUNT_BITS)
         at = _put(out, at, w.region, _REGION_BITS)
@@ -164,7 +164,7 @@ def _unpack_update(
     if at + PREAMBLE_BITS > stop:
         return ELSE, -1
     preamble = _take(octets, at, PREAMBLE_BITS)
-    at = read_core(octets, at + PREAMBLE_BITS, stop, w.layout, core)
+    at = read_fields(octets, at + PREAMBLE_BITS, stop, w.layout, core)
     if at < 0:
         return ELSE, -1
     found, in_use = PLAIN, -1

@@ -15,8 +15,9 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import CodecError
 from modelcast.core.geodesy import Origin, frame_constants
 from modelcast.core.geodesy_kernels import places_of
-from modelcast.messages.bsm_batch import OctetArray, values_of_codes
+from modelcast.messages.bsm_batch import values_of_codes
 from modelcast.messages.bsm_fields import CORE_INDEX
+from modelcast.messages.field_columns import OctetArray
 from modelcast.messages.mbc_update import UpdateReading
 from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identification
 from modelcast.messages.station_codec import StationCodec

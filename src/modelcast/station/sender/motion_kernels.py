@@ -12,7 +12,7 @@ import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntMatrix, IntVector
-from modelcast.messages.bsm_kernels import code_of, value_of
+from modelcast.messages.field_kernels import code_of, value_of
 from modelcast.models.point_kernels import ACCELERATION, VELOCITY_EAST, VELOCITY_NORTH, YAW_RATE
 from modelcast.station.arrays import Fits, Sensed
 from modelcast.station.sensing.rates import NO_RATES_BELOW_MPS
@@ -32,7 +32,7 @@ class PartOne(NamedTuple):
 
     ``places`` (M, MOTION) says where in a row of all parameters stand each member's velocity east and north,
     acceleration and yaw rate, -1 where it has none; ``offsets`` (M + 1,) bounds each member's. ``meaning``
-    (MOTION, 7) is what codes stand for (`modelcast.messages.bsm_kernels`); empty where nothing is rounded.
+    (MOTION, 7) is what codes stand for (`modelcast.messages.field_kernels`); empty where nothing is rounded.
     """
 
     places: IntMatrix
