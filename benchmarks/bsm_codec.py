@@ -10,7 +10,7 @@ import argparse
 import random
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,8 +24,9 @@ from modelcast.messages.asn1 import (
 from modelcast.messages.bsm import BasicSafetyMessage, BsmCore, decode_bsm, encode_bsm, encode_message
 from modelcast.messages.bsm_batch import codes_of_values, decode_cores, encode_cores, values_of_codes
 from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_FIELDS
+from modelcast.messages.fields import Field
 
-__all__ = ["main"]
+__all__ = ["BATCH", "least", "main", "opaque", "random_codes"]
 
 BATCH = 10_000
 ROUNDS = 200
@@ -34,9 +35,9 @@ LEAST_SINGLE_RATIO = 3
 PEER_MESSAGES = 25
 
 
-def random_codes(rng: np.random.Generator, count: int) -> Any:
-    """Return codes over the whole range of every field, (count, 25)."""
-    return np.stack([rng.integers(field.low, field.high + 1, count) for field in CORE_FIELDS], axis=1)
+def random_codes(rng: np.random.Generator, count: int, fields: Sequence[Field] = CORE_FIELDS) -> Any:
+    """Return codes over the whole range of every field, (count, F)."""
+    return np.stack([rng.integers(field.low, field.high + 1, count) for field in fields], axis=1)
 
 
 def opaque(rng: random.Random, ids: int, most: int) -> tuple[tuple[int, bytes], ...]:

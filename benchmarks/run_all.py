@@ -7,6 +7,7 @@ from pathlib import Path
 
 SCRIPTS = (
     "bsm_codec.py",
+    "psm_codec.py",
     "mbc_codec.py",
     "gp_fit.py",
     "gp_peers.py",

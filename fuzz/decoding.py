@@ -1,7 +1,7 @@
 """What must hold for any octets: they are a message that encodes to the same octets, or a `CodecError`.
 
-The octets go through every decoder of `modelcast.messages`: as a frame, a basic safety message (by the single
-codec and by the compiled batch), a personal one, an update, an identification, the value of a model's
+The octets go through every decoder of `modelcast.messages`: as a frame, a basic safety message and a personal
+one (by the single codec and by the compiled batch), an update, an identification, the value of a model's
 extension, a signed message and a certificate; and they are taken apart as messages one after another. What a
 signed message holds goes through the same decoders again.
 """
@@ -21,7 +21,9 @@ from modelcast.messages.mbc_wire import (
     encode_extension,
     encode_identification,
 )
-from modelcast.messages.psm import encode_psm
+from modelcast.messages.psm import decode_psm, encode_psm
+from modelcast.messages.psm_batch import decode_people
+from modelcast.messages.psm_document import person_document, person_of
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.signed import decode_signed
 from modelcast.messages.sequence import parts_of
@@ -82,6 +84,7 @@ def _check_payload(data: bytes) -> bool:
     else:
         assert encode_frame(frame.message_id, frame.value, frame.additions) == data
     _check_model(data)
+    _check_person(data)
     message = _read(data)
     part_i = decode_cores(np.frombuffer(data, np.uint8)[None], np.array([len(data)]))
     assert -1 <= part_i.fault_bits[0] <= 8 * len(data)
@@ -93,6 +96,24 @@ def _check_payload(data: bytes) -> bool:
     for _, octets in message.regional:
         _check_model(octets)
     return True
+
+
+def _check_person(data: bytes) -> None:
+    """Fail where octets are neither a personal safety message nor properly refused, singly and in batch."""
+    batch = decode_people(np.frombuffer(data, np.uint8)[None], np.array([len(data)]))
+    (fault,), (more,), (codes,) = batch.fault_bits, batch.more, batch.codes
+    assert -1 <= fault <= 8 * len(data)
+    try:
+        message = decode_psm(data)
+    except CodecError as refusal:
+        assert 0 <= refusal.offset_bits <= 8 * len(data)
+        assert more or fault == refusal.offset_bits
+        return
+    assert fault == -1
+    assert tuple(codes.tolist()) == message.codes
+    assert bool(batch.has_elevation[0]) is message.has_elevation
+    assert encode_psm(message) == data
+    assert person_of(person_document(message)) == message
 
 
 def _read(data: bytes) -> BasicSafetyMessage | None:

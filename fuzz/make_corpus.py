@@ -17,6 +17,9 @@ from modelcast.messages.mbc_wire import (
     encode_extension,
     encode_identification,
 )
+from modelcast.messages.path_history_fields import MAX_CRUMBS
+from modelcast.messages.psm import PersonalSafetyMessage, encode_psm
+from modelcast.messages.psm_fields import PERSON_FIELDS, PERSON_INDEX
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.signed import SignedMessage
 
@@ -65,6 +68,54 @@ def messages(rng: random.Random) -> dict[str, bytes]:
         "other-model": _model(rng, 6),
         "other-message": encode_frame(18, some[2]),
         "other-message-extended": encode_frame(240, some[5], (some[0],)),
+    }
+
+
+def people(rng: random.Random) -> dict[str, bytes]:
+    """Return personal safety messages of all shapes, and the same bent, by name."""
+    codes = tuple(rng.randint(f.low, f.high) for f in PERSON_FIELDS)
+    highest = tuple(f.high for f in PERSON_FIELDS)
+    elevation = PERSON_INDEX["elevation_m"]
+    unknown = (*codes[:elevation], PERSON_FIELDS[elevation].code_of(None), *codes[elevation + 1 :])
+    crumb = (1000, -1000, 0, 100, 70, (1, 2, 3), 7)
+    when = (2026, 11, 29, 9, 0, 1000, 60)
+    place = (when, -742761437, 402397377, 0, 8898, (2, 70), (1, 2, 3), 16, (9, 9), (4, 5, 3))
+    parts = (
+        ("path_history", (place, 64, (crumb, (*crumb[:4], None, None, None)))),
+        ("propulsion", (2, 3)), ("use_state", 64), ("cross_request", 1), ("cross_state", 0),
+        ("cluster_size", 2), ("cluster_radius_m", 7), ("event_responder_type", 3), ("activity_type", 16),
+        ("activity_sub_type", 32), ("assist_type", 8), ("sizing", 4), ("attachment", 2),
+        ("attachment_radius_m", 20), ("animal_type", 1),
+    )  # fmt: skip
+    whole = PersonalSafetyMessage(
+        codes,
+        acceleration=(1, 2, 3, 4),
+        path_prediction=(-300, 100),
+        parts=parts,
+        regional=((LOCAL_REGION, rng.randbytes(24)), (1, rng.randbytes(130))),
+        additions=(None, rng.randbytes(7)),
+        frame_additions=(rng.randbytes(3),),
+    )
+    long_path = ("path_history", (None, None, (crumb,) * MAX_CRUMBS))
+    good = {
+        "plain": PersonalSafetyMessage(codes),
+        "highest": PersonalSafetyMessage(highest),
+        "no-elevation": PersonalSafetyMessage(unknown, has_elevation=False),
+        "path": PersonalSafetyMessage(codes, parts=(long_path,)),
+        "all": whole,
+    }
+    octets = {name: encode_psm(message) for name, message in good.items()}
+    plain, full = octets["plain"], octets["all"]
+    bent = {
+        "cut": plain[:-1],
+        "cut-in-parts": full[:60],
+        "left-over": plain + b"\0",
+        "padding": plain[:-1] + bytes([plain[-1] | 1]),
+        "later-type": plain[:5] + bytes([plain[5] | 0x10]) + plain[6:],
+        "all-ones": plain[:3] + b"\xff" * 28,
+    }
+    return {f"other-person-{name}": one for name, one in octets.items()} | {
+        f"refused-person-{name}": one for name, one in bent.items()
     }
 
 
@@ -164,6 +215,7 @@ def main() -> None:
     for name, octets in {
         **good,
         **sealed,
+        **people(random.Random(32)),  # noqa: S311 - not for secrets
         **{f"refused-{name}": octets for name, octets in refused(good).items()},
     }.items():
         (FOLDER / name).write_bytes(octets)

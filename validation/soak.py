@@ -163,8 +163,11 @@ def slope_mb_per_h(rows: Sequence[tuple[float, float, float]]) -> float:
 class Soak:
     """A run, and what it has to say."""
 
-    def __init__(self, *, short: bool, lasts_s: float, seed: int, only: Sequence[str]) -> None:
+    def __init__(
+        self, *, short: bool, lasts_s: float, seed: int, only: Sequence[str], quiet: bool = False
+    ) -> None:
         self._short, self._lasts_s, self._seed, self._only = short, lasts_s, seed, only
+        self._nothing_happens = quiet
         self.lines: list[str] = []
         self.broken: list[str] = []
 
@@ -189,11 +192,14 @@ class Soak:
                 await loop.wait()
 
     async def _all(self, stand: Stand, quiet: Stand) -> None:
-        """Every fault that was asked for."""
+        """Every fault that was asked for, or none at all."""
         begin_s = time.time()
-        await stand.start()
         if not self._short:
             await quiet.start()
+        if self._nothing_happens:
+            await asyncio.sleep(self._lasts_s)
+            return
+        await stand.start()
         self._say(*HEAD)
         settled_s = await stand.until(lambda: _settled(stand), at_most_s=_SETTLES_S)
         if settled_s == math.inf:
@@ -246,7 +252,7 @@ class Soak:
         ]
         idle = [float(word) for word in text.split()]
         slopes = [slope_mb_per_h(rows) for rows in beside.memory.values()]
-        took_s = await stand.stop() + ([] if self._short else await quiet.stop())
+        took_s = [s for one in (stand, quiet) if one.nodes for s in await one.stop()]
         who = "nodes" if self._short else "nodes that nothing was done to"
         self._say(
             "",
@@ -280,7 +286,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--short", action="store_true", help="six of the faults, two to three minutes")
+    kind = parser.add_mutually_exclusive_group()
+    kind.add_argument("--short", action="store_true", help="six of the faults, two to three minutes")
+    kind.add_argument("--quiet", action="store_true", help="no faults: memory and lateness alone")
     parser.add_argument("--minutes", type=float, default=10.0, help="least time of the whole run")
     parser.add_argument("--only", nargs="+", default=[], help="faults whose names hold one of these words")
     parser.add_argument("--seed", type=int, default=1)
@@ -293,7 +301,9 @@ def main(arguments: list[str] | None = None) -> int:
     if sys.platform != "linux":
         print("skipped: what a process weighs is read as Linux tells it")
         return 0
-    soak = Soak(short=asked.short, lasts_s=60.0 * asked.minutes, seed=asked.seed, only=asked.only)
+    soak = Soak(
+        short=asked.short, lasts_s=60.0 * asked.minutes, seed=asked.seed, only=asked.only, quiet=asked.quiet
+    )
     with tempfile.TemporaryDirectory(prefix="soak-") as folder:
         try:
             asyncio.run(soak.run(Path(folder)))
@@ -308,8 +318,13 @@ def main(arguments: list[str] | None = None) -> int:
         told = (
             f"By `make soak` on {time.strftime('%Y-%m-%d')}, {cores} cores, mean load {load:.1f} at its end:"
         )
+        if asked.quiet:
+            told = f"{told[:-1]}, {asked.minutes:g} minutes in which nothing was done to two nodes:"
         broken = ["", "Bounds that were broken: " + "; ".join(soak.broken) + "."] if soak.broken else []
-        put({PAGE: {BLOCK: [told, "", *soak.lines, *broken]}}, check=False)
+        put(
+            {PAGE: {f"{BLOCK} quiet" if asked.quiet else BLOCK: [told, "", *soak.lines, *broken]}},
+            check=False,
+        )
     return int(bool(soak.broken))
 
 

@@ -27,7 +27,7 @@ NOMINAL_PER_S = 1000
 
 MANY_NAMES = 10_000
 _ROOM_MB = 0.1
-_FORGED, _WEEK_S = 100, 86_400
+_FORGED, _WEEK_S = 100, 7 * 86_400
 _ENDS = {"all closed after, s": 1.0, "process gone after, s": 5.0}
 """An interpreter takes a while to go after the node has closed everything, on a busy machine seconds."""
 

@@ -18,6 +18,9 @@ from modelcast.messages.mbc_codec import IdentificationCodec, UpdateCodec
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import UpdateMessage
 from modelcast.messages.mbc_wire import IdentificationMessage
+from modelcast.messages.psm import PersonalSafetyMessage, person_codes
+from modelcast.messages.psm_codec import PsmCodec
+from modelcast.messages.psm_fields import PERSON_FIELDS
 from modelcast.models.payload import PayloadField, PayloadLayout
 
 BENT = 300
@@ -60,6 +63,37 @@ def bsm_case() -> Case:
         return [np.nan if value is None else value for value in message.core.values().values()]
 
     return Case(BsmCodec(), messages, np.stack(columns, axis=1), message_of, parameters_of)
+
+
+def psm_case() -> Case:
+    rng = np.random.default_rng(32)
+    codes = np.stack([rng.integers(field.low, field.high + 1, 5) for field in PERSON_FIELDS], axis=1)
+    rows = [tuple(row) for row in codes.tolist()]
+    messages = [
+        PersonalSafetyMessage(rows[0]),
+        PersonalSafetyMessage((*rows[1][:6], -4096, *rows[1][7:]), has_elevation=False),
+        PersonalSafetyMessage(rows[2], acceleration=(1, 2, 3, 4), parts=(("cross_state", 1), ("sizing", 4))),
+        PersonalSafetyMessage(rows[3], regional=((128, b"model"),), additions=(None, b"later")),
+        PersonalSafetyMessage(
+            rows[4], parts=(("path_history", (None, 3, ((1, 2, 3, 4, None, None, 5),) * 23)),)
+        ),
+    ]
+    columns = [
+        rng.integers(*field.known_codes, 50, endpoint=True).astype(float)
+        if field.outside is Outside.REFUSE
+        else rng.uniform(1.2 * field.low * field.resolution, 1.2 * field.high * field.resolution, 50)
+        for field in PERSON_FIELDS
+    ]
+
+    def message_of(row: list[float]) -> PersonalSafetyMessage:
+        values = zip((field.name for field in PERSON_FIELDS), row, strict=True)
+        return PersonalSafetyMessage(person_codes(dict(values)))
+
+    def parameters_of(message: PersonalSafetyMessage) -> list[float]:
+        values = [message.value(field.name) for field in PERSON_FIELDS]
+        return [np.nan if value is None else value for value in values]
+
+    return Case(PsmCodec(), messages, np.stack(columns, axis=1), message_of, parameters_of)
 
 
 PROFILE = WireProfile(
@@ -120,6 +154,7 @@ def identification_case() -> Case:
 
 CODECS = {
     "bsm": bsm_case,
+    "psm": psm_case,
     "update": lambda: update_case(carries_all=False),
     "update-of-all": lambda: update_case(carries_all=True),
     "identification": identification_case,

@@ -19,6 +19,8 @@ from modelcast.messages.mbc_codec import UpdateCodec
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.messages.mbc_update import read_update
 from modelcast.messages.mbc_wire import decode_extension, decode_identification
+from modelcast.messages.psm import decode_psm, encode_psm
+from modelcast.messages.psm_batch import decode_people
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.signed import decode_signed
 from modelcast.messages.update_document import read_model
@@ -77,6 +79,8 @@ def peak_bytes(decode: Callable[[bytes], object], inputs: Sequence[bytes]) -> in
         Certificate.from_octets,
         lambda octets: decode_cores(np.frombuffer(octets, np.uint8)[None], np.array([len(octets)])),
         lambda octets: read_model(octets, ()),
+        lambda octets: encode_psm(decode_psm(octets)),
+        lambda octets: decode_people(np.frombuffer(octets, np.uint8)[None], np.array([len(octets)])),
     ],
     ids=[
         "bsm there and back",
@@ -91,6 +95,8 @@ def peak_bytes(decode: Callable[[bytes], object], inputs: Sequence[bytes]) -> in
         "certificate",
         "batch",
         "document",
+        "person there and back",
+        "people in batch",
     ],
 )
 def test_memory_stays_below_one_mebibyte_on_the_corpus(decode: Callable[[bytes], object]) -> None:
@@ -104,7 +110,7 @@ def test_memory_stays_below_one_mebibyte_on_the_corpus(decode: Callable[[bytes],
 
 def test_a_decoder_needs_no_compiler_and_no_array_library() -> None:
     """Hostile input is met by plain code: what the fuzzer instruments is what decodes."""
-    modules = "modelcast.messages.bsm, modelcast.messages.mbc_wire"
+    modules = "modelcast.messages.bsm, modelcast.messages.psm, modelcast.messages.mbc_wire"
     script = f"import sys, {modules}; print(*{{'numba', 'numpy', 'asn1tools'}} & set(sys.modules))"
     ended = subprocess.run(  # noqa: S603 - our own script
         [sys.executable, "-c", script], capture_output=True, text=True, check=True

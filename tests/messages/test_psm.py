@@ -53,7 +53,7 @@ def test_octets_are_those_of_the_compiled_module(message: PersonalSafetyMessage)
 
 @pytest.fixture(scope="module")
 def judge(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """Codec that pycrate makes of our module, compiled in a process of its own: its compiler keeps global state."""
+    """Codec that pycrate makes of our module, in a process of its own: its compiler keeps global state."""
     folder = tmp_path_factory.mktemp("pycrate")
     source, compiled = folder / "modules.asn", folder / "compiled_modules.py"
     source.write_text(module_text(), encoding="ascii")

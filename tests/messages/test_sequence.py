@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from modelcast.messages.bsm import BsmCore, encode_bsm
 from modelcast.messages.ieee1609 import encode_unsecured
 from modelcast.messages.mbc_wire import IdentificationMessage, encode_identification
+from modelcast.messages.psm import PersonalSafetyMessage, encode_psm, person_codes
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.signed import SignedMessage
 from modelcast.messages.sequence import announced_octets, begins_a_message, is_message, parts_of
@@ -18,6 +19,7 @@ def core(count: int) -> BsmCore:
 
 PLAIN = encode_bsm(core(1))
 LONG = encode_bsm(core(2), regional=((200, bytes(range(200))),))
+PERSON = encode_psm(PersonalSafetyMessage(person_codes({"message_count": 3, "temporary_id": 4})))
 CERTIFICATE = Certificate(bytes(8), 5, duration_s=60, public_key=b"\2" + bytes(32), signature=bytes(64))
 SIGNED = "a signed IEEE 1609.2 SPDU (03 81)"
 BEHIND = "what a signed SPDU has behind its payload, not read and not verified"
@@ -25,6 +27,8 @@ WHOLE = {
     "plain": PLAIN,
     "long": LONG,
     "identification": encode_identification(IdentificationMessage(1, 7, sub_model=2, age=130)),
+    "person": PERSON,
+    "person, unsecured": encode_unsecured(PERSON),
     "signed": SignedMessage(5, PLAIN, CERTIFICATE.digest, bytes(64)).octets,
     "signed with a certificate": SignedMessage(5, LONG, CERTIFICATE, bytes(64)).octets,
     "unsecured": encode_unsecured(PLAIN),

@@ -13,7 +13,7 @@ __all__ = ["decode"]
 
 
 def decode(source: Source, *, json: bool = False, profile: Path | None = None) -> int:
-    """Show the fields of encoded messages with their units: basic safety messages, models, identifications.
+    """Show the fields of encoded messages with their units: vehicles, people, models, identifications.
 
     Parameters
     ----------

@@ -82,6 +82,7 @@ def show(octets: bytes, place: str, profiles: Profiles, *, signed: bool = True) 
     from modelcast.messages.identification_document import identification_document
     from modelcast.messages.ieee1609 import is_ieee1609_data
     from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identification
+    from modelcast.messages.psm_fields import PERSONAL_SAFETY_MESSAGE
     from modelcast.messages.sequence import is_message
     from modelcast.report.model_messages import identification_table
 
@@ -92,11 +93,24 @@ def show(octets: bytes, place: str, profiles: Profiles, *, signed: bool = True) 
     name = head_name(octets)
     if name is not None:
         raise CodecError(f"{name}, and no message in it", 0)
-    if MESSAGE_ID.high & int.from_bytes(octets[:2], "big") == IDENTIFICATION_MESSAGE:
+    number = MESSAGE_ID.high & int.from_bytes(octets[:2], "big")
+    if number == IDENTIFICATION_MESSAGE:
         message = decode_identification(octets)
         title = f"{place}: sub-model identification, {len(octets)} bytes"
         return Shown([identification_table(message, title)], identification_document(message))
+    if number == PERSONAL_SAFETY_MESSAGE:
+        return _psm(octets, place)
     return _bsm(octets, place, profiles)
+
+
+def _psm(octets: bytes, place: str) -> Shown:
+    from modelcast.messages.psm import decode_psm
+    from modelcast.messages.psm_document import person_document
+    from modelcast.report.messages import person_table
+
+    message = decode_psm(octets)
+    title = f"{place}: personal safety message, {len(octets)} bytes"
+    return Shown([person_table(message, title)], person_document(message))
 
 
 def _bsm(octets: bytes, place: str, profiles: Profiles) -> Shown:
@@ -194,12 +208,16 @@ def octets_of(document: object, profiles: Profiles) -> bytes:
     from modelcast.messages.identification_document import IDENTIFICATION_KIND, identification_of
     from modelcast.messages.ieee1609 import UNSECURED_KIND, encode_unsecured
     from modelcast.messages.mbc_wire import encode_identification
+    from modelcast.messages.psm import encode_psm
+    from modelcast.messages.psm_document import PERSON_KIND, person_of
     from modelcast.messages.security.document import SIGNED_KIND, signed_of
 
     given = cast("Mapping[str, object]", document if isinstance(document, Mapping) else {})
     kind = given.get("message")
     if kind == IDENTIFICATION_KIND:
         return encode_identification(identification_of(given))
+    if kind == PERSON_KIND:
+        return encode_psm(person_of(given))
     if kind == SIGNED_KIND:
         return signed_of(given, _payload_octets(given, kind, profiles)).octets
     if kind == UNSECURED_KIND:

@@ -122,7 +122,7 @@ def _check_credentials(config: "NodeConfig") -> None:
     from modelcast.cli.terminal import complain
     from modelcast.core.exceptions import ConfigError
     from modelcast.core.kinds import PEOPLE
-    from modelcast.messages.psids import psid_of_kind
+    from modelcast.messages.belonging import psid_of_kind
     from modelcast.messages.security.time64 import since_2004_s
 
     if config.security.mode == "none":

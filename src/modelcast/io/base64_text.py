@@ -2,8 +2,9 @@
 
 A run is taken for Base64 where it is not hexadecimal digits with a slip of the pen (one letter in five at
 least is no hexadecimal digit; three in four are none in Base64) and begins as a message does, or is all that
-stands in its line, 40 letters at least. No message that is read here is hexadecimal digits in Base64: it
-begins with ``ABQ``, ``APA``, ``A4EAQ`` or ``A4A`` and one of the former.
+stands in its line, 40 letters at least. A message that is read here is no hexadecimal digits in Base64: it
+begins with ``ABQ``, ``APA``, ``A4EAQ`` or ``A4A`` and one of the former. A personal safety message begins
+with ``ACA``; it is told by one letter in five that is no digit, as in nearly all.
 """
 
 import base64

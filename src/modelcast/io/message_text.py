@@ -31,7 +31,7 @@ _RUN = re.compile(r"(?<![0-9A-Za-z_])(?:0[xX])?([0-9A-Fa-f]{16,})(?![0-9A-Za-z_]
 _SPACED_RUN = re.compile(
     r"(?<![0-9A-Za-z_])(?:0[xX])?[0-9A-Fa-f]{2}(?:[ ,:\-]{1,2}(?:0[xX])?[0-9A-Fa-f]{2}){7,}(?![0-9A-Za-z_])"
 )
-_BEGINNING = re.compile(r"0?|00|001|00f|(?:0014|00f0)[0-9a-f]{0,3}|0[23][0-9a-f]{0,20}", re.IGNORECASE)
+_BEGINNING = re.compile(r"0?|00|00[12f]|(?:0014|0020|00f0)[0-9a-f]{0,3}|0[23][0-9a-f]{0,20}", re.IGNORECASE)
 """Digits that may begin a message and are too few to tell."""
 
 _BYTES = re.compile(

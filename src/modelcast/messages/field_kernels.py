@@ -13,6 +13,7 @@ from modelcast.core.kernel_types import (
     IntVector,
     UInt8Vector,
 )
+from modelcast.messages.frame import MAX_FRAME_OCTETS
 
 __all__ = [
     "FIRST",
@@ -97,6 +98,8 @@ def read_fields(octets: UInt8Vector, at: int, end: int, layout: IntMatrix, codes
 @kernel(inlined=True)
 def open_frame(octets: UInt8Vector, length: int, message_id: int) -> tuple[int, int, int]:
     """Read what stands before a message: the bit of the first fault or -1, and the message's octets."""
+    if length > MAX_FRAME_OCTETS:
+        return 8 * MAX_FRAME_OCTETS, 0, 0
     if length < 2:
         return (0 if length < 1 else 1), 0, 0
     if ((octets[0] & 0x7F) << 8 | octets[1]) != message_id:

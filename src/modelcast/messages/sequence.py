@@ -1,7 +1,9 @@
 """Messages one after another in octets: where each begins and ends, and what lies between them."""
 
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Final
 
 from modelcast.core.exceptions import CodecError
 from modelcast.messages.bits import BitReader
@@ -11,13 +13,21 @@ from modelcast.messages.foreign_heads import head_name
 from modelcast.messages.frame import FRAME_NAMES, MAX_FRAME_OCTETS
 from modelcast.messages.ieee1609 import is_ieee1609_data, read_unsecured_head, unsecured_payload
 from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identification
+from modelcast.messages.psm import decode_psm
+from modelcast.messages.psm_fields import PERSONAL_SAFETY_MESSAGE
 from modelcast.messages.security.signed import MAX_SPDU_OCTETS, signed_octets
 from modelcast.messages.wsmp import wsmp_octets
 
 __all__ = ["Part", "announced_octets", "begins_a_message", "is_message", "parts_of"]
 
-_HEADS = re.compile(rb"\x00\x14|\x00\xf0|\x03[\x80\x81]")
+_HEADS = re.compile(rb"\x00[\x14\x20\xf0]|\x03[\x80\x81]")
 """First octets of messages that are looked for in other octets."""
+
+_DECODERS: Final[Mapping[int, Callable[[bytes], object]]] = {
+    IDENTIFICATION_MESSAGE: decode_identification,
+    PERSONAL_SAFETY_MESSAGE: decode_psm,
+}
+"""What reads a message by its id; all others are taken for basic safety messages."""
 
 _VERSION = 3
 _SIGNED = b"\x03\x81"
@@ -95,10 +105,8 @@ def is_message(data: bytes) -> bool:
             return signed_octets(data) == len(data)
         if is_ieee1609_data(data):
             return is_message(unsecured_payload(data))
-        if MESSAGE_ID.high & int.from_bytes(data[:2], "big") == IDENTIFICATION_MESSAGE:
-            decode_identification(data)
-        else:
-            decode_bsm(data)
+        number = MESSAGE_ID.high & int.from_bytes(data[:2], "big")
+        _DECODERS.get(number, decode_bsm)(data)
     except CodecError:
         return False
     return True

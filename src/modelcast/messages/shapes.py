@@ -20,13 +20,13 @@ References
 ITU-T X.691: enumerations, clause 14; sequences, 19; lists, 20; choices, 23.
 """
 
+import dataclasses
 from abc import ABC, abstractmethod
 from dataclasses import KW_ONLY, dataclass
 from operator import index
 from typing import SupportsIndex, TypeAlias, cast
 
 from modelcast.core.exceptions import CodecError
-from modelcast.core.rules import shown
 from modelcast.messages.bits import BitReader, BitWriter
 from modelcast.messages.field_table import read_code
 from modelcast.messages.fields import Field
@@ -42,15 +42,10 @@ class AbstractShape(ABC):
 
     __slots__ = ()
 
-    @property
-    @abstractmethod
-    def name(self) -> str:
-        """Our name."""
-
-    @property
-    @abstractmethod
-    def standard_name(self) -> str:
-        """Name in the standard."""
+    name: str
+    """Our name."""
+    standard_name: str
+    """Name in the standard."""
 
     @abstractmethod
     def checked(self, value: Value) -> Value:
@@ -110,16 +105,14 @@ class Number(AbstractShape):
     field: Field
     _: KW_ONLY
     extensible: bool = False
+    name: str = dataclasses.field(init=False)
+    """Name of the field."""
+    standard_name: str = dataclasses.field(init=False)
+    """Last part of the standard's name of the field."""
 
-    @property
-    def name(self) -> str:
-        """Name of the field."""
-        return self.field.name
-
-    @property
-    def standard_name(self) -> str:
-        """Last part of the standard's name of the field."""
-        return self.field.standard_name.rpartition(".")[2]
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", self.field.name)
+        object.__setattr__(self, "standard_name", self.field.standard_name.rpartition(".")[2])
 
     def checked(self, value: Value) -> Value:
         """The code as Python's own integer."""
@@ -148,16 +141,14 @@ class Truth(AbstractShape):
     """
 
     field: Field
+    name: str = dataclasses.field(init=False)
+    """Name of the field."""
+    standard_name: str = dataclasses.field(init=False)
+    """The standard's name of the field."""
 
-    @property
-    def name(self) -> str:
-        """Name of the field."""
-        return self.field.name
-
-    @property
-    def standard_name(self) -> str:
-        """The standard's name of the field."""
-        return self.field.standard_name
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", self.field.name)
+        object.__setattr__(self, "standard_name", self.field.standard_name)
 
     def checked(self, value: Value) -> Value:
         """The code as Python's own integer."""
@@ -198,7 +189,7 @@ class Record(AbstractShape):
     def checked(self, value: Value) -> Value:
         """One value a member, None where it is left out."""
         if not isinstance(value, tuple) or len(value) != len(self.members):
-            raise ValueError(f"{self.name} must be {len(self.members)} values, got {shown(value)}")
+            raise ValueError(f"{self.name} must be {len(self.members)} values, got {value!r}")
         found: list[Value | None] = []
         for member, one in zip(self.members, value, strict=True):
             if one is None and member.name not in self.optional:
@@ -257,7 +248,7 @@ class Series(AbstractShape):
     def checked(self, value: Value) -> Value:
         """One value an item."""
         if not isinstance(value, tuple) or not 1 <= len(value) <= self.most or None in value:
-            raise ValueError(f"{self.name} must be 1 to {self.most} values, got {shown(value)}")
+            raise ValueError(f"{self.name} must be 1 to {self.most} values, got {value!r}")
         return tuple(self.item.checked(one) for one in cast("tuple[Value, ...]", value))
 
     def read(self, reader: BitReader) -> Value:
@@ -301,7 +292,7 @@ class Choice(AbstractShape):
                 return index(place), self.alternatives[index(place)].checked(one)
             case _:
                 raise ValueError(
-                    f"{self.name} must be the place of one of {len(places)} and its value, got {shown(value)}"
+                    f"{self.name} must be the place of one of {len(places)} and its value, got {value!r}"
                 )
 
     def read(self, reader: BitReader) -> Value:

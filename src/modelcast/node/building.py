@@ -8,7 +8,7 @@ from modelcast.apps.base import AbstractApplication
 from modelcast.apps.registry import get_application
 from modelcast.core.geodesy import Origin
 from modelcast.core.kinds import PEOPLE, SIZES_M, Kind
-from modelcast.messages.psids import psid_of_kind
+from modelcast.messages.belonging import psid_of_kind
 from modelcast.models.bank import Bank
 from modelcast.models.profile import default_profile
 from modelcast.node.config import NodeConfig, Roadside, Security

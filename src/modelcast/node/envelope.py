@@ -5,8 +5,9 @@ import functools
 from dataclasses import dataclass
 
 from modelcast.core.exceptions import CodecError
+from modelcast.messages.belonging import belongs_to, psid_of
 from modelcast.messages.ieee1609 import encode_unsecured, read_unsecured_head, unsecured_payload
-from modelcast.messages.psids import PSIDS, SAFETY_PSID, belongs_to, psid_of
+from modelcast.messages.psids import PSIDS, SAFETY_PSID
 from modelcast.messages.security.signed import decode_signed
 from modelcast.messages.wsmp import decode_wsm, encode_wsm
 from modelcast.runtime.transport.base import MOST_OCTETS

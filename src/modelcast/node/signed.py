@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from typing import final
 
 from modelcast.core.exceptions import CodecError
+from modelcast.messages.belonging import belongs_to, psid_of
 from modelcast.messages.ieee1609 import read_unsecured_head, unsecured_payload
-from modelcast.messages.psids import SAFETY_PSID, belongs_to, psid_of
+from modelcast.messages.psids import SAFETY_PSID
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.parameters import SecurityParameters
 from modelcast.messages.security.signed import decode_signed

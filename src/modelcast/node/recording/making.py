@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from modelcast.core.exceptions import CodecError, DataFormatError
 from modelcast.core.geodesy import Origin
 from modelcast.core.version import package_version
-from modelcast.messages.psids import psid_of_kind
+from modelcast.messages.belonging import psid_of_kind
 from modelcast.messages.security.certificate import Certificate
 from modelcast.node.config import NodeConfig
 from modelcast.node.envelope import AbstractEnvelope, Unsecured
