@@ -105,7 +105,8 @@ class MessageHead:
 
 def _person_head(*, accelerates: bool) -> MessageHead:
     """Head of a personal safety message that states no elevation."""
-    rows, columns = [_CLOSED], [NO_COLUMN]
+    rows: list[tuple[int, int, int]] = [_CLOSED]
+    columns = [NO_COLUMN]
     fields: tuple[Field, ...] = PERSON_FIELDS + (ACCELERATION_FIELDS if accelerates else ())
     for field in fields:
         if field.name == "latitude_deg":  # a position's extension, elevation and regional extensions

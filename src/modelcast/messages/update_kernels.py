@@ -147,7 +147,7 @@ def _take_length(octets: UInt8Vector, at: int, stop: int) -> tuple[int, int]:
     return (count if count >= _LONG else -1), at + 16
 
 
-@kernel
+@kernel(inlined=True)
 def _carried(w: UpdateWire, in_use: int, carries_all: bool) -> tuple[int, int, int]:
     """Return bounds of the coefficients carried, in the order of the wire, and the octets they take."""
     first, end = 0, w.wire.size
@@ -211,7 +211,7 @@ def pack_updates(
         lengths[row] = _pack_update(w, in_use[row], core[row], codes[row], room, out[row])
 
 
-@kernel
+@kernel(inlined=True)
 def _head_of(heads: HeadTable, message_id: int, octets: UInt8Vector, at: int, stop: int) -> tuple[int, int]:
     """Which head a message of octets up to bit ``stop`` has, -1 for none that is known, and its preamble."""
     for h in range(heads.message_id.size):
@@ -223,22 +223,23 @@ def _head_of(heads: HeadTable, message_id: int, octets: UInt8Vector, at: int, st
     return -1, 0
 
 
-@kernel
+@kernel(inlined=True)
 def _read_head(
     heads: HeadTable, h: int, octets: UInt8Vector, at: int, stop: int, row: IntVector, core: IntVector
 ) -> tuple[int, int]:
     """Read what a message states: the bit behind or ``~bit`` of a fault, and the kind of road user."""
     begin, end = heads.first[h], heads.first[h + 1]
     at = read_fields(octets, at, stop, heads.layout[begin:end], row)
-    core[:] = heads.unavailable
+    for column in range(core.size):
+        core[column] = heads.unavailable[column]
     kind = 0
     if at < 0:
         return at, kind
     for r in range(end - begin):
-        column = heads.columns[begin + r]
-        if column >= 0:
-            core[column] = row[r]
-        elif column == TYPE_COLUMN:
+        place = heads.columns[begin + r]
+        if place >= 0:
+            core[place] = row[r]
+        elif place == TYPE_COLUMN:
             kind = int(heads.kinds[row[r]])
     return at, kind
 
