@@ -124,7 +124,10 @@ def _read(data: bytes) -> BasicSafetyMessage | None:
         assert 0 <= refusal.offset_bits <= 8 * len(data)
     else:
         _check_update(found)
-        return found.message
+        if isinstance(found.message, BasicSafetyMessage):
+            return found.message
+        assert encode_psm(found.message) == data
+        return None
     try:
         return decode_bsm(data)
     except CodecError as refusal:

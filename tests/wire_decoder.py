@@ -13,6 +13,13 @@ __all__ = ["read", "to_be_verified"]
 PAGE = Path(__file__).parents[1] / "docs" / "wire.md"
 ROW = re.compile(r"^\| `(\w+)` \| `[\w.]+` \| (\d+) \| (-?\d+) \| (-?\d+) \|", re.MULTILINE)
 PART_I = [(name, int(w), int(low), int(high)) for name, w, low, high in ROW.findall(PAGE.read_text("utf-8"))]
+FIELDS = {name: (width, low, high) for name, width, low, high in PART_I}
+BEFORE_PLACE = ("second_of_minute_s", "message_count", "temporary_id")
+PLACE = ("latitude_deg", "longitude_deg")
+BEHIND_PLACE = ("semi_major_m", "semi_minor_m", "ellipse_orientation_rad", "speed_mps", "heading_rad")
+ACCELERATION = (
+    "acceleration_forward_mps2", "acceleration_right_mps2", "acceleration_down_mps2", "yaw_rate_radps",
+)  # fmt: skip
 LONGEST = 2304
 UNITS_S = {0x82: 1, 0x83: 60, 0x84: 3600, 0x85: 216_000, 0x86: 31_556_952}
 
@@ -222,6 +229,8 @@ def frame(data: bytes) -> dict[str, Any]:
         found: dict[str, Any] = {name: bits.take(width) for name, width in names}
     elif message_id == 20:
         found = safety(bits)
+    elif message_id == 32:
+        found = personal(bits)
     else:
         raise ValueError("message id")
     bits.finish()
@@ -232,16 +241,48 @@ def safety(bits: Bits) -> dict[str, Any]:
     extended, part_ii, regional = bits.take(1), bits.take(1), bits.take(1)
     if extended:
         raise ValueError("a later edition")
-    codes: list[int] = []
-    for name, width, low, high in PART_I:
-        code = bits.take(width) + low
-        if code > high:
-            raise ValueError(name)
-        codes.append(code)
-    found: dict[str, Any] = {"codes": codes, "part_ii": [], "regional": [], "model": None}
+    codes = [coded(bits, name) for name, *_ in PART_I]
+    found: dict[str, Any] = {"codes": codes, "part_ii": []}
     if part_ii:
         found["part_ii"] = [(bits.take(6), bits.octets(bits.length())) for _ in range(bits.take(3) + 1)]
-    if regional:
+    return found | extended_by(bits, there=regional == 1)
+
+
+def personal(bits: Bits) -> dict[str, Any]:
+    if bits.take(1):
+        raise ValueError("a later edition")
+    accelerates, others, regional = bits.take(1), bits.take(16), bits.take(1)
+    if others:
+        raise ValueError("parts that the page does not tell")
+    if bits.take(1):
+        raise ValueError("a type of a later edition")
+    codes = [bits.take(3)]
+    if codes[0] > 4:
+        raise ValueError("type")
+    codes += [coded(bits, name) for name in BEFORE_PLACE]
+    if bits.take(1):
+        raise ValueError("extended place")
+    elevated = bits.take(1)
+    if bits.take(1):
+        raise ValueError("extended place")
+    codes += [coded(bits, name) for name in PLACE]
+    codes.append(coded(bits, "elevation_m") if elevated else -4096)
+    codes += [coded(bits, name) for name in BEHIND_PLACE]
+    acceleration = [coded(bits, name) for name in ACCELERATION] if accelerates else []
+    return {"person_codes": codes, "acceleration": acceleration} | extended_by(bits, there=regional == 1)
+
+
+def coded(bits: Bits, name: str) -> int:
+    width, low, high = FIELDS[name]
+    code = bits.take(width) + low
+    if code > high:
+        raise ValueError(name)
+    return code
+
+
+def extended_by(bits: Bits, *, there: bool) -> dict[str, Any]:
+    found: dict[str, Any] = {"regional": [], "model": None}
+    if there:
         found["regional"] = [(bits.take(8), bits.octets(bits.length())) for _ in range(bits.take(2) + 1)]
     for region, octets in found["regional"]:
         if region == 128:

@@ -15,6 +15,7 @@ from typing import Any
 from modelcast.messages.airtime import Stack
 from modelcast.messages.bsm import BsmCore, decode_bsm, encode_bsm
 from modelcast.messages.bsm_fields import CORE_FIELDS
+from modelcast.messages.fields import Field
 from modelcast.messages.ieee1609 import encode_unsecured
 from modelcast.messages.mbc_wire import (
     IdentificationMessage,
@@ -22,6 +23,9 @@ from modelcast.messages.mbc_wire import (
     encode_extension,
     encode_identification,
 )
+from modelcast.messages.psids import PEOPLE_PSID
+from modelcast.messages.psm import PersonalSafetyMessage, encode_psm, person_codes
+from modelcast.messages.psm_fields import ACCELERATION_FIELDS, PERSON_FIELDS, PERSON_INDEX
 from modelcast.messages.security.authority import Authority
 from modelcast.messages.security.p256 import PrivateKey
 from modelcast.messages.security.signed import SignedMessage, signed_part
@@ -45,8 +49,39 @@ def random_frame(rng: random.Random) -> tuple[bytes, dict[str, Any]]:
             parts["temporary_id"], parts["sequence"], sub_model=parts["sub_model"], age=parts["age"]
         )
         return encode_identification(message), parts
-    codes = [rng.choice((field.low, field.high, rng.randint(field.low, field.high))) for field in CORE_FIELDS]
+    if rng.random() < 0.3:
+        return random_person(rng)
+    codes = random_codes(rng, CORE_FIELDS)
     part_ii = [(rng.getrandbits(6), rng.randbytes(rng.randint(1, 150))) for _ in range(rng.randint(0, 2))]
+    regional, said = random_model(rng)
+    octets = encode_bsm(BsmCore(tuple(codes)), part_ii=tuple(part_ii), regional=tuple(regional))
+    return octets, {"codes": codes, "part_ii": part_ii, "regional": regional, "model": said}
+
+
+def random_codes(rng: random.Random, fields: tuple[Field, ...]) -> list[int]:
+    """Codes of fields, often at their ends."""
+    return [rng.choice((field.low, field.high, rng.randint(field.low, field.high))) for field in fields]
+
+
+def random_person(rng: random.Random) -> tuple[bytes, dict[str, Any]]:
+    """A random personal safety message, with and without the parts that models need."""
+    codes, has_elevation = random_codes(rng, PERSON_FIELDS), rng.random() < 0.5
+    if not has_elevation:
+        codes[PERSON_INDEX["elevation_m"]] = -4096
+    acceleration = random_codes(rng, ACCELERATION_FIELDS) if rng.random() < 0.5 else []
+    regional, said = random_model(rng)
+    message = PersonalSafetyMessage(
+        tuple(codes),
+        has_elevation=has_elevation,
+        acceleration=tuple(acceleration),
+        regional=tuple(regional),
+    )
+    found = {"person_codes": codes, "acceleration": acceleration, "regional": regional, "model": said}
+    return encode_psm(message), found
+
+
+def random_model(rng: random.Random) -> tuple[list[tuple[int, bytes]], dict[str, Any] | None]:
+    """Regional extensions, none or a random model, and what a decoder finds in it."""
     regional: list[tuple[int, bytes]] = []
     said: dict[str, Any] | None = None
     if rng.random() < 0.6:
@@ -65,8 +100,7 @@ def random_frame(rng: random.Random) -> tuple[bytes, dict[str, Any]]:
         )
         regional.append((128, encode_extension(extension)))
         said = model
-    octets = encode_bsm(BsmCore(tuple(codes)), part_ii=tuple(part_ii), regional=tuple(regional))
-    return octets, {"codes": codes, "part_ii": part_ii, "regional": regional, "model": said}
+    return regional, said
 
 
 def random_message(rng: random.Random) -> tuple[bytes, dict[str, Any]]:
@@ -134,7 +168,38 @@ def vectors() -> list[dict[str, Any]]:
             }
             for form, data in forms.items()
         ]
-    return out
+    return out + people(extension)
+
+
+def people(extension: bytes) -> list[dict[str, Any]]:
+    """Vectors of a cyclist: plain, and with a model that needs the acceleration set."""
+    values = {"basic_type": 2, "message_count": 7, "temporary_id": 0x01020304, "second_of_minute_s": 12.3}
+    values |= {
+        "latitude_deg": 42.3003247,
+        "longitude_deg": -83.6998268,
+        "speed_mps": 5.0,
+        "heading_rad": 0.5,
+    }
+    codes = person_codes(values)
+    acceleration = tuple(
+        field.code_of(value) for field, value in zip(ACCELERATION_FIELDS, (0.5, None, None, 0.1), strict=True)
+    )
+    frames = {
+        "personal safety message": PersonalSafetyMessage(codes, has_elevation=False),
+        "update of a cyclist": PersonalSafetyMessage(
+            codes, has_elevation=False, acceleration=acceleration, regional=((128, extension),)
+        ),
+    }
+    return [
+        {
+            "name": f"{name}, unsecured",
+            "short_message": encode_wsm(encode_unsecured(encode_psm(message)), PEOPLE_PSID).hex(),
+            "frame": encode_psm(message).hex(),
+            "generation_us": None,
+            "person_codes": list(codes),
+        }
+        for name, message in frames.items()
+    ]
 
 
 def document() -> str:

@@ -31,6 +31,19 @@ def test_a_node_whose_certificates_end_soon_says_so(
     assert "the last certificate ends in 2" in capsys.readouterr().err
 
 
+def test_a_person_signs_with_a_persons_certificate(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for speaks, fine in (("people", True), ("vehicles", False), ("both", True)):
+        folder, config = tmp_path / speaks, tmp_path / "node.toml"
+        assert run(["credentials", "new", str(folder), "--count", "1", "--speaks", speaks]) == 0
+        security = f'[security]\nmode = "signed"\nfolder = "{folder}"\n'
+        config.write_text(f'[station]\nkind = "cyclist"\n{security}', encoding="utf-8")
+        assert run(["node", str(config), "--check"]) == (0 if fine else 2)
+        told = capsys.readouterr().err
+        assert ("credentials new --speaks people" in told) is not fine
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [

@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelcast.messages.bsm import decode_bsm
+from modelcast.messages.psm import decode_psm
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.verifier import Outcome, Verifier, VerifierState
 from modelcast.messages.wsmp import decode_wsm
@@ -50,9 +51,13 @@ def test_the_decoder_imports_nothing_of_modelcast() -> None:
 @pytest.mark.parametrize("one", VECTORS.values(), ids=VECTORS)
 def test_a_vector_holds_its_frame(one: dict[str, Any]) -> None:
     found = DECODER["read"](bytes.fromhex(one["short_message"]))
-    assert found["psid"] == 0x20
+    person = one.get("person_codes")
+    assert found["psid"] == (0x20 if person is None else 0x27)
     assert found["data"].get("generation_us") == one["generation_us"]
-    if one["part_i_codes"] is not None:
+    if person is not None:
+        assert found["data"]["frame"]["person_codes"] == person
+        assert list(decode_psm(bytes.fromhex(one["frame"])).codes) == person
+    elif one["part_i_codes"] is not None:
         assert found["data"]["frame"]["codes"] == one["part_i_codes"]
         assert list(decode_bsm(bytes.fromhex(one["frame"])).core.codes) == one["part_i_codes"]
     else:

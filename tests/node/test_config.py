@@ -47,7 +47,7 @@ def test_whatever_listens_stays_on_this_machine_unless_told_otherwise() -> None:
         ("[air]\n\nport = 99999\n", r"row 3: \[air\] port must be a whole number from 1 to 65535, got 99999"),
         ("[air]\n'port' = true\n", r"row 2: \[air\] port must be a whole number"),
         ("[air]\nprot = 3\n", r"row 2: \[air\] has no prot\. It has transport, group, port"),
-        ("\n[sky]\n", r"row 2: \[sky\] is not known\. There are \[vehicle\], \[sending\]"),
+        ("\n[sky]\n", r"row 2: \[sky\] is not known\. There are \[station\], \[vehicle\], \[sending\]"),
         ("air = 3\n", r"row 1: air must be a table, got 3\. Write \[air\]"),
         ("[air\n", r"row 1: is no TOML"),
         ("[vehicle]\n[vehicle]\n", r"row 2: is no TOML"),

@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 
 from modelcast.core.geodesy import Origin
 from modelcast.messages.bsm import decode_bsm
+from modelcast.messages.psids import PEOPLE_PSID, PSIDS, SAFETY_PSID
 from modelcast.messages.security.authority import Authority
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.p256 import PrivateKey
 from modelcast.messages.security.signed import decode_signed
-from modelcast.messages.security.signer import Signer
+from modelcast.messages.security.signer import Signer, SignerState
 from modelcast.messages.security.time64 import since_2004_s
-from modelcast.messages.wsmp import decode_wsm
+from modelcast.messages.wsmp import decode_wsm, encode_wsm
 from modelcast.node.credentials import Credentials
 from modelcast.node.envelope import Opened, Unsecured
 from modelcast.node.node import Node
@@ -31,12 +32,15 @@ START_S = int(since_2004_s(ZERO_UTC_S)) - 100
 ORIGIN = Origin(48.0, 11.0, 500.0)
 
 
-def credentials(*secrets: int, root: int = 7, lasts_s: int = 3600) -> Credentials:
+def credentials(
+    *secrets: int, root: int = 7, lasts_s: int = 3600, psids: tuple[int, ...] = (SAFETY_PSID,)
+) -> Credentials:
     """A signer for each secret number, by an authority of its own number."""
     authority = Authority.create(PrivateKey(root), start_s=START_S, duration_s=lasts_s)
     keys = [PrivateKey(one) for one in secrets]
     own = [
-        Signer(one, authority.issue(one.public_octets, start_s=START_S, duration_s=lasts_s)) for one in keys
+        Signer(one, authority.issue(one.public_octets, start_s=START_S, duration_s=lasts_s, psids=psids))
+        for one in keys
     ]
     return Credentials((authority.certificate,), tuple(own))
 
@@ -61,6 +65,31 @@ def test_what_one_signs_the_other_takes_and_the_certificate_goes_along_when_it_i
         assert other.open(frame, received_s=0.1 * step + 0.002) == Opened(b"message", "accepted")
     attached = [step for step, signer in enumerate(signers) if isinstance(signer, Certificate)]
     assert attached == [0, 5, 10]  # more than 450 ms after the last
+
+
+def persons(secret: int, *psids: int) -> Signed:
+    """The envelope of a person's device whose certificate is good for some applications."""
+    found = credentials(secret, psids=psids)
+    return Signed(found.trusted, found.own, utc_at_zero_s=ZERO_UTC_S, psid=PEOPLE_PSID)
+
+
+def test_a_persons_device_signs_for_people_and_cannot_pass_for_a_vehicle() -> None:
+    host, person, vehicle, unit = envelope(21), persons(22, PEOPLE_PSID), envelope(23), persons(24, *PSIDS)
+    said, drives, named = b"\x00\x20walks", b"\x00\x14drives", b"\x00\xf0names"
+    for octets in (said, named):
+        frame = wrapped(person, octets, 1.0)
+        assert (decode_wsm(frame).psid, host.open(frame, received_s=1.0).octets) == (PEOPLE_PSID, octets)
+    assert person.wrap(drives, sent_s=1.0) is None
+    assert vehicle.wrap(said, sent_s=1.0) is None
+    for octets, psid in ((said, PEOPLE_PSID), (drives, SAFETY_PSID)):  # a unit that repeats both
+        frame = wrapped(unit, octets, 1.1)
+        assert (decode_wsm(frame).psid, host.open(frame, received_s=1.1).octets) == (psid, octets)
+    (signer,) = credentials(22, psids=(PEOPLE_PSID,)).own
+    poses = ((PEOPLE_PSID, SAFETY_PSID), (PEOPLE_PSID, PEOPLE_PSID), (SAFETY_PSID, SAFETY_PSID))
+    for later_s, (told, head) in enumerate(poses, start=1):
+        posing, _ = signer.sign(SignerState(), drives, t_s=START_S + 101.0 + 0.1 * later_s, psid=told)
+        opened = host.open(encode_wsm(posing, head), received_s=1.3)
+        assert opened == Opened(None, "certificate not for this application")
 
 
 def test_generation_time_is_that_of_the_standard() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.kinds import Kind
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.kinematic import ConstantAcceleration
@@ -85,7 +86,7 @@ def test_an_update_tells_place_motion_and_model(identify: str) -> None:
         in_use = int(messages.in_use[row])
         plain = identify == "never" and in_use == 0  # Part I says it all, and the bank coasts it by that
         assert state.facts[slot, slots.FACT_PROFILE] == (-1 if plain else 0)
-        assert state.facts[slot, slots.FACT_USER] == -1
+        assert state.facts[slot, slots.FACT_USER] == Kind.VEHICLE
         assert state.held[slot, HELD_FIT_S] == pytest.approx(messages.t_s[row], abs=1e-3)
         assert state.held[slot, HELD_MEMBER] == (0 if plain else in_use)
         own = slice(0, 3) if in_use == 0 else slice(3, 5)

@@ -2,6 +2,7 @@
 
 import abc
 from dataclasses import fields
+from typing import ClassVar
 
 import numpy as np
 
@@ -15,6 +16,9 @@ __all__ = ["AbstractApplication", "columns_of", "refuse_negative", "same_rows"]
 
 class AbstractApplication(abc.ABC):
     """Says how urgent each pair of host and remote is; the same in every runtime."""
+
+    of_people: ClassVar[bool] = False
+    """Whether it is made for people; any other is made for pairs of two vehicles."""
 
     def assess(self, host: Motions, remote: Motions) -> Warnings:
         """Assess pairs row by row.

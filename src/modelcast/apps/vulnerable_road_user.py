@@ -1,7 +1,7 @@
 """Vulnerable road user warning: a vehicle and a person would meet, and one of them must act now."""
 
 from dataclasses import dataclass
-from typing import final
+from typing import ClassVar, final
 
 from modelcast.apps.base import AbstractApplication, refuse_negative
 from modelcast.apps.pair_kernels import Columns, Found
@@ -73,6 +73,8 @@ class VulnerableRoadUserWarning(AbstractApplication):
     >>> VulnerableRoadUserWarning().assess(walks, host).level
     array([1, 2])
     """
+
+    of_people: ClassVar[bool] = True
 
     aside_m: float = 0.3
     apart_s: float = 1.0

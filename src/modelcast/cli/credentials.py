@@ -16,6 +16,7 @@ def credentials(
     authority: Path | None = None,
     count: int = 20,
     days: int = 7,
+    speaks: Literal["vehicles", "people", "both"] = "vehicles",
 ) -> int:
     """Make credentials of a node, or show what is in a folder of them.
 
@@ -33,6 +34,9 @@ def credentials(
         How many pseudonym certificates.
     days
         How many days all of them are good for, from now on.
+    speaks
+        Whose messages they may sign: those of vehicles, of people (node --kind pedestrian), or both, as a
+        roadside unit that relays.
     """
     import os
     import time
@@ -40,6 +44,7 @@ def credentials(
 
     from modelcast.cli.terminal import say
     from modelcast.core.exceptions import ConfigError
+    from modelcast.messages.psids import PEOPLE_PSID, PSIDS, SAFETY_PSID
     from modelcast.messages.security.time64 import since_2004_s
     from modelcast.node.credentials import make_credentials, read_credentials
 
@@ -55,6 +60,7 @@ def credentials(
             duration_s=days * _DAY_S,
             random=os.urandom,
             authority=authority,
+            psids={"vehicles": (SAFETY_PSID,), "people": (PEOPLE_PSID,), "both": PSIDS}[speaks],
         )
     else:
         found = read_credentials(folder)

@@ -21,7 +21,7 @@ def node(
     config: Path | None = None,
     *,
     gnss: str | None = None,
-    kind: Literal["vehicle", "roadside"] = "vehicle",
+    kind: Literal["vehicle", "pedestrian", "cyclist", "roadworker", "roadside"] = "vehicle",
     dashboard: bool = False,
     port: int = 8700,
     duration: float = 0.0,
@@ -36,14 +36,15 @@ def node(
     Parameters
     ----------
     config
-        A TOML file with the tables vehicle, sending, gnss, can, air, pseudonyms, applications, page, metrics,
-        roadside, subscribe and record. What is left out has its default.
+        A TOML file with the tables station, vehicle, sending, gnss, can, air, pseudonyms, applications, page,
+        metrics, roadside, subscribe and record. What is left out has its default.
     gnss
         Where places come from, instead of the file's: gpsd://HOST:PORT, nmea:DEVICE, nmea+tcp://HOST:PORT,
         nmea+file:FILE, or trip:FILE with a recorded trip.
     kind
-        roadside: a fixed unit at the place of the file's table roadside, that hears, keeps the map, and may
-        relay; vehicle: what the file says, a vehicle where it says nothing.
+        pedestrian, cyclist, roadworker: a person's device, that speaks personal safety messages and warns of
+        vehicles; roadside: a fixed unit at the place of the file's table roadside, that hears, keeps the map,
+        and may relay; vehicle: what the file says, a vehicle where it says nothing.
     dashboard
         Serve the live page on this machine.
     port
@@ -64,7 +65,7 @@ def node(
 
     from modelcast.cli.terminal import say
     from modelcast.core.exceptions import ConfigError
-    from modelcast.node.config import NodeConfig, read_config
+    from modelcast.node.config import NodeConfig, Station, read_config
     from modelcast.node.journal import Journal
     from modelcast.node.live import LiveNode
 
@@ -74,7 +75,9 @@ def node(
     if gnss is not None:
         asked = replace(asked, gnss=replace(asked.gnss, source=gnss))
     if kind == "roadside":
-        asked = replace(asked, roadside=replace(asked.roadside, on=True))
+        asked = replace(asked, roadside=replace(asked.roadside, on=True), station=Station())
+    elif kind != "vehicle":
+        asked = replace(asked, station=Station(kind=kind), roadside=replace(asked.roadside, on=False))
     if dashboard:
         asked = replace(asked, page=replace(asked.page, port=port, on=True))
     sender = sender_of_config(asked)
@@ -118,6 +121,8 @@ def _check_credentials(config: "NodeConfig") -> None:
 
     from modelcast.cli.terminal import complain
     from modelcast.core.exceptions import ConfigError
+    from modelcast.core.kinds import PEOPLE
+    from modelcast.messages.belonging import psid_of_kind
     from modelcast.messages.security.time64 import since_2004_s
 
     if config.security.mode == "none":
@@ -125,11 +130,13 @@ def _check_credentials(config: "NodeConfig") -> None:
     from modelcast.node.credentials import read_credentials
 
     now_s = since_2004_s(time.time())
-    left_s = read_credentials(config.security.folder).good_until_s(now_s) - now_s
+    psid = psid_of_kind(config.station.speaks)
+    left_s = read_credentials(config.security.folder).good_until_s(now_s, psid) - now_s
     if left_s <= 0.0:
+        whose = "people" if config.station.speaks in PEOPLE else "vehicles"
         raise ConfigError(
-            f"[security] {config.security.folder} holds no certificate that is good now: make credentials "
-            f"with modelcast credentials new"
+            f"[security] {config.security.folder} holds no certificate of {whose} that is good now: make "
+            f"credentials with modelcast credentials new --speaks {whose}"
         )
     if left_s < _SOON_S:
         complain(f"[security] the last certificate ends in {left_s / 3600.0:.1f} hours")
@@ -175,12 +182,15 @@ def sender_of_config(config: "NodeConfig") -> "Sender":
     from modelcast.cli.banks import bank_in_use, profile_in_use
     from modelcast.cli.network_senders import rules_in_use
     from modelcast.core.exceptions import ConfigError
+    from modelcast.core.kinds import PEOPLE
+    from modelcast.node.config import DEFAULT_BANK, PEOPLE_BANK
     from modelcast.station.banks import free_bank
     from modelcast.station.sender.sender import FREE_SENDERS, MODEL_SENDERS, named_sender
 
-    own = config.sending
+    own, kind = config.sending, config.station.speaks
     profile = profile_in_use(own.profile or None)
-    named = bank_in_use(own.bank, profile=profile) if own.policy in MODEL_SENDERS else None
+    bank = PEOPLE_BANK if own.bank == DEFAULT_BANK and kind in PEOPLE else own.bank
+    named = bank_in_use(bank, profile=profile) if own.policy in MODEL_SENDERS else None
     own_bank = None if named is None else named.bank
     try:
         return named_sender(
@@ -189,6 +199,6 @@ def sender_of_config(config: "NodeConfig") -> "Sender":
             **rules_in_use(own.policy, named),
             threshold_m=own.threshold_m,
             keep_alive_s=own.keep_alive_s,
-        )
+        ).of_kind(kind)
     except ValueError as error:
         raise ConfigError(f"[sending]: {error}") from error

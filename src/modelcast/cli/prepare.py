@@ -68,12 +68,12 @@ def rehearsed(
     """
     import time
 
-    from modelcast.apps.registry import get_application
+    from modelcast.node.building import applications_of
     from modelcast.node.rehearsal import rehearse
 
     return rehearse(
         sender,
-        applications={name: get_application(name) for name in config.applications.names},
+        applications=applications_of(config),
         clock_s=time.perf_counter,
         tick_s=config.sending.tick_s,
         announce=announce,

@@ -77,7 +77,7 @@ class Remotes:
         Messages taken from each, share of its messages that were lost, distance from the truth; NaN where
         not known, (N,).
     kind
-        Of road user, values of `modelcast.core.kinds.Kind`, (N,); None where the host is not told.
+        Of road user, values of `modelcast.core.kinds.Kind`, (N,); None where nobody said.
 
     Raises
     ------
@@ -272,7 +272,8 @@ def remotes_of(
     ahead_s
         Of the path's points, (H,) [s].
     messages, loss_ratio, truth_m, kinds
-        By temporary id, what is known of them; who has no kind among them is a vehicle.
+        By temporary id, what is known of them; without kinds as heard, and who has none among them is a
+        vehicle.
     """
     firsts = np.cumsum([0, *(len(names) for names in model_names)])
     vehicles: list[int] = beliefs.vehicle.tolist()
@@ -294,7 +295,7 @@ def remotes_of(
         messages=_column(messages, vehicles),
         loss_ratio=_column(loss_ratio, vehicles),
         error_m=np.hypot(*(beliefs.position_m - true_m).T),
-        kind=None
+        kind=beliefs.kind
         if kinds is None
         else np.array([kinds.get(one, Kind.VEHICLE) for one in vehicles], dtype=np.int64),
     )

@@ -163,6 +163,11 @@ class BitWriter:
         self._whole = 0
         self._width = 0
 
+    @property
+    def position(self) -> int:
+        """Bits written so far."""
+        return self._width
+
     def bits(self, value: int, width: int) -> None:
         """Append a whole number.
 

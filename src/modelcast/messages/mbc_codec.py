@@ -9,7 +9,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import CodecError
 from modelcast.messages import field_kernels
-from modelcast.messages.bsm import BsmCore, encode_bsm
+from modelcast.messages.bsm import BasicSafetyMessage, BsmCore, encode_bsm
 from modelcast.messages.bsm_batch import CORE_MEANING, codes_of_values
 from modelcast.messages.bsm_fields import CORE_BITS, CORE_FIELDS, LOCAL_REGION, PREAMBLE_BITS
 from modelcast.messages.code_table import coefficient_meaning
@@ -72,6 +72,8 @@ class UpdateCodec(AbstractCodec[UpdateMessage]):
         """Update in octets."""
         found = read_update(data, {self.profile.number: self.profile})
         message = found.message
+        if not isinstance(message, BasicSafetyMessage):
+            raise CodecError("a personal safety message where a basic one is expected", 1)
         after_core = 8 * read_header(data).start + PREAMBLE_BITS + CORE_BITS
         if found.update is None:
             what = "no model" if found.reading is UpdateReading.PLAIN else "a model of another profile"

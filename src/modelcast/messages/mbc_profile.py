@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 
+from modelcast.core.kinds import PEOPLE, Kind
 from modelcast.messages.mbc_wire import MAX_COEFFICIENT_OCTETS, PROFILE, SUB_MODEL, profile_number
 from modelcast.models.bank import Bank
+from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.payload import PayloadLayout
 from modelcast.models.predicted_path import carried_layout
 from modelcast.models.profile import Profile
@@ -24,15 +26,21 @@ def carries_all(bank: Bank, identify: str) -> bool:
     return identify != "never" and len(bank.members) > 1
 
 
-def plain_members(bank: Bank, identify: str) -> tuple[bool, ...]:
+def plain_members(bank: Bank, identify: str, kind: Kind = Kind.VEHICLE) -> tuple[bool, ...]:
     """With which sub-models an update is a plain message, as `Bank.sent_plain` says.
+
+    Of people it is with constant velocity alone: everybody coasts their plain messages by that.
 
     Parameters
     ----------
     bank, identify
         As in `carries_all`; where all are sent, none is: who names another later must know the bank.
+    kind
+        Of the sender.
     """
     alone = not carries_all(bank, identify)
+    if kind in PEOPLE:
+        return tuple(alone and isinstance(member, ConstantVelocity) for member in bank.members)
     return tuple(alone and plain for plain in bank.sent_plain)
 
 

@@ -12,15 +12,14 @@ from operator import index
 from typing import Final
 
 from modelcast.core.exceptions import CodecError
+from modelcast.core.kinds import Kind
 from modelcast.messages.bits import BitReader, BitWriter
-from modelcast.messages.bsm import BasicSafetyMessage, BsmCore, decode_bsm
+from modelcast.messages.bsm import BasicSafetyMessage, BsmCore
 from modelcast.messages.bsm_fields import (
-    CORE_BITS,
     LOCAL_REGION,
     MAX_PART_II,
     MAX_REGIONAL,
     PART_II_ID,
-    PREAMBLE_BITS,
     REGION_ID,
 )
 from modelcast.messages.frame import read_header
@@ -32,6 +31,8 @@ from modelcast.messages.mbc_wire import (
     ModelExtension,
     decode_extension,
 )
+from modelcast.messages.message_heads import HEADS, MessageHead, decode_safety, kind_of, part_one_of
+from modelcast.messages.psm import PersonalSafetyMessage, regional_bit
 
 __all__ = [
     "ReceivedUpdate",
@@ -80,12 +81,12 @@ class UpdateReading(IntEnum):
     INCOMPLETE = 3
     """Part I lacks position, instant, speed or heading: there is nothing to predict from."""
     FAULTY = 4
-    """No basic safety message, or a model that is none of its profile."""
+    """Neither a basic nor a personal safety message, or a model that is none of its profile."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReceivedUpdate:
-    """A basic safety message as a receiver understands it.
+    """A basic or personal safety message as a receiver understands it.
 
     Parameters
     ----------
@@ -101,12 +102,22 @@ class ReceivedUpdate:
         The model, where it is known.
     """
 
-    message: BasicSafetyMessage
+    message: BasicSafetyMessage | PersonalSafetyMessage
     reading: UpdateReading
     _: KW_ONLY
     extension: ModelExtension | None = None
     profile: WireProfile | None = None
     update: UpdateMessage | None = None
+
+    @property
+    def core(self) -> BsmCore:
+        """What the message states, as Part I."""
+        return part_one_of(self.message)
+
+    @property
+    def kind(self) -> Kind:
+        """Kind of road user that sent it."""
+        return kind_of(self.message)
 
 
 def extension_octets(coefficient_bits: int) -> int:
@@ -125,23 +136,22 @@ def extension_octets(coefficient_bits: int) -> int:
     return 2 + (_HEADER_BITS + 8 * (-(-coefficient_bits // 8)) + 7) // 8
 
 
-def update_octets(coefficient_bits: int) -> int:
+def update_octets(coefficient_bits: int, head: MessageHead = HEADS[0]) -> int:
     """Octets of a model update in its frame.
 
     Parameters
     ----------
     coefficient_bits
         Bits of the coefficients carried.
+    head
+        Of the message that it rides in; a vehicle's where not given.
 
     Examples
     --------
-    >>> update_octets(0), update_octets(66)
-    (47, 56)
+    >>> update_octets(0), update_octets(66), update_octets(66, HEADS[1])
+    (47, 56, 45)
     """
-    count_bits = (MAX_REGIONAL - 1).bit_length()
-    bits = PREAMBLE_BITS + CORE_BITS + count_bits + 8 * extension_octets(coefficient_bits)
-    value = (bits + 7) // 8
-    return value + (3 if value < _LONG_LENGTH else 4)
+    return head.frame_octets(extension_octets(coefficient_bits))
 
 
 def extension_of(update: UpdateMessage, profile: WireProfile) -> ModelExtension:
@@ -197,12 +207,16 @@ def _update_of(core: BsmCore, extension: ModelExtension, profile: WireProfile) -
     return UpdateMessage(core, extension.sub_model, carries_all=extension.carries_all, codes=codes)
 
 
-def _value_bit(data: bytes, message: BasicSafetyMessage, place: int) -> int:
+def _value_bit(data: bytes, message: BasicSafetyMessage | PersonalSafetyMessage, place: int) -> int:
     """Bit of a frame at which the value of one of its regional extensions begins."""
-    at = 8 * read_header(data).start + PREAMBLE_BITS + CORE_BITS
-    if message.part_ii:
-        at += (MAX_PART_II - 1).bit_length()
-        at += sum(PART_II_ID.width_bits + _open_bits(octets) for _, octets in message.part_ii)
+    at = 8 * read_header(data).start
+    if isinstance(message, PersonalSafetyMessage):
+        at += regional_bit(message)
+    else:
+        at += HEADS[0].bits
+        if message.part_ii:
+            at += (MAX_PART_II - 1).bit_length()
+            at += sum(PART_II_ID.width_bits + _open_bits(octets) for _, octets in message.part_ii)
     at += (MAX_REGIONAL - 1).bit_length()
     at += sum(REGION_ID.width_bits + _open_bits(octets) for _, octets in message.regional[:place])
     octets = message.regional[place][1]
@@ -214,7 +228,7 @@ def _open_bits(octets: bytes) -> int:
 
 
 def read_update(data: bytes, profiles: Mapping[int, WireProfile]) -> ReceivedUpdate:
-    """Read a basic safety message and the model in it.
+    """Read a basic or personal safety message and the model in it.
 
     Parameters
     ----------
@@ -226,10 +240,10 @@ def read_update(data: bytes, profiles: Mapping[int, WireProfile]) -> ReceivedUpd
     Raises
     ------
     CodecError
-        Where they are not a basic safety message, or its model is none, or none of that profile. A profile
-        that is not known is no error: see `UpdateReading`.
+        Where they are neither of the two, or its model is none, or none of that profile. A profile that is
+        not known is no error: see `UpdateReading`.
     """
-    message = decode_bsm(data)
+    message = decode_safety(data)
     places = [place for place, (region, _) in enumerate(message.regional) if region == LOCAL_REGION]
     if not places:
         return ReceivedUpdate(message, UpdateReading.PLAIN)
@@ -238,7 +252,7 @@ def read_update(data: bytes, profiles: Mapping[int, WireProfile]) -> ReceivedUpd
         profile = profiles.get(extension.profile)
         if profile is None:
             return ReceivedUpdate(message, UpdateReading.UNKNOWN_PROFILE, extension=extension)
-        update = _update_of(message.core, extension, profile)
+        update = _update_of(part_one_of(message), extension, profile)
     except CodecError as fault:
         begin = _value_bit(data, message, places[0])
         raise CodecError(f"model: {fault.reason}", begin + fault.offset_bits) from None

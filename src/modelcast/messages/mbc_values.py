@@ -102,7 +102,7 @@ def update_to_wire(
         in_use=np.array([update.in_use]),
         parameters=update.parameters[None],
     )
-    codec = StationCodec(profile, code_table(bank), carries_all, (False,) * count)
+    codec = StationCodec(profile, code_table(bank), carries_all, (False,) * count, heads=(0,) * count)
     codes = codec.codes(rows, minute_s=frame.minute_s, further=further_values(core or {}))
     return codec.message(codes[0], update.in_use)
 
@@ -136,7 +136,7 @@ def update_from_wire(
     for member in bank.members:
         if member.payload_layout is None:
             raise ValueError(f"no message carries {member.name} itself: take the bank's carried form")
-    core = received.message.core
+    core = received.core
     names = ("second_of_minute_s", "latitude_deg", "longitude_deg", "speed_mps", "heading_rad")
     found = {name: core.value(name) for name in names}
     missing = [name for name, value in found.items() if value is None]

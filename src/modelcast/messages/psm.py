@@ -26,7 +26,7 @@ from modelcast.messages.psm_fields import (
 )
 from modelcast.messages.shapes import Value
 
-__all__ = ["PersonalSafetyMessage", "decode_psm", "encode_psm", "person_codes"]
+__all__ = ["PersonalSafetyMessage", "decode_psm", "encode_psm", "person_codes", "regional_bit"]
 
 _TABLE: Final = FieldTable(PERSON_FIELDS)
 _OPTIONS: Final = len(OPTION_NAMES)
@@ -259,14 +259,37 @@ def encode_psm(message: PersonalSafetyMessage) -> bytes:
     preamble += sum(_BITS[name] for name in parts)
     writer = BitWriter()
     writer.bits((whole | preamble << _PREAMBLE_AT) >> layout.end_at, _WINDOW_BITS - layout.end_at)
-    for shape in PART_SHAPES:
-        if shape.name in parts:
-            shape.write(writer, parts[shape.name])
+    _write_parts(writer, parts)
     if message.regional:
         REGIONAL.write(writer, message.regional)
     if message.additions:
         writer.additions(message.additions)
     return encode_frame(PERSONAL_SAFETY_MESSAGE, writer.octets(), message.frame_additions)
+
+
+def regional_bit(message: PersonalSafetyMessage) -> int:
+    """Bits of a message, without its frame, in front of its regional extensions.
+
+    Parameters
+    ----------
+    message
+        The message.
+
+    Examples
+    --------
+    >>> regional_bit(PersonalSafetyMessage(person_codes({"message_count": 7, "temporary_id": 1})))
+    220
+    """
+    writer = BitWriter()
+    _write_parts(writer, _present(message))
+    return _WINDOW_BITS - _LAYOUTS[message.has_elevation].end_at + writer.position
+
+
+def _write_parts(writer: BitWriter, parts: Mapping[str, Value]) -> None:
+    """Append optional parts in their order."""
+    for shape in PART_SHAPES:
+        if shape.name in parts:
+            shape.write(writer, parts[shape.name])
 
 
 def _present(message: PersonalSafetyMessage) -> dict[str, Value]:

@@ -1,8 +1,9 @@
 """How many bytes each message takes: those of the codec, for any bank.
 
-The baseline is a basic safety message with Part I alone. A model update is the same with a regional
-extension, and an identification is a frame of its own (`mbc_wire`). Of a sub-model whose parameters no
-message carries, such as the weights of a Gaussian process, the predicted path is sent and counted.
+The baseline is a basic safety message with Part I alone, or a personal safety message of what every such
+message holds. A model update is the same with a regional extension, and an identification is a frame of its
+own (`mbc_wire`). Of a sub-model whose parameters no message carries, such as the weights of a Gaussian
+process, the predicted path is sent and counted.
 """
 
 from dataclasses import dataclass
@@ -10,14 +11,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.core.arrays import IntArray
-from modelcast.messages.bsm_batch import CORE_FRAME_OCTETS
+from modelcast.core.kinds import Kind
 from modelcast.messages.mbc_codec import IDENTIFICATION_OCTETS
 from modelcast.messages.mbc_profile import carries_all, plain_members
 from modelcast.messages.mbc_update import update_octets
+from modelcast.messages.message_heads import HEADS, check_speaks, heads_of_members
 from modelcast.models.bank import Bank
+from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.predicted_path import carried_layout
 
 __all__ = ["SizeModel"]
+
+_CONSTANT_VELOCITY = Bank((ConstantVelocity(),))
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,12 +32,14 @@ class SizeModel:
     Parameters
     ----------
     more_bytes
-        What every basic safety message holds beside Part I and the model: Part II, for instance.
+        What every such message holds beside that and the model: Part II, for instance.
+    kind
+        Of the stations that send.
 
     Raises
     ------
     ValueError
-        Where it is negative.
+        Where the bytes are negative, or the kind has no message of its own.
 
     Examples
     --------
@@ -44,13 +51,17 @@ class SizeModel:
     (40, 10)
     >>> sizes.each_update_bytes(bank, "on-failure").tolist(), sizes.each_update_bytes(bank, "never").tolist()
     ([47, 47], [40, 47])
+    >>> SizeModel(kind=Kind.CYCLIST).each_update_bytes(bank, "never").tolist()
+    [35, 36]
     """
 
     more_bytes: int = 0
+    kind: Kind = Kind.VEHICLE
 
     def __post_init__(self) -> None:
         if self.more_bytes < 0:
             raise ValueError(f"more_bytes must not be negative, got {self.more_bytes}")
+        check_speaks(self.kind)
 
     @property
     def identification_bytes(self) -> int:
@@ -58,8 +69,9 @@ class SizeModel:
         return IDENTIFICATION_OCTETS
 
     def baseline_bytes(self) -> int:
-        """A plain basic safety message."""
-        return CORE_FRAME_OCTETS + self.more_bytes
+        """A plain message of what constant velocity needs."""
+        (head,) = heads_of_members(_CONSTANT_VELOCITY, self.kind, carries_all=False)
+        return HEADS[head].frame_octets() + self.more_bytes
 
     def each_update_bytes(self, bank: Bank, identify: str) -> IntArray:
         """A model update, by the sub-model in use, (M,).
@@ -76,6 +88,9 @@ class SizeModel:
         """
         bits = [carried_layout(member).bits for member in bank.members]
         together = carries_all(bank, identify)
-        sizes = [update_octets(sum(bits) if together else own) for own in bits]
-        plain = plain_members(bank, identify)
-        return np.where(plain, CORE_FRAME_OCTETS, sizes).astype(np.int64) + self.more_bytes
+        heads = [HEADS[one] for one in heads_of_members(bank, self.kind, carries_all=together)]
+        sizes = [
+            head.frame_octets() if plain else update_octets(sum(bits) if together else own, head)
+            for own, head, plain in zip(bits, heads, plain_members(bank, identify, self.kind), strict=True)
+        ]
+        return np.array(sizes, dtype=np.int64) + self.more_bytes

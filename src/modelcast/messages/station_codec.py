@@ -1,6 +1,7 @@
 """The messages of stations between content and octets, many at once.
 
-The content of a model update is a row: who, how many messages, when, where as codes of latitude and
+They are basic safety messages, or personal ones of stations that are people. The content of a model update is
+a row: who, how many messages, when, where as codes of latitude and
 longitude, and the parameters of all sub-models with the one in use. What `StationCodec` writes and reads
 again has the same bits as what the sender holds (`codes_kernels.quantise_parameters`).
 """
@@ -13,10 +14,11 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray, owned
 from modelcast.core.exceptions import CodecError
+from modelcast.core.kinds import Kind
 from modelcast.messages import codes_kernels, update_kernels
 from modelcast.messages.bsm import BsmCore
-from modelcast.messages.bsm_batch import CORE_LAYOUT, CORE_MEANING, codes_of_values
-from modelcast.messages.bsm_fields import BASIC_SAFETY_MESSAGE, CORE_FIELDS, CORE_INDEX, LOCAL_REGION
+from modelcast.messages.bsm_batch import CORE_MEANING, codes_of_values
+from modelcast.messages.bsm_fields import CORE_FIELDS, CORE_INDEX, LOCAL_REGION
 from modelcast.messages.code_table import CodeTable, code_table
 from modelcast.messages.field_columns import OctetArray
 from modelcast.messages.field_kernels import FIRST, LAST
@@ -31,6 +33,7 @@ from modelcast.messages.mbc_wire import (
     decode_identification,
     encode_identification,
 )
+from modelcast.messages.message_heads import HEADS, head_table, heads_of_members
 from modelcast.models.bank import Bank
 
 __all__ = [
@@ -91,7 +94,9 @@ class HeardUpdates:
         Their content; what the message does not carry is 0. Without a model the sub-model in use is the one
         that the bank coasts a plain message by where that may stand for it, else -1.
     core
-        Part I as codes, (B, 25).
+        Part I as codes, or as much of it as a personal safety message states, (B, 25).
+    kind
+        `Kind` of road user that sent each, (B,).
     reading
         An `UpdateReading` each, (B,). Rows of those that are incomplete or faulty mean nothing.
     faults
@@ -100,6 +105,7 @@ class HeardUpdates:
 
     rows: UpdateRows
     core: IntArray
+    kind: IntArray
     reading: IntArray
     faults: tuple[tuple[int, CodecError], ...]
 
@@ -182,6 +188,10 @@ class StationCodec:
         Sub-models with which a message is a plain one.
     plain_place
         The sub-model that such a message is coasted by, -1 for none.
+    heads
+        Place in `message_heads.HEADS` of an update's head, by the sub-model in use.
+    kind
+        Of the stations that send.
 
     Examples
     --------
@@ -207,6 +217,9 @@ class StationCodec:
     carries_all: bool
     plain: tuple[bool, ...]
     plain_place: int = -1
+    _: KW_ONLY
+    heads: tuple[int, ...]
+    kind: Kind = Kind.VEHICLE
     _wire: update_kernels.UpdateWire = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -216,17 +229,18 @@ class StationCodec:
             table.offsets,
             table.wire,
             table.wire_offsets,
-            CORE_LAYOUT,
+            head_table(),
+            np.array(self.heads, np.int64),
+            int(self.kind),
             np.array(self.plain),
             self.carries_all,
-            BASIC_SAFETY_MESSAGE,
             LOCAL_REGION,
             self.profile.number,
         )
         object.__setattr__(self, "_wire", wire)
 
     @classmethod
-    def of(cls, bank: Bank, number: int, identify: str) -> "StationCodec":
+    def of(cls, bank: Bank, number: int, identify: str, *, kind: Kind = Kind.VEHICLE) -> "StationCodec":
         """Codec of a bank.
 
         Parameters
@@ -237,18 +251,23 @@ class StationCodec:
             Of its profile, `mbc_wire.profile_number`.
         identify
             The policy's rule, as `modelcast.station.policy.rules` names it.
+        kind
+            Of the stations that send; whoever hears hears all kinds.
 
         Raises
         ------
         ValueError
-            As for `WireProfile` and `code_table`.
+            As for `WireProfile`, `code_table` and `heads_of_members`.
         """
+        together = carries_all(bank, identify)
         return cls(
             WireProfile.of(bank, number),
             code_table(bank),
-            carries_all(bank, identify),
-            plain_members(bank, identify),
+            together,
+            plain_members(bank, identify, kind),
             bank.plain_place,
+            heads=heads_of_members(bank, kind, carries_all=together),
+            kind=kind,
         )
 
     def codes(
@@ -313,7 +332,8 @@ class StationCodec:
         """
         codes = self.codes(rows, minute_s=minute_s, further=further)
         bits = sum(layout.bits for layout in self.profile.layouts)
-        frames = np.zeros((len(codes), update_octets(bits)), np.uint8)
+        longest = max(update_octets(bits, HEADS[head]) for head in self.heads)
+        frames = np.zeros((len(codes), longest), np.uint8)
         lengths = np.zeros(len(codes), np.int64)
         core, own = (
             owned(codes[:, : len(CORE_FIELDS)], np.int64),
@@ -325,7 +345,7 @@ class StationCodec:
     def decode(
         self, frames: OctetArray, lengths: IntArray, *, received_s: FloatArray, minute_s: float = 0.0
     ) -> HeardUpdates:
-        """Content of basic safety messages, whoever sent them.
+        """Content of basic and personal safety messages, whoever sent them.
 
         Parameters
         ----------
@@ -341,12 +361,12 @@ class StationCodec:
         size = len(lengths)
         core = np.zeros((size, len(CORE_FIELDS)), np.int64)
         codes = np.zeros((size, len(self.table.names)), np.int64)
-        reading, in_use = np.zeros(size, np.int64), np.zeros(size, np.int64)
+        reading, in_use, kind = (np.zeros(size, np.int64) for _ in range(3))
         given = owned(frames, np.uint8), owned(lengths, np.int64)
-        update_kernels.unpack_updates(self._wire, *given, reading, in_use, core, codes)
+        update_kernels.unpack_updates(self._wire, *given, reading, in_use, kind, core, codes)
         faults: list[tuple[int, CodecError]] = []
         for row in np.flatnonzero(reading == update_kernels.ELSE).tolist():
-            core[row], codes[row], in_use[row] = 0, 0, -1
+            core[row], codes[row], in_use[row], kind[row] = 0, 0, -1, Kind.VEHICLE
             try:
                 received = read_update(
                     frames[row, : lengths[row]].tobytes(), {self.profile.number: self.profile}
@@ -355,7 +375,7 @@ class StationCodec:
                 reading[row] = UpdateReading.FAULTY
                 faults.append((row, fault))
                 continue
-            core[row] = received.message.core.codes
+            core[row], kind[row] = received.core.codes, received.kind
             reading[row] = received.reading
             if received.update is not None:
                 in_use[row] = received.update.sub_model
@@ -375,7 +395,7 @@ class StationCodec:
             in_use=in_use,
             parameters=self.table.decoded(core, codes),
         )
-        return HeardUpdates(rows, core, reading, tuple(faults))
+        return HeardUpdates(rows, core, kind, reading, tuple(faults))
 
     def message(self, codes: IntArray, in_use: int) -> UpdateMessage:
         """One update as codes on the wire.

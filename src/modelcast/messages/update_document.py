@@ -143,7 +143,7 @@ def _values(update: UpdateMessage, held: HeldProfile) -> dict[str, dict[str, flo
 
 def _predicted(received: ReceivedUpdate, bank: Bank) -> tuple[tuple[float, float], ...]:
     """Displacements from the position in the message."""
-    core = received.message.core
+    core = received.core
     place = Origin(core.value("latitude_deg") or 0.0, core.value("longitude_deg") or 0.0, 0.0)
     update = update_from_wire(
         received, bank, LocalFrame(place), received_s=core.value("second_of_minute_s") or 0.0

@@ -21,13 +21,13 @@ dissectors read it.
 from typing import NamedTuple
 
 from modelcast.core.exceptions import CodecError
+from modelcast.messages.psids import SAFETY_PSID
 
 __all__ = ["MAX_WSM_OCTETS", "ShortMessage", "decode_wsm", "encode_wsm", "wsmp_octets"]
 
 MAX_WSM_OCTETS = 2304
 """Longest short message: what a frame of IEEE 802.11 carries at most."""
 
-_SAFETY_PSID = 0x20
 _WSMP_VERSION = 3
 _EXTENDED = 0x08
 _MOST_ELEMENTS = 32
@@ -49,18 +49,20 @@ class ShortMessage(NamedTuple):
     payload: bytes
 
 
-def encode_wsm(payload: bytes) -> bytes:
-    """Octets of a short message of the safety application, without extensions.
+def encode_wsm(payload: bytes, psid: int = SAFETY_PSID) -> bytes:
+    """Octets of a short message, without extensions.
 
     Parameters
     ----------
     payload
         Octets, with the header `MAX_WSM_OCTETS` at most.
+    psid
+        The application, one whose number takes one octet, 0 to 127.
 
     Raises
     ------
     ValueError
-        Where they are too many.
+        Where they are too many, or the application's number is too long.
 
     Examples
     --------
@@ -69,7 +71,9 @@ def encode_wsm(payload: bytes) -> bytes:
     """
     count = len(payload)
     length = bytes([count]) if count < _ONE_OCTET else (_ONE_OCTET << 8 | count).to_bytes(2, "big")
-    whole = bytes([_WSMP_VERSION, 0, _SAFETY_PSID]) + length + payload
+    if not 0 <= psid < _ONE_OCTET:
+        raise ValueError(f"psid must be from 0 to {_ONE_OCTET - 1}, got {psid}")
+    whole = bytes([_WSMP_VERSION, 0, psid]) + length + payload
     if len(whole) > MAX_WSM_OCTETS:
         raise ValueError(f"a short message has {MAX_WSM_OCTETS} octets at most, got {len(whole)}")
     return whole

@@ -4,8 +4,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from modelcast.apps.base import AbstractApplication
 from modelcast.apps.registry import get_application
 from modelcast.core.geodesy import Origin
+from modelcast.core.kinds import PEOPLE, SIZES_M, Kind
+from modelcast.messages.belonging import psid_of_kind
+from modelcast.models.bank import Bank
+from modelcast.models.profile import default_profile
 from modelcast.node.config import NodeConfig, Roadside, Security
 from modelcast.node.envelope import AbstractEnvelope, Unsecured
 from modelcast.node.node import Node, Watch
@@ -13,6 +18,8 @@ from modelcast.node.pseudonyms import Pseudonyms
 from modelcast.node.recording.record import AbstractRecord
 from modelcast.node.relaying import Relaying
 from modelcast.runtime.transport.base import AbstractTransport
+from modelcast.station.banks import calibrations_of
+from modelcast.station.receiver.ears import Ears
 from modelcast.station.relay import RelayRule
 from modelcast.station.sender.sender import Sender
 from modelcast.station.station import Station
@@ -20,7 +27,7 @@ from modelcast.station.station import Station
 if TYPE_CHECKING:
     from modelcast.node.credentials import Credentials
 
-__all__ = ["credentials_of", "envelope_of", "node_of"]
+__all__ = ["applications_of", "credentials_of", "envelope_of", "node_of"]
 
 
 def node_of(
@@ -55,25 +62,46 @@ def node_of(
         As in `Node`.
     """
     names = Pseudonyms(config.pseudonyms.least_s, config.pseudonyms.most_s, np.random.default_rng(names_seed))
+    site, kind = config.roadside, config.station.speaks
     station = Station(
         sender,
         temporary_id=names.temporary_id,
         dt_s=config.sending.tick_s,
         origin=origin,
         seed=station_seed,
+        ears=_ears_of_people(sender.bank, config.sending.tick_s) if kind in PEOPLE else None,
     )
-    site = config.roadside
     return Node(
         station,
         transport,
         envelope,
-        applications={name: get_application(name) for name in config.applications.names},
-        size_m=(config.vehicle.length_m, config.vehicle.width_m),
+        applications=applications_of(config),
+        size_m=SIZES_M[kind] if kind in PEOPLE else (config.vehicle.length_m, config.vehicle.width_m),
+        kind=kind,
         pseudonyms=None if site.on else names,
         relaying=_relaying(site, config.sending.tick_s) if site.on and site.relay else None,
         watch=watch,
         record=record,
     )
+
+
+def applications_of(config: NodeConfig) -> dict[str, AbstractApplication]:
+    """What a node warns of, by name.
+
+    Parameters
+    ----------
+    config
+        Its configuration.
+    """
+    alone = config.station.speaks in PEOPLE
+    return {name: get_application(name) for name in config.applications.names if name == "vru" or not alone}
+
+
+def _ears_of_people(own: Bank, dt_s: float) -> Ears:
+    """How a person's device hears: it holds the shipped bank of vehicles, whom it warns of, and its own."""
+    vehicles = default_profile().bank
+    banks = (vehicles,) if own.name == vehicles.name else (vehicles, own)
+    return Ears(banks, dt_s=dt_s, calibrations=tuple(calibrations_of(bank) for bank in banks))
 
 
 def _relaying(site: Roadside, tick_s: float) -> Relaying:
@@ -103,7 +131,12 @@ def credentials_of(security: Security) -> "Credentials | None":
 
 
 def envelope_of(
-    credentials: "Credentials | None", security: Security, *, utc_at_zero_s: float, names_seed: int
+    credentials: "Credentials | None",
+    security: Security,
+    *,
+    utc_at_zero_s: float,
+    names_seed: int,
+    kind: Kind = Kind.VEHICLE,
 ) -> AbstractEnvelope:
     """What goes round the messages of a node.
 
@@ -117,9 +150,12 @@ def envelope_of(
         UTC at the clock's 0, since 1970 [s].
     names_seed
         As for `node_of`; it says which certificate is the first.
+    kind
+        Of the road user that speaks.
     """
+    psid = psid_of_kind(kind)
     if credentials is None:
-        return Unsecured()
+        return Unsecured(psid)
     from modelcast.node.signed import Signed  # noqa: PLC0415 - the extra is needed here
 
     return Signed(
@@ -127,5 +163,6 @@ def envelope_of(
         credentials.own,
         utc_at_zero_s=utc_at_zero_s,
         first=names_seed,
+        psid=psid,
         required=security.required,
     )

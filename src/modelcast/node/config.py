@@ -4,12 +4,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
+from modelcast.core.kinds import Kind
 from modelcast.core.rules import Each, Flag, Maybe, Number, Text, Whole, check_fields
 from modelcast.node.multicast import GROUP, LOOPBACK, PORT
 from modelcast.node.toml_file import read_tables
 from modelcast.station.sender.sender import SENDERS
 
 __all__ = [
+    "DEFAULT_BANK",
+    "PEOPLE_BANK",
     "Air",
     "Applications",
     "Can",
@@ -22,11 +25,24 @@ __all__ = [
     "Roadside",
     "Security",
     "Sending",
+    "Station",
     "Subscribe",
     "Vehicle",
     "read_config",
 ]
 
+DEFAULT_BANK = "default"
+"""The bank that nobody chose."""
+
+PEOPLE_BANK = "cv"
+"""What that is for people: constant velocity. The shipped sub-models are those of vehicles."""
+
+_KINDS = {
+    "vehicle": Kind.VEHICLE,
+    "pedestrian": Kind.PEDESTRIAN,
+    "cyclist": Kind.CYCLIST,
+    "roadworker": Kind.ROAD_WORKER,
+}
 _Address = Annotated[str, Text(45)]
 _Port = Annotated[int, Whole(0, 65535)]
 
@@ -40,13 +56,32 @@ class _Table:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Station(_Table):
+    """What kind of road user is on the air.
+
+    Parameters
+    ----------
+    kind
+        ``vehicle``; or ``pedestrian``, ``cyclist`` or ``roadworker``: a device that a person carries. It
+        speaks personal safety messages, and warns of vehicles.
+    """
+
+    kind: Annotated[str, Text(choices=tuple(_KINDS))] = "vehicle"
+
+    @property
+    def speaks(self) -> Kind:
+        """The kind whose messages it speaks."""
+        return _KINDS[self.kind]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Vehicle(_Table):
     """Who is on the air.
 
     Parameters
     ----------
     length_m, width_m
-        Of the vehicle [m].
+        Of the vehicle; people have the sizes of their kind [m].
     name
         For logs and the page; never sent.
     """
@@ -65,7 +100,8 @@ class Sending(_Table):
     policy
         A name of `modelcast.station.sender.sender.SENDERS`.
     bank, profile
-        As for ``modelcast evaluate``; an empty profile for the shipped one.
+        As for ``modelcast evaluate``; an empty profile for the shipped one, whose sub-models are those of
+        vehicles: ``default`` is constant velocity for people.
     threshold_m
         Of error-driven policies [m].
     keep_alive_s
@@ -75,7 +111,7 @@ class Sending(_Table):
     """
 
     policy: Annotated[str, Text(choices=SENDERS)] = "mbc"
-    bank: Annotated[str, Text(400)] = "default"
+    bank: Annotated[str, Text(400)] = DEFAULT_BANK
     profile: Annotated[str, Text(400, empty=True)] = ""
     threshold_m: Annotated[float, Number(0.0, 100.0, over=True)] = 0.2
     keep_alive_s: Annotated[float, Number(0.0, 60.0, over=True)] = 1.0
@@ -207,13 +243,15 @@ class Applications(_Table):
     Parameters
     ----------
     names
-        Of `modelcast.apps.registry`.
+        Of `modelcast.apps.registry`. A person's device has ``vru`` alone of them: the others are of two
+        vehicles.
     """
 
-    names: Annotated[tuple[str, ...], Each(Text(choices=("fcw", "eebl", "ima")), 0, 3)] = (
+    names: Annotated[tuple[str, ...], Each(Text(choices=("fcw", "eebl", "ima", "vru")), 0, 4)] = (
         "fcw",
         "eebl",
         "ima",
+        "vru",
     )
 
 
@@ -318,6 +356,7 @@ class NodeConfig:
     '127.0.0.1'
     """
 
+    station: Station = field(default_factory=Station)
     vehicle: Vehicle = field(default_factory=Vehicle)
     sending: Sending = field(default_factory=Sending)
     gnss: Gnss = field(default_factory=Gnss)
@@ -331,6 +370,12 @@ class NodeConfig:
     roadside: Roadside = field(default_factory=Roadside)
     subscribe: Subscribe = field(default_factory=Subscribe)
     record: Record = field(default_factory=Record)
+
+    def __post_init__(self) -> None:
+        if self.roadside.on and self.station.kind != "vehicle":
+            raise ValueError(
+                f"[roadside] on is a unit that nobody carries, and [station] kind is {self.station.kind!r}"
+            )
 
 
 def read_config(path: str | Path) -> NodeConfig:

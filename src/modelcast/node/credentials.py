@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from modelcast.core.exceptions import CodecError, ConfigError
+from modelcast.messages.psids import SAFETY_PSID
 from modelcast.messages.security.authority import Authority
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.p256 import SECRET_OCTETS, SEED_OCTETS, PrivateKey
@@ -46,15 +47,18 @@ class Credentials:
     trusted: tuple[Certificate, ...]
     own: tuple[Signer, ...]
 
-    def good_until_s(self, t_s: float) -> float:
+    def good_until_s(self, t_s: float, psid: int | None = None) -> float:
         """When the last certificate ends of those that are good at a time; the time where none is [s].
 
         Parameters
         ----------
         t_s
             Since 2004-01-01 00:00 UTC, leap seconds counted [s].
+        psid
+            The application that they must be good for; None for any.
         """
-        good = [one.certificate for one in self.own if one.certificate.is_good_at(t_s)]
+        own = [one.certificate for one in self.own if psid is None or psid in one.certificate.psids]
+        good = [one for one in own if one.is_good_at(t_s)]
         return max((float(one.start_s + one.duration_s) for one in good), default=t_s)
 
 
@@ -66,6 +70,7 @@ def make_credentials(
     duration_s: int,
     random: Callable[[int], bytes],
     authority: Path | None = None,
+    psids: tuple[int, ...] = (SAFETY_PSID,),
 ) -> Credentials:
     """Make a folder of credentials.
 
@@ -81,6 +86,8 @@ def make_credentials(
         Gives so many octets that nobody can guess.
     authority
         Folder ``authority`` of another node, whose authority issues these; None for one of this folder's own.
+    psids
+        Applications that the certificates are good for (`modelcast.messages.psids`).
 
     Raises
     ------
@@ -102,7 +109,7 @@ def make_credentials(
         (folder / "trusted" / "authority.cert").write_bytes(issuer.certificate.octets)
         for number in range(1, count + 1):
             key = _drawn(random)
-            certificate = issuer.issue(key.public_octets, start_s=start_s, duration_s=duration_s)
+            certificate = issuer.issue(key.public_octets, start_s=start_s, duration_s=duration_s, psids=psids)
             _write_pair(folder / "own", f"{number:04d}", key, certificate)
     except ValueError as error:
         raise ConfigError(str(error)) from error

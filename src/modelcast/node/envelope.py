@@ -5,8 +5,9 @@ import functools
 from dataclasses import dataclass
 
 from modelcast.core.exceptions import CodecError
+from modelcast.messages.belonging import belongs_to, psid_of
 from modelcast.messages.ieee1609 import encode_unsecured, read_unsecured_head, unsecured_payload
-from modelcast.messages.security.certificate import SAFETY_PSID
+from modelcast.messages.psids import PSIDS, SAFETY_PSID
 from modelcast.messages.security.signed import decode_signed
 from modelcast.messages.wsmp import decode_wsm, encode_wsm
 from modelcast.runtime.transport.base import MOST_OCTETS
@@ -18,6 +19,9 @@ NOT_VERIFIED = "not verified"
 
 _LEAST_HEADS, _MOST_HEADS = 4, 16
 """Octets that both heads take, with room."""
+
+_PSID_AT = 2
+"""Octet of a short message without extensions that names its application."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,29 +92,44 @@ class Unsecured(AbstractEnvelope):
 
     What others sign is opened too, unverified: this host holds no keys. Receivers that require signatures
     refuse what it sends.
+
+    Parameters
+    ----------
+    psid
+        The application that the station speaks in.
     """
+
+    def __init__(self, psid: int = SAFETY_PSID) -> None:
+        self._psid = psid
 
     def wrap(self, octets: bytes, *, sent_s: float) -> bytes:  # noqa: ARG002 - nothing is dated
         """Return the message with its two heads."""
-        return encode_wsm(encode_unsecured(octets))
+        return encode_wsm(encode_unsecured(octets), psid_of(octets, self._psid))
 
     def open(self, frame: bytes, *, received_s: float) -> Opened:  # noqa: ARG002 - nothing is dated
         """Return what is inside, or where it stops being what it should."""
-        heads = _shortest_heads(len(frame))
+        psid = frame[_PSID_AT] if len(frame) > _PSID_AT else -1
+        heads = _shortest_heads(len(frame), psid) if psid in PSIDS else b""
         if heads and frame.startswith(heads):
-            return Opened(frame[len(heads) :], "accepted")
+            return _told(frame[len(heads) :], psid, "accepted")
         message = opened_safety(frame)
         if isinstance(message, Opened):
             return message
         try:
             if read_unsecured_head(message) is not None:
-                return Opened(unsecured_payload(message), "accepted")
-            return Opened(decode_signed(message).payload, NOT_VERIFIED)
+                return _told(unsecured_payload(message), decode_wsm(frame).psid, "accepted")
+            signed = decode_signed(message)
         except CodecError:
             return Opened(None, "no data of IEEE 1609.2")
+        return _told(signed.payload, signed.psid, NOT_VERIFIED)
 
     def rename(self) -> None:
         """Change nothing: there are no credentials."""
+
+
+def _told(octets: bytes, psid: int, why: str) -> Opened:
+    """A message that came in an application, where it belongs to that."""
+    return Opened(octets, why) if belongs_to(octets, psid) else Opened(None, "another application")
 
 
 def opened_safety(frame: bytes) -> bytes | Opened:
@@ -125,18 +144,18 @@ def opened_safety(frame: bytes) -> bytes | Opened:
         message = decode_wsm(frame)
     except CodecError:
         return Opened(None, "no short message")
-    return message.payload if message.psid == SAFETY_PSID else Opened(None, "another application")
+    return message.payload if message.psid in PSIDS else Opened(None, "another application")
 
 
-@functools.lru_cache(maxsize=MOST_OCTETS)
-def _shortest_heads(octets: int) -> bytes:
+@functools.lru_cache(maxsize=len(PSIDS) * MOST_OCTETS)
+def _shortest_heads(octets: int, psid: int) -> bytes:
     """The heads with which `Unsecured` sends a frame of so many octets, empty where none has that length.
 
     Nearly all that arrives begins with them, and then nothing is left to read.
     """
     for size in range(octets - _MOST_HEADS, octets - _LEAST_HEADS):
         if 1 <= size < MOST_OCTETS - _MOST_HEADS:
-            whole = encode_wsm(encode_unsecured(bytes(size)))
+            whole = encode_wsm(encode_unsecured(bytes(size)), psid)
             if len(whole) == octets:
                 return whole[: octets - size]
     return b""

@@ -167,7 +167,8 @@ class LiveNode:
                     raise ConfigError(f"[metrics] cannot listen on {place}: {error.strerror}") from error
                 await stack.enter_async_context(server)
             what = "roadside" if config.roadside.on else config.sending.policy
-            self._journal.note("start", {"name": config.vehicle.name, "policy": what})
+            about = {"name": config.vehicle.name, "kind": config.station.kind, "policy": what}
+            self._journal.note("start", about)
             if config.page.on:
                 self._takers.append(await stack.enter_async_context(self._page(config.page)))
             if config.subscribe.path:
@@ -288,6 +289,7 @@ class LiveNode:
             self._config.security,
             utc_at_zero_s=self._clock.minute_utc_s,
             names_seed=names_seed,
+            kind=self._config.station.speaks,
         )
 
     async def _drive(

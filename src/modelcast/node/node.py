@@ -18,6 +18,7 @@ from modelcast.apps.base import AbstractApplication
 from modelcast.apps.motions import Motions
 from modelcast.apps.warnings import Level
 from modelcast.core.arrays import IntArray
+from modelcast.core.kinds import Kind
 from modelcast.dashboard.meter import MessageMeter
 from modelcast.node.envelope import AbstractEnvelope, Bare
 from modelcast.node.inputs.motion import Motion
@@ -100,7 +101,9 @@ class Node:
     applications
         What it warns of, by name.
     size_m
-        Length and width of the vehicle [m].
+        Length and width of the road user [m].
+    kind
+        Of the road user: what applications warn of differs.
     pseudonyms
         When its names change; None for never.
     relaying
@@ -125,6 +128,7 @@ class Node:
         *,
         applications: Mapping[str, AbstractApplication] | None = None,
         size_m: tuple[float, float] = (4.6, 1.8),
+        kind: Kind = Kind.VEHICLE,
         pseudonyms: Pseudonyms | None = None,
         relaying: Relaying | None = None,
         watch: Watch | None = None,
@@ -132,7 +136,7 @@ class Node:
     ) -> None:
         self.station, self._transport = station, transport
         self._envelope = Bare() if envelope is None else envelope
-        self._size_m, self._pseudonyms = size_m, pseudonyms
+        self._size_m, self._kind, self._pseudonyms = size_m, kind, pseudonyms
         self._applications = dict(applications or {})
         self._events, self._record = watch, record
         self._relaying = relaying
@@ -292,10 +296,12 @@ class Node:
         found: list[Warned] = []
         remotes = around.vehicle.size
         if motion is not None and remotes:
-            own = _rows(motion, self._size_m, remotes)
+            own = _rows(motion, self._size_m, self._kind, remotes)
             others = believed_motions(around)
+            vehicles = (around.kind == Kind.VEHICLE) & (self._kind == Kind.VEHICLE)
             for name, application in self._applications.items():
                 said = application.assess(own, others)
+                meant = vehicles | application.of_people
                 found += [
                     Warned(
                         name,
@@ -305,7 +311,7 @@ class Node:
                         margin_m=float(said.margin_m[row]),
                         certainty=float(said.certainty[row]),
                     )
-                    for row in np.flatnonzero(said.level > Level.NONE).tolist()
+                    for row in np.flatnonzero(meant & (said.level > Level.NONE)).tolist()
                 ]
         found.sort(key=lambda one: (-one.level, one.margin_m))
         now = {(one.application, one.vehicle): one.level for one in found}
@@ -318,7 +324,7 @@ class Node:
         return tuple(found)
 
 
-def _rows(motion: Motion, size_m: tuple[float, float], rows: int) -> Motions:
+def _rows(motion: Motion, size_m: tuple[float, float], kind: Kind, rows: int) -> Motions:
     """The host's own motion, once for every remote."""
     return repeated(
         motion.position_m,
@@ -329,4 +335,5 @@ def _rows(motion: Motion, size_m: tuple[float, float], rows: int) -> Motions:
         yaw_rate_radps=motion.yaw_rate_radps,
         length_m=size_m[0],
         width_m=size_m[1],
+        kind=kind,
     )

@@ -23,7 +23,7 @@ import numpy as np
 from modelcast.core.exceptions import CodecError
 from modelcast.core.geodesy import Origin
 from modelcast.io.spmd import valid_position
-from modelcast.messages.bsm import decode_bsm
+from modelcast.messages.message_heads import decode_safety, part_one_of
 from modelcast.node.envelope import Unsecured
 from modelcast.runtime.transport.base import AbstractTransport, Arrival
 
@@ -71,7 +71,7 @@ class Plane:
 
 
 def place_in(frame: bytes) -> Origin | None:
-    """The place that a frame's basic safety message states, nothing verified; None where it states none.
+    """The place that a frame's safety message states, nothing verified; None where it states none.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def place_in(frame: bytes) -> Origin | None:
     if opened.octets is None:
         return None
     try:
-        values = decode_bsm(opened.octets).core.values()
+        values = part_one_of(decode_safety(opened.octets)).values()
     except CodecError:
         return None
     latitude_deg, longitude_deg = values["latitude_deg"], values["longitude_deg"]

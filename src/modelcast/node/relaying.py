@@ -8,8 +8,8 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import CodecError
-from modelcast.messages.bsm import decode_bsm
 from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identification
+from modelcast.messages.message_heads import decode_safety, part_one_of
 from modelcast.station.receiver.local_dynamic_map import Beliefs, Receipt
 from modelcast.station.relay import Overheard, RelayRule, RelayState
 
@@ -118,7 +118,7 @@ def _author(octets: bytes) -> int | None:
     try:
         if int.from_bytes(octets[:2], "big") == IDENTIFICATION_MESSAGE:
             return decode_identification(octets).temporary_id
-        author = decode_bsm(octets).core.value("temporary_id")
+        author = part_one_of(decode_safety(octets)).value("temporary_id")
     except CodecError:
         return None
     return None if author is None else int(author)

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from modelcast.core.kinds import PEOPLE, Kind
 from modelcast.dashboard.snapshot import AHEAD_S, Host, Snapshot, WarningShown, remotes_of
 from modelcast.node.metrics import Metric
 from modelcast.node.node import Node, NodeState
@@ -107,6 +108,10 @@ def figures_of(node: Node | None, state: NodeState | None, late: Lateness) -> It
         yield Metric(f"modelcast_{kind}_total", "counter", text, own, label)
     around = 0.0 if state is None else float(state.around.vehicle.size)
     yield Metric("modelcast_remotes", "gauge", "Remotes with a live track.", {"": around})
+    kinds = [] if state is None else [Kind(one).name.lower() for one in state.around.kind.tolist()]
+    by_kind = {kind.name.lower(): float(kinds.count(kind.name.lower())) for kind in (Kind.VEHICLE, *PEOPLE)}
+    text = "Remotes with a live track, by the kind of road user that they say they are."
+    yield Metric("modelcast_remotes_by_kind", "gauge", text, by_kind, "kind")
     silent = 1.0 if state is None or state.motion is None else 0.0
     yield Metric("modelcast_silent", "gauge", "1 where the node does not know where it is.", {"": silent})
     yield Metric("modelcast_steps_total", "counter", "Steps taken.", {"": float(late.count)})

@@ -4,14 +4,16 @@ from collections.abc import Sequence
 from typing import final
 
 from modelcast.core.exceptions import CodecError
+from modelcast.messages.belonging import belongs_to, psid_of
 from modelcast.messages.ieee1609 import read_unsecured_head, unsecured_payload
+from modelcast.messages.psids import SAFETY_PSID
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.parameters import SecurityParameters
 from modelcast.messages.security.signed import decode_signed
 from modelcast.messages.security.signer import Signer, SignerState
 from modelcast.messages.security.time64 import since_2004_s
 from modelcast.messages.security.verifier import Outcome, Verifier, VerifierState
-from modelcast.messages.wsmp import encode_wsm
+from modelcast.messages.wsmp import decode_wsm, encode_wsm
 from modelcast.node.envelope import NOT_VERIFIED, AbstractEnvelope, Opened, opened_safety
 
 __all__ = ["Signed"]
@@ -37,6 +39,8 @@ class Signed(AbstractEnvelope):
         UTC at time 0 of the node, since 1970 without leap seconds [s].
     first
         Which of its own signs first. A node draws it: its starts are not known by one certificate.
+    psid
+        The application that the station speaks in.
     required
         Whether what is not verified is refused. Where it is not, unsigned messages are taken and those of
         senders whom nobody vouches for, all counted as not verified; one that is forged is refused all the
@@ -57,6 +61,7 @@ class Signed(AbstractEnvelope):
         *,
         utc_at_zero_s: float,
         first: int = 0,
+        psid: int = SAFETY_PSID,
         required: bool = True,
         parameters: SecurityParameters = _PARAMETERS,
     ) -> None:
@@ -64,20 +69,20 @@ class Signed(AbstractEnvelope):
             raise ValueError("own must hold one at least")
         self._own, self._required = tuple(own), required
         self._at = first % len(self._own)
-        self._attached = SignerState()
+        self._attached, self._psid = SignerState(), psid
         self._zero_s = since_2004_s(utc_at_zero_s)
         self._verifier, self._held = Verifier(tuple(trusted), parameters), VerifierState()
 
     def wrap(self, octets: bytes, *, sent_s: float) -> bytes | None:
         """Return the message signed, with its head; None where no certificate is good now."""
-        t_s = self._zero_s + sent_s
-        if not self._is_good(self._at, t_s) and not self._next_good(t_s):
+        t_s, psid = self._zero_s + sent_s, psid_of(octets, self._psid)
+        if not self._is_good(self._at, t_s, psid) and not self._next_good(t_s, psid):
             return None
         own = self._own[self._at]
         if isinstance(own, Certificate):
             return octets
-        signed, self._attached = own.sign(self._attached, octets, t_s=t_s)
-        return encode_wsm(signed)
+        signed, self._attached = own.sign(self._attached, octets, t_s=t_s, psid=psid)
+        return encode_wsm(signed, psid)
 
     def open(self, frame: bytes, *, received_s: float) -> Opened:
         """Return what is inside where it is verified, or taken unverified; else why not."""
@@ -90,13 +95,17 @@ class Signed(AbstractEnvelope):
             payload = unsecured_payload(message)
         except CodecError:
             return Opened(None, "no data of IEEE 1609.2")
-        return Opened(None, "not signed") if self._required else Opened(payload, NOT_VERIFIED)
+        if self._required:
+            return Opened(None, "not signed")
+        return _unverified(payload, decode_wsm(frame).psid)
 
     def _verified(self, message: bytes, received_s: float) -> Opened:
         """Return what is signed, or why it is refused."""
         told = self._verifier.verify(self._held, message, t_s=self._zero_s + received_s)
         if told.outcome in _STRANGERS and not self._required:
-            return Opened(decode_signed(message).payload, NOT_VERIFIED)
+            return _unverified(decode_signed(message).payload, told.psid)
+        if told.payload is not None and not belongs_to(told.payload, told.psid):
+            return Opened(None, Outcome.NOT_PERMITTED.value)
         return Opened(told.payload, told.outcome.value)
 
     def rename(self) -> None:
@@ -104,15 +113,22 @@ class Signed(AbstractEnvelope):
         self._at = (self._at + 1) % len(self._own)
         self._attached = SignerState()
 
-    def _is_good(self, at: int, t_s: float) -> bool:
+    def _is_good(self, at: int, t_s: float, psid: int) -> bool:
         own = self._own[at]
-        return (own if isinstance(own, Certificate) else own.certificate).is_good_at(t_s)
+        certificate = own if isinstance(own, Certificate) else own.certificate
+        return psid in certificate.psids and certificate.is_good_at(t_s)
 
-    def _next_good(self, t_s: float) -> bool:
-        """Go on to a certificate that is good now, if there is any."""
+    def _next_good(self, t_s: float, psid: int) -> bool:
+        """Go on to a certificate that is good now for an application, if there is any."""
         for step in range(1, len(self._own)):
             at = (self._at + step) % len(self._own)
-            if self._is_good(at, t_s):
+            if self._is_good(at, t_s, psid):
                 self._at, self._attached = at, SignerState()
                 return True
         return False
+
+
+def _unverified(octets: bytes, psid: int) -> Opened:
+    """A message of which nobody knows whose it is, where it belongs to its application."""
+    taken = belongs_to(octets, psid)
+    return Opened(octets, NOT_VERIFIED) if taken else Opened(None, Outcome.NOT_PERMITTED.value)

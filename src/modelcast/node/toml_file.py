@@ -83,7 +83,10 @@ def tables_of(text: str, kind: type[Kind], path: str = "<text>") -> Kind:
             problem = f"{name} must be a table, got {shown(table)}"
             raise DataFormatError(path, problem, row=row, remedy=f"Write [{name}] on a line of its own.")
         values[name] = _table(text, path, name, cast("Mapping[str, Any]", table), tables[name])
-    return kind(**values)
+    try:
+        return kind(**values)
+    except ValueError as error:
+        raise DataFormatError(path, str(error), remedy="Change one of the two.") from error
 
 
 def lines_of(tables: Any) -> list[str]:
@@ -99,7 +102,7 @@ def lines_of(tables: Any) -> list[str]:
     --------
     >>> from modelcast.node.config import NodeConfig
     >>> lines_of(NodeConfig())[:2]
-    ['[vehicle]', 'length_m = 4.6']
+    ['[station]', 'kind = "vehicle"']
     >>> tables_of("\n".join(lines_of(NodeConfig())), NodeConfig) == NodeConfig()
     True
     """

@@ -76,7 +76,7 @@ class Fleet:
     ----------
     sender
         What every station sends, and when: a name of `modelcast.station.sender.sender.SENDERS`, or a
-        `Sender`.
+        `Sender`, which also says of which kind of road user they are.
     slots
         Most vehicles at a time.
     dt_s
@@ -149,6 +149,7 @@ class Fleet:
             self.sender.lanes.identify,
             origin,
             minute_s=minute_s,
+            kind=self.sender.kind,
         )
         own = self.sender.bank
         self._ears = Ears((own,), dt_s=dt_s, calibrations=(calibrations_of(own),)) if ears is None else ears

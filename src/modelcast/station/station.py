@@ -6,18 +6,19 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.geodesy import Origin, geodetic_to_local
+from modelcast.core.kinds import Kind
 from modelcast.station.fleet import Fleet, Sending
 from modelcast.station.receiver.deliveries import Deliveries
 from modelcast.station.receiver.ears import Ears
 from modelcast.station.receiver.local_dynamic_map import Beliefs
-from modelcast.station.sender.sender import Sender
+from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.station.sensing.sensing import NOWHERE
 
 __all__ = ["Station"]
 
 
 class Station:
-    """One vehicle; a fleet of one.
+    """One road user; a fleet of one.
 
     Parameters
     ----------
@@ -31,6 +32,14 @@ class Station:
         Of the plane positions are on.
     seed, minute_s, ears
         As in `Fleet`.
+    kind
+        A vehicle, which speaks basic safety messages, or one of `modelcast.core.kinds.PEOPLE`, who speak
+        personal ones; None for what the `Sender` says.
+
+    Raises
+    ------
+    ValueError
+        Where the kind has no message of its own.
 
     Examples
     --------
@@ -57,11 +66,12 @@ class Station:
         seed: int = 0,
         minute_s: float = 0.0,
         ears: Ears | None = None,
+        kind: Kind | None = None,
     ) -> None:
         self.temporary_id = temporary_id
-        self._fleet = Fleet(
-            sender, slots=1, dt_s=dt_s, origin=origin, seed=seed, minute_s=minute_s, ears=ears
-        )
+        named = named_sender(sender) if isinstance(sender, str) else sender
+        own = named if kind is None else named.of_kind(kind)
+        self._fleet = Fleet(own, slots=1, dt_s=dt_s, origin=origin, seed=seed, minute_s=minute_s, ears=ears)
         self._fleet.admit(temporary_id)
 
     def sense(

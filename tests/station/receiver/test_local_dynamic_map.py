@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from modelcast.channel.frame_radio import copied
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.kinds import Kind
 from modelcast.messages.mbc import ModelUpdate, SubModelIdentification
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel, Windows
@@ -430,7 +431,7 @@ def test_without_the_profile_part_i_coasts_and_is_counted() -> None:
     beliefs = AROUND.believe(state, 12.0)
     np.testing.assert_allclose(beliefs.position_m, [[240.0, 0.0]] * 2, atol=POSITION_M)
     assert beliefs.profile.tolist() == [-1, -1]
-    assert beliefs.user.tolist() == [2, -1]
+    assert beliefs.kind.tolist() == [Kind.CYCLIST, Kind.VEHICLE]
     np.testing.assert_array_equal(beliefs.length_m, [4.5, NAN])
     np.testing.assert_array_equal(beliefs.width_m, [1.8, NAN])
     # An identification of a profile not held tells that the remote is alive.

@@ -1,7 +1,7 @@
 // The figures beside the map. Text is set as text, never as markup.
 
 const LEVELS = ["", "caution", "warning"];
-const KINDS = { fcw: "Forward collision", eebl: "Brake light", ima: "Intersection" };
+const KINDS = { fcw: "Forward collision", eebl: "Brake light", ima: "Intersection", vru: "Vulnerable road user" };
 const EVERY_MS = 200; // figures change no oftener: they are to be read
 const SVG = "http://www.w3.org/2000/svg";
 

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass, replace
 
-from modelcast.messages.security.certificate import SAFETY_PSID, SIGNATURE_OCTETS, Certificate, duration_unit
+from modelcast.messages.psids import SAFETY_PSID
+from modelcast.messages.security.certificate import SIGNATURE_OCTETS, Certificate, duration_unit
 from modelcast.messages.security.p256 import PrivateKey
 
 __all__ = ["Authority"]
@@ -47,7 +48,14 @@ class Authority:
         """
         return cls(key, _signed(key, None, key.public_octets, start_s=start_s, duration_s=duration_s))
 
-    def issue(self, public_key: bytes, *, start_s: int, duration_s: int) -> Certificate:
+    def issue(
+        self,
+        public_key: bytes,
+        *,
+        start_s: int,
+        duration_s: int,
+        psids: tuple[int, ...] = (SAFETY_PSID,),
+    ) -> Certificate:
         """Certificate of a sender's key.
 
         Parameters
@@ -56,6 +64,8 @@ class Authority:
             The sender's, 33 octets.
         start_s, duration_s
             What it is good for, whole seconds since the common instant; inside the authority's own time.
+        psids
+            Applications that it is good for, one at least.
 
         Raises
         ------
@@ -68,11 +78,17 @@ class Authority:
                 f"the authority is good from {own.start_s} s for {own.duration_s} s; "
                 f"{start_s} s for {duration_s} s is not inside"
             )
-        return _signed(self.key, own, public_key, start_s=start_s, duration_s=duration_s)
+        return _signed(self.key, own, public_key, start_s=start_s, duration_s=duration_s, psids=psids)
 
 
 def _signed(
-    key: PrivateKey, issuer: Certificate | None, public_key: bytes, *, start_s: int, duration_s: int
+    key: PrivateKey,
+    issuer: Certificate | None,
+    public_key: bytes,
+    *,
+    start_s: int,
+    duration_s: int,
+    psids: tuple[int, ...] = (),
 ) -> Certificate:
     blank = Certificate(
         b"" if issuer is None else issuer.digest,
@@ -81,6 +97,6 @@ def _signed(
         public_key=public_key,
         signature=bytes(SIGNATURE_OCTETS),
         duration_unit=duration_unit(duration_s),
-        psids=() if issuer is None else (SAFETY_PSID,),
+        psids=psids,
     )
     return replace(blank, signature=key.sign(blank.signed_part(issuer)))

@@ -5,12 +5,12 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Literal, get_args
 
 from modelcast.core.exceptions import CodecError
+from modelcast.messages.psids import SAFETY_PSID
 from modelcast.messages.security.coer import CoerReader, counted, unsigned
 
 __all__ = [
     "DIGEST_OCTETS",
     "KEY_OCTETS",
-    "SAFETY_PSID",
     "SIGNATURE_OCTETS",
     "X_ONLY",
     "Certificate",
@@ -24,8 +24,6 @@ __all__ = [
 DIGEST_OCTETS = 8
 KEY_OCTETS = 33
 SIGNATURE_OCTETS = 64
-SAFETY_PSID = 0x20
-"""Vehicle-to-vehicle safety and awareness, as assigned by IEEE 1609.12."""
 
 X_ONLY = 0x80
 """Tag of a point of which the x coordinate alone is given."""

@@ -12,7 +12,8 @@ from typing import Any, cast, get_args
 
 from modelcast.core.rules import shown
 from modelcast.messages.digits import octets_of_digits
-from modelcast.messages.security.certificate import SAFETY_PSID, X_ONLY, Certificate, DurationUnit
+from modelcast.messages.psids import SAFETY_PSID
+from modelcast.messages.security.certificate import X_ONLY, Certificate, DurationUnit
 from modelcast.messages.security.signed import SignedMessage
 
 __all__ = ["SIGNED_KIND", "signed_document", "signed_of"]

@@ -21,9 +21,9 @@ from dataclasses import KW_ONLY, dataclass
 
 from modelcast.core.exceptions import CodecError
 from modelcast.messages.ieee1609 import encode_unsecured
+from modelcast.messages.psids import SAFETY_PSID
 from modelcast.messages.security.certificate import (
     DIGEST_OCTETS,
-    SAFETY_PSID,
     SIGNATURE_OCTETS,
     X_ONLY,
     Certificate,

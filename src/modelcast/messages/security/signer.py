@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from modelcast.messages.psids import SAFETY_PSID
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.p256 import PrivateKey
 from modelcast.messages.security.parameters import DEFAULT_PARAMETERS, SecurityParameters
@@ -63,7 +64,9 @@ class Signer:
         if self.certificate.public_key != self.key.public_octets:
             raise ValueError("the certificate is of another key than the one given")
 
-    def sign(self, state: SignerState, payload: bytes, *, t_s: float) -> tuple[bytes, SignerState]:
+    def sign(
+        self, state: SignerState, payload: bytes, *, t_s: float, psid: int = SAFETY_PSID
+    ) -> tuple[bytes, SignerState]:
         """Octets of the signed message, and the new state.
 
         Parameters
@@ -74,6 +77,8 @@ class Signer:
             1 to 2,304 octets less what goes round them.
         t_s
             Now, since the common instant [s].
+        psid
+            The application; whether the certificate is good for it is for receivers to judge.
 
         Raises
         ------
@@ -88,7 +93,7 @@ class Signer:
             )
         last_us = state.attached_us
         due = last_us is None or now_us - last_us > round(self.parameters.certificate_interval_s * SECONDS)
-        signature = self.key.sign(signed_part(now_us, payload, self.certificate))
+        signature = self.key.sign(signed_part(now_us, payload, self.certificate, psid=psid))
         signer = self.certificate if due else self.certificate.digest
-        message = SignedMessage(now_us, payload, signer, signature)
+        message = SignedMessage(now_us, payload, signer, signature, psid=psid)
         return message.octets, SignerState(now_us) if due else state

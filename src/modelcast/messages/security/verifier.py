@@ -5,6 +5,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from enum import Enum
 from types import MappingProxyType
 
+from modelcast.messages.psids import SAFETY_PSID
 from modelcast.messages.security.certificate import Certificate
 from modelcast.messages.security.p256 import PublicKey
 from modelcast.messages.security.parameters import DEFAULT_PARAMETERS, SecurityParameters
@@ -44,6 +45,8 @@ class Verification:
         When it says it was signed, since the common instant [s].
     payload
         What was signed; None unless accepted.
+    psid
+        The application that it was signed for; proved only where accepted.
     """
 
     outcome: Outcome
@@ -51,6 +54,7 @@ class Verification:
     _: KW_ONLY
     generation_s: float
     payload: bytes | None = None
+    psid: int = SAFETY_PSID
 
 
 @dataclass(slots=True)
@@ -136,7 +140,7 @@ class Verifier:
                 outcome = self._judge(state, message, sender, now_us)
         payload = message.payload if outcome is Outcome.ACCEPTED else None
         when_s = message.generation_us / SECONDS
-        return Verification(outcome, message.digest, generation_s=when_s, payload=payload)
+        return Verification(outcome, message.digest, generation_s=when_s, payload=payload, psid=message.psid)
 
     def _timely(self, message: SignedMessage, now_us: int) -> Outcome | None:
         if message.generation_us > now_us + round(self.parameters.max_ahead_s * SECONDS):

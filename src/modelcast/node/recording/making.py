@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 from modelcast.core.exceptions import CodecError, DataFormatError
 from modelcast.core.geodesy import Origin
 from modelcast.core.version import package_version
+from modelcast.messages.belonging import psid_of_kind
 from modelcast.messages.security.certificate import Certificate
-from modelcast.node.config import NodeConfig, Security
+from modelcast.node.config import NodeConfig
 from modelcast.node.envelope import AbstractEnvelope, Unsecured
 from modelcast.node.recording.about import About
 from modelcast.node.toml_file import lines_of, tables_of
@@ -56,15 +57,15 @@ def about_node(
     )
 
 
-def envelope_again(about: About, security: Security, path: str) -> AbstractEnvelope:
+def envelope_again(about: About, config: NodeConfig, path: str) -> AbstractEnvelope:
     """What went round messages, without the keys: it verifies as it did, and signs nothing.
 
     Parameters
     ----------
     about
         What was recorded.
-    security
-        Table of its configuration.
+    config
+        Its configuration.
     path
         How errors name the recording.
 
@@ -73,8 +74,9 @@ def envelope_again(about: About, security: Security, path: str) -> AbstractEnvel
     DataFormatError
         Where its certificates are none.
     """
+    security, psid = config.security, psid_of_kind(config.station.speaks)
     if security.mode == "none":
-        return Unsecured()
+        return Unsecured(psid)
     from modelcast.node.signed import Signed  # noqa: PLC0415 - the extra is needed here
 
     try:
@@ -84,6 +86,7 @@ def envelope_again(about: About, security: Security, path: str) -> AbstractEnvel
             own,
             utc_at_zero_s=about.utc_at_zero_s,
             first=about.names_seed,
+            psid=psid,
             required=security.required,
         )
     except (CodecError, ValueError) as error:

@@ -114,7 +114,7 @@ def replay_recording(
                 f"its bank {config.sending.bank!r} had the number {about.profile}, and has {profile} now",
                 remedy="Replay it where bank and profile are what they were.",
             )
-        course = _Course(config, sender, about, envelope_again(about, config.security, str(path)))
+        course = _Course(config, sender, about, envelope_again(about, config, str(path)))
         difference = ""
         for message in reader.messages():
             difference = course.take(reader, message)

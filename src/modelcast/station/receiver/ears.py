@@ -1,5 +1,8 @@
 """From octets to the local dynamic map: what a station makes of whatever arrives.
 
+Basic safety messages are those of vehicles, personal ones say which kind of person sent them. A plain one of
+a person is coasted at constant velocity, whatever plain messages of vehicles are coasted by.
+
 Nothing in the octets is trusted. What is no message is counted as malformed; a model of a profile that is not
 held is left aside, and Part I alone is used.
 """
@@ -15,6 +18,7 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import CodecError
 from modelcast.core.geodesy import Origin, frame_constants
 from modelcast.core.geodesy_kernels import places_of
+from modelcast.core.kinds import PEOPLE
 from modelcast.messages.bsm_batch import values_of_codes
 from modelcast.messages.bsm_fields import CORE_INDEX
 from modelcast.messages.field_columns import OctetArray
@@ -63,22 +67,22 @@ class Ears:
 
     @cached_property
     def map(self) -> LocalDynamicMap:
-        """The map, for banks in the forms that messages carry."""
+        """The map, for banks in the forms that messages carry; behind them people's plain messages' own."""
         carried = tuple(bank.carried().complete() for bank in self.profiles)
         return LocalDynamicMap(
-            carried,
+            (*carried, BASELINE_BANK),
             self.expiry_s,
             self.plausibility,
             capacity=self.capacity,
             dt_s=self.dt_s,
-            calibrations=self.calibrations,
+            calibrations=(*self.calibrations, {}) if self.calibrations else (),
         )
 
     @cached_property
     def _codecs(self) -> tuple[StationCodec, ...]:
         return tuple(
             StationCodec.of(carried, profile_number_of(bank), "never")
-            for carried, bank in zip(self.map.profiles, self.profiles, strict=True)
+            for carried, bank in zip(self.map.profiles[:-1], self.profiles, strict=True)
         )
 
     def init(self) -> MapState:
@@ -154,7 +158,7 @@ class Ears:
     def _updates(
         self, frames: OctetArray, lengths: IntArray, arrived_s: FloatArray, *, origin: Origin, minute_s: float
     ) -> tuple[IntArray, Heard]:
-        """Read basic safety messages with the first profile that knows each; gives the rows that are some."""
+        """Read safety messages with the first profile that knows each; gives the rows that are some."""
         profile = np.full(lengths.size, _NOTHING)
         parameters = np.full((lengths.size, self._widest), np.nan)
         in_use = np.zeros(lengths.size, dtype=np.int64)
@@ -171,10 +175,13 @@ class Ears:
         fine = (read.reading != UpdateReading.FAULTY) & (read.reading != UpdateReading.INCOMPLETE)
         position_m = np.empty((lengths.size, 2))
         places_of(frame_constants(origin), np.ascontiguousarray(read.rows.place), position_m)
+        plain = np.isin(read.kind, PEOPLE) & (profile == _NOTHING)
+        profile[plain] = len(self._codecs)
         values = values_of_codes(read.core)
+        speed, heading = values[plain, CORE_INDEX["speed_mps"]], values[plain, CORE_INDEX["heading_rad"]]
+        parameters[plain, :2] = np.stack([speed * np.sin(heading), speed * np.cos(heading)], axis=1)
         motion = {name: values[fine, CORE_INDEX[name]] for name in _MOTION}
         kind = np.where(profile == _NOTHING, HeardKind.PLAIN, HeardKind.UPDATE)
-        count = int(fine.sum())
         return np.flatnonzero(fine), Heard(
             kind[fine].astype(np.int64),
             read.rows.vehicle[fine],
@@ -191,7 +198,7 @@ class Ears:
             parameters=parameters[fine],
             length_m=motion["length_m"],
             width_m=motion["width_m"],
-            user=np.full(count, _NOTHING),
+            user=read.kind[fine],
         )
 
     def _identifications(

@@ -53,7 +53,7 @@ class Heard:
     length_m, width_m
         Size of the sender, NaN where unknown, (K,) [m].
     user
-        Kind of road user, a number of the caller's, -1 where unknown, (K,).
+        Kind of road user, values of `modelcast.core.kinds.Kind`, -1 where unknown, (K,).
 
     Raises
     ------

@@ -13,6 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
+from modelcast.core.kinds import Kind
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.calibration import Calibration
@@ -146,8 +147,8 @@ class Beliefs:
         Sub-model that predicts, of which profile held; profile -1 is Part I alone, (N,).
     length_m, width_m
         NaN where unknown, (N,) [m].
-    user
-        Kind of road user as heard, (N,).
+    kind
+        Of road user as heard, values of `modelcast.core.kinds.Kind`; who did not say is a vehicle, (N,).
     """
 
     vehicle: IntArray
@@ -165,7 +166,7 @@ class Beliefs:
     profile: IntArray
     length_m: FloatArray
     width_m: FloatArray
-    user: IntArray
+    kind: IntArray
 
 
 @dataclass(frozen=True)
@@ -387,7 +388,7 @@ class LocalDynamicMap:
             profile=profile,
             length_m=told[:, slot_kernels.TOLD_LENGTH],
             width_m=told[:, slot_kernels.TOLD_WIDTH],
-            user=facts[:, slot_kernels.FACT_USER],
+            kind=np.maximum(facts[:, slot_kernels.FACT_USER], Kind.VEHICLE),
         )
 
     @cached_property

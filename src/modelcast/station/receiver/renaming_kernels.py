@@ -14,6 +14,7 @@ from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntMatrix, IntVector
 from modelcast.station.receiver.heard_kernels import EAST, NORTH, RECEIVED, STATED, VEHICLE
 from modelcast.station.receiver.slot_kernels import (
+    FACT_USER,
     FACT_VEHICLE,
     TOLD_EAST,
     TOLD_NORTH,
@@ -63,6 +64,8 @@ def _distance_m(
 ) -> float:
     """How far a new id in slot ``fresh`` is from where a track is predicted; infinite where they disagree."""
     held, told = slots.held[slot], slots.told[slot]
+    if slots.facts[slot, FACT_USER] != slots.facts[fresh, FACT_USER]:
+        return np.inf  # of another kind of road user
     age_s, silent_s = number[STATED] - held[HELD_FIT_S], number[RECEIVED] - held[HELD_RECEIVED_S]
     if not (is_live(held, number[RECEIVED], expiry_s) and silent_s >= SILENT_S and 0.0 <= age_s <= OLDEST_S):
         return np.inf

@@ -7,6 +7,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.geodesy import Origin, frame_constants
 from modelcast.core.geodesy_kernels import state_places
+from modelcast.core.kinds import Kind
 from modelcast.messages.bsm_fields import CORE_FIELDS, CORE_INDEX
 from modelcast.messages.station_codec import IdentificationRows, StationCodec, UpdateRows
 from modelcast.models.bank import Bank
@@ -131,7 +132,14 @@ class StationOctets:
 
     @classmethod
     def of(
-        cls, bank: Bank, number: int, identify: str, origin: Origin, *, minute_s: float = 0.0
+        cls,
+        bank: Bank,
+        number: int,
+        identify: str,
+        origin: Origin,
+        *,
+        minute_s: float = 0.0,
+        kind: Kind = Kind.VEHICLE,
     ) -> "StationOctets":
         """Return the writer of a bank's messages.
 
@@ -145,8 +153,10 @@ class StationOctets:
             The policy's rule.
         origin, minute_s
             As in `StationOctets`.
+        kind
+            Of the stations.
         """
-        return cls(StationCodec.of(bank, number, identify), origin, minute_s)
+        return cls(StationCodec.of(bank, number, identify, kind=kind), origin, minute_s)
 
     def encode(self, messages: SentMessages) -> list[bytes]:
         """Octets of messages, one frame each.

@@ -23,6 +23,7 @@ from math import inf
 from typing import Any
 
 from modelcast.core.arrays import IntArray
+from modelcast.core.kinds import Kind
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc_profile import carries_all, plain_members
 from modelcast.messages.sizes import SizeModel
@@ -118,7 +119,7 @@ class Sender:
     stack
         What goes round the payload on the air.
     sizes
-        Bytes of the payload.
+        Bytes of the payload, and the kind of road user that sends.
     power_dbm
         Transmit power where the policy leaves it open [dBm].
     jitter_s
@@ -198,7 +199,32 @@ class Sender:
     @property
     def plain(self) -> tuple[bool, ...]:
         """Sub-models with which a message is a plain one."""
-        return plain_members(self.bank.complete(), self.lanes.identify)
+        return plain_members(self.bank.complete(), self.lanes.identify, self.kind)
+
+    @property
+    def kind(self) -> Kind:
+        """Kind of road user that sends: a vehicle basic safety messages, a person personal ones."""
+        return self.sizes.kind
+
+    def of_kind(self, kind: Kind) -> "Sender":
+        """The same rule and bank for another kind of road user.
+
+        Parameters
+        ----------
+        kind
+            A vehicle, or one of `modelcast.core.kinds.PEOPLE`.
+
+        Raises
+        ------
+        ValueError
+            Where the kind has no message of its own.
+
+        Examples
+        --------
+        >>> named_sender("baseline").of_kind(Kind.CYCLIST).update_bytes.tolist()
+        [29]
+        """
+        return replace(self, sizes=replace(self.sizes, kind=kind))
 
     @property
     def longest_silence_s(self) -> float:

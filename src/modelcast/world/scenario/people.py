@@ -1,34 +1,15 @@
 """Who walks and who rides: a population of pedestrians and cyclists, and one draw of it."""
 
-from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
-from types import MappingProxyType
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
-from modelcast.core.kinds import Kind
+from modelcast.core.kinds import CYCLIST_M, PEDESTRIAN_M, SIZES_M
 from modelcast.world.scenario.bounds import check_positive, check_range
 from modelcast.world.scenario.drivers import Drivers
 
 __all__ = ["CYCLIST_M", "PEDESTRIAN_M", "RIDERS", "SIZES_M", "Pedestrians"]
-
-PEDESTRIAN_M = (0.6, 0.5)
-"""Length, along the stride, and width of a pedestrian [m]: about an adult test target in mid-stride."""
-
-CYCLIST_M = (1.9, 0.6)
-"""Length and width of a cyclist [m]: about a bicyclist test target, 1.9 m, with its handlebar."""
-
-SIZES_M: Mapping[Kind, tuple[float, float]] = MappingProxyType(
-    {
-        Kind.VEHICLE: (4.5, 1.8),
-        Kind.PEDESTRIAN: PEDESTRIAN_M,
-        Kind.CYCLIST: CYCLIST_M,
-        Kind.ROAD_WORKER: PEDESTRIAN_M,
-        Kind.ROADSIDE: (0.3, 0.3),
-    }
-)
-"""Length and width of each kind where nothing else is known [m]."""
 
 _DEVIATIONS = 2.5
 

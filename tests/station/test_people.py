@@ -1,0 +1,87 @@
+"""People as stations: they speak personal safety messages, and hosts know them for what they are."""
+
+import numpy as np
+import pytest
+
+from modelcast.apps.around import believed_motions
+from modelcast.core.kinds import PEOPLE, SIZES_M, Kind
+from modelcast.messages.psm_fields import PERSONAL_SAFETY_MESSAGE
+from modelcast.models.bank import Bank
+from modelcast.models.kinematic import ConstantTurnRateAcceleration
+from modelcast.station.receiver.ears import Ears
+from modelcast.station.sender.sender import Sender, named_sender
+from modelcast.station.station import Station
+
+EASTWARDS = np.pi / 2
+WIDE = Ears((Bank((ConstantTurnRateAcceleration(),)),))
+"""A host that coasts plain messages of vehicles by turn and acceleration."""
+
+
+def met(sender: str | Sender, kind: Kind, host: Station, *, until_s: float = 3.0) -> list[bytes]:
+    """Messages of who goes east at 4 m/s and gains speed; the host hears them all."""
+    station, said = Station(sender, temporary_id=1, kind=kind), list[bytes]()
+    for step in range(round(until_s / 0.1)):
+        t_s = 0.1 * step
+        for one in station.sense(
+            t_s,
+            (4.0 * t_s + 0.25 * t_s**2, 0.0),
+            speed_mps=4.0 + 0.5 * t_s,
+            heading_rad=EASTWARDS,
+            acceleration_mps2=0.5,
+            yaw_rate_radps=0.0,
+        ):
+            said.append(one.octets)
+            host.hear([one.octets], received_s=[one.send_s])
+    return said
+
+
+@pytest.mark.parametrize("kind", [Kind.VEHICLE, *PEOPLE])
+@pytest.mark.parametrize("sender", ["baseline", "mbc", "bsm-10hz"])
+def test_a_host_knows_the_kind_of_each_remote(sender: str, kind: Kind) -> None:
+    host = Station("mbc", temporary_id=2)
+    said = met(sender, kind, host)
+    ids = {int.from_bytes(one[:2], "big") for one in said}
+    assert (PERSONAL_SAFETY_MESSAGE in ids) is (kind in PEOPLE)
+    around = host.believe(3.0)
+    assert around.kind.tolist() == [kind]
+    assert around.position_m[0, 0] == pytest.approx(4.0 * 3.0 + 0.25 * 9.0, abs=0.4)
+    motions = believed_motions(around)
+    assert (motions.length_m[0], motions.width_m[0]) == SIZES_M[kind]
+    assert motions.kind is not None
+    assert motions.kind.tolist() == [kind]
+
+
+def test_plain_messages_of_people_are_coasted_at_constant_velocity_by_everybody() -> None:
+    """Whatever plain messages of vehicles are coasted by: the sender and its host hold the same."""
+    believed = dict[Kind, float]()
+    for kind in (Kind.VEHICLE, Kind.PEDESTRIAN):
+        host = Station("mbc", temporary_id=2, ears=WIDE)
+        met("bsm-10hz", kind, host)
+        believed[kind] = float(host.believe(3.9).position_m[0, 0])
+    held_m, held_mps = 4.0 * 2.9 + 0.25 * 2.9**2, 4.0 + 0.5 * 2.9
+    assert believed[Kind.PEDESTRIAN] == pytest.approx(held_m + held_mps * 1.0, abs=0.03)
+    assert believed[Kind.VEHICLE] == pytest.approx(held_m + held_mps * 1.0 + 0.25, abs=0.05)
+
+
+def test_messages_of_people_are_smaller_by_what_people_have_not() -> None:
+    """Plain 29 octets for 40; of the sender's rule the frame on the air follows."""
+    sizes = {kind: named_sender("baseline").of_kind(kind).update_bytes.tolist() for kind in Kind if kind < 4}
+    assert sizes == {Kind.VEHICLE: [40], **{kind: [29] for kind in PEOPLE}}
+
+
+def test_who_renames_stays_of_its_kind() -> None:
+    """A person's new id beside a silent vehicle's track does not end it, a vehicle's does."""
+    for kind, left in ((Kind.VEHICLE, [3]), (Kind.CYCLIST, [1, 3])):
+        host = Station("mbc", temporary_id=2)
+        met("bsm-10hz", Kind.VEHICLE, host, until_s=1.0)
+        other = Station("bsm-10hz", temporary_id=3, kind=kind)
+        for t_s in (1.0, 1.1):
+            place = (4.0 * t_s + 0.25 * t_s**2, 0.0)
+            for one in other.sense(t_s, place, speed_mps=4.0 + 0.5 * t_s, heading_rad=EASTWARDS):
+                host.hear([one.octets], received_s=[one.send_s])
+        assert host.believe(1.2).vehicle.tolist() == left
+
+
+def test_a_roadside_unit_states_no_motion() -> None:
+    with pytest.raises(ValueError, match="states its motion"):
+        Station("mbc", kind=Kind.ROADSIDE)
