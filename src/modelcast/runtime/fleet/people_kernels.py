@@ -1,0 +1,102 @@
+"""Compiled rules of whom people track, and who tracks people."""
+
+from math import sqrt
+
+from modelcast.channel.cells_kernels import Cells, cell_span, row_span
+from modelcast.core.kernel import kernel
+from modelcast.core.kernel_types import BoolVector, FloatCube, FloatMatrix, IntVector
+from modelcast.station.sender.message_arrays import (
+    CONTENT_EAST_M,
+    CONTENT_NORTH_M,
+    MESSAGES_KEPT,
+    SENDER_BITS,
+)
+
+__all__ = ["FATES", "READ", "TOO_FAR", "UNREAD", "count_with_people", "find_fates"]
+
+READ, UNREAD, TOO_FAR, FATES = range(4)
+"""What becomes of a reception: it is read, its sender is nobody that the host keeps, the place that it states
+is beyond reach; their number."""
+
+KEEP_VEHICLES, KEEP_ALL, KEEP_NOBODY = range(3)
+"""Of whom people keep a map, as `people.Keeps` lists them."""
+
+
+@kernel(inlined=True)
+def _keeps(host_is_person: bool, remote_is_person: bool, keeps: int) -> bool:
+    """Whether a host keeps a remote in its map."""
+    if not host_is_person:
+        return True
+    return keeps == KEEP_ALL or (keeps == KEEP_VEHICLES and not remote_is_person)
+
+
+@kernel
+def find_fates(
+    message_id: IntVector,
+    receiver: IntVector,
+    person: BoolVector,
+    keeps: int,
+    seen_m: FloatMatrix,
+    rows: FloatCube,
+    reach_m: float,
+    fate: IntVector,
+) -> None:
+    """Write what becomes of every reception, ``fate`` (R,).
+
+    ``person`` (V,) says who is one, ``seen_m`` (V, 2) where hosts take themselves to be, ``rows`` what
+    messages say. Who wrote a message counts, not who repeated it.
+    """
+    for k in range(message_id.size):
+        host, sender = receiver[k], message_id[k] & ((1 << SENDER_BITS) - 1)
+        fate[k] = READ
+        if not (person[host] or person[sender]):
+            continue
+        if not _keeps(person[host], person[sender], keeps):
+            fate[k] = UNREAD
+            continue
+        ring = (message_id[k] >> SENDER_BITS) % MESSAGES_KEPT
+        east = rows[sender, ring, CONTENT_EAST_M] - seen_m[host, 0]
+        north = rows[sender, ring, CONTENT_NORTH_M] - seen_m[host, 1]
+        if east * east + north * north > reach_m * reach_m:
+            fate[k] = TOO_FAR
+
+
+@kernel
+def count_with_people(
+    cells: Cells,
+    part: tuple[int, int],
+    person: BoolVector,
+    keeps: int,
+    reach_m: float,
+    distance_bin_m: float,
+    counted: BoolVector,
+    pairs: IntVector,
+) -> None:
+    """Count one part of the pairs of host and remote of which one or both are people, ``pairs`` (distances,).
+
+    ``part`` is its number and how many there are; ``counted`` (V,) whose pairs as hosts count. Pairs farther
+    apart than the reach, or than the bins, are not counted.
+    """
+    present, bins = cells.order.size, pairs.size
+    most_m = min(reach_m, distance_bin_m * bins)
+    for k in range(present * part[0] // part[1], present * (part[0] + 1) // part[1]):
+        one = cells.order[k]
+        if not person[one]:
+            continue
+        east, north = cells.place[k, 0], cells.place[k, 1]
+        left, right, row_from, row_to = cell_span(cells, east, north, most_m)
+        for row in range(row_from, row_to + 1):
+            low, high = row_span(cells, row, left, right)
+            for n in range(low, high):
+                other = cells.order[n]
+                a, b = cells.place[n, 0] - east, cells.place[n, 1] - north
+                square = a * a + b * b
+                if other == one or square > most_m * most_m:
+                    continue
+                distance = int(sqrt(square) / distance_bin_m)
+                if distance >= bins:
+                    continue
+                if _keeps(True, person[other], keeps):
+                    pairs[distance] += int(counted[one])
+                if not person[other]:
+                    pairs[distance] += int(counted[other])
