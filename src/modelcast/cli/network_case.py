@@ -1,5 +1,6 @@
 """One run of ``modelcast network``: which traffic, which radio, which sender; what a worker process does."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from modelcast.cli.banks import profile_in_use
@@ -10,14 +11,16 @@ from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.fcd_survey import FcdSurvey
 from modelcast.runtime.fleet.engine import run_network
+from modelcast.runtime.fleet.people import People
 from modelcast.station.banks import free_bank
 from modelcast.station.receiver.reading import Reading
 from modelcast.station.sender.sender import MODEL_SENDERS, Sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.study.network.measure import measure
 from modelcast.study.network.mixed import measure_mixed, mixed_of
+from modelcast.study.network.people import measure_people
 from modelcast.study.network.roadside import measure_roadside
-from modelcast.study.network.rows import CaseResult, NetworkCase
+from modelcast.study.network.rows import NO_BANK, CaseResult, NetworkCase
 from modelcast.study.network.warned import measure_warnings
 from modelcast.study.safety.fleet import SafetyObserver
 from modelcast.study.safety.fleet_score import score_pairings
@@ -99,6 +102,7 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
         senders = [_sender(plan, case, one, filter_for(model)) for one in mixed.senders]
         free = free_bank(profile_in_use(plan.profile))
         who = mixed.mix(senders, free) if mixed.is_mixed else senders[0]
+        devices = _devices(plan, case, filter_for(model))
         radio, bin_m = _radio(plan, case.radio)
         seed = int(child_generator(plan.seed, case.run, "loop").integers(2**31))
         with traffic(plan, case, found) as frames:
@@ -113,12 +117,16 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
                 threads=plan.threads,
                 observer=observer,
                 roadside=None if plan.roadside is None else plan.roadside.units(),
+                people=None if devices is None else devices[1],
             )
     except ValueError as error:
         raise ConfigError(str(error)) from error
     result = measure(run, case, plan.settings, outcome_bin_m=bin_m)
     if run.roadside is not None and plan.roadside is not None:
         result = measure_roadside(result, run.roadside, len(plan.roadside.places_m), plan.settings)
+    if run.people is not None and devices is not None:
+        counted_s = plan.settings.dt_s * int(run.series.shape[0] - round(plan.warm_up_s / plan.settings.dt_s))
+        result = measure_people(result, run.people, devices[0], counted_s)
     if mixed.is_mixed:
         result = measure_mixed(result, run, mixed, plan.settings, plan.receivers_ratios)
     if observer is None:
@@ -144,3 +152,16 @@ def _sender(plan: NetworkPlan, case: NetworkCase, policy: str, motion: MotionFil
     """The sender of one policy of a case."""
     named = named_banks(plan).get(case.bank) if policy in MODEL_SENDERS else None
     return sender_of(plan, policy, case.bank, threshold_m=case.threshold_m, named=named, motion=motion)
+
+
+def _devices(plan: NetworkPlan, case: NetworkCase, motion: MotionFilter) -> tuple[str, People] | None:
+    """What the devices of people do, and by which policy; None where there are none."""
+    people = plan.people
+    if people is None:
+        return None
+    policy = people.policy or case.policy
+    bank = case.bank if case.bank != NO_BANK else next(iter(plan.bank_texts))
+    if people.keep_alive_s is not None:
+        plan = replace(plan, keep_alive_s=people.keep_alive_s)
+    sender = _sender(plan, replace(case, bank=bank), policy, motion)
+    return policy, people.devices(sender)

@@ -51,7 +51,7 @@ def find_fates(
         fate[k] = READ
         if not (person[host] or person[sender]):
             continue
-        if not _keeps(person[host], person[sender], keeps):
+        if not _keeps(bool(person[host]), bool(person[sender]), keeps):
             fate[k] = UNREAD
             continue
         ring = (message_id[k] >> SENDER_BITS) % MESSAGES_KEPT
@@ -96,7 +96,7 @@ def count_with_people(
                 distance = int(sqrt(square) / distance_bin_m)
                 if distance >= bins:
                     continue
-                if _keeps(True, person[other], keeps):
+                if _keeps(True, bool(person[other]), keeps):
                     pairs[distance] += int(counted[one])
                 if not person[other]:
                     pairs[distance] += int(counted[other])
