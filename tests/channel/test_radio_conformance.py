@@ -57,7 +57,7 @@ class FrameCase(Case):
 
 
 def dsrc() -> FrameCase:
-    radio = Dsrc(DsrcParameters(bins=40))
+    radio = Dsrc(DsrcParameters(bins=40, weak_margin_db=10.0))  # as for all, so that gain is gain
 
     def clear(sensitivity_dbm: float) -> Dsrc:
         return Dsrc(DsrcParameters(sensitivity_dbm=sensitivity_dbm), CLEAR, ThresholdErrorModel(6.0))

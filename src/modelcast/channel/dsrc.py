@@ -156,6 +156,7 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             energy_mw=power_ratio(p.energy_dbm),
             load_mw=power_ratio(p.load_dbm),
             quiet_mw=power_ratio(p.noise_dbm - p.margin_db),
+            weak_quiet_mw=power_ratio(p.noise_dbm - p.weak_margin_db),
             gain_db=2.0 * p.antenna_gain_db,
             range_m=range_m,
             bin_m=p.bin_m,

@@ -95,7 +95,9 @@ def find_reach(
             sent_ln = _sent_ln(dbm, constants) + antennas.gain_ln[v]
             for to_weak in range(2):
                 heard_ln = sent_ln + antennas.weak_ln * to_weak
-                reach_m = heard_within_m(heard_ln, tables, constants.quiet_mw, constants.range_m)
+                is_weak = to_weak == 1 or antennas.weak[v]
+                quiet_mw = constants.weak_quiet_mw if is_weak else constants.quiet_mw
+                reach_m = heard_within_m(heard_ln, tables, quiet_mw, constants.range_m)
                 reach_m2[v, to_weak] = max(reach_m2[v, to_weak], reach_m * reach_m)
     return reach_m2
 

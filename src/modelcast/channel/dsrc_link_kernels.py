@@ -172,8 +172,9 @@ def find_near(
     """
     east, north = position_m[v, 0], position_m[v, 1]
     counted_m = 0.0 if antennas.weak[v] else min(constants.bins * constants.bin_m, constants.range_m)
-    most_m = max(heard_within_m(sent_ln, tables, constants.quiet_mw, constants.range_m), counted_m)
-    weak_m = heard_within_m(sent_ln + antennas.weak_ln, tables, constants.quiet_mw, constants.range_m)
+    quiet_mw = constants.weak_quiet_mw if antennas.weak[v] else constants.quiet_mw
+    most_m = max(heard_within_m(sent_ln, tables, quiet_mw, constants.range_m), counted_m)
+    weak_m = heard_within_m(sent_ln + antennas.weak_ln, tables, constants.weak_quiet_mw, constants.range_m)
     most_m2, weak_m2 = most_m * most_m, weak_m * weak_m
     left, right, row_from, row_to = cell_span(cells, east, north, most_m)
     open_ground, work, count = tables.nlos_kind == 0 and tables.raised == 0, near.work, 0
