@@ -1,12 +1,13 @@
 """What people cost in the closed loop: 1,000 vehicles alone, and with 1,000 people beside them.
 
 A grid of 8 x 8 junctions, 45 vehicles a kilometre, 700 pedestrians and 300 cyclists; IEEE 802.11p with
-buildings. Every person is a station in all arms: it moves, measures, decides, sends, contends, disturbs, receives and
-tracks. In the arms of phones, as ``network --pedestrians`` has them, an antenna is 9.9 dB weaker than a
-vehicle's (1.2 m high, 3 dB less gain), people keep a map of vehicles and pass over people unread, and nobody
-tracks over more than 150 m where one is a person. Links of phones whose median is 3 dB below the noise are
-left out, those of vehicles at 10 dB. Processor times, the traffic apart, best of the turns that arms take; the
-aim is 1.6 times the cost, for phones whose errors call for messages. ``people_loop.py [POLICY]``
+buildings. Every person is a station in all arms: it moves, measures, decides, sends, contends, disturbs,
+receives and tracks. In the arms of phones, as ``network --pedestrians`` has them, an antenna is 9.9 dB
+weaker than a vehicle's (1.2 m high, 3 dB less gain), people keep a map of vehicles and pass over people
+unread, and nobody tracks over more than 150 m where one is a person. Links of phones whose median is 3 dB
+below the noise are left out, those of vehicles at 10 dB. Processor times, the traffic apart, best of the
+turns that arms take; the aim is 1.6 times the cost, for phones whose errors call for messages.
+``people_loop.py [POLICY]``
 """
 
 import sys

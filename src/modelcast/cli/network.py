@@ -26,6 +26,7 @@ def network(
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
     roadside: RoadsideOptions = RoadsideOptions(),  # noqa: B008 - frozen
     people: PeopleOptions = PeopleOptions(),  # noqa: B008 - frozen
+    film: bool = False,
     out: Path = Path("out/network"),
     jobs: int = 0,
     json: bool = False,
@@ -62,6 +63,10 @@ def network(
         Fixed stations beside them.
     people
         What the devices of pedestrians and cyclists do.
+    film
+        Film a meeting of the first run: somebody comes from behind a building, and what the host of a vehicle
+        believes of them; with --roadside without the units and with them. Writes film.png, film.svg and
+        film.parquet.
     out
         Output folder.
     jobs
@@ -95,6 +100,7 @@ def network(
         senders=sender_rows(plan, dict.fromkeys(policy)),
         found=survey(plan),
         against=rival_of(options.against, cases),
+        film=film,
     )
     swept = sweep(
         asked,
