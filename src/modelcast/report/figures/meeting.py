@@ -85,10 +85,12 @@ def _draw(axes: Axes, seen: Seen, at: int, streets: StreetGrid, window: tuple[Fl
         corner = np.array([east, north]) * street_m
         far = np.array([east, north]) * half_m
         low, size = np.minimum(corner, far), np.abs(far - corner)
-        axes.add_patch(Rectangle(low, size[0], size[1], facecolor=_BUILDING, edgecolor="none"))
+        axes.add_patch(
+            Rectangle((float(low[0]), float(low[1])), size[0], size[1], facecolor=_BUILDING, edgecolor="none")
+        )
     for place, size_m, colour in (
         (seen.vehicle[at], _known(seen.sizes_m[0]), INK),
-        (seen.person[at], tuple(_LARGER * one for one in _known(seen.sizes_m[1])), _PERSON),
+        (seen.person[at], _known(_LARGER * seen.sizes_m[1]), _PERSON),
     ):
         turned_rad = 0.5 * np.pi - place[2]
         draw_box(axes, place[:2] - middle_m, turned_rad, size_m=size_m, colour=colour, filled=True)

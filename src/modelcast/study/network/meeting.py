@@ -150,7 +150,12 @@ def hidden_meeting(
                         sight_s=sight_s,
                     )
                 )
-    return min(found, key=lambda one: (one.kind != Kind.CYCLIST, one.sight_s, one.nearest_m), default=None)
+    return min(found, key=_rank, default=None)
+
+
+def _rank(meeting: Meeting) -> tuple[bool, float, float]:
+    """The least comes first."""
+    return meeting.kind != Kind.CYCLIST, meeting.sight_s, meeting.nearest_m
 
 
 def _sight_s(
