@@ -13,28 +13,9 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.sender.sender import named_sender
 
-CROSSING = [
-    "network",
-    "--scenario",
-    "crossing",
-    "--blocks",
-    "2",
-    "--density",
-    "25",
-    "--pedestrians",
-    "6",
-    "--cyclists",
-    "6",
-    "--duration",
-    "3",
-    "--warm-up",
-    "1",
-    "--seeds",
-    "1",
-    "--jobs",
-    "1",
-    "--quiet",
-]
+CROSSING = ["network", "--scenario", "crossing", "--blocks", "2", "--density", "25", "--pedestrians", "6",
+            "--cyclists", "6", "--duration", "3", "--warm-up", "1", "--seeds", "1", "--jobs", "1",
+            "--quiet"]  # fmt: skip
 
 
 def asked(**changed: object) -> PeoplePlan:
@@ -71,8 +52,8 @@ def test_sumo_persons_are_on_the_air(tmp_path: Path) -> None:
                 f'speed="8.00" pos="{8.0 * t_s:.2f}" lane="e_0" slope="0.00"/>'
             ),
             (
-                f'    <person id="ped0" x="30.00" y="{-8.0 + 1.3 * t_s:.2f}" angle="0.00" type="DEFAULT_PEDTYPE" '
-                f'speed="1.30" pos="{1.3 * t_s:.2f}" edge="w" slope="0.00"/>'
+                f'    <person id="ped0" x="30.00" y="{-8.0 + 1.3 * t_s:.2f}" angle="0.00" '
+                f'type="DEFAULT_PEDTYPE" speed="1.30" pos="{1.3 * t_s:.2f}" edge="w" slope="0.00"/>'
             ),
             "  </timestep>",
         ]
