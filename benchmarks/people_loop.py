@@ -29,7 +29,7 @@ from modelcast.world.scenario.peopled_grid import PeopledGrid
 from modelcast.world.scenario.sensed import FleetSensor
 from modelcast.world.sensors import SensorModel
 
-SECONDS, TURNS = 3.0, 4
+SECONDS, TURNS = 2.0, 8
 TOWN = Grid(8, 8, 45.0, warm_up_s=10.0)
 AIM = 1.6
 SETTINGS = NetworkSettings(warm_up_s=0.0)

@@ -20,7 +20,9 @@ TOWN = Propagation(streets=STREETS, nlos=ManhattanNlos())
 MEETS_S, CAR_MPS, CYCLIST_MPS, ASIDE_M = 10.0, 10.0, 4.0, 3.0
 
 
-def frames(kind: Kind = Kind.CYCLIST, car_mps: float = CAR_MPS) -> list[FleetFrame]:
+def frames(
+    kind: Kind = Kind.CYCLIST, car_mps: float = CAR_MPS, cyclist_mps: float = CYCLIST_MPS
+) -> list[FleetFrame]:
     """A car from the west and somebody from the south, who pass 3 m apart; another car stands far away."""
     found: list[FleetFrame] = []
     for number in range(120):
@@ -29,8 +31,8 @@ def frames(kind: Kind = Kind.CYCLIST, car_mps: float = CAR_MPS) -> list[FleetFra
         found.append(
             FleetFrame(
                 t_s,
-                np.array([[-car_mps * left_s, ASIDE_M], [0.0, -CYCLIST_MPS * left_s], [400.0, 400.0]]),
-                speed_mps=np.array([car_mps, CYCLIST_MPS, 0.0]),
+                np.array([[-car_mps * left_s, ASIDE_M], [0.0, -cyclist_mps * left_s], [400.0, 400.0]]),
+                speed_mps=np.array([car_mps, cyclist_mps, 0.0]),
                 heading_rad=np.array([np.pi / 2, 0.0, 0.0]),
                 acceleration_mps2=np.zeros(3),
                 yaw_rate_radps=np.zeros(3),
@@ -61,10 +63,11 @@ def test_who_comes_from_behind_a_building_is_found() -> None:
     [
         (frames(Kind.VEHICLE), TOWN, 0.0),
         (frames(car_mps=3.0), TOWN, 0.0),
+        (frames(cyclist_mps=0.5), TOWN, 0.0),
         (frames(), Propagation(), 0.0),
         (frames(), TOWN, 5.0),
     ],
-    ids=["no person", "the car creeps", "open ground", "too early"],
+    ids=["no person", "the car creeps", "the cyclist stands", "open ground", "too early"],
 )
 def test_other_passings_are_no_hidden_meetings(
     given: list[FleetFrame], propagation: Propagation, since_s: float

@@ -28,6 +28,9 @@ _NEAR_M = 12.0
 _FAST_MPS = 4.0
 """A vehicle that drives no faster 2 s before has seen the other, or waits [m/s]."""
 
+_STEPS_M = 2.0
+"""Who has come no farther in the 2 s before stands there [m]."""
+
 _LEAD_S = 2.0
 _SLACK_S = 1e-6
 
@@ -135,8 +138,10 @@ def hidden_meeting(
         nearest = apart_m.argmin(axis=0)
         for column, at in enumerate(nearest.tolist()):
             other = int(vehicle[column])
-            near = begun <= at < end and apart_m[at, column] <= _NEAR_M
-            if not near or frames[at - lead].speed_mps[other] < _FAST_MPS:
+            if not (begun <= at < end and apart_m[at, column] <= _NEAR_M):
+                continue
+            came_m = place_m[at, one] - place_m[at - lead, one]
+            if frames[at - lead].speed_mps[other] < _FAST_MPS or np.hypot(*came_m) < _STEPS_M:
                 continue
             sight_s = _sight_s(t_s, place_m[:, one], place_m[:, other], at, propagation)
             if sight_s < BEFORE_S:
