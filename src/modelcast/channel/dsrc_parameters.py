@@ -162,7 +162,7 @@ class DsrcParameters:
     antenna_gain_db: float = 0.0
     max_power_dbm: float = 23.0
     margin_db: float = 10.0
-    weak_margin_db: float = 3.0
+    weak_margin_db: float = 0.0
     bin_m: float = 50.0
     bins: int = 10
 

@@ -172,8 +172,8 @@ class Devices:
         rows
             Contents of messages, as `Contents` has them.
         """
-        fate = np.empty(received.size, dtype=np.int64)
-        kernels.find_fates(
+        kept = np.empty(received.size, dtype=np.int64)
+        found = kernels.find_read(
             owned(received.message_id, np.int64),
             owned(received.receiver, np.int64),
             self._person,
@@ -181,11 +181,12 @@ class Devices:
             seen_m,
             rows,
             self.people.reach_m,
-            fate,
+            kept,
+            self._counts,
         )
-        own = self._person[received.receiver]
-        self._counts += np.bincount(fate[own], minlength=kernels.FATES)
-        kept = fate == kernels.READ
+        if found == received.size:
+            return received
+        kept = kept[:found]
         return replace(
             received,
             message_id=received.message_id[kept],

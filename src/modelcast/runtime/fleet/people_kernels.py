@@ -12,7 +12,7 @@ from modelcast.station.sender.message_arrays import (
     SENDER_BITS,
 )
 
-__all__ = ["FATES", "READ", "TOO_FAR", "UNREAD", "count_with_people", "find_fates"]
+__all__ = ["FATES", "READ", "TOO_FAR", "UNREAD", "count_with_people", "find_read"]
 
 READ, UNREAD, TOO_FAR, FATES = range(4)
 """What becomes of a reception: it is read, its sender is nobody that the host keeps, the place that it states
@@ -31,7 +31,7 @@ def _keeps(host_is_person: bool, remote_is_person: bool, keeps: int) -> bool:
 
 
 @kernel
-def find_fates(
+def find_read(
     message_id: IntVector,
     receiver: IntVector,
     person: BoolVector,
@@ -39,26 +39,30 @@ def find_fates(
     seen_m: FloatMatrix,
     rows: FloatCube,
     reach_m: float,
-    fate: IntVector,
-) -> None:
-    """Write what becomes of every reception, ``fate`` (R,).
+    kept: IntVector,
+    counts: IntVector,
+) -> int:
+    """Write which receptions are read, ``kept`` (R,); return how many, and count the fates of people's.
 
     ``person`` (V,) says who is one, ``seen_m`` (V, 2) where hosts take themselves to be, ``rows`` what
-    messages say. Who wrote a message counts, not who repeated it.
+    messages say, ``counts`` (FATES,). Who wrote a message counts, not who repeated it.
     """
+    found = 0
     for k in range(message_id.size):
         host, sender = receiver[k], message_id[k] & ((1 << SENDER_BITS) - 1)
-        fate[k] = READ
-        if not (person[host] or person[sender]):
-            continue
-        if not _keeps(bool(person[host]), bool(person[sender]), keeps):
-            fate[k] = UNREAD
-            continue
-        ring = (message_id[k] >> SENDER_BITS) % MESSAGES_KEPT
-        east = rows[sender, ring, CONTENT_EAST_M] - seen_m[host, 0]
-        north = rows[sender, ring, CONTENT_NORTH_M] - seen_m[host, 1]
-        if east * east + north * north > reach_m * reach_m:
-            fate[k] = TOO_FAR
+        fate = READ
+        if person[host] or person[sender]:
+            if not _keeps(bool(person[host]), bool(person[sender]), keeps):
+                fate = UNREAD
+            else:
+                ring = (message_id[k] >> SENDER_BITS) % MESSAGES_KEPT
+                east = rows[sender, ring, CONTENT_EAST_M] - seen_m[host, 0]
+                north = rows[sender, ring, CONTENT_NORTH_M] - seen_m[host, 1]
+                fate = TOO_FAR if east * east + north * north > reach_m * reach_m else READ
+        counts[fate] += int(person[host])
+        kept[found] = k
+        found += int(fate == READ)
+    return found
 
 
 @kernel
@@ -78,7 +82,8 @@ def count_with_people(
     apart than the reach, or than the bins, are not counted.
     """
     present, bins = cells.order.size, pairs.size
-    most_m = min(reach_m, distance_bin_m * bins)
+    most_m, a_bin = min(reach_m, distance_bin_m * bins), 1.0 / distance_bin_m
+    most_m2 = most_m * most_m
     for k in range(present * part[0] // part[1], present * (part[0] + 1) // part[1]):
         one = cells.order[k]
         if not person[one]:
@@ -91,12 +96,9 @@ def count_with_people(
                 other = cells.order[n]
                 a, b = cells.place[n, 0] - east, cells.place[n, 1] - north
                 square = a * a + b * b
-                if other == one or square > most_m * most_m:
+                distance = int(sqrt(square) * a_bin)
+                if other == one or square > most_m2 or distance >= bins:
                     continue
-                distance = int(sqrt(square) / distance_bin_m)
-                if distance >= bins:
-                    continue
-                if _keeps(True, bool(person[other]), keeps):
-                    pairs[distance] += int(counted[one])
-                if not person[other]:
-                    pairs[distance] += int(counted[other])
+                is_person = bool(person[other])
+                pairs[distance] += int(counted[one] and _keeps(True, is_person, keeps))
+                pairs[distance] += int(counted[other] and not is_person)
