@@ -4,9 +4,10 @@ A grid of 8 x 8 junctions, 45 vehicles a kilometre, 700 pedestrians and 300 cycl
 buildings. Every person is a station in all arms: it moves, measures, decides, sends, contends, disturbs,
 receives and tracks. In the arms of phones, as ``network --pedestrians`` has them, an antenna is 9.9 dB
 weaker than a vehicle's (1.2 m high, 3 dB less gain), people keep a map of vehicles and pass over people
-unread, and nobody tracks over more than 150 m where one is a person. Links of phones whose median is below the noise are left out, those of vehicles at 10 dB. Processor times, the traffic apart, best of the
-turns that arms take; the aim is 1.6 times the cost, for phones whose errors call for messages.
-``people_loop.py [POLICY]``
+unread, and nobody tracks over more than 150 m where one is a person. Links of phones whose median is below
+the noise are left out, those of vehicles at 10 dB. Processor times, the traffic apart, best of the turns
+that arms take; the aim is 1.6 times the cost, for phones whose errors call for messages. ``people_loop.py
+[POLICY]``
 """
 
 import sys
