@@ -23,7 +23,7 @@ from modelcast.station.station import Station
 from page_blocks import put
 
 PAGE = Path(__file__).parents[1] / "docs" / "people-cost.md"
-HOUR_S, STEP_S, ROUNDS = 3600.0, 0.1, 7
+HOUR_S, STEP_S, ROUNDS = 3600.0, 0.1, 60
 WALK_MPS, DRIVE_MPS, REMOTES, STEPS = 1.34, 10.0, 40, 100
 MESSAGE_HEADS = (
     "people send by", "sent/h", "on the air, ms/h", "received/h", "of people, unread/h", "too far, unread/h",

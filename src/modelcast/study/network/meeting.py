@@ -126,8 +126,10 @@ def hidden_meeting(
         return None
     person = np.flatnonzero(first.active & np.isin(first.kind, PEOPLE))
     vehicle = np.flatnonzero(first.active & (first.kind == Kind.VEHICLE))
-    t_s = np.array([one.t_s for one in frames])
-    place_m = np.stack([one.position_m for one in frames])
+    t_s: FloatArray = np.array([one.t_s for one in frames])
+    place_m: np.ndarray[tuple[int, int, int], np.dtype[np.float64]] = np.array(
+        [one.position_m for one in frames]
+    )
     begun = int(np.searchsorted(t_s, since_s + BEFORE_S - _SLACK_S))
     end = int(np.searchsorted(t_s, t_s[-1] - AFTER_S + _SLACK_S))
     lead = round(_LEAD_S / max(float(t_s[1] - t_s[0]), _SLACK_S)) if len(t_s) > 1 else 0
@@ -140,8 +142,8 @@ def hidden_meeting(
             other = int(vehicle[column])
             if not (begun <= at < end and apart_m[at, column] <= _NEAR_M):
                 continue
-            came_m = place_m[at, one] - place_m[at - lead, one]
-            if frames[at - lead].speed_mps[other] < _FAST_MPS or np.hypot(*came_m) < _STEPS_M:
+            came_m: FloatArray = place_m[at, one] - place_m[at - lead, one]
+            if frames[at - lead].speed_mps[other] < _FAST_MPS or np.hypot(came_m[0], came_m[1]) < _STEPS_M:
                 continue
             sight_s = _sight_s(t_s, place_m[:, one], place_m[:, other], at, propagation)
             if sight_s < BEFORE_S:
