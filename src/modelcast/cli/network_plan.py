@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from modelcast.cli.options import SensorOptions
+from modelcast.cli.people_plan import PeoplePlan
 from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.network_runs import RunKey
@@ -88,6 +89,8 @@ class NetworkPlan:
         What hosts warn of, by name, none where it is empty; and the warning range of fcw, None for its own.
     roadside
         Units beside the vehicles; None for none.
+    people
+        What the devices of people do; None where there are no people.
     """
 
     scenario: str
@@ -124,6 +127,7 @@ class NetworkPlan:
     applications: tuple[str, ...] = ()
     algorithm: str | None = None
     roadside: RoadsidePlan | None = None
+    people: PeoplePlan | None = None
 
     def as_plain(self) -> dict[str, Any]:
         """What every run depends on, as plain values; files by their names, the sensor with its figures.
@@ -146,6 +150,7 @@ class NetworkPlan:
             "applications",
             "algorithm",
             "roadside",
+            "people",
         ):
             if not found[name]:
                 del found[name]
