@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from functools import partial
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +56,7 @@ THRESHOLDS_M = (0.2, 0.5)
 PACKET_ERROR_RATIO = 0.4
 FILTERED = "cv, same filter"
 RULES = ("hindsight", "never")
-PARTS = {"an eighth of the tracks": 8, "a quarter": 4, "half": 2, "all of the other half": 1}
+PARTS = {"all of the other half": 1, "a quarter": 4, "an eighth of the tracks": 8}
 _LEARNT_DT_S = 0.1
 
 
@@ -161,13 +162,13 @@ def _ellipses(source: str) -> Any:
 
 
 def _thinned(trip: Trajectory) -> Trajectory:
-    """A track at about 10 Hz, the rate that learned sub-models look back at."""
-    at = np.arange(0, len(trip), max(1, round(_LEARNT_DT_S / trip.dt_s)))
+    """A track at 10 Hz or the next lower rate that it has: at a higher one a learned window is too short."""
+    at = np.arange(0, len(trip), max(1, ceil(_LEARNT_DT_S / trip.dt_s - 1e-6)))
     return build_trajectory(trip.trip_id, trip.t_s[at], trip.position_m[at])
 
 
 def _learnt(part: int) -> Any:
-    """A learned sub-model, trained on a part of the tracks of all sources, counted on those that are judged."""
+    """A learned sub-model, trained on a part of the tracks of all sources, counted on the judged ones."""
     own = FreeSettings(
         limits=Limits(0.8, 0.5, acceleration_mps2=0.5, yaw_rate_radps=0.5), descent=Descent(steps=300)
     )
@@ -329,7 +330,8 @@ def _rival(found: Found) -> Iterator[str]:
         "ellipse": "the person leaves the ellipse, or it is too large",
     }
     for rule, words in rules.items():
-        sent, inside = [], []
+        sent: list[str] = []
+        inside: list[str] = []
         for source in SOURCES:
             rows = [found.of(f"ellipses {source}")[f"{rule} {one:g}"] for one in THRESHOLDS_M]
             base = [
@@ -362,8 +364,7 @@ def _curve(found: Found) -> Iterator[str]:
         of = found.of(f"learnt {name}")
         hours = of["duration_s"] / 3600.0
         yield f"| {name} | {of['tracks']} | {hours:.2f} | {' | '.join(cells(name, 'learned'))} |"
-    last = list(PARTS)[-1]
-    yield f"| `people`, nothing trained | | | {' | '.join(cells(last, PEOPLE))} |"
+    yield f"| `people`, nothing trained | | | {' | '.join(cells(next(iter(PARTS)), PEOPLE))} |"
 
 
 def blocks(folder: Path) -> dict[str, list[str]]:

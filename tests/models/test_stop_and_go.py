@@ -1,6 +1,7 @@
 """Claims about the stop-and-go switch: what its filters find, what it states, what receivers make of it."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -115,6 +116,6 @@ def test_a_plain_message_says_it_all() -> None:
     ("wrong", "named"),
     [({"steady": 0.6}, "quick"), ({"phase_s": -1.0}, "phase_s"), ({"noise_floor_m": 0.0}, "noise_floor_m")],
 )
-def test_numbers_out_of_range_are_refused(wrong: dict[str, float], named: str) -> None:
+def test_numbers_out_of_range_are_refused(wrong: dict[str, Any], named: str) -> None:
     with pytest.raises(ValueError, match=named):
         StopAndGo(**wrong)
