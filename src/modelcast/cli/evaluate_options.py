@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from modelcast.cli.context_options import context_settings, road_files
 from modelcast.cli.options import Numbers, SensorOptions
 from modelcast.messages.rules import CertificateRule
+from modelcast.models.shipped import names_profile, profile_path
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 from modelcast.station.sensing.rules import VelocityRule
 
@@ -149,8 +150,8 @@ class EvaluateOptions:
     @property
     def files(self) -> tuple[Path, ...]:
         """The profiles' files, the one in use and the bank where it is one, and the road file."""
-        named = [self.bank] if self.bank.endswith(".json") else []
-        return (*(Path(text) for text in (self.profile, *named) if text), *road_files(self.road))
+        named = [self.bank] if names_profile(self.bank) else []
+        return (*(profile_path(text) for text in (self.profile, *named) if text), *road_files(self.road))
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "EvaluateOptions":
