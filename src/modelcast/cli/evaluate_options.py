@@ -38,13 +38,13 @@ class EvaluateOptions:
         Seed of all random numbers.
     bank
         Sub-models of model-based communication, first in use first: 'default' (the bank of the profile in
-        use), a profile's file, 'paper', 'free' (the best receiver of plain messages: the profile's free, else
-        ctra), 'regimes' (a Gaussian process for each driving regime), or names joined by '+' among cv, ca,
-        ctrv, ctra, imm, gp-anchored, gp-intercept, gp-adaptive, gp-linear, gp-trained, gp-vehicle,
+        use), 'people', a profile's file, 'paper', 'free' (the best receiver of plain messages: the profile's
+        free, else ctra), 'regimes' (a Gaussian process for each driving regime), or names joined by '+' among
+        cv, ca, ctrv, ctra, imm, gp-anchored, gp-intercept, gp-adaptive, gp-linear, gp-trained, gp-vehicle,
         gp-derivative, learned and gp-regime-1, gp-regime-2, gp-regime-3.
     profile
-        File of the profile in use, from which sub-models get what was trained; the profile that ships with
-        modelcast where not given.
+        File of the profile in use, from which sub-models get what was trained, or 'people' for the profile of
+        people that ships with modelcast; that of vehicles where not given.
     window
         Samples a Gaussian process is fitted to.
     noise_floor
