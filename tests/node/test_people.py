@@ -14,6 +14,7 @@ from modelcast.dashboard.document import read_snapshot, snapshot_text
 from modelcast.messages.ieee1609 import encode_unsecured
 from modelcast.messages.psids import PEOPLE_PSID, SAFETY_PSID
 from modelcast.messages.wsmp import decode_wsm, encode_wsm
+from modelcast.models.profile import default_profile
 from modelcast.node.building import applications_of, envelope_of, node_of
 from modelcast.node.config import NodeConfig, Roadside, Sending, Station
 from modelcast.node.envelope import Opened, Unsecured
@@ -99,6 +100,12 @@ def test_car_and_person_know_and_warn_of_each_other(kind: str) -> None:
         assert remote == state.around.kind[0]
 
 
+def test_a_persons_device_understands_the_models_of_vehicles() -> None:
+    person = made(VirtualMedium(), "cyclist", 4)
+    vehicles = default_profile().bank.carried().complete()
+    assert person.station.model_names[1] == tuple(member.name for member in vehicles.members)
+
+
 def test_two_vehicles_are_not_warned_of_as_people() -> None:
     ((_, driving), (_, other)), _ = met("vehicle")
     assert "vru" not in {one.application for one in (*driving.warnings, *other.warnings)}
@@ -116,6 +123,8 @@ def test_a_message_in_the_application_of_others_is_refused() -> None:
     for octets, psid in ((b"\x00\x14abc", PEOPLE_PSID), (b"\x00\x20abc", SAFETY_PSID)):
         frame = encode_wsm(encode_unsecured(octets), psid)
         assert Unsecured().open(frame, received_s=0.0) == Opened(None, "another application")
+    for octets, psid in ((b"\x00\x20abc", PEOPLE_PSID), (b"\x00\xf0abc", SAFETY_PSID)):  # a relay's
+        assert decode_wsm(Unsecured().wrap(octets, sent_s=0.0)).psid == psid
     named = encode_wsm(encode_unsecured(b"\x00\xf0abc"), PEOPLE_PSID)
     assert Unsecured().open(named, received_s=0.0) == Opened(b"\x00\xf0abc", "accepted")
 

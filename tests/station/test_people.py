@@ -5,6 +5,7 @@ import pytest
 
 from modelcast.apps.around import believed_motions
 from modelcast.core.kinds import PEOPLE, SIZES_M, Kind
+from modelcast.messages.psm import PersonalSafetyMessage, encode_psm, person_codes
 from modelcast.messages.psm_fields import PERSONAL_SAFETY_MESSAGE
 from modelcast.models.bank import Bank
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
@@ -61,6 +62,21 @@ def test_plain_messages_of_people_are_coasted_at_constant_velocity_by_everybody(
     held_m, held_mps = 4.0 * 2.9 + 0.25 * 2.9**2, 4.0 + 0.5 * 2.9
     assert believed[Kind.PEDESTRIAN] == pytest.approx(held_m + held_mps * 1.0, abs=0.03)
     assert believed[Kind.VEHICLE] == pytest.approx(held_m + held_mps * 1.0 + 0.25, abs=0.05)
+
+
+def test_a_stated_acceleration_of_a_person_is_not_carried_on() -> None:
+    """A foreign device may state one; who walks stops within a step."""
+    codes = person_codes(
+        {
+            "basic_type": 1, "message_count": 1, "temporary_id": 9, "second_of_minute_s": 1.0,
+            "latitude_deg": 0.0, "longitude_deg": 0.0, "speed_mps": 2.0, "heading_rad": 0.0,
+        }
+    )  # fmt: skip
+    octets = encode_psm(PersonalSafetyMessage(codes, acceleration=(150, 2001, -127, 0)))
+    host = Station("mbc", temporary_id=2, ears=WIDE)
+    host.hear([octets], received_s=[1.0])
+    before, after = (host.believe(t_s).position_m[0, 1] for t_s in (1.0, 3.0))
+    assert after - before == pytest.approx(4.0, abs=1e-6)
 
 
 def test_messages_of_people_are_smaller_by_what_people_have_not() -> None:
