@@ -1,5 +1,7 @@
 """A meeting at an occluded crossing: found by geometry alone, and filmed as the host believes it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -73,6 +75,19 @@ def test_other_passings_are_no_hidden_meetings(
     given: list[FleetFrame], propagation: Propagation, since_s: float
 ) -> None:
     assert hidden_meeting(given, propagation, since_s=since_s) is None
+
+
+def test_who_has_left_meets_nobody() -> None:
+    """A slot that is empty has a place of zeros, at the crossing."""
+    given = [
+        replace(
+            one,
+            active=np.array([True, one.t_s < 5.0, True]),
+            position_m=one.position_m * [[1], [one.t_s < 5.0], [1]],
+        )
+        for one in frames()
+    ]
+    assert hidden_meeting(given, TOWN) is None
 
 
 def filmed(meeting: Meeting) -> MeetingObserver:

@@ -128,15 +128,15 @@ def hidden_meeting(
     vehicle = np.flatnonzero(first.active & (first.kind == Kind.VEHICLE))
     t_s: FloatArray = np.array([one.t_s for one in frames])
     place_m: np.ndarray[tuple[int, int, int], np.dtype[np.float64]] = np.array(
-        [one.position_m for one in frames]
+        [np.where(one.active[:, None], one.position_m, np.nan) for one in frames]
     )
     begun = int(np.searchsorted(t_s, since_s + BEFORE_S - _SLACK_S))
-    end = int(np.searchsorted(t_s, t_s[-1] - AFTER_S + _SLACK_S))
+    end = int(np.searchsorted(t_s, float(t_s[-1]) - AFTER_S + _SLACK_S))
     lead = round(_LEAD_S / max(float(t_s[1] - t_s[0]), _SLACK_S)) if len(t_s) > 1 else 0
     found: list[Meeting] = []
     for one in person.tolist():
         way_m = place_m[:, vehicle] - place_m[:, one][:, None]
-        apart_m = np.hypot(way_m[..., 0], way_m[..., 1])
+        apart_m = np.nan_to_num(np.hypot(way_m[..., 0], way_m[..., 1]), nan=np.inf)
         nearest = apart_m.argmin(axis=0)
         for column, at in enumerate(nearest.tolist()):
             other = int(vehicle[column])
