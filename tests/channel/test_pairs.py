@@ -30,7 +30,8 @@ def swept(
     place_m: np.ndarray, sends: np.ndarray, pairs: Pairs, parts: Parts = WHOLE
 ) -> tuple[np.ndarray, Pairs]:
     """Return the shadowing from each sender (V,) to everybody within range, else NaN, (V, V)."""
-    sweep = lay_out(np.where(sends, RANGE_M**2, SILENT), place_m, RANGE_M)
+    reach_m2 = np.where(sends, RANGE_M**2, SILENT)[:, None].repeat(2, axis=1)
+    sweep = lay_out(reach_m2, place_m, np.zeros(sends.size, dtype=np.bool_), RANGE_M)
     pairs = renew_pairs(sweep, pairs, SEED, TABLES, parts)
     cells, rows = sweep.cells, sweep.rows
     values = np.full((sends.size, sends.size), np.nan)

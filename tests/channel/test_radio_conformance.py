@@ -57,7 +57,7 @@ class FrameCase(Case):
 
 
 def dsrc() -> FrameCase:
-    radio = Dsrc(DsrcParameters(bins=40))
+    radio = Dsrc(DsrcParameters(bins=40, weak_margin_db=10.0))  # as for all, so that gain is gain
 
     def clear(sensitivity_dbm: float) -> Dsrc:
         return Dsrc(DsrcParameters(sensitivity_dbm=sensitivity_dbm), CLEAR, ThresholdErrorModel(6.0))
@@ -496,3 +496,63 @@ def test_every_radio_of_the_package_has_a_case(
     """Who adds a radio adds it to `RADIOS` or `FRAME_RADIOS`; a radio of frames to the latter."""
     assert concrete_classes(AbstractRadio) == {type(case.radio) for case in RADIOS.values()}
     assert concrete_classes(AbstractFrameRadio) == {type(case.radio) for case in FRAME_RADIOS.values()}
+
+
+def crowd(stations: int = 40) -> np.ndarray:
+    """Stations along 700 m and 60 m, so that a weak one is out of reach of many."""
+    return np.random.default_rng(4).uniform((0.0, 0.0), (700.0, 60.0), (stations, 2))
+
+
+def heard_by(radio: AbstractRadio[Any], gain_db: np.ndarray, power_dbm: float) -> Receptions:
+    """What is heard of one message of station 0 among a crowd with these antennas."""
+    state = radio.init(gain_db.size, np.random.default_rng(3))
+    received, _ = radio.step(
+        radio.fit_antennas(state, gain_db), batch([0], [0.01], power_dbm), crowd(gain_db.size), 0.4
+    )
+    return received
+
+
+@every_radio
+def test_a_vehicles_antenna_is_where_gains_begin(case: Case) -> None:
+    """Gains of zero change nothing; more than a vehicle's, or one too few, are refused."""
+    state = case.radio.init(3, np.random.default_rng(1))
+    place_m = line(0.0, 40.0, 80.0)
+    before, _ = case.radio.step(state, batch([0, 1], [0.0, 0.03]), place_m, 0.3)
+    after, _ = case.radio.step(
+        case.radio.fit_antennas(state, np.zeros(3)), batch([0, 1], [0.0, 0.03]), place_m, 0.3
+    )
+    assert np.array_equal(before.receiver, after.receiver)
+    assert np.array_equal(before.rssi_dbm, after.rssi_dbm, equal_nan=True)
+    with pytest.raises(ValueError, match="not above 0 dB"):
+        case.radio.fit_antennas(state, np.array([0.0, 0.5, 0.0]))
+
+
+@every_frame_radio
+def test_a_weak_antenna_costs_its_gain_whoever_has_it(case: FrameCase) -> None:
+    """10 dB at the sender, at all receivers, or less power are one and the same; at both ends it is 20 dB."""
+    weak = np.full(40, -10.0)
+    at_sender, at_others = np.where(np.arange(40) == 0, weak, 0.0), np.where(np.arange(40) == 0, 0.0, weak)
+    quieter = heard_by(case.radio, np.zeros(40), 10.0)
+    assert 5 < quieter.size < 39
+    for found, expected in (
+        (heard_by(case.radio, at_sender, 20.0), quieter),
+        (heard_by(case.radio, at_others, 20.0), quieter),
+        (heard_by(case.radio, weak, 20.0), heard_by(case.radio, np.zeros(40), 0.0)),
+    ):
+        loudness = dict(zip(found.receiver.tolist(), found.rssi_dbm.tolist(), strict=True))
+        assert loudness == pytest.approx(
+            dict(zip(expected.receiver.tolist(), expected.rssi_dbm.tolist(), strict=True)), abs=1e-6
+        )
+
+
+@every_frame_radio
+def test_a_weak_antenna_is_no_matter_of_the_others(case: FrameCase) -> None:
+    """Who has a vehicle's antenna hears a vehicle as loud, whatever phones stand about."""
+    some = np.where(np.arange(40) % 3 == 1, -10.0, 0.0)
+    alone, beside = heard_by(case.radio, np.zeros(40), 20.0), heard_by(case.radio, some, 20.0)
+    full = {n: loud for n, loud in zip(alone.receiver.tolist(), alone.rssi_dbm.tolist(), strict=True)
+            if some[n] == 0.0}  # fmt: skip
+    kept = {n: loud for n, loud in zip(beside.receiver.tolist(), beside.rssi_dbm.tolist(), strict=True)
+            if some[n] == 0.0}  # fmt: skip
+    assert full
+    assert kept == full

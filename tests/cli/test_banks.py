@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.compare_options import CompareOptions
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.core.exceptions import ConfigError
@@ -13,7 +14,7 @@ from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import AxisKernel, VehicleProcess
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
-from modelcast.models.profile import Profile, default_profile
+from modelcast.models.profile import Profile, default_profile, people_profile
 from modelcast.models.trusted import Trusted
 from modelcast.station.banks import bank_from_text, free_bank, named_bank
 
@@ -122,3 +123,14 @@ def test_free_is_the_profiles_best_receiver_of_plain_messages_or_ctra() -> None:
         assert (bank.name, bank.members) == ("free", (member,))
         assert named_bank("free", profile=profile).bank == bank
         assert named_bank("cv+free", profile=profile).bank.members == (ConstantVelocity(), member)
+
+
+def test_the_profile_of_people_is_named_like_the_default_one() -> None:
+    assert profile_in_use("people") is people_profile()
+    assert profile_in_use("default") is profile_in_use(None)
+    own = bank_in_use("people", profile=profile_in_use(None))
+    assert own.bank is people_profile().bank
+    assert bank_in_use("default", profile=profile_in_use("people")).bank is own.bank
+    assert [path.name for path in EvaluateOptions(bank="people", profile="people").files] == [
+        "people.json"
+    ] * 2

@@ -31,6 +31,7 @@ from modelcast.models.kinematic import (
 from modelcast.models.learned import FeatureMap, Perceptron
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.profile import default_profile
+from modelcast.models.stop_and_go import StopAndGo
 from modelcast.models.trusted import Trusted
 from modelcast.study.training.free import NETWORK_FEATURES
 
@@ -111,6 +112,8 @@ MODELS: dict[str, AbstractMotionModel] = {
     "free": FreeMotion((Estimates(np.inf),), features=FeatureMap(10, ((3, 2),), ((5, 1),))),
     "free-predictive": _free(context=False),
     "free-context": _free(context=True),
+    "stop-and-go": StopAndGo(),
+    "stop-and-go+cv": Bank((StopAndGo(), ConstantVelocity())),
     "learned": _shipped("learned"),
     "shs": _shipped("shs"),
     "hdp-hmm": _shipped("hdp-hmm"),

@@ -23,9 +23,17 @@ from modelcast.models.gp import (
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.learned import LearnedTrajectory
 from modelcast.models.plain import PLAIN_CLASSES, from_plain, to_plain
-from modelcast.models.profile import Profile, default_profile, profile_from_text
+from modelcast.models.profile import (
+    Profile,
+    default_profile,
+    people_profile,
+    profile_from_text,
+    shipped_profile,
+)
 from modelcast.models.regimes import Regimes
 from modelcast.models.reserved import UNTRAINED
+from modelcast.models.shipped import profile_path
+from modelcast.models.stop_and_go import StopAndGo
 from modelcast.models.trusted import Trusted
 from modelcast.station.banks import bank_from_text
 
@@ -160,6 +168,17 @@ def test_the_shipped_profile_is_canonical_and_all_but_its_guard_are_plain_messag
     assert profile.sub_model("none") is None
     assert profile.selector is not None
     assert profile.selector.members == tuple(member.name for member in profile.bank.members)
+
+
+def test_the_shipped_profile_of_people_is_canonical_and_holds_no_trained_weights() -> None:
+    profile = people_profile()
+    assert profile_path("people").read_text(encoding="utf-8") == profile.text
+    assert [type(member) for member in profile.sub_models] == [StopAndGo]
+    assert profile.bank.sent_plain == (True,)
+    assert "float32" not in profile.text
+    assert profile.training_trips == ()
+    with pytest.raises(ValueError, match="default, people"):
+        shipped_profile("horses")
 
 
 def test_the_shipped_profile_says_what_it_was_trained_on() -> None:

@@ -9,6 +9,7 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 
 import numpy as np
 
+from modelcast.channel.antennas import antennas, checked_gains
 from modelcast.channel.dsrc_kernels import advance, find_reach
 from modelcast.channel.dsrc_link_kernels import Links
 from modelcast.channel.dsrc_parameters import DsrcParameters, power_ratio
@@ -46,6 +47,8 @@ class DsrcState:
         Links of the frames on the air, (L,), (L,), (L, 2).
     pairs, pair_count
         Shadowing of pairs, as `Pairs` has it, (V, S, 4), (V,).
+    gain_db
+        Of the antennas, beside a vehicle's, (V,) [dB].
     """
 
     t_s: float
@@ -58,6 +61,7 @@ class DsrcState:
     air_flag: np.ndarray[tuple[int, int], np.dtype[np.int16]]
     pairs: SingleArray
     pair_count: IntArray
+    gain_db: FloatArray
 
     @property
     def vehicles(self) -> int:
@@ -83,7 +87,9 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
     A receiver locks on to a frame that is strong enough and stands out of what is on the air at its
     beginning. It stays locked to the end, save for capture in the preamble, or its own countdown ending
     before it has sensed the frame. Interference is all other power in range, over the payload. Preamble and
-    SIGNAL fail only at their beginning. A vehicle's queue holds one message. Of what a transmission may say,
+    SIGNAL fail only at their beginning. A vehicle's queue holds one message. Pairs of frame and station of
+    which one has a weak antenna (`fit_antennas`) are among the outcomes only as far as such a frame may be
+    noticed. Of what a transmission may say,
     ``priority``, ``next_s`` and ``grant`` are not heeded: all messages have the access category of the
     parameters.
 
@@ -150,6 +156,7 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             energy_mw=power_ratio(p.energy_dbm),
             load_mw=power_ratio(p.load_dbm),
             quiet_mw=power_ratio(p.noise_dbm - p.margin_db),
+            weak_quiet_mw=power_ratio(p.noise_dbm - p.weak_margin_db),
             gain_db=2.0 * p.antenna_gain_db,
             range_m=range_m,
             bin_m=p.bin_m,
@@ -175,7 +182,12 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             air_flag=np.empty((0, 2), dtype=np.int16),
             pairs=pairs.held,
             pair_count=pairs.owned,
+            gain_db=np.zeros(vehicles),
         )
+
+    def fit_antennas(self, state: DsrcState, gain_db: FloatArray) -> DsrcState:
+        """The state with these antennas, of frames that begin from here on."""
+        return replace(state, gain_db=checked_gains(gain_db, state.vehicles))
 
     def advance(
         self,
@@ -188,8 +200,11 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
         """Check what is asked for and carry one interval; the state is used up."""
         transmissions.check(state.t_s, until_t_s, position_m, state.vehicles, self.parameters.max_power_dbm)
         sent = asked(transmissions)
-        reach_m2 = find_reach(state.station, state.message, sent, position_m, self.tables, self.constants)
-        sweep = lay_out(reach_m2, position_m, self.constants.range_m)
+        fitted = antennas(state.gain_db)
+        reach_m2 = find_reach(
+            state.station, state.message, sent, position_m, fitted, self.tables, self.constants
+        )
+        sweep = lay_out(reach_m2, position_m, fitted.weak, self.constants.range_m)
         pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
         heard, air = advance(
             state.t_s,
@@ -200,6 +215,7 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             Links(state.air_receiver, state.air_mw, state.air_flag),
             sent,
             sweep,
+            fitted,
             self.hazard,
             self.tables,
             self.constants,

@@ -8,6 +8,7 @@ Times are absolute seconds. There is no propagation delay (1 us is 300 m; a slot
 import numpy as np
 
 from modelcast.channel.airtime_kernels import SERVICE_TAIL_BITS, frame_airtime
+from modelcast.channel.antennas import Antennas
 from modelcast.channel.dsrc_link_kernels import (
     ACCESS_EVENT,
     END_EVENT,
@@ -77,11 +78,12 @@ def find_reach(
     message: IntMatrix,
     asked: Asked,
     position_m: FloatMatrix,
+    antennas: Antennas,
     tables: PropagationTables,
     constants: DsrcConstants,
-) -> FloatVector:
+) -> FloatMatrix:
     """Return the squared reach of what vehicles may send in this interval, as `lay_out` has it."""
-    reach_m2, number = np.full(station.shape[0], SILENT), asked.sender.size
+    reach_m2, number = np.full((station.shape[0], 2), SILENT), asked.sender.size
     if not constants.shadowed:
         return reach_m2
     for n in range(number + station.shape[0]):
@@ -90,8 +92,13 @@ def find_reach(
             continue
         if np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]):
             dbm = asked.power_dbm[n] if n < number else station[v, DBM]
-            reach_m = heard_within_m(_sent_ln(dbm, constants), tables, constants.quiet_mw, constants.range_m)
-            reach_m2[v] = max(reach_m2[v], reach_m * reach_m)
+            sent_ln = _sent_ln(dbm, constants) + antennas.gain_ln[v]
+            for to_weak in range(2):
+                heard_ln = sent_ln + antennas.weak_ln * to_weak
+                is_weak = to_weak == 1 or antennas.weak[v]
+                quiet_mw = constants.weak_quiet_mw if is_weak else constants.quiet_mw
+                reach_m = heard_within_m(heard_ln, tables, quiet_mw, constants.range_m)
+                reach_m2[v, to_weak] = max(reach_m2[v, to_weak], reach_m * reach_m)
     return reach_m2
 
 
@@ -186,6 +193,7 @@ def advance(
     air: Links,
     asked: Asked,
     sweep: Sweep,
+    antennas: Antennas,
     hazard: FloatVector,
     tables: PropagationTables,
     constants: DsrcConstants,
@@ -266,8 +274,8 @@ def advance(
         count = push_event(events, count, station[v, END_S], 2 * v + END_EVENT)
         if used + present > links.receiver.size:
             links, used = pack_links(station, message, links, v, links.receiver.size)
-        sent_ln, seed = _sent_ln(station[v, DBM], constants), message[v, SEED]
-        reached = find_near(v, sent_ln, rows, position_m, cells, tables, constants, near)
+        sent_ln, seed = _sent_ln(station[v, DBM], constants) + antennas.gain_ln[v], message[v, SEED]
+        reached = find_near(v, sent_ln, rows, position_m, cells, antennas, tables, constants, near)
         find_powers(v, sent_ln, seed, tables, constants, near, reached)
         used = open_links(v, t_s, station, links, used, hazard, constants, heard.outcomes, near, reached)
 

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from modelcast.channel.antennas import Antennas
 from modelcast.channel.cells_kernels import Cells, cell_span, row_span
 from modelcast.channel.dsrc_station_kernels import (
     ACCESS_S,
@@ -86,14 +87,16 @@ class Links(NamedTuple):
 
 
 class Near(NamedTuple):
-    """Who is near a frame: all in the cells that its range touches.
+    """Who is near a frame: all that may notice it, and all within the bins of distance.
 
-    ``who`` (N,) they are, and a random ``word`` (N,) for each; ``work`` (WORK, N). ``kind`` (KINDS, N + 1)
+    ``who`` (N,) they are, a random ``word`` (N,) for each, and its ``place`` (N,) in the rows of shadowing;
+    ``work`` (WORK, N). ``kind`` (KINDS, N + 1)
     lists who can lock on to it, who is disturbed at most, and who does not notice.
     """
 
     who: IntVector
     word: IntVector
+    place: IntVector
     work: FloatMatrix
     kind: IntMatrix
 
@@ -102,6 +105,7 @@ class Near(NamedTuple):
 def empty_near(most: int) -> Near:
     """Return room for so many vehicles near a frame."""
     return Near(
+        np.empty(most, dtype=np.int64),
         np.empty(most, dtype=np.int64),
         np.empty(most, dtype=np.int64),
         np.empty((WORK, most)),
@@ -155,32 +159,39 @@ def find_near(
     rows: ShadowRows,
     position_m: FloatMatrix,
     cells: Cells,
+    antennas: Antennas,
     tables: PropagationTables,
     constants: DsrcConstants,
     near: Near,
 ) -> int:
     """Write who is near a frame of ``v``, and their median powers in logarithms; return how many they are.
 
-    Loops that touch few arrays run several at a time, so there are many of them, and everybody in the cells
-    is worked out.
+    Loops that touch few arrays run several at a time, so there are many of them. Who neither notices the
+    frame nor counts among its outcomes is passed over; every place is written and the next overwrites it
+    unless it is near: a branch would be guessed wrongly too often.
     """
     east, north = position_m[v, 0], position_m[v, 1]
-    left, right, row_from, row_to = cell_span(cells, east, north, constants.range_m)
+    counted_m = 0.0 if antennas.weak[v] else min(constants.bins * constants.bin_m, constants.range_m)
+    quiet_mw = constants.weak_quiet_mw if antennas.weak[v] else constants.quiet_mw
+    most_m = max(heard_within_m(sent_ln, tables, quiet_mw, constants.range_m), counted_m)
+    weak_m = heard_within_m(sent_ln + antennas.weak_ln, tables, constants.weak_quiet_mw, constants.range_m)
+    most_m2, weak_m2 = most_m * most_m, weak_m * weak_m
+    left, right, row_from, row_to = cell_span(cells, east, north, most_m)
     open_ground, work, count = tables.nlos_kind == 0 and tables.raised == 0, near.work, 0
     for row in range(row_from, row_to + 1):
         low, high = row_span(cells, row, left, right)
         # Without a sign, so that nothing asks whether it counts from the end.
-        begin, end, to = np.uint64(low), np.uint64(high), np.uint64(count - low)
+        begin, end, place = np.uint64(low), np.uint64(high), near.place
+        start = np.uint64(rows.start[rows.first[v] + row]) if constants.shadowed else np.uint64(0)
         for k in range(begin, end):
             away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
-            work[SQUARE_M2, to + k] = away_east * away_east + away_north * away_north
-        for k in range(begin, end):
-            near.who[to + k] = cells.order[k]
-        if constants.shadowed:
-            start = np.uint64(rows.start[rows.first[v] + row])
-            for k in range(begin, end):
-                work[SHADOW, to + k] = rows.value[start + k]
-        count += high - low
+            square = away_east * away_east + away_north * away_north
+            who = cells.order[k]
+            near.who[count], work[SQUARE_M2, count], place[count] = who, square, np.int64(start + k)
+            count += int(square <= (weak_m2 if antennas.weak[who] else most_m2))
+    if constants.shadowed:
+        for n in range(count):
+            work[SHADOW, n] = rows.value[near.place[n]]
     for n in range(count):
         work[DISTANCE_M, n] = np.sqrt(work[SQUARE_M2, n])
     if open_ground:
@@ -198,7 +209,7 @@ def find_near(
                 ln += (tables.shadowing_los_ln if los else tables.shadowing_nlos_ln) * work[SHADOW, n]
             work[POWER_MW, n] = ln
     for n in range(count):
-        work[POWER_MW, n] = sent_ln + min(work[POWER_MW, n], 0.0)
+        work[POWER_MW, n] = sent_ln + min(work[POWER_MW, n], 0.0) + antennas.gain_ln[near.who[n]]
     return count
 
 

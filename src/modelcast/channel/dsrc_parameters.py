@@ -128,6 +128,9 @@ class DsrcParameters:
     margin_db
         Signals this much below the noise are left out: whoever is so far that the median power is below, and
         single signals that shadowing and fading bring below. They count as below sensitivity [dB].
+    weak_margin_db
+        Of links of which one end has a weak antenna (`modelcast.channel.antennas`): who is so far that the
+        median power is this much below the noise is left out [dB].
     bin_m, bins
         Distance bins of `Receptions.outcomes` [m].
 
@@ -159,6 +162,7 @@ class DsrcParameters:
     antenna_gain_db: float = 0.0
     max_power_dbm: float = 23.0
     margin_db: float = 10.0
+    weak_margin_db: float = 0.0
     bin_m: float = 50.0
     bins: int = 10
 

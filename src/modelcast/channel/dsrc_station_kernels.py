@@ -103,6 +103,7 @@ class DsrcConstants(NamedTuple):
     energy_mw: float
     load_mw: float
     quiet_mw: float
+    weak_quiet_mw: float
     gain_db: float
     range_m: float
     bin_m: float

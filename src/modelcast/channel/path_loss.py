@@ -192,6 +192,27 @@ class WinnerB1(AbstractPathLoss):
         far = 40.0 * np.log10(distance_m) + 7.56 - lift_db + 2.7 * log_f
         return np.asarray(np.where(distance_m <= break_m, near, far), dtype=np.float64)
 
+    def height_gain_db(self, height_m: float) -> float:
+        """What another height of one antenna adds to a link beyond both break points [dB].
+
+        Parameters
+        ----------
+        height_m
+            Height over the road in place of `antenna_m`, above 1 m [m].
+
+        Raises
+        ------
+        ValueError
+            Where the height is not above 1 m.
+
+        Examples
+        --------
+        >>> round(WinnerB1().height_gain_db(1.2), 1)
+        -6.9
+        """
+        _positive(effective_height_m=height_m - 1.0)
+        return float(17.3 * np.log10((height_m - 1.0) / (self.antenna_m - 1.0)))
+
 
 @dataclass(frozen=True, slots=True)
 class Tr37885(AbstractPathLoss):

@@ -12,6 +12,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
+from modelcast.channel.antennas import checked_gains
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.parts import WHOLE, Parts
 
@@ -213,6 +214,29 @@ class AbstractRadio(abc.ABC, Generic[State]):
         rng
             Seeds the channel's own random numbers; nothing else is drawn from it.
         """
+
+    def fit_antennas(self, state: State, gain_db: FloatArray) -> State:
+        """The state with weaker antennas than vehicles have, from here on.
+
+        Parameters
+        ----------
+        state
+            Do not use it again.
+        gain_db
+            What the antenna of each station adds to a vehicle's, as it hears and as it sends, not above 0,
+            (V,) [dB].
+
+        Raises
+        ------
+        ValueError
+            Where gains are not one a station, not finite, or above 0.
+
+        Notes
+        -----
+        A radio that knows no powers heeds no antennas: this one returns the state as it is.
+        """
+        checked_gains(gain_db, gain_db.size)
+        return state
 
     @abc.abstractmethod
     def step(

@@ -25,6 +25,7 @@ from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.random_kernels import word_of
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
+    BoolVector,
     Float32Cube,
     Float32Vector,
     FloatMatrix,
@@ -62,17 +63,19 @@ class ShadowRows(NamedTuple):
 class Sweep(NamedTuple):
     """What a step's sweep starts from, and where it writes.
 
-    ``reach_m2`` (V,), ``position_m`` (V, 2) and ``range_m`` as `lay_out` is given them; ``cells`` of all,
-    ``senders`` of those who send, ``rows`` of their values, ``longest_m`` above all reaches.
+    ``reach_m2`` (V, 2), ``position_m`` (V, 2), ``weak`` (V,) and ``range_m`` as `lay_out` is given them;
+    ``cells`` of all, ``senders`` of those who send, ``rows`` of their values, ``longest_m`` (2,) above all
+    reaches of pairs without a weak antenna, and with one.
     """
 
-    reach_m2: FloatVector
+    reach_m2: FloatMatrix
     position_m: FloatMatrix
+    weak: BoolVector
     cells: Cells
     senders: Cells
     rows: ShadowRows
     range_m: float
-    longest_m: float
+    longest_m: FloatVector
 
 
 @kernel(inlined=True)
@@ -82,20 +85,20 @@ def shadow_of(sender: int, row: int, k: int, rows: ShadowRows) -> float:
 
 
 @kernel
-def _row_starts(reach_m2: FloatVector, position_m: FloatMatrix, cells: Cells, range_m: float) -> ShadowRows:
+def _row_starts(reach_m2: FloatMatrix, position_m: FloatMatrix, cells: Cells, range_m: float) -> ShadowRows:
     """Return rows for all senders, whose values are yet to be written."""
-    vehicles = reach_m2.size
+    vehicles = reach_m2.shape[0]
     first = np.zeros(vehicles, dtype=np.int64)
     rows = 0
     for v in range(vehicles):
-        if reach_m2[v] >= 0.0:
+        if reach_m2[v, 0] >= 0.0:
             _, _, row_from, row_to = cell_span(cells, position_m[v, 0], position_m[v, 1], range_m)
             first[v] = rows - row_from
             rows += row_to - row_from + 1
     start = np.empty(rows, dtype=np.int64)
     length = 0
     for v in range(vehicles):
-        if reach_m2[v] >= 0.0:
+        if reach_m2[v, 0] >= 0.0:
             left, right, row_from, row_to = cell_span(cells, position_m[v, 0], position_m[v, 1], range_m)
             for row in range(row_from, row_to + 1):
                 low, high = row_span(cells, row, left, right)
@@ -115,7 +118,8 @@ def _word(seed: np.uint64, owner: int, other: int, before: float, east_m: np.flo
 @kernel(inlined=True)
 def _look_up(
     v: int,
-    reach_m2: float,
+    reach_m2: FloatVector,
+    weak: BoolVector,
     position_m: FloatMatrix,
     cells: Cells,
     seed: np.uint64,
@@ -126,7 +130,7 @@ def _look_up(
     """Renew the pairs of a sender one by one, wherever they are kept; return whether there was room."""
     held = pairs.held
     east, north = position_m[v, 0], position_m[v, 1]
-    left, right, row_from, row_to = cell_span(cells, east, north, np.sqrt(reach_m2))
+    left, right, row_from, row_to = cell_span(cells, east, north, np.sqrt(reach_m2.max()))
     for row in range(row_from, row_to + 1):
         low, high = row_span(cells, row, left, right)
         start = rows.start[rows.first[v] + row]
@@ -138,7 +142,7 @@ def _look_up(
         for k in range(low, high):
             j = int(cells.order[k])
             away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
-            if j == v or away_east * away_east + away_north * away_north > reach_m2:
+            if j == v or away_east * away_east + away_north * away_north > reach_m2[int(weak[j])]:
                 continue
             owner = pair_owner(v, j)
             other, sign = v + j - owner, 1.0 if owner == v else -1.0
@@ -157,7 +161,8 @@ def _look_up(
 @kernel(inlined=True)
 def _find_owned(
     owner: int,
-    reach_m2: FloatVector,
+    reach_m2: FloatMatrix,
+    weak: BoolVector,
     position_m: FloatMatrix,
     cells: Cells,
     range_m: float,
@@ -169,7 +174,8 @@ def _find_owned(
 
     ``cells`` hold the candidates: everybody where the owner sends. Returns how many there are.
     """
-    east, north, reach = position_m[owner, 0], position_m[owner, 1], reach_m2[owner]
+    east, north = position_m[owner, 0], position_m[owner, 1]
+    reach, to_weak, own = reach_m2[owner, 0], reach_m2[owner, 1], int(weak[owner])
     left, right, row_from, row_to = cell_span(cells, east, north, range_m)
     count = 0
     for row in range(row_from, row_to + 1):
@@ -183,7 +189,8 @@ def _find_owned(
             found[_PLACE, count] = k
             # As `pair_owner` has it, without a branch.
             owned = (other > owner) ^ (((owner + other) & 1) == 1)
-            count += int((other != owner) & owned & (square <= max(reach, reach_m2[other])))
+            mine = to_weak if weak[other] else reach
+            count += int((other != owner) & owned & (square <= max(mine, reach_m2[other, own])))
         for n in range(before, count):
             k = found[_PLACE, n]
             found[_OTHER, n], found[_PLACE, n] = cells.order[k], start + k
@@ -231,29 +238,37 @@ def _renew(
 
 
 @kernel
-def lay_out(reach_m2: FloatVector, position_m: FloatMatrix, range_m: float) -> Sweep:
+def lay_out(reach_m2: FloatMatrix, position_m: FloatMatrix, weak: BoolVector, range_m: float) -> Sweep:
     """Return the sweep of a step, whose values are yet to be written.
 
     Parameters
     ----------
     reach_m2
-        Square of the distance up to which each vehicle may be heard in this step, `SILENT` where it does not
-        send, (V,) [m²].
+        Square of the distance up to which each vehicle may be heard in this step, by stations with a
+        vehicle's antenna and by weak ones, `SILENT` where it does not send, (V, 2) [m²].
     position_m
         Where everybody is, NaN for nobody, (V, 2) [m].
+    weak
+        Whose antenna is weaker than a vehicle's, (V,).
     range_m
         No reach is longer; the cells are made for it [m].
     """
     cells = build_cells(position_m, range_m)
-    longest_m = np.sqrt(max(reach_m2.max(), 0.0)) + 1.0  # so that no rounding keeps anybody out
-    where_m = np.full((reach_m2.size, 2), np.nan)
-    sending = np.flatnonzero(reach_m2 >= 0.0)
+    longest_m2 = np.zeros(2)
+    for v in range(weak.size):
+        one_end = int(weak[v])
+        longest_m2[one_end] = max(longest_m2[one_end], reach_m2[v, 0])
+        longest_m2[1] = max(longest_m2[1], reach_m2[v, 1])
+    longest_m = np.sqrt(longest_m2) + 1.0  # so that no rounding keeps anybody out
+    where_m = np.full((weak.size, 2), np.nan)
+    sending = np.flatnonzero(reach_m2[:, 0] >= 0.0)
     where_m[sending] = position_m[sending]
     return Sweep(
         reach_m2,
         position_m,
+        weak,
         cells,
-        build_cells(where_m, longest_m),
+        build_cells(where_m, longest_m.max()),
         _row_starts(reach_m2, position_m, cells, range_m),
         range_m,
         longest_m,
@@ -263,10 +278,10 @@ def lay_out(reach_m2: FloatVector, position_m: FloatMatrix, range_m: float) -> S
 @kernel
 def _sweep_few(sweep: Sweep, pairs: Pairs, seed: np.uint64, tables: PropagationTables) -> bool:
     """Renew the pairs of few senders; return whether there was too little room."""
-    for v in range(sweep.reach_m2.size):
+    for v in range(sweep.weak.size):
         reach_m2 = sweep.reach_m2[v]
-        if reach_m2 >= 0.0 and not _look_up(
-            v, reach_m2, sweep.position_m, sweep.cells, seed, tables, sweep.rows, pairs
+        if reach_m2[0] >= 0.0 and not _look_up(
+            v, reach_m2, sweep.weak, sweep.position_m, sweep.cells, seed, tables, sweep.rows, pairs
         ):
             return True
     return False
@@ -280,7 +295,7 @@ def sweep_part(
 
     The others are renewed then, that one is left out. Parts write to different places.
     """
-    cells, rows, reach_m2 = sweep.cells, sweep.rows, sweep.reach_m2
+    cells, rows, reach_m2, weak = sweep.cells, sweep.rows, sweep.reach_m2, sweep.weak
     present = cells.order.size
     if _FEW * sweep.senders.order.size <= present:
         return part == 0 and _sweep_few(sweep, pairs, seed, tables)
@@ -288,9 +303,10 @@ def sweep_part(
     short = False
     for k in range(part * present // parts, (part + 1) * present // parts):
         owner = int(cells.order[k])
-        sends = reach_m2[owner] >= 0.0
+        sends = reach_m2[owner, 0] >= 0.0
         among = cells if sends else sweep.senders
-        count = _find_owned(owner, reach_m2, sweep.position_m, among, sweep.longest_m, rows, found, way)
+        longest_m = sweep.longest_m[1] if weak[owner] else sweep.longest_m.max()
+        count = _find_owned(owner, reach_m2, weak, sweep.position_m, among, longest_m, rows, found, way)
         if not _find_slots(owner, count, found, pairs):
             short = True
             continue
@@ -300,6 +316,6 @@ def sweep_part(
             other, value = found[_OTHER, n], np.float32(way[_VALUE, n])
             if sends:
                 rows.value[found[_PLACE, n]] = value
-            if reach_m2[other] >= 0.0:
+            if reach_m2[other, 0] >= 0.0:
                 rows.value[rows.start[rows.first[other] + row] + k] = value
     return short

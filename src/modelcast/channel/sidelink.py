@@ -9,6 +9,7 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 
 import numpy as np
 
+from modelcast.channel.antennas import antennas, checked_gains
 from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
 from modelcast.channel.error_models import AbstractErrorModel, TabulatedErrorModel
 from modelcast.channel.frame_kernels import Heard
@@ -58,6 +59,8 @@ class SidelinkState:
         Of the last full window, (V,).
     pairs, pair_count
         Shadowing of pairs, as `Pairs` has it, (V, S, 4), (V,).
+    gain_db
+        Of the antennas, beside a vehicle's, (V,) [dB].
     """
 
     t_s: float
@@ -70,6 +73,7 @@ class SidelinkState:
     busy_ratio: FloatArray
     pairs: SingleArray
     pair_count: IntArray
+    gain_db: FloatArray
 
     @property
     def vehicles(self) -> int:
@@ -194,7 +198,12 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             busy_ratio=np.zeros(vehicles),
             pairs=pairs.held,
             pair_count=pairs.owned,
+            gain_db=np.zeros(vehicles),
         )
+
+    def fit_antennas(self, state: SidelinkState, gain_db: FloatArray) -> SidelinkState:
+        """The state with these antennas, from the next subframe on."""
+        return replace(state, gain_db=checked_gains(gain_db, state.vehicles))
 
     def advance(
         self,
@@ -208,7 +217,8 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
         self._check(state, transmissions, position_m, until_t_s)
         sent = asked(transmissions)
         reach_m2 = find_reach(state.grant, sent.sender, position_m, self.constants)
-        sweep = lay_out(reach_m2, position_m, self.constants.range_m)
+        fitted = antennas(state.gain_db)
+        sweep = lay_out(reach_m2, position_m, fitted.weak, self.constants.range_m)
         pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
         heard = advance(
             round(state.t_s * 1e3),
@@ -217,6 +227,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             Memory(state.grant, state.power_dbm, state.sensed, state.reserved, state.busy_ratio),
             sent,
             sweep,
+            fitted,
             self.hazard,
             self.leak,
             self.tables,

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from modelcast.channel.antennas import Antennas
 from modelcast.channel.cells_kernels import Cells, find_in_range
 from modelcast.channel.error_kernels import hazard_at
 from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_heard
@@ -87,9 +88,10 @@ class Links(NamedTuple):
 
 
 class Around(NamedTuple):
-    """Where everybody is in this interval; ``near`` is scratch."""
+    """Where everybody is in this interval, and the antennas; ``near`` is scratch."""
 
     position_m: FloatMatrix
+    gain_ln: FloatVector
     cells: Cells
     rows: ShadowRows
     near: IntMatrix
@@ -123,7 +125,7 @@ def _receive_powers(
 ) -> int:
     """Add the power of one sender to the vehicles in range; return how many links there are."""
     v, seed = int(turns.vehicle[turn]), int(turns.seed[turn])
-    sent_ln = (constants.gain_db + memory.power_dbm[v]) * np.log(10.0) / 10.0
+    sent_ln = (constants.gain_db + memory.power_dbm[v]) * np.log(10.0) / 10.0 + around.gain_ln[v]
     band, used_blocks = int(memory.grant[v, BAND]), _used(int(memory.grant[v, _BYTES]), constants)
     position_m, cells, near = around.position_m, around.cells, around.near
     power, top_mw, top_turn = air.power, air.top_mw, air.top_turn
@@ -140,7 +142,7 @@ def _receive_powers(
         if constants.shadowed:
             sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
             ln += sigma * shadow_of(v, near[n, 1], k, around.rows)
-        power_mw = fast_exp(sent_ln + min(ln, 0.0)) * fading_factor(
+        power_mw = fast_exp(sent_ln + min(ln, 0.0) + around.gain_ln[j]) * fading_factor(
             distance_m, word, tables.fading, tables.fading_near_m, tables.fading_far_m
         )
         group = min(int(distance_m / constants.bin_m), constants.bins)
@@ -211,9 +213,9 @@ def _judge(
 @kernel
 def find_reach(
     grant: IntMatrix, sender: IntVector, position_m: FloatMatrix, constants: SidelinkConstants
-) -> FloatVector:
+) -> FloatMatrix:
     """Return the squared reach of what vehicles may send in this interval, as `lay_out` has it."""
-    reach_m2 = np.full(grant.shape[0], SILENT)
+    reach_m2 = np.full((grant.shape[0], 2), SILENT)
     if constants.shadowed:
         for n in range(sender.size + grant.shape[0]):
             v = int(sender[n]) if n < sender.size else n - sender.size
@@ -400,6 +402,7 @@ def advance(
     memory: Memory,
     asked: Asked,
     sweep: Sweep,
+    antennas: Antennas,
     hazard: FloatVector,
     leak: FloatCube,
     tables: PropagationTables,
@@ -410,7 +413,9 @@ def advance(
     vehicles, channels = grant.shape[0], constants.sub_channels
     ready_subframe = np.floor(asked.ready_s * 1e3 + 1e-6).astype(np.int64)
     position_m, present = sweep.position_m, sweep.cells.order.size
-    around = Around(position_m, sweep.cells, sweep.rows, np.empty((present, 2), dtype=np.int64))
+    around = Around(
+        position_m, antennas.gain_ln, sweep.cells, sweep.rows, np.empty((present, 2), dtype=np.int64)
+    )
     heard, received, lapsed = nothing_heard(constants.bins, sender.size + vehicles), 0, 0
     air, turns = _silent_air(vehicles, channels)
     links = Links(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64))

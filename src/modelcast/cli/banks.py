@@ -3,26 +3,29 @@
 from pathlib import Path
 
 from modelcast.io.profile import read_profile
-from modelcast.models.profile import Profile, default_profile
+from modelcast.models.profile import Profile, default_profile, shipped_profile
+from modelcast.models.shipped import SHIPPED, names_profile
 from modelcast.station.banks import NamedBank, named_bank
 
 __all__ = ["bank_in_use", "profile_in_use"]
 
 
 def profile_in_use(path: str | Path | None) -> Profile:
-    """The profile in a file, or the one that ships with modelcast.
+    """The profile in a file, or one that ships with modelcast.
 
     Parameters
     ----------
     path
-        The file; None where the user names none.
+        The file, or the name of a shipped profile; None for that of vehicles.
 
     Raises
     ------
     DataFormatError
         Where it is no profile.
     """
-    return default_profile() if path is None else read_profile(path)
+    if path is None:
+        return default_profile()
+    return shipped_profile(str(path)) if str(path) in SHIPPED else read_profile(path)
 
 
 def bank_in_use(
@@ -38,7 +41,8 @@ def bank_in_use(
     Parameters
     ----------
     text
-        A file that ``modelcast train`` wrote (its name ends in .json), or what `named_bank` takes.
+        A file that ``modelcast train`` wrote (its name ends in .json), ``people`` for the bank of the shipped
+        profile of people, or what `named_bank` takes.
     profile
         The profile in use.
     noise_floor_m, window, trusted_horizon_s
@@ -51,12 +55,11 @@ def bank_in_use(
     DataFormatError
         Where the file is no profile.
     """
-    file = text.endswith(".json")
     return named_bank(
-        "default" if file else text,
+        "default" if names_profile(text) else text,
         noise_floor_m=noise_floor_m,
         window=window,
         trusted_horizon_s=trusted_horizon_s,
-        profile=read_profile(text) if file else profile,
+        profile=profile_in_use(text) if names_profile(text) else profile,
         label=text,
     )

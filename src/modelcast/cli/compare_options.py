@@ -11,6 +11,7 @@ from modelcast.cli.context_options import road_files
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import Numbers, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
+from modelcast.models.shipped import names_profile, profile_path
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 from modelcast.station.sensing.rules import VelocityRule
 from modelcast.study.rules import RateBasis
@@ -138,8 +139,8 @@ class CompareOptions:
     @property
     def files(self) -> tuple[Path, ...]:
         """The profiles' files, the one in use and those among the banks, and the road file."""
-        named = [text for text in self.bank if text.endswith(".json")]
-        return (*(Path(text) for text in (self.profile, *named) if text), *road_files(self.road))
+        named = [text for text in self.bank if names_profile(text)]
+        return (*(profile_path(text) for text in (self.profile, *named) if text), *road_files(self.road))
 
     def settings(self) -> "CompareSettings":
         """The settings they mean.

@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from modelcast.cli.context_options import context_settings, road_files
 from modelcast.cli.options import Numbers, SensorOptions
 from modelcast.messages.rules import CertificateRule
+from modelcast.models.shipped import names_profile, profile_path
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 from modelcast.station.sensing.rules import VelocityRule
 
@@ -37,13 +38,13 @@ class EvaluateOptions:
         Seed of all random numbers.
     bank
         Sub-models of model-based communication, first in use first: 'default' (the bank of the profile in
-        use), a profile's file, 'paper', 'free' (the best receiver of plain messages: the profile's free, else
-        ctra), 'regimes' (a Gaussian process for each driving regime), or names joined by '+' among cv, ca,
-        ctrv, ctra, imm, gp-anchored, gp-intercept, gp-adaptive, gp-linear, gp-trained, gp-vehicle,
+        use), 'people', a profile's file, 'paper', 'free' (the best receiver of plain messages: the profile's
+        free, else ctra), 'regimes' (a Gaussian process for each driving regime), or names joined by '+' among
+        cv, ca, ctrv, ctra, imm, gp-anchored, gp-intercept, gp-adaptive, gp-linear, gp-trained, gp-vehicle,
         gp-derivative, learned and gp-regime-1, gp-regime-2, gp-regime-3.
     profile
-        File of the profile in use, from which sub-models get what was trained; the profile that ships with
-        modelcast where not given.
+        File of the profile in use, from which sub-models get what was trained, or 'people' for the profile of
+        people that ships with modelcast; that of vehicles where not given.
     window
         Samples a Gaussian process is fitted to.
     noise_floor
@@ -149,8 +150,8 @@ class EvaluateOptions:
     @property
     def files(self) -> tuple[Path, ...]:
         """The profiles' files, the one in use and the bank where it is one, and the road file."""
-        named = [self.bank] if self.bank.endswith(".json") else []
-        return (*(Path(text) for text in (self.profile, *named) if text), *road_files(self.road))
+        named = [self.bank] if names_profile(self.bank) else []
+        return (*(profile_path(text) for text in (self.profile, *named) if text), *road_files(self.road))
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "EvaluateOptions":

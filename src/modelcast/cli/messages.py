@@ -24,7 +24,7 @@ class Profiles:
     Parameters
     ----------
     path
-        A profile's file, held beside the one that ships with modelcast.
+        A profile's file, held beside those that ship with modelcast.
     """
 
     path: "Path | None" = None
@@ -40,11 +40,13 @@ class Profiles:
         """
         from modelcast.io.profile import read_profile
         from modelcast.messages.update_document import HeldProfile
-        from modelcast.models.profile import default_profile
+        from modelcast.models.profile import shipped_profile
+        from modelcast.models.shipped import SHIPPED
 
         if self._held is None:
             named = () if self.path is None else (HeldProfile.of(read_profile(self.path)),)
-            self._held = (*named, HeldProfile.of(default_profile()))
+            shipped = (HeldProfile.of(shipped_profile(name)) for name in SHIPPED)
+            self._held = (*named, *shipped)
         return self._held
 
 

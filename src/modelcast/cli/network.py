@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from modelcast.cli.fleet_options import FleetOptions
 from modelcast.cli.options import Numbers, SensorOptions, Words
+from modelcast.cli.people_options import PeopleOptions
 from modelcast.cli.roadside_options import RoadsideOptions
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ def network(
     options: FleetOptions = FleetOptions(),  # noqa: B008 - frozen
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
     roadside: RoadsideOptions = RoadsideOptions(),  # noqa: B008 - frozen
+    people: PeopleOptions = PeopleOptions(),  # noqa: B008 - frozen
+    film: bool = False,
     out: Path = Path("out/network"),
     jobs: int = 0,
     json: bool = False,
@@ -58,6 +61,12 @@ def network(
         What vehicles see of themselves.
     roadside
         Fixed stations beside them.
+    people
+        What the devices of pedestrians and cyclists do.
+    film
+        Film a meeting of the first run: somebody comes from behind a building, and what the host of a vehicle
+        believes of them; with --roadside without the units and with them. Writes film.png, film.svg and
+        film.parquet.
     out
         Output folder.
     jobs
@@ -82,7 +91,8 @@ def network(
 
     plan = options.plan(sensor, banks=tuple(bank), thresholds_m=tuple(threshold))
     units = roadside.plan(scenario=plan.scenario, blocks=plan.blocks)
-    plan = replace(plan, roadside=units)
+    devices = people.plan(there_are=plan.has_people or bool(plan.tracks) or plan.persons)
+    plan = replace(plan, roadside=units, people=devices)
     cases = network_cases(plan, Varied(density, radio, policy, options.seeds))
     asked = Sweep(
         plan,
@@ -90,6 +100,7 @@ def network(
         senders=sender_rows(plan, dict.fromkeys(policy)),
         found=survey(plan),
         against=rival_of(options.against, cases),
+        film=film,
     )
     swept = sweep(
         asked,

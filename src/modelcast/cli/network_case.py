@@ -1,5 +1,6 @@
 """One run of ``modelcast network``: which traffic, which radio, which sender; what a worker process does."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from modelcast.cli.banks import profile_in_use
@@ -9,15 +10,18 @@ from modelcast.cli.network_traffic import BLOCK_M, traffic
 from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.fcd_survey import FcdSurvey
-from modelcast.runtime.fleet.engine import run_network
+from modelcast.runtime.fleet.engine import NetworkRun, run_network
+from modelcast.runtime.fleet.observer import AbstractObserver
+from modelcast.runtime.fleet.people import People
 from modelcast.station.banks import free_bank
 from modelcast.station.receiver.reading import Reading
 from modelcast.station.sender.sender import MODEL_SENDERS, Sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.study.network.measure import measure
 from modelcast.study.network.mixed import measure_mixed, mixed_of
+from modelcast.study.network.people import measure_people
 from modelcast.study.network.roadside import measure_roadside
-from modelcast.study.network.rows import CaseResult, NetworkCase
+from modelcast.study.network.rows import NO_BANK, CaseResult, NetworkCase
 from modelcast.study.network.warned import measure_warnings
 from modelcast.study.safety.fleet import SafetyObserver
 from modelcast.study.safety.fleet_score import score_pairings
@@ -29,7 +33,7 @@ from modelcast.world.sensors import filter_for
 if TYPE_CHECKING:
     from modelcast.channel.propagation import Propagation
 
-__all__ = ["propagation_of", "run_case"]
+__all__ = ["propagation_of", "run_case", "simulated"]
 
 _STREET_M = 30.0
 
@@ -93,6 +97,43 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
         Where an option is out of its range, the traffic does not fit, or vehicles do not move as their
         columns say.
     """
+    mixed = mixed_of(case.policy)
+    observer = _observer(plan, case, is_mixed=mixed.is_mixed)
+    run, bin_m = simulated(plan, case, found=found, observer=observer)
+    result = measure(run, case, plan.settings, outcome_bin_m=bin_m)
+    if run.roadside is not None and plan.roadside is not None:
+        result = measure_roadside(result, run.roadside, len(plan.roadside.places_m), plan.settings)
+    if run.people is not None and plan.people is not None:
+        counted_s = plan.settings.dt_s * int(run.series.shape[0] - round(plan.warm_up_s / plan.settings.dt_s))
+        result = measure_people(result, run.people, plan.people.policy or case.policy, counted_s)
+    if mixed.is_mixed:
+        result = measure_mixed(result, run, mixed, plan.settings, plan.receivers_ratios)
+    if observer is None:
+        return result
+    return measure_warnings(result, score_pairings(observer, len(mixed.senders)), mixed.senders)
+
+
+def simulated(
+    plan: NetworkPlan,
+    case: NetworkCase,
+    *,
+    found: FcdSurvey | None = None,
+    observer: AbstractObserver | None = None,
+) -> tuple[NetworkRun, float]:
+    """Run one case and return what it counted, and the width of the radio's bins of distance [m].
+
+    Parameters
+    ----------
+    plan, case, found
+        As for `run_case`.
+    observer
+        Looks on; None for nobody.
+
+    Raises
+    ------
+    ConfigError
+        As for `run_case`.
+    """
     try:
         model = plan.sensor.model()
         mixed = mixed_of(case.policy)
@@ -102,7 +143,6 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
         radio, bin_m = _radio(plan, case.radio)
         seed = int(child_generator(plan.seed, case.run, "loop").integers(2**31))
         with traffic(plan, case, found) as frames:
-            observer = _observer(plan, case, is_mixed=mixed.is_mixed)
             run = run_network(
                 checked(frames),
                 who,
@@ -113,17 +153,11 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
                 threads=plan.threads,
                 observer=observer,
                 roadside=None if plan.roadside is None else plan.roadside.units(),
+                people=_devices(plan, case, filter_for(model)),
             )
     except ValueError as error:
         raise ConfigError(str(error)) from error
-    result = measure(run, case, plan.settings, outcome_bin_m=bin_m)
-    if run.roadside is not None and plan.roadside is not None:
-        result = measure_roadside(result, run.roadside, len(plan.roadside.places_m), plan.settings)
-    if mixed.is_mixed:
-        result = measure_mixed(result, run, mixed, plan.settings, plan.receivers_ratios)
-    if observer is None:
-        return result
-    return measure_warnings(result, score_pairings(observer, len(mixed.senders)), mixed.senders)
+    return run, bin_m
 
 
 def _observer(plan: NetworkPlan, case: NetworkCase, *, is_mixed: bool) -> SafetyObserver | None:
@@ -144,3 +178,16 @@ def _sender(plan: NetworkPlan, case: NetworkCase, policy: str, motion: MotionFil
     """The sender of one policy of a case."""
     named = named_banks(plan).get(case.bank) if policy in MODEL_SENDERS else None
     return sender_of(plan, policy, case.bank, threshold_m=case.threshold_m, named=named, motion=motion)
+
+
+def _devices(plan: NetworkPlan, case: NetworkCase, motion: MotionFilter) -> People | None:
+    """What the devices of people do; None where there are none."""
+    people = plan.people
+    if people is None:
+        return None
+    policy = people.policy or case.policy
+    bank = case.bank if case.bank != NO_BANK else next(iter(plan.bank_texts))
+    if people.keep_alive_s is not None:
+        plan = replace(plan, keep_alive_s=people.keep_alive_s)
+    sender = _sender(plan, replace(case, bank=bank), policy, motion)
+    return people.devices(sender)

@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from modelcast.cli.options import SensorOptions
+from modelcast.cli.people_plan import PeoplePlan
 from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.network_runs import RunKey
 from modelcast.messages.rules import CertificateRule
+from modelcast.models.shipped import names_profile, profile_path
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 from modelcast.station.sender.sender import ERROR_SENDERS, MODEL_SENDERS, THRESHOLD_STARTS
@@ -88,6 +90,8 @@ class NetworkPlan:
         What hosts warn of, by name, none where it is empty; and the warning range of fcw, None for its own.
     roadside
         Units beside the vehicles; None for none.
+    people
+        What the devices of people do; None where there are no people.
     """
 
     scenario: str
@@ -124,6 +128,7 @@ class NetworkPlan:
     applications: tuple[str, ...] = ()
     algorithm: str | None = None
     roadside: RoadsidePlan | None = None
+    people: PeoplePlan | None = None
 
     def as_plain(self) -> dict[str, Any]:
         """What every run depends on, as plain values; files by their names, the sensor with its figures.
@@ -146,6 +151,7 @@ class NetworkPlan:
             "applications",
             "algorithm",
             "roadside",
+            "people",
         ):
             if not found[name]:
                 del found[name]
@@ -198,7 +204,7 @@ class NetworkPlan:
         from modelcast.io.regular import sha256_of
 
         files = [self.scenario] if self.from_file else []
-        files += [] if self.profile is None else [self.profile]
+        files += [] if self.profile is None else [str(profile_path(self.profile))]
         paths = [Path(path) for path in (*self.trips, *self.tracks, *files)]
         hashes = recorded_inputs(paths).items()
         inputs: dict[str, str] = {
@@ -209,7 +215,7 @@ class NetworkPlan:
         if self.scenario in SUMO:
             inputs["eclipse-sumo"] = metadata.version("eclipse-sumo")
         banks = self.bank_texts.items()
-        files_of_banks = {name: sha256_of(Path(text)) for name, text in banks if text.endswith(".json")}
+        files_of_banks = {name: sha256_of(profile_path(text)) for name, text in banks if names_profile(text)}
         return RunKey(package_version(), inputs, files_of_banks)
 
     @property

@@ -12,6 +12,7 @@ from typing import Any
 
 from modelcast.cli.network_case import run_case
 from modelcast.cli.network_cases import told
+from modelcast.cli.network_film import find_meeting, write_film
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import named_banks
 from modelcast.cli.shared_work import workers
@@ -48,6 +49,8 @@ class Sweep:
         Whose output folder it is.
     against
         Policy that warnings are set against.
+    film
+        Whether a meeting of the first run is filmed.
     """
 
     plan: NetworkPlan
@@ -57,6 +60,7 @@ class Sweep:
     found: FcdSurvey | None = None
     command: str = "network"
     against: str = ""
+    film: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,10 +112,11 @@ def sweep(
     Raises
     ------
     ConfigError
-        Where the folder is of other options, or an input changes meanwhile.
+        Where the folder is of other options, an input changes meanwhile, or there is nothing to film.
     """
     plan, cases, found = asked.plan, asked.cases, asked.found
     options, key = plan.as_plain(), plan.key()
+    meeting = find_meeting(plan, cases[0]) if asked.film else None
     files = NetworkRunFiles(options, key)
     with (
         atomic_folder(out, command=asked.command) as folder,
@@ -133,6 +138,8 @@ def sweep(
         store.publish(results, folder)
         write_network(result, options, folder, key=key, traffic=traffic, training_trips=known)
         write_network_report(result, options, folder, traffic=traffic, notes=notes)
+        if meeting is not None:
+            write_film(plan, cases[0], meeting, folder)
         rows = traffic_rows(result)
         if rows:
             write_traffic(rows, folder)

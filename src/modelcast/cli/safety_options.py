@@ -12,6 +12,7 @@ from modelcast.cli.compare_options import CompareOptions
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.options import Numbers, Paths, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
+from modelcast.models.shipped import names_profile, profile_path
 from modelcast.station.policy.rules import BelieveRule
 from modelcast.study.safety.rules import BASES, Basis, Truth
 
@@ -128,8 +129,8 @@ class SafetyOptions:
     @property
     def files(self) -> tuple[Path, ...]:
         """The profiles' files, the one in use and those among the banks: what all cases depend on."""
-        named = [text for text in self.bank if text.endswith(".json")]
-        return tuple(Path(text) for text in (self.profile, *named) if text)
+        named = [text for text in self.bank if names_profile(text)]
+        return tuple(profile_path(text) for text in (self.profile, *named) if text)
 
     def candidates(self) -> "list[FixedCandidate]":
         """Who sends.

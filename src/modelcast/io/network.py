@@ -3,10 +3,10 @@
 ``runs/<case>-<key>.json``
     Rows of one run (`modelcast.io.network_runs`).
 ``summary.json`` (`network_document`)
-    ``schema`` (7), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
+    ``schema`` (8), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
     of floating-car data holds, else null), ``options``, ``senders`` (`SenderRow`), ``runs`` (`RunRow`),
     ``pooled`` (`PooledRow`), ``warnings`` (`PooledWarnings`),
-    ``roadside`` (`RoadsideRow`). A number that does not exist is null.
+    ``roadside`` (`RoadsideRow`), ``people`` (`PeopleRow`). A number that does not exist is null.
 ``runs.parquet``, ``distances.parquet``, ``outcomes.parquet``, ``seconds.parquet``
     One row a run; a run and bin of 25 m; a run and bin of the radio; a run and second.
 ``pairings.parquet``, ``penetration.parquet``
@@ -16,6 +16,8 @@
     true warning; and all seeds together.
 ``roadside.parquet``, ``roadside_distances.parquet``
     With roadside units: one row a run; a run and bin of 25 m.
+``people.parquet``
+    With people: one row a run.
 
 The same runs give the same bytes.
 """
@@ -30,6 +32,7 @@ import numpy as np
 from modelcast.io.arrow import columns_table, write_tables
 from modelcast.io.documents import document_text, plain_value, row_document
 from modelcast.io.network_runs import RunKey
+from modelcast.study.network.people_rows import PeopleRow
 from modelcast.study.network.roadside_rows import RoadsideDistanceRow, RoadsideRow
 from modelcast.study.network.rows import (
     DistanceRow,
@@ -44,11 +47,12 @@ from modelcast.study.network.warning_rows import PooledWarnings, WarnedEventRow,
 
 __all__ = ["NETWORK_SCHEMA", "network_document", "write_network"]
 
-NETWORK_SCHEMA = 7
+NETWORK_SCHEMA = 8
 """Version of the layout of ``summary.json``; since 2 it holds inputs and traffic, since 3 banks, since 4
-thresholds, since 5 warnings, since 6 relative errors and no capacities, since 7 roadside."""
+thresholds, since 5 warnings, since 6 relative errors and no capacities, since 7 roadside, since 8
+people."""
 
-_TEXT = {"radio", "policy", "bank", "sender", "reading", "application"}
+_TEXT = {"radio", "policy", "bank", "sender", "reading", "application", "people_policy"}
 
 _SOME = {
     "pairings",
@@ -59,8 +63,10 @@ _SOME = {
     "pooled_warnings",
     "roadside",
     "roadside_distances",
+    "people",
 }
-"""Tables that only some runs have: of mixed fleets, of hosts with applications, of roadside units."""
+"""Tables that only some runs have: of mixed fleets, of hosts with applications, of roadside units, of
+people."""
 
 
 def network_document(
@@ -98,6 +104,7 @@ def network_document(
         "pooled": [row_document(row) for row in result.pooled],
         "warnings": [row_document(row) for row in result.pooled_warnings],
         "roadside": [row_document(row) for row in result.roadside],
+        "people": [row_document(row) for row in result.people],
     }
 
 
@@ -137,6 +144,7 @@ def write_network(
         ("pooled_warnings", result.pooled_warnings, PooledWarnings),
         ("roadside", result.roadside, RoadsideRow),
         ("roadside_distances", result.roadside_distances, RoadsideDistanceRow),
+        ("people", result.people, PeopleRow),
     )
     for name, rows, row_type in groups:
         if not rows and name in _SOME:

@@ -18,6 +18,7 @@ from typing import Any, TypeVar, cast
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.documents import plain_value, row_document
 from modelcast.io.run_store import AbstractRunFiles, write_run_file
+from modelcast.study.network.people_rows import PeopleRow
 from modelcast.study.network.roadside_rows import RoadsideDistanceRow, RoadsideRow
 from modelcast.study.network.rows import (
     CASE_KEYS,
@@ -34,10 +35,10 @@ from modelcast.study.network.warning_rows import WarnedEventRow, WarnedHostRow, 
 
 __all__ = ["RUN_SCHEMA", "NetworkRunFiles", "RunKey", "case_name", "read_case", "run_path", "write_case"]
 
-RUN_SCHEMA = 8
+RUN_SCHEMA = 9
 """Version of the layout of a run's file; since 2 it holds version and inputs, since 3 the bank, since 4 the
 threshold, since 5 the rows of mixed fleets, since 6 those of warnings, since 7 relative errors, since 8
-those of roadside units."""
+those of roadside units, since 9 those of people."""
 
 _LARGEST_BYTES = 64 * 2**20
 _MOST_ROWS = 1_000_000
@@ -55,6 +56,7 @@ _TABLES: Mapping[str, type[Any]] = MappingProxyType(
         "warned_events": WarnedEventRow,
         "roadside": RoadsideRow,
         "roadside_distances": RoadsideDistanceRow,
+        "people": PeopleRow,
     }
 )
 """Rows beside the run's own, by the fields of `CaseResult`."""

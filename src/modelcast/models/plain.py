@@ -32,6 +32,7 @@ from modelcast.models.kinematic import (
 from modelcast.models.learned import FeatureMap, LearnedTrajectory, Perceptron, Selector
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.regimes import Regimes
+from modelcast.models.stop_and_go import StopAndGo
 from modelcast.models.switching import LinearMode, StochasticHybridSystem
 from modelcast.models.trusted import Trusted
 
@@ -60,6 +61,7 @@ PLAIN_CLASSES: dict[str, type] = {
         Regimes,
         Selector,
         StochasticHybridSystem,
+        StopAndGo,
         Trusted,
         VehicleProcess,
     )

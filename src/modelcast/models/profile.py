@@ -3,7 +3,8 @@
 It holds the bank with everything learned, the policy's rules, the calibrations and a record of the training.
 Its text is canonical JSON (sorted keys, no spaces, one final newline). Its name on the air is the SHA-256 of
 these bytes without the key ``training_trips``, which no vehicle needs: who holds the same profile holds the
-same numbers, whether or not it says which trips they are from. One profile ships with modelcast.
+same numbers, whether or not it says which trips they are from. Two profiles ship with modelcast, of vehicles
+and of people.
 
 A profile from a file is hostile until it is checked. `profile_from_text` refuses whatever is not a value that
 a compiled loop may read, and names its path.
@@ -11,7 +12,6 @@ a compiled loop may read, and names its path.
 
 import functools
 import hashlib
-import importlib.resources
 import json
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
@@ -27,9 +27,18 @@ from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.plain_meaning import is_free
 from modelcast.models.regimes import Regimes
 from modelcast.models.reserved import check_name
+from modelcast.models.shipped import DEFAULT, PEOPLE, SHIPPED, profile_path
 from modelcast.trips.fingerprint import FINGERPRINT
 
-__all__ = ["MOST_MEMBERS", "PROFILE_SCHEMA", "Profile", "default_profile", "profile_from_text"]
+__all__ = [
+    "MOST_MEMBERS",
+    "PROFILE_SCHEMA",
+    "Profile",
+    "default_profile",
+    "people_profile",
+    "profile_from_text",
+    "shipped_profile",
+]
 
 PROFILE_SCHEMA = 1
 """Version of the layout; it rises when a key changes its meaning or goes away.
@@ -288,7 +297,34 @@ def _calibrations(plain: Mapping[str, Any]) -> dict[str, Calibration]:
 
 
 @functools.cache
+def shipped_profile(name: str) -> Profile:
+    """A profile that ships with modelcast.
+
+    Parameters
+    ----------
+    name
+        One of `modelcast.models.shipped.SHIPPED`.
+
+    Raises
+    ------
+    ValueError
+        Where none has that name.
+
+    Examples
+    --------
+    >>> shipped_profile("people").bank.name
+    'people'
+    """
+    if name not in SHIPPED:
+        raise ValueError(f"shipped profiles are {', '.join(SHIPPED)}, got {name!r}")
+    return profile_from_text(profile_path(name).read_text(encoding="utf-8"))
+
+
 def default_profile() -> Profile:
-    """The profile that ships with modelcast: the best bank measured so far."""
-    place = importlib.resources.files("modelcast") / "profiles" / "default.json"
-    return profile_from_text(place.read_text(encoding="utf-8"))
+    """The profile of vehicles that ships with modelcast: the best bank measured so far."""
+    return shipped_profile(DEFAULT)
+
+
+def people_profile() -> Profile:
+    """The profile of people that ships with modelcast: it has no trained weights (``docs/people.md``)."""
+    return shipped_profile(PEOPLE)

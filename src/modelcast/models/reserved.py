@@ -16,6 +16,7 @@ from modelcast.models.kinematic import (
     ConstantTurnRateVelocity,
 )
 from modelcast.models.regimes import REGIME_BANK
+from modelcast.models.shipped import SHIPPED
 from modelcast.models.wrapped import AbstractWrapped
 
 __all__ = ["EXPRESSION", "KINEMATIC", "UNTRAINED", "check_name"]
@@ -34,7 +35,7 @@ UNTRAINED = (*KINEMATIC, "gp-anchored", "gp-intercept", "gp-adaptive", "gp-linea
 EXPRESSION = "gp("
 """How the name of a kernel's sub-model begins."""
 
-_BANKS = ("paper", "default", "trained", REGIME_BANK)
+_BANKS = ("paper", *SHIPPED, "trained", REGIME_BANK)
 """Words that stand for whole banks."""
 
 

@@ -17,6 +17,7 @@ from modelcast.report.fleet_warnings import warnings_console, warnings_markdown,
 from modelcast.report.literal import literal, markdown
 from modelcast.report.mixed import mixed_markdown, mixed_part
 from modelcast.report.page import CSS, escape, number, option_rows, page, table
+from modelcast.report.people import people_cells, people_heads, people_markdown
 from modelcast.report.roadside import roadside_cells, roadside_heads, roadside_markdown
 from modelcast.report.style import style
 from modelcast.study.network.rows import NO_BANK, NetworkResult, PooledRow
@@ -145,6 +146,8 @@ def network_markdown(
         lines += ["", "Warnings:", "", *warnings_markdown(result)]
     if result.roadside:
         lines += ["", "Roadside units, of vehicles 50 m to 150 m away:", "", *roadside_markdown(result)]
+    if result.people:
+        lines += ["", "A device of people:", "", *people_markdown(result)]
     if result.senders:
         lines += ["", "What was sent of each bank, and by which rules:", ""]
         lines += [_joined(_SENDERS), "|" + "---|" * len(_SENDERS)]
@@ -242,6 +245,8 @@ def write_network_report(
     body += [line for part in parts for line in part.markup()]
     if result.roadside:
         body += ["<h2>Roadside units</h2>", table(roadside_heads, roadside_cells(result), text_columns=4)]
+    if result.people:
+        body += ["<h2>Devices of people</h2>", table(people_heads, people_cells(result), text_columns=4)]
     if result.senders:
         body += ["<h2>Banks</h2>", table(_SENDERS, _sender_cells(result), text_columns=len(_SENDERS))]
     if traffic is not None:

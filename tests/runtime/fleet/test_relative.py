@@ -147,7 +147,7 @@ def test_an_error_of_an_earlier_step_is_worked_out_anew() -> None:
     """Another thread may have written one of the two words alone."""
     now = Tracking(
         ReadyBank.of(BASELINE_BANK, 0.1).members, 0.7, 7, 5.0, 25.0, (2, 6), np.zeros(1, dtype=np.int64),
-        np.zeros((1, 2)), np.zeros((1, 2)), np.ones(1, dtype=np.bool_),
+        np.zeros((1, 2)), np.zeros((1, 2)), np.ones(1, dtype=np.bool_), np.zeros(1, dtype=np.bool_), np.inf,
     )  # fmt: skip
     belief, error = gone_words(now)
     _, before = gone_words(now._replace(step=6))

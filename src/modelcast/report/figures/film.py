@@ -3,10 +3,10 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
 
 from modelcast.apps.motions import LENGTH_M, WIDTH_M
 from modelcast.core.arrays import FloatArray
+from modelcast.report.figures.boxes import draw_box
 from modelcast.report.figures.panels import drawable
 from modelcast.report.style import INK, PAGE_IN, model_colours, new_figure
 from modelcast.study.safety.film import EventFilm
@@ -15,6 +15,7 @@ __all__ = ["plot_film"]
 
 _FRAMES_S = (-2.0, -0.5, 0.0, 0.5, 1.5)
 _AROUND_M, _BESIDE_M = 6.0, 4.5
+_CAR_M = (LENGTH_M, WIDTH_M)
 _GAP_S = 0.25
 _HEIGHT_IN = 5.2
 
@@ -66,34 +67,21 @@ def _ahead(film: EventFilm, at: int, place_m: FloatArray) -> FloatArray:
     )
 
 
-def _box(axes: Axes, middle: FloatArray, turned_rad: float, *, colour: str, filled: bool) -> None:
-    corners = 0.5 * np.array([LENGTH_M, WIDTH_M]) * np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]])
-    turn = np.array([[np.cos(turned_rad), -np.sin(turned_rad)], [np.sin(turned_rad), np.cos(turned_rad)]])
-    axes.add_patch(
-        Polygon(
-            middle + corners @ turn.T,
-            closed=True,
-            facecolor=colour if filled else "none",
-            edgecolor=colour,
-            linewidth=0.8,
-            alpha=0.6 if filled else 1.0,
-        )
-    )
-
-
 def _draw_frame(axes: Axes, film: EventFilm, at: int, colours: dict[str, str]) -> float:
     """Draw one instant from above; returns how far ahead the farthest vehicle is [m]."""
     course = film.host.heading_rad[at]
-    _box(axes, np.zeros(2), 0.0, colour="#cc3311" if film.warned[at] else INK, filled=True)
+    draw_box(axes, np.zeros(2), 0.0, size_m=_CAR_M, colour="#cc3311" if film.warned[at] else INK, filled=True)
     leader = _ahead(film, at, film.leader_motion.position_m[at])
-    _box(axes, leader, course - film.leader_motion.heading_rad[at], colour="#777777", filled=True)
+    turned_rad = course - film.leader_motion.heading_rad[at]
+    draw_box(axes, leader, turned_rad, size_m=_CAR_M, colour="#777777", filled=True)
     farthest = float(leader[0])
     for one in film.believers:
         if np.isnan(one.motion[at, 0]):
             continue
         middle = _ahead(film, at, one.motion[at, :2])
         farthest = max(farthest, float(middle[0]))
-        _box(axes, middle, course - one.motion[at, 5], colour=colours[one.candidate], filled=False)
+        turned_rad = course - one.motion[at, 5]
+        draw_box(axes, middle, turned_rad, size_m=_CAR_M, colour=colours[one.candidate], filled=False)
     return farthest
 
 

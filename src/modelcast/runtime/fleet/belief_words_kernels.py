@@ -31,7 +31,8 @@ class Tracking(NamedTuple):
 
     Members of all senders' banks; time, number of the step; silence after which a track is lost [s]; width of
     the bins of distance [m]; first and end bin of the middle distances; who is where, (V,) and (V, 2); by how
-    much vehicles are wrong about their own place, (V, 2) [m]; whose tracks count, (V,).
+    much vehicles are wrong about their own place, (V, 2) [m]; whose tracks count, (V,); who is a person,
+    (V,), and the square of how far apart a pair with one may be that counts [m²].
     """
 
     members: Members
@@ -44,6 +45,8 @@ class Tracking(NamedTuple):
     truth_m: FloatMatrix
     own_error_m: FloatMatrix
     counted: BoolVector
+    person: BoolVector
+    people_m2: float
 
 
 @kernel(inlined=True)

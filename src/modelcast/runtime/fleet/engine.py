@@ -14,6 +14,7 @@ from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.mix import Mix
 from modelcast.runtime.fleet.mixed import GroupRun, MixedTally
 from modelcast.runtime.fleet.observer import AbstractObserver
+from modelcast.runtime.fleet.people import People, PeopleRun
 from modelcast.runtime.fleet.roadside import Roadside, RoadsideRun
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.sender.message_arrays import SentTally
@@ -53,6 +54,9 @@ class NetworkRun:
     roadside
         What roadside units counted; None where there are none. Frames that they sent, and those in reach of
         them, are among the ``outcomes``.
+    people
+        What the devices of people did; None where they did as vehicles. What they sent is among ``sent``, and
+        what they hold among the ``tally``.
     """
 
     sent: SentTally
@@ -68,6 +72,7 @@ class NetworkRun:
     mixed: MixedTally
     groups: tuple[GroupRun, ...]
     roadside: RoadsideRun | None = None
+    people: PeopleRun | None = None
 
 
 def run_network(
@@ -82,6 +87,7 @@ def run_network(
     progress: Callable[[int], None] | None = None,
     observer: AbstractObserver | None = None,
     roadside: Roadside | None = None,
+    people: People | None = None,
 ) -> NetworkRun:
     """Run a fleet on the air and return what was counted.
 
@@ -107,6 +113,8 @@ def run_network(
         Looks on; None for nobody.
     roadside
         Units beside the vehicles; None for none.
+    people
+        What the devices of people do; None for what vehicles do.
 
     Raises
     ------
@@ -128,7 +136,8 @@ def run_network(
     (10.0, 100)
     """
     mix = sender if isinstance(sender, Mix) else Mix((sender,))
-    members = [member for one in mix.senders for member in one.bank.members]
+    senders = mix.senders if people is None else (*mix.senders, people.sender)
+    members = [member for one in senders for member in one.bank.members]
     kept = [member.name for member in members if member.held_parameters]
     if kept:
         raise ValueError(f"hosts of a fleet cannot keep what {', '.join(kept)} needs from earlier messages")
@@ -137,7 +146,9 @@ def run_network(
     first = next(pending, None)
     if first is None:
         raise ValueError("frames must hold at least one frame")
-    loop = FleetLoop(first, mix, radio, chosen, seed=seed, sensor=sensor, threads=threads, roadside=roadside)
+    loop = FleetLoop(
+        first, mix, radio, chosen, seed=seed, sensor=sensor, threads=threads, roadside=roadside, people=people
+    )
     warm_up = round(chosen.warm_up_s / chosen.dt_s)
     a_second = max(1, round(1.0 / chosen.dt_s))
     outcomes: IntArray | None = None
@@ -171,10 +182,11 @@ def run_network(
         busy_ratio=float(np.nansum(counted[:, 3] * counted[:, 0]) / max(counted[:, 0].sum(), 1.0)),
         series=rows,
         recent=np.array(recent, dtype=np.int64).reshape(len(recent), -1),
-        sender_bytes=np.concatenate([one.update_bytes for one in mix.senders]),
+        sender_bytes=np.concatenate([one.update_bytes for one in senders]),
         mixed=loop.mixed,
         groups=tuple(
             GroupRun(one.sender.name, one.sent, one.vehicle_steps * chosen.dt_s) for one in loop.speakers
         ),
         roadside=None if loop.units is None else loop.units.run(),
+        people=loop.people_run(),
     )

@@ -34,6 +34,7 @@ from modelcast.runtime.fleet.believed import Believed, believe, check_slots, pai
 from modelcast.runtime.fleet.believed_kernels import Readers
 from modelcast.runtime.fleet.mix import Draw, Mix
 from modelcast.runtime.fleet.mixed import MixedTally, mixed_tally, pooled_mixed, within
+from modelcast.runtime.fleet.people import Devices, People, PeopleRun
 from modelcast.runtime.fleet.reception_kernels import Heard, HearingLimits
 from modelcast.runtime.fleet.roadside import Roadside, RoadsideUnits, with_slots
 from modelcast.runtime.fleet.settings import NetworkSettings
@@ -109,6 +110,8 @@ class FleetLoop:
         How stations read their measurements; None for all columns measured, and the sender's filter.
     roadside
         Units beside the vehicles, in the slots behind theirs; None for none.
+    people
+        What the devices of people do; None for what vehicles do.
     """
 
     def __init__(
@@ -123,6 +126,7 @@ class FleetLoop:
         threads: int = 1,
         sensing: Sensing | None = None,
         roadside: Roadside | None = None,
+        people: People | None = None,
     ) -> None:
         moving = len(first)
         self.units = None if roadside is None else RoadsideUnits(roadside, moving, settings)
@@ -137,8 +141,12 @@ class FleetLoop:
         self.mix = sender if isinstance(sender, Mix) else Mix((sender,))
         if roadside is not None and not self.mix.is_one:
             raise ValueError("roadside units read messages of one sender: a mixed fleet has none")
+        if people is not None and not self.mix.is_one:
+            raise ValueError("people speak beside vehicles of one sender: a mixed fleet has none")
+        self.devices = None if people is None else Devices(people, settings)
+        self.senders = self.mix.senders if people is None else (*self.mix.senders, people.sender)
         self.sender, self.radio, self.settings = self.mix.senders[0], radio, settings
-        self.expiry_s = max(settings.expiry_s, 2.0 * max(one.longest_silence_s for one in self.mix.senders))
+        self.expiry_s = max(settings.expiry_s, 2.0 * max(one.longest_silence_s for one in self.senders))
         if not np.isfinite(self.expiry_s):
             self.expiry_s = np.inf
         pool = ThreadPoolExecutor(threads) if threads > 1 else None
@@ -148,35 +156,36 @@ class FleetLoop:
         # A part begins with the first slot of a group of `SentTally`.
         edges = [-(-moving * part // self._work.number) for part in range(self._work.number + 1)]
         self._parts = list(pairwise(edges))
-        self.speakers = _speakers(self.mix, settings, phase, self._parts, sensing)
+        self.speakers = _speakers(self.senders, settings, phase, self._parts, sensing)
         self._ready = ReadyBank.joined([one.bank.ready for one in self.speakers])
         self._members = self._ready.members
         shared = len(self.speakers) == 1 and self.units is None
         self.vehicle = self.stations.senders.vehicle if shared else np.full(vehicles, -1, dtype=np.int64)
         self.group, self.reading = (np.zeros(vehicles, dtype=np.int64) for _ in range(2))
         self.reading[:] = Reading.MODEL
+        # Who speaks: the group of a mixed fleet; of people with a sender of their own, the last.
+        self._speaker = np.zeros(vehicles, dtype=np.int64) if self.mix.is_one else self.group
         self._draw = None if self.mix.is_one else Draw(self.mix, seed)
         columns = message_arrays.BELIEF_COLUMNS if self.mix.is_one else mixed_kernels.COLUMNS
         self.contents = contents(vehicles, max(one.widest for one in self.speakers), beliefs=columns)
-        capacity = _capacity(first, settings)
+        capacity = _capacity(first, settings, self.devices)
         self.tables = neighbour_tables(
             vehicles,
             capacity,
-            sub_intervals=max(_sub_intervals(one) for one in self.mix.senders),
+            sub_intervals=max(_sub_intervals(one) for one in self.senders),
             phase_s=phase * 1.0,
         )
         self.tracks = tracks(vehicles, capacity)
         self._tallies = [tally(settings.distances) for _ in self._parts]
         self._mixed = [mixed_tally(self.mix, settings) for _ in self._parts]
-        self.number = 0
         self._rng = rng
         self._radio_state: Any = radio.init(vehicles, child_generator(seed, "radio"))
         self._sensor = sensor
         self._sensor_state: FleetSensorState | None = None
         if sensor is not None:
             self._sensor_state = sensor.init(moving, child_generator(seed, "sensor"))
-        self._counted = np.ones(vehicles, dtype=np.bool_)
-        self._last_s = -np.inf
+        self._counted, self._nobody = np.ones(vehicles, dtype=np.bool_), np.zeros(vehicles, dtype=np.bool_)
+        self.number, self._last_s = 0, -np.inf
 
     @property
     def stations(self) -> SendingStations:
@@ -207,6 +216,9 @@ class FleetLoop:
         seen = frame
         if self._sensor is not None and self._sensor_state is not None:
             seen, self._sensor_state = self._sensor.sense(self._sensor_state, frame)
+        if self.devices is not None and self.devices.place(frame, self.vehicle.size):
+            self._radio_state = self.radio.fit_antennas(self._radio_state, self.devices.gains_db())
+            self._speaker[:] = self.devices.person
         frame, seen = with_slots(frame, self._fixed), with_slots(seen, self._fixed)
         before = self.sent.total
         busy_ratio = self.radio.channel_busy_ratio(self._radio_state)
@@ -234,7 +246,7 @@ class FleetLoop:
         if self._draw is not None:
             self._draw.place(self.vehicle, started, self.group, self.reading)
         for number, one in enumerate(self.speakers):
-            one.begin(frame, frame.active & (self.group == number), started)
+            one.begin(frame, frame.active & (self._speaker == number), started)
         if self.units is not None:
             self.vehicle[self.units.slots] = _UNIT - np.arange(self._fixed)
         one = len(self.speakers) == 1
@@ -264,7 +276,7 @@ class FleetLoop:
         """Columns of what each vehicle takes its own state to be, (V,) or (V, C)."""
         shown = self.stations.sensed.shown[:, columns]
         for number, one in enumerate(self.speakers[1:], start=1):
-            own = self.group == number
+            own = self._speaker == number
             shown = np.where(
                 own if shown.ndim == 1 else own[:, None], one.stations.sensed.shown[:, columns], shown
             )
@@ -277,9 +289,8 @@ class FleetLoop:
         if self._draw is not None:
             self._track_mixed(tracking)
             return
-        cells = build_cells(truth_m, settings.distance_bin_m * self._tallies[0].pairs.size)
 
-        def work(part: int) -> None:
+        def sample(part: int) -> None:
             tracking_kernels.sample_tracks(
                 tracking,
                 self.tables.hosts,
@@ -288,6 +299,14 @@ class FleetLoop:
                 self._tallies[part],
                 *self._parts[part],
             )
+
+        self._work.each(sample)
+        if self.devices is not None:
+            self.devices.count_pairs(truth_m, self._counted, self._tallies, self._work)
+            return
+        cells = build_cells(truth_m, settings.distance_bin_m * self._tallies[0].pairs.size)
+
+        def count(part: int) -> None:
             tracking_kernels.count_pairs(
                 cells,
                 (part, self._work.number),
@@ -296,7 +315,7 @@ class FleetLoop:
                 self._tallies[part].pairs,
             )
 
-        self._work.each(work)
+        self._work.each(count)
 
     def _tracking(self, truth_m: FloatArray, now_s: float) -> Tracking:
         return Tracking(
@@ -310,6 +329,8 @@ class FleetLoop:
             truth_m=truth_m,
             own_error_m=np.ascontiguousarray(self._places(truth_m) - truth_m),
             counted=self._counted,
+            person=self._nobody if self.devices is None else self.devices.person,
+            people_m2=np.inf if self.devices is None else self.devices.reach_m**2,
         )
 
     def _places(self, truth_m: FloatArray) -> FloatArray:
@@ -430,7 +451,9 @@ class FleetLoop:
 
     def _hear(self, received: Receptions, truth_m: FloatArray) -> None:
         """Let hosts take in what they heard."""
-        vehicle = self.vehicle
+        vehicle, seen_m = self.vehicle, self._places(truth_m)
+        if self.devices is not None:
+            received = self.devices.read(received, seen_m, self.contents.rows)
         receiver = owned(received.receiver, np.int64)
         start, order = np.zeros(vehicle.size + 1, dtype=np.int64), np.empty(receiver.size, dtype=np.int64)
         reception_kernels.by_host(receiver, start, order)
@@ -440,7 +463,7 @@ class FleetLoop:
             order=order,
             start=start,
             vehicle=vehicle,
-            seen_m=self._places(truth_m),
+            seen_m=seen_m,
             truth_m=truth_m,
             reading=self.reading,
             counted=self._counted,
@@ -541,7 +564,7 @@ class FleetLoop:
         here = frame.active
         gained = self.sent.total - before
         timed = [
-            one.stations.timers.rows[here & (self.group == number)]
+            one.stations.timers.rows[here & (self._speaker == number)]
             for number, one in enumerate(self.speakers)
             if one.stations.policy.rule == RULE_J2945
         ]
@@ -563,6 +586,10 @@ class FleetLoop:
         """What was sent since the counts were forgotten."""
         parts = [tally for one in self.speakers for tally in one.tallies]
         return SentTally(*(np.sum(columns, axis=0) for columns in zip(*parts, strict=True)))
+
+    def people_run(self) -> PeopleRun | None:
+        """What the devices of people did since the counts were forgotten; None where they do as vehicles."""
+        return None if self.devices is None else self.devices.run(self.speakers[-1].sent)
 
     @property
     def tally(self) -> Tally:
@@ -592,13 +619,15 @@ class FleetLoop:
             one.forget_counts()
         if self.units is not None:
             self.units.forget_counts()
+        if self.devices is not None:
+            self.devices.forget_counts()
 
 
 _HEADING = MEASURED - 3
 
 
 def _speakers(
-    mix: Mix,
+    senders: tuple[Sender, ...],
     settings: NetworkSettings,
     phase: FloatArray,
     parts: list[tuple[int, int]],
@@ -607,7 +636,7 @@ def _speakers(
     """One group a sender; what stations hold of their messages is that of their slots, whoever is there."""
     found: list[Speakers] = []
     first = 0
-    for sender in mix.senders:
+    for sender in senders:
         shared = found[0].stations.senders if found else None
         found.append(
             Speakers(
@@ -625,11 +654,14 @@ def _sub_intervals(sender: Sender) -> int:
     return (rule.parameters if isinstance(rule, J2945) else J2945Parameters()).sub_intervals
 
 
-def _capacity(first: FleetFrame, settings: NetworkSettings) -> int:
+def _capacity(first: FleetFrame, settings: NetworkSettings, devices: Devices | None) -> int:
     """Slots of a host: half as many again as the fullest has in reach at first, and some.
 
     Where slots are empty at first, as in traffic that comes and goes, as many more as if all were taken.
     """
     place = np.where(first.active[:, None], first.position_m, np.nan)
-    most = tracking_kernels.most_in_reach(place, settings.reach_m) * len(first) / max(first.active.sum(), 1)
+    near = tracking_kernels.most_in_reach(place, settings.reach_m)
+    if devices is not None:
+        near = min(near, devices.most_in_reach(first))
+    most = near * len(first) / max(first.active.sum(), 1)
     return int(min(len(first) + _SPARE_SLOTS, int(1.5 * most) + _SPARE_SLOTS, 2**15 - 1))

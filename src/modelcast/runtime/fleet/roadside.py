@@ -11,6 +11,7 @@ import numpy as np
 
 from modelcast.channel.radio import Receptions, Transmissions
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.kinds import Kind
 from modelcast.runtime.fleet.arrays import Tally, tally
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.relay import Overheard, RelayRule, RelayState
@@ -299,4 +300,6 @@ def with_slots(frame: FleetFrame, more: int) -> FleetFrame:
         vehicle_id=np.append(frame.vehicle_id, np.full(more, NOBODY)),
         active=np.append(frame.active, nothing > 0.0),
         begins=None if frame.begins is None else np.append(frame.begins, nothing > 0.0),
+        kind=None if frame.kind is None else np.append(frame.kind, np.full(more, Kind.ROADSIDE)),
+        width_m=None if frame.width_m is None else np.append(frame.width_m, nothing),
     )

@@ -97,6 +97,7 @@ def near_tracks(
     """
     most_m = x.distance_bin_m * bins
     most_m2, a_bin = most_m * most_m, 1.0 / x.distance_bin_m
+    people_m2, own = min(most_m2, x.people_m2), x.person[host]
     east_m, north_m = x.truth_m[host, 0], x.truth_m[host, 1]
     count = 0
     for slot in range(used):
@@ -104,7 +105,7 @@ def near_tracks(
         sender = int(max(message, 0.0)) & ((1 << SENDER_BITS) - 1)
         east, north = x.truth_m[sender, 0] - east_m, x.truth_m[sender, 1] - north_m
         square = east * east + north * north
-        is_near = square < most_m2
+        is_near = square < (people_m2 if own or x.person[sender] else most_m2)
         near[count], distance[count] = slot, int(sqrt(square if is_near else 0.0) * a_bin)
         count += int(is_near & (message >= 0.0) & (silent_s <= x.expiry_s))
     return count

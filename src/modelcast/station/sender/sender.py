@@ -231,6 +231,31 @@ class Sender:
         """Longest time between two messages that the rule allows [s]."""
         return self.policy.longest_silence_s
 
+    def at_power(self, most_dbm: float) -> "Sender":
+        """The same sender with no more power than this; a rule that chooses among powers has those below.
+
+        Parameters
+        ----------
+        most_dbm
+            Of every message [dBm].
+
+        Examples
+        --------
+        >>> named_sender("j2945").at_power(14.0).policy.parameters.max_power_dbm
+        14.0
+        """
+        policy = self.policy
+        if isinstance(policy, J2945):
+            given = policy.parameters
+            parameters = replace(
+                given,
+                min_power_dbm=min(given.min_power_dbm, most_dbm),
+                max_power_dbm=min(given.max_power_dbm, most_dbm),
+                start_power_dbm=min(given.start_power_dbm, most_dbm),
+            )
+            policy = replace(policy, parameters=parameters)
+        return replace(self, policy=policy, power_dbm=min(self.power_dbm, most_dbm))
+
 
 def engine_parameters(parameters: J2945Parameters | None = None) -> J2945Parameters:
     """J2945/1's constants with positions extrapolated at any age, as a public stack has them.

@@ -51,6 +51,7 @@ def gather(
         warned_events=[row for one in ordered for row in one.warned_events],
         roadside=[row for one in ordered for row in one.roadside],
         roadside_distances=[row for one in ordered for row in one.roadside_distances],
+        people=[row for one in ordered for row in one.people],
         pooled_warnings=pool_warnings(ordered, against),
     )
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
 from math import isfinite, nan
 
+from modelcast.study.network.people_rows import PeopleRow
 from modelcast.study.network.roadside_rows import RoadsideDistanceRow, RoadsideRow
 from modelcast.study.network.warning_rows import PooledWarnings, WarnedEventRow, WarnedHostRow, WarningRow
 
@@ -400,6 +401,7 @@ class CaseResult:
     warned_events: Sequence[WarnedEventRow] = ()
     roadside: Sequence[RoadsideRow] = ()
     roadside_distances: Sequence[RoadsideDistanceRow] = ()
+    people: Sequence[PeopleRow] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -421,6 +423,7 @@ class NetworkResult:
     pooled_warnings: Sequence[PooledWarnings] = field(default=())
     roadside: Sequence[RoadsideRow] = field(default=())
     roadside_distances: Sequence[RoadsideDistanceRow] = field(default=())
+    people: Sequence[PeopleRow] = field(default=())
 
     @property
     def banks(self) -> tuple[str, ...]:
