@@ -15,10 +15,9 @@ from hypothesis import strategies as st
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, enu_to_geodetic
-from modelcast.core.kinds import Kind
+from modelcast.core.kinds import CYCLIST_M, PEDESTRIAN_M, Kind
 from modelcast.io.fcd import read_fcd, survey_fcd
 from modelcast.world.scenario.base import FleetFrame
-from modelcast.world.scenario.people import CYCLIST_M, PEDESTRIAN_M
 from modelcast.world.scenario.resampling import resampled
 
 Row = Mapping[str, Any]

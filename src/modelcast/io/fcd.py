@@ -19,7 +19,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import heading_to_velocity, wrap_angle_rad
-from modelcast.core.kinds import Kind
+from modelcast.core.kinds import SIZES_M, Kind
 from modelcast.io.base import Tally
 from modelcast.io.fcd_columns import FcdRow
 from modelcast.io.fcd_survey import FcdSurvey, survey
@@ -29,7 +29,6 @@ from modelcast.trips.trajectory import GAP_STEPS
 from modelcast.world.scenario.base import NOBODY, FleetFrame
 from modelcast.world.scenario.completion import with_course, with_rates
 from modelcast.world.scenario.motion import checked, is_jump
-from modelcast.world.scenario.people import SIZES_M
 
 __all__ = ["most_vehicles", "read_fcd", "survey_fcd"]
 

@@ -5,9 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.core.kinds import Kind
+from modelcast.core.kinds import SIZES_M, Kind
 from modelcast.world.scenario.base import NOBODY, FleetFrame
-from modelcast.world.scenario.people import SIZES_M
 
 __all__ = ["RAW_COLUMNS", "FleetSlots"]
 

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from modelcast.core.kinds import Kind
+from modelcast.core.kinds import CYCLIST_M, PEDESTRIAN_M, Kind
 from modelcast.trips.trajectory import build_trajectory
 from modelcast.world.scenario.base import run_scenario
 from modelcast.world.scenario.grid import Grid
 from modelcast.world.scenario.joined import Joined
 from modelcast.world.scenario.laid_tracks import crossings_of, laid_tracks
-from modelcast.world.scenario.people import CYCLIST_M, PEDESTRIAN_M
 from modelcast.world.scenario.recorded import Replay
 
 TOWN = Grid(2, 2, 15.0, warm_up_s=1.0)

@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.core.kinds import Kind
+from modelcast.core.kinds import SIZES_M, Kind
 from modelcast.world.scenario.base import NOBODY, AbstractScenario, FleetFrame
-from modelcast.world.scenario.people import SIZES_M
 
 __all__ = ["Joined"]
 

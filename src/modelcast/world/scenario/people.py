@@ -5,11 +5,11 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
-from modelcast.core.kinds import CYCLIST_M, PEDESTRIAN_M, SIZES_M
+from modelcast.core.kinds import CYCLIST_M
 from modelcast.world.scenario.bounds import check_positive, check_range
 from modelcast.world.scenario.drivers import Drivers
 
-__all__ = ["CYCLIST_M", "PEDESTRIAN_M", "RIDERS", "SIZES_M", "Pedestrians"]
+__all__ = ["RIDERS", "Pedestrians"]
 
 _DEVIATIONS = 2.5
 

@@ -11,7 +11,7 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
-from modelcast.core.kinds import Kind
+from modelcast.core.kinds import CYCLIST_M, PEDESTRIAN_M, Kind
 from modelcast.world.scenario import people_arrays as walking
 from modelcast.world.scenario import people_kernels as kernels
 from modelcast.world.scenario import town_arrays as arrays
@@ -21,7 +21,7 @@ from modelcast.world.scenario.drivers import Drivers
 from modelcast.world.scenario.following_kernels import LENGTH
 from modelcast.world.scenario.footways import CYCLE_LANE_M, STREET_HALF_M, Footways, make_footways
 from modelcast.world.scenario.grid import Grid, GridState
-from modelcast.world.scenario.people import CYCLIST_M, PEDESTRIAN_M, RIDERS, Pedestrians
+from modelcast.world.scenario.people import RIDERS, Pedestrians
 from modelcast.world.scenario.streets import LANE_M
 
 __all__ = ["PeopledGrid", "PeopledState"]

@@ -6,10 +6,9 @@ from dataclasses import KW_ONLY, dataclass, field
 import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
-from modelcast.core.kinds import Kind
+from modelcast.core.kinds import SIZES_M, Kind
 from modelcast.trips.trajectory import Trajectory
 from modelcast.world.scenario.base import NOBODY, STEP_S, AbstractScenario, FleetFrame
-from modelcast.world.scenario.people import SIZES_M
 from modelcast.world.true_motion import true_motion
 
 __all__ = ["Replay", "make_replay"]
