@@ -9,6 +9,7 @@ from modelcast.messages.psm import PersonalSafetyMessage, encode_psm, person_cod
 from modelcast.messages.psm_fields import PERSONAL_SAFETY_MESSAGE
 from modelcast.models.bank import Bank
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
+from modelcast.models.profile import people_profile
 from modelcast.station.receiver.ears import Ears
 from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.station.station import Station
@@ -52,7 +53,7 @@ def test_a_host_knows_the_kind_of_each_remote(sender: str, kind: Kind) -> None:
     assert motions.kind.tolist() == [kind]
 
 
-def test_plain_messages_of_people_are_coasted_at_constant_velocity_by_everybody() -> None:
+def test_plain_messages_of_people_without_acceleration_are_coasted_at_constant_velocity() -> None:
     """Whatever plain messages of vehicles are coasted by: the sender and its host hold the same."""
     believed = dict[Kind, float]()
     for kind in (Kind.VEHICLE, Kind.PEDESTRIAN):
@@ -65,7 +66,7 @@ def test_plain_messages_of_people_are_coasted_at_constant_velocity_by_everybody(
 
 
 def test_a_stated_acceleration_of_a_person_is_not_carried_on() -> None:
-    """A foreign device may state one; who walks stops within a step."""
+    """A foreign device may state one; who walks as fast as this gains no speed."""
     codes = person_codes(
         {
             "basic_type": 1, "message_count": 1, "temporary_id": 9, "second_of_minute_s": 1.0,
@@ -77,6 +78,59 @@ def test_a_stated_acceleration_of_a_person_is_not_carried_on() -> None:
     host.hear([octets], received_s=[1.0])
     before, after = (host.believe(t_s).position_m[0, 1] for t_s in (1.0, 3.0))
     assert after - before == pytest.approx(4.0, abs=1e-6)
+
+
+def way_m(speed_mps: float, change_mps2: float, after_s: float) -> float:
+    """As docs/wire.md has it."""
+    lasts_s = 0.0
+    if speed_mps > 0.1 and change_mps2 != 0.0:
+        ends_mps = 0.0 if change_mps2 < 0.0 else max(1.5, speed_mps)
+        lasts_s = min((ends_mps - speed_mps) / change_mps2, 1.0)
+    within_s = min(after_s, lasts_s)
+    ends_mps = speed_mps + change_mps2 * lasts_s
+    return within_s * (speed_mps + change_mps2 * within_s / 2.0) + (after_s - within_s) * ends_mps
+
+
+@pytest.mark.parametrize("change_mps2", [-1.2, -0.5, 0.0, 0.4, 3.0])
+@pytest.mark.parametrize("speed_mps", [0.0, 0.5, 1.4, 4.0])
+def test_a_plain_message_means_a_second_of_its_acceleration_to_everybody(
+    speed_mps: float, change_mps2: float
+) -> None:
+    codes = person_codes(
+        {
+            "basic_type": 1, "message_count": 1, "temporary_id": 9, "second_of_minute_s": 1.0,
+            "latitude_deg": 0.0, "longitude_deg": 0.0, "speed_mps": speed_mps, "heading_rad": 0.0,
+        }
+    )  # fmt: skip
+    octets = encode_psm(PersonalSafetyMessage(codes, acceleration=(round(100 * change_mps2), 2001, -127, 0)))
+    host = Station("mbc", temporary_id=2, ears=WIDE)
+    host.hear([octets], received_s=[1.0])
+    north_m = [host.believe(t_s).position_m[0, 1] for t_s in (1.0, 1.4, 2.6, 4.0)]
+    wanted_m = [way_m(speed_mps, change_mps2, after_s) for after_s in (0.0, 0.4, 1.6, 3.0)]
+    assert np.subtract(north_m, north_m[0]) == pytest.approx(wanted_m, abs=1e-9)
+
+
+def test_a_sender_of_peoples_bank_is_believed_by_hosts_that_hold_no_such_bank() -> None:
+    """Somebody slows down to a stand: plain messages with the acceleration set, and the host is never off."""
+    sender = named_sender("mbc", bank=people_profile().bank, threshold_m=0.2).of_kind(Kind.PEDESTRIAN)
+    walker, host, lengths, worst_m = (
+        Station(sender, temporary_id=1),
+        Station("mbc", temporary_id=2),
+        set(),
+        0.0,
+    )
+    way, speed_mps = 0.0, 1.4
+    for step in range(60):
+        t_s = 0.1 * step
+        now_mps = max(min(1.4, 1.4 - 0.8 * (t_s - 3.0)), 0.0)
+        way, speed_mps = way + 0.05 * (speed_mps + now_mps), now_mps
+        for one in walker.sense(t_s, (0.0, way), speed_mps=speed_mps, heading_rad=0.0):
+            lengths.add(len(one.octets))
+            host.hear([one.octets], received_s=[one.send_s])
+        if step > 10:
+            worst_m = max(worst_m, abs(float(host.believe(t_s).position_m[0, 1]) - way))
+    assert lengths == {35}
+    assert worst_m < 0.25
 
 
 def test_messages_of_people_are_smaller_by_what_people_have_not() -> None:

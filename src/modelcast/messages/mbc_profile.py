@@ -7,8 +7,9 @@ from modelcast.messages.mbc_wire import MAX_COEFFICIENT_OCTETS, PROFILE, SUB_MOD
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.payload import PayloadLayout
+from modelcast.models.plain_meaning import same_receiver
 from modelcast.models.predicted_path import carried_layout
-from modelcast.models.profile import Profile
+from modelcast.models.profile import Profile, people_plain_bank
 
 __all__ = ["WireProfile", "carries_all", "plain_members"]
 
@@ -29,7 +30,8 @@ def carries_all(bank: Bank, identify: str) -> bool:
 def plain_members(bank: Bank, identify: str, kind: Kind = Kind.VEHICLE) -> tuple[bool, ...]:
     """With which sub-models an update is a plain message, as `Bank.sent_plain` says.
 
-    Of people it is with constant velocity alone: everybody coasts their plain messages by that.
+    Of people it is with the shipped stop-and-go sub-model, by which everybody coasts their plain messages,
+    and with constant velocity, which that is where no acceleration is stated.
 
     Parameters
     ----------
@@ -40,7 +42,11 @@ def plain_members(bank: Bank, identify: str, kind: Kind = Kind.VEHICLE) -> tuple
     """
     alone = not carries_all(bank, identify)
     if kind in PEOPLE:
-        return tuple(alone and isinstance(member, ConstantVelocity) for member in bank.members)
+        (everybody,) = people_plain_bank().members
+        return tuple(
+            alone and (isinstance(member, ConstantVelocity) or same_receiver(member, everybody))
+            for member in bank.members
+        )
     return tuple(alone and plain for plain in bank.sent_plain)
 
 

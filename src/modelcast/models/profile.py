@@ -35,6 +35,7 @@ __all__ = [
     "PROFILE_SCHEMA",
     "Profile",
     "default_profile",
+    "people_plain_bank",
     "people_profile",
     "profile_from_text",
     "shipped_profile",
@@ -328,3 +329,18 @@ def default_profile() -> Profile:
 def people_profile() -> Profile:
     """The profile of people that ships with modelcast: it has no trained weights (``docs/people.md``)."""
     return shipped_profile(PEOPLE)
+
+
+@functools.cache
+def people_plain_bank() -> Bank:
+    """What everybody coasts a person's message without a model by: the shipped profile's free sub-model.
+
+    Where the message states no acceleration that is constant velocity.
+
+    Examples
+    --------
+    >>> [member.name for member in people_plain_bank().members]
+    ['stop-and-go']
+    """
+    bank = people_profile().bank
+    return Bank((bank.members[bank.plain_place],), "people's plain messages")

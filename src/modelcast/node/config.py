@@ -34,8 +34,8 @@ __all__ = [
 DEFAULT_BANK = "default"
 """The bank that nobody chose."""
 
-PEOPLE_BANK = "cv"
-"""What that is for people: constant velocity. The shipped sub-models are those of vehicles."""
+PEOPLE_BANK = "people"
+"""What that is for people: the shipped profile of people."""
 
 _KINDS = {
     "vehicle": Kind.VEHICLE,
@@ -101,7 +101,7 @@ class Sending(_Table):
         A name of `modelcast.station.sender.sender.SENDERS`.
     bank, profile
         As for ``modelcast evaluate``; an empty profile for the shipped one, whose sub-models are those of
-        vehicles: ``default`` is constant velocity for people.
+        vehicles: ``default`` is ``people`` for people.
     threshold_m
         Of error-driven policies [m].
     keep_alive_s

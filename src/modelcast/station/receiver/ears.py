@@ -27,6 +27,7 @@ from modelcast.messages.mbc_wire import IDENTIFICATION_MESSAGE, decode_identific
 from modelcast.messages.station_codec import StationCodec
 from modelcast.models.bank import Bank
 from modelcast.models.calibration import Calibration
+from modelcast.models.profile import people_plain_bank
 from modelcast.station.banks import BASELINE_BANK, profile_number_of
 from modelcast.station.policy.neighbours_kernels import NeighbourTables, hear_each
 from modelcast.station.receiver.deliveries import SHORT_ID, SUB_INTERVAL_S
@@ -70,7 +71,7 @@ class Ears:
         """The map, for banks in the forms that messages carry; behind them people's plain messages' own."""
         carried = tuple(bank.carried().complete() for bank in self.profiles)
         return LocalDynamicMap(
-            (*carried, BASELINE_BANK),
+            (*carried, people_plain_bank()),
             self.expiry_s,
             self.plausibility,
             capacity=self.capacity,
@@ -178,8 +179,10 @@ class Ears:
         plain = np.isin(read.kind, PEOPLE) & (profile == _NOTHING)
         profile[plain] = len(self._codecs)
         values = values_of_codes(read.core)
-        speed, heading = values[plain, CORE_INDEX["speed_mps"]], values[plain, CORE_INDEX["heading_rad"]]
+        stated = values[plain]
+        speed, heading = stated[:, CORE_INDEX["speed_mps"]], stated[:, CORE_INDEX["heading_rad"]]
         parameters[plain, :2] = np.stack([speed * np.sin(heading), speed * np.cos(heading)], axis=1)
+        parameters[plain, 2] = np.nan_to_num(stated[:, CORE_INDEX["acceleration_forward_mps2"]])
         motion = {name: values[fine, CORE_INDEX[name]] for name in _MOTION}
         kind = np.where(profile == _NOTHING, HeardKind.PLAIN, HeardKind.UPDATE)
         return np.flatnonzero(fine), Heard(
