@@ -9,6 +9,7 @@ from modelcast.apps.motions import Motions
 from modelcast.apps.registry import APPLICATIONS, get_application
 from modelcast.apps.warnings import Level
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.kinds import Kind
 
 every = pytest.mark.parametrize("name", APPLICATIONS)
 
@@ -28,9 +29,16 @@ def rows(motions: Motions, which) -> Motions:
     )
 
 
+def meant(name: str, pairs: tuple[Motions, Motions]) -> tuple[Motions, Motions]:
+    """Pairs of those that an application is made for."""
+    if get_application(name).of_people:
+        return pairs
+    return replace(pairs[0], kind=None), replace(pairs[1], kind=None)
+
+
 @every
 def test_level_margin_and_certainty_agree(random_pairs, name: str):
-    host, remote = random_pairs(np.random.default_rng(1), 5000)
+    host, remote = meant(name, random_pairs(np.random.default_rng(1), 5000))
     found = get_application(name).assess(host, remote)
     np.testing.assert_array_equal(found.warned, found.margin_m <= 0.0)
     assert found.warned.sum() > 50
@@ -42,6 +50,22 @@ def test_level_margin_and_certainty_agree(random_pairs, name: str):
     )
     np.testing.assert_array_equal(exact.certainty, found.warned)
     np.testing.assert_array_equal(exact.margin_m, found.margin_m)
+
+
+@pytest.mark.parametrize("whose", ["host", "remote"])
+@pytest.mark.parametrize("name", [name for name in APPLICATIONS if not get_application(name).of_people])
+def test_an_application_of_vehicles_says_nothing_of_people(random_pairs, name: str, whose: str):
+    pairs = dict(zip(("host", "remote"), random_pairs(np.random.default_rng(4), 5000), strict=True))
+    kind = np.arange(5000) % len(Kind)
+    pairs[whose] = replace(pairs[whose], kind=kind)
+    other = "remote" if whose == "host" else "host"
+    pairs[other] = replace(pairs[other], kind=np.zeros(5000, dtype=np.int64))
+    found, vehicles = get_application(name).assess(**pairs), kind == Kind.VEHICLE
+    assert found.warned[vehicles].any()
+    assert not found.level[~vehicles].any()
+    assert np.isinf(found.margin_m[~vehicles]).all()
+    assert np.isinf(found.time_s[~vehicles]).all()
+    assert not found.certainty[~vehicles].any()
 
 
 @every

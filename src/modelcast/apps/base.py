@@ -8,8 +8,9 @@ import numpy as np
 
 from modelcast.apps.motions import Motions
 from modelcast.apps.pair_kernels import Columns, Found
-from modelcast.apps.warnings import Warnings
-from modelcast.core.arrays import owned
+from modelcast.apps.warnings import Level, Warnings
+from modelcast.core.arrays import BoolArray, owned
+from modelcast.core.kinds import Kind
 
 __all__ = ["AbstractApplication", "columns_of", "refuse_negative", "same_rows"]
 
@@ -21,7 +22,7 @@ class AbstractApplication(abc.ABC):
     """Whether it is made for people; any other is made for pairs of two vehicles."""
 
     def assess(self, host: Motions, remote: Motions) -> Warnings:
-        """Assess pairs row by row.
+        """Assess pairs row by row; of a pair that it is not made for, nothing is said.
 
         Parameters
         ----------
@@ -39,11 +40,23 @@ class AbstractApplication(abc.ABC):
         rows = len(host)
         found = Found(np.empty(rows, dtype=np.int64), np.empty(rows), np.empty(rows), np.empty(rows))
         self._fill(columns_of(host), columns_of(remote), found)
+        if not self.of_people:
+            others = _are_others(host) | _are_others(remote)
+            found.level[others], found.certainty[others] = Level.NONE, 0.0
+            found.time[others] = np.inf
+            found.margin[others & ~np.isnan(found.margin)] = np.inf
         return Warnings(found.level, time_s=found.time, margin_m=found.margin, certainty=found.certainty)
 
     @abc.abstractmethod
     def _fill(self, host: Columns, remote: Columns, found: Found) -> None:
         """Write what is found, every row of it."""
+
+
+def _are_others(motions: Motions) -> BoolArray:
+    """Which are no vehicles."""
+    if motions.kind is None:
+        return np.zeros(len(motions), dtype=np.bool_)
+    return motions.kind != Kind.VEHICLE
 
 
 def same_rows(host: Motions, remote: Motions) -> None:

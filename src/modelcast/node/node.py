@@ -298,10 +298,8 @@ class Node:
         if motion is not None and remotes:
             own = _rows(motion, self._size_m, self._kind, remotes)
             others = believed_motions(around)
-            vehicles = (around.kind == Kind.VEHICLE) & (self._kind == Kind.VEHICLE)
             for name, application in self._applications.items():
                 said = application.assess(own, others)
-                meant = vehicles | application.of_people
                 found += [
                     Warned(
                         name,
@@ -311,7 +309,7 @@ class Node:
                         margin_m=float(said.margin_m[row]),
                         certainty=float(said.certainty[row]),
                     )
-                    for row in np.flatnonzero(meant & (said.level > Level.NONE)).tolist()
+                    for row in np.flatnonzero(said.level > Level.NONE).tolist()
                 ]
         found.sort(key=lambda one: (-one.level, one.margin_m))
         now = {(one.application, one.vehicle): one.level for one in found}
