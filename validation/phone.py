@@ -16,13 +16,19 @@ from typing import Any
 
 import numpy as np
 
+from modelcast.core.kinds import Kind
 from modelcast.messages.security.p256 import PrivateKey, PublicKey
+from modelcast.models.profile import default_profile, people_profile
 from modelcast.station.fleet import Fleet
-from modelcast.station.sender.sender import named_sender
+from modelcast.station.receiver.ears import Ears
+from modelcast.station.sender.sender import MODEL_SENDERS, Sender, named_sender
 from modelcast.station.station import Station
 from page_blocks import put
 
 PAGE = Path(__file__).parents[1] / "docs" / "people-cost.md"
+VEHICLES = Ears((default_profile().bank,))
+"""A person's device understands what vehicles send."""
+
 HOUR_S, STEP_S, ROUNDS = 3600.0, 0.1, 60
 WALK_MPS, DRIVE_MPS, REMOTES, STEPS = 1.34, 10.0, 40, 100
 MESSAGE_HEADS = (
@@ -75,11 +81,17 @@ def _least_s(run: Callable[[], object], calls: int) -> float:
     return min(found)
 
 
+def _person(policy: str) -> Sender:
+    """What a person sends by: models by the shipped profile of people."""
+    bank = people_profile().bank if policy in MODEL_SENDERS else None
+    return named_sender(policy, bank=bank).of_kind(Kind.PEDESTRIAN)
+
+
 def _step_s(policy: str) -> float:
     """Processor time of a step of somebody who walks and hears nobody [s]."""
 
     def walk() -> None:
-        station = Station(named_sender(policy), temporary_id=1)
+        station = Station(_person(policy), temporary_id=1)
         for step in range(STEPS):
             t_s = STEP_S * step
             station.sense(t_s, (WALK_MPS * t_s, 0.1 * np.sin(t_s)), speed_mps=WALK_MPS, heading_rad=np.pi / 2)
@@ -104,7 +116,7 @@ def _hear_s(policy: str) -> float:
         steps.append(([one.octets for one in sent], [t_s + STEP_S] * len(sent)))
 
     def hear() -> None:
-        station = Station(named_sender(policy), temporary_id=999)
+        station = Station(_person(policy), temporary_id=999, ears=VEHICLES)
         for octets, received_s in steps:
             station.hear(octets, received_s=received_s)
 

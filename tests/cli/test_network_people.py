@@ -10,6 +10,7 @@ from modelcast.cli.app import USAGE, run
 from modelcast.cli.people_options import PeopleOptions
 from modelcast.cli.people_plan import PeoplePlan
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.kinds import Kind
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.sender.sender import named_sender
 
@@ -38,6 +39,27 @@ def test_people_send_by_a_policy_of_their_own_and_it_is_told(tmp_path: Path) -> 
     assert pq.read_table(out / "people.parquet").num_rows == 1
     assert "A device of people:" in (out / "table.md").read_text()
     assert "Devices of people" in (out / "report.html").read_text()
+
+
+def test_people_send_personal_messages_by_the_profile_of_people(tmp_path: Path) -> None:
+    """Frames of 29 octets by constant velocity, of 35 by the stop-and-go switch: six more on the air."""
+    frame_bytes = dict[str, float]()
+    for bank in ("people", "cv"):
+        out = tmp_path / bank
+        line = [*CROSSING, "--policy", "mbc", "--certificates", "unsigned", "--out", str(out)]
+        assert run(line if bank == "people" else [*line, "--people-bank", bank]) == 0
+        (row,) = json.loads((out / "summary.json").read_text())["people"]
+        frame_bytes[bank] = row["frame_bytes"]
+    assert frame_bytes["people"] == pytest.approx(frame_bytes["cv"] + 6.0)
+    assert asked().bank == "people"
+    device = asked().devices(named_sender("bsm-10hz"))
+    assert (device.sender.kind, device.sender.update_bytes.tolist()) == (Kind.PEDESTRIAN, [29])
+
+
+def test_a_bank_of_people_that_is_none_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    line = [*CROSSING, "--policy", "mbc", "--people-bank", "walkers", "--out", str(tmp_path / "out")]
+    assert run(line) == USAGE
+    assert "walkers" in capsys.readouterr().err
 
 
 def test_sumo_persons_are_on_the_air(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from modelcast.cli.banks import profile_in_use
+from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import named_banks, sender_of
 from modelcast.cli.network_traffic import BLOCK_M, traffic
@@ -21,7 +21,7 @@ from modelcast.study.network.measure import measure
 from modelcast.study.network.mixed import measure_mixed, mixed_of
 from modelcast.study.network.people import measure_people
 from modelcast.study.network.roadside import measure_roadside
-from modelcast.study.network.rows import NO_BANK, CaseResult, NetworkCase
+from modelcast.study.network.rows import CaseResult, NetworkCase
 from modelcast.study.network.warned import measure_warnings
 from modelcast.study.safety.fleet import SafetyObserver
 from modelcast.study.safety.fleet_score import score_pairings
@@ -186,8 +186,9 @@ def _devices(plan: NetworkPlan, case: NetworkCase, motion: MotionFilter) -> Peop
     if people is None:
         return None
     policy = people.policy or case.policy
-    bank = case.bank if case.bank != NO_BANK else next(iter(plan.bank_texts))
     if people.keep_alive_s is not None:
         plan = replace(plan, keep_alive_s=people.keep_alive_s)
-    sender = _sender(plan, replace(case, bank=bank), policy, motion)
+    profile = profile_in_use(plan.profile)
+    named = bank_in_use(people.bank, profile=profile) if policy in MODEL_SENDERS else None
+    sender = sender_of(plan, policy, people.bank, threshold_m=case.threshold_m, named=named, motion=motion)
     return people.devices(sender)

@@ -19,8 +19,10 @@ class PeopleOptions:
     Parameters
     ----------
     people_policy
-        Policy of people, as --policy; that of the vehicles where not given. Their bank and thresholds are
-        those of the vehicles.
+        Policy of people, as --policy; that of the vehicles where not given. Their thresholds are those of the
+        vehicles.
+    people_bank
+        Sub-models of people whose policy sends models, as --bank: by default the shipped profile of people.
     people_keep_alive
         Longest silence of people whose errors call for messages [s]; --keep-alive where not given.
     people_power
@@ -38,6 +40,7 @@ class PeopleOptions:
     """
 
     people_policy: str | None = None
+    people_bank: str = "people"
     people_keep_alive: float | None = None
     people_power: float = 20.0
     people_height: float = 1.2
@@ -69,6 +72,7 @@ class PeopleOptions:
             return None
         found = PeoplePlan(
             policy=self.people_policy,
+            bank=self.people_bank,
             keep_alive_s=self.people_keep_alive,
             power_dbm=self.people_power,
             height_m=self.people_height,

@@ -21,6 +21,8 @@ class PeoplePlan:
     ----------
     policy, keep_alive_s
         How they send; None for as vehicles [s].
+    bank
+        Sub-models of those who send models.
     power_dbm
         Most power [dBm].
     height_m, antenna_db
@@ -30,6 +32,7 @@ class PeoplePlan:
     """
 
     policy: str | None
+    bank: str
     keep_alive_s: float | None
     power_dbm: float
     height_m: float
@@ -82,13 +85,13 @@ class PeoplePlan:
         Parameters
         ----------
         sender
-            What they send, at any power.
+            What they send, at any power and of any kind.
         """
+        from modelcast.core.kinds import Kind
         from modelcast.runtime.fleet.people import People
 
-        return People(
-            sender.at_power(self.power_dbm), gain_db=self.gain_db, keeps=self.keeps, reach_m=self.reach_m
-        )
+        theirs = sender.at_power(self.power_dbm).of_kind(Kind.PEDESTRIAN)
+        return People(theirs, gain_db=self.gain_db, keeps=self.keeps, reach_m=self.reach_m)
 
 
 _MOST_DBM = 23.0
