@@ -174,7 +174,7 @@ def _pack_update(
     begin = heads.first[h]
     rows = heads.first[h + 1] - begin
     for r in range(rows):
-        bits += heads.layout[begin + r, WIDTH]
+        bits += int(heads.layout[begin + r, WIDTH])
         column = heads.columns[begin + r]
         if column == NO_COLUMN:
             row[r] = 0
