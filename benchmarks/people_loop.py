@@ -19,10 +19,12 @@ import numpy as np
 from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.path_loss import ManhattanNlos, WinnerB1
 from modelcast.channel.propagation import Propagation, Shadowing, StreetGrid
+from modelcast.core.kinds import Kind
+from modelcast.models.profile import people_profile
 from modelcast.runtime.fleet.engine import NetworkRun, run_network
 from modelcast.runtime.fleet.people import People
 from modelcast.runtime.fleet.settings import NetworkSettings
-from modelcast.station.sender.sender import Sender, named_sender
+from modelcast.station.sender.sender import MODEL_SENDERS, Sender, named_sender
 from modelcast.world.scenario.base import AbstractScenario, FleetFrame, run_scenario
 from modelcast.world.scenario.grid import Grid
 from modelcast.world.scenario.peopled_grid import PeopledGrid
@@ -54,9 +56,11 @@ def traffic(scenario: AbstractScenario[object]) -> tuple[list[FleetFrame], float
 
 
 def phones(policy: str) -> People:
-    """Phones that send by a policy."""
+    """Phones that send by a policy, as ``network --pedestrians`` has them."""
     gain_db = WinnerB1().height_gain_db(1.2) - 3.0
-    return People(named_sender(policy).at_power(20.0), gain_db=gain_db, reach_m=150.0)
+    bank = people_profile().bank if policy in MODEL_SENDERS else None
+    sender = named_sender(policy, bank=bank).of_kind(Kind.PEDESTRIAN).at_power(20.0)
+    return People(sender, gain_db=gain_db, reach_m=150.0)
 
 
 def timed(arm: Arm, sender: Sender) -> tuple[NetworkRun, float]:

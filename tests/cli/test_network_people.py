@@ -10,7 +10,6 @@ from modelcast.cli.app import USAGE, run
 from modelcast.cli.people_options import PeopleOptions
 from modelcast.cli.people_plan import PeoplePlan
 from modelcast.core.exceptions import ConfigError
-from modelcast.core.kinds import Kind
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.sender.sender import named_sender
 
@@ -52,8 +51,6 @@ def test_people_send_personal_messages_by_the_profile_of_people(tmp_path: Path) 
         frame_bytes[bank] = row["frame_bytes"]
     assert frame_bytes["people"] == pytest.approx(frame_bytes["cv"] + 6.0)
     assert asked().bank == "people"
-    device = asked().devices(named_sender("bsm-10hz"))
-    assert (device.sender.kind, device.sender.update_bytes.tolist()) == (Kind.PEDESTRIAN, [29])
 
 
 def test_a_bank_of_people_that_is_none_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -168,6 +168,10 @@ def test_what_a_kind_is_asked_to_be() -> None:
     assert [member.name for member in sender.bank.members] == ["stop-and-go"]
     own = sender_of_config(replace(walker, sending=Sending(bank="cv+ctra")))
     assert [member.name for member in own.bank.members] == ["cv", "ctra"]
+    free = sender_of_config(replace(walker, sending=Sending(policy="free")))
+    assert [member.name for member in free.bank.members] == ["stop-and-go"]
+    named = sender_of_config(replace(walker, sending=Sending(profile="default")))
+    assert named.bank.name == default_profile().bank.name
     assert sender_of_config(NodeConfig()).kind == Kind.VEHICLE
     assert SIZES_M[Kind.PEDESTRIAN] < SIZES_M[Kind.VEHICLE]
 

@@ -90,6 +90,10 @@ def test_a_persons_device_signs_for_people_and_cannot_pass_for_a_vehicle() -> No
         posing, _ = signer.sign(SignerState(), drives, t_s=START_S + 101.0 + 0.1 * later_s, psid=told)
         opened = host.open(encode_wsm(posing, head), received_s=1.3)
         assert opened == Opened(None, "certificate not for this application")
+    for envelope_of_host in (host, Unsecured()):  # the head of the short message says what the signature does
+        walks, _ = signer.sign(SignerState(), said, t_s=START_S + 101.9, psid=PEOPLE_PSID)
+        opened = envelope_of_host.open(encode_wsm(walks, SAFETY_PSID), received_s=1.9)
+        assert opened == Opened(None, "another application")
 
 
 def test_generation_time_is_that_of_the_standard() -> None:

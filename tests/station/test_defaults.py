@@ -186,7 +186,7 @@ def test_codes_are_those_that_files_and_compiled_steps_hold() -> None:
 def test_receipts_and_findings_have_their_codes_and_words() -> None:
     names = "ACCEPTED OLDER UNKNOWN_UPDATE IN_FUTURE STALE REPEATED MALFORMED POSITION_JUMP SPEED_MISMATCH"
     assert [(one.name, one.value) for one in Receipt] == [
-        (name, code) for code, name in enumerate((*names.split(), "STUCK_SPEED"))
+        (name, code) for code, name in enumerate((*names.split(), "STUCK_SPEED", "OTHER_KIND"))
     ]
     assert len({one.reason for one in Receipt}) == len(Receipt)
     assert Receipt.MALFORMED.reason == "not a possible message"

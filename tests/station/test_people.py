@@ -10,7 +10,9 @@ from modelcast.messages.psm_fields import PERSONAL_SAFETY_MESSAGE
 from modelcast.models.bank import Bank
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.profile import people_profile
+from modelcast.station.banks import free_bank
 from modelcast.station.receiver.ears import Ears
+from modelcast.station.receiver.local_dynamic_map import Receipt
 from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.station.station import Station
 
@@ -137,6 +139,52 @@ def test_messages_of_people_are_smaller_by_what_people_have_not() -> None:
     """Plain 29 octets for 40; of the sender's rule the frame on the air follows."""
     sizes = {kind: named_sender("baseline").of_kind(kind).update_bytes.tolist() for kind in Kind if kind < 4}
     assert sizes == {Kind.VEHICLE: [40], **{kind: [29] for kind in PEOPLE}}
+
+
+@pytest.mark.parametrize("first", [Kind.VEHICLE, Kind.PEDESTRIAN])
+def test_nobody_takes_the_temporary_id_of_another_kind(first: Kind) -> None:
+    """A key for people alone must not turn a tracked vehicle into a person."""
+    second = Kind.PEDESTRIAN if first == Kind.VEHICLE else Kind.VEHICLE
+    host = Station("mbc", temporary_id=2)
+    met("bsm-10hz", first, host, until_s=1.0)
+    other = Station("bsm-10hz", temporary_id=1, kind=second)
+    place = (4.0 * 1.1 + 0.25 * 1.1**2, 0.0)
+    (sent,) = other.sense(1.1, place, speed_mps=4.55, heading_rad=EASTWARDS)
+    assert host.hear([sent.octets], received_s=[sent.send_s]).tolist() == [Receipt.OTHER_KIND]
+    assert host.believe(1.2).kind.tolist() == [first]
+    assert host.believe(60.0).kind.size == 0
+    (sent,) = other.sense(60.0, place, speed_mps=4.55, heading_rad=EASTWARDS)
+    assert host.hear([sent.octets], received_s=[sent.send_s]).tolist() == [Receipt.ACCEPTED]
+    assert host.believe(60.1).kind.tolist() == [second]
+
+
+@pytest.mark.parametrize("ears", [WIDE, Ears(())])
+def test_who_stands_and_states_no_heading_is_heard(ears: Ears) -> None:
+    codes = person_codes(
+        {
+            "basic_type": 1, "message_count": 1, "temporary_id": 9, "second_of_minute_s": 1.0,
+            "latitude_deg": 0.0, "longitude_deg": 0.0, "speed_mps": 0.0, "heading_rad": None,
+        }
+    )  # fmt: skip
+    host = Station("mbc", temporary_id=2, ears=ears)
+    assert host.hear([encode_psm(PersonalSafetyMessage(codes))], received_s=[1.0]).tolist() == [0]
+    assert host.believe(3.0).position_m == pytest.approx(np.zeros((1, 2)), abs=1e-9)
+
+
+def test_a_host_without_a_bank_coasts_vehicles_at_constant_velocity() -> None:
+    believed = dict[Kind, float]()
+    for kind in (Kind.VEHICLE, Kind.PEDESTRIAN):
+        host = Station("bsm-10hz", temporary_id=2, ears=Ears(()))
+        met("bsm-10hz", kind, host)
+        believed[kind] = float(host.believe(3.9).position_m[0, 0])
+    assert believed[Kind.VEHICLE] == pytest.approx(believed[Kind.PEDESTRIAN], abs=0.03)
+
+
+@pytest.mark.parametrize("policy", ["free", "j2945-free"])
+def test_free_policies_of_people_send_what_everybody_coasts_them_by(policy: str) -> None:
+    bank = free_bank(None, Kind.CYCLIST)
+    sender = named_sender(policy, bank=bank).of_kind(Kind.CYCLIST)
+    assert (sender.plain, sender.update_bytes.tolist()) == ((True,), [35])
 
 
 def test_who_renames_stays_of_its_kind() -> None:

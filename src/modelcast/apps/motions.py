@@ -6,10 +6,11 @@ import numpy as np
 import numpy.typing as npt
 
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.kinds import SIZES_M, Kind
 
 __all__ = ["LENGTH_M", "WIDTH_M", "Motions"]
 
-LENGTH_M, WIDTH_M = 4.5, 1.8
+LENGTH_M, WIDTH_M = SIZES_M[Kind.VEHICLE]
 """Of a vehicle that states no size [m]: a mid-size car."""
 
 

@@ -1,6 +1,6 @@
 """Messages of every kind that `decode` shows and `encode` writes."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, cast
 
@@ -9,7 +9,8 @@ if TYPE_CHECKING:
 
     from rich.console import RenderableType
 
-    from modelcast.messages.update_document import HeldProfile
+    from modelcast.messages.contents import Content
+    from modelcast.messages.update_document import HeldProfile, ModelReading
 
 __all__ = ["Profiles", "Shown", "octets_of", "show"]
 
@@ -38,13 +39,13 @@ class Profiles:
         ConfigError, DataFormatError
             Where the file is no profile, or not one that messages can carry.
         """
-        from modelcast.io.profile import read_profile
+        from modelcast.cli.banks import profile_in_use
         from modelcast.messages.update_document import HeldProfile
         from modelcast.models.profile import shipped_profile
         from modelcast.models.shipped import SHIPPED
 
         if self._held is None:
-            named = () if self.path is None else (HeldProfile.of(read_profile(self.path)),)
+            named = () if self.path is None else (HeldProfile.of(profile_in_use(self.path)),)
             shipped = (HeldProfile.of(shipped_profile(name)) for name in SHIPPED)
             self._held = (*named, *shipped)
         return self._held
@@ -57,6 +58,7 @@ class Shown:
     tables: "list[RenderableType]"
     document: dict[str, Any]
     faults: list[str] = field(default_factory=list[str])
+    fault: dict[str, Any] | None = None
 
 
 def show(octets: bytes, place: str, profiles: Profiles, *, signed: bool = True) -> Shown:
@@ -101,22 +103,48 @@ def show(octets: bytes, place: str, profiles: Profiles, *, signed: bool = True) 
         title = f"{place}: sub-model identification, {len(octets)} bytes"
         return Shown([identification_table(message, title)], identification_document(message))
     if number == PERSONAL_SAFETY_MESSAGE:
-        return _psm(octets, place)
+        return _psm(octets, place, profiles)
     return _bsm(octets, place, profiles)
 
 
-def _psm(octets: bytes, place: str) -> Shown:
+def _psm(octets: bytes, place: str, profiles: Profiles) -> Shown:
     from modelcast.messages.psm import decode_psm
     from modelcast.messages.psm_document import person_document
     from modelcast.report.messages import person_table
 
     message = decode_psm(octets)
     title = f"{place}: personal safety message, {len(octets)} bytes"
-    return Shown([person_table(message, title)], person_document(message))
+    shown = Shown([person_table(message, title)], person_document(message))
+    _model(shown, octets, message.regional, profiles)
+    return shown
+
+
+def _model(
+    shown: Shown, octets: bytes, regional: "Sequence[Content]", profiles: Profiles
+) -> "ModelReading | None":
+    """Add the table of the model that a message carries, or what is wrong with it."""
+    from modelcast.core.exceptions import CodecError
+    from modelcast.messages.bsm_fields import LOCAL_REGION
+
+    if LOCAL_REGION not in [region for region, _ in regional]:
+        return None
+
+    from modelcast.messages.update_document import read_model
+    from modelcast.report.model_messages import model_table
+
+    held = profiles.held()
+    try:
+        reading = read_model(octets, held)
+    except CodecError as error:
+        shown.faults.append(str(error))
+        shown.fault = {"bit": error.offset_bits, "reason": error.reason}
+        return None
+    if reading is not None:
+        shown.tables.append(model_table(reading))
+    return reading
 
 
 def _bsm(octets: bytes, place: str, profiles: Profiles) -> Shown:
-    from modelcast.core.exceptions import CodecError
     from modelcast.messages.bsm import decode_bsm
     from modelcast.messages.bsm_document import document_of
     from modelcast.messages.bsm_fields import LOCAL_REGION
@@ -125,23 +153,13 @@ def _bsm(octets: bytes, place: str, profiles: Profiles) -> Shown:
     message = decode_bsm(octets)
     title = f"{place}: basic safety message, {len(octets)} bytes"
     shown = Shown([message_table(message, title)], document_of(message))
-    regions = [region for region, _ in message.regional]
-    if LOCAL_REGION not in regions:
-        return shown
-
-    from modelcast.messages.update_document import model_document, read_model
-    from modelcast.report.model_messages import model_table
-
-    held = profiles.held()
-    try:
-        reading = read_model(octets, held)
-    except CodecError as error:
-        shown.faults.append(str(error))
-        shown.document["fault"] = {"bit": error.offset_bits, "reason": error.reason}
-        return shown
+    reading = _model(shown, octets, message.regional, profiles)
+    if shown.fault is not None:
+        shown.document["fault"] = shown.fault
     if reading is not None:
-        shown.tables.append(model_table(reading))
-        at = regions.index(LOCAL_REGION)
+        from modelcast.messages.update_document import model_document
+
+        at = [region for region, _ in message.regional].index(LOCAL_REGION)
         shown.document["regional"][at] = {"id": LOCAL_REGION, "model": model_document(reading)}
     return shown
 

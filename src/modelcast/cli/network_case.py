@@ -9,6 +9,7 @@ from modelcast.cli.network_senders import named_banks, sender_of
 from modelcast.cli.network_traffic import BLOCK_M, traffic
 from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.kinds import Kind
 from modelcast.io.fcd_survey import FcdSurvey
 from modelcast.runtime.fleet.engine import NetworkRun, run_network
 from modelcast.runtime.fleet.observer import AbstractObserver
@@ -190,5 +191,13 @@ def _devices(plan: NetworkPlan, case: NetworkCase, motion: MotionFilter) -> Peop
         plan = replace(plan, keep_alive_s=people.keep_alive_s)
     profile = profile_in_use(plan.profile)
     named = bank_in_use(people.bank, profile=profile) if policy in MODEL_SENDERS else None
-    sender = sender_of(plan, policy, people.bank, threshold_m=case.threshold_m, named=named, motion=motion)
+    sender = sender_of(
+        plan,
+        policy,
+        people.bank,
+        threshold_m=case.threshold_m,
+        named=named,
+        motion=motion,
+        kind=Kind.PEDESTRIAN,
+    )
     return people.devices(sender)

@@ -158,6 +158,8 @@ class NetworkPlan:
         del found["threads"]  # the result is the same whatever the number of threads
         for name in ("scenario", "profile"):
             found[name] = None if found[name] is None else Path(found[name]).name
+        if self.people is not None:
+            found["people"]["bank"] = Path(self.people.bank).name
         return found
 
     @property
@@ -214,7 +216,8 @@ class NetworkPlan:
         inputs["profile"] = hashlib.sha256(profile.read_bytes()).hexdigest()
         if self.scenario in SUMO:
             inputs["eclipse-sumo"] = metadata.version("eclipse-sumo")
-        banks = self.bank_texts.items()
+        theirs = {} if self.people is None else {"people": self.people.bank}
+        banks = (*self.bank_texts.items(), *theirs.items())
         files_of_banks = {name: sha256_of(profile_path(text)) for name, text in banks if names_profile(text)}
         return RunKey(package_version(), inputs, files_of_banks)
 

@@ -8,6 +8,7 @@ from typing import TypedDict
 from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.kinds import Kind
 from modelcast.messages.airtime import Stack
 from modelcast.models.learned import Selector
 from modelcast.station.banks import NamedBank, free_bank
@@ -46,6 +47,7 @@ def sender_of(
     threshold_m: float,
     named: NamedBank | None,
     motion: MotionFilter,
+    kind: Kind = Kind.VEHICLE,
 ) -> Sender:
     """The sender of a policy, a bank and a threshold.
 
@@ -62,6 +64,8 @@ def sender_of(
         The bank of that name; None for a policy that sends no model. The free policies take the profile's.
     motion
         Filter of those that filter their motion.
+    kind
+        Of who sends.
 
     Raises
     ------
@@ -74,7 +78,7 @@ def sender_of(
     try:
         return named_sender(
             policy,
-            bank=free_bank(profile_in_use(plan.profile)) if policy in FREE_SENDERS else own,
+            bank=free_bank(profile_in_use(plan.profile), kind) if policy in FREE_SENDERS else own,
             **rules_in_use(policy, named, start=plan.start, identify=plan.identify, cost=plan.cost),
             threshold_m=threshold_m if isfinite(threshold_m) else plan.thresholds_m[0],
             keep_alive_s=plan.keep_alive_s,
@@ -85,7 +89,7 @@ def sender_of(
             relaxed_error_m=plan.relaxed_error_m,
             motion=motion,
             stack=Stack(plan.certificates),
-        )
+        ).of_kind(kind)
     except ValueError as error:
         what = f"--policy {policy}" + ("" if named is None else f" --bank {bank}")
         raise ConfigError(f"{what}: {error}") from error

@@ -123,6 +123,7 @@ def _check_credentials(config: "NodeConfig") -> None:
     from modelcast.core.exceptions import ConfigError
     from modelcast.core.kinds import PEOPLE
     from modelcast.messages.belonging import psid_of_kind
+    from modelcast.messages.psids import PEOPLE_PSID
     from modelcast.messages.security.time64 import since_2004_s
 
     if config.security.mode == "none":
@@ -130,13 +131,19 @@ def _check_credentials(config: "NodeConfig") -> None:
     from modelcast.node.credentials import read_credentials
 
     now_s = since_2004_s(time.time())
-    psid = psid_of_kind(config.station.speaks)
-    left_s = read_credentials(config.security.folder).good_until_s(now_s, psid) - now_s
+    psid, credentials = psid_of_kind(config.station.speaks), read_credentials(config.security.folder)
+    left_s = credentials.good_until_s(now_s, psid) - now_s
     if left_s <= 0.0:
         whose = "people" if config.station.speaks in PEOPLE else "vehicles"
         raise ConfigError(
             f"[security] {config.security.folder} holds no certificate of {whose} that is good now: make "
             f"credentials with modelcast credentials new --speaks {whose}"
+        )
+    site = config.roadside
+    if site.on and site.relay and credentials.good_until_s(now_s, PEOPLE_PSID) <= now_s:
+        complain(
+            f"[security] {config.security.folder} holds no certificate of people that is good now, so "
+            "nothing of theirs is repeated: make credentials with modelcast credentials new --speaks both"
         )
     if left_s < _SOON_S:
         complain(f"[security] the last certificate ends in {left_s / 3600.0:.1f} hours")
@@ -189,13 +196,14 @@ def sender_of_config(config: "NodeConfig") -> "Sender":
 
     own, kind = config.sending, config.station.speaks
     profile = profile_in_use(own.profile or None)
-    bank = PEOPLE_BANK if own.bank == DEFAULT_BANK and kind in PEOPLE else own.bank
+    unsaid = own.bank == DEFAULT_BANK and not own.profile
+    bank = PEOPLE_BANK if unsaid and kind in PEOPLE else own.bank
     named = bank_in_use(bank, profile=profile) if own.policy in MODEL_SENDERS else None
     own_bank = None if named is None else named.bank
     try:
         return named_sender(
             own.policy,
-            bank=free_bank(profile) if own.policy in FREE_SENDERS else own_bank,
+            bank=own_bank if own.policy not in FREE_SENDERS else free_bank(profile, kind),
             **rules_in_use(own.policy, named),
             threshold_m=own.threshold_m,
             keep_alive_s=own.keep_alive_s,

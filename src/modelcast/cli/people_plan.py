@@ -85,13 +85,13 @@ class PeoplePlan:
         Parameters
         ----------
         sender
-            What they send, at any power and of any kind.
+            What they send, at any power.
         """
-        from modelcast.core.kinds import Kind
         from modelcast.runtime.fleet.people import People
 
-        theirs = sender.at_power(self.power_dbm).of_kind(Kind.PEDESTRIAN)
-        return People(theirs, gain_db=self.gain_db, keeps=self.keeps, reach_m=self.reach_m)
+        return People(
+            sender.at_power(self.power_dbm), gain_db=self.gain_db, keeps=self.keeps, reach_m=self.reach_m
+        )
 
 
 _MOST_DBM = 23.0

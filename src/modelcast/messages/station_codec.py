@@ -52,7 +52,7 @@ _PLACE: Final = [CORE_INDEX["latitude_deg"], CORE_INDEX["longitude_deg"]]
 _YAW_RATE: Final = CORE_INDEX["yaw_rate_radps"]
 _SPEED: Final = codes_kernels.SPEED_PLACE
 _HEADING: Final = codes_kernels.HEADING_PLACE
-_NEEDED: Final = [_MARK, *_PLACE, _SPEED, _HEADING]
+_NEEDED: Final = [_MARK, *_PLACE, _SPEED]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -381,7 +381,9 @@ class StationCodec:
                 in_use[row] = received.update.sub_model
                 codes[row] = coefficient_codes(self.table, self.profile, received.update)
         known = (core >= CORE_MEANING[:, FIRST]) & (core <= CORE_MEANING[:, LAST])
-        reading[(reading != UpdateReading.FAULTY) & ~known[:, _NEEDED].all(axis=1)] = UpdateReading.INCOMPLETE
+        goes = known[:, _HEADING] | (core[:, _SPEED] == 0)  # who stands needs no heading
+        complete = known[:, _NEEDED].all(axis=1) & goes
+        reading[(reading != UpdateReading.FAULTY) & ~complete] = UpdateReading.INCOMPLETE
         in_use[in_use < 0] = self.plain_place if any(self.plain) else -1
         instants_s = np.empty(size)
         codes_kernels.instants_of(

@@ -18,7 +18,7 @@ from modelcast.node.pseudonyms import Pseudonyms
 from modelcast.node.recording.record import AbstractRecord
 from modelcast.node.relaying import Relaying
 from modelcast.runtime.transport.base import AbstractTransport
-from modelcast.station.banks import calibrations_of
+from modelcast.station.banks import calibrations_of, profile_number_of
 from modelcast.station.receiver.ears import Ears
 from modelcast.station.relay import RelayRule
 from modelcast.station.sender.sender import Sender
@@ -94,13 +94,14 @@ def applications_of(config: NodeConfig) -> dict[str, AbstractApplication]:
         Its configuration.
     """
     alone = config.station.speaks in PEOPLE
-    return {name: get_application(name) for name in config.applications.names if name == "vru" or not alone}
+    asked = {name: get_application(name) for name in config.applications.names}
+    return {name: one for name, one in asked.items() if one.of_people or not alone}
 
 
 def _ears_of_people(own: Bank, dt_s: float) -> Ears:
     """How a person's device hears: it holds the shipped bank of vehicles, whom it warns of, and its own."""
     vehicles = default_profile().bank
-    banks = (vehicles,) if own.name == vehicles.name else (vehicles, own)
+    banks = (vehicles,) if profile_number_of(own) == profile_number_of(vehicles) else (vehicles, own)
     return Ears(banks, dt_s=dt_s, calibrations=tuple(calibrations_of(bank) for bank in banks))
 
 

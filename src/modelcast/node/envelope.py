@@ -121,6 +121,8 @@ class Unsecured(AbstractEnvelope):
             signed = decode_signed(message)
         except CodecError:
             return Opened(None, "no data of IEEE 1609.2")
+        if signed.psid != decode_wsm(frame).psid:
+            return Opened(None, "another application")
         return _told(signed.payload, signed.psid, NOT_VERIFIED)
 
     def rename(self) -> None:

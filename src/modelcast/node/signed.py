@@ -91,7 +91,7 @@ class Signed(AbstractEnvelope):
             return message
         try:
             if read_unsecured_head(message) is None:
-                return self._verified(message, received_s)
+                return self._verified(message, decode_wsm(frame).psid, received_s)
             payload = unsecured_payload(message)
         except CodecError:
             return Opened(None, "no data of IEEE 1609.2")
@@ -99,14 +99,16 @@ class Signed(AbstractEnvelope):
             return Opened(None, "not signed")
         return _unverified(payload, decode_wsm(frame).psid)
 
-    def _verified(self, message: bytes, received_s: float) -> Opened:
-        """Return what is signed, or why it is refused."""
+    def _verified(self, message: bytes, psid: int, received_s: float) -> Opened:
+        """Return what is signed, or why it is refused; ``psid`` is that of the short message."""
         told = self._verifier.verify(self._held, message, t_s=self._zero_s + received_s)
         if told.outcome in _STRANGERS and not self._required:
-            return _unverified(decode_signed(message).payload, told.psid)
-        if told.payload is not None and not belongs_to(told.payload, told.psid):
-            return Opened(None, Outcome.NOT_PERMITTED.value)
-        return Opened(told.payload, told.outcome.value)
+            opened = _unverified(decode_signed(message).payload, told.psid)
+        elif told.payload is not None and not belongs_to(told.payload, told.psid):
+            opened = Opened(None, Outcome.NOT_PERMITTED.value)
+        else:
+            opened = Opened(told.payload, told.outcome.value)
+        return opened if opened.octets is None or told.psid == psid else Opened(None, "another application")
 
     def rename(self) -> None:
         """Sign with the next certificate from now on; the first message carries it."""

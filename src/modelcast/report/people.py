@@ -21,12 +21,12 @@ _FIGURES = (
     ("far_rate_hz", "too far [1/s]", 1.0),
     ("read_rate_hz", "read [1/s]", 1.0),
 )
-people_heads = ("density", "radio", "vehicles", "people", *(title for _, title, _ in _FIGURES[1:]))
-"""Titles of the columns of `people_cells`; the third and fourth say who sends by which policy."""
+people_heads = ("density", "radio", "vehicles", "bank", "people", *(title for _, title, _ in _FIGURES[1:]))
+"""Titles of the columns of `people_cells`; the third to fifth say who sends by which policy and bank."""
 
 
 def people_cells(result: NetworkResult) -> list[list[str]]:
-    """One row a density, radio, sender and threshold: a device's figures, means over seeds.
+    """One row a density, radio, sender, bank and threshold: a device's figures, means over seeds.
 
     Parameters
     ----------
@@ -37,9 +37,9 @@ def people_cells(result: NetworkResult) -> list[list[str]]:
     for row in result.people:
         density = f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
         policy = row.policy + (f" {row.threshold_m:g} m" if np.isfinite(row.threshold_m) else "")
-        groups.setdefault((density, row.radio, policy, row.people_policy), []).append(row)
+        groups.setdefault((density, row.radio, policy, row.bank, row.people_policy), []).append(row)
     cells: list[list[str]] = []
-    for (density, radio, policy, people_policy), rows in groups.items():
+    for (density, radio, policy, bank, people_policy), rows in groups.items():
         means = [
             (factor * float(np.nanmean(values)) if np.isfinite(values).any() else np.nan)
             for values, factor in (
@@ -47,7 +47,7 @@ def people_cells(result: NetworkResult) -> list[list[str]]:
             )
         ]
         shown = [number(value) if np.isfinite(value) else "-" for value in means]
-        cells.append([density, radio, policy, f"{shown[0]}, {people_policy}", *shown[1:]])
+        cells.append([density, radio, policy, bank, f"{shown[0]}, {people_policy}", *shown[1:]])
     return cells
 
 

@@ -8,6 +8,7 @@ from typing import cast
 import numpy as np
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.kinds import PEOPLE, Kind
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc_wire import profile_number
 from modelcast.messages.sizes import SizeModel
@@ -23,7 +24,7 @@ from modelcast.models.gp import (
     process_of,
 )
 from modelcast.models.learned import Selector
-from modelcast.models.profile import Profile, default_profile
+from modelcast.models.profile import Profile, default_profile, people_plain_bank
 from modelcast.models.regimes import REGIME_BANK
 from modelcast.models.reserved import EXPRESSION, KINEMATIC, UNTRAINED
 from modelcast.models.trusted import Trusted
@@ -73,19 +74,23 @@ FREE = "free"
 """Name of the sub-model, and of the bank of it alone, that a plain message is best coasted by."""
 
 
-def free_bank(profile: Profile | None = None) -> Bank:
+def free_bank(profile: Profile | None = None, kind: Kind = Kind.VEHICLE) -> Bank:
     """The best receiver of plain messages: the profile's sub-model ``free``, or ``ctra`` where it has none.
 
     Parameters
     ----------
     profile
         The profile in use; the one that ships with modelcast where None.
+    kind
+        Of who sends them; people's are coasted by the shipped stop-and-go switch, whatever the profile.
 
     Examples
     --------
     >>> free_bank().name
     'free'
     """
+    if kind in PEOPLE:
+        return people_plain_bank()
     return Bank((_free(default_profile() if profile is None else profile),), FREE)
 
 

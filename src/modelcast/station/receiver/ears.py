@@ -1,7 +1,7 @@
 """From octets to the local dynamic map: what a station makes of whatever arrives.
 
 Basic safety messages are those of vehicles, personal ones say which kind of person sent them. A plain one of
-a person is coasted at constant velocity, whatever plain messages of vehicles are coasted by.
+a person is coasted by the shipped stop-and-go switch, whatever plain messages of vehicles are coasted by.
 
 Nothing in the octets is trusted. What is no message is counted as malformed; a model of a profile that is not
 held is left aside, and Part I alone is used.
@@ -180,7 +180,8 @@ class Ears:
         profile[plain] = len(self._codecs)
         values = values_of_codes(read.core)
         stated = values[plain]
-        speed, heading = stated[:, CORE_INDEX["speed_mps"]], stated[:, CORE_INDEX["heading_rad"]]
+        speed = stated[:, CORE_INDEX["speed_mps"]]
+        heading = np.nan_to_num(stated[:, CORE_INDEX["heading_rad"]])  # who stands may state none
         parameters[plain, :2] = np.stack([speed * np.sin(heading), speed * np.cos(heading)], axis=1)
         parameters[plain, 2] = np.nan_to_num(stated[:, CORE_INDEX["acceleration_forward_mps2"]])
         motion = {name: values[fine, CORE_INDEX[name]] for name in _MOTION}

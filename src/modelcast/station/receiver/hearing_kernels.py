@@ -7,6 +7,7 @@ import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatVector, IntVector
+from modelcast.core.kinds import Kind
 from modelcast.models.member_kernels import absorb_member
 from modelcast.station.receiver import heard_kernels as heard
 from modelcast.station.receiver import plausibility_kernels as plausible
@@ -58,6 +59,7 @@ __all__ = [
     "EVENTS",
     "GAVE_WAY",
     "MALFORMED",
+    "OTHER_KIND",
     "POSITION_JUMP",
     "RENAMED",
     "SPEED_MISMATCH",
@@ -67,15 +69,16 @@ __all__ = [
     "hear_each",
 ]
 
-MALFORMED, POSITION_JUMP, SPEED_MISMATCH, STUCK_SPEED = range(6, 10)
+MALFORMED, POSITION_JUMP, SPEED_MISMATCH, STUCK_SPEED, OTHER_KIND = range(6, 11)
 """What becomes of a message, beside what `track_kernels` says."""
 
-STATUSES = 10
+STATUSES = 11
 BY_PART_I, GAVE_WAY, RENAMED = range(3)
 """Events counted: updates without a profile held; live tracks that gave way; tracks ended by a new id."""
 
 EVENTS = 3
 
+_VEHICLE = int(Kind.VEHICLE)
 _IDS = 2**32
 _COUNTS = 2**53
 _REACH_M = 2e7
@@ -248,6 +251,15 @@ def _keep(
         absorb_member(known.members, first + m, row[begin:end], moved, continues and m == in_use, held)
 
 
+@kernel(inlined=True)
+def _is_other_kind(slots: Slots, slot: int, user: int, received_s: float, rules: Rules) -> bool:
+    """Whether a person takes the temporary id of a vehicle that is tracked, or a vehicle a person's."""
+    held = slots.facts[slot, FACT_USER]
+    if user < 0 or held < 0 or (user == _VEHICLE) == (held == _VEHICLE):
+        return False
+    return is_live(slots.held[slot], received_s, rules.expiry_s)
+
+
 @kernel
 def _update(
     code: IntVector,
@@ -281,6 +293,8 @@ def _update(
     slot = find_slot(slots, vehicle)
     about = judged
     if slot >= 0:
+        if _is_other_kind(slots, slot, int(code[heard.USER]), received_s, rules):
+            return OTHER_KIND, -1
         about = slots.judged[slot]
     else:
         judged[0] = np.nan

@@ -20,6 +20,7 @@ from modelcast.models.calibration import Calibration
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.members import ReadyBank
 from modelcast.models.payload import CORE_PARAMETERS
+from modelcast.models.profile import people_plain_bank
 from modelcast.station.receiver import belief_kernels, hearing_kernels, slot_kernels
 from modelcast.station.receiver.heard import Heard
 from modelcast.station.receiver.heard_kernels import Messages
@@ -48,6 +49,7 @@ class Receipt(IntEnum):
     POSITION_JUMP = 7
     SPEED_MISMATCH = 8
     STUCK_SPEED = 9
+    OTHER_KIND = 10
 
     @property
     def reason(self) -> str:
@@ -66,6 +68,7 @@ _REASONS = (
     "farther from the last position than a vehicle gets",
     "states a speed that its positions contradict",
     "states the same speed on and on, and its positions contradict it",
+    "of a person under a tracked vehicle's temporary id, or of a vehicle under a person's",
 )
 
 
@@ -403,8 +406,10 @@ class LocalDynamicMap:
 
     @cached_property
     def _teaches(self) -> int:
-        """Place of the profile that says what a plain message is coasted by, -1 for none."""
-        return next((at for at, bank in enumerate(self.profiles) if bank.plain_place >= 0), -1)
+        """Place of the profile that says what a vehicle's plain message is coasted by, -1 for none."""
+        theirs = people_plain_bank()
+        taught = (at for at, bank in enumerate(self.profiles) if bank.plain_place >= 0 and bank is not theirs)
+        return next(taught, -1)
 
     @cached_property
     def _part_i(self) -> AbstractSubModel:
