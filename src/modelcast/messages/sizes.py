@@ -52,7 +52,7 @@ class SizeModel:
     >>> sizes.each_update_bytes(bank, "on-failure").tolist(), sizes.each_update_bytes(bank, "never").tolist()
     ([47, 47], [40, 47])
     >>> SizeModel(kind=Kind.CYCLIST).each_update_bytes(bank, "never").tolist()
-    [35, 36]
+    [42, 29]
     """
 
     more_bytes: int = 0
