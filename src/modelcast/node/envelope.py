@@ -9,7 +9,7 @@ from modelcast.messages.belonging import belongs_to, psid_of
 from modelcast.messages.ieee1609 import encode_unsecured, read_unsecured_head, unsecured_payload
 from modelcast.messages.psids import PSIDS, SAFETY_PSID
 from modelcast.messages.security.signed import decode_signed
-from modelcast.messages.wsmp import decode_wsm, encode_wsm
+from modelcast.messages.wsmp import ShortMessage, decode_wsm, encode_wsm
 from modelcast.runtime.transport.base import MOST_OCTETS
 
 __all__ = ["NOT_VERIFIED", "AbstractEnvelope", "Bare", "Opened", "Unsecured", "opened_safety"]
@@ -112,16 +112,16 @@ class Unsecured(AbstractEnvelope):
         heads = _shortest_heads(len(frame), psid) if psid in PSIDS else b""
         if heads and frame.startswith(heads):
             return _told(frame[len(heads) :], psid, "accepted")
-        message = opened_safety(frame)
-        if isinstance(message, Opened):
-            return message
+        short = opened_safety(frame)
+        if isinstance(short, Opened):
+            return short
         try:
-            if read_unsecured_head(message) is not None:
-                return _told(unsecured_payload(message), decode_wsm(frame).psid, "accepted")
-            signed = decode_signed(message)
+            if read_unsecured_head(short.payload) is not None:
+                return _told(unsecured_payload(short.payload), short.psid, "accepted")
+            signed = decode_signed(short.payload)
         except CodecError:
             return Opened(None, "no data of IEEE 1609.2")
-        if signed.psid != decode_wsm(frame).psid:
+        if signed.psid != short.psid:
             return Opened(None, "another application")
         return _told(signed.payload, signed.psid, NOT_VERIFIED)
 
@@ -134,8 +134,8 @@ def _told(octets: bytes, psid: int, why: str) -> Opened:
     return Opened(octets, why) if belongs_to(octets, psid) else Opened(None, "another application")
 
 
-def opened_safety(frame: bytes) -> bytes | Opened:
-    """The data of IEEE 1609.2 in a short message of safety messages, or that there is none.
+def opened_safety(frame: bytes) -> ShortMessage | Opened:
+    """The short message of safety messages that arrived, or that there is none.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def opened_safety(frame: bytes) -> bytes | Opened:
         message = decode_wsm(frame)
     except CodecError:
         return Opened(None, "no short message")
-    return message.payload if message.psid in PSIDS else Opened(None, "another application")
+    return message if message.psid in PSIDS else Opened(None, "another application")
 
 
 @functools.lru_cache(maxsize=len(PSIDS) * MOST_OCTETS)

@@ -13,7 +13,7 @@ from modelcast.messages.security.signed import decode_signed
 from modelcast.messages.security.signer import Signer, SignerState
 from modelcast.messages.security.time64 import since_2004_s
 from modelcast.messages.security.verifier import Outcome, Verifier, VerifierState
-from modelcast.messages.wsmp import decode_wsm, encode_wsm
+from modelcast.messages.wsmp import ShortMessage, encode_wsm
 from modelcast.node.envelope import NOT_VERIFIED, AbstractEnvelope, Opened, opened_safety
 
 __all__ = ["Signed"]
@@ -86,29 +86,33 @@ class Signed(AbstractEnvelope):
 
     def open(self, frame: bytes, *, received_s: float) -> Opened:
         """Return what is inside where it is verified, or taken unverified; else why not."""
-        message = opened_safety(frame)
-        if isinstance(message, Opened):
-            return message
+        short = opened_safety(frame)
+        if isinstance(short, Opened):
+            return short
         try:
-            if read_unsecured_head(message) is None:
-                return self._verified(message, decode_wsm(frame).psid, received_s)
-            payload = unsecured_payload(message)
+            if read_unsecured_head(short.payload) is None:
+                return self._verified(short, received_s)
+            payload = unsecured_payload(short.payload)
         except CodecError:
             return Opened(None, "no data of IEEE 1609.2")
         if self._required:
             return Opened(None, "not signed")
-        return _unverified(payload, decode_wsm(frame).psid)
+        return _unverified(payload, short.psid)
 
-    def _verified(self, message: bytes, psid: int, received_s: float) -> Opened:
-        """Return what is signed, or why it is refused; ``psid`` is that of the short message."""
-        told = self._verifier.verify(self._held, message, t_s=self._zero_s + received_s)
+    def _verified(self, short: ShortMessage, received_s: float) -> Opened:
+        """Return what is signed in a short message, or why it is refused."""
+        told = self._verifier.verify(self._held, short.payload, t_s=self._zero_s + received_s)
         if told.outcome in _STRANGERS and not self._required:
-            opened = _unverified(decode_signed(message).payload, told.psid)
+            opened = _unverified(decode_signed(short.payload).payload, told.psid)
         elif told.payload is not None and not belongs_to(told.payload, told.psid):
             opened = Opened(None, Outcome.NOT_PERMITTED.value)
         else:
             opened = Opened(told.payload, told.outcome.value)
-        return opened if opened.octets is None or told.psid == psid else Opened(None, "another application")
+        return (
+            opened
+            if opened.octets is None or told.psid == short.psid
+            else Opened(None, "another application")
+        )
 
     def rename(self) -> None:
         """Sign with the next certificate from now on; the first message carries it."""
