@@ -108,11 +108,9 @@ class Signed(AbstractEnvelope):
             opened = Opened(None, Outcome.NOT_PERMITTED.value)
         else:
             opened = Opened(told.payload, told.outcome.value)
-        return (
-            opened
-            if opened.octets is None or told.psid == short.psid
-            else Opened(None, "another application")
-        )
+        if opened.octets is not None and told.psid != short.psid:
+            return Opened(None, "another application")
+        return opened
 
     def rename(self) -> None:
         """Sign with the next certificate from now on; the first message carries it."""
