@@ -4,7 +4,7 @@ import importlib
 import inspect
 import os
 import pkgutil
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from hypothesis import settings
 
 import modelcast
 from modelcast.core.arrays import FloatArray
+from modelcast.core.open_group import registered
 from modelcast.io.trips import read_trips
 from modelcast.models.bank import Bank
 from modelcast.models.base import Windows
@@ -38,6 +39,37 @@ def concrete_classes() -> Callable[[type[Any]], set[type[Any]]]:
         if one.__module__ == module.__name__
     ]
     return lambda base: {one for one in defined if issubclass(one, base) and not inspect.isabstract(one)}
+
+
+@pytest.fixture
+def other_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Generator[Callable[..., Path]]:
+    """Put another package on the path: its name, its entry points by group, and its modules' text."""
+
+    def installed(
+        name: str,
+        groups: dict[str, dict[str, str]],
+        modules: dict[str, str] | None = None,
+        *,
+        version: str = "1.2",
+    ) -> Path:
+        site = tmp_path / f"site-{name}"
+        about = site / f"{name}-{version}.dist-info"
+        about.mkdir(parents=True)
+        (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
+        lines = [
+            line
+            for group, points in groups.items()
+            for line in (f"[{group}]", *(f"{one} = {value}" for one, value in points.items()))
+        ]
+        (about / "entry_points.txt").write_text("\n".join(lines) + "\n")
+        for module, text in (modules or {}).items():
+            (site / f"{module}.py").write_text(text)
+        monkeypatch.syspath_prepend(site)
+        registered.cache_clear()
+        return site
+
+    yield installed
+    registered.cache_clear()
 
 
 @pytest.fixture(scope="session")

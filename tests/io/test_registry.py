@@ -2,17 +2,16 @@
 
 import subprocess
 import sys
-from importlib.metadata import EntryPoint
 
 import pytest
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
-from modelcast.io import registry
+from modelcast.io.registry import get_reader, reader_names
 from modelcast.io.trips import read_trips
 
 
 def test_unknown_format_names_the_known_ones(made):
-    with pytest.raises(ConfigError, match=r"Unknown format 'gpx'\. Known formats: spmd-bsm, .*csv\."):
+    with pytest.raises(ConfigError, match=r"Unknown format 'gpx'\. Known: spmd-bsm, .*csv\."):
         list(read_trips(made.valid("csv"), "gpx"))
 
 
@@ -67,18 +66,16 @@ def test_same_file_twice_is_read_once(made):
     assert len(list(read_trips([path, path]))) == 1
 
 
-def test_reader_of_another_package_is_found_by_its_entry_point(made, monkeypatch):
-    point = EntryPoint("mine", "modelcast.io.csv:CsvReader", registry.ENTRY_POINT_GROUP)
-    monkeypatch.setattr(registry, "_third_party", lambda: {"mine": point})
-    assert registry.reader_names()[0] == "mine"
+def test_reader_of_another_package_is_found_by_its_entry_point(made, other_package):
+    other_package("mine", {"modelcast.readers": {"mine": "modelcast.io.csv:CsvReader"}})
+    assert reader_names()[0] == "mine"
     assert len(list(read_trips(made.valid("csv"), "mine"))) == 1
 
 
-def test_entry_point_that_is_no_reader_is_an_error(monkeypatch):
-    point = EntryPoint("mine", "builtins:dict", registry.ENTRY_POINT_GROUP)
-    monkeypatch.setattr(registry, "_third_party", lambda: {"mine": point})
-    with pytest.raises(ConfigError, match="'mine' is not an AbstractTripReader"):
-        registry.get_reader("mine")
+def test_entry_point_that_is_no_reader_is_an_error(other_package):
+    other_package("mine", {"modelcast.readers": {"mine": "builtins:dict"}})
+    with pytest.raises(ConfigError, match="'mine' is no AbstractTripReader"):
+        get_reader("mine")
 
 
 def test_importing_the_registry_loads_no_format():

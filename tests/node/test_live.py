@@ -162,7 +162,7 @@ def test_a_page_for_others_needs_a_token(trip: Path) -> None:
     ("changed", "told"),
     [
         ({"gnss": Gnss(source="cow:moo")}, "is no source of fixes"),
-        ({"air": Air(transport="pigeon")}, "'pigeon' is not installed; there are multicast"),
+        ({"air": Air(transport="pigeon")}, "'pigeon'. Known: multicast"),
         ({"metrics": Metrics(host="203.0.113.9", port=9)}, r"\[metrics\] cannot listen on 203.0.113.9:9"),
         (
             {"subscribe": Subscribe(path="/nowhere/at/all/map.sock")},

@@ -6,23 +6,18 @@ entry-point group ``modelcast.readers``: each entry point names a format and loa
 """
 
 from collections.abc import Mapping
-from functools import cache
-from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import MappingProxyType
 
-from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.core.exceptions import DataFormatError
+from modelcast.core.open_group import OpenGroup
 from modelcast.io.base import AbstractTripReader
 from modelcast.io.column_map import example_map
 from modelcast.io.places import readable_kind
 from modelcast.io.table_layout import table_layout
 from modelcast.io.text_head import first_lines, refuse_utf16
 
-__all__ = ["ENTRY_POINT_GROUP", "FORMATS", "detect_format", "get_reader", "reader_names"]
-
-ENTRY_POINT_GROUP = "modelcast.readers"
-"""Where third-party packages register their readers."""
+__all__ = ["FORMATS", "READERS", "detect_format", "get_reader", "reader_names"]
 
 FORMATS: Mapping[str, str] = MappingProxyType(
     {
@@ -41,13 +36,10 @@ FORMATS: Mapping[str, str] = MappingProxyType(
 )
 """The built-in formats and the class that reads each; csv is asked last, as the least specific."""
 
+READERS = OpenGroup("modelcast.readers", AbstractTripReader, called="format", own=FORMATS)
+"""All readers, ours and those of other packages."""
+
 _HEAD_BYTES = 16384
-
-
-@cache
-def _third_party() -> Mapping[str, EntryPoint]:
-    """Return the entry points of other packages; a built-in name cannot be replaced."""
-    return {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP) if point.name not in FORMATS}
 
 
 def reader_names() -> tuple[str, ...]:
@@ -58,7 +50,7 @@ def reader_names() -> tuple[str, ...]:
     >>> "openacc" in reader_names()
     True
     """
-    return (*_third_party(), *FORMATS)
+    return READERS.names()
 
 
 def get_reader(name: str) -> AbstractTripReader:
@@ -69,16 +61,7 @@ def get_reader(name: str) -> AbstractTripReader:
     ConfigError
         Where no reader of that name is known, or another package's reader is not one.
     """
-    if name in FORMATS:
-        module, _, kind = FORMATS[name].partition(":")
-        reader: object = getattr(import_module(module), kind)()
-    elif name in _third_party():
-        reader = _third_party()[name].load()()
-    else:
-        raise ConfigError(f"Unknown format {name!r}. Known formats: {', '.join(reader_names())}.")
-    if not isinstance(reader, AbstractTripReader):
-        raise ConfigError(f"The reader registered as {name!r} is not an AbstractTripReader: {reader!r}.")
-    return reader
+    return READERS.made(name)
 
 
 def detect_format(path: str | Path) -> str:

@@ -5,12 +5,12 @@ import secrets
 from collections.abc import AsyncGenerator, Callable, Coroutine
 from contextlib import AsyncExitStack, ExitStack, asynccontextmanager
 from functools import cache
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import Origin
+from modelcast.core.open_group import OpenGroup
 from modelcast.dashboard.document import snapshot_text
 from modelcast.dashboard.snapshot import NOBODY, Snapshot
 from modelcast.node.building import credentials_of, envelope_of, node_of
@@ -26,7 +26,6 @@ from modelcast.node.journal import Journal
 from modelcast.node.lossy import LossyTransport
 from modelcast.node.measuring import Measuring
 from modelcast.node.metrics import Metric, serve_metrics
-from modelcast.node.multicast import MulticastTransport
 from modelcast.node.node import Node, NodeState
 from modelcast.node.plane import HeldTransport, Plane, place_in
 from modelcast.node.run import Lateness, run_node
@@ -39,7 +38,15 @@ if TYPE_CHECKING:
     from modelcast.node.credentials import Credentials
     from modelcast.node.recording.recorder import Recorder
 
-__all__ = ["LiveNode", "open_transport"]
+__all__ = ["TRANSPORTS", "LiveNode", "open_transport"]
+
+TRANSPORTS = OpenGroup(
+    "modelcast.transports",
+    AbstractTransport,
+    called="[air] transport",
+    own={"multicast": "modelcast.node.multicast:open_multicast"},
+)
+"""Ways to the air: each is called with the node's table ``[air]`` and its clock."""
 
 _FOLLOW_S = 5.0
 _UNWATCHED_STEPS = 10
@@ -66,24 +73,8 @@ def open_transport(air: Air, clock: AbstractClock) -> AbstractTransport:
     ConfigError
         Where it cannot be opened, or nothing of that name is installed.
     """
-    own: AbstractTransport = _opened(air, clock)
+    own = TRANSPORTS.made(air.transport, air, clock)
     return own if air.loss_ratio == 0.0 else LossyTransport(own, air.loss_ratio, secrets.randbits(63))
-
-
-def _opened(air: Air, clock: AbstractClock) -> AbstractTransport:
-    """The transport itself."""
-    if air.transport == "multicast":
-        return MulticastTransport(
-            clock.now_s, group=air.group, port=air.port, interface=air.interface, hops=air.hops
-        )
-    found = {one.name: one for one in entry_points(group="modelcast.transports")}
-    if air.transport not in found:
-        known = ", ".join(("multicast", *sorted(found)))
-        raise ConfigError(f"[air] transport {air.transport!r} is not installed; there are {known}")
-    transport: object = found[air.transport].load()(air, clock)
-    if not isinstance(transport, AbstractTransport):
-        raise ConfigError(f"[air] transport {air.transport!r} is no AbstractTransport")
-    return transport
 
 
 class LiveNode:

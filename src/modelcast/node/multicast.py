@@ -8,12 +8,16 @@ import socket
 import struct
 from collections.abc import Callable
 from ipaddress import AddressValueError, IPv4Address
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.runtime.transport.base import MOST_OCTETS, AbstractTransport, Arrival
 
-__all__ = ["GROUP", "LOOPBACK", "PORT", "MulticastTransport"]
+if TYPE_CHECKING:
+    from modelcast.node.clock import AbstractClock
+    from modelcast.node.config import Air
+
+__all__ = ["GROUP", "LOOPBACK", "PORT", "MulticastTransport", "open_multicast"]
 
 GROUP, PORT = "239.255.16.9", 16090
 """Group and port where none are named; the group is of the block for one site (RFC 2365)."""
@@ -134,6 +138,19 @@ class MulticastTransport(AbstractTransport):
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def open_multicast(air: "Air", clock: "AbstractClock") -> MulticastTransport:
+    """Return the transport of a configuration's table ``[air]``.
+
+    Raises
+    ------
+    ConfigError
+        As `MulticastTransport`.
+    """
+    return MulticastTransport(
+        clock.now_s, group=air.group, port=air.port, interface=air.interface, hops=air.hops
+    )
 
 
 def _address(name: str, text: str) -> IPv4Address:
