@@ -1,4 +1,4 @@
-"""The example packages as users install them: built into a folder of their own, and put on the path of a process."""
+"""The example packages as users install them: each in a folder of its own, put on the path of a process."""
 
 import os
 import subprocess
@@ -31,7 +31,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
 
 @pytest.fixture(scope="session")
 def python_with(installed: Callable[..., Path]) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """Run Python with example packages on its path: their names, then the arguments, ``-m modelcast ...`` for one."""
+    """Run Python with example packages on its path: their names, then Python's arguments."""
 
     def run(names: tuple[str, ...], *arguments: str, fails: bool = False) -> subprocess.CompletedProcess[str]:
         paths = [str(installed(name)) for name in names]
