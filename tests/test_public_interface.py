@@ -35,7 +35,7 @@ def test_help_lists_every_public_name_with_the_first_line_of_its_docstring() -> 
     text = modelcast.__doc__
     assert text is not None
     for name, home in modelcast._HOMES.items():
-        line = re.search(rf"(?m)^{name} +(\S.*)$", text)
+        line = re.search(rf"(?m)^{name}  +(\S.*)$", text)
         assert line is not None, name
         assert line[1] == summary_of(name, home)
         assert line[0] in shown

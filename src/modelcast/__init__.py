@@ -37,11 +37,18 @@ if TYPE_CHECKING:
     from modelcast.dashboard.meter import MessageMeter as MessageMeter
     from modelcast.dashboard.snapshot import Host as Host
     from modelcast.dashboard.snapshot import snapshot_of as snapshot_of
+    from modelcast.interface.comparison import Comparison as Comparison
+    from modelcast.interface.comparison import compare as compare
+    from modelcast.interface.evaluation import Evaluation as Evaluation
+    from modelcast.interface.evaluation import evaluate as evaluate
+    from modelcast.interface.training import reproduce_paper as reproduce_paper
+    from modelcast.interface.training import train_profile as train_profile
     from modelcast.io.profile import read_profile as read_profile
     from modelcast.io.profile import write_profile as write_profile
     from modelcast.io.results import write_results as write_results
     from modelcast.io.sumo import run_sumo as run_sumo
     from modelcast.io.sumo_roads import highway_input as highway_input
+    from modelcast.io.trips import Trips as Trips
     from modelcast.io.trips import read_trips as read_trips
     from modelcast.io.write_trips import write_csv as write_csv
     from modelcast.io.write_trips import write_parquet as write_parquet
@@ -108,14 +115,10 @@ if TYPE_CHECKING:
     from modelcast.study.case import make_case as make_case
     from modelcast.study.compare.candidate import FixedCandidate as FixedCandidate
     from modelcast.study.compare.candidate import TrainedCandidate as TrainedCandidate
-    from modelcast.study.compare.run import compare as compare
     from modelcast.study.compare.settings import CompareSettings as CompareSettings
-    from modelcast.study.evaluate import evaluate as evaluate
-    from modelcast.study.paper.run import reproduce_paper as reproduce_paper
     from modelcast.study.result import EvaluationResult as EvaluationResult
     from modelcast.study.settings import EvaluationSettings as EvaluationSettings
     from modelcast.study.training.calibration import train_calibrations as train_calibrations
-    from modelcast.study.training.profile import train_profile as train_profile
     from modelcast.trips.manoeuvres.rank import count_manoeuvres as count_manoeuvres
     from modelcast.trips.trajectory import Trajectory as Trajectory
     from modelcast.trips.trajectory import build_trajectory as build_trajectory
@@ -133,12 +136,14 @@ _HOMES = {
     "Cause": "station.policy.j2945",
     "CodecError": "core.exceptions",
     "CompareSettings": "study.compare.settings",
+    "Comparison": "interface.comparison",
     "ConfigError": "core.exceptions",
     "ConstantTurnRateVelocity": "models.kinematic",
     "ConstantVelocity": "models.constant_velocity",
     "DataFormatError": "core.exceptions",
     "Dsrc": "channel.dsrc",
     "ErrorDriven": "station.policy.error_driven",
+    "Evaluation": "interface.evaluation",
     "EvaluationResult": "study.result",
     "EvaluationSettings": "study.settings",
     "FixedCandidate": "study.compare.candidate",
@@ -185,6 +190,7 @@ _HOMES = {
     "Transmissions": "channel.radio",
     "TransmitInputs": "station.policy.base",
     "TripReplay": "node.inputs.replay",
+    "Trips": "io.trips",
     "UpdateCodec": "messages.mbc_codec",
     "UpdateMessage": "messages.mbc_update",
     "Verifier": "messages.security.verifier",
@@ -194,14 +200,14 @@ _HOMES = {
     "WireProfile": "messages.mbc_profile",
     "bank_from_text": "station.banks",
     "build_trajectory": "trips.trajectory",
-    "compare": "study.compare.run",
+    "compare": "interface.comparison",
     "count_manoeuvres": "trips.manoeuvres.rank",
     "decode_bsm": "messages.bsm",
     "decode_psm": "messages.psm",
     "default_profile": "models.profile",
     "encode_bsm": "messages.bsm",
     "encode_psm": "messages.psm",
-    "evaluate": "study.evaluate",
+    "evaluate": "interface.evaluation",
     "expected_time_to_threshold": "models.threshold_time",
     "generate_drive": "world.drive",
     "get_application": "apps.registry",
@@ -217,7 +223,7 @@ _HOMES = {
     "read_trips": "io.trips",
     "read_update": "messages.mbc_update",
     "references_frame": "report.tables",
-    "reproduce_paper": "study.paper.run",
+    "reproduce_paper": "interface.training",
     "run_network": "runtime.fleet.engine",
     "run_scenario": "world.scenario.base",
     "run_sumo": "io.sumo",
@@ -227,7 +233,7 @@ _HOMES = {
     "time_to_collision_s": "apps.surrogates",
     "tracking_frame": "report.tables",
     "train_calibrations": "study.training.calibration",
-    "train_profile": "study.training.profile",
+    "train_profile": "interface.training",
     "write_csv": "io.write_trips",
     "write_parquet": "io.write_trips",
     "write_profile": "io.profile",
