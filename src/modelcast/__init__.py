@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from modelcast.interface.comparison import compare as compare
     from modelcast.interface.evaluation import Evaluation as Evaluation
     from modelcast.interface.evaluation import evaluate as evaluate
+    from modelcast.interface.network import NetworkSimulation as NetworkSimulation
+    from modelcast.interface.network import simulate_network as simulate_network
     from modelcast.interface.training import reproduce_paper as reproduce_paper
     from modelcast.interface.training import train_profile as train_profile
     from modelcast.io.profile import read_profile as read_profile
@@ -116,6 +118,7 @@ if TYPE_CHECKING:
     from modelcast.study.compare.candidate import FixedCandidate as FixedCandidate
     from modelcast.study.compare.candidate import TrainedCandidate as TrainedCandidate
     from modelcast.study.compare.settings import CompareSettings as CompareSettings
+    from modelcast.study.network.simulate import FleetRuns as FleetRuns
     from modelcast.study.result import EvaluationResult as EvaluationResult
     from modelcast.study.settings import EvaluationSettings as EvaluationSettings
     from modelcast.study.training.calibration import train_calibrations as train_calibrations
@@ -124,6 +127,7 @@ if TYPE_CHECKING:
     from modelcast.trips.trajectory import build_trajectory as build_trajectory
     from modelcast.world.drive import generate_drive as generate_drive
     from modelcast.world.scenario.base import run_scenario as run_scenario
+    from modelcast.world.scenario.grid import Grid as Grid
     from modelcast.world.scenario.highway import Highway as Highway
     from modelcast.world.scenario.sensed import sensed as sensed
     from modelcast.world.sensors import SensorModel as SensorModel
@@ -148,8 +152,10 @@ _HOMES = {
     "EvaluationSettings": "study.settings",
     "FixedCandidate": "study.compare.candidate",
     "Fleet": "station.fleet",
+    "FleetRuns": "study.network.simulate",
     "GaussianProcess": "models.gp.gaussian_process",
     "GilbertElliott": "channel.erasure",
+    "Grid": "world.scenario.grid",
     "Highway": "world.scenario.highway",
     "Host": "dashboard.snapshot",
     "IndependentErasure": "channel.erasure",
@@ -169,6 +175,7 @@ _HOMES = {
     "MotionSource": "node.inputs.motion_source",
     "Motions": "apps.motions",
     "NetworkSettings": "runtime.fleet.settings",
+    "NetworkSimulation": "interface.network",
     "OUTCOMES": "channel.radio",
     "PAPER_BANK": "station.banks",
     "Periodic": "station.policy.periodic",
@@ -228,6 +235,7 @@ _HOMES = {
     "run_scenario": "world.scenario.base",
     "run_sumo": "io.sumo",
     "sensed": "world.scenario.sensed",
+    "simulate_network": "interface.network",
     "snapshot_of": "dashboard.snapshot",
     "snapshot_text": "dashboard.document",
     "time_to_collision_s": "apps.surrogates",

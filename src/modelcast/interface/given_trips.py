@@ -35,7 +35,7 @@ def given_trips(given: GivenTrips) -> Iterable[Trajectory | SensedTrip]:
     Examples
     --------
     >>> from modelcast.world.drive import generate_drive
-    >>> trip = generate_drive(0, 60.0).truth
+    >>> trip = generate_drive(0, 90.0).truth
     >>> [one.trip_id for one in given_trips(trip)] == [one.trip_id for one in given_trips([trip])]
     True
     """
