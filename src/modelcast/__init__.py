@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from modelcast.interface.network import simulate_network as simulate_network
     from modelcast.interface.training import reproduce_paper as reproduce_paper
     from modelcast.interface.training import train_profile as train_profile
+    from modelcast.interface.warnings import WarningEvaluation as WarningEvaluation
+    from modelcast.interface.warnings import evaluate_warnings as evaluate_warnings
     from modelcast.io.profile import read_profile as read_profile
     from modelcast.io.profile import write_profile as write_profile
     from modelcast.io.results import write_results as write_results
@@ -120,6 +122,7 @@ if TYPE_CHECKING:
     from modelcast.study.compare.settings import CompareSettings as CompareSettings
     from modelcast.study.network.simulate import FleetRuns as FleetRuns
     from modelcast.study.result import EvaluationResult as EvaluationResult
+    from modelcast.study.safety.settings import SafetySettings as SafetySettings
     from modelcast.study.settings import EvaluationSettings as EvaluationSettings
     from modelcast.study.training.calibration import train_calibrations as train_calibrations
     from modelcast.trips.manoeuvres.rank import count_manoeuvres as count_manoeuvres
@@ -185,6 +188,7 @@ _HOMES = {
     "Profile": "models.profile",
     "Rbf": "models.gp.kernels.rbf",
     "Receipt": "station.receiver.local_dynamic_map",
+    "SafetySettings": "study.safety.settings",
     "SensedTrip": "study.case",
     "SensorModel": "world.sensors",
     "Sidelink": "channel.sidelink",
@@ -203,6 +207,7 @@ _HOMES = {
     "Verifier": "messages.security.verifier",
     "VerifierState": "messages.security.verifier",
     "VirtualMedium": "runtime.transport.virtual",
+    "WarningEvaluation": "interface.warnings",
     "Windows": "models.base",
     "WireProfile": "messages.mbc_profile",
     "bank_from_text": "station.banks",
@@ -215,6 +220,7 @@ _HOMES = {
     "encode_bsm": "messages.bsm",
     "encode_psm": "messages.psm",
     "evaluate": "interface.evaluation",
+    "evaluate_warnings": "interface.warnings",
     "expected_time_to_threshold": "models.threshold_time",
     "generate_drive": "world.drive",
     "get_application": "apps.registry",

@@ -189,3 +189,43 @@ def test_rows_become_columns_by_their_fields() -> None:
     assert frame.to_dicts() == [{"name": "a", "over_low": 0.1, "over_high": None, "flag": True}]
     assert rows_frame([], RunRow).schema["run"] == pl.Int64
     assert rows_frame([], Row).schema == frame.schema
+
+
+def test_warnings_are_those_of_the_command(tmp_path: Path, data_folder: Path) -> None:
+    path = data_folder / "openacc_zalazone" / "short_setting__dynamic_part12.csv"
+    asked = f"safety {path} --bank cv paper --per 0 0.4 --seeds 1 --burst 0 --sensors default --resamples 20"
+    assert run([*asked.split(), "--quiet", "--jobs", "1", "--out", str(tmp_path / "out")]) == 0
+    rows = json.loads((tmp_path / "out" / "summary.json").read_text())["pooled"]
+    evaluation = modelcast.EvaluationSettings(
+        (0.5,), (0.0, 0.4), seeds=1, keep_alive_s=2.0, protocol="sensor", references=False
+    )
+    candidates = [
+        modelcast.FixedCandidate("cv", modelcast.bank_from_text("cv")),
+        modelcast.FixedCandidate("paper", modelcast.PAPER_BANK),
+    ]
+    settings = modelcast.SafetySettings(evaluation, resamples=20)
+    found = modelcast.evaluate_warnings(path, candidates, settings)
+    for theirs, ours in zip(rows, found.pooled.to_dicts(), strict=True):
+        for name in ("candidate", "basis", "packet_error_ratio", "threshold_m", "message_rate_hz"):
+            assert theirs[name] == ours[name]
+    assert "<table" in found._repr_html_()
+    assert found.report(tmp_path / "report")[1].name == "report.html"
+    for name in ("accuracy", "delays"):
+        assert isinstance(getattr(found.plot, name)(), Figure)
+
+
+@pytest.mark.parametrize(
+    ("names", "changes", "message"),
+    [
+        (("a", "a"), {}, "each once"),
+        ((), {}, "at least one"),
+        (("a",), {"against": "b"}, "no candidate is named 'b'"),
+    ],
+)
+def test_candidates_of_warnings_are_told_apart(
+    names: tuple[str, ...], changes: dict[str, Any], message: str
+) -> None:
+    evaluation = modelcast.EvaluationSettings((0.5,), (0.0,), protocol="sensor", references=False)
+    candidates = [modelcast.FixedCandidate(name, modelcast.PAPER_BANK) for name in names]
+    with pytest.raises(ConfigError, match=message):
+        modelcast.evaluate_warnings([], candidates, modelcast.SafetySettings(evaluation, **changes))

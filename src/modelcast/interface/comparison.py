@@ -3,10 +3,9 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import polars as pl
-from matplotlib.figure import Figure
 
 from modelcast.interface.given_trips import GivenTrips, recorded_trips
 from modelcast.interface.result import AbstractFrames
@@ -29,6 +28,9 @@ from modelcast.study.compare.result import (
 from modelcast.study.compare.run import compare as compare_trips
 from modelcast.study.compare.settings import CompareSettings
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 __all__ = ["Comparison", "ComparisonPlots", "compare"]
 
 
@@ -44,7 +46,7 @@ class ComparisonPlots:
 
     result: ComparisonResult
 
-    def ratios(self) -> Figure:
+    def ratios(self) -> "Figure":
         """Messages, bytes, airtime and tracking of every candidate against threshold."""
         return plot_comparison(self.result)
 

@@ -3,10 +3,9 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import polars as pl
-from matplotlib.figure import Figure
 
 from modelcast.interface.given_trips import GivenTrips, given_trips
 from modelcast.interface.result import AbstractFrames
@@ -34,6 +33,9 @@ from modelcast.study.evaluate import evaluate as evaluate_trips
 from modelcast.study.result import POOLED, EvaluationResult
 from modelcast.study.settings import EvaluationSettings
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 __all__ = ["Evaluation", "EvaluationPlots", "evaluate"]
 
 
@@ -49,27 +51,27 @@ class EvaluationPlots:
 
     result: EvaluationResult
 
-    def rates(self) -> Figure:
+    def rates(self) -> "Figure":
         """Message rate and airtime against threshold."""
         return plot_rates(self.result)
 
-    def tracking(self) -> Figure:
+    def tracking(self) -> "Figure":
         """Distribution of the tracking error."""
         return plot_distribution(self.result)
 
-    def loss(self) -> Figure:
+    def loss(self) -> "Figure":
         """Tracking error against packet error ratio."""
         return plot_loss(self.result)
 
-    def sub_models(self) -> Figure:
+    def sub_models(self) -> "Figure":
         """Errors of all sub-models around the sharpest manoeuvre."""
         return plot_timeline(self.result)
 
-    def manoeuvre(self) -> Figure:
+    def manoeuvre(self) -> "Figure":
         """The sharpest manoeuvre and what each sub-model predicted of it."""
         return plot_manoeuvre(self.result)
 
-    def trips(self) -> Figure:
+    def trips(self) -> "Figure":
         """Message rate and tracking error by trip."""
         return plot_trips(self.result)
 

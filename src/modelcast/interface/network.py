@@ -3,10 +3,9 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import polars as pl
-from matplotlib.figure import Figure
 
 from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.radio import AbstractRadio
@@ -37,6 +36,9 @@ from modelcast.study.network.simulate import FleetRuns, simulate_fleets
 from modelcast.world.scenario.base import AbstractScenario
 from modelcast.world.sensors import filter_for
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 __all__ = ["NetworkPlots", "NetworkSimulation", "simulate_network"]
 
 _HEADLINE = ("message_rate_hz", "bytes_per_s", "busy_ratio", "held_ratio", "pte_p90_m")
@@ -54,23 +56,23 @@ class NetworkPlots:
 
     result: NetworkResult
 
-    def load(self) -> Figure:
+    def load(self) -> "Figure":
         """Messages, bytes and busy ratio against density."""
         return plot_load(self.result)
 
-    def delivery(self) -> Figure:
+    def delivery(self) -> "Figure":
         """What became of frames, against density."""
         return plot_delivery(self.result)
 
-    def tracking(self) -> Figure:
+    def tracking(self) -> "Figure":
         """Tracking error against density."""
         return plot_tracking(self.result)
 
-    def distance(self) -> Figure:
+    def distance(self) -> "Figure":
         """Tracking error against distance."""
         return plot_distance(self.result)
 
-    def settling(self) -> Figure:
+    def settling(self) -> "Figure":
         """How the loop settles at the highest density."""
         return plot_settling(self.result)
 
