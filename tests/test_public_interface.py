@@ -1,6 +1,8 @@
 """Claims about what users import, and about who imports whom inside the package."""
 
 import ast
+import inspect
+import pydoc
 import re
 import subprocess
 import sys
@@ -9,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import modelcast
+from modelcast.core.public_names import summary_of
 
 PACKAGE = Path(modelcast.__file__).parent
 MODULES = sorted(PACKAGE.rglob("*.py"))
@@ -23,7 +26,26 @@ def test_every_public_name_can_be_imported_and_is_listed() -> None:
     names = [name for name in dir(modelcast) if not name.startswith("_")]
     assert set(names) >= PROMISED
     for name in names:
-        assert getattr(modelcast, name).__name__ == name
+        found = getattr(modelcast, name)
+        assert getattr(found, "__name__", name) == name
+
+
+def test_help_lists_every_public_name_with_the_first_line_of_its_docstring() -> None:
+    shown = pydoc.plain(pydoc.render_doc(modelcast))
+    text = modelcast.__doc__
+    assert text is not None
+    for name, home in modelcast._HOMES.items():
+        line = re.search(rf"(?m)^{name}  +(\S.*)$", text)
+        assert line is not None, name
+        assert line[1] == summary_of(name, home)
+        assert line[0] in shown
+        docstring = inspect.getdoc(getattr(modelcast, name))
+        assert name.isupper() or (docstring or "").startswith(line[1])
+
+
+def test_a_public_name_without_a_docstring_is_refused() -> None:
+    with pytest.raises(LookupError, match=r"modelcast.core.exceptions defines no Nothing"):
+        summary_of("Nothing", "core.exceptions")
 
 
 def test_what_type_checkers_see_is_what_is_imported() -> None:

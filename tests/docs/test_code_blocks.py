@@ -38,6 +38,18 @@ def of(language: str) -> list[Any]:
 PROGRAMS = [param for param in of("python") if not param.values[0].page.startswith("CONTRIBUTING")]
 
 
+def test_programs_import_public_names_alone() -> None:
+    """Users need no address inside the package; CONTRIBUTING shows how it is extended from inside."""
+    deep: list[str] = []
+    for param in PROGRAMS:
+        (block,) = param.values
+        for node in ast.walk(ast.parse(block.text)):
+            modules = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            modules += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            deep += [f"{block.place}: {module}" for module in modules if module.startswith("modelcast.")]
+    assert deep == []
+
+
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with trips of the names that the pages use where any trip would do."""

@@ -7,7 +7,6 @@ from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import named_banks, sender_of
 from modelcast.cli.network_traffic import BLOCK_M, traffic
-from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.kinds import Kind
 from modelcast.io.fcd_survey import FcdSurvey
@@ -23,6 +22,7 @@ from modelcast.study.network.mixed import measure_mixed, mixed_of
 from modelcast.study.network.people import measure_people
 from modelcast.study.network.roadside import measure_roadside
 from modelcast.study.network.rows import CaseResult, NetworkCase
+from modelcast.study.network.simulate import loop_seed
 from modelcast.study.network.warned import measure_warnings
 from modelcast.study.safety.fleet import SafetyObserver
 from modelcast.study.safety.fleet_score import score_pairings
@@ -142,7 +142,7 @@ def simulated(
         free = free_bank(profile_in_use(plan.profile))
         who = mixed.mix(senders, free) if mixed.is_mixed else senders[0]
         radio, bin_m = _radio(plan, case.radio)
-        seed = int(child_generator(plan.seed, case.run, "loop").integers(2**31))
+        seed = loop_seed(plan.seed, case.run)
         with traffic(plan, case, found) as frames:
             run = run_network(
                 checked(frames),

@@ -13,6 +13,7 @@ from modelcast.core.chance import child_generator
 from modelcast.core.kinds import Kind
 from modelcast.io.fcd_survey import FcdSurvey
 from modelcast.study.network.rows import NetworkCase
+from modelcast.study.network.simulate import traffic_chance
 from modelcast.trips.trajectory import Trajectory
 from modelcast.world.scenario.base import STEP_S, AbstractScenario, FleetFrame, run_scenario
 from modelcast.world.scenario.braking import BrakingStreams
@@ -68,7 +69,7 @@ def traffic(
     ValueError
         Where vehicles do not fit on the road, or no trip can be used.
     """
-    rng = child_generator(plan.seed, case.run, "traffic")
+    rng = traffic_chance(plan.seed, case.run)
     if plan.scenario in BUILT_IN:
         scenario = _built_in(plan, case.density_per_km)
         if plan.tracks:

@@ -7,19 +7,16 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from modelcast.channel.recorded import RecordedLosses
 from modelcast.cli.safety_options import SafetyOptions
 from modelcast.cli.shared_work import workers
 from modelcast.io.loss_logs import LossLog
 from modelcast.io.run_store import RunStore
 from modelcast.io.safety_runs import SafetyCase
-from modelcast.study.safety.film import EventFilm, film_event, telling_event
 from modelcast.study.safety.pairs import Recording
 from modelcast.study.safety.result import RecordingScores, SafetyResult
+from modelcast.study.safety.run import pool_scores, telling_film
 from modelcast.study.safety.score import Walked, score_recording
-from modelcast.study.safety.table import pooled_rows
 from modelcast.trips.fingerprint import fingerprint
 
 __all__ = ["SafetyWork", "gathered", "run_options", "safety_work", "score_all"]
@@ -181,53 +178,23 @@ def gathered(
     failures, skipped
         Files and trips left out, and why.
     """
-    names = [candidate.name for candidate in options.candidates()]
-    against = options.against or names[0]
-    first = [one for one in scores if one.kind == scores[0].kind]
-    return SafetyResult(
+    candidates = options.candidates()
+    against = options.against or candidates[0].name
+    budget = options.budget or candidates[-1].name
+    kind = scores[0].kind
+    recorded = next((log.channel for log in logs if log.name == kind.loss_log), None)
+    asked = options.settings(kind.sensor, kind.mean_burst_s or 0.0, recorded)
+    return pool_scores(
+        scores,
         {
             **options.as_plain(),
             "against": against,
-            "budget": options.budget or names[-1],
+            "budget": budget,
             "losses": [log.as_text() for log in logs],
         },
-        recordings=scores,
-        pooled=pooled_rows(scores, against, resamples=options.resamples, seed=options.seed),
-        events=sum(one.positives.size for one in first),
-        pairs=sum(len(one.pairs) for one in first),
-        counted=int(sum(one.counted.sum() for one in first)),
-        positives=int(sum(one.positives.sum() for one in first)),
+        resamples=options.resamples,
+        seed=options.seed,
+        film=telling_film(scores, recordings, candidates, asked, names=(against, budget)),
         failures=failures,
         skipped=skipped,
-        film=_film(first, recordings, options, against, logs),
-    )
-
-
-def _film(
-    scores: Sequence[RecordingScores],
-    recordings: Sequence[Recording],
-    options: SafetyOptions,
-    against: str,
-    logs: Sequence[LossLog],
-) -> EventFilm | None:
-    """The true warning at which the sender with the budget gains most, at a loss ratio near 40 %."""
-    candidates = options.candidates()
-    ratio = min({one.packet_error_ratio for one in scores[0].conditions}, key=lambda one: abs(one - 0.4))
-    recorded = next((log.channel for log in logs if log.name == scores[0].loss_log), None)
-    basis = options.basis[-1]
-    names = (against, options.budget or candidates[-1].name)
-    place = telling_event(scores, ratio, basis, names)
-    if place is None:
-        return None
-    at, event = place
-    pair = int(scores[at].event_pair[event])
-    first = int(np.searchsorted(scores[at].event_pair, pair))
-    return film_event(
-        recordings[at],
-        recordings[at].pairs[pair],
-        event - first,
-        candidates,
-        options.settings(scores[at].sensor, scores[at].mean_burst_s or 0.0, recorded),
-        sensor=scores[at].sensor,
-        ratio=ratio,
     )

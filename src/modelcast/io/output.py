@@ -19,7 +19,7 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.io.manifest import require_replaceable, write_manifest
 from modelcast.io.partial import clean_leftovers, old_sibling, partial_file, partial_folder
 
-__all__ = ["atomic_file", "atomic_folder", "require_apart", "require_writable"]
+__all__ = ["atomic_file", "atomic_folder", "output_folder", "require_apart", "require_writable"]
 
 _TAKEN = frozenset({errno.EEXIST, errno.ENOTEMPTY})
 
@@ -140,6 +140,35 @@ def atomic_file(
     except OSError as error:
         raise ConfigError(f"{shown} cannot be written: {error.strerror or error}") from error
     _sync(target.parent)
+
+
+@contextmanager
+def output_folder(path: str | Path) -> Generator[Path]:
+    """Yield a folder to write files into; it and its parents are made where they are missing.
+
+    Parameters
+    ----------
+    path
+        The folder. Files in it that are not written now stay.
+
+    Raises
+    ------
+    ConfigError
+        Where it is a file, or the operating system refuses to make it or to write into it.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with output_folder(Path(tempfile.mkdtemp()) / "a" / "b") as folder:
+    ...     _ = (folder / "c.txt").write_text("c")
+    """
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield folder
+    except OSError as error:
+        why = "it is a file" if folder.is_file() else error.strerror or error
+        raise ConfigError(f"{path} cannot be written into: {why}: name another folder") from error
 
 
 def require_writable(path: str | Path, *, shown: str | None = None) -> Path:

@@ -5,6 +5,7 @@ from typing import get_args
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.rules import FieldError, Text, check
+from modelcast.io.output import atomic_file
 from modelcast.io.regular import read_document
 from modelcast.messages.mbc_profile import WireProfile
 from modelcast.models.profile import Profile, profile_from_text
@@ -74,6 +75,12 @@ def write_profile(profile: Profile, path: str | Path) -> None:
     profile
         The profile.
     path
-        The file; its folder must exist.
+        The file, which appears whole or not at all.
+
+    Raises
+    ------
+    ConfigError
+        Where its folder does not exist, or it cannot be written.
     """
-    Path(path).write_text(profile.text, encoding="utf-8", newline="\n")
+    with atomic_file(path) as file:
+        file.write(profile.text.encode())

@@ -28,8 +28,8 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.core.version import package_version
 from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table, plain_text, sample_tables, write_tables
 from modelcast.io.documents import document_text, plain_value, row_document
-from modelcast.io.output import atomic_file
-from modelcast.study.result import Columns, EvaluationResult
+from modelcast.io.output import atomic_file, output_folder
+from modelcast.study.result import Columns, EvaluationResult, HoldsEvaluation, result_of
 
 __all__ = [
     "SUMMARY_SCHEMA",
@@ -63,7 +63,7 @@ def summary_document(result: EvaluationResult) -> dict[str, Any]:
     }
 
 
-def write_results(result: EvaluationResult, folder: str | Path) -> list[Path]:
+def write_results(result: EvaluationResult | HoldsEvaluation, folder: str | Path) -> list[Path]:
     """Write ``summary.json``, ``events.parquet`` and ``samples.parquet``; return their paths.
 
     Parameters
@@ -71,16 +71,22 @@ def write_results(result: EvaluationResult, folder: str | Path) -> list[Path]:
     result
         The evaluation.
     folder
-        An existing folder.
+        Made where it is missing.
+
+    Raises
+    ------
+    ConfigError
+        Where the folder cannot be made or written into.
     """
-    folder = Path(folder)
-    summary, events, samples = (
-        folder / name for name in ("summary.json", "events.parquet", "samples.parquet")
-    )
-    summary.write_text(document_text(summary_document(result)), encoding="utf-8", newline="\n")
-    table = columns_table(result.events)
-    write_tables([table], table.schema, events)
-    write_tables(sample_tables(result.samples), SAMPLES_SCHEMA, samples)
+    found = result_of(result)
+    with output_folder(folder) as place:
+        summary, events, samples = (
+            place / name for name in ("summary.json", "events.parquet", "samples.parquet")
+        )
+        summary.write_text(document_text(summary_document(found)), encoding="utf-8", newline="\n")
+        table = columns_table(found.events)
+        write_tables([table], table.schema, events)
+        write_tables(sample_tables(found.samples), SAMPLES_SCHEMA, samples)
     return [summary, events, samples]
 
 

@@ -17,7 +17,7 @@ from modelcast.report.warnings import warning_lines
 from modelcast.study.compare.result import CandidateRow, ComparisonResult, RatioRow
 from modelcast.study.wording import centimetres
 
-__all__ = ["comparison_console", "comparison_markdown", "write_comparison_report"]
+__all__ = ["comparison_console", "comparison_markdown", "scope_line", "write_comparison_report"]
 
 _MISSING = "-"
 
@@ -53,7 +53,7 @@ def comparison_markdown(result: ComparisonResult) -> str:
     """
     told = warning_lines((trip.id, trip.warnings) for trip in result.trips)
     lines = [f"- **Warning**: {markdown(line)}" for line in told] + ([""] if told else [])
-    lines += [_scope(result), ""]
+    lines += [scope_line(result), ""]
     lines += [text for line in _training_lines(result) for text in (markdown(line), "")]
     lines += [
         f"- route {row.route}: {markdown(row.name)}, {_counted(row.trips, 'trip')}, {row.duration_s:.0f} s"
@@ -152,7 +152,7 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
         The comparison.
     """
     parts = warning_texts((trip.id, trip.warnings) for trip in result.trips)
-    parts += [literal(line) for line in (_scope(result), *_training_lines(result))]
+    parts += [literal(line) for line in (scope_line(result), *_training_lines(result))]
     thresholds_m = _thresholds_m(result)
     shown_m = sorted({thresholds_m[0], thresholds_m[-1]}) if thresholds_m else []
     ratio = nearest_ratio(_ratios(result))
@@ -220,7 +220,8 @@ def _short_cells(
     return [*cells, f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}"]
 
 
-def _scope(result: ComparisonResult) -> str:
+def scope_line(result: ComparisonResult) -> str:
+    """Return in one line what was compared."""
     hours = sum(trip.duration_s for trip in result.trips) / 3600.0
     return (
         f"{_counted(len(result.trips), 'trip')}, {hours:.2f} h, {_counted(len(result.routes), 'route')}; "

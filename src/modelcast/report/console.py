@@ -26,6 +26,7 @@ __all__ = [
     "console_report",
     "failures_table",
     "rates_table",
+    "scope_line",
     "skipped_lines",
     "tracking_table",
     "training_lines",

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from modelcast.core.version import package_version
+from modelcast.io.output import output_folder
 from modelcast.report.captions import PROTOCOLS, TITLES, captions, loss_conditions
 from modelcast.report.console import scope_line, training_lines
 from modelcast.report.figures import Drawing, draw_figures, write_drawings
@@ -24,7 +25,14 @@ from modelcast.report.headline import (
 )
 from modelcast.report.page import CSS, escape, number, page, table
 from modelcast.report.warnings import warning_lines
-from modelcast.study.result import POOLED, EvaluationResult, TrackingRow, TripRow
+from modelcast.study.result import (
+    POOLED,
+    EvaluationResult,
+    HoldsEvaluation,
+    TrackingRow,
+    TripRow,
+    result_of,
+)
 
 __all__ = ["report_document", "write_report"]
 
@@ -32,7 +40,7 @@ _MOST_TRACKING_ROWS = 600
 """Above this, the rows of single trips are left to ``summary.json``: a browser must open the page at once."""
 
 
-def write_report(result: EvaluationResult, folder: str | Path) -> list[Path]:
+def write_report(result: EvaluationResult | HoldsEvaluation, folder: str | Path) -> list[Path]:
     """Draw the figures once; write ``report.html`` and a folder ``figures``; return the paths.
 
     Parameters
@@ -40,13 +48,19 @@ def write_report(result: EvaluationResult, folder: str | Path) -> list[Path]:
     result
         The evaluation.
     folder
-        An existing folder.
+        Made where it is missing.
+
+    Raises
+    ------
+    ConfigError
+        Where the folder cannot be made or written into.
     """
-    folder = Path(folder)
-    drawings = draw_figures(result)
-    document = folder / "report.html"
-    document.write_text(report_document(result, drawings), encoding="utf-8", newline="\n")
-    return [document, *write_drawings(drawings, folder / "figures")]
+    found = result_of(result)
+    drawings = draw_figures(found)
+    with output_folder(folder) as place:
+        document = place / "report.html"
+        document.write_text(report_document(found, drawings), encoding="utf-8", newline="\n")
+        return [document, *write_drawings(drawings, place / "figures")]
 
 
 def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> str:

@@ -11,7 +11,15 @@ from typing import Any
 import polars as pl
 
 from modelcast.io.arrow import columns_table, plain_text, sample_tables
-from modelcast.study.result import EvaluationResult, RateRow, ReferenceRow, TrackingRow, TripRow
+from modelcast.study.result import (
+    EvaluationResult,
+    HoldsEvaluation,
+    RateRow,
+    ReferenceRow,
+    TrackingRow,
+    TripRow,
+    result_of,
+)
 
 __all__ = [
     "events_frame",
@@ -52,19 +60,19 @@ _WHOLE = {
 _FLAG = {"resampled", "conditioned"}
 
 
-def rates_frame(result: EvaluationResult) -> pl.DataFrame:
+def rates_frame(result: EvaluationResult | HoldsEvaluation) -> pl.DataFrame:
     """Return one row for each trip, policy, bank and threshold of the rate runs."""
-    return _frame(result.rates, RateRow)
+    return _frame(result_of(result).rates, RateRow)
 
 
-def references_frame(result: EvaluationResult) -> pl.DataFrame:
+def references_frame(result: EvaluationResult | HoldsEvaluation) -> pl.DataFrame:
     """Return one row for each trip, reference and threshold."""
-    return _frame(result.references, ReferenceRow)
+    return _frame(result_of(result).references, ReferenceRow)
 
 
-def tracking_frame(result: EvaluationResult) -> pl.DataFrame:
+def tracking_frame(result: EvaluationResult | HoldsEvaluation) -> pl.DataFrame:
     """Return one row for each trip, policy, rate basis, threshold and packet error ratio."""
-    return _frame(result.tracking, TrackingRow)
+    return _frame(result_of(result).tracking, TrackingRow)
 
 
 def trips_frame(result: EvaluationResult) -> pl.DataFrame:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,7 @@ __all__ = [
     "Columns",
     "Ecdf",
     "EvaluationResult",
+    "HoldsEvaluation",
     "Manoeuvre",
     "RateRow",
     "ReferenceRow",
@@ -22,6 +23,7 @@ __all__ = [
     "Timeline",
     "TrackingRow",
     "TripRow",
+    "result_of",
 ]
 
 POOLED = "all"
@@ -408,3 +410,23 @@ class EvaluationResult:
     failures: Mapping[str, str]
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])
     references: tuple[ReferenceRow, ...] = ()
+
+
+class HoldsEvaluation(Protocol):
+    """What holds the rows of an evaluation, as what `modelcast.evaluate` returns does."""
+
+    @property
+    def result(self) -> EvaluationResult:
+        """The rows."""
+        ...
+
+
+def result_of(held: EvaluationResult | HoldsEvaluation) -> EvaluationResult:
+    """Return the rows of an evaluation, given themselves or by what holds them.
+
+    Parameters
+    ----------
+    held
+        Either.
+    """
+    return held if isinstance(held, EvaluationResult) else held.result

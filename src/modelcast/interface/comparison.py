@@ -1,0 +1,179 @@
+"""`compare`: candidates side by side, with trips in any form and a result of frames and figures."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import polars as pl
+
+from modelcast.interface.given_trips import GivenTrips, recorded_trips
+from modelcast.interface.result import AbstractFrames
+from modelcast.interface.row_frames import rows_frame
+from modelcast.io.comparison import write_comparison
+from modelcast.report.comparison import scope_line, write_comparison_report
+from modelcast.report.figures import plot_comparison
+from modelcast.study.compare.candidate import AbstractCandidate
+from modelcast.study.compare.result import (
+    CandidateRow,
+    ComparedTrip,
+    ComparisonResult,
+    CountRow,
+    RatioRow,
+    ReferenceRatio,
+    RivalRow,
+    RouteRow,
+    TrackingRatioRow,
+)
+from modelcast.study.compare.run import compare as compare_trips
+from modelcast.study.compare.settings import CompareSettings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Comparison", "ComparisonPlots", "compare"]
+
+
+@dataclass(frozen=True, slots=True)
+class ComparisonPlots:
+    """The figures of a comparison, each as a Matplotlib figure.
+
+    Parameters
+    ----------
+    result
+        Its rows.
+    """
+
+    result: ComparisonResult
+
+    def ratios(self) -> "Figure":
+        """Messages, bytes, airtime and tracking of every candidate against threshold."""
+        return plot_comparison(self.result)
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Comparison(AbstractFrames):
+    """A comparison as data frames, figures and files.
+
+    Parameters
+    ----------
+    result
+        Its rows.
+    """
+
+    result: ComparisonResult
+
+    @property
+    def settings(self) -> Mapping[str, Any]:
+        """What was asked for, as plain values."""
+        return self.result.settings
+
+    @property
+    def routes(self) -> pl.DataFrame:
+        """A row a route (`RouteRow`)."""
+        return rows_frame(self.result.routes, RouteRow)
+
+    @property
+    def trips(self) -> pl.DataFrame:
+        """A row a trip (`ComparedTrip`)."""
+        return rows_frame(self.result.trips, ComparedTrip)
+
+    @property
+    def candidates(self) -> pl.DataFrame:
+        """A row a candidate (`CandidateRow`)."""
+        return rows_frame(self.result.candidates, CandidateRow)
+
+    @property
+    def ratios(self) -> pl.DataFrame:
+        """A row for each candidate, protocol and threshold, with 95 % intervals over trips (`RatioRow`)."""
+        return rows_frame(self.result.ratios, RatioRow)
+
+    @property
+    def rivals(self) -> pl.DataFrame:
+        """A row for each candidate, rival, protocol and threshold (`RivalRow`)."""
+        return rows_frame(self.result.rivals, RivalRow)
+
+    @property
+    def tracking(self) -> pl.DataFrame:
+        """A row for each candidate, protocol, trip, threshold and packet error ratio (`TrackingRatioRow`)."""
+        return rows_frame(self.result.tracking, TrackingRatioRow)
+
+    @property
+    def counts(self) -> pl.DataFrame:
+        """A row for each candidate, protocol, trip and threshold (`CountRow`)."""
+        return rows_frame(self.result.counts, CountRow)
+
+    @property
+    def references(self) -> pl.DataFrame:
+        """A row for each reference, protocol and threshold (`ReferenceRatio`)."""
+        return rows_frame(self.result.references, ReferenceRatio)
+
+    @property
+    def failures(self) -> Mapping[str, str]:
+        """Trips that could not be compared, with the reason."""
+        return self.result.failures
+
+    @property
+    def plot(self) -> ComparisonPlots:
+        """The figures."""
+        return ComparisonPlots(self.result)
+
+    @property
+    def scope(self) -> str:
+        """What was run, in one line."""
+        return scope_line(self.result)
+
+    @property
+    def headline(self) -> pl.DataFrame:
+        """The ratios."""
+        return self.ratios
+
+    def _write(self, folder: Path) -> list[Path]:
+        return write_comparison(self.result, folder)
+
+    def _report(self, folder: Path) -> list[Path]:
+        return write_comparison_report(self.result, folder)
+
+
+def compare(
+    trips: GivenTrips,
+    candidates: Sequence[AbstractCandidate],
+    settings: CompareSettings | None = None,
+    *,
+    progress: Callable[[int, int], None] | None = None,
+) -> Comparison:
+    """Evaluate every candidate on the same trips, thresholds, losses and protocols.
+
+    Parameters
+    ----------
+    trips
+        Recorded trips with distinct identifiers: a path, a data frame, a trip, what `read_trips` gave, or
+        several of them.
+    candidates
+        What is compared; a trained one is fitted anew for every route, on the trips of the others.
+    settings
+        What to do.
+    progress
+        Called with trips done and trips to do, counted over all candidates and protocols.
+
+    Raises
+    ------
+    ConfigError
+        Where names repeat, no trip is long enough, or a trained candidate has no other route to learn from.
+    DataFormatError
+        Where a file cannot be read.
+    TypeError
+        Where a trip is none.
+
+    Examples
+    --------
+    >>> from modelcast.station.banks import BASELINE_BANK
+    >>> from modelcast.study.compare.candidate import FixedCandidate
+    >>> from modelcast.study.settings import EvaluationSettings
+    >>> from modelcast.world.drive import generate_drive
+    >>> asked = CompareSettings(EvaluationSettings((0.5,), (0.0,), seeds=1, references=False), ("recorded",))
+    >>> found = compare(generate_drive(1, 90.0).truth, [FixedCandidate("cv", BASELINE_BANK)], asked)
+    >>> found.ratios.select("candidate", "threshold_m", "message_ratio").rows()
+    [('cv', 0.5, 1.0)]
+    """
+    return Comparison(compare_trips(recorded_trips(trips), candidates, settings, progress=progress))

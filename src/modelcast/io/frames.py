@@ -1,0 +1,135 @@
+"""Data frames of any library as recorded trips, and trips as a frame.
+
+Columns, map and rules are those of Parquet files. What hands its columns over by the Arrow interface
+(``__arrow_c_stream__``) or by the older data-frame interchange (``__dataframe__``) is a data frame: Polars,
+pandas and pyarrow tables all do. No such library is imported for it.
+"""
+
+# pyarrow has no type stubs: what comes out of it is unknown to pyright.
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import polars as pl
+import pyarrow as pa
+from pyarrow.interchange import from_dataframe
+
+from modelcast.core.exceptions import DataFormatError
+from modelcast.io.arrow_trips import arrow_rows
+from modelcast.io.base import OnSkipped, ignore_skipped
+from modelcast.trips.trajectory import Trajectory
+
+__all__ = ["FRAME", "FrameRecording", "frame_recording", "summary_frame"]
+
+FRAME = "frame"
+"""Name of a data frame in errors and identifiers, and of its format."""
+
+_SUMMARY = {
+    "trip": pl.String,
+    "source": pl.String,
+    "duration_s": pl.Float64,
+    "samples": pl.Int64,
+    "dt_s": pl.Float64,
+    "rows": pl.Int64,
+    "skipped": pl.Int64,
+    "repaired": pl.Int64,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class FrameRecording:
+    """A data frame that holds trips.
+
+    Parameters
+    ----------
+    table
+        Its columns, a pyarrow table.
+    columns
+        Column names by meaning; names are detected where it is None.
+    on_skipped
+        Called with a vehicle that gave no trip, and the reason.
+    """
+
+    table: Any
+    columns: Mapping[str, str] | None = None
+    on_skipped: OnSkipped = ignore_skipped
+
+    def trips(self) -> Iterator[Trajectory]:
+        """Yield a trip per vehicle.
+
+        Raises
+        ------
+        ConfigError, DataFormatError
+            As for `modelcast.io.arrow_trips.arrow_rows`.
+        """
+        names = [str(name) for name in self.table.column_names]
+        try:
+            found = arrow_rows(FRAME, self.columns, names, lambda name: self.table.column(names.index(name)))
+        except pa.ArrowException as error:
+            raise DataFormatError(FRAME, f"cannot be read: {error}") from error
+        yield from found.trips(FRAME, FRAME, self.on_skipped)
+
+
+def frame_recording(
+    frame: Any, columns: Mapping[str, str] | None = None, on_skipped: OnSkipped = ignore_skipped
+) -> FrameRecording:
+    """Return a data frame as a recording; what the frame becomes later does not matter to it.
+
+    Parameters
+    ----------
+    frame
+        A Polars or pandas data frame, a pyarrow table, or what hands its columns over as these do.
+    columns
+        Column names by meaning, for example ``{"t": "time", "east": "x", "north": "y"}``.
+    on_skipped
+        Called with a vehicle that gave no trip, and the reason.
+
+    Raises
+    ------
+    DataFormatError
+        Where its columns cannot be handed over.
+
+    Examples
+    --------
+    >>> import polars as pl
+    >>> frame = pl.DataFrame({"t_s": [0.0, 0.1, 0.2], "east_m": [0.0, 1.0, 2.0], "north_m": 0.0})
+    >>> [trip.trip_id for trip in frame_recording(frame).trips()]
+    ['frame/vehicle']
+    """
+    try:
+        if isinstance(frame, pl.DataFrame):
+            table: Any = frame.to_arrow(compat_level=pl.CompatLevel.oldest())  # types that Arrow can cast
+        else:
+            table = pa.table(frame) if hasattr(frame, "__arrow_c_stream__") else from_dataframe(frame)
+    except (pa.ArrowException, TypeError, ValueError, RuntimeError, NotImplementedError) as error:
+        raise DataFormatError(
+            FRAME, f"a {type(frame).__name__} that hands no columns over: {error}",
+            remedy="Give each column one type, or write it to Parquet.",
+        ) from error  # fmt: skip
+    return FrameRecording(table, columns, on_skipped)
+
+
+def summary_frame(trips: Iterable[Trajectory]) -> pl.DataFrame:
+    """Return a row a trip: its name, the format, duration, samples and step, and what became of its rows.
+
+    Parameters
+    ----------
+    trips
+        The trips; none of them is kept.
+    """
+    rows = [
+        (
+            trip.trip_id,
+            trip.source,
+            trip.duration_s,
+            len(trip),
+            trip.dt_s,
+            trip.reading.rows,
+            sum(trip.reading.skipped.values()),
+            sum(trip.reading.repaired.values()),
+        )
+        for trip in trips
+    ]
+    return pl.DataFrame(rows, schema=_SUMMARY, orient="row")
