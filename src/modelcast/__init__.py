@@ -22,8 +22,12 @@ if TYPE_CHECKING:
     from modelcast.messages.bsm import decode_bsm as decode_bsm
     from modelcast.messages.bsm import encode_bsm as encode_bsm
     from modelcast.models.bank import Bank as Bank
+    from modelcast.models.base import Windows as Windows
     from modelcast.models.constant_velocity import ConstantVelocity as ConstantVelocity
     from modelcast.models.gp import GaussianProcess as GaussianProcess
+    from modelcast.models.numpy_model import AbstractNumpySubModel as AbstractNumpySubModel
+    from modelcast.models.payload import PayloadField as PayloadField
+    from modelcast.models.payload import PayloadLayout as PayloadLayout
     from modelcast.models.profile import Profile as Profile
     from modelcast.models.profile import default_profile as default_profile
     from modelcast.report.html import write_report as write_report
@@ -53,6 +57,7 @@ if TYPE_CHECKING:
     from modelcast.world.sensors import SensorModel as SensorModel
 
 _HOMES = {
+    "AbstractNumpySubModel": "models.numpy_model",
     "Bank": "models.bank",
     "BsmCore": "messages.bsm",
     "CompareSettings": "study.compare.settings",
@@ -65,6 +70,8 @@ _HOMES = {
     "GaussianProcess": "models.gp",
     "LocalDynamicMap": "station.receiver.local_dynamic_map",
     "ModelcastError": "core.exceptions",
+    "PayloadField": "models.payload",
+    "PayloadLayout": "models.payload",
     "Periodic": "station.policy.periodic",
     "Profile": "models.profile",
     "SensedTrip": "study.case",
@@ -73,6 +80,7 @@ _HOMES = {
     "TrainedCandidate": "study.compare.candidate",
     "Trajectory": "trips.trajectory",
     "VirtualMedium": "runtime.transport.virtual",
+    "Windows": "models.base",
     "build_trajectory": "trips.trajectory",
     "compare": "study.compare.run",
     "count_manoeuvres": "trips.manoeuvres.rank",

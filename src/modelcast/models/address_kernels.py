@@ -20,6 +20,7 @@ __all__ = [
     "FIT_TYPES",
     "OBSERVE_TYPES",
     "PREDICT_TYPES",
+    "called_plain",
     "fit_at",
     "observe_at",
     "point_address",
@@ -37,7 +38,7 @@ OBSERVE_TYPES = (FloatVector, FloatVector, FloatVector, FloatVector)
 
 _code: Any = cgutils  # untyped
 
-_plain: list[Callable[..., None]] = []
+_plain: list[Callable[..., Any]] = []
 """Point functions by number, where nothing is compiled and an address is such a number."""
 
 
@@ -73,7 +74,7 @@ def point_address(function: Any, signature: tuple[Any, ...]) -> int:
 def _called_at(signature: tuple[Any, ...]) -> Any:
     """Return what calls a point function of this signature at an address, and passes its failures on."""
     if not COMPILES:
-        return _call_plain
+        return called_plain
     argument_types = tuple(numba_type(one) for one in signature)
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
@@ -100,9 +101,17 @@ def _called_at(signature: tuple[Any, ...]) -> Any:
     return call
 
 
-def _call_plain(address: int, *arguments: Any) -> None:
-    """Call a point function where nothing is compiled."""
-    _plain[address](*arguments)
+def called_plain(address: int, *arguments: Any) -> Any:
+    """Call a function by its number where nothing is compiled, and return what it does.
+
+    Parameters
+    ----------
+    address
+        From `point_address`.
+    arguments
+        Its own.
+    """
+    return _plain[address](*arguments)
 
 
 fit_at: Any = _called_at(FIT_TYPES)
