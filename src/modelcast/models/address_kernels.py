@@ -20,11 +20,13 @@ __all__ = [
     "FIT_TYPES",
     "OBSERVE_TYPES",
     "PREDICT_TYPES",
+    "TRACK_TYPES",
     "called_plain",
     "fit_at",
     "observe_at",
     "point_address",
     "predict_at",
+    "track_at",
 ]
 
 FIT_TYPES = (FloatMatrix, FloatVector, FloatVector)
@@ -35,6 +37,9 @@ PREDICT_TYPES = (FloatVector, float, FloatVector, FloatVector)
 
 OBSERVE_TYPES = (FloatVector, FloatVector, FloatVector, FloatVector)
 """``observe(before (C,), sample (C,), constants (K,), out_state (S,)) -> None``."""
+
+TRACK_TYPES = (FloatVector, FloatVector, FloatVector, FloatMatrix)
+"""``track(parameters (P,), horizons_s (H,), constants (K,), out_displacements (H, 2)) -> None``."""
 
 _code: Any = cgutils  # untyped
 
@@ -51,7 +56,7 @@ def point_address(function: Any, signature: tuple[Any, ...]) -> int:
     function
         A kernel.
     signature
-        `FIT_TYPES`, `PREDICT_TYPES` or `OBSERVE_TYPES`, the types of its arguments.
+        `FIT_TYPES`, `PREDICT_TYPES`, `OBSERVE_TYPES` or `TRACK_TYPES`, the types of its arguments.
 
     Raises
     ------
@@ -122,3 +127,6 @@ predict_at: Any = _called_at(PREDICT_TYPES)
 
 observe_at: Any = _called_at(OBSERVE_TYPES)
 """``observe_at(address, before, sample, constants, out)``: call a function of `OBSERVE_TYPES`."""
+
+track_at: Any = _called_at(TRACK_TYPES)
+"""``track_at(address, parameters, horizons_s, constants, out)``: call a function of `TRACK_TYPES`."""

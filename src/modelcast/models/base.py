@@ -188,6 +188,10 @@ class PointFunctions:
         receiver holds after an update, from what it held of the same sub-model before. ``new`` are the
         parameters as decoded, ``moved`` the time [s] and the way east and north [m] between the two origins;
         ``held`` is overwritten. None where an update says all.
+    track
+        ``track(parameters (P,), horizons_s (H,), constants (K,), out_displacements (H, 2))``, a kernel of
+        `TRACK_TYPES`: ``predict`` at many horizons at once, to the bit, where that is quicker. None where it
+        is not.
     context_at
         Index in the constants at which these find, while a compiled loop runs, the first of the columns of
         `modelcast.models.context_columns` in a sample; 0 stands there where samples hold none. None where
@@ -205,6 +209,7 @@ class PointFunctions:
     calls: tuple[PointCall, ...] = ()
     stream: Stream | None = None
     absorb: Any = None
+    track: Any = None
     context_at: int | None = None
 
     @property

@@ -151,6 +151,7 @@ class AbstractNumpySubModel(AbstractSubModel):
         calls = (
             PointCall(kernels.AT_FIT, PythonFunction(one.fit)),
             PointCall(kernels.AT_PREDICT, PythonFunction(one.predict)),
+            PointCall(kernels.AT_TRACK, PythonFunction(one.track)),
             *([PointCall(kernels.AT_OBSERVE, PythonFunction(one.observe))] if self.state_columns else []),
         )
         stream = Stream(kernels.observe, self.state_columns, at=kernels.AT_STATE)
@@ -159,6 +160,7 @@ class AbstractNumpySubModel(AbstractSubModel):
             kernels.predict,
             np.zeros(kernels.HEADER),
             calls,
+            track=kernels.track,
             stream=stream if self.state_columns else None,
             context_at=kernels.AT_CONTEXT if self.reads_context else None,
         )
@@ -333,17 +335,24 @@ class _OneRow:
     dt_s: float
 
     def fit(self, window: FloatArray, constants: FloatArray, _number: float, out: FloatArray) -> None:
-        """Fit a window (n, C), which holds context and state where the constants say."""
+        """Fit a window (n, C), which holds context and state where constants say; ``out`` (P or more)."""
         columns = _WITH_CONTEXT if constants[kernels.AT_CONTEXT] else SAMPLE_COLUMNS
         first = int(constants[kernels.AT_STATE])
         states = window[-1:, first : first + self.model.state_columns] if first else None
-        out[:] = self.model.fit(Windows(window[None, :, :columns], dt_s=self.dt_s, states=states))[0]
+        found = self.model.fit(Windows(window[None, :, :columns], dt_s=self.dt_s, states=states))[0]
+        out[: found.size] = found
 
     def predict(
         self, parameters: FloatArray, _constants: FloatArray, horizon_s: float, out: FloatArray
     ) -> None:
-        """Predict a displacement from parameters (1, P)."""
-        out[:] = self.model.predict(parameters, np.array([horizon_s]), dt_s=self.dt_s)[0, 0]
+        """Predict a displacement from parameters (1, P or more)."""
+        own = parameters[:, : len(self.model.parameter_names)]
+        out[:2] = self.model.predict(own, np.array([horizon_s]), dt_s=self.dt_s)[0, 0]
+
+    def track(self, parameters: FloatArray, horizons_s: FloatArray, _number: float, out: FloatArray) -> None:
+        """Predict the displacements (2H,) of parameters (1, P or more) at all horizons."""
+        own = parameters[:, : len(self.model.parameter_names)]
+        out[:] = self.model.predict(own, horizons_s, dt_s=self.dt_s).ravel()
 
     def observe(self, before: FloatArray, sample: FloatArray, column: float, out: FloatArray) -> None:
         """Carry state, from ``column`` on, to a sample (C,); none before (0, 0) is a start."""

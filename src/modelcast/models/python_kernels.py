@@ -22,14 +22,16 @@ __all__ = [
     "AT_OBSERVE",
     "AT_PREDICT",
     "AT_STATE",
+    "AT_TRACK",
     "HEADER",
     "fit",
     "observe",
     "predict",
+    "track",
 ]
 
-AT_FIT, AT_PREDICT, AT_OBSERVE, AT_STATE, AT_CONTEXT = range(5)
-HEADER = 5
+AT_FIT, AT_PREDICT, AT_TRACK, AT_OBSERVE, AT_STATE, AT_CONTEXT = range(6)
+HEADER = 6
 """The constants: addresses of the Python functions; the first column of state and of context in a sample."""
 
 _ir: Any = ir  # untyped
@@ -77,6 +79,14 @@ def predict(parameters: FloatVector, horizon_s: float, constants: FloatVector, o
     """Have Python predict one displacement."""
     rows = parameters.reshape((1, parameters.size))
     if _call_python(np.int64(constants[AT_PREDICT]), rows, constants, horizon_s, out) != DONE:
+        raise KeptFailure
+
+
+@kernel
+def track(parameters: FloatVector, horizons_s: FloatVector, constants: FloatVector, out: FloatMatrix) -> None:
+    """Have Python predict the displacements (H, 2) at all horizons."""
+    rows = parameters.reshape((1, parameters.size))
+    if _call_python(np.int64(constants[AT_TRACK]), rows, horizons_s, 0.0, out.reshape(out.size)) != DONE:
         raise KeptFailure
 
 
