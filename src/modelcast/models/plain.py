@@ -21,6 +21,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import ConfigError, ModelcastWarning
 from modelcast.core.open_group import Origin
+from modelcast.core.printable import printable
 from modelcast.core.rules import (
     AbstractRule,
     Anything,
@@ -207,7 +208,7 @@ def _registered(mapping: Mapping[str, Any], path: str) -> AbstractSubModel:
         raise ValueError(f"{path}: {error}") from error
     if found.version != wanted.version:
         warnings.warn(
-            f"The sub-model {name} of a profile is of {shown(str(wanted))}; {found} is installed, which may "
+            f"The sub-model {name} of a profile is of {printable(str(wanted))}; {found} is installed, which may "
             "compute other numbers. Messages name the profile by the installed version.",
             ModelcastWarning,
             stacklevel=2,
