@@ -84,6 +84,9 @@ if TYPE_CHECKING:
     from modelcast.models.gp.kernels.matern import Matern32 as Matern32
     from modelcast.models.gp.kernels.rbf import Rbf as Rbf
     from modelcast.models.kinematic import ConstantTurnRateVelocity as ConstantTurnRateVelocity
+    from modelcast.models.numpy_model import AbstractNumpySubModel as AbstractNumpySubModel
+    from modelcast.models.payload import PayloadField as PayloadField
+    from modelcast.models.payload import PayloadLayout as PayloadLayout
     from modelcast.models.profile import Profile as Profile
     from modelcast.models.profile import default_profile as default_profile
     from modelcast.models.threshold_time import expected_time_to_threshold as expected_time_to_threshold
@@ -136,6 +139,7 @@ if TYPE_CHECKING:
     from modelcast.world.sensors import SensorModel as SensorModel
 
 _HOMES = {
+    "AbstractNumpySubModel": "models.numpy_model",
     "Air": "station.policy.base",
     "Authority": "messages.security.authority",
     "Bank": "models.bank",
@@ -181,6 +185,8 @@ _HOMES = {
     "NetworkSimulation": "interface.network",
     "OUTCOMES": "channel.radio",
     "PAPER_BANK": "station.banks",
+    "PayloadField": "models.payload",
+    "PayloadLayout": "models.payload",
     "Periodic": "station.policy.periodic",
     "PersonalSafetyMessage": "messages.psm",
     "Plausibility": "station.receiver.plausibility",

@@ -7,12 +7,15 @@ output stopped reading.
 
 import os
 import sys
-from collections.abc import Sequence
+import warnings
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
+from typing import Any
 
 from cyclopts import App, CycloptsError
 
 from modelcast.cli.terminal import complain, refused
-from modelcast.core.exceptions import ModelcastError
+from modelcast.core.exceptions import ModelcastError, ModelcastWarning
 
 __all__ = ["BROKEN_PIPE", "COMMANDS", "INTERRUPTED", "USAGE", "run"]
 
@@ -78,7 +81,8 @@ def run(arguments: Sequence[str]) -> int:
         The words after ``modelcast``.
     """
     try:
-        code = app(list(arguments))
+        with _warnings_told():
+            code = app(list(arguments))
         sys.stdout.flush()
     except CycloptsError:  # already shown, with the usage
         if "-" in arguments:
@@ -97,6 +101,24 @@ def run(arguments: Sequence[str]) -> int:
         complain("interrupted")
         return INTERRUPTED
     return code if isinstance(code, int) else 0
+
+
+@contextmanager
+def _warnings_told() -> Generator[None]:
+    """Show modelcast's own warnings as problems are shown."""
+    shown = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+        if issubclass(category, ModelcastWarning):
+            complain(message)
+        else:
+            shown(message, category, *place, **more)
+
+    warnings.showwarning = show
+    try:
+        yield
+    finally:
+        warnings.showwarning = shown
 
 
 def _place_and_reason(error: OSError) -> str:

@@ -6,7 +6,10 @@
     ├── CodecError         bytes are not a message: reason, offset in bits
     ├── DataFormatError    a file is not what its format says: path, row, value, remedy
     ├── ConfigError        options that do not fit together, or that fit no trip
-    └── MissingExtraError  an optional part is not installed: the extra that brings it
+    ├── MissingExtraError  an optional part is not installed: the extra that brings it
+    └── SubModelError      a sub-model written in Python failed, or gave what is none: model, row, value
+
+What works but is not what it seems is a `ModelcastWarning`.
 
 Mistakes of a caller of the Python interface are plain ``ValueError``.
 """
@@ -15,7 +18,15 @@ from typing import Any
 
 from modelcast.core.extras import EXTRAS
 
-__all__ = ["CodecError", "ConfigError", "DataFormatError", "MissingExtraError", "ModelcastError"]
+__all__ = [
+    "CodecError",
+    "ConfigError",
+    "DataFormatError",
+    "MissingExtraError",
+    "ModelcastError",
+    "ModelcastWarning",
+    "SubModelError",
+]
 
 
 _MOST_NAMED = 3
@@ -55,6 +66,14 @@ class CodecError(ModelcastError):
 
 class ConfigError(ModelcastError):
     """Options that do not fit together, or that no trip can satisfy."""
+
+
+class SubModelError(ModelcastError):
+    """A sub-model written in Python failed, or gave something else than it says; the cause is chained."""
+
+
+class ModelcastWarning(UserWarning):
+    """Something works, but other than one may take it to."""
 
 
 class DataFormatError(ModelcastError):

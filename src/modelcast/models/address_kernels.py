@@ -20,10 +20,13 @@ __all__ = [
     "FIT_TYPES",
     "OBSERVE_TYPES",
     "PREDICT_TYPES",
+    "TRACK_TYPES",
+    "called_plain",
     "fit_at",
     "observe_at",
     "point_address",
     "predict_at",
+    "track_at",
 ]
 
 FIT_TYPES = (FloatMatrix, FloatVector, FloatVector)
@@ -35,9 +38,12 @@ PREDICT_TYPES = (FloatVector, float, FloatVector, FloatVector)
 OBSERVE_TYPES = (FloatVector, FloatVector, FloatVector, FloatVector)
 """``observe(before (C,), sample (C,), constants (K,), out_state (S,)) -> None``."""
 
+TRACK_TYPES = (FloatVector, FloatVector, FloatVector, FloatMatrix)
+"""``track(parameters (P,), horizons_s (H,), constants (K,), out_displacements (H, 2)) -> None``."""
+
 _code: Any = cgutils  # untyped
 
-_plain: list[Callable[..., None]] = []
+_plain: list[Callable[..., Any]] = []
 """Point functions by number, where nothing is compiled and an address is such a number."""
 
 
@@ -50,7 +56,7 @@ def point_address(function: Any, signature: tuple[Any, ...]) -> int:
     function
         A kernel.
     signature
-        `FIT_TYPES`, `PREDICT_TYPES` or `OBSERVE_TYPES`, the types of its arguments.
+        `FIT_TYPES`, `PREDICT_TYPES`, `OBSERVE_TYPES` or `TRACK_TYPES`, the types of its arguments.
 
     Raises
     ------
@@ -73,7 +79,7 @@ def point_address(function: Any, signature: tuple[Any, ...]) -> int:
 def _called_at(signature: tuple[Any, ...]) -> Any:
     """Return what calls a point function of this signature at an address, and passes its failures on."""
     if not COMPILES:
-        return _call_plain
+        return called_plain
     argument_types = tuple(numba_type(one) for one in signature)
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
@@ -100,9 +106,17 @@ def _called_at(signature: tuple[Any, ...]) -> Any:
     return call
 
 
-def _call_plain(address: int, *arguments: Any) -> None:
-    """Call a point function where nothing is compiled."""
-    _plain[address](*arguments)
+def called_plain(address: int, *arguments: Any) -> Any:
+    """Call a function by its number where nothing is compiled, and return what it does.
+
+    Parameters
+    ----------
+    address
+        From `point_address`.
+    arguments
+        Its own.
+    """
+    return _plain[address](*arguments)
 
 
 fit_at: Any = _called_at(FIT_TYPES)
@@ -113,3 +127,6 @@ predict_at: Any = _called_at(PREDICT_TYPES)
 
 observe_at: Any = _called_at(OBSERVE_TYPES)
 """``observe_at(address, before, sample, constants, out)``: call a function of `OBSERVE_TYPES`."""
+
+track_at: Any = _called_at(TRACK_TYPES)
+"""``track_at(address, parameters, horizons_s, constants, out)``: call a function of `TRACK_TYPES`."""

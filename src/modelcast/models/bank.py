@@ -147,9 +147,8 @@ class Bank(AbstractMotionModel):
 
     def fit(self, windows: Windows) -> FloatArray:
         """Parameters of all members, (B, 1 + sum P)."""
+        self.require_window(windows)
         given = windows.samples.shape[1]
-        if given < self.window:
-            raise ValueError(f"{self.name} needs windows of {self.window} samples, got {given}")
         out = np.zeros((windows.samples.shape[0], len(self.parameter_names)))
         out[:, 0] = int(np.argmax(self.windows <= given))
         for m, member in enumerate(self.members):

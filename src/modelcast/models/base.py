@@ -14,12 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.models import point_kernels
 from modelcast.models.address_kernels import FIT_TYPES, OBSERVE_TYPES, PREDICT_TYPES, point_address
 from modelcast.models.context_columns import CONTEXT_COLUMNS
 from modelcast.models.member_kernels import NO_ABSORB
 from modelcast.models.payload import PayloadLayout
+from modelcast.models.python_function import PythonFunction
 
 __all__ = [
     "AbstractMotionModel",
@@ -47,16 +48,20 @@ class Windows:
         (B, n, 22), with the columns of `modelcast.models.context_columns` behind. What is kept has both.
     dt_s
         Sampling interval [s].
+    states
+        State that a model carries from sample to sample, as of the newest one, (B, S); only a sub-model that
+        is written in Python and asks for it finds it here. None where there is none.
 
     Raises
     ------
     ValueError
-        Where the shape is another, a value is not finite or the interval is not positive.
+        Where a shape is another, a value is not finite or the interval is not positive.
     """
 
     samples: FloatArray
     _: KW_ONLY
     dt_s: float
+    states: FloatArray | None = None
 
     def __post_init__(self) -> None:
         bare, whole = point_kernels.SAMPLE_COLUMNS, point_kernels.SAMPLE_COLUMNS + CONTEXT_COLUMNS
@@ -75,6 +80,29 @@ class Windows:
             raise ValueError("samples must be finite: skip a vehicle without a full window")
         if not (self.dt_s > 0 and np.isfinite(self.dt_s)):
             raise ValueError(f"dt_s must be positive and finite, got {self.dt_s}")
+        if self.states is not None and (self.states.ndim != 2 or len(self.states) != len(self.samples)):
+            raise ValueError(f"states must be ({len(self.samples)}, S), got {self.states.shape}")
+
+    @property
+    def positions_m(self) -> FloatArray:
+        """East and north, (B, n, 2) [m]."""
+        return self.samples[..., point_kernels.EAST : point_kernels.NORTH + 1]
+
+    @property
+    def velocities_mps(self) -> FloatArray:
+        """East and north, (B, n, 2) [m/s]."""
+        return self.samples[..., point_kernels.VELOCITY_EAST : point_kernels.VELOCITY_NORTH + 1]
+
+    def rows(self, chosen: IntArray) -> "Windows":
+        """These rows alone.
+
+        Parameters
+        ----------
+        chosen
+            Indices of rows.
+        """
+        states = None if self.states is None else self.states[chosen]
+        return Windows(self.samples[chosen], dt_s=self.dt_s, states=states)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,14 +114,21 @@ class PointCall:
     at
         Index in the constants.
     function
-        The kernel called there.
+        The kernel called there, or the Python function.
     types
-        `FIT_TYPES` or `PREDICT_TYPES`.
+        `FIT_TYPES` or `PREDICT_TYPES` of a kernel; none of a Python function.
     """
 
     at: int
     function: Any
-    types: tuple[Any, ...]
+    types: tuple[Any, ...] = ()
+
+    @property
+    def address(self) -> int:
+        """The function as compiled loops take it."""
+        if isinstance(self.function, PythonFunction):
+            return self.function.address
+        return point_address(self.function, self.types)
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,6 +188,10 @@ class PointFunctions:
         receiver holds after an update, from what it held of the same sub-model before. ``new`` are the
         parameters as decoded, ``moved`` the time [s] and the way east and north [m] between the two origins;
         ``held`` is overwritten. None where an update says all.
+    track
+        ``track(parameters (P,), horizons_s (H,), constants (K,), out_displacements (H, 2))``, a kernel of
+        `TRACK_TYPES`: ``predict`` at many horizons at once, to the bit, where that is quicker. None where it
+        is not.
     context_at
         Index in the constants at which these find, while a compiled loop runs, the first of the columns of
         `modelcast.models.context_columns` in a sample; 0 stands there where samples hold none. None where
@@ -170,6 +209,7 @@ class PointFunctions:
     calls: tuple[PointCall, ...] = ()
     stream: Stream | None = None
     absorb: Any = None
+    track: Any = None
     context_at: int | None = None
 
     @property
@@ -194,7 +234,7 @@ class PointFunctions:
             return self.constants
         out = self.constants.copy()
         for call in self.calls:
-            out[call.at] = point_address(call.function, call.types)
+            out[call.at] = call.address
         return out
 
     def called_from(self, start: int, fit_at: int, predict_at: int) -> tuple[PointCall, ...]:
@@ -271,6 +311,23 @@ class AbstractMotionModel(abc.ABC):
         if ages_s is not None and ages_s.shape != parameters.shape[:1]:
             raise ValueError(f"ages_s must be ({parameters.shape[0]},), one a row, got {ages_s.shape}")
         return np.ascontiguousarray(parameters, dtype=np.float64)
+
+    def require_window(self, windows: Windows) -> None:
+        """Refuse windows that are too short.
+
+        Parameters
+        ----------
+        windows
+            Any.
+
+        Raises
+        ------
+        ValueError
+            Where they hold fewer samples than `window`.
+        """
+        given = windows.samples.shape[1]
+        if given < self.window:
+            raise ValueError(f"{self.name} needs windows of {self.window} samples, got {given}")
 
     @property
     @abc.abstractmethod
@@ -413,9 +470,8 @@ class AbstractSubModel(AbstractMotionModel):
 
     def fit(self, windows: Windows) -> FloatArray:
         """Parameters of every window, (B, P)."""
+        self.require_window(windows)
         given = windows.samples.shape[1]
-        if given < self.window:
-            raise ValueError(f"{self.name} needs windows of {self.window} samples, got {given}")
         ready = made_functions(self, windows.dt_s)
         first = given - self.window if ready.stream is None else 0
         samples = np.ascontiguousarray(windows.samples[:, first:], dtype=np.float64)

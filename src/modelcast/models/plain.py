@@ -4,18 +4,37 @@ A frozen dataclass becomes a mapping of its fields with its class's name under `
 shape and the base64 text of its little-endian 32-bit floats; a tuple becomes a list; an infinite number
 becomes the text ``inf`` or ``-inf``. Only the classes of `PLAIN_CLASSES` are made from a text that came from
 elsewhere, and each checks its own fields; what is refused is named by its path, ``$.members[0].samples``.
+
+A sub-model of another package is written down by the name it is registered by, with its package, the version
+of that, and its fields. A text can only name what an installed package registers.
 """
 
 import base64
 import math
+import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import MISSING, fields
 from typing import Any, cast
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
-from modelcast.core.rules import AbstractRule, Each, FieldError, Keys, Text, Whole, check, shown
+from modelcast.core.exceptions import ConfigError, ModelcastWarning
+from modelcast.core.open_group import Origin
+from modelcast.core.printable import printable
+from modelcast.core.rules import (
+    AbstractRule,
+    Anything,
+    Each,
+    FieldError,
+    Keys,
+    Table,
+    Text,
+    Whole,
+    check,
+    shown,
+)
+from modelcast.models.base import AbstractSubModel
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.free import Estimates, FreeMotion, Limits
 from modelcast.models.gp import GaussianProcess
@@ -33,10 +52,11 @@ from modelcast.models.learned import FeatureMap, LearnedTrajectory, Perceptron, 
 from modelcast.models.predicted_path import PredictedPath
 from modelcast.models.regimes import Regimes
 from modelcast.models.stop_and_go import StopAndGo
+from modelcast.models.sub_models import SUB_MODELS, registered_model, registered_name
 from modelcast.models.switching import LinearMode, StochasticHybridSystem
 from modelcast.models.trusted import Trusted
 
-__all__ = ["PLAIN_CLASSES", "from_plain", "to_plain"]
+__all__ = ["PLAIN_CLASSES", "REGISTERED", "from_plain", "to_plain"]
 
 PLAIN_CLASSES: dict[str, type] = {
     "Network" if cls is Perceptron else cls.__name__: cls
@@ -68,6 +88,19 @@ PLAIN_CLASSES: dict[str, type] = {
 }
 """Classes that a profile may name, by the names it uses; those of an old class stay what they were."""
 
+REGISTERED = "registered"
+"""What stands for the class of a sub-model that another package registers."""
+
+_REGISTERED: AbstractRule = Keys(
+    {
+        "is": Anything(),
+        "name": Text(64),
+        "package": Text(200),
+        "version": Text(200),
+        "fields": Table(Anything(), 100),
+    }
+)
+
 _NAMES: dict[type[object], str] = {cls: name for name, cls in PLAIN_CLASSES.items()}
 
 
@@ -77,14 +110,15 @@ def to_plain(value: Any) -> Any:
     Parameters
     ----------
     value
-        Numbers, text, None, arrays, sequences and mappings of these, and dataclasses of `PLAIN_CLASSES`.
+        Numbers, text, None, arrays, sequences and mappings of these, dataclasses of `PLAIN_CLASSES`, and
+        sub-models that other packages register.
 
     Raises
     ------
     TypeError
         Where it is anything else.
     ValueError
-        Where a number is none (NaN).
+        Where a number is none (NaN), or a field of a registered sub-model would come back as another value.
 
     Examples
     --------
@@ -108,13 +142,78 @@ def to_plain(value: Any) -> Any:
         return {str(key): to_plain(item) for key, item in items}
     if isinstance(value, Sequence):
         return [to_plain(item) for item in cast("Sequence[object]", value)]
-    name = _NAMES.get(cast("type[object]", type(value)), "")
-    if is_dataclass(value) and name:
-        return {
-            "is": name,
-            **{item.name: to_plain(getattr(value, item.name)) for item in fields(value) if item.init},
-        }
-    raise TypeError(f"a profile holds no {type(value).__name__}: {value!r}")
+    return _instance_plain(value)
+
+
+def _instance_plain(value: Any) -> dict[str, Any]:
+    """What is no number, text, array or container, in terms of JSON."""
+    kind = cast("type[object]", type(value))
+    if kind in _NAMES:
+        own = {item.name: to_plain(getattr(value, item.name)) for item in fields(value) if item.init}
+        return {"is": _NAMES[kind], **own}
+    name = registered_name(kind)
+    if name:
+        return _registered_plain(value, name)
+    remedy = f"; register it in {SUB_MODELS.name!r}" if isinstance(value, AbstractSubModel) else ""
+    raise TypeError(f"a profile holds no {kind.__name__}: {value!r}{remedy}")
+
+
+def _registered_plain(value: Any, name: str) -> dict[str, Any]:
+    """A sub-model of another package in terms of JSON."""
+    origin = SUB_MODELS.origin(name) or Origin("", "")
+    given = {item.name: getattr(value, item.name) for item in fields(value) if item.init}
+    plain = {key: to_plain(one) for key, one in given.items()}
+    for key, one in given.items():
+        if not _same(one, from_plain(plain[key])):
+            raise ValueError(
+                f"the field {key} of the sub-model {name} would come back from a profile as another value: "
+                "arrays are of 32-bit floats and 1 to 3 axes, sequences are tuples"
+            )
+    return {
+        "is": REGISTERED,
+        "name": name,
+        "package": origin.package,
+        "version": origin.version,
+        "fields": plain,
+    }
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether a value is another, arrays by their numbers."""
+    if isinstance(one, np.ndarray):
+        return isinstance(other, np.ndarray) and np.array_equal(cast("FloatArray", one), other)
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        pairs = cast("tuple[Any, ...]", one), cast("tuple[Any, ...]", other)
+        return len(pairs[0]) == len(pairs[1]) and all(map(_same, *pairs))
+    return type(one) is type(other) and bool(one == other)
+
+
+def _registered(mapping: Mapping[str, Any], path: str) -> AbstractSubModel:
+    """The sub-model of another package that a text names."""
+    check(mapping, _REGISTERED, path)
+    name: str = mapping["name"]
+    wanted = Origin(mapping["package"], mapping["version"])
+    if name not in SUB_MODELS.foreign_names():
+        raise ValueError(
+            f"{path}: the sub-model {shown(name)} is of the package {shown(wanted.package)}, version "
+            f"{shown(wanted.version)}, and no installed package registers it"
+        )
+    given = {key: from_plain(one, f"{path}.fields.{key}") for key, one in mapping["fields"].items()}
+    try:
+        found = SUB_MODELS.origin(name) or wanted
+        if found.package != wanted.package:
+            raise FieldError(f"{path}.package", wanted.package, f"{found.package}, which registers {name}")
+        member = registered_model(name, **given)
+    except ConfigError as error:
+        raise ValueError(f"{path}: {error}") from error
+    if found.version != wanted.version:
+        warnings.warn(
+            f"The sub-model {name} of a profile is of {printable(str(wanted))}; {found} is installed, which may "
+            "compute other numbers. Messages name the profile by the installed version.",
+            ModelcastWarning,
+            stacklevel=2,
+        )
+    return member
 
 
 def from_plain(plain: Any, path: str = "$") -> Any:
@@ -149,6 +248,8 @@ def from_plain(plain: Any, path: str = "$") -> Any:
 
 def _instance(mapping: Mapping[str, Any], path: str) -> Any:
     name = mapping["is"]
+    if name == REGISTERED:
+        return _registered(mapping, path)
     cls = PLAIN_CLASSES.get(name) if isinstance(name, str) else None
     if cls is None:
         raise FieldError(f"{path}.is", name, f"one of {', '.join(PLAIN_CLASSES)}")

@@ -16,7 +16,8 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.rules import Each, Number, One, check_fields
 from modelcast.models import predicted_path_kernels as kernels
-from modelcast.models.base import AbstractSubModel, PointFunctions
+from modelcast.models.address_kernels import TRACK_TYPES
+from modelcast.models.base import AbstractSubModel, PointCall, PointFunctions
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
 from modelcast.models.payload import CORE_PARAMETERS, STEP_AND_BITS, PayloadField, PayloadLayout
 from modelcast.models.trusted import Trusted
@@ -181,9 +182,12 @@ def _point_functions(path: PredictedPath, dt_s: float) -> PointFunctions:
     header[kernels.AT_COEFFICIENTS] = count
     header[kernels.AT_NODES] = instants
     header[kernels.AT_SPAN] = path.span_s
+    header[kernels.AT_TRACK] = kernels.NO_TRACK
     project = (np.linalg.pinv(powers) * weights).astype(np.float64).ravel()
     before = np.concatenate([header, project])
     calls = ready.called_from(before.size, kernels.AT_FIT, kernels.AT_PREDICT)
+    if ready.track is not None:
+        calls = (*calls, PointCall(kernels.AT_TRACK, ready.track, TRACK_TYPES))
     constants = np.concatenate([before, ready.constants])
     return PointFunctions(
         kernels.fit,

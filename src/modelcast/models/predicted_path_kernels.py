@@ -4,7 +4,7 @@ import numpy as np
 
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector
-from modelcast.models.address_kernels import fit_at, predict_at
+from modelcast.models.address_kernels import fit_at, predict_at, track_at
 from modelcast.models.point_kernels import VELOCITY_EAST, VELOCITY_NORTH
 
 __all__ = [
@@ -14,16 +14,22 @@ __all__ = [
     "AT_NODES",
     "AT_PREDICT",
     "AT_SPAN",
+    "AT_TRACK",
     "HEADER",
+    "NO_TRACK",
     "fit",
     "predict",
 ]
 
-AT_FIT, AT_PREDICT, AT_COUNT, AT_COEFFICIENTS, AT_NODES, AT_SPAN = range(6)
-HEADER = 6
+AT_FIT, AT_PREDICT, AT_COUNT, AT_COEFFICIENTS, AT_NODES, AT_SPAN, AT_TRACK = range(7)
+HEADER = 7
 """The constants: addresses of the model's two functions; how many parameters it has; coefficients k an axis;
-instants m at which its path is looked at; time from the first to the last of them [s]. Then the matrix (k, m)
-from positions at the instants to coefficients; then the model's own constants."""
+instants m at which its path is looked at; time from the first to the last of them [s]; address of what
+predicts at all of them. Then the matrix (k, m) from positions at the instants to coefficients; then the
+model's own constants."""
+
+NO_TRACK = -1.0
+"""In place of the address of what predicts at many instants, where one is predicted after the other."""
 
 
 @kernel
@@ -36,12 +42,17 @@ def fit(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
     newest = window[window.shape[0] - 1]
     out[:] = 0.0
     out[0], out[1] = newest[VELOCITY_EAST], newest[VELOCITY_NORTH]
-    moved = np.empty(2)
+    horizons_s, moved = np.empty(m), np.empty((m, 2))
     for j in range(m):
-        horizon_s = constants[AT_SPAN] * j / (m - 1)
-        predict_at(np.int64(constants[AT_PREDICT]), inner, horizon_s, own, moved)
+        horizons_s[j] = constants[AT_SPAN] * j / (m - 1)
+    if constants[AT_TRACK] != NO_TRACK:
+        track_at(np.int64(constants[AT_TRACK]), inner, horizons_s, own, moved)
+    else:
+        for j in range(m):
+            predict_at(np.int64(constants[AT_PREDICT]), inner, horizons_s[j], own, moved[j])
+    for j in range(m):
         for axis in range(2):
-            off = moved[axis] - out[axis] * horizon_s
+            off = moved[j, axis] - out[axis] * horizons_s[j]
             for i in range(k):
                 out[2 + axis * k + i] += constants[HEADER + i * m + j] * off
 

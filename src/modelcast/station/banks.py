@@ -27,6 +27,7 @@ from modelcast.models.learned import Selector
 from modelcast.models.profile import Profile, default_profile, people_plain_bank
 from modelcast.models.regimes import REGIME_BANK
 from modelcast.models.reserved import EXPRESSION, KINEMATIC, UNTRAINED
+from modelcast.models.sub_models import SUB_MODELS, registered_model
 from modelcast.models.trusted import Trusted
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.guard import unguarded
@@ -203,7 +204,7 @@ class NamedBank:
 
 
 def member_names(profile: Profile) -> tuple[str, ...]:
-    """Sub-models that a bank may be made of: those that need no training, then those the profile holds.
+    """Sub-models that a bank may be made of: untrained ones, the profile's, and those of other packages.
 
     Parameters
     ----------
@@ -211,7 +212,7 @@ def member_names(profile: Profile) -> tuple[str, ...]:
         The profile in use.
     """
     trained = (member.name for member in profile.sub_models)
-    return (*UNTRAINED, *(name for name in trained if name not in UNTRAINED))
+    return tuple(dict.fromkeys((*UNTRAINED, *trained, *SUB_MODELS.foreign_names())))
 
 
 def named_bank(
@@ -254,7 +255,7 @@ def named_bank(
             profile=profile,
         )
         rules = (unguarded(rules[0]), rules[1]) if text in (REGIME_BANK, FREE) else rules_of(bank)
-        trained = any(not _is_untrained(member.name) for member in bank.members)
+        trained = any(_is_trained(member.name, profile) for member in bank.members)
         return NamedBank(bank, *rules, trained_on=frozenset(profile.training_trips if trained else ()))
     if noise_floor_m is not None or trusted_horizon_s is not None or window != _DEFAULT_WINDOW:
         raise ConfigError(
@@ -297,8 +298,9 @@ def bank_from_text(
         ``gp-adaptive``, ``gp-linear``, ``gp(...)`` with a kernel's expression, ``gp(matern32*(linear+rbf))``
         (`modelcast.models.gp.kernels`), and what the profile in use holds: in the shipped one
         ``gp-trained``, ``gp-vehicle``, ``gp-derivative``, ``learned``, ``gp-regime-1`` to ``gp-regime-3``,
-        ``shs`` and ``hdp-hmm``. ``regimes`` stands for the sub-models of all regimes, ``free`` for the best
-        receiver of plain messages (`free_bank`).
+        ``shs`` and ``hdp-hmm``; and what other packages register (`modelcast.models.sub_models`), where the
+        profile holds none of that name. ``regimes`` stands for the sub-models of all regimes, ``free`` for
+        the best receiver of plain messages (`free_bank`).
     noise_floor_m
         Smallest position noise the Gaussian processes fitted by likelihood may assume [m]; where None, none
         to speak of for the paper's form and 1 mm for the others.
@@ -360,9 +362,9 @@ def parts_of(text: str) -> list[str]:
     return [part.strip() for part in parts]
 
 
-def _is_untrained(name: str) -> bool:
-    """Whether a sub-model needs no profile."""
-    return name in UNTRAINED or name.startswith(EXPRESSION)
+def _is_trained(name: str, profile: Profile) -> bool:
+    """Whether a sub-model is the profile's: its name means nothing without one."""
+    return name not in UNTRAINED and not name.startswith(EXPRESSION) and profile.sub_model(name) is not None
 
 
 def _members_of(part: str, profile: Profile) -> tuple[str, ...]:
@@ -403,6 +405,8 @@ def _member(name: str, profile: Profile, noise_floor_m: float | None, window: in
             closed_floor_m=PAPER_NOISE_FLOOR_M,
         )
     found = _free(profile) if name == FREE else profile.sub_model(name)
+    if found is None and name in SUB_MODELS.foreign_names():
+        found = registered_model(name)
     if found is None:
         *most, last = member_names(profile)
         known = f"there are {', '.join(most)} and {last}, and gp(...) of a kernel"

@@ -27,6 +27,7 @@ from modelcast.models.learned import LearnedTrajectory, Selector
 from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.profile import MOST_MEMBERS, Profile
 from modelcast.models.regimes import REGIME_BANK, Regimes
+from modelcast.models.sub_models import SUB_MODELS, registered_model
 from modelcast.models.trusted import Trusted
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import BASELINE_BANK
@@ -234,8 +235,10 @@ class _Shelf:
         return (*self.candidates, *self.aside, *(() if self.regimes is None else self.regimes.members))
 
     def bank(self, names: Sequence[str]) -> Bank:
-        """The bank of these members."""
+        """The bank of these members: trained ones, and those that other packages register."""
         named = {member.name: member for member in self.members}
+        foreign = [name for name in names if name not in named and name in SUB_MODELS.foreign_names()]
+        named |= {name: registered_model(name) for name in foreign}
         unknown = [name for name in names if name not in named]
         if unknown:
             raise ValueError(f"no trained sub-model is named {unknown[0]}; there are {', '.join(named)}")

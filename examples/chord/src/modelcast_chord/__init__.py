@@ -1,0 +1,5 @@
+"""A sub-model for modelcast in plain NumPy."""
+
+from modelcast_chord.chord import Chord
+
+__all__ = ["Chord"]

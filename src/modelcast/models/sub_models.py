@@ -1,0 +1,86 @@
+"""The sub-models that a name alone stands for: those in closed form, and those other packages register.
+
+A package adds one in its ``pyproject.toml``, as a class that needs no arguments::
+
+    [project.entry-points."modelcast.sub_models"]
+    chord = "modelcast_chord:Chord"
+
+The name is the sub-model's own. Banks may then be made of it, and profiles hold it
+(`modelcast.models.plain`).
+"""
+
+from dataclasses import is_dataclass
+from types import MappingProxyType
+from typing import Any
+
+from modelcast.core.exceptions import ConfigError
+from modelcast.core.open_group import OpenGroup
+from modelcast.models.base import AbstractSubModel
+from modelcast.models.numpy_model import AbstractNumpySubModel
+from modelcast.models.reserved import KINEMATIC, check_name
+
+__all__ = ["SUB_MODELS", "registered_model", "registered_name"]
+
+SUB_MODELS: OpenGroup[AbstractSubModel] = OpenGroup(
+    "modelcast.sub_models",
+    AbstractSubModel,
+    called="sub-model",
+    own=MappingProxyType(
+        {name: f"{type(one).__module__}:{type(one).__qualname__}" for name, one in KINEMATIC.items()}
+    ),
+)
+"""All of them."""
+
+_DT_S = 0.1
+"""Interval at which a sub-model is looked at when it is first named [s]."""
+
+
+def registered_model(name: str, **fields: Any) -> AbstractSubModel:
+    """Return a sub-model that another package registers.
+
+    One in NumPy is looked at here: whether it works, and whether the rows of its batches stand alone.
+
+    Parameters
+    ----------
+    name
+        The registered one.
+    fields
+        Fields of the class; its own values where left out.
+
+    Raises
+    ------
+    ConfigError
+        Where none has that name, its package does not load or refuses the fields, or it calls itself
+        something else.
+    SubModelError
+        Where it fails on made-up windows.
+    """
+    member = SUB_MODELS.made(name, **fields)
+    if not is_dataclass(member) or member.name != name:
+        raise ConfigError(
+            f"The sub-model registered as {name!r} by {SUB_MODELS.origin(name)} must be a frozen dataclass "
+            f"of that name, got {type(member).__name__} named {member.name!r}."
+        )
+    try:
+        check_name(member)
+    except ValueError as error:
+        raise ConfigError(f"The sub-model {name!r} of {SUB_MODELS.origin(name)}: {error}") from error
+    if isinstance(member, AbstractNumpySubModel):
+        member.row_dependence(_DT_S)
+    return member
+
+
+def registered_name(kind: type[object]) -> str:
+    """Return the name under which another package registers a class; empty where none does.
+
+    Parameters
+    ----------
+    kind
+        Any class.
+
+    Raises
+    ------
+    ConfigError
+        Where a package that registers one does not load.
+    """
+    return next((name for name in SUB_MODELS.foreign_names() if SUB_MODELS.loaded(name) is kind), "")
