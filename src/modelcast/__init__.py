@@ -14,6 +14,12 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from modelcast.apps.base import AbstractApplication as AbstractApplication
+    from modelcast.apps.motions import Motions as Motions
+    from modelcast.apps.warnings import Warnings as Warnings
+    from modelcast.channel.radio import AbstractRadio as AbstractRadio
+    from modelcast.channel.radio import Receptions as Receptions
+    from modelcast.channel.radio import Transmissions as Transmissions
     from modelcast.core.exceptions import ModelcastError as ModelcastError
     from modelcast.io.profile import read_profile as read_profile
     from modelcast.io.results import write_results as write_results
@@ -53,6 +59,8 @@ if TYPE_CHECKING:
     from modelcast.world.sensors import SensorModel as SensorModel
 
 _HOMES = {
+    "AbstractApplication": "apps.base",
+    "AbstractRadio": "channel.radio",
     "Bank": "models.bank",
     "BsmCore": "messages.bsm",
     "CompareSettings": "study.compare.settings",
@@ -65,14 +73,18 @@ _HOMES = {
     "GaussianProcess": "models.gp",
     "LocalDynamicMap": "station.receiver.local_dynamic_map",
     "ModelcastError": "core.exceptions",
+    "Motions": "apps.motions",
     "Periodic": "station.policy.periodic",
     "Profile": "models.profile",
+    "Receptions": "channel.radio",
     "SensedTrip": "study.case",
     "SensorModel": "world.sensors",
     "Station": "station.station",
     "TrainedCandidate": "study.compare.candidate",
     "Trajectory": "trips.trajectory",
+    "Transmissions": "channel.radio",
     "VirtualMedium": "runtime.transport.virtual",
+    "Warnings": "apps.warnings",
     "build_trajectory": "trips.trajectory",
     "compare": "study.compare.run",
     "count_manoeuvres": "trips.manoeuvres.rank",

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from itertools import product
 from math import inf, isfinite, nan
 
-from modelcast.cli.network_plan import RADIOS, NetworkPlan
+from modelcast.channel.registry import RADIOS
+from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError
 from modelcast.station.sender.sender import MODEL_SENDERS, SENDERS
@@ -50,10 +51,13 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
     ModelcastError
         Where a name is unknown, a number is out of its range, or the traffic cannot be had.
     """
-    for name, given, known in (("radio", varied.radios, RADIOS), ("policy", varied.policies, SENDERS)):
-        unknown = [word for word in given if word not in known]
-        if unknown or not given:
-            raise ConfigError(f"--{name} must be of {', '.join(known)}, got {', '.join(unknown) or 'none'}")
+    unknown = [word for word in varied.policies if word not in SENDERS]
+    if unknown or not varied.policies:
+        raise ConfigError(f"--policy must be of {', '.join(SENDERS)}, got {', '.join(unknown) or 'none'}")
+    if not varied.radios:
+        raise ConfigError(f"--radio must be of {', '.join(RADIOS.names())}, got none")
+    for radio in varied.radios:
+        RADIOS.made_from(radio)
     plan.check_traffic()
     if plan.roadside is not None:
         _check_roadside(plan.roadside, varied)

@@ -2,7 +2,8 @@
 
 import hashlib
 import importlib.resources
-from dataclasses import KW_ONLY, asdict, dataclass
+from collections.abc import Iterable
+from dataclasses import KW_ONLY, asdict, dataclass, replace
 from importlib import metadata
 from math import ceil
 from pathlib import Path
@@ -23,7 +24,7 @@ from modelcast.study.network.rows import NO_THRESHOLD
 if TYPE_CHECKING:
     from modelcast.apps.base import AbstractApplication
 
-__all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
+__all__ = ["BUILT_IN", "RECORDED", "SUMO", "NetworkPlan"]
 
 _FULL_LANE_PER_KM = 100.0
 """More vehicles a kilometre of lane stand rather than drive [1/km]."""
@@ -37,7 +38,6 @@ PEOPLED = ("grid", "crossing")
 """Scenarios in which people walk and ride."""
 
 RECORDED = ("platoon", "trips")
-RADIOS = ("dsrc", "sidelink", "abstract", "ideal")
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,14 +193,21 @@ class NetworkPlan:
         asks = policy in ERROR_SENDERS or (policy in MODEL_SENDERS and self.start in THRESHOLD_STARTS)
         return tuple(dict.fromkeys(self.thresholds_m)) if asks else (NO_THRESHOLD,)
 
-    def key(self) -> RunKey:
+    def key(self, *, radios: Iterable[str] = ()) -> RunKey:
         """Version and hashes of all that a run reads: its traffic, its bank, the shipped profile, SUMO.
+
+        Parameters
+        ----------
+        radios
+            Of all runs, as users name them.
 
         Raises
         ------
         ConfigError
             Where a file cannot be read.
         """
+        from modelcast.apps.registry import APPLICATIONS
+        from modelcast.channel.registry import RADIOS
         from modelcast.cli.run_inputs import recorded_inputs
         from modelcast.core.version import package_version
         from modelcast.io.regular import sha256_of
@@ -219,7 +226,8 @@ class NetworkPlan:
         theirs = {} if self.people is None else {"people": self.people.bank}
         banks = (*self.bank_texts.items(), *theirs.items())
         files_of_banks = {name: sha256_of(profile_path(text)) for name, text in banks if names_profile(text)}
-        return RunKey(package_version(), inputs, files_of_banks)
+        inputs |= APPLICATIONS.origins(self.applications)
+        return RunKey(package_version(), inputs, files_of_banks, RADIOS.origins(radios))
 
     @property
     def from_file(self) -> bool:
@@ -302,9 +310,11 @@ class NetworkPlan:
 
         found: dict[str, AbstractApplication] = {name: get_application(name) for name in self.applications}
         if self.algorithm is not None:
-            if "fcw" not in found:
+            of_fcw = {k: v for k, v in found.items() if isinstance(v, ForwardCollisionWarning)}
+            if not of_fcw:
                 raise ConfigError(f"--algorithm {self.algorithm} goes with --application fcw")
-            found["fcw"] = ForwardCollisionWarning(get_warning_range(self.algorithm))
+            warning_range = get_warning_range(self.algorithm)
+            found |= {name: replace(one, algorithm=warning_range) for name, one in of_fcw.items()}
         return found
 
     @property

@@ -4,7 +4,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
+from modelcast.apps.registry import APPLICATIONS
 from modelcast.core.kinds import Kind
+from modelcast.core.named_in import NamedIn
 from modelcast.core.rules import Each, Flag, Maybe, Number, Text, Whole, check_fields
 from modelcast.node.multicast import GROUP, LOOPBACK, PORT
 from modelcast.node.toml_file import read_tables
@@ -243,16 +245,12 @@ class Applications(_Table):
     Parameters
     ----------
     names
-        Of `modelcast.apps.registry`. A person's device has ``vru`` alone of them: the others are of two
-        vehicles.
+        Of `modelcast.apps.registry`, ours and those of other packages, each ``NAME`` or
+        ``NAME:KEY=VALUE,KEY=VALUE``. A person's device has those that are made for people, of ours ``vru``
+        alone.
     """
 
-    names: Annotated[tuple[str, ...], Each(Text(choices=("fcw", "eebl", "ima", "vru")), 0, 4)] = (
-        "fcw",
-        "eebl",
-        "ima",
-        "vru",
-    )
+    names: Annotated[tuple[str, ...], Each(NamedIn(APPLICATIONS), 0, 32)] = tuple(APPLICATIONS.own)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
