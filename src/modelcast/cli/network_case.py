@@ -18,7 +18,8 @@ from modelcast.runtime.fleet.observer import AbstractObserver
 from modelcast.runtime.fleet.people import People
 from modelcast.station.banks import free_bank
 from modelcast.station.receiver.reading import Reading
-from modelcast.station.sender.sender import MODEL_SENDERS, Sender
+from modelcast.station.sender.names import sends_models
+from modelcast.station.sender.sender import Sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.study.network.measure import measure
 from modelcast.study.network.mixed import measure_mixed, mixed_of
@@ -163,7 +164,7 @@ def _observer(plan: NetworkPlan, case: NetworkCase, *, is_mixed: bool) -> Safety
 
 def _sender(plan: NetworkPlan, case: NetworkCase, policy: str, motion: MotionFilter) -> Sender:
     """The sender of one policy of a case."""
-    named = named_banks(plan).get(case.bank) if policy in MODEL_SENDERS else None
+    named = named_banks(plan).get(case.bank) if sends_models(policy) else None
     return sender_of(plan, policy, case.bank, threshold_m=case.threshold_m, named=named, motion=motion)
 
 
@@ -176,7 +177,7 @@ def _devices(plan: NetworkPlan, case: NetworkCase, motion: MotionFilter) -> Peop
     if people.keep_alive_s is not None:
         plan = replace(plan, keep_alive_s=people.keep_alive_s)
     profile = profile_in_use(plan.profile)
-    named = bank_in_use(people.bank, profile=profile) if policy in MODEL_SENDERS else None
+    named = bank_in_use(people.bank, profile=profile) if sends_models(policy) else None
     sender = sender_of(
         plan,
         policy,

@@ -9,7 +9,7 @@ from modelcast.channel.registry import RADIOS
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError
-from modelcast.station.sender.sender import MODEL_SENDERS, SENDERS
+from modelcast.station.sender.names import POLICIES, check_sender, sends_models
 from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import NO_BANK, NetworkCase
 
@@ -51,13 +51,14 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
     ModelcastError
         Where a name is unknown, a number is out of its range, or the traffic cannot be had.
     """
-    unknown = [word for word in varied.policies if word not in SENDERS]
-    if unknown or not varied.policies:
-        raise ConfigError(f"--policy must be of {', '.join(SENDERS)}, got {', '.join(unknown) or 'none'}")
-    if not varied.radios:
-        raise ConfigError(f"--radio must be of {', '.join(RADIOS.names())}, got none")
-    for radio in varied.radios:
-        RADIOS.made_from(radio)
+    for name, given, group, check in (
+        ("radio", varied.radios, RADIOS, RADIOS.made_from),
+        ("policy", varied.policies, POLICIES, check_sender),
+    ):
+        if not given:
+            raise ConfigError(f"--{name} must be of {', '.join(group.names())}, got none")
+        for word in given:
+            check(word)
     plan.check_traffic()
     if plan.roadside is not None:
         _check_roadside(plan.roadside, varied)
@@ -80,7 +81,7 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
             densities, dict.fromkeys(varied.radios), dict.fromkeys(varied.policies)
         )
         for bank, threshold_m, run in product(
-            banks if policy in MODEL_SENDERS else (NO_BANK,),
+            banks if sends_models(policy) else (NO_BANK,),
             plan.thresholds_of(policy),
             range(varied.seeds),
         )

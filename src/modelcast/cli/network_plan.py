@@ -18,7 +18,8 @@ from modelcast.messages.rules import CertificateRule
 from modelcast.models.shipped import names_profile, profile_path
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
-from modelcast.station.sender.sender import ERROR_SENDERS, MODEL_SENDERS, THRESHOLD_STARTS
+from modelcast.station.sender.names import POLICIES, has_threshold, sends_models
+from modelcast.station.sender.sender import THRESHOLD_STARTS
 from modelcast.study.network.rows import NO_THRESHOLD
 
 if TYPE_CHECKING:
@@ -190,15 +191,15 @@ class NetworkPlan:
         policy
             Its name.
         """
-        asks = policy in ERROR_SENDERS or (policy in MODEL_SENDERS and self.start in THRESHOLD_STARTS)
+        asks = has_threshold(policy) or (sends_models(policy) and self.start in THRESHOLD_STARTS)
         return tuple(dict.fromkeys(self.thresholds_m)) if asks else (NO_THRESHOLD,)
 
-    def key(self, *, radios: Iterable[str] = ()) -> RunKey:
+    def key(self, *, radios: Iterable[str] = (), policies: Iterable[str] = ()) -> RunKey:
         """Version and hashes of all that a run reads: its traffic, its bank, the shipped profile, SUMO.
 
         Parameters
         ----------
-        radios
+        radios, policies
             Of all runs, as users name them.
 
         Raises
@@ -211,6 +212,7 @@ class NetworkPlan:
         from modelcast.cli.run_inputs import recorded_inputs
         from modelcast.core.version import package_version
         from modelcast.io.regular import sha256_of
+        from modelcast.study.network.mixed import mixed_of
 
         files = [self.scenario] if self.from_file else []
         files += [] if self.profile is None else [str(profile_path(self.profile))]
@@ -227,7 +229,11 @@ class NetworkPlan:
         banks = (*self.bank_texts.items(), *theirs.items())
         files_of_banks = {name: sha256_of(profile_path(text)) for name, text in banks if names_profile(text)}
         inputs |= APPLICATIONS.origins(self.applications)
-        return RunKey(package_version(), inputs, files_of_banks, RADIOS.origins(radios))
+        theirs_too = () if self.people is None or self.people.policy is None else (self.people.policy,)
+        inputs |= POLICIES.origins(theirs_too)
+        senders = {one for policy in policies for one in mixed_of(policy).senders}
+        foreign = {**RADIOS.origins(radios), **POLICIES.origins(sorted(senders))}
+        return RunKey(package_version(), inputs, files_of_banks, foreign)
 
     @property
     def from_file(self) -> bool:

@@ -1,5 +1,6 @@
 """The rule of a field that names one of an open group, with its settings."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,10 +20,13 @@ class NamedIn(AbstractRule):
     Parameters
     ----------
     group
-        The group; what is named is made once to see that it can be.
+        The group.
+    check
+        Refuses a word by a ConfigError; None where what it names is made, to see that it can be.
     """
 
     group: OpenGroup[Any]
+    check: Callable[[str], object] | None = None
 
     @property
     def expected(self) -> str:
@@ -35,7 +39,7 @@ class NamedIn(AbstractRule):
         if found is not None:
             return found
         try:
-            self.group.made_from(str(value))
+            (self.group.made_from if self.check is None else self.check)(str(value))
         except ConfigError as error:
             known = str(value).partition(":")[0] in self.group.names()
             reason = f"a {self.group.called} that can be made ({error})"

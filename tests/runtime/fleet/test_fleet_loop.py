@@ -27,7 +27,8 @@ from modelcast.station.policy.j2945 import J2945
 from modelcast.station.receiver.heard import heard_messages
 from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap
 from modelcast.station.sender import message_arrays as at
-from modelcast.station.sender.sender import SENDERS, Sender, named_sender
+from modelcast.station.sender.names import SENDERS
+from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.station.sensing.velocity import REPORTED

@@ -57,8 +57,8 @@ from modelcast.station.sender.message_arrays import (
     contents,
 )
 from modelcast.station.sender.octets import SentMessages, messages_of
+from modelcast.station.sender.posting_kernels import SendingStations, StepInputs
 from modelcast.station.sender.sender import Sender
-from modelcast.station.sender.sending_kernels import SendingStations, StepInputs
 from modelcast.station.sensing.sensing import Sensing
 from modelcast.world.scenario.base import FleetFrame
 from modelcast.world.scenario.sensed import FleetSensor, FleetSensorState
@@ -156,7 +156,7 @@ class FleetLoop:
         # A part begins with the first slot of a group of `SentTally`.
         edges = [-(-moving * part // self._work.number) for part in range(self._work.number + 1)]
         self._parts = list(pairwise(edges))
-        self.speakers = _speakers(self.senders, settings, phase, self._parts, sensing)
+        self.speakers = _speakers(self.senders, settings, phase, self._parts, sensing, seed=seed)
         self._ready = ReadyBank.joined([one.bank.ready for one in self.speakers])
         self._members = self._ready.members
         shared = len(self.speakers) == 1 and self.units is None
@@ -394,6 +394,8 @@ class FleetLoop:
             ),
         )
         inputs = [one.inputs(given, first=self.number == 0) for one in self.speakers]
+        for one, own in zip(self.speakers, inputs, strict=True):
+            one.decide(own, self.tables)
 
         def work(part: int) -> None:
             for one, own in zip(self.speakers, inputs, strict=True):
@@ -633,6 +635,8 @@ def _speakers(
     phase: FloatArray,
     parts: list[tuple[int, int]],
     sensing: Sensing | None,
+    *,
+    seed: int,
 ) -> list[Speakers]:
     """One group a sender; what stations hold of their messages is that of their slots, whoever is there."""
     found: list[Speakers] = []
@@ -643,6 +647,7 @@ def _speakers(
             Speakers(
                 sender, settings, phase,
                 parts=parts, groups=PARTS, sensing=sensing, first_member=first, shared=shared,
+                rng=child_generator(seed, "policy", len(found)),
             )
         )  # fmt: skip
         first += len(found[-1].bank.bank.members)
