@@ -38,6 +38,10 @@ if TYPE_CHECKING:
     from modelcast.report.tables import tracking_frame as tracking_frame
     from modelcast.runtime.transport.virtual import VirtualMedium as VirtualMedium
     from modelcast.station.fleet import Fleet as Fleet
+    from modelcast.station.policy.base import AbstractTransmitPolicy as AbstractTransmitPolicy
+    from modelcast.station.policy.base import Decisions as Decisions
+    from modelcast.station.policy.base import MessageKind as MessageKind
+    from modelcast.station.policy.base import TransmitInputs as TransmitInputs
     from modelcast.station.policy.error_driven import ErrorDriven as ErrorDriven
     from modelcast.station.policy.periodic import Periodic as Periodic
     from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap as LocalDynamicMap
@@ -61,10 +65,12 @@ if TYPE_CHECKING:
 _HOMES = {
     "AbstractApplication": "apps.base",
     "AbstractRadio": "channel.radio",
+    "AbstractTransmitPolicy": "station.policy.base",
     "Bank": "models.bank",
     "BsmCore": "messages.bsm",
     "CompareSettings": "study.compare.settings",
     "ConstantVelocity": "models.constant_velocity",
+    "Decisions": "station.policy.base",
     "ErrorDriven": "station.policy.error_driven",
     "EvaluationResult": "study.result",
     "EvaluationSettings": "study.settings",
@@ -72,6 +78,7 @@ _HOMES = {
     "Fleet": "station.fleet",
     "GaussianProcess": "models.gp",
     "LocalDynamicMap": "station.receiver.local_dynamic_map",
+    "MessageKind": "station.policy.base",
     "ModelcastError": "core.exceptions",
     "Motions": "apps.motions",
     "Periodic": "station.policy.periodic",
@@ -83,6 +90,7 @@ _HOMES = {
     "TrainedCandidate": "study.compare.candidate",
     "Trajectory": "trips.trajectory",
     "Transmissions": "channel.radio",
+    "TransmitInputs": "station.policy.base",
     "VirtualMedium": "runtime.transport.virtual",
     "Warnings": "apps.warnings",
     "build_trajectory": "trips.trajectory",

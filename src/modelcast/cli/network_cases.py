@@ -6,6 +6,7 @@ from itertools import product
 from math import inf, isfinite, nan
 
 from modelcast.channel.registry import RADIOS
+from modelcast.cli.named_words import check_word
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError
@@ -58,7 +59,7 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
         if not given:
             raise ConfigError(f"--{name} must be of {', '.join(group.names())}, got none")
         for word in given:
-            check(word)
+            check_word(f"--{name}", check, word)
     plan.check_traffic()
     if plan.roadside is not None:
         _check_roadside(plan.roadside, varied)

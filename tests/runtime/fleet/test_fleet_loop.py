@@ -10,6 +10,7 @@ from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.radio import Receptions
 from modelcast.channel.tabulated import ReceptionTable, TabulatedRadio
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.exceptions import ConfigError
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc import ModelUpdate
 from modelcast.models.bank import Bank
@@ -376,7 +377,7 @@ def test_what_erred_least_of_late_is_sent(seen: list[FleetFrame]) -> None:
 
 
 def test_an_unknown_sender_is_refused() -> None:
-    with pytest.raises(ValueError, match="sender must be one of"):
+    with pytest.raises(ConfigError, match="Unknown policy 'cow'"):
         named_sender("cow")
 
 

@@ -120,6 +120,8 @@ class TransmitInputs:
         What the vehicles measure of themselves.
     air
         What they know of the channel.
+    in_use
+        Sub-model of the last update, -1 before the first, (B,); None where the policy keeps it itself.
     """
 
     t_s: FloatArray
@@ -133,9 +135,23 @@ class TransmitInputs:
     legacy_error_m: FloatArray | None = None
     motion: Motion | None = None
     air: Air | None = None
+    in_use: IntArray | None = None
+
+    @property
+    def error_in_use_m(self) -> FloatArray:
+        """Tracking error of the sub-model of the last update, infinite before the first, (B,) [m].
+
+        Raises
+        ------
+        ValueError
+            Where `in_use` is None.
+        """
+        in_use = required(self.in_use, "in_use", "error_in_use_m")
+        error_m = self.tracking_error_m[np.arange(in_use.size), np.maximum(in_use, 0)]
+        return np.where(in_use >= 0, error_m, np.inf)
 
 
-Part = TypeVar("Part", Motion, Air, FloatArray)
+Part = TypeVar("Part", Motion, Air, FloatArray, IntArray)
 
 
 def required(part: Part | None, name: str, policy: str) -> Part:

@@ -56,6 +56,7 @@ class Deciding:
             position_m=np.zeros((vehicles, 2)),
             error_m=np.full((vehicles, members), np.inf),
             available=np.zeros((vehicles, members), dtype=np.bool_),
+            in_use=np.full(vehicles, -1, dtype=np.int64),
         )
         self._decided = Decided(
             np.zeros(vehicles, dtype=np.int64),
@@ -95,6 +96,7 @@ class Deciding:
             silence_s=asked.silence_s[rows],
             tracking_error_m=asked.error_m[rows],
             available=asked.available[rows],
+            in_use=asked.in_use[rows],
             until_s=asked.ask_s[rows] + given.dt_s,
             motion=Motion(
                 asked.position_m[rows],

@@ -27,7 +27,7 @@ class Asked(NamedTuple):
 
     ``asks`` and ``begins`` (V,) who is asked, and for the first time; ``ask_s``, ``age_s``, ``silence_s``,
     ``speed_mps``, ``heading_rad``, ``neighbours`` and ``error_ratio`` (V,); ``position_m`` (V, 2);
-    ``error_m`` and ``available`` (V, M).
+    ``error_m`` and ``available`` (V, M); ``in_use`` (V,).
     """
 
     asks: BoolVector
@@ -42,6 +42,7 @@ class Asked(NamedTuple):
     position_m: FloatMatrix
     error_m: FloatMatrix
     available: BoolMatrix
+    in_use: IntVector
 
 
 class Decided(NamedTuple):
@@ -76,7 +77,7 @@ def know_each(f: SendingStations, x: StepInputs, tables: NeighbourTables, out: A
         sample = f.sensed.samples[v, at]
         available(f.models, f.sensed, f.rules, f.lanes, b, number)
         sent = f.lanes.update[b] >= 0
-        out.ask_s[v] = ask_s
+        out.ask_s[v], out.in_use[v] = ask_s, f.lanes.in_use[b] if sent else -1
         out.age_s[v] = ask_s - f.lanes.origin[b, 0] if sent else np.inf
         out.silence_s[v] = ask_s - f.lanes.message_s[b]
         for m in range(f.models.members.windows.size):
