@@ -38,6 +38,7 @@ COMMANDS = (
     "decode",
     "encode",
     "node",
+    "serve",
     "prepare",
     "credentials",
     "demo-live",
