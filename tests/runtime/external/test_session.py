@@ -274,3 +274,12 @@ def test_a_session_has_bounds_on_what_it_holds() -> None:
         Session(replace(SETTINGS, sender="j2945-mbc")).step(
             Step(0.0, np.array([1]), position_m=np.zeros((1, 2)))
         )
+
+
+def test_a_step_without_stations_is_one() -> None:
+    session, convoy = Session(SETTINGS), Convoy(5)
+    nobody = Step(-0.2, np.empty(0, dtype=np.int64), position_m=np.empty((0, 2)))
+    assert session.step(nobody).message.size == 0
+    session.step(convoy.step(0))
+    assert session.step(replace(nobody, t_s=0.05)).left.tolist() == convoy.vehicle.tolist()
+    assert session.step(convoy.step(1)).left.size == 0

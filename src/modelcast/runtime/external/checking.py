@@ -44,7 +44,7 @@ class Checked:
     columns
         What else is measured, by name, (N,) each.
     given
-        Names of those.
+        Names of those; None as long as nobody has measured anything.
     receiver, received_s, message
         As in `Step`.
     is_foreign
@@ -60,7 +60,7 @@ class Checked:
     busy_ratio: FloatArray
     begins: BoolArray
     columns: Mapping[str, FloatArray]
-    given: tuple[str, ...]
+    given: tuple[str, ...] | None
     receiver: IntArray
     received_s: FloatArray
     message: IntArray
@@ -112,7 +112,9 @@ def checked(
     position_m = np.asarray(step.position_m, dtype=np.float64)[order]
     _within("position_m", position_m, (-_FARTHEST_M, _FARTHEST_M), vehicle)
     columns = _columns(step, vehicle, order)
-    if given is not None and tuple(columns) != given:
+    if not vehicle.size:  # nobody measures anything
+        columns = {name: np.empty(0) for name in given or ()}
+    elif given is not None and tuple(columns) != given:
         raise FieldError("columns", ", ".join(columns) or "none", f"as before: {', '.join(given) or 'none'}")
     kind = _one_each("kind", step.kind, (0, max(Kind)), vehicle, order).astype(np.int64)
     _check_kinds(vehicle, kind, before, settings)
@@ -124,7 +126,7 @@ def checked(
         _one_each("busy_ratio", step.busy_ratio, (0.0, 1.0), vehicle, order),
         _one_each("begins", step.begins, (0, 1), vehicle, order) > 0,
         columns,
-        tuple(columns),
+        tuple(columns) if vehicle.size else given,
         *_receptions(step, before),
     )
 

@@ -160,10 +160,10 @@ class Session:
             Where a field is not what it must be; nothing has changed then.
         """
         rows = checked(step, self.settings, before=self._kind_of, given=self._given, last_s=self._last_s)
-        if self._sender.motion is not None and len(rows.given) < len(MEASURED_BESIDE):
+        if self._sender.motion is not None and len(rows.columns) < len(MEASURED_BESIDE) and rows.vehicle.size:
             raise FieldError(
                 "columns",
-                ", ".join(rows.given) or "none",
+                ", ".join(rows.columns) or "none",
                 f"{', '.join(MEASURED_BESIDE)}: {self._sender.name} filters the motion",
             )
         self._kept.check(rows.message[~rows.is_foreign])
@@ -173,7 +173,8 @@ class Session:
                 self._fleets[kind] = self._fleet(kind, sender)
         receipt = self._hear(rows)
         left = self._leave(rows)
-        sent = [one for kind in self._fleets for one in self._sense(kind, rows)]
+        measured = rows.given is not None
+        sent = [one for kind in self._fleets for one in self._sense(kind, rows)] if measured else []
         self._given, self._last_s = rows.given, rows.t_s
         return self._told(rows.t_s, sent, receipt, left)
 
