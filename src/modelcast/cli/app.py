@@ -41,6 +41,7 @@ COMMANDS = (
     "decode",
     "encode",
     "node",
+    "serve",
     "prepare",
     "credentials",
     "demo-live",

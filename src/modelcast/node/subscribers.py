@@ -5,12 +5,10 @@ it reads again and misses those between; one that does not read costs one line a
 """
 
 import asyncio
-import os
-import stat
-from pathlib import Path
 from typing import final
 
 from modelcast.dashboard.slot import LatestSlot
+from modelcast.node.local_socket import serve_locally
 
 __all__ = ["Subscribers"]
 
@@ -60,12 +58,7 @@ class Subscribers:
         OSError
             Where it cannot be made, or something else is there.
         """
-        _remove_socket(Path(path))
-        before = os.umask(0o177)
-        try:
-            return await asyncio.start_unix_server(self._meet, path)
-        finally:
-            os.umask(before)
+        return await serve_locally(self._meet, path)
 
     async def close(self) -> None:
         """Send all away; to be called once nobody new is let in."""
@@ -109,9 +102,3 @@ async def _write_all(slot: LatestSlot, writer: asyncio.StreamWriter) -> None:
                 await writer.drain()
     finally:
         writer.transport.abort()
-
-
-def _remove_socket(place: Path) -> None:
-    """Remove what an earlier node left there; anything that is no socket stays."""
-    if place.exists() and stat.S_ISSOCK(place.stat().st_mode):
-        place.unlink()

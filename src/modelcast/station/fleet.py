@@ -20,7 +20,7 @@ from modelcast.station.context.road_kernels import Roads
 from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.receiver.deliveries import Deliveries, deliveries_of
 from modelcast.station.receiver.ears import Ears
-from modelcast.station.receiver.local_dynamic_map import Beliefs
+from modelcast.station.receiver.local_dynamic_map import Beliefs, MapState
 from modelcast.station.sender.deciding import Deciding, deciding_of
 from modelcast.station.sender.message_arrays import MESSAGES_KEPT, SENDER_BITS, contents, outbox, sent_tally
 from modelcast.station.sender.octets import StationOctets, messages_of
@@ -158,7 +158,7 @@ class Fleet:
         )
         own = self.sender.bank
         self._ears = Ears((own,), dt_s=dt_s, calibrations=(calibrations_of(own),)) if ears is None else ears
-        self._heard = {slot: self._ears.init() for slot in range(slots)}
+        self._heard: dict[int, MapState] = {}
         self._before: dict[int, int] = {}
         self._tables = neighbour_tables(slots, min(self._ears.capacity, 2**15 - 1), phase_s=self._phase)
         self._outbox, self._tally = outbox(slots), sent_tally()
@@ -347,6 +347,46 @@ class Fleet:
         self._vehicle[free[0]], self._new[free[0]] = vehicle, True
         self._heard[int(free[0])] = self._ears.init()
         self._before.pop(int(free[0]), None)
+
+    def dismiss(self, vehicle: int) -> None:
+        """Let go of a station that was admitted and measures nothing; who measures leaves by being missing.
+
+        Parameters
+        ----------
+        vehicle
+            Its temporary id.
+
+        Raises
+        ------
+        ValueError
+            Where it is not in the fleet, or measures.
+        """
+        slot = self._slot_of(vehicle)
+        if self._measures[slot]:
+            raise ValueError(f"vehicle {vehicle} measures: leave it out of the next step instead")
+        self._vehicle[slot], self._new[slot] = -1, False
+        del self._heard[slot]
+
+    def own_motion(self, vehicle: int) -> FloatArray:
+        """How one vehicle sees itself move at the last step, filtered where its sender filters, (6,).
+
+        East, north [m], speed [m/s], heading [rad], acceleration along the course [m/s²] and yaw rate,
+        clockwise [rad/s].
+
+        Parameters
+        ----------
+        vehicle
+            Its temporary id.
+
+        Raises
+        ------
+        ValueError
+            Where it is not in the fleet, or measured nothing.
+        """
+        slot = self._slot_of(vehicle)
+        if not self._measures[slot]:
+            raise ValueError(f"vehicle {vehicle} measured nothing")
+        return self._stations.sensed.shown[slot, :MEASURED].copy()
 
     def rename(self, vehicle: int, temporary_id: int) -> None:
         """Give one vehicle another temporary id and message count, as they change from time to time.

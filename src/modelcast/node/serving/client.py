@@ -1,0 +1,141 @@
+"""A client of the step protocol: the session of `modelcast serve` as if it were in this process."""
+
+import socket
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Any, Self, final
+
+from modelcast.core.arrays import IntArray
+from modelcast.node.serving.framing import LENGTH_BYTES, framed, length_of
+from modelcast.node.serving.schema import named_values, step_protocol
+from modelcast.runtime.external.exchange import HostBeliefs, HostWarnings, Sent, SessionSettings, Step
+from modelcast.runtime.external.refusal import FieldError
+
+__all__ = ["StepClient"]
+
+_LOOPBACK = "127.0.0.1"
+
+
+@final
+class StepClient:
+    """A session of a server; its methods are those of `modelcast.runtime.external.session.Session`.
+
+    Parameters
+    ----------
+    settings
+        How the session begins.
+    path
+        Of the server's socket.
+    port
+        The server's port on this machine, instead.
+    timeout_s
+        Longest wait for an answer [s]; None for ever. The first step may wait for compiled code.
+
+    Raises
+    ------
+    ValueError
+        Where there is not exactly one of path and port.
+    FieldError
+        Where the server refuses a setting.
+    OSError
+        Where nobody listens there.
+    """
+
+    def __init__(
+        self,
+        settings: SessionSettings,
+        *,
+        path: str | None = None,
+        port: int | None = None,
+        timeout_s: float | None = None,
+    ) -> None:
+        if (path is None) == (port is None):
+            raise ValueError("give path or port, one of the two")
+        if path is not None:
+            self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+            place: Any = path
+        else:
+            self._socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            place = (_LOOPBACK, port)
+        self._spoken = step_protocol()
+        try:
+            self._socket.settimeout(timeout_s)
+            self._socket.connect(place)
+            hello = {"protocol": self._spoken.protocol, **named_values(settings)}
+            self.server_version: str = self._ask("hello", hello)["version"]
+            """Of modelcast at the other end."""
+        except BaseException:
+            self._socket.close()
+            raise
+
+    def step(self, step: Step) -> Sent:
+        """Tell all stations at one time and what was received; returns what they send.
+
+        Parameters
+        ----------
+        step
+            As for `Session.step`.
+
+        Raises
+        ------
+        FieldError
+            Where the server refuses it; the session goes on as if it had not been asked.
+        ConnectionError
+            Where the session has ended.
+        """
+        return Sent(**self._ask("step", named_values(step)))
+
+    def believe(self, hosts: IntArray, t_s: float) -> HostBeliefs:
+        """What hosts believe of all their remotes.
+
+        Parameters
+        ----------
+        hosts, t_s
+            As for `Session.believe`.
+        """
+        return HostBeliefs(**self._ask("map", {"host": hosts, "t_s": float(t_s)}))
+
+    def warnings(self, hosts: IntArray, applications: Sequence[str]) -> HostWarnings:
+        """What safety applications say to hosts at the newest step.
+
+        Parameters
+        ----------
+        hosts, applications
+            As for `Session.warnings`.
+        """
+        return HostWarnings(**self._ask("warnings", {"host": hosts, "applications": list(applications)}))
+
+    def close(self) -> None:
+        """End the session."""
+        self._socket.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _ask(self, name: str, values: dict[str, Any]) -> dict[str, Any]:
+        """The fields of the answer to a request."""
+        self._socket.sendall(framed(self._spoken.pack(name, values)))
+        length = length_of(self._read(LENGTH_BYTES), self._spoken.frame_bytes)
+        kind, answer = self._spoken.unpack(self._read(length), "server")
+        if kind == "error":
+            if answer["ends"]:
+                self.close()
+                raise ConnectionAbortedError(answer["text"])
+            raise FieldError(answer["field"], answer["value"], answer["expected"])
+        return answer
+
+    def _read(self, count: int) -> bytes:
+        octets, at = bytearray(count), 0
+        view = memoryview(octets)
+        while at < count:
+            got = self._socket.recv_into(view[at:])
+            if not got:
+                raise ConnectionResetError("the server ended the session")
+            at += got
+        return bytes(octets)

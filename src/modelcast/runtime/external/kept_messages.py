@@ -1,0 +1,89 @@
+"""The messages that a session has sent of late, by number, so that receptions need only name them."""
+
+from collections import deque
+from collections.abc import Iterable
+from typing import final
+
+from modelcast.core.arrays import IntArray
+from modelcast.runtime.external.refusal import FieldError
+
+__all__ = ["KeptMessages"]
+
+
+@final
+class KeptMessages:
+    """Octets by number, from 0 in the order of sending.
+
+    Parameters
+    ----------
+    kept_s
+        For how long a message can be named [s].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> kept = KeptMessages(10.0)
+    >>> kept.add(0.0, [b"one", b"two"]), kept.add(0.1, [b"three"])
+    (0, 2)
+    >>> kept.octets(np.array([2, 0]))
+    [b'three', b'one']
+    """
+
+    def __init__(self, kept_s: float) -> None:
+        self._kept_s = kept_s
+        self._octets: list[bytes] = []
+        self._first = 0
+        self._steps: deque[tuple[float, int]] = deque()
+
+    def add(self, t_s: float, octets: Iterable[bytes]) -> int:
+        """Keep the messages of a step, forget what is too old, and return the number of the first.
+
+        Parameters
+        ----------
+        t_s
+            Of the step, later than the last [s].
+        octets
+            In order of their numbers.
+        """
+        first = self._first + len(self._octets)
+        while self._steps and self._steps[0][0] < t_s - self._kept_s:
+            _, end = self._steps.popleft()
+            del self._octets[: end - self._first]
+            self._first = end
+        self._octets.extend(octets)
+        self._steps.append((t_s, self._first + len(self._octets)))
+        return first
+
+    def octets(self, numbers: IntArray) -> list[bytes]:
+        """Octets of some messages, all of them kept.
+
+        Parameters
+        ----------
+        numbers
+            Which, (K,).
+        """
+        held, first = self._octets, self._first
+        return [held[number - first] for number in numbers.tolist()]
+
+    def check(self, numbers: IntArray) -> None:
+        """Refuse numbers that nothing is kept of.
+
+        Parameters
+        ----------
+        numbers
+            Which, (K,).
+
+        Raises
+        ------
+        FieldError
+            Where one is of no message, or of one too long ago.
+        """
+        last = self._first + len(self._octets) - 1
+        wrong = numbers[(numbers < self._first) | (numbers > last)]
+        if wrong.size:
+            held = f"one from {self._first} to {last}" if self._octets else "none yet"
+            raise FieldError(
+                "message",
+                int(wrong[0]),
+                f"-1 or the number of a message of the last {self._kept_s:g} s: {held}",
+            )

@@ -1,0 +1,373 @@
+"""A session: the stations of another simulator's vehicles, driven at its steps.
+
+Beneath are the fleets that notebooks use and, beneath those, the compiled steps that evaluation and network
+run: what a session sends is what is evaluated. A request is checked whole before anything is done, so one
+that is refused has changed nothing.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import final
+
+import numpy as np
+
+from modelcast.apps.around import believed_motions, repeated
+from modelcast.apps.base import AbstractApplication
+from modelcast.apps.registry import get_application
+from modelcast.apps.warnings import Level
+from modelcast.channel.radio import ORDINARY
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.exceptions import ConfigError
+from modelcast.core.geodesy import Origin
+from modelcast.core.kinds import PEOPLE, SIZES_M, Kind
+from modelcast.runtime.external.checking import MEASURED_BESIDE, Checked, checked
+from modelcast.runtime.external.exchange import HostBeliefs, HostWarnings, Sent, SessionSettings, Step
+from modelcast.runtime.external.kept_messages import KeptMessages
+from modelcast.runtime.external.refusal import FieldError
+from modelcast.station.banks import calibrations_of
+from modelcast.station.fleet import Fleet, Sending
+from modelcast.station.receiver.ears import Ears
+from modelcast.station.receiver.local_dynamic_map import Beliefs
+from modelcast.station.sender.sender import Sender, named_sender
+
+__all__ = ["MOST_ROWS", "Session", "sender_of"]
+
+MOST_ROWS = 2**17
+"""Most rows of beliefs in one answer."""
+
+_KEPT_S = 10.0
+"""Maps refuse what is older on arrival."""
+
+_AT_ONCE = 4096
+"""Messages of one host that are read at a time: bounds what foreign octets take."""
+
+_BELIEFS = (
+    "vehicle", "position_m", "velocity_mps", "speed_mps", "heading_rad", "acceleration_mps2",
+    "yaw_rate_radps", "covariance_m2", "information_age_s", "received_s", "kind", "length_m", "width_m",
+)  # fmt: skip
+
+
+def sender_of(settings: SessionSettings) -> Sender:
+    """The sender that a session's settings name, with the shipped profile.
+
+    Parameters
+    ----------
+    settings
+        Of the session.
+
+    Raises
+    ------
+    FieldError
+        Where there is no sender of that name.
+    """
+    try:
+        return named_sender(
+            settings.sender, threshold_m=settings.threshold_m, keep_alive_s=settings.keep_alive_s
+        )
+    except ValueError as error:
+        raise FieldError("sender", settings.sender, f"a sender ({error})") from error
+
+
+@final
+class Session:
+    """Stations of vehicles, people and roadside units that another simulator moves.
+
+    Parameters
+    ----------
+    settings
+        How it begins.
+    make
+        Gives what vehicles send, and when.
+
+    Raises
+    ------
+    FieldError
+        Where a setting is not what it must be.
+
+    Examples
+    --------
+    Two vehicles, and a radio that loses nothing:
+
+    >>> session = Session(SessionSettings(2))
+    >>> heard: dict = {}
+    >>> for step in range(30):
+    ...     east = np.array([15.0 * 0.1 * step, 12.0 * 0.1 * step])
+    ...     sent = session.step(
+    ...         Step(
+    ...             0.1 * step,
+    ...             np.array([3, 8]),
+    ...             position_m=np.stack([east, np.zeros(2)], axis=1),
+    ...             speed_mps=np.array([15.0, 12.0]),
+    ...             heading_rad=np.full(2, np.pi / 2),
+    ...             **heard,
+    ...         )
+    ...     )
+    ...     heard = {
+    ...         "receiver": 11 - sent.vehicle,
+    ...         "received_s": sent.send_s,
+    ...         "message": sent.message,
+    ...     }
+    >>> around = session.believe(np.array([3]), 3.0)
+    >>> around.vehicle.tolist(), around.position_m.round(1).tolist()
+    ([8], [[36.0, 0.0]])
+    """
+
+    def __init__(
+        self, settings: SessionSettings, make: Callable[[SessionSettings], Sender] = sender_of
+    ) -> None:
+        self.settings = settings
+        self._sender = make(settings)
+        self.origin = Origin(settings.latitude_deg, settings.longitude_deg, settings.altitude_m)
+        """Where the plane of positions touches the Earth."""
+        self._fleets: dict[Kind, Fleet] = {Kind.VEHICLE: self._fleet(Kind.VEHICLE, self._sender)}
+        self._kind_of: dict[int, Kind] = {}
+        self._given: tuple[str, ...] | None = None
+        self._last_s = -np.inf
+        self._kept = KeptMessages(_KEPT_S)
+
+    def _fleet(self, kind: Kind, sender: Sender) -> Fleet:
+        """Stations of one kind; each kind has random numbers of its own."""
+        settings, bank = self.settings, sender.bank
+        return Fleet(
+            sender,
+            slots=settings.people_slots if kind in PEOPLE else settings.slots,
+            dt_s=settings.dt_s,
+            origin=self.origin,
+            seed=settings.seed + int(kind),
+            minute_s=settings.minute_s,
+            ears=Ears(
+                (bank,),
+                dt_s=settings.dt_s,
+                calibrations=(calibrations_of(bank),),
+                capacity=settings.capacity,
+            ),
+            spread_s=settings.spread_s,
+        )
+
+    def step(self, step: Step) -> Sent:
+        """Take in what was received since the last step and what stations measure now; say what they send.
+
+        The order of the stations in the arrays makes no difference, nor does that of receptions, save of
+        foreign messages that one host receives at the same instant.
+
+        Parameters
+        ----------
+        step
+            All stations at one time.
+
+        Raises
+        ------
+        FieldError
+            Where a field is not what it must be; nothing has changed then.
+        """
+        rows = checked(step, self.settings, before=self._kind_of, given=self._given, last_s=self._last_s)
+        if self._sender.motion is not None and len(rows.columns) < len(MEASURED_BESIDE) and rows.vehicle.size:
+            raise FieldError(
+                "columns",
+                ", ".join(rows.columns) or "none",
+                f"{', '.join(MEASURED_BESIDE)}: {self._sender.name} filters the motion",
+            )
+        self._kept.check(rows.message[~rows.is_foreign])
+        people = {kind: self._sender_of_people(kind) for kind in PEOPLE if (rows.kind == kind).any()}
+        for kind, sender in people.items():
+            if kind not in self._fleets:
+                self._fleets[kind] = self._fleet(kind, sender)
+        receipt = self._hear(rows)
+        left = self._leave(rows)
+        measured = rows.given is not None
+        sent = [one for kind in self._fleets for one in self._sense(kind, rows)] if measured else []
+        self._given, self._last_s = rows.given, rows.t_s
+        return self._told(rows.t_s, sent, receipt, left)
+
+    def believe(self, hosts: IntArray, t_s: float) -> HostBeliefs:
+        """What hosts believe of all their remotes: their local dynamic maps.
+
+        Parameters
+        ----------
+        hosts
+            Temporary ids, (H,).
+        t_s
+            Not before the newest step [s].
+
+        Raises
+        ------
+        FieldError
+            Where a host is not there, the time is before the newest step or no number, or there would be
+            more than `MOST_ROWS` rows.
+        """
+        if not (np.isfinite(t_s) and t_s >= self._last_s):
+            raise FieldError("t_s", t_s, f"not before the newest step, {self._last_s!r}")
+        found: list[Beliefs] = []
+        held = 0
+        for host in hosts.tolist():
+            found.append(self._fleet_of(host).believe(host, t_s))
+            held += found[-1].vehicle.size
+            if held > MOST_ROWS:
+                raise FieldError("host", f"{hosts.size} hosts", f"fewer: an answer holds {MOST_ROWS} rows")
+        columns = {
+            name: np.concatenate([getattr(one, name) for one in found]) if found else _NOTHING[name]
+            for name in _BELIEFS
+        }
+        return HostBeliefs(t_s, np.repeat(hosts, [one.vehicle.size for one in found]), **columns)
+
+    def warnings(self, hosts: IntArray, applications: Sequence[str]) -> HostWarnings:
+        """What safety applications say to hosts at the newest step.
+
+        A host whose acceleration or yaw rate is not measured counts as one that has none.
+
+        Parameters
+        ----------
+        hosts
+            Temporary ids of vehicles and people, (H,).
+        applications
+            Names, as ``fcw``.
+
+        Raises
+        ------
+        FieldError
+            Where a host is not there or is a roadside unit, or there is no such application.
+        """
+        asked = [_application(name) for name in applications]
+        found: list[tuple[IntArray, FloatArray]] = []
+        for host in hosts.tolist():
+            if self._fleet_of(host) and self._kind_of[host] == Kind.ROADSIDE:
+                raise FieldError("host", host, "a vehicle or a person: a roadside unit is not warned")
+            found += self._warned(host, asked)
+        pairs = np.concatenate([one for one, _ in found]) if found else np.empty((0, 4), dtype=np.int64)
+        values = np.concatenate([one for _, one in found]) if found else np.empty((0, 3))
+        host, vehicle, application, level = np.ascontiguousarray(pairs.T)
+        time_s, margin_m, certainty = np.ascontiguousarray(values.T)
+        return HostWarnings(
+            self._last_s,
+            host,
+            vehicle=vehicle,
+            application=application,
+            level=level,
+            time_s=time_s,
+            margin_m=margin_m,
+            certainty=certainty,
+        )
+
+    def _warned(
+        self, host: int, applications: Sequence[AbstractApplication]
+    ) -> Iterator[tuple[IntArray, FloatArray]]:
+        """Of one host and each application: who, which and how urgent, (W, 4); when, margin, (W, 3)."""
+        fleet = self._fleets[self._kind_of[host]]
+        around = fleet.believe(host, self._last_s)
+        own, kind = np.nan_to_num(fleet.own_motion(host)).tolist(), self._kind_of[host]
+        length_m, width_m = SIZES_M[kind]
+        mine = repeated(
+            (own[0], own[1]),
+            around.vehicle.size,
+            speed_mps=own[2],
+            heading_rad=own[3],
+            acceleration_mps2=own[4],
+            yaw_rate_radps=own[5],
+            length_m=length_m,
+            width_m=width_m,
+            kind=kind,
+        )
+        others = believed_motions(around)
+        for number, application in enumerate(applications):
+            said = application.assess(mine, others)
+            at = np.flatnonzero(said.level > Level.NONE)
+            who = np.stack(
+                [np.full(at.size, host), around.vehicle[at], np.full(at.size, number), said.level[at]], axis=1
+            )
+            yield who, np.stack([said.time_s[at], said.margin_m[at], said.certainty[at]], axis=1)
+
+    def _fleet_of(self, host: int) -> Fleet:
+        kind = self._kind_of.get(host)
+        if kind is None:
+            raise FieldError("host", host, "a station of the newest step")
+        return self._fleets[Kind.VEHICLE if kind == Kind.ROADSIDE else kind]
+
+    def _sender_of_people(self, kind: Kind) -> Sender:
+        try:
+            return self._sender.of_kind(kind)
+        except ValueError as error:
+            raise FieldError("kind", int(kind), f"one that {self._sender.name} is for ({error})") from error
+
+    def _hear(self, rows: Checked) -> IntArray:
+        """Let each host take in what it received, in order of time; the receipts as the rows were given."""
+        octets: list[bytes] = [b""] * rows.message.size
+        own = np.flatnonzero(~rows.is_foreign)
+        for at, one in zip(own.tolist(), self._kept.octets(rows.message[own]), strict=True):
+            octets[at] = one
+        for at, one in zip(np.flatnonzero(rows.is_foreign).tolist(), rows.foreign, strict=True):
+            octets[at] = one
+        order = np.lexsort((rows.message, rows.received_s, rows.receiver))
+        receipt = np.empty(order.size, dtype=np.int64)
+        receiver = rows.receiver[order]
+        hosts, starts = np.unique(receiver, return_index=True)
+        ends = np.append(starts, order.size)[1:]
+        for host, first, end in zip(hosts.tolist(), starts.tolist(), ends.tolist(), strict=True):
+            for begin in range(first, end, _AT_ONCE):
+                which = order[begin : min(begin + _AT_ONCE, end)]
+                receipt[which] = self._fleet_of(host).hear(
+                    host, [octets[at] for at in which.tolist()], received_s=rows.received_s[which]
+                )
+        return receipt
+
+    def _leave(self, rows: Checked) -> IntArray:
+        """Who was there and is no more; roadside units leave their fleet, and new ones enter it."""
+        left = sorted(self._kind_of.keys() - set(rows.vehicle.tolist()))
+        vehicles = self._fleets[Kind.VEHICLE]
+        for one in left:
+            if self._kind_of.pop(one) == Kind.ROADSIDE:
+                vehicles.dismiss(one)
+        for one, kind in zip(rows.vehicle.tolist(), rows.kind.tolist(), strict=True):
+            if one not in self._kind_of:
+                self._kind_of[one] = Kind(kind)
+                if kind == Kind.ROADSIDE:
+                    vehicles.admit(one)
+        return np.array(left, dtype=np.int64)
+
+    def _sense(self, kind: Kind, rows: Checked) -> list[Sending]:
+        """What the stations of one kind send."""
+        mine: BoolArray = rows.kind == kind
+        return self._fleets[kind].sense(
+            rows.t_s,
+            rows.vehicle[mine],
+            rows.position_m[mine],
+            **{name: column[mine] for name, column in rows.columns.items()},
+            channel_busy_ratio=rows.busy_ratio[mine],
+            begins=rows.begins[mine],
+        )
+
+    def _told(self, t_s: float, sent: list[Sending], receipt: IntArray, left: IntArray) -> Sent:
+        """Give messages their numbers, in order of time and then of sender."""
+        sent.sort(key=lambda one: (one.send_s, one.vehicle))
+        first = self._kept.add(t_s, (one.octets for one in sent))
+
+        def column(name: str, dtype: type) -> FloatArray | IntArray:
+            return np.array([getattr(one, name) for one in sent], dtype=dtype)
+
+        return Sent(
+            t_s,
+            np.arange(first, first + len(sent)),
+            vehicle=column("vehicle", np.int64),
+            send_s=column("send_s", np.float64),
+            frame_bytes=column("frame_bytes", np.int64),
+            power_dbm=column("power_dbm", np.float64),
+            priority=np.full(len(sent), ORDINARY),
+            next_s=column("next_s", np.float64),
+            kind=column("kind", np.int64),
+            length=np.array([len(one.octets) for one in sent], dtype=np.int64),
+            octets=b"".join(one.octets for one in sent),
+            receipt=receipt,
+            left=left,
+        )
+
+
+def _application(name: str) -> AbstractApplication:
+    try:
+        return get_application(name)
+    except ConfigError as error:
+        raise FieldError("application", name, f"a safety application ({error})") from error
+
+
+_SHAPES = {"position_m": (0, 2), "velocity_mps": (0, 2), "covariance_m2": (0, 2, 2)}
+_NOTHING = {
+    name: np.empty(_SHAPES.get(name, (0,)), dtype=np.int64 if name in {"vehicle", "kind"} else np.float64)
+    for name in _BELIEFS
+}
