@@ -14,6 +14,10 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from modelcast.channel.external_radio import AbstractExternalRadio as AbstractExternalRadio
+    from modelcast.channel.external_radio import AbstractRadioSimulator as AbstractRadioSimulator
+    from modelcast.channel.external_radio import CarriedFrames as CarriedFrames
+    from modelcast.channel.radio import Transmissions as Transmissions
     from modelcast.core.exceptions import ModelcastError as ModelcastError
     from modelcast.io.profile import read_profile as read_profile
     from modelcast.io.results import write_results as write_results
@@ -53,8 +57,11 @@ if TYPE_CHECKING:
     from modelcast.world.sensors import SensorModel as SensorModel
 
 _HOMES = {
+    "AbstractExternalRadio": "channel.external_radio",
+    "AbstractRadioSimulator": "channel.external_radio",
     "Bank": "models.bank",
     "BsmCore": "messages.bsm",
+    "CarriedFrames": "channel.external_radio",
     "CompareSettings": "study.compare.settings",
     "ConstantVelocity": "models.constant_velocity",
     "ErrorDriven": "station.policy.error_driven",
@@ -72,6 +79,7 @@ _HOMES = {
     "Station": "station.station",
     "TrainedCandidate": "study.compare.candidate",
     "Trajectory": "trips.trajectory",
+    "Transmissions": "channel.radio",
     "VirtualMedium": "runtime.transport.virtual",
     "build_trajectory": "trips.trajectory",
     "compare": "study.compare.run",
