@@ -124,8 +124,8 @@ class Ns3Radio(AbstractExternalRadio):
     aifsn, window
         Slots of the interframe space beyond SIFS, and the longest countdown. The default is DCF, which a
         station without QoS has.
-    ns3
-        Folder of the wheel; empty for the one that is installed here.
+    folder
+        Of the wheel, ``ns3`` in the site-packages of an environment; empty for this environment's.
 
     Notes
     -----
@@ -144,11 +144,11 @@ class Ns3Radio(AbstractExternalRadio):
     load_dbm: float = -85.0
     aifsn: int = 2
     window: int = 15
-    ns3: str = ""
+    folder: str = ""
 
     def start(self, stations: int, seed: int) -> AbstractRadioSimulator:
         """Compile the program where it is not yet, and start it."""
-        ns3 = Path(self.ns3) if self.ns3 else installed_ns3()
+        ns3 = Path(self.folder) if self.folder else installed_ns3()
         options = {
             "stations": stations,
             "seed": seed,
