@@ -5,6 +5,7 @@ import weakref
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from tempfile import TemporaryFile
+from typing import IO
 
 import numpy as np
 
@@ -48,7 +49,7 @@ class Ns3Simulator(AbstractRadioSimulator):
             stderr=self._errors,
             env=environment(ns3),
         )
-        self._free = weakref.finalize(self, _end, self._process)
+        weakref.finalize(self, _end, self._process, self._errors)
 
     def carry(self, transmissions: Transmissions, position_m: np.ndarray, until_t_s: float) -> CarriedFrames:
         """Run ns-3 on to ``until_t_s``."""
@@ -95,10 +96,11 @@ class Ns3Simulator(AbstractRadioSimulator):
         return RuntimeError(f"ns-3 ended with {self._process.returncode}: {said or 'it said nothing'}")
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
+def _end(process: subprocess.Popen[bytes], errors: IO[bytes]) -> None:
     """End a process that waits for its next step."""
     process.kill()
     process.communicate()
+    errors.close()
 
 
 @dataclass(frozen=True, slots=True)
