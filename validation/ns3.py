@@ -26,13 +26,16 @@ from modelcast.channel.path_loss import LogDistance
 from modelcast.channel.propagation import NakagamiFading, Propagation
 from modelcast.channel.radio import Transmissions
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "examples" / "ns3_radio" / "src"))
+
+from ns3_radio.program import build, environment
+
 LENGTH_M, SECONDS, PERIOD_S, PAYLOAD, BIN_M, BINS = 1000.0, 10.0, 0.1, 300, 50.0, 10
 OVERHEAD = 36  # MAC header 24, FCS 4, LLC and SNAP 8
 SEEDS = 3
 PAIRS = {50: 3, 100: 3, 200: 9}
 """Timed pairs of runs by number of nodes: each seed as often as the next."""
 TARGET = 0.05
-MODULES = ("core", "network", "mobility", "propagation", "spectrum", "antenna", "wifi", "stats", "energy")
 
 Places = tuple[np.ndarray, np.ndarray]
 
@@ -102,25 +105,14 @@ def ours(position_m: np.ndarray, phase_s: np.ndarray, seed: int) -> tuple[np.nda
     return outcomes, since(start, resource.RUSAGE_SELF)
 
 
-def build(python: str, folder: Path) -> tuple[Path, dict[str, str]]:
-    """Compile the driver against the wheel; return it and the environment it runs in."""
+def folder_of(python: str) -> Path:
+    """Folder of the wheel that an interpreter has."""
     query = [python, "-c", "import sysconfig; print(sysconfig.get_paths()['purelib'])"]
     asked = subprocess.run(query, capture_output=True, text=True, check=True)  # noqa: S603 - named by the caller
-    site = Path(asked.stdout.strip()) / "ns3"
-    library = site / "lib64"
-    found = [name for name in MODULES if (library / f"libns3.44-{name}.so").exists()]
-    program = folder / "ns3_broadcast"
-    source = Path(__file__).with_name("ns3_broadcast.cc")
-    command = ["g++", "-std=c++20", "-O2", f"-I{site / 'include'}", str(source), "-o", str(program)]
-    command += [f"-L{library}", *(f"-lns3.44-{name}" for name in found), f"-Wl,-rpath,{library}"]
-    command += ["-Wl,--unresolved-symbols=ignore-in-shared-libs"]
-    subprocess.run(command, check=True)  # noqa: S603 - our own source
-    return program, {**os.environ, "LD_LIBRARY_PATH": str(library)}
+    return Path(asked.stdout.strip()) / "ns3"
 
 
-def theirs(
-    program: Path, environment: dict[str, str], where: Places, seed: int, folder: Path
-) -> tuple[np.ndarray, Took]:
+def theirs(program: Path, ns3: Path, where: Places, seed: int, folder: Path) -> tuple[np.ndarray, Took]:
     """Pairs and receptions by bin (BINS, 2), and what it took."""
     position_m, phase_s = where
     nodes = folder / "nodes.txt"
@@ -133,7 +125,7 @@ def theirs(
         f"--bytes={PAYLOAD}",
         f"--seed={seed + 1}",
     ]
-    run = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)  # noqa: S603
+    run = subprocess.run(command, capture_output=True, text=True, check=True, env=environment(ns3))  # noqa: S603
     took = since(start, resource.RUSAGE_CHILDREN)
     distance_m = np.hypot(*(position_m[:, None] - position_m[None]).transpose(2, 0, 1))
     group = (distance_m / BIN_M).astype(int)
@@ -200,14 +192,15 @@ def main() -> int:
     if not python:
         print("name the interpreter that has ns3, as an argument or in MODELCAST_NS3_PYTHON")
         return 2
+    ns3 = folder_of(python)
+    program = build(Path(__file__).with_name("ns3_broadcast.cc"), ns3)
     lines: list[str] = []
     ours(*places(10, 0), 0)  # compiles
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        program, environment = build(python, folder)
 
         def run_theirs(where: Places, seed: int) -> tuple[np.ndarray, Took]:
-            return theirs(program, environment, where, seed, folder)
+            return theirs(program, ns3, where, seed, folder)
 
         for nodes, number in PAIRS.items():
             pairs: list[Pair] = []

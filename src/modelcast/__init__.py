@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from modelcast.channel.dsrc import Dsrc as Dsrc
     from modelcast.channel.erasure import GilbertElliott as GilbertElliott
     from modelcast.channel.erasure import IndependentErasure as IndependentErasure
+    from modelcast.channel.external_radio import AbstractExternalRadio as AbstractExternalRadio
+    from modelcast.channel.external_radio import AbstractRadioSimulator as AbstractRadioSimulator
+    from modelcast.channel.external_radio import CarriedFrames as CarriedFrames
     from modelcast.channel.radio import OUTCOMES as OUTCOMES
     from modelcast.channel.radio import AbstractRadio as AbstractRadio
     from modelcast.channel.radio import Receptions as Receptions
@@ -146,13 +149,16 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "AbstractApplication": "apps.base",
+    "AbstractExternalRadio": "channel.external_radio",
     "AbstractNumpySubModel": "models.numpy_model",
     "AbstractRadio": "channel.radio",
+    "AbstractRadioSimulator": "channel.external_radio",
     "AbstractTransmitPolicy": "station.policy.base",
     "Air": "station.policy.base",
     "Authority": "messages.security.authority",
     "Bank": "models.bank",
     "BsmCore": "messages.bsm",
+    "CarriedFrames": "channel.external_radio",
     "Cause": "station.policy.j2945",
     "CodecError": "core.exceptions",
     "CompareSettings": "study.compare.settings",
