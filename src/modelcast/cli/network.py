@@ -10,7 +10,7 @@ from modelcast.cli.roadside_options import RoadsideOptions
 
 if TYPE_CHECKING:
     from modelcast.cli.network_plan import NetworkPlan
-    from modelcast.io.fcd_survey import FcdSurvey
+    from modelcast.io.traffic_survey import TrafficSurvey
 
 __all__ = ["network", "survey", "unsaid"]
 
@@ -123,8 +123,12 @@ def unsaid(_line: str) -> None:
     """Takes a line that nobody is told."""
 
 
-def survey(plan: "NetworkPlan") -> "FcdSurvey | None":
-    """What the file of floating-car data holds, where the traffic is one."""
+def survey(plan: "NetworkPlan") -> "TrafficSurvey | None":
+    """What the traffic's file holds, where it is one; of a configuration of SUMO, its first run."""
+    if plan.from_sumo_config:
+        from modelcast.cli.network_traffic import sumo_survey
+
+        return sumo_survey(plan, plan.seed)
     if not plan.from_file:
         return None
     from modelcast.io.fcd import survey_fcd

@@ -10,7 +10,7 @@ from modelcast.cli.network_traffic import BLOCK_M, traffic
 from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.kinds import Kind
-from modelcast.io.fcd_survey import FcdSurvey
+from modelcast.io.traffic_survey import TrafficSurvey
 from modelcast.runtime.fleet.engine import NetworkRun, run_network
 from modelcast.runtime.fleet.observer import AbstractObserver
 from modelcast.runtime.fleet.people import People
@@ -80,7 +80,7 @@ def _radio(plan: NetworkPlan, name: str) -> tuple[Any, float]:
     return TabulatedRadio(table), table.bin_m
 
 
-def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = None) -> CaseResult:
+def run_case(plan: NetworkPlan, case: NetworkCase, found: TrafficSurvey | None = None) -> CaseResult:
     """Run one case and return its rows.
 
     Parameters
@@ -90,7 +90,7 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
     case
         The run.
     found
-        What the file of floating-car data holds, where the traffic is one.
+        What the traffic's file holds, where it is one.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def simulated(
     plan: NetworkPlan,
     case: NetworkCase,
     *,
-    found: FcdSurvey | None = None,
+    found: TrafficSurvey | None = None,
     observer: AbstractObserver | None = None,
 ) -> tuple[NetworkRun, float]:
     """Run one case and return what it counted, and the width of the radio's bins of distance [m].

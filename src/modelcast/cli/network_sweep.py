@@ -17,12 +17,12 @@ from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import named_banks
 from modelcast.cli.shared_work import workers
 from modelcast.core.exceptions import ConfigError
-from modelcast.io.fcd_survey import FcdSurvey, survey_document
 from modelcast.io.network import write_network
 from modelcast.io.network_runs import NetworkRunFiles, RunKey
 from modelcast.io.output import atomic_folder
 from modelcast.io.run_store import RunStore, run_store
 from modelcast.io.traffic import write_traffic
+from modelcast.io.traffic_survey import TrafficSurvey, survey_document
 from modelcast.report.network import traffic_lines, write_network_report
 from modelcast.report.traffic import write_traffic_report
 from modelcast.study.network.pairs import PairedRow, traffic_rows
@@ -44,7 +44,7 @@ class Sweep:
     plan, cases, senders
         What all runs share, the runs, and who sends.
     found
-        What the file of floating-car data holds, where the traffic is one.
+        What the traffic's file holds, where it is one.
     command
         Whose output folder it is.
     against
@@ -57,7 +57,7 @@ class Sweep:
     cases: Sequence[NetworkCase]
     _: KW_ONLY
     senders: Sequence[SenderRow]
-    found: FcdSurvey | None = None
+    found: TrafficSurvey | None = None
     command: str = "network"
     against: str = ""
     film: bool = False
