@@ -9,6 +9,7 @@ from modelcast.cli.people_options import PeopleOptions
 from modelcast.cli.roadside_options import RoadsideOptions
 
 if TYPE_CHECKING:
+    from modelcast.cli.network_case import TraceFiles
     from modelcast.cli.network_plan import NetworkPlan
     from modelcast.io.traffic_survey import TrafficSurvey
 
@@ -27,6 +28,8 @@ def network(
     roadside: RoadsideOptions = RoadsideOptions(),  # noqa: B008 - frozen
     people: PeopleOptions = PeopleOptions(),  # noqa: B008 - frozen
     film: bool = False,
+    trace: Path | None = None,
+    trace_format: Words = ("parquet",),
     out: Path = Path("out/network"),
     jobs: int = 0,
     json: bool = False,
@@ -67,6 +70,12 @@ def network(
         Film a meeting of the first run: somebody comes from behind a building, and what the host of a vehicle
         believes of them; with --roadside without the units and with them. Writes film.png, film.svg and
         film.parquet.
+    trace
+        Folder for the traces of all runs, a folder each: positions, transmissions, receptions and what
+        expired, row by row, the warm-up too. Runs done before are run again.
+    trace_format
+        parquet, csv, ns2, bonnmotion (movements of all stations for other simulators), omnetpp (output
+        vectors), or several after one another.
     out
         Output folder.
     jobs
@@ -101,6 +110,7 @@ def network(
         found=survey(plan),
         against=rival_of(options.against, cases),
         film=film,
+        trace=_traces(trace, trace_format, out=out),
     )
     swept = sweep(
         asked,
@@ -117,6 +127,33 @@ def network(
         show(network_console(swept.result))
         say(f"report: {out / 'report.html'}")
     return 0
+
+
+def _traces(folder: Path | None, formats: Words, *, out: Path) -> "TraceFiles | None":
+    """Where traces go, checked before anything runs.
+
+    Raises
+    ------
+    ConfigError
+        Where a format is unknown, formats come without a folder, or the folder is the output folder or in it.
+    """
+    from modelcast.cli.network_case import TraceFiles
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.io.traces import TRACE_FORMATS
+
+    unknown = [name for name in formats if name not in TRACE_FORMATS]
+    if unknown or not formats:
+        known = ", ".join(TRACE_FORMATS)
+        raise ConfigError(f"--trace-format must be of {known}, got {', '.join(unknown) or 'none'}")
+    if folder is None:
+        if tuple(formats) != ("parquet",):
+            raise ConfigError(f"--trace-format {' '.join(formats)} goes with --trace FOLDER")
+        return None
+    if folder.resolve().is_relative_to(out.resolve()):
+        raise ConfigError(
+            f"--trace {folder} lies in --out {out}, which is replaced whole: name another folder"
+        )
+    return TraceFiles(folder, tuple(formats))
 
 
 def unsaid(_line: str) -> None:

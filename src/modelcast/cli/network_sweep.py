@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from modelcast.cli.network_case import run_case
+from modelcast.cli.network_case import TraceFiles, run_case
 from modelcast.cli.network_cases import told
 from modelcast.cli.network_film import find_meeting, write_film
 from modelcast.cli.network_plan import NetworkPlan
@@ -51,6 +51,8 @@ class Sweep:
         Policy that warnings are set against.
     film
         Whether a meeting of the first run is filmed.
+    trace
+        Where traces of all runs go, none of which is taken from an earlier call then; None for none.
     """
 
     plan: NetworkPlan
@@ -61,6 +63,7 @@ class Sweep:
     command: str = "network"
     against: str = ""
     film: bool = False
+    trace: TraceFiles | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +131,8 @@ def sweep(
         known, notes = _training_trips(plan)
         for line in notes:
             say(line)
-        results = {case: done for case in cases if (done := store.find(case)) is not None}
+        known_runs = cases if asked.trace is None else ()
+        results = {case: done for case in known_runs if (done := store.find(case)) is not None}
         say(told(cases, len(results)))
         with watch() as progress:
             results = _run_all(asked, results, store, jobs=jobs, progress=progress)
@@ -178,7 +182,9 @@ def _run_all(
         missing.sort(key=lambda case: -case.density_per_km)
     progress(len(results), len(asked.cases))
     with workers(processes) as pool:
-        for case, result in pool.as_done(partial(run_case, asked.plan, found=asked.found), missing):
+        for case, result in pool.as_done(
+            partial(run_case, asked.plan, found=asked.found, trace=asked.trace), missing
+        ):
             store.keep(case, result)
             results[case] = result
             progress(len(results), len(asked.cases))
