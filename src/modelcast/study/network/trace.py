@@ -146,7 +146,7 @@ def _places(loop: FleetLoop, frame: FleetFrame) -> tuple[FloatArray, IntArray]:
 def _positions(loop: FleetLoop, frame: FleetFrame, place_m: FloatArray, kind: IntArray) -> TraceColumns:
     here = np.flatnonzero(np.isfinite(place_m[:, 0]))
     units = np.zeros(len(place_m) - len(frame))
-    names = np.array([Kind(one).name.lower() for one in range(len(Kind))], dtype=object)
+    names = np.array([Kind(one).name.lower() for one in range(len(Kind))])
     columns: dict[str, npt.NDArray[Any]] = {
         "t_s": np.full(here.size, frame.t_s),
         "vehicle": loop.vehicle[here],
@@ -170,8 +170,8 @@ def _message(loop: FleetLoop, sender: IntArray, content: FloatArray) -> dict[str
 def _transmissions(loop: FleetLoop) -> TraceColumns:
     sent = loop.exchange.sent
     content = loop.origins(sent.message_id)
-    kinds = np.array([MessageKind(one).label for one in range(len(MessageKind))], dtype=object)
-    models = np.array(loop.model_names, dtype=object)
+    kinds = np.array([MessageKind(one).label for one in range(len(MessageKind))])
+    models = np.array(loop.model_names)
     return {
         "t_s": sent.ready_s,
         **_message(loop, sent.sender, content),
