@@ -325,10 +325,12 @@ def test_traces_are_a_folder_a_run_and_agree_with_its_rows(tmp_path: Path) -> No
     bank = {"j2945": "none", "j2945-mbc": "default"}
     for row in rows:
         folder = traces / f"dsrc_{row['policy']}_{bank[row['policy']]}_20_{row['run']}"
-        positions = pq.read_table(folder / "positions.parquet").to_pandas()
-        sent = pq.read_table(folder / "transmissions.parquet").to_pandas()
-        vehicle_s = 0.1 * (positions["t_s"] > 0.95).sum()
-        assert (sent["t_s"] >= 1.0).sum() / vehicle_s == pytest.approx(row["message_rate_hz"], rel=0.02)
+        positions = pq.read_table(folder / "positions.parquet")
+        sent = pq.read_table(folder / "transmissions.parquet")
+        vehicle_s = 0.1 * (positions["t_s"].to_numpy() > 0.95).sum()
+        assert (sent["t_s"].to_numpy() >= 1.0).sum() / vehicle_s == pytest.approx(
+            row["message_rate_hz"], rel=0.02
+        )
         assert (folder / "receptions.csv").is_file()
 
 

@@ -1,6 +1,7 @@
 """A trace holds each message and reception once, and agrees with what the run counted."""
 
 from collections import defaultdict
+from pathlib import Path
 
 import numpy as np
 import polars as pl
@@ -156,3 +157,10 @@ def test_what_a_unit_repeats_keeps_its_origin() -> None:
     heard = trace["receptions"].filter(pl.col("sender") == number)
     assert heard.height > 0
     assert heard.join(copies, on=["origin", "message"], how="anti").filter(pl.col("step") > 10).height < 50
+
+
+def test_the_documentation_has_all_columns() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "traces.md").read_text(encoding="utf-8")
+    for name, columns in TRACE.items():
+        rows = "".join(f"| `{one.name}` | {one.unit} | {one.meaning} |\n" for one in columns)
+        assert f"|---|---|---|\n{rows}\n" in text.split(f"**{name}**", 1)[1], name
