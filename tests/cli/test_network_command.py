@@ -23,6 +23,7 @@ from modelcast.core.exceptions import (
     MissingExtraError,
     ModelcastError,
 )
+from modelcast.io.sumo_roads import junction_input
 from modelcast.study.network.rows import NetworkCase
 
 DEFAULTS = {
@@ -310,3 +311,73 @@ def test_people_go_with_the_grids_of_ours(
 ):
     assert run(["network", "--scenario", scenario, "--pedestrians", people, "--quiet"]) == USAGE
     assert told in " ".join(capsys.readouterr().err.split())
+
+
+def test_traces_are_a_folder_a_run_and_agree_with_its_rows(tmp_path: Path) -> None:
+    out, traces = tmp_path / "out", tmp_path / "traces"
+    assert run(words(out)) == 0  # done before: run again for the trace
+    assert run([*words(out), "--trace", str(traces), "--trace-format", "parquet", "csv"]) == 0
+    rows = json.loads((out / "summary.json").read_text())["runs"]
+    names = {
+        f"dsrc_{policy}_20_{number}" for policy in ("j2945_none", "j2945-mbc_default") for number in (0, 1)
+    }
+    assert {path.name for path in traces.iterdir()} == names
+    bank = {"j2945": "none", "j2945-mbc": "default"}
+    for row in rows:
+        folder = traces / f"dsrc_{row['policy']}_{bank[row['policy']]}_20_{row['run']}"
+        positions = pq.read_table(folder / "positions.parquet")
+        sent = pq.read_table(folder / "transmissions.parquet")
+        vehicle_s = 0.1 * (positions["t_s"].to_numpy() > 0.95).sum()
+        assert (sent["t_s"].to_numpy() >= 1.0).sum() / vehicle_s == pytest.approx(
+            row["message_rate_hz"], rel=0.02
+        )
+        assert (folder / "receptions.csv").is_file()
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--trace-format", "csv"], "--trace FOLDER"),
+        (["--trace", "t", "--trace-format", "pcap"], "--trace-format must be of parquet"),
+        (["--trace", "OUT/t"], "lies in --out"),
+    ],
+)
+def test_traces_that_cannot_be_written_are_told_before_anything_runs(
+    options: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = [word.replace("OUT", str(tmp_path / "out")) for word in options]
+    assert run([*words(tmp_path / "out"), *given]) == USAGE
+    assert told in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.skipif(not HAS_SUMO, reason="the extra sumo is not installed")
+def test_a_configuration_of_sumo_runs_with_its_people(tmp_path: Path) -> None:
+    network = junction_input(tmp_path / "town").network
+    (tmp_path / "town" / "own.rou.xml").write_text(
+        '<routes><vType id="two" vClass="bicycle"/><route id="across" edges="inE outW"/>'
+        '<flow id="c" route="across" begin="0" end="60" period="3"/>'
+        '<vehicle id="b" type="two" route="across" depart="0"/>'
+        '<person id="p" depart="0"><walk edges="inS outN"/></person></routes>',
+        encoding="utf-8",
+    )
+    path = tmp_path / "town" / "a.sumocfg"
+    path.write_text(
+        f'<configuration><input><net-file value="{network.name}"/><route-files value="own.rou.xml"/></input>'
+        "</configuration>",
+        encoding="utf-8",
+    )
+    given = [*words(tmp_path / "out", scenario=str(path), policy="mbc", lead_in="10"), "--persons"]
+    assert run(given) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert (summary["traffic"]["pedestrians"], summary["traffic"]["cyclists"]) == (1, 1)
+    assert {"eclipse-sumo", "0 a.sumocfg"} <= set(summary["inputs"])
+    assert sum("road.net.xml" in name or "own.rou.xml" in name for name in summary["inputs"]) == 2
+    assert {row["run"] for row in summary["people"]} == {0, 1}
+
+
+def test_a_lead_in_goes_with_a_configuration_of_sumo(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(words(tmp_path / "out", lead_in="10")) == USAGE
+    assert "--lead-in goes with a .sumocfg" in capsys.readouterr().err

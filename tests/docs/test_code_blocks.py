@@ -15,11 +15,20 @@ from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from modelcast.channel.dsrc import Dsrc
 from modelcast.cli.app import app, run
+from modelcast.io.traces import TRACE_FORMATS, trace_writer
 from modelcast.io.write_trips import write_csv
+from modelcast.runtime.fleet.engine import run_network
+from modelcast.runtime.fleet.settings import NetworkSettings
+from modelcast.station.sender.sender import named_sender
+from modelcast.study.network.trace import TraceObserver
 from modelcast.world.drive import generate_drive
+from modelcast.world.scenario.base import run_scenario
+from modelcast.world.scenario.highway import Highway
 
 sys.path.insert(0, str(Path(__file__).parent))
 from code_blocks import PAGES, ROOT, Block, blocks_of, printed_by
@@ -59,6 +68,22 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         write_csv([drive], tmp_path / name)
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+def bring_trace(program: str) -> None:
+    """Write the trace that a program reads, as the command on its page does, of a short run."""
+    names = set(re.findall(r'"(out/traces/dsrc_[^"/]+)', program))
+    for name in names:
+        frames = run_scenario(Highway(800.0, 25.0), np.random.default_rng(1), duration_s=3.0)
+        with trace_writer(name, TRACE_FORMATS) as take:
+            run_network(
+                frames,
+                named_sender("mbc"),
+                Dsrc(),
+                NetworkSettings(warm_up_s=1.0),
+                seed=1,
+                observer=TraceObserver(take),
+            )
 
 
 def bring_data(program: str, folder: Path, request: pytest.FixtureRequest) -> None:
@@ -104,6 +129,7 @@ def test_a_program_prints_what_it_shows(block: Block, folder: Path, request: pyt
     if block.not_run:
         compile(block.text, block.place, "exec")
         return
+    bring_trace(block.text)
     bring_data(block.text, folder, request)
     whole, pieces = outputs_of(block.text, block.place)
     if block.result is not None:

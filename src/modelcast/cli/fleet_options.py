@@ -27,8 +27,8 @@ class FleetOptions:
         cut in; grid: streets with signals and buildings; crossing: the same with priority instead of signals,
         and drivers who misjudge gaps; sumo-highway, sumo-grid, sumo-junction (extra sumo); platoon: the cars
         of an OpenACC file on their one clock, as long as it lasts; trips: recorded trips laid on a straight
-        road; or a file of floating-car data (CSV, Parquet or SUMO XML). Platoon, junction and files have
-        their own density.
+        road; or a file: floating-car data (CSV, Parquet or SUMO XML), or any .sumocfg, which SUMO drives
+        (extra sumo). Platoon, junction and files have their own density.
     trips
         Recorded trips of platoon and trips: files or folders, several after one another. Of several platoons
         seeds take one each in turn.
@@ -53,7 +53,10 @@ class FleetOptions:
         Recorded tracks of people, files or folders, laid over the crossings of grid and crossing, each once
         at a random time. They do not see the vehicles, nor the vehicles them.
     persons
-        Take the persons of a file of floating-car data, as pedestrians; else they are skipped.
+        Take the persons of a file of floating-car data or of a .sumocfg, as pedestrians; else they are
+        skipped.
+    lead_in
+        What SUMO drives of a .sumocfg before the run begins, so that its roads are not empty [s].
     certificates
         Which messages carry the certificate: gap, timer, always, digest, unsigned.
     profile
@@ -110,6 +113,7 @@ class FleetOptions:
     pedestrian_tracks: Paths = ()
     cyclist_tracks: Paths = ()
     persons: bool = False
+    lead_in: float = 0.0
     certificates: CertificateRule = "gap"
     profile: str | None = None
     start: StartRule | None = None
@@ -159,6 +163,7 @@ class FleetOptions:
             pedestrian_tracks=tuple(str(path) for path in self.pedestrian_tracks),
             cyclist_tracks=tuple(str(path) for path in self.cyclist_tracks),
             persons=self.persons,
+            lead_in_s=self.lead_in,
             seed=self.seed,
             certificates=self.certificates,
             banks=banks,

@@ -9,8 +9,9 @@ from modelcast.cli.people_options import PeopleOptions
 from modelcast.cli.roadside_options import RoadsideOptions
 
 if TYPE_CHECKING:
+    from modelcast.cli.network_case import TraceFiles
     from modelcast.cli.network_plan import NetworkPlan
-    from modelcast.io.fcd_survey import FcdSurvey
+    from modelcast.io.traffic_survey import TrafficSurvey
 
 __all__ = ["network", "survey", "unsaid"]
 
@@ -27,6 +28,8 @@ def network(
     roadside: RoadsideOptions = RoadsideOptions(),  # noqa: B008 - frozen
     people: PeopleOptions = PeopleOptions(),  # noqa: B008 - frozen
     film: bool = False,
+    trace: Path | None = None,
+    trace_format: Words = ("parquet",),
     out: Path = Path("out/network"),
     jobs: int = 0,
     json: bool = False,
@@ -67,6 +70,12 @@ def network(
         Film a meeting of the first run: somebody comes from behind a building, and what the host of a vehicle
         believes of them; with --roadside without the units and with them. Writes film.png, film.svg and
         film.parquet.
+    trace
+        Folder for the traces of all runs, a folder each: positions, transmissions, receptions and what
+        expired, row by row, the warm-up too. Runs done before are run again.
+    trace_format
+        parquet, csv, ns2, bonnmotion (movements of all stations for other simulators), omnetpp (output
+        vectors), or several after one another.
     out
         Output folder.
     jobs
@@ -101,6 +110,7 @@ def network(
         found=survey(plan),
         against=rival_of(options.against, cases),
         film=film,
+        trace=_traces(trace, trace_format, out=out),
     )
     swept = sweep(
         asked,
@@ -119,12 +129,43 @@ def network(
     return 0
 
 
+def _traces(folder: Path | None, formats: Words, *, out: Path) -> "TraceFiles | None":
+    """Where traces go, checked before anything runs.
+
+    Raises
+    ------
+    ConfigError
+        Where a format is unknown, formats come without a folder, or the folder is the output folder or in it.
+    """
+    from modelcast.cli.network_case import TraceFiles
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.io.traces import TRACE_FORMATS
+
+    unknown = [name for name in formats if name not in TRACE_FORMATS]
+    if unknown or not formats:
+        known = ", ".join(TRACE_FORMATS)
+        raise ConfigError(f"--trace-format must be of {known}, got {', '.join(unknown) or 'none'}")
+    if folder is None:
+        if tuple(formats) != ("parquet",):
+            raise ConfigError(f"--trace-format {' '.join(formats)} goes with --trace FOLDER")
+        return None
+    if folder.resolve().is_relative_to(out.resolve()):
+        raise ConfigError(
+            f"--trace {folder} lies in --out {out}, which is replaced whole: name another folder"
+        )
+    return TraceFiles(folder, tuple(formats))
+
+
 def unsaid(_line: str) -> None:
     """Takes a line that nobody is told."""
 
 
-def survey(plan: "NetworkPlan") -> "FcdSurvey | None":
-    """What the file of floating-car data holds, where the traffic is one."""
+def survey(plan: "NetworkPlan") -> "TrafficSurvey | None":
+    """What the traffic's file holds, where it is one; of a configuration of SUMO, its first run."""
+    if plan.from_sumo_config:
+        from modelcast.cli.network_traffic import sumo_survey
+
+        return sumo_survey(plan, plan.seed)
     if not plan.from_file:
         return None
     from modelcast.io.fcd import survey_fcd

@@ -1,6 +1,8 @@
 """One run of ``modelcast network``: which traffic, which radio, which sender; what a worker process does."""
 
-from dataclasses import replace
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from modelcast.channel.radio import AbstractRadio
@@ -11,9 +13,9 @@ from modelcast.cli.network_senders import named_banks, sender_of
 from modelcast.cli.network_traffic import BLOCK_M, traffic
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.kinds import Kind
-from modelcast.io.fcd_survey import FcdSurvey
+from modelcast.io.traffic_survey import TrafficSurvey
 from modelcast.runtime.fleet.engine import NetworkRun, run_network
-from modelcast.runtime.fleet.observer import AbstractObserver
+from modelcast.runtime.fleet.observer import AbstractObserver, Observers
 from modelcast.runtime.fleet.people import People
 from modelcast.station.banks import free_bank
 from modelcast.station.receiver.reading import Reading
@@ -37,9 +39,25 @@ from modelcast.world.sensors import filter_for
 if TYPE_CHECKING:
     from modelcast.channel.propagation import Propagation
 
-__all__ = ["propagation_of", "run_case", "simulated"]
+__all__ = ["TraceFiles", "propagation_of", "run_case", "simulated"]
 
 _STREET_M = 30.0
+
+
+@dataclass(frozen=True, slots=True)
+class TraceFiles:
+    """Where traces of runs go, and as what.
+
+    Parameters
+    ----------
+    folder
+        Holds a folder a run.
+    formats
+        Of `modelcast.io.traces.TRACE_FORMATS`.
+    """
+
+    folder: Path
+    formats: tuple[str, ...] = ("parquet",)
 
 
 def propagation_of(plan: NetworkPlan) -> "Propagation":
@@ -67,7 +85,12 @@ def _radio(plan: NetworkPlan, text: str) -> AbstractRadio[Any]:
     return get_radio(text, propagation)
 
 
-def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = None) -> CaseResult:
+def run_case(
+    plan: NetworkPlan,
+    case: NetworkCase,
+    found: TrafficSurvey | None = None,
+    trace: TraceFiles | None = None,
+) -> CaseResult:
     """Run one case and return its rows.
 
     Parameters
@@ -77,7 +100,9 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
     case
         The run.
     found
-        What the file of floating-car data holds, where the traffic is one.
+        What the traffic's file holds, where it is one.
+    trace
+        Where its trace goes; None for none.
 
     Raises
     ------
@@ -87,7 +112,11 @@ def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = Non
     """
     mixed = mixed_of(case.policy)
     observer = _observer(plan, case, is_mixed=mixed.is_mixed)
-    run, bin_m = simulated(plan, case, found=found, observer=observer)
+    with ExitStack() as stack:
+        looking: list[AbstractObserver] = [] if observer is None else [observer]
+        if trace is not None:
+            looking.append(_tracer(trace, case, stack))
+        run, bin_m = simulated(plan, case, found=found, observer=Observers(tuple(looking)))
     result = measure(run, case, plan.settings, outcome_bin_m=bin_m)
     if run.roadside is not None and plan.roadside is not None:
         result = measure_roadside(result, run.roadside, len(plan.roadside.places_m), plan.settings)
@@ -105,7 +134,7 @@ def simulated(
     plan: NetworkPlan,
     case: NetworkCase,
     *,
-    found: FcdSurvey | None = None,
+    found: TrafficSurvey | None = None,
     observer: AbstractObserver | None = None,
 ) -> tuple[NetworkRun, float]:
     """Run one case and return what it counted, and the width of the radio's bins of distance [m].
@@ -146,6 +175,16 @@ def simulated(
     except ValueError as error:
         raise ConfigError(str(error)) from error
     return run, radio.bin_m
+
+
+def _tracer(trace: TraceFiles, case: NetworkCase, stack: ExitStack) -> AbstractObserver:
+    """Who writes the trace of a run; its folder appears when the stack is left."""
+    from modelcast.io.network_runs import case_name
+    from modelcast.io.traces import trace_writer
+    from modelcast.study.network.trace import TraceObserver
+
+    writer = trace_writer(trace.folder / case_name(case), trace.formats)
+    return TraceObserver(stack.enter_context(writer))
 
 
 def _observer(plan: NetworkPlan, case: NetworkCase, *, is_mixed: bool) -> SafetyObserver | None:

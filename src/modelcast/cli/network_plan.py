@@ -5,7 +5,7 @@ import importlib.resources
 from collections.abc import Iterable
 from dataclasses import KW_ONLY, asdict, dataclass, replace
 from importlib import metadata
-from math import ceil
+from math import ceil, inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from modelcast.cli.people_plan import PeoplePlan
 from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.network_runs import RunKey
+from modelcast.io.sumo_config import SUMO_CONFIG
 from modelcast.messages.rules import CertificateRule
 from modelcast.models.shipped import names_profile, profile_path
 from modelcast.runtime.fleet.settings import NetworkSettings
@@ -48,7 +49,7 @@ class NetworkPlan:
     Parameters
     ----------
     scenario
-        A name of `BUILT_IN`, `SUMO` or `RECORDED`, or a file of floating-car data.
+        A name of `BUILT_IN`, `SUMO` or `RECORDED`, a configuration of SUMO, or a file of floating-car data.
     duration_s, warm_up_s
         Time simulated, and how much of it is left out of the counts [s].
     length_m
@@ -64,7 +65,9 @@ class NetworkPlan:
     pedestrian_tracks, cyclist_tracks
         Files or folders of recorded tracks that are laid over the crossings of a grid of ours.
     persons
-        Whether the persons of a file of floating-car data are taken.
+        Whether the persons of a file of floating-car data or of a configuration of SUMO are taken.
+    lead_in_s
+        Driven by a configuration of SUMO before the run begins [s].
     certificates
         Rule of the certificates.
     banks, profile, start, identify, cost
@@ -124,6 +127,7 @@ class NetworkPlan:
     pedestrian_tracks: tuple[str, ...] = ()
     cyclist_tracks: tuple[str, ...] = ()
     persons: bool = False
+    lead_in_s: float = 0.0
     receivers_ratios: tuple[float, ...] = ()
     margin_m: float = 0.0
     applications: tuple[str, ...] = ()
@@ -146,6 +150,7 @@ class NetworkPlan:
             "pedestrian_tracks",
             "cyclist_tracks",
             "persons",
+            "lead_in_s",
             "cyclists",
             "receivers_ratios",
             "margin_m",
@@ -215,6 +220,10 @@ class NetworkPlan:
         from modelcast.study.network.mixed import mixed_of
 
         files = [self.scenario] if self.from_file else []
+        if self.from_sumo_config:
+            from modelcast.io.sumo_config import read_sumo_config
+
+            files += [str(path) for path in read_sumo_config(self.scenario).inputs]
         files += [] if self.profile is None else [str(profile_path(self.profile))]
         paths = [Path(path) for path in (*self.trips, *self.tracks, *files)]
         hashes = recorded_inputs(paths).items()
@@ -223,7 +232,7 @@ class NetworkPlan:
         }
         profile = importlib.resources.files("modelcast") / "profiles" / "default.json"
         inputs["profile"] = hashlib.sha256(profile.read_bytes()).hexdigest()
-        if self.scenario in SUMO:
+        if self.needs_sumo:
             inputs["eclipse-sumo"] = metadata.version("eclipse-sumo")
         theirs = {} if self.people is None else {"people": self.people.bank}
         banks = (*self.bank_texts.items(), *theirs.items())
@@ -237,8 +246,18 @@ class NetworkPlan:
 
     @property
     def from_file(self) -> bool:
-        """Whether the traffic is a file of floating-car data."""
+        """Whether the traffic is a file: of floating-car data, or a configuration of SUMO."""
         return self.scenario not in (*BUILT_IN, *SUMO, *RECORDED)
+
+    @property
+    def from_sumo_config(self) -> bool:
+        """Whether the traffic is a configuration of SUMO."""
+        return self.from_file and self.scenario.endswith(SUMO_CONFIG)
+
+    @property
+    def needs_sumo(self) -> bool:
+        """Whether the traffic is driven by SUMO."""
+        return self.scenario in SUMO or self.from_sumo_config
 
     @property
     def has_own_density(self) -> bool:
@@ -281,9 +300,25 @@ class NetworkPlan:
             raise ConfigError(
                 f"--trips goes with --scenario {' or '.join(RECORDED)}, got --scenario {self.scenario}"
             )
+        if not 0.0 <= self.lead_in_s < inf:
+            raise ConfigError(f"--lead-in must be at least 0, got {self.lead_in_s}")
+        if self.lead_in_s and not self.from_sumo_config:
+            raise ConfigError(f"--lead-in goes with a .sumocfg, got --scenario {self.scenario}")
+        self._check_people()
+        for path in (*self.trips, *self.tracks):
+            if not Path(path).exists():
+                raise DataFormatError(path, "does not exist", remedy="Check the path.")
+        if self.needs_sumo:
+            from modelcast.io.sumo import require_sumo
+
+            require_sumo()
+
+    def _check_people(self) -> None:
+        """Refuse people that the traffic cannot have."""
         if self.persons and not self.from_file:
             raise ConfigError(
-                f"--persons goes with a file of floating-car data, got --scenario {self.scenario}"
+                "--persons goes with a file of floating-car data or a .sumocfg, got --scenario "
+                f"{self.scenario}"
             )
         if min(self.pedestrians, self.cyclists) < 0:
             raise ConfigError(
@@ -294,13 +329,6 @@ class NetworkPlan:
                 f"--pedestrians, --cyclists and their tracks go with --scenario {' or '.join(PEOPLED)}, "
                 f"got --scenario {self.scenario}"
             )
-        for path in (*self.trips, *self.tracks):
-            if not Path(path).exists():
-                raise DataFormatError(path, "does not exist", remedy="Check the path.")
-        if self.scenario in SUMO:
-            from modelcast.io.sumo import require_sumo
-
-            require_sumo()
 
     def warns(self) -> "dict[str, AbstractApplication]":
         """What hosts warn of, by name.

@@ -10,19 +10,19 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from modelcast.cli.network_case import run_case
+from modelcast.cli.network_case import TraceFiles, run_case
 from modelcast.cli.network_cases import told
 from modelcast.cli.network_film import find_meeting, write_film
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import named_banks
 from modelcast.cli.shared_work import workers
 from modelcast.core.exceptions import ConfigError
-from modelcast.io.fcd_survey import FcdSurvey, survey_document
 from modelcast.io.network import write_network
 from modelcast.io.network_runs import NetworkRunFiles, RunKey
 from modelcast.io.output import atomic_folder
 from modelcast.io.run_store import RunStore, run_store
 from modelcast.io.traffic import write_traffic
+from modelcast.io.traffic_survey import TrafficSurvey, survey_document
 from modelcast.report.network import traffic_lines, write_network_report
 from modelcast.report.traffic import write_traffic_report
 from modelcast.study.network.pairs import PairedRow, traffic_rows
@@ -44,23 +44,26 @@ class Sweep:
     plan, cases, senders
         What all runs share, the runs, and who sends.
     found
-        What the file of floating-car data holds, where the traffic is one.
+        What the traffic's file holds, where it is one.
     command
         Whose output folder it is.
     against
         Policy that warnings are set against.
     film
         Whether a meeting of the first run is filmed.
+    trace
+        Where traces of all runs go, none of which is taken from an earlier call then; None for none.
     """
 
     plan: NetworkPlan
     cases: Sequence[NetworkCase]
     _: KW_ONLY
     senders: Sequence[SenderRow]
-    found: FcdSurvey | None = None
+    found: TrafficSurvey | None = None
     command: str = "network"
     against: str = ""
     film: bool = False
+    trace: TraceFiles | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +133,8 @@ def sweep(
         known, notes = _training_trips(plan)
         for line in notes:
             say(line)
-        results = {case: done for case in cases if (done := store.find(case)) is not None}
+        known_runs = cases if asked.trace is None else ()
+        results = {case: done for case in known_runs if (done := store.find(case)) is not None}
         say(told(cases, len(results)))
         with watch() as progress:
             results = _run_all(asked, results, store, jobs=jobs, progress=progress)
@@ -180,7 +184,9 @@ def _run_all(
         missing.sort(key=lambda case: -case.density_per_km)
     progress(len(results), len(asked.cases))
     with workers(processes) as pool:
-        for case, result in pool.as_done(partial(run_case, asked.plan, found=asked.found), missing):
+        for case, result in pool.as_done(
+            partial(run_case, asked.plan, found=asked.found, trace=asked.trace), missing
+        ):
             store.keep(case, result)
             results[case] = result
             progress(len(results), len(asked.cases))

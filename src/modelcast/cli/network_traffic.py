@@ -6,12 +6,13 @@ from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from itertools import takewhile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from modelcast.cli.network_plan import BUILT_IN, SUMO, NetworkPlan
 from modelcast.core.chance import child_generator
 from modelcast.core.kinds import Kind
 from modelcast.io.fcd_survey import FcdSurvey
+from modelcast.io.traffic_survey import TrafficSurvey
 from modelcast.study.network.rows import NetworkCase
 from modelcast.study.network.simulate import traffic_chance
 from modelcast.trips.trajectory import Trajectory
@@ -26,11 +27,16 @@ from modelcast.world.scenario.peopled_grid import PeopledGrid
 from modelcast.world.scenario.recorded import Replay
 from modelcast.world.scenario.resampling import resampled
 
+if TYPE_CHECKING:
+    from modelcast.io.sumo import SumoSurvey
+    from modelcast.io.sumo_config import SumoConfig
+
 __all__ = [
     "BLOCK_M",
     "CROSSING_MISJUDGED_RATIO",
     "CROSSING_STRAIGHT_RATIO",
     "CUT_INS_PER_MINUTE",
+    "sumo_survey",
     "traffic",
 ]
 
@@ -49,7 +55,7 @@ _MOST_SUMO_VEHICLES = 1.6
 
 @contextmanager
 def traffic(
-    plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = None
+    plan: NetworkPlan, case: NetworkCase, found: TrafficSurvey | None = None
 ) -> Generator[Iterator[FleetFrame]]:
     """The traffic of one run; all policies and radios of a seed and density meet the same.
 
@@ -60,7 +66,7 @@ def traffic(
     case
         The run. Of several platoons, runs take one each in turn.
     found
-        What the file of floating-car data holds, where the traffic is one and that is known already.
+        What the traffic's file holds, where it is one and that is known already.
 
     Raises
     ------
@@ -86,10 +92,13 @@ def traffic(
         lanes = plan.lanes_for(case.density_per_km)
         laid = TripRoad(_trips(plan.trips), plan.length_m, case.density_per_km, lanes=lanes)
         yield run_scenario(laid, rng, duration_s=plan.duration_s)
+    elif plan.from_sumo_config:
+        yield _configured_frames(plan, case)
     else:
         from modelcast.io.fcd import read_fcd
 
-        frames = resampled(read_fcd(plan.scenario, found=found, people=plan.persons), STEP_S)
+        known = found if isinstance(found, FcdSurvey) else None
+        frames = resampled(read_fcd(plan.scenario, found=known, people=plan.persons), STEP_S)
         yield takewhile(lambda frame: frame.t_s < plan.duration_s, frames)
 
 
@@ -153,6 +162,58 @@ def _trips(paths: tuple[str, ...]) -> tuple[Trajectory, ...]:
     from modelcast.io.trips import read_trips
 
     return tuple(read_trips(paths)) if paths else ()
+
+
+@functools.lru_cache(maxsize=32)
+def _survey(
+    path: str, seed: int, *, duration_s: float, lead_in_s: float, people: bool
+) -> tuple["SumoConfig", "SumoSurvey"]:
+    """A configuration and what its run of that seed holds; a process runs it once for this."""
+    from modelcast.io.sumo import survey_sumo
+    from modelcast.io.sumo_config import read_sumo_config
+
+    source = read_sumo_config(path)
+    found = survey_sumo(source, duration_s=duration_s, seed=seed, warm_up_s=lead_in_s, people=people)
+    return source, found
+
+
+def _configured(plan: NetworkPlan, seed: int) -> tuple["SumoConfig", "SumoSurvey"]:
+    return _survey(
+        plan.scenario, seed, duration_s=plan.duration_s, lead_in_s=plan.lead_in_s, people=plan.persons
+    )
+
+
+def sumo_survey(plan: NetworkPlan, seed: int) -> "SumoSurvey":
+    """What a run of a configuration of SUMO holds.
+
+    Parameters
+    ----------
+    plan
+        It names the configuration.
+    seed
+        SUMO's.
+
+    Raises
+    ------
+    ModelcastError
+        Where SUMO refuses it.
+    """
+    return _configured(plan, seed)[1]
+
+
+def _configured_frames(plan: NetworkPlan, case: NetworkCase) -> Iterator[FleetFrame]:
+    """The traffic of a configuration of SUMO, run with a seed of the case's own."""
+    from modelcast.io.sumo import run_sumo
+
+    source, found = _configured(plan, plan.seed + case.run)
+    return run_sumo(
+        source,
+        slots=found.most,
+        duration_s=plan.duration_s,
+        seed=found.seed,
+        warm_up_s=plan.lead_in_s,
+        people=plan.persons,
+    )
 
 
 def _sumo_frames(plan: NetworkPlan, case: NetworkCase, folder: Path) -> Iterator[FleetFrame]:

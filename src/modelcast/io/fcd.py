@@ -24,15 +24,15 @@ from modelcast.io.base import Tally
 from modelcast.io.fcd_columns import FcdRow
 from modelcast.io.fcd_survey import FcdSurvey, survey
 from modelcast.io.fcd_times import by_time, in_metres
-from modelcast.io.fleet_slots import RAW_COLUMNS, FleetSlots
+from modelcast.io.fleet_slots import RAW_COLUMNS, FleetSlots, Jumps
 from modelcast.trips.trajectory import GAP_STEPS
 from modelcast.world.scenario.base import NOBODY, FleetFrame
 from modelcast.world.scenario.completion import with_course, with_rates
-from modelcast.world.scenario.motion import checked, is_jump
+from modelcast.world.scenario.motion import checked
 
 __all__ = ["most_vehicles", "read_fcd", "survey_fcd"]
 
-_SPEED, _HEADING, _LENGTH = (RAW_COLUMNS.index(name) for name in ("speed_mps", "heading_rad", "length_m"))
+_HEADING, _LENGTH = (RAW_COLUMNS.index(name) for name in ("heading_rad", "length_m"))
 _HEAD_TIMES = 500
 _NO_HEADING = "no heading (attribute angle of SUMO), and no motion yet to take it from"
 
@@ -168,8 +168,7 @@ class _RawFrames:
         self._found, self._slots = found, slots
         self._seats = FleetSlots(slots)
         self._lengths_m = {**{kind: size_m[0] for kind, size_m in SIZES_M.items()}, Kind.VEHICLE: length_m}
-        self._before: dict[str, FloatArray] = {}
-        self._jumps: dict[str, int] = {}
+        self._jumps = Jumps()
 
     def __iter__(self) -> Iterator[FleetFrame]:
         gap_s = GAP_STEPS * self._found.step_s
@@ -178,12 +177,12 @@ class _RawFrames:
             t_s = rows[0].t_s
             start_s = min(start_s, t_s)
             if t_s - last_s > gap_s:
-                self._before.clear()
+                self._jumps.forget()
                 between = last_s + 0.5 * self._found.step_s - start_s
                 yield self._seated(round(between, 6), [], np.zeros((0, len(RAW_COLUMNS))), rows)
             here = [row for row in rows if not row.skipped]
             numbers = self._numbers(here)
-            labels = self._labels([row.vehicle for row in here], numbers, t_s - last_s)
+            labels = self._jumps.labels([row.vehicle for row in here], numbers, t_s - last_s)
             yield self._seated(round(t_s - start_s, 6), labels, numbers, rows)
             last_s = t_s
 
@@ -198,19 +197,6 @@ class _RawFrames:
         if not self.headless and np.isnan(numbers[:, _HEADING]).any():
             self.headless = rows[int(np.argmax(np.isnan(numbers[:, _HEADING])))].row
         return numbers
-
-    def _labels(self, vehicles: Sequence[str], numbers: FloatArray, elapsed_s: float) -> list[str]:
-        """Return names under which a vehicle that jumped is another one."""
-        known = [(at, self._before[name]) for at, name in enumerate(vehicles) if name in self._before]
-        if known:
-            at = np.array([place for place, _ in known])
-            old, new = np.array([row for _, row in known]), numbers[at]
-            moved = np.hypot(*(new[:, :2] - old[:, :2]).T)
-            for place in at[is_jump(moved, np.maximum(old[:, _SPEED], new[:, _SPEED]), elapsed_s)]:
-                name = vehicles[int(place)]
-                self._jumps[name] = self._jumps.get(name, 0) + 1
-        self._before = dict(zip(vehicles, numbers, strict=True))
-        return [f"{name}\0{self._jumps[name]}" if name in self._jumps else name for name in vehicles]
 
     def _seated(
         self, t_s: float, labels: Sequence[str], numbers: FloatArray, rows: Sequence[FcdRow]

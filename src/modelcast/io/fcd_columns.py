@@ -39,7 +39,11 @@ from modelcast.io.rows import LARGEST
 
 __all__ = [
     "EMPTY",
+    "INVALID",
+    "OFF_ROAD",
     "OTHER",
+    "PERSON",
+    "RIDES",
     "FcdColumns",
     "FcdRow",
     "fcd_columns",
@@ -50,14 +54,22 @@ __all__ = [
 
 EMPTY = "time step without vehicles"
 OTHER = "other element"
-_OFF_ROAD = "vehicle off the road"
-_RIDES = "person in a vehicle"
+"""What a row without a vehicle, and an element that is none of the traffic's, are counted as."""
+
+OFF_ROAD = "vehicle off the road"
+RIDES = "person in a vehicle"
+"""What SUMO's road users that are nowhere of their own are counted as."""
+
 _BIKES = ("bike", "bicycle")
-_PERSON, _CONTAINER = "person", "container"
+PERSON, _CONTAINER = "person", "container"
+"""Tags of SUMO's road users that are no vehicles."""
+
 _EITHER = "person or container"
 _NO_LANE = f"{_EITHER}, or off the road: no lane"
-_TAGS = {"vehicle": "", _PERSON: _PERSON, _CONTAINER: _CONTAINER}
-_INVALID = -1073741824.0
+_TAGS = {"vehicle": "", PERSON: PERSON, _CONTAINER: _CONTAINER}
+INVALID = -1073741824.0
+"""What SUMO writes for what it does not know."""
+
 
 _NAMES: Mapping[str, tuple[str, ...]] = {
     "time": ("timestep_time", "t_s", "time_s", "t", "time"),
@@ -222,7 +234,7 @@ def _named_kind(values: Mapping[str, Any]) -> str:
     """Return what the columns of persons and containers, or SUMO's own types, say that a row is."""
     named = str(values.get("type") or "")
     if values.get("person") or named == "DEFAULT_PEDTYPE":
-        return _PERSON
+        return PERSON
     return _CONTAINER if values.get("container") or named == "DEFAULT_CONTAINERTYPE" else ""
 
 
@@ -248,16 +260,16 @@ def fcd_row(
         Where a needed value is missing, or a value is not a finite number or negative.
     """
     time = _time(path, row, values.get("time"))
-    walks = people and kind == _PERSON and bool(values.get("vehicle"))
+    walks = people and kind == PERSON and bool(values.get("vehicle"))
     if walks and values.get("rides_in"):
-        return FcdRow(row, time, "", _NOTHING, _RIDES)
+        return FcdRow(row, time, "", _NOTHING, RIDES)
     if kind and not walks:
         return FcdRow(row, time, "", _NOTHING, kind)
     vehicle = values.get("vehicle")
     if vehicle is None or vehicle == "":
         raise DataFormatError(path, "the vehicle is blank", row=row, remedy="Name it.")
     if any(_is_invalid(values.get(name)) for name in ("east", "north", "speed", "heading_deg", "pos")):
-        return FcdRow(row, time, "", _NOTHING, _OFF_ROAD)
+        return FcdRow(row, time, "", _NOTHING, OFF_ROAD)
     east, north = (_number(path, row, name, values.get(name)) for name in ("east", "north"))
     for name, value in (("east", east), ("north", north)):
         if value != value:  # noqa: PLR0124 - NaN
@@ -286,7 +298,7 @@ def fcd_row(
 
 def _is_invalid(value: Any) -> bool:
     """Return whether a value is SUMO's INVALID_DOUBLE_VALUE."""
-    return value == _INVALID or (isinstance(value, str) and value.startswith("-1073741824"))
+    return value == INVALID or (isinstance(value, str) and value.startswith("-1073741824"))
 
 
 def _time(path: str, row: int, value: Any) -> float:

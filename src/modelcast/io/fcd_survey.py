@@ -7,12 +7,9 @@ longitude and latitude: in one of the two vehicles move as their speeds say
 refused.
 """
 
-from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from itertools import islice
 from math import inf
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -24,9 +21,9 @@ from modelcast.io.fcd_gathered import Gathered
 from modelcast.io.fcd_notes import notes
 from modelcast.io.fcd_rows import read_columns
 from modelcast.io.fcd_times import by_time
-from modelcast.trips.trajectory import Reading
+from modelcast.io.traffic_survey import TrafficSurvey
 
-__all__ = ["FcdSurvey", "survey", "survey_document"]
+__all__ = ["FcdSurvey", "survey"]
 
 _FASTEST_MPS = 150.0
 _SLOWEST_MPS = 0.01
@@ -36,19 +33,13 @@ _REMEDY = "Check units and columns; SUMO's own files are right with or without -
 
 
 @dataclass(frozen=True, slots=True)
-class FcdSurvey:
+class FcdSurvey(TrafficSurvey):
     """What a file holds.
 
     Parameters
     ----------
-    path
-        The file.
-    reading
-        Rows, and those that are no vehicles, by what they are. All other rows are vehicles.
-    vehicles, most
-        Vehicles, by name, and how many there are at most at one time.
-    start_s, end_s, step_s
-        First and last time and the median step [s]; the step is infinite where there is one time only.
+    path, reading, vehicles, most, start_s, end_s, step_s, notes, pedestrians, cyclists, people
+        As in `TrafficSurvey`.
     origin
         Where x and y are longitude and latitude: what they are laid out about.
     turn_rad
@@ -58,35 +49,13 @@ class FcdSurvey:
         Whether positions are those of the front bumper.
     unknown
         Rows of vehicles without a speed, a heading, a length.
-    notes
-        What else should be known of it, in sentences.
-    pedestrians, cyclists
-        How many of the vehicles are no vehicles but people.
-    people
-        Whether its persons are taken.
     """
 
-    path: str
-    reading: Reading
     _: KW_ONLY
-    vehicles: int
-    most: int
-    start_s: float
-    end_s: float
-    step_s: float
     origin: Origin | None
     turn_rad: float
     front_bumper: bool
     unknown: tuple[int, int, int]
-    notes: tuple[str, ...]
-    pedestrians: int = 0
-    cyclists: int = 0
-    people: bool = False
-
-    @property
-    def taken(self) -> int:
-        """Rows of vehicles."""
-        return self.reading.rows - sum(self.reading.skipped.values())
 
 
 def survey(
@@ -202,27 +171,3 @@ def _require_metres(path: str, found: Gathered) -> None:
             f"{pace_m:.2g} m/s on average, within {found.extent:.2g} m, they may be longitude and latitude",
             remedy="Write speeds too, or name the columns longitude and latitude.",
         )
-
-
-def survey_document(found: FcdSurvey) -> Mapping[str, Any]:
-    """Return a survey as plain values, for a result.
-
-    Parameters
-    ----------
-    found
-        The survey.
-    """
-    return {
-        "file": Path(found.path).name,
-        "rows": found.reading.rows,
-        "taken": found.taken,
-        "skipped": dict(found.reading.skipped),
-        "repaired": dict(found.reading.repaired),
-        "vehicles": found.vehicles,
-        "pedestrians": found.pedestrians,
-        "cyclists": found.cyclists,
-        "most_at_once": found.most,
-        "duration_s": found.end_s - found.start_s,
-        "step_s": None if found.step_s == inf else found.step_s,
-        "notes": list(found.notes),
-    }

@@ -7,8 +7,9 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.kinds import SIZES_M, Kind
 from modelcast.world.scenario.base import NOBODY, FleetFrame
+from modelcast.world.scenario.motion import is_jump
 
-__all__ = ["RAW_COLUMNS", "FleetSlots"]
+__all__ = ["RAW_COLUMNS", "FleetSlots", "Jumps"]
 
 RAW_COLUMNS = (
     "east_m",
@@ -20,6 +21,58 @@ RAW_COLUMNS = (
     "length_m",
 )
 """Columns of the rows that `FleetSlots.frame` takes."""
+
+_SPEED = RAW_COLUMNS.index("speed_mps")
+
+
+class Jumps:
+    """Gives who jumps as no vehicle does another name from there on.
+
+    Examples
+    --------
+    >>> jumps = Jumps()
+    >>> here, far = (np.array([[east_m, 0.0, 10.0, 0.0, 0.0, 0.0, 4.5]]) for east_m in (0.0, 500.0))
+    >>> jumps.labels(["a"], here, 0.1), jumps.labels(["a"], here, 0.1), jumps.count
+    (['a'], ['a'], 0)
+    >>> jumps.labels(["a"], far, 0.1) == ["a"], jumps.count
+    (False, 1)
+    """
+
+    def __init__(self) -> None:
+        self._before: dict[str, FloatArray] = {}
+        self._jumps: dict[str, int] = {}
+
+    @property
+    def count(self) -> int:
+        """Jumps so far."""
+        return sum(self._jumps.values())
+
+    def forget(self) -> None:
+        """Compare nobody's next place with the last: there is a gap in time."""
+        self._before.clear()
+
+    def labels(self, names: Sequence[str], rows: FloatArray, elapsed_s: float) -> list[str]:
+        """Return names under which a vehicle that jumped is another one.
+
+        Parameters
+        ----------
+        names
+            Of the vehicles that are there, each once.
+        rows
+            Their numbers, (len(names), 7), in the order of `RAW_COLUMNS`.
+        elapsed_s
+            Time since the last call [s].
+        """
+        known = [(at, self._before[name]) for at, name in enumerate(names) if name in self._before]
+        if known:
+            at = np.array([place for place, _ in known])
+            old, new = np.array([row for _, row in known]), rows[at]
+            moved = np.hypot(*(new[:, :2] - old[:, :2]).T)
+            for place in at[is_jump(moved, np.maximum(old[:, _SPEED], new[:, _SPEED]), elapsed_s)]:
+                name = names[int(place)]
+                self._jumps[name] = self._jumps.get(name, 0) + 1
+        self._before = dict(zip(names, rows, strict=True))
+        return [f"{name}\0{self._jumps[name]}" if name in self._jumps else name for name in names]
 
 
 class FleetSlots:
@@ -39,7 +92,12 @@ class FleetSlots:
         self._next = 0
 
     def frame(
-        self, t_s: float, labels: Sequence[str], rows: FloatArray, kinds: Sequence[Kind] | None = None
+        self,
+        t_s: float,
+        labels: Sequence[str],
+        rows: FloatArray,
+        kinds: Sequence[Kind] | None = None,
+        widths_m: Sequence[float] | None = None,
     ) -> FleetFrame | None:
         """Return the frame of the vehicles that are there, or None where they are more than the slots.
 
@@ -53,6 +111,8 @@ class FleetSlots:
             Their numbers, (len(labels), 7), in the order of `RAW_COLUMNS`; NaN where not known.
         kinds
             Of each; None where all traffic is vehicles.
+        widths_m
+            Of each [m], where kinds are given; None for those of `SIZES_M`.
         """
         here = set(labels)
         gone = sorted(self._slot[label] for label in self._slot if label not in here)
@@ -76,7 +136,7 @@ class FleetSlots:
         if kinds is not None:
             kind, width = np.zeros(self._slots, dtype=np.int64), np.zeros(self._slots)
             kind[at] = [int(one) for one in kinds]
-            width[at] = [SIZES_M[one][1] for one in kinds]
+            width[at] = [SIZES_M[one][1] for one in kinds] if widths_m is None else widths_m
         identity = np.full(self._slots, NOBODY, dtype=np.int64)
         identity[at] = [self._identity[label] for label in labels]
         return FleetFrame(

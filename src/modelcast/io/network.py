@@ -4,7 +4,7 @@
     Rows of one run (`modelcast.io.network_runs`).
 ``summary.json`` (`network_document`)
     ``schema`` (8), ``modelcast`` (version), ``inputs`` (a hash of every file read), ``traffic`` (what a file
-    of floating-car data holds, else null), ``options``, ``senders`` (`SenderRow`), ``runs`` (`RunRow`),
+    of traffic holds, else null), ``options``, ``senders`` (`SenderRow`), ``runs`` (`RunRow`),
     ``pooled`` (`PooledRow`), ``warnings`` (`PooledWarnings`),
     ``roadside`` (`RoadsideRow`), ``people`` (`PeopleRow`). A number that does not exist is null.
 ``runs.parquet``, ``distances.parquet``, ``outcomes.parquet``, ``seconds.parquet``
@@ -87,8 +87,7 @@ def network_document(
     key
         Version and inputs.
     traffic
-        What the file of floating-car data holds (`modelcast.io.fcd_survey.survey_document`); None where the
-        traffic is none.
+        What the traffic's file holds (`modelcast.io.traffic_survey.survey_document`); None where it is none.
     training_trips
         Recorded trips of the traffic that the shipped profile was trained on.
     """

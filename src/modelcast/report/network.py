@@ -9,7 +9,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
 from rich.table import Table
 
-from modelcast.io.fcd_survey import FcdSurvey, survey_document
+from modelcast.io.traffic_survey import TrafficSurvey, survey_document
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.figures.senders import NO_THRESHOLD_TEXT, also_told, threshold_text
@@ -93,13 +93,13 @@ def _cell(row: PooledRow, factor: float) -> str:
     return f"{middle} ± {number(factor * 0.5 * (row.high - row.low), 2)}"
 
 
-def traffic_lines(found: FcdSurvey) -> list[str]:
-    """What a file of floating-car data holds, in lines for the terminal and the report.
+def traffic_lines(found: TrafficSurvey) -> list[str]:
+    """What traffic from a file holds, in lines for the terminal and the report.
 
     Parameters
     ----------
     found
-        As `modelcast.io.fcd.survey_fcd` gives it.
+        As `modelcast.io.fcd.survey_fcd` or `modelcast.io.sumo.survey_sumo` gives it.
     """
     return _traffic_lines(survey_document(found))
 

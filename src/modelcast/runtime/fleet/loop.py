@@ -10,7 +10,7 @@ works on them, so that the number of threads changes nothing.
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -50,6 +50,7 @@ from modelcast.station.receiver.reading import Reading, free_rule, goes_straight
 from modelcast.station.sender import message_arrays
 from modelcast.station.sender.message_arrays import (
     MESSAGES,
+    MESSAGES_KEPT,
     POWER_DBM,
     SENDER_BITS,
     Outbox,
@@ -63,7 +64,7 @@ from modelcast.station.sensing.sensing import Sensing
 from modelcast.world.scenario.base import FleetFrame
 from modelcast.world.scenario.sensed import FleetSensor, FleetSensorState
 
-__all__ = ["PARTS", "SERIES", "FleetLoop"]
+__all__ = ["PARTS", "SERIES", "Exchange", "FleetLoop"]
 
 SERIES = (
     "vehicles",
@@ -91,6 +92,22 @@ _SUB_INTERVAL_S = 1.0
 """Of the neighbour tables: vPERSubInterval of SAE J2945/1 [s]."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Exchange:
+    """What went over the air in one step; times are those of frames.
+
+    Parameters
+    ----------
+    sent
+        What the radio was handed, by rising time; what roadside units repeat too.
+    received
+        What it delivered: of this step's messages, and of earlier ones that were still on the air.
+    """
+
+    sent: Transmissions
+    received: Receptions
+
+
 class FleetLoop:
     """A fleet on the air between two frames; it owns its arrays, and `step` writes them.
 
@@ -113,6 +130,8 @@ class FleetLoop:
     people
         What the devices of people do; None for what vehicles do.
     """
+
+    _exchange: Exchange | None
 
     def __init__(
         self,
@@ -185,12 +204,42 @@ class FleetLoop:
         if sensor is not None:
             self._sensor_state = sensor.init(moving, child_generator(seed, "sensor"))
         self._counted, self._nobody = np.ones(vehicles, dtype=np.bool_), np.zeros(vehicles, dtype=np.bool_)
-        self.number, self._last_s = 0, -np.inf
+        self.number, self._last_s, self._exchange = 0, -np.inf, None
 
     @property
     def stations(self) -> SendingStations:
         """All that the stations of the first sender hold."""
         return self.speakers[0].stations
+
+    @property
+    def exchange(self) -> Exchange:
+        """What went over the air in the last step.
+
+        Raises
+        ------
+        ValueError
+            Before the first.
+        """
+        if self._exchange is None:
+            raise ValueError("nothing went over the air yet: step the fleet first")
+        return self._exchange
+
+    def origins(self, message_id: IntArray) -> FloatArray:
+        """Contents of messages of late, a row each, as `modelcast.station.sender.message_arrays` has columns.
+
+        Parameters
+        ----------
+        message_id
+            As radios carry them, (N,); of each sender its last `MESSAGES_KEPT` messages.
+        """
+        slot, number = message_id & ((1 << SENDER_BITS) - 1), message_id >> SENDER_BITS
+        found: FloatArray = self.contents.rows[slot, number % MESSAGES_KEPT]
+        return found
+
+    @property
+    def model_names(self) -> tuple[str, ...]:
+        """Sub-models of all senders, by the numbers in contents (`CONTENT_MEMBER`)."""
+        return tuple(member.name for one in self.speakers for member in one.bank.bank.members)
 
     def step(self, frame: FleetFrame) -> tuple[Receptions, FloatArray]:
         """Carry one step; returns what was received in it, and its row of `SERIES`.
@@ -436,7 +485,11 @@ class FleetLoop:
         _check_receptions(received, self.vehicle.size, self.radio)
         if self.units is not None:
             received = self.units.hear(received, busy_ratio[self.units.slots])
-        return replace(received, t_s=received.t_s - shift_s) if shift_s != 0.0 else received
+        if shift_s != 0.0:
+            received = replace(received, t_s=received.t_s - shift_s)
+            batch = replace(batch, ready_s=batch.ready_s - shift_s, next_s=batch.next_s - shift_s)
+        self._exchange = Exchange(batch, received)
+        return received
 
     def posted(self, group: int = 0) -> SentMessages:
         """Content of the messages of the last step, as their receivers decode it, in order of slots.

@@ -1,11 +1,12 @@
 """Who looks on while a fleet is on the air: sees every frame before and after its step, changes nothing."""
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.world.scenario.base import FleetFrame
 
-__all__ = ["AbstractObserver"]
+__all__ = ["AbstractObserver", "Observers"]
 
 
 class AbstractObserver(ABC):
@@ -38,3 +39,26 @@ class AbstractObserver(ABC):
         frame
             The same truth.
         """
+
+
+@dataclass(frozen=True, slots=True)
+class Observers(AbstractObserver):
+    """Several who look on, one after another.
+
+    Parameters
+    ----------
+    each
+        They.
+    """
+
+    each: tuple[AbstractObserver, ...]
+
+    def before(self, loop: FleetLoop, frame: FleetFrame) -> None:
+        """Let each look before the step."""
+        for one in self.each:
+            one.before(loop, frame)
+
+    def after(self, loop: FleetLoop, frame: FleetFrame) -> None:
+        """Let each look after it."""
+        for one in self.each:
+            one.after(loop, frame)
