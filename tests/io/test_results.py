@@ -16,13 +16,14 @@ from modelcast.io.manifest import MANIFEST
 from modelcast.io.output import atomic_folder
 from modelcast.io.results import summary_document, write_message_trace, write_results
 from modelcast.study.result import (
+    RATES,
+    TRACKING,
     Coded,
     EvaluationResult,
-    RateRow,
     SampleBlock,
-    TrackingRow,
     TripRow,
 )
+from modelcast.study.table import Row, TableSchema
 
 NAN = float("nan")
 
@@ -30,6 +31,12 @@ NAN = float("nan")
 def made(row_type: type, **values: object) -> object:
     """A row whose other fields are 1.0, which is enough to be written."""
     return row_type(**{item.name: values.get(item.name, 1.0) for item in fields(row_type)})
+
+
+def made_row(schema: TableSchema, **values: object) -> Row:
+    """A row whose other values are 1, which is enough to be written."""
+    rest = {column.name: "1" if column.is_text else 1 for column in schema.columns}
+    return schema.row(**{**rest, **values})
 
 
 @pytest.fixture(name="result")
@@ -45,11 +52,15 @@ def _result() -> EvaluationResult:
         trips=(
             made(TripRow, id="a/1", source="csv", grid_m=(0.0, 0.0), skipped={"späte": 2}, conditioning=None),
         ),
-        rates=(
-            made(RateRow, trip="a/1", policy="mbc", threshold_m=0.1 + 0.2),
-            made(RateRow, trip="all", policy="baseline", bytes_per_s=float("inf")),
+        rates=RATES.table(
+            [
+                made_row(RATES, trip="a/1", policy="mbc", threshold_m=0.1 + 0.2),
+                made_row(RATES, trip="all", policy="baseline", bytes_per_s=float("inf")),
+            ]
         ),
-        tracking=(made(TrackingRow, trip="all", policy="mbc", rate_basis=None, pte_p99_m=NAN),),
+        tracking=TRACKING.table(
+            [made_row(TRACKING, trip="all", policy="mbc", rate_basis=None, pte_p99_m=NAN)]
+        ),
         ecdfs=(),
         timeline=None,
         manoeuvre=None,
@@ -82,8 +93,8 @@ def test_summary_has_the_rows_under_their_own_names(result: EvaluationResult, tm
         "skipped",
     }
     assert document["schema"] == 1
-    assert document["rates"][0].keys() == {item.name for item in fields(RateRow)}
-    assert document["tracking"][0].keys() == {item.name for item in fields(TrackingRow)}
+    assert document["rates"][0].keys() == set(RATES.names)
+    assert document["tracking"][0].keys() == set(TRACKING.names)
     assert document["trips"][0].keys() == {item.name for item in fields(TripRow)}
     assert document == summary_document(result)
 

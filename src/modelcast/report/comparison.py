@@ -6,11 +6,12 @@ from pathlib import Path
 from rich.console import Group, RenderableType
 from rich.table import Table
 
+from modelcast.core.cells import markdown
 from modelcast.report.console import failures_table, warning_texts
 from modelcast.report.figures.comparison import plot_comparison, rival_rows_of, worst_rows
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.headline import nearest_ratio
-from modelcast.report.literal import literal, markdown
+from modelcast.report.literal import literal
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines

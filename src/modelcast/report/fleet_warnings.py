@@ -8,9 +8,10 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from modelcast.core.cells import markdown
 from modelcast.report.figures.fleet_warnings import plot_warned_map, plot_warnings
 from modelcast.report.figures.senders import threshold_text
-from modelcast.report.literal import literal, markdown
+from modelcast.report.literal import literal
 from modelcast.report.parts import Part
 from modelcast.report.warning_texts import ENOUGH, late_text, percent_text, plain_text, ratio_text
 from modelcast.study.network.mixed import mixed_of

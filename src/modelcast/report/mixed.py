@@ -7,9 +7,9 @@ from rich.box import SIMPLE_HEAD
 from rich.console import RenderableType
 from rich.table import Table
 
+from modelcast.core.cells import markdown, number
 from modelcast.report.figures.mixed import plot_penetration
-from modelcast.report.literal import literal, markdown
-from modelcast.report.page import number
+from modelcast.report.literal import literal
 from modelcast.report.parts import Part
 from modelcast.study.network.rows import NetworkResult, PairingRow
 

@@ -9,14 +9,15 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
 from rich.table import Table
 
+from modelcast.core.cells import escape, html_table, markdown, number
 from modelcast.io.fcd_survey import FcdSurvey, survey_document
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.figures.senders import NO_THRESHOLD_TEXT, also_told, threshold_text
 from modelcast.report.fleet_warnings import warnings_console, warnings_markdown, warnings_part
-from modelcast.report.literal import literal, markdown
+from modelcast.report.literal import literal
 from modelcast.report.mixed import mixed_markdown, mixed_part
-from modelcast.report.page import CSS, escape, number, option_rows, page, table
+from modelcast.report.page import CSS, option_rows, page
 from modelcast.report.people import people_cells, people_heads, people_markdown
 from modelcast.report.roadside import roadside_cells, roadside_heads, roadside_markdown
 from modelcast.report.style import style
@@ -235,7 +236,7 @@ def write_network_report(
         "<h1>Fleets on a shared channel</h1>",
         f'<p class="scope">{escape(_SCOPE)}</p>',
         *(f'<p class="note">{escape(line)}.</p>' for line in notes),
-        table(heads, _rows(result, names), text_columns=len(_heads(result)) - 1),
+        html_table(heads, _rows(result, names), text_columns=len(_heads(result)) - 1),
     ]
     for drawing, (caption, _) in zip(drawings, NETWORK_FIGURES.values(), strict=True):
         body.append(
@@ -244,15 +245,18 @@ def write_network_report(
         )
     body += [line for part in parts for line in part.markup()]
     if result.roadside:
-        body += ["<h2>Roadside units</h2>", table(roadside_heads, roadside_cells(result), text_columns=4)]
+        body += [
+            "<h2>Roadside units</h2>",
+            html_table(roadside_heads, roadside_cells(result), text_columns=4),
+        ]
     if result.people:
-        body += ["<h2>Devices of people</h2>", table(people_heads, people_cells(result), text_columns=4)]
+        body += ["<h2>Devices of people</h2>", html_table(people_heads, people_cells(result), text_columns=4)]
     if result.senders:
-        body += ["<h2>Banks</h2>", table(_SENDERS, _sender_cells(result), text_columns=len(_SENDERS))]
+        body += ["<h2>Banks</h2>", html_table(_SENDERS, _sender_cells(result), text_columns=len(_SENDERS))]
     if traffic is not None:
         lines = "".join(f"<li>{escape(line.strip())}</li>" for line in _traffic_lines(traffic))
         body.append(f"<h2>Traffic</h2><ul>{lines}</ul>")
-    body += ["<h2>Options</h2>", table(["option", "value"], option_rows(options), text_columns=2)]
+    body += ["<h2>Options</h2>", html_table(["option", "value"], option_rows(options), text_columns=2)]
     html = folder / "report.html"
     document = page("modelcast: fleets on a shared channel", CSS, body)
     html.write_text(document, encoding="utf-8", newline="\n")

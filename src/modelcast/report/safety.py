@@ -7,13 +7,14 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from modelcast.core.cells import escape, html_table, markdown
 from modelcast.report.beside import show_beside
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
-from modelcast.report.literal import literal, markdown
+from modelcast.report.literal import literal
 from modelcast.report.losses import loss_words, shown_ratios
-from modelcast.report.page import CSS, escape, option_rows, page, table
+from modelcast.report.page import CSS, option_rows, page
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warning_texts import ENOUGH, late_text, percent_text, plain_text, ratio_text
@@ -182,12 +183,15 @@ def write_safety_report(
     body += [
         "<h2>All figures</h2>",
         f'<p class="scope">{escape(_SCOPE)}</p>',
-        table(_heads(result), _rows(result), text_columns=_TEXT_COLUMNS),
+        html_table(_heads(result), _rows(result), text_columns=_TEXT_COLUMNS),
     ]
     if result.failures or result.skipped:
         left = [[name, str(why)] for name, why in {**result.failures, **result.skipped}.items()]
-        body += ["<h2>Left out</h2>", table(["what", "why"], left, text_columns=2)]
-    body += ["<h2>Options</h2>", table(["option", "value"], option_rows(result.settings), text_columns=2)]
+        body += ["<h2>Left out</h2>", html_table(["what", "why"], left, text_columns=2)]
+    body += [
+        "<h2>Options</h2>",
+        html_table(["option", "value"], option_rows(result.settings), text_columns=2),
+    ]
     html = folder / "report.html"
     document = page("modelcast: warnings from messages", CSS, body)
     html.write_text(document, encoding="utf-8", newline="\n")

@@ -328,7 +328,7 @@ class ReferenceRatio:
     Parameters
     ----------
     reference
-        As in `modelcast.study.result.ReferenceRow`.
+        As in `modelcast.study.result.REFERENCES`.
     protocol, threshold_m
         Protocol and threshold [m]; a reference that knows no threshold has a row at each.
     message_ratio

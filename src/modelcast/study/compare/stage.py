@@ -14,7 +14,7 @@ from modelcast.study.compare.result import ReferenceRatio
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.context import case_contexts
 from modelcast.study.reference import count_references, pooled_references
-from modelcast.study.result import POOLED, ReferenceRow
+from modelcast.study.table import Row
 from modelcast.study.tracking import LossRuns
 from modelcast.trips.trajectory import Trajectory
 
@@ -82,10 +82,10 @@ def reference_ratios(staged: dict[str, list[StagedTrip]], settings: CompareSetti
         return []
     found: list[ReferenceRatio] = []
     for protocol, trips in staged.items():
-        rows: list[ReferenceRow] = []
+        rows: list[Row] = []
         for trip in trips:
             rows += count_references(trip.case, settings.evaluation.thresholds_m)
-        pooled = pooled_references([replace(row, trip=POOLED) for row in rows])
+        pooled = pooled_references(rows)
         for threshold_m in settings.evaluation.thresholds_m:
             policy = settings.evaluation.policy(threshold_m, keep_alive=False)
             baseline = sum(trip.baseline.run(policy).updates for trip in trips)
