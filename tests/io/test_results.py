@@ -9,6 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from made_rows import filled
 from modelcast.core.exceptions import ConfigError
 from modelcast.io import arrow
 from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table
@@ -23,7 +24,6 @@ from modelcast.study.result import (
     SampleBlock,
     TripRow,
 )
-from modelcast.study.table import Row, TableSchema
 
 NAN = float("nan")
 
@@ -31,12 +31,6 @@ NAN = float("nan")
 def made(row_type: type, **values: object) -> object:
     """A row whose other fields are 1.0, which is enough to be written."""
     return row_type(**{item.name: values.get(item.name, 1.0) for item in fields(row_type)})
-
-
-def made_row(schema: TableSchema, **values: object) -> Row:
-    """A row whose other values are 1, which is enough to be written."""
-    rest = {column.name: "1" if column.is_text else 1 for column in schema.columns}
-    return schema.row(**{**rest, **values})
 
 
 @pytest.fixture(name="result")
@@ -54,12 +48,12 @@ def _result() -> EvaluationResult:
         ),
         rates=RATES.table(
             [
-                made_row(RATES, trip="a/1", policy="mbc", threshold_m=0.1 + 0.2),
-                made_row(RATES, trip="all", policy="baseline", bytes_per_s=float("inf")),
+                filled(RATES, 1.0, trip="a/1", policy="mbc", threshold_m=0.1 + 0.2),
+                filled(RATES, 1.0, trip="all", policy="baseline", bytes_per_s=float("inf")),
             ]
         ),
         tracking=TRACKING.table(
-            [made_row(TRACKING, trip="all", policy="mbc", rate_basis=None, pte_p99_m=NAN)]
+            [filled(TRACKING, 1.0, trip="all", policy="mbc", rate_basis=None, pte_p99_m=NAN)]
         ),
         ecdfs=(),
         timeline=None,

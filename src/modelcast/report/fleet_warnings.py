@@ -16,7 +16,8 @@ from modelcast.report.parts import Part
 from modelcast.report.warning_texts import ENOUGH, late_text, percent_text, plain_text, ratio_text
 from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import NO_BANK, NetworkResult
-from modelcast.study.network.warning_rows import ALL_SENDERS, PooledWarnings
+from modelcast.study.network.warning_rows import ALL_SENDERS
+from modelcast.study.table import Row
 
 __all__ = [
     "policy_text",
@@ -69,20 +70,20 @@ def _short(policy: str) -> str:
     return f"{100.0 * mixed.senders_ratio:g} % {mixed.senders[-1]}" if mixed.is_mixed else policy
 
 
-def _order(row: PooledWarnings) -> tuple[str, str, str, float]:
+def _order(row: Row) -> tuple[str, str, str, float]:
     """Place in a table; rows that are alike stay as they are."""
     return row.application, _density(row).zfill(9), row.radio, mixed_of(row.policy).senders_ratio
 
 
-def _density(row: PooledWarnings) -> str:
+def _density(row: Row) -> str:
     return f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
 
 
-def _missed_over(row: PooledWarnings) -> str:
+def _missed_over(row: Row) -> str:
     return ratio_text(row.missed_over, (row.missed_over_low, row.missed_over_high))
 
 
-def _false_over(row: PooledWarnings) -> str:
+def _false_over(row: Row) -> str:
     return ratio_text(row.false_over, (row.false_over_low, row.false_over_high))
 
 
@@ -106,7 +107,7 @@ def warnings_headline(result: NetworkResult) -> list[str]:
     return lines
 
 
-def _whole(result: NetworkResult) -> list[PooledWarnings]:
+def _whole(result: NetworkResult) -> list[Row]:
     """Rows over all senders of their fleets."""
     return [
         row

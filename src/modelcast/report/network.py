@@ -21,7 +21,8 @@ from modelcast.report.page import CSS, option_rows, page
 from modelcast.report.people import people_cells, people_heads, people_markdown
 from modelcast.report.roadside import roadside_cells, roadside_heads, roadside_markdown
 from modelcast.report.style import style
-from modelcast.study.network.rows import NO_BANK, NetworkResult, PooledRow
+from modelcast.study.network.rows import NO_BANK, NetworkResult
+from modelcast.study.table import Row
 
 __all__ = ["network_console", "network_markdown", "traffic_lines", "write_network_report"]
 
@@ -65,7 +66,7 @@ def _sender(result: NetworkResult) -> tuple[str, ...]:
     return ("policy", *also_told(result))
 
 
-def _told(result: NetworkResult, row: PooledRow) -> list[str]:
+def _told(result: NetworkResult, row: Row) -> list[str]:
     """The cells of a sender."""
     texts = {"policy": row.policy, "bank": row.bank, "threshold": threshold_text(row.threshold_m)}
     return [texts[name] for name in _sender(result)]
@@ -76,7 +77,7 @@ def _heads(result: NetworkResult) -> tuple[str, ...]:
 
 
 def _rows(result: NetworkResult, names: Sequence[str]) -> list[list[str]]:
-    groups: dict[tuple[str, ...], dict[str, PooledRow]] = {}
+    groups: dict[tuple[str, ...], dict[str, Row]] = {}
     for row in result.pooled:
         density = f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
         key = (density, row.radio, *_told(result, row), str(row.seeds))
@@ -87,7 +88,7 @@ def _rows(result: NetworkResult, names: Sequence[str]) -> list[list[str]]:
     ]
 
 
-def _cell(row: PooledRow, factor: float) -> str:
+def _cell(row: Row, factor: float) -> str:
     middle = number(factor * row.value)
     if row.low is None or row.high is None:
         return middle

@@ -262,6 +262,16 @@ class Row:
         """Name and value of each column."""
         return zip(self.schema.names, self.values, strict=True)
 
+    def picked(self, names: Iterable[str]) -> dict[str, Any]:
+        """Return some of the values by name.
+
+        Parameters
+        ----------
+        names
+            Of columns.
+        """
+        return {name: self.values[self.schema.places[name]] for name in names}
+
     def plain(self) -> dict[str, Any]:
         """Return the values by name as JSON holds them: a number that is not finite is None."""
         return {
