@@ -10,7 +10,7 @@ from modelcast.runtime.trip.context import TripContexts
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import TripCase, make_case
-from modelcast.study.compare.result import ReferenceRatio
+from modelcast.study.compare.result import REFERENCE_RATIOS
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.context import case_contexts
 from modelcast.study.reference import count_references, pooled_references
@@ -68,7 +68,7 @@ def stage_trips(trips: Sequence[Trajectory], settings: CompareSettings) -> dict[
     return staged
 
 
-def reference_ratios(staged: dict[str, list[StagedTrip]], settings: CompareSettings) -> list[ReferenceRatio]:
+def reference_ratios(staged: dict[str, list[StagedTrip]], settings: CompareSettings) -> list[Row]:
     """Messages of the references over the baseline's, pooled over the trips of each protocol.
 
     Parameters
@@ -80,7 +80,7 @@ def reference_ratios(staged: dict[str, list[StagedTrip]], settings: CompareSetti
     """
     if not settings.evaluation.references:
         return []
-    found: list[ReferenceRatio] = []
+    found: list[Row] = []
     for protocol, trips in staged.items():
         rows: list[Row] = []
         for trip in trips:
@@ -90,7 +90,12 @@ def reference_ratios(staged: dict[str, list[StagedTrip]], settings: CompareSetti
             policy = settings.evaluation.policy(threshold_m, keep_alive=False)
             baseline = sum(trip.baseline.run(policy).updates for trip in trips)
             found += [
-                ReferenceRatio(row.reference, protocol, threshold_m, row.messages / baseline)
+                REFERENCE_RATIOS.row(
+                    reference=row.reference,
+                    protocol=protocol,
+                    threshold_m=threshold_m,
+                    message_ratio=row.messages / baseline,
+                )
                 for row in pooled
                 if row.threshold_m in {None, threshold_m}
             ]
