@@ -9,14 +9,17 @@ in JSON only, which has none.
 """
 
 # pyarrow has no type stubs: what comes out of it is unknown to pyright.
-# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 import csv
 import io
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
+import numpy as np
+import numpy.typing as npt
 import pyarrow.parquet as pq
 
 from modelcast.core.exceptions import ConfigError
@@ -25,7 +28,14 @@ from modelcast.io.arrow import columns_table, plain_text, write_tables
 from modelcast.io.documents import document_text
 from modelcast.study.table import Table, TableSchema
 
-__all__ = ["arrow_table", "csv_text", "read_table_schema", "schema_document", "table_document", "write_table"]
+__all__ = [
+    "arrow_columns",
+    "csv_text",
+    "read_table_schema",
+    "schema_document",
+    "table_document",
+    "write_table",
+]
 
 _KEY = b"modelcast.table"
 
@@ -65,17 +75,19 @@ def table_document(table: Table) -> dict[str, Any]:
     return {"modelcast": package_version(), "table": schema_document(table.schema), "rows": table.plain()}
 
 
-def arrow_table(table: Table) -> Any:
+def arrow_columns(schema: TableSchema, columns: Mapping[str, Sequence[Any] | npt.NDArray[Any]]) -> Any:
     """Return a ``pyarrow.Table`` with what its columns are in its metadata.
 
     Parameters
     ----------
-    table
-        Any.
+    schema
+        The columns.
+    columns
+        Values of each, of equal length.
     """
-    found = columns_table({name: table[name] for name in table.schema.names})
-    described = json.dumps(schema_document(table.schema), sort_keys=True, ensure_ascii=False)
-    return found.replace_schema_metadata({_KEY: described.encode()})
+    arrays = {column.name: np.array(columns[column.name], column.dtype) for column in schema.columns}
+    described = json.dumps(schema_document(schema), sort_keys=True, ensure_ascii=False)
+    return columns_table(arrays).replace_schema_metadata({_KEY: described.encode()})
 
 
 def write_table(table: Table, out: Path | BinaryIO, form: str = "parquet") -> None:
@@ -90,11 +102,11 @@ def write_table(table: Table, out: Path | BinaryIO, form: str = "parquet") -> No
     form
         ``parquet``, ``csv`` or ``json``.
     """
+    found = arrow_columns(table.schema, {name: table[name] for name in table.schema.names})
     if form == "parquet":
-        found = arrow_table(table)
         write_tables([found], found.schema, out)
         return
-    written = document_text(table_document(table)) if form == "json" else csv_text(arrow_table(table))
+    written = document_text(table_document(table)) if form == "json" else csv_text(found)
     if isinstance(out, Path):
         out.write_text(written, encoding="utf-8", newline="\n")
     else:

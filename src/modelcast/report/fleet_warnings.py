@@ -13,7 +13,7 @@ from modelcast.report.figures.fleet_warnings import plot_warned_map, plot_warnin
 from modelcast.report.figures.senders import threshold_text
 from modelcast.report.literal import literal
 from modelcast.report.parts import Part
-from modelcast.report.warning_texts import ENOUGH, late_text, percent_text, plain_text, ratio_text
+from modelcast.report.warning_texts import ENOUGH, late_text, over_text, percent_text, plain_text
 from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import NO_BANK, NetworkResult
 from modelcast.study.network.warning_rows import ALL_SENDERS
@@ -79,14 +79,6 @@ def _density(row: Row) -> str:
     return f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
 
 
-def _missed_over(row: Row) -> str:
-    return ratio_text(row.missed_over, (row.missed_over_low, row.missed_over_high))
-
-
-def _false_over(row: Row) -> str:
-    return ratio_text(row.false_over, (row.false_over_low, row.false_over_high))
-
-
 def warnings_headline(result: NetworkResult) -> list[str]:
     """Return how many true warnings there were, by application, density and radio.
 
@@ -132,9 +124,9 @@ def _rows(result: NetworkResult) -> list[list[str]]:
             percent_text(row.busy_ratio),
             str(row.events),
             _share(row.missed_ratio, row.missed_low, row.missed_high),
-            _missed_over(row),
+            over_text(row, "missed"),
             _share(row.false_ratio, row.false_low, row.false_high),
-            _false_over(row),
+            over_text(row, "false"),
             plain_text(row.false_per_hour, "{:.1f}"),
             percent_text(row.never_ratio),
             *(late_text(value) for value in (row.delay_p50_s, row.delay_p90_s, row.delay_p99_s)),

@@ -81,6 +81,11 @@ class Column:
         return self.heading or words.replace("_", " ") + (f" [{unit}]" if unit else "")
 
     @property
+    def dtype(self) -> npt.DTypeLike:
+        """Type of its array: text and what may be absent in it are objects."""
+        return _DTYPES[self.kind]
+
+    @property
     def factor(self) -> float:
         """What numbers are multiplied by to be shown: shares are shown in percent."""
         return 100.0 if self.kind == "ratio" else 1.0
@@ -340,7 +345,7 @@ class Table(Sequence[Row]):
         """
         if isinstance(index, str):
             place = self.schema.places[index]
-            return np.array([row.values[place] for row in self.rows], _DTYPES[self.schema[index].kind])
+            return np.array([row.values[place] for row in self.rows], self.schema[index].dtype)
         return self.rows[index] if isinstance(index, int) else Table(self.schema, self.rows[index])
 
     def __repr__(self) -> str:

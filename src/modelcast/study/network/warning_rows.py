@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from modelcast.study.network.columns import BUSY, CASE, MESSAGES, SETTING, WARNED
+from modelcast.study.safety.result import DELAYS, over_columns
 from modelcast.study.table import TableSchema, count, quantity, ratio
 
 __all__ = ["ALL_SENDERS", "POOLED_WARNINGS", "WARNED_EVENTS", "WARNED_HOSTS", "WARNINGS"]
@@ -80,15 +81,9 @@ POOLED_WARNINGS = TableSchema(
         ratio("false_high", "Upper end of its interval over hosts and runs.", missing=_FEW),
         quantity("false_per_hour", "1/h", "Warnings without a true one near, an hour of a host."),
         ratio("never_ratio", "Share of the true warnings that never came."),
-        quantity("delay_p50_s", "s", "How late warnings come: median; infinite where more were missed."),
-        quantity("delay_p90_s", "s", "Percentile 90 of it; infinite where more were missed."),
-        quantity("delay_p99_s", "s", "Percentile 99 of it; infinite where more were missed."),
-        quantity("missed_over", "1", "Missed instants over the rival's; NaN where it met other warnings."),
-        quantity("missed_over_low", "1", "Lower end of its interval.", missing=_FEW),
-        quantity("missed_over_high", "1", "Upper end of its interval.", missing=_FEW),
-        quantity("false_over", "1", "False instants over the rival's; NaN where it met other warnings."),
-        quantity("false_over_low", "1", "Lower end of its interval.", missing=_FEW),
-        quantity("false_over_high", "1", "Upper end of its interval.", missing=_FEW),
+        *DELAYS,
+        *over_columns("missed", "the rival's; NaN where it met other warnings"),
+        *over_columns("false", "the rival's; NaN where it met other warnings"),
     ),
 )
 """Warnings over all seeds: a row a setting, application, sender and reading."""
