@@ -41,7 +41,7 @@ class Forecast(AbstractTransmitPolicy[NDArray[np.float64]]):
         """Longest time between two messages [s]."""
         return self.longest_s
 
-    def init(self, vehicles: int, sub_models: int) -> NDArray[np.float64]:  # noqa: ARG002 - any bank will do
+    def init(self, vehicles: int, sub_models: int) -> NDArray[np.float64]:
         """No error yet."""
         return np.full((vehicles, 2), np.nan)
 
@@ -49,7 +49,7 @@ class Forecast(AbstractTransmitPolicy[NDArray[np.float64]]):
         self,
         state: NDArray[np.float64],
         inputs: TransmitInputs,
-        rng: np.random.Generator,  # noqa: ARG002 - nothing is drawn
+        rng: np.random.Generator,
     ) -> tuple[Decisions, NDArray[np.float64]]:
         """Decide for B vehicles; which sub-model is sent is left to the station."""
         error_m, (before_m, before_s) = inputs.error_in_use_m, state.T
