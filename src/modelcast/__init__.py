@@ -14,6 +14,9 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from modelcast.apps.cruise.path import PathCacc as PathCacc
+    from modelcast.channel.erasure import IndependentErasure as IndependentErasure
+    from modelcast.channel.erasure_radio import ErasureRadio as ErasureRadio
     from modelcast.core.exceptions import ModelcastError as ModelcastError
     from modelcast.io.profile import read_profile as read_profile
     from modelcast.io.results import write_results as write_results
@@ -30,6 +33,8 @@ if TYPE_CHECKING:
     from modelcast.report.tables import rates_frame as rates_frame
     from modelcast.report.tables import references_frame as references_frame
     from modelcast.report.tables import tracking_frame as tracking_frame
+    from modelcast.runtime.platoon.control import CruiseControl as CruiseControl
+    from modelcast.runtime.platoon.drive import PlatoonTrace as PlatoonTrace
     from modelcast.runtime.transport.virtual import VirtualMedium as VirtualMedium
     from modelcast.station.fleet import Fleet as Fleet
     from modelcast.station.policy.error_driven import ErrorDriven as ErrorDriven
@@ -41,6 +46,8 @@ if TYPE_CHECKING:
     from modelcast.study.compare.candidate import TrainedCandidate as TrainedCandidate
     from modelcast.study.compare.run import compare as compare
     from modelcast.study.compare.settings import CompareSettings as CompareSettings
+    from modelcast.study.cruise.measure import measure_drive as measure_drive
+    from modelcast.study.cruise.senders import platoon_sender as platoon_sender
     from modelcast.study.evaluate import evaluate as evaluate
     from modelcast.study.paper.run import reproduce_paper as reproduce_paper
     from modelcast.study.result import EvaluationResult as EvaluationResult
@@ -50,6 +57,9 @@ if TYPE_CHECKING:
     from modelcast.trips.trajectory import Trajectory as Trajectory
     from modelcast.trips.trajectory import build_trajectory as build_trajectory
     from modelcast.world.drive import generate_drive as generate_drive
+    from modelcast.world.platoon.leaders import Sinusoid as Sinusoid
+    from modelcast.world.platoon.platoons import Platoons as Platoons
+    from modelcast.world.scenario.base import FleetFrame as FleetFrame
     from modelcast.world.sensors import SensorModel as SensorModel
 
 _HOMES = {
@@ -57,18 +67,26 @@ _HOMES = {
     "BsmCore": "messages.bsm",
     "CompareSettings": "study.compare.settings",
     "ConstantVelocity": "models.constant_velocity",
+    "CruiseControl": "runtime.platoon.control",
+    "ErasureRadio": "channel.erasure_radio",
     "ErrorDriven": "station.policy.error_driven",
     "EvaluationResult": "study.result",
     "EvaluationSettings": "study.settings",
     "FixedCandidate": "study.compare.candidate",
     "Fleet": "station.fleet",
+    "FleetFrame": "world.scenario.base",
     "GaussianProcess": "models.gp",
+    "IndependentErasure": "channel.erasure",
     "LocalDynamicMap": "station.receiver.local_dynamic_map",
     "ModelcastError": "core.exceptions",
+    "PathCacc": "apps.cruise.path",
     "Periodic": "station.policy.periodic",
+    "PlatoonTrace": "runtime.platoon.drive",
+    "Platoons": "world.platoon.platoons",
     "Profile": "models.profile",
     "SensedTrip": "study.case",
     "SensorModel": "world.sensors",
+    "Sinusoid": "world.platoon.leaders",
     "Station": "station.station",
     "TrainedCandidate": "study.compare.candidate",
     "Trajectory": "trips.trajectory",
@@ -81,6 +99,8 @@ _HOMES = {
     "encode_bsm": "messages.bsm",
     "evaluate": "study.evaluate",
     "generate_drive": "world.drive",
+    "measure_drive": "study.cruise.measure",
+    "platoon_sender": "study.cruise.senders",
     "rates_frame": "report.tables",
     "read_profile": "io.profile",
     "read_trips": "io.trips",
