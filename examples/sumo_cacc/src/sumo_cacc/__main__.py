@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from modelcast import PlatoonTrace
 from sumo_cacc.figure import draw
 from sumo_cacc.loop import Case, study
 
@@ -19,7 +20,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("sumo_cacc.png"), help="the figure")
     given = parser.parse_args()
     print("loss  sender     messages/s  least gap m  least time gap s  growth  collisions  age s")
-    traces = {}
+    traces = dict[Case, PlatoonTrace]()
     for loss in given.loss:
         for sender, threshold_m in CASES:
             case = Case(sender, loss, threshold_m)

@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from modelcast import (
     CruiseControl,
     ErasureRadio,
+    FleetFrame,
     IndependentErasure,
     PathCacc,
     Platoons,
@@ -91,9 +93,10 @@ def drive(case: Case, *, vehicles: int, duration_s: float, seed: int) -> tuple[P
         seed=seed,
     )
     steps = round(duration_s / STEP_S)
-    speeds = leader.speed_mps(np.arange(steps + 1) * STEP_S)
+    speeds = leader.speed_mps(np.arange(steps + 1, dtype=np.float64) * STEP_S)
     first_mps = float(speeds[0])
-    frames, asked = [], []
+    frames = list[FleetFrame]()
+    fell_back, ages_s = list[npt.NDArray[np.bool_]](), list[npt.NDArray[np.float64]]()
     with sumo_platoon(vehicles, float(law.gap_m(np.array(first_mps))), first_mps) as platoon:
         for step in range(steps):
             frame = platoon.frame()
@@ -102,7 +105,8 @@ def drive(case: Case, *, vehicles: int, duration_s: float, seed: int) -> tuple[P
             unsettled = wanted.fell_back & (frame.t_s < SETTLE_S)
             platoon.drive(float(speeds[step + 1]), np.where(unsettled, 0.0, wanted.acceleration_mps2))
             frames.append(frame)
-            asked.append(wanted)
+            fell_back.append(wanted.fell_back)
+            ages_s.append(wanted.age_s)
     speed = np.array([frame.speed_mps for frame in frames])[:, None]
     along = np.array([frame.position_m[:, 0] for frame in frames])[:, None]
     gap = along[:, :, :-1] - along[:, :, 1:] - frames[0].length_m[1:]
@@ -112,8 +116,8 @@ def drive(case: Case, *, vehicles: int, duration_s: float, seed: int) -> tuple[P
         np.array([frame.acceleration_mps2 for frame in frames])[:, None],
         gap_m=gap,
         too_near_m=law.gap_m(speed[:, :, 1:]) - gap,
-        fell_back=np.array([wanted.fell_back for wanted in asked])[:, None],
-        age_s=np.array([wanted.age_s for wanted in asked])[:, None],
+        fell_back=np.array(fell_back)[:, None],
+        age_s=np.array(ages_s)[:, None],
     )
     return trace, control.messages
 

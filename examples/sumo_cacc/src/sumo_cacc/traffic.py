@@ -7,13 +7,14 @@
 import os
 import subprocess
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from math import radians
 from pathlib import Path
 
 import libsumo
 import numpy as np
+import numpy.typing as npt
 import sumo
 
 from modelcast import FleetFrame
@@ -55,7 +56,7 @@ class SumoPlatoon:
             active=np.ones(number, dtype=np.bool_),
         )
 
-    def drive(self, leader_mps: float, acceleration_mps2: np.ndarray) -> None:
+    def drive(self, leader_mps: float, acceleration_mps2: npt.NDArray[np.float64]) -> None:
         """Let the leader take a speed and the followers an acceleration, and SUMO move all by a step.
 
         Parameters
@@ -73,7 +74,7 @@ class SumoPlatoon:
 
 
 @contextmanager
-def sumo_platoon(vehicles: int, gap_m: float, speed_mps: float) -> Iterator[SumoPlatoon]:
+def sumo_platoon(vehicles: int, gap_m: float, speed_mps: float) -> Generator[SumoPlatoon]:
     """A platoon that drives at one speed with one gap.
 
     Parameters
