@@ -18,6 +18,7 @@ from modelcast.core.public_names import PublicPackage
 
 if TYPE_CHECKING:
     from modelcast.apps.base import AbstractApplication as AbstractApplication
+    from modelcast.apps.cruise.path import PathCacc as PathCacc
     from modelcast.apps.motions import Motions as Motions
     from modelcast.apps.registry import get_application as get_application
     from modelcast.apps.surrogates import modified_time_to_collision_s as modified_time_to_collision_s
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from modelcast.channel.dsrc import Dsrc as Dsrc
     from modelcast.channel.erasure import GilbertElliott as GilbertElliott
     from modelcast.channel.erasure import IndependentErasure as IndependentErasure
+    from modelcast.channel.erasure_radio import ErasureRadio as ErasureRadio
     from modelcast.channel.external_radio import AbstractExternalRadio as AbstractExternalRadio
     from modelcast.channel.external_radio import AbstractRadioSimulator as AbstractRadioSimulator
     from modelcast.channel.external_radio import CarriedFrames as CarriedFrames
@@ -107,6 +109,8 @@ if TYPE_CHECKING:
     from modelcast.runtime.fleet.engine import run_network as run_network
     from modelcast.runtime.fleet.mix import Mix as Mix
     from modelcast.runtime.fleet.settings import NetworkSettings as NetworkSettings
+    from modelcast.runtime.platoon.control import CruiseControl as CruiseControl
+    from modelcast.runtime.platoon.drive import PlatoonTrace as PlatoonTrace
     from modelcast.runtime.transport.virtual import VirtualMedium as VirtualMedium
     from modelcast.station.banks import PAPER_BANK as PAPER_BANK
     from modelcast.station.banks import bank_from_text as bank_from_text
@@ -132,6 +136,8 @@ if TYPE_CHECKING:
     from modelcast.study.compare.candidate import FixedCandidate as FixedCandidate
     from modelcast.study.compare.candidate import TrainedCandidate as TrainedCandidate
     from modelcast.study.compare.settings import CompareSettings as CompareSettings
+    from modelcast.study.cruise.measure import measure_drive as measure_drive
+    from modelcast.study.cruise.senders import platoon_sender as platoon_sender
     from modelcast.study.network.simulate import FleetRuns as FleetRuns
     from modelcast.study.result import EvaluationResult as EvaluationResult
     from modelcast.study.safety.settings import SafetySettings as SafetySettings
@@ -141,6 +147,9 @@ if TYPE_CHECKING:
     from modelcast.trips.trajectory import Trajectory as Trajectory
     from modelcast.trips.trajectory import build_trajectory as build_trajectory
     from modelcast.world.drive import generate_drive as generate_drive
+    from modelcast.world.platoon.leaders import Sinusoid as Sinusoid
+    from modelcast.world.platoon.platoons import Platoons as Platoons
+    from modelcast.world.scenario.base import FleetFrame as FleetFrame
     from modelcast.world.scenario.base import run_scenario as run_scenario
     from modelcast.world.scenario.grid import Grid as Grid
     from modelcast.world.scenario.highway import Highway as Highway
@@ -166,15 +175,18 @@ _HOMES = {
     "ConfigError": "core.exceptions",
     "ConstantTurnRateVelocity": "models.kinematic",
     "ConstantVelocity": "models.constant_velocity",
+    "CruiseControl": "runtime.platoon.control",
     "DataFormatError": "core.exceptions",
     "Decisions": "station.policy.base",
     "Dsrc": "channel.dsrc",
+    "ErasureRadio": "channel.erasure_radio",
     "ErrorDriven": "station.policy.error_driven",
     "Evaluation": "interface.evaluation",
     "EvaluationResult": "study.result",
     "EvaluationSettings": "study.settings",
     "FixedCandidate": "study.compare.candidate",
     "Fleet": "station.fleet",
+    "FleetFrame": "world.scenario.base",
     "FleetRuns": "study.network.simulate",
     "GaussianProcess": "models.gp.gaussian_process",
     "GilbertElliott": "channel.erasure",
@@ -201,10 +213,13 @@ _HOMES = {
     "NetworkSimulation": "interface.network",
     "OUTCOMES": "channel.radio",
     "PAPER_BANK": "station.banks",
+    "PathCacc": "apps.cruise.path",
     "PayloadField": "models.payload",
     "PayloadLayout": "models.payload",
     "Periodic": "station.policy.periodic",
     "PersonalSafetyMessage": "messages.psm",
+    "PlatoonTrace": "runtime.platoon.drive",
+    "Platoons": "world.platoon.platoons",
     "Plausibility": "station.receiver.plausibility",
     "PrivateKey": "messages.security.p256",
     "Profile": "models.profile",
@@ -217,6 +232,7 @@ _HOMES = {
     "Sidelink": "channel.sidelink",
     "Signer": "messages.security.signer",
     "SignerState": "messages.security.signer",
+    "Sinusoid": "world.platoon.leaders",
     "Station": "station.station",
     "SubModelIdentification": "messages.mbc",
     "TrainedCandidate": "study.compare.candidate",
@@ -251,9 +267,11 @@ _HOMES = {
     "heard_messages": "station.receiver.heard",
     "highway_input": "io.sumo_roads",
     "make_case": "study.case",
+    "measure_drive": "study.cruise.measure",
     "modified_time_to_collision_s": "apps.surrogates",
     "named_sender": "station.sender.sender",
     "person_codes": "messages.psm",
+    "platoon_sender": "study.cruise.senders",
     "plot_remotes": "report.figures.remotes",
     "rates_frame": "report.tables",
     "read_profile": "io.profile",

@@ -239,7 +239,8 @@ def test_a_module_that_takes_the_interpreter_down_is_named_and_the_others_are_tr
     (tmp_path / "deadly.py").write_text("import os; os._exit(9)")
     (tmp_path / "faulty.py").write_text("raise RuntimeError('no luck')")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    faults = installation._import_faults(["json", "deadly", "faulty"])
+    (tmp_path / "talkative.py").write_text("print('Warning! talkative speaks')")
+    faults = installation._import_faults(["json", "talkative", "deadly", "faulty"])
     assert faults == {"deadly": "the interpreter ended with code 9", "faulty": "RuntimeError: no luck"}
 
 

@@ -19,12 +19,13 @@ _BROUGHT = "llvmlite"
 """numba's compiler, which comes with numba in the version that fits it."""
 
 _PROBE = """
-import importlib, sys
+import contextlib, importlib, sys
 for name in sys.argv[1:]:
     sys.stdout.write(name + " ")
     sys.stdout.flush()
     try:
-        importlib.import_module(name)
+        with contextlib.redirect_stdout(sys.stderr):  # what a module prints is no fault
+            importlib.import_module(name)
     except Exception as error:
         sys.stdout.write(f"{type(error).__name__}: {error}".replace("\\n", " "))
     sys.stdout.write("\\n")

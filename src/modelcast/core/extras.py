@@ -49,7 +49,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         ),
         "sumo": Extra(
             MappingProxyType({"eclipse-sumo": "sumo", "libsumo": "libsumo"}),
-            "modelcast network --scenario sumo-highway, sumo-grid, sumo-junction",
+            "modelcast network --scenario sumo-highway, sumo-grid, sumo-junction, FILE.sumocfg",
         ),
     }
 )

@@ -1,0 +1,1 @@
+"""A platoon in SUMO whose followers drive by what their local dynamic maps believe."""
