@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from modelcast.cli.shared_work import workers
+from modelcast.core.cells import markdown
 from modelcast.io.traffic import read_traffic
 from modelcast.io.trips import read_trips
-from modelcast.report.literal import markdown
 from modelcast.report.paper import paper_markdown
 from modelcast.report.paper_texts import INTRODUCTION, READING_NOTE, WHY_THEY_DIFFER
 from modelcast.study.network.pairs import PairedRow

@@ -32,7 +32,7 @@ HEADS = (
 
 
 def _ratio(row: Mapping[str, Any], name: str) -> str:
-    value, (low, high) = row[f"{name}_over"], row[f"{name}_over_limits"]
+    value, low, high = (row[f"{name}_over{end}"] for end in ("", "_low", "_high"))
     if value is None:
         return "-"
     return f"{value:.2f}" if low is None else f"{value:.2f} ({low:.2f}-{high:.2f})"

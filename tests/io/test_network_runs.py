@@ -1,16 +1,16 @@
 """Claims about finished runs of a network evaluation on disk."""
 
 import json
-from dataclasses import asdict, fields, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
+from made_rows import filled
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.network_runs import NetworkRunFiles, RunKey, read_case, run_path, write_case
 from modelcast.io.run_store import run_store
-from modelcast.study.network.rows import CaseResult, NetworkCase, RunRow
+from modelcast.study.network.rows import RUNS, CaseResult, NetworkCase
 
 CASE = NetworkCase(25.0, "dsrc", "j2945", "none", 0)
 KEY = RunKey("1.0", {"0 traffic.xml": "ab"})
@@ -19,9 +19,7 @@ FILES = NetworkRunFiles(OPTIONS, KEY)
 
 
 def result(case: NetworkCase = CASE) -> CaseResult:
-    values: dict[str, Any] = {field.name: 0.5 for field in fields(RunRow)}
-    row = RunRow(**{**values, **asdict(case)})
-    return CaseResult(row, (), outcomes=(), seconds=())
+    return CaseResult(filled(RUNS, 0.5, **case.values()), (), outcomes=(), seconds=())
 
 
 def test_a_run_comes_back_as_it_was_written(tmp_path: Path) -> None:
@@ -54,7 +52,7 @@ def test_a_damaged_field_is_named(field: str, value: object, tmp_path: Path) -> 
     document = json.loads(path.read_text(encoding="utf-8"))
     document["run"][0][field] = value
     path.write_text(json.dumps(document), encoding="utf-8")
-    named = "RunRow" if field == "unknown" else f"run.0..{field}"
+    named = "a mapping of" if field == "unknown" else f"run.0..{field}"
     with pytest.raises(ConfigError, match=rf"{path.name} is not a run.*{named}"):
         read_case(CASE, OPTIONS, KEY, tmp_path)
 

@@ -9,6 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from made_rows import filled
 from modelcast.core.exceptions import ConfigError
 from modelcast.io import arrow
 from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table
@@ -16,11 +17,11 @@ from modelcast.io.manifest import MANIFEST
 from modelcast.io.output import atomic_folder
 from modelcast.io.results import summary_document, write_message_trace, write_results
 from modelcast.study.result import (
+    RATES,
+    TRACKING,
     Coded,
     EvaluationResult,
-    RateRow,
     SampleBlock,
-    TrackingRow,
     TripRow,
 )
 
@@ -45,11 +46,15 @@ def _result() -> EvaluationResult:
         trips=(
             made(TripRow, id="a/1", source="csv", grid_m=(0.0, 0.0), skipped={"späte": 2}, conditioning=None),
         ),
-        rates=(
-            made(RateRow, trip="a/1", policy="mbc", threshold_m=0.1 + 0.2),
-            made(RateRow, trip="all", policy="baseline", bytes_per_s=float("inf")),
+        rates=RATES.table(
+            [
+                filled(RATES, 1.0, trip="a/1", policy="mbc", threshold_m=0.1 + 0.2),
+                filled(RATES, 1.0, trip="all", policy="baseline", bytes_per_s=float("inf")),
+            ]
         ),
-        tracking=(made(TrackingRow, trip="all", policy="mbc", rate_basis=None, pte_p99_m=NAN),),
+        tracking=TRACKING.table(
+            [filled(TRACKING, 1.0, trip="all", policy="mbc", rate_basis=None, pte_p99_m=NAN)]
+        ),
         ecdfs=(),
         timeline=None,
         manoeuvre=None,
@@ -82,8 +87,8 @@ def test_summary_has_the_rows_under_their_own_names(result: EvaluationResult, tm
         "skipped",
     }
     assert document["schema"] == 1
-    assert document["rates"][0].keys() == {item.name for item in fields(RateRow)}
-    assert document["tracking"][0].keys() == {item.name for item in fields(TrackingRow)}
+    assert document["rates"][0].keys() == set(RATES.names)
+    assert document["tracking"][0].keys() == set(TRACKING.names)
     assert document["trips"][0].keys() == {item.name for item in fields(TripRow)}
     assert document == summary_document(result)
 

@@ -7,15 +7,16 @@ import numpy as np
 import pytest
 
 from modelcast.study.result import (
+    RATES,
+    TRACKING,
     Ecdf,
     EvaluationResult,
     Manoeuvre,
-    RateRow,
     SampleBlock,
     Timeline,
-    TrackingRow,
     TripRow,
 )
+from modelcast.study.table import Row
 
 POLICIES = (
     ("mbc", None),
@@ -78,13 +79,13 @@ def build_result(
     return EvaluationResult(
         {"keep_alive_s": 2.0, "seed": 1, "thresholds_m": tuple(thresholds), "bank": "cv+gp"},
         trips=tuple(_trip(name, at) for at, name in enumerate(trips)),
-        rates=tuple(
+        rates=RATES.table(
             _rate(n, at, p, th)
             for at, n in enumerate(names)
             for p in ("mbc", "baseline")
             for th in thresholds
         ),
-        tracking=tuple(
+        tracking=TRACKING.table(
             _tracking(name, policy, basis, at=at, threshold_m=th, ratio=ratio, seeds=seeds)
             for at, name in enumerate(names)
             for policy, basis in POLICIES
@@ -151,15 +152,15 @@ def _block(trip: str, basis: str | None, ratios: Sequence[float]) -> SampleBlock
     )
 
 
-def _rate(trip: str, at: int, policy: str, threshold_m: float) -> RateRow:
+def _rate(trip: str, at: int, policy: str, threshold_m: float) -> Row:
     total = (1.9 - 1.6 * threshold_m if policy == "mbc" else 2.0 - 2.0 * threshold_m) * (
         1 + 0.25 * np.sin(at)
     )
     identifications = 0.3 * total if policy == "mbc" else 0.0
-    return RateRow(
-        trip,
-        policy,
-        "cv+gp" if policy == "mbc" else "cv",
+    return RATES.row(
+        trip=trip,
+        policy=policy,
+        bank="cv+gp" if policy == "mbc" else "cv",
         threshold_m=threshold_m,
         updates=round(600 * (total - identifications)),
         identifications=round(600 * identifications),
@@ -175,14 +176,14 @@ def _rate(trip: str, at: int, policy: str, threshold_m: float) -> RateRow:
 
 def _tracking(
     trip: str, policy: str, basis: str | None, *, at: int, threshold_m: float, ratio: float, seeds: int
-) -> TrackingRow:
+) -> Row:
     p90 = SCALE[policy] * (1 + 0.2 * np.cos(at)) * (0.9 * threshold_m + (1 + threshold_m) * ratio**2)
     p90 *= 1.1 if basis == "update" else 1.0
     band = 0.06 * p90 if seeds > 1 else None
-    return TrackingRow(
-        trip,
-        policy,
-        "cv+gp" if policy == "mbc" else "cv",
+    return TRACKING.row(
+        trip=trip,
+        policy=policy,
+        bank="cv+gp" if policy == "mbc" else "cv",
         rate_basis=basis,
         threshold_m=threshold_m,
         own_threshold_m=None if policy == "baseline-periodic" else threshold_m,

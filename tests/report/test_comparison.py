@@ -14,16 +14,17 @@ from modelcast.report.comparison import comparison_console, comparison_markdown,
 from modelcast.report.figures import plot_comparison
 from modelcast.report.style import style
 from modelcast.study.compare.result import (
+    COUNTS,
+    RATIOS,
+    REFERENCE_RATIOS,
+    RIVAL_RATIOS,
+    ROUTES,
+    TRACKING_RATIOS,
     CandidateRow,
     ComparedTrip,
     ComparisonResult,
-    CountRow,
-    RatioRow,
-    ReferenceRatio,
-    RivalRow,
-    RouteRow,
-    TrackingRatioRow,
 )
+from modelcast.study.table import Row
 
 NAMES = ("cv", "ctra", "gp+cv order/on-failure")
 
@@ -46,7 +47,10 @@ def made(
 
     return ComparisonResult(
         {"seed": 0, "against": names[0]},
-        routes=(RouteRow(0, "hills|and dales", 2, 600.0), RouteRow(1, "<town>", 1, 300.0)),
+        routes=ROUTES.table(
+            ROUTES.row(route=at, name=name, trips=2 - at, duration_s=600.0 - 300.0 * at)
+            for at, name in enumerate(("hills|and dales", "<town>"))
+        ),
         trips=tuple(
             ComparedTrip(f"t/{at}", "csv", at // 2, duration_s=300.0, samples=3000, dt_s=0.1)
             for at in range(3)
@@ -63,11 +67,11 @@ def made(
             )
             for name in names
         ),
-        ratios=tuple(
-            RatioRow(
-                name,
-                protocol,
-                threshold_m,
+        ratios=RATIOS.table(
+            RATIOS.row(
+                candidate=name,
+                protocol=protocol,
+                threshold_m=threshold_m,
                 trips=3,
                 duration_s=900.0,
                 update_rate_hz=0.6,
@@ -98,7 +102,7 @@ def made(
             for protocol in protocols
             for threshold_m in thresholds
         ),
-        tracking=tuple(
+        tracking=TRACKING_RATIOS.table(
             tracking(name, protocol, trip, threshold_m=threshold_m, ratio=ratio, value=value[name])
             for name in names
             for protocol in protocols
@@ -106,11 +110,11 @@ def made(
             for threshold_m in thresholds
             for ratio in ratios
         ),
-        counts=(
-            CountRow(
-                names[0],
-                protocols[0],
-                "t/0",
+        counts=COUNTS.table(
+            COUNTS.row(
+                candidate=names[0],
+                protocol=protocol,
+                trip="t/0",
                 route=0,
                 threshold_m=0.2,
                 updates=10,
@@ -121,12 +125,13 @@ def made(
                 airtime_s=0.004,
                 baseline_airtime_s=0.005,
                 duration_s=300.0,
-            ),
-        )
-        if protocols
-        else (),
-        references=tuple(
-            ReferenceRatio(reference, protocol, threshold_m, ratio)
+            )
+            for protocol in protocols[:1]
+        ),
+        references=REFERENCE_RATIOS.table(
+            REFERENCE_RATIOS.row(
+                reference=reference, protocol=protocol, threshold_m=threshold_m, message_ratio=ratio
+            )
             for reference, ratio in (("clairvoyant-1", 0.3), ("clairvoyant-2", 0.2), ("cam", 2.5))
             for protocol in protocols
             for threshold_m in thresholds
@@ -136,14 +141,12 @@ def made(
     )
 
 
-def tracking(
-    name: str, protocol: str, trip: str, *, threshold_m: float, ratio: float, value: float
-) -> TrackingRatioRow:
+def tracking(name: str, protocol: str, trip: str, *, threshold_m: float, ratio: float, value: float) -> Row:
     found = value + threshold_m + ratio + (5.0 if trip != "all" else 0.0)
-    return TrackingRatioRow(
-        name,
-        protocol,
-        trip,
+    return TRACKING_RATIOS.row(
+        candidate=name,
+        protocol=protocol,
+        trip=trip,
         threshold_m=threshold_m,
         packet_error_ratio=ratio,
         rate_basis="total",
@@ -171,11 +174,11 @@ def against(rival: str) -> ComparisonResult:
     return replace(
         result,
         settings={**result.settings, "against": rival},
-        rivals=tuple(
-            RivalRow(
-                row.candidate,
-                rival,
-                row.protocol,
+        rivals=RIVAL_RATIOS.table(
+            RIVAL_RATIOS.row(
+                candidate=row.candidate,
+                rival=rival,
+                protocol=row.protocol,
                 threshold_m=row.threshold_m,
                 message_ratio=2.0 * row.message_ratio,
                 message_low=1.9 * row.message_ratio,
@@ -231,7 +234,10 @@ def test_a_reference_far_above_is_named_and_not_drawn() -> None:
     names = [text.get_text() for text in figure.legends[0].get_texts()]
     assert names == [*NAMES, "Baseline (CV)", "Known future, degree 1", "Known future, degree 2"]
     assert [text.get_text() for text in figure.axes[0].texts] == ["ETSI CAM rules: 2.5 and more"]
-    low = replace(made(), references=tuple(replace(row, message_ratio=0.9) for row in made().references))
+    low = replace(
+        made(),
+        references=REFERENCE_RATIOS.table(row.replaced(message_ratio=0.9) for row in made().references),
+    )
     names = [text.get_text() for text in plot_comparison(low).legends[0].get_texts()]
     assert names[-1] == "ETSI CAM rules"
 
@@ -262,7 +268,9 @@ def test_figure_and_tables_are_made_for(options: dict[str, tuple[str, ...]], tmp
 def test_ratios_that_do_not_exist_leave_holes() -> None:
     result = made()
     nan = float("nan")
-    rows = tuple(replace(row, p90_ratio=nan, p99_ratio=nan, p90_low=None) for row in result.tracking)
+    rows = TRACKING_RATIOS.table(
+        row.replaced(p90_ratio=nan, p99_ratio=nan, p90_low=None) for row in result.tracking
+    )
     holed = replace(result, tracking=rows)
     with style():
         plot_comparison(holed).draw_without_rendering()
@@ -314,7 +322,9 @@ def test_the_candidate_compared_against_has_a_table_and_a_row_of_panels_of_its_o
 
 def test_the_baseline_has_no_second_table_nor_has_a_candidate_alone() -> None:
     result = against("cv")
-    ones = tuple(replace(row, message_ratio=1.0) if row.candidate == "cv" else row for row in result.ratios)
+    ones = RATIOS.table(
+        row.replaced(message_ratio=1.0) if row.candidate == "cv" else row for row in result.ratios
+    )
     assert result.rival == "cv"
     assert replace(result, ratios=ones).rival is None
     assert replace(result, candidates=result.candidates[:1]).rival is None

@@ -23,7 +23,7 @@ from modelcast.report.figures.coverage import plot_coverage, plot_times
 from modelcast.report.figures.trips import MOST_ROWS
 from modelcast.report.style import POLICY_COLOURS, style
 from modelcast.study.coverage import FORMS, CoverageRow, TimeRow
-from modelcast.study.result import EvaluationResult, ReferenceRow
+from modelcast.study.result import RATES, REFERENCES, TRACKING, EvaluationResult
 
 Make = Callable[..., EvaluationResult]
 
@@ -59,10 +59,10 @@ def test_the_panel_below_shows_the_airtime_of_both(make_result: Make) -> None:
 
 def test_reference_lines_lie_at_the_pooled_rates_and_are_named(make_result: Make) -> None:
     references = [
-        ReferenceRow(
-            trip,
-            name,
-            threshold_m,
+        REFERENCES.row(
+            trip=trip,
+            reference=name,
+            threshold_m=threshold_m,
             messages=60,
             least_messages=60,
             duration_s=600.0,
@@ -75,7 +75,7 @@ def test_reference_lines_lie_at_the_pooled_rates_and_are_named(make_result: Make
             ("cam", None, 2.5),
         )
     ]
-    figure = plot_rates(replace(make_result(), references=tuple(references)))
+    figure = plot_rates(replace(make_result(), references=REFERENCES.table(references)))
     axes = figure.axes[0]
     drawn = axes.collections[-1].get_segments()
     assert [line[0][1] for line in drawn] == pytest.approx([0.4, 0.35, 0.3, 0.25])
@@ -186,7 +186,13 @@ def test_every_figure_draws_for(make_result: Make, options: dict[str, object]) -
 
 
 def test_every_figure_draws_for_a_result_without_rows(make_result: Make) -> None:
-    empty = replace(make_result(timeline=False, manoeuvre=False), trips=(), rates=(), tracking=(), ecdfs=())
+    empty = replace(
+        make_result(timeline=False, manoeuvre=False),
+        trips=(),
+        rates=RATES.table(),
+        tracking=TRACKING.table(),
+        ecdfs=(),
+    )
     draw_all(empty)
 
 
@@ -194,15 +200,15 @@ def test_undefined_values_leave_holes_not_errors(make_result: Make) -> None:
     result = make_result()
     nan = float("nan")
     rows = tuple(
-        replace(row, pte_p90_m=nan, pte_p90_low_m=None, pte_p90_high_m=None) for row in result.tracking
+        row.replaced(pte_p90_m=nan, pte_p90_low_m=None, pte_p90_high_m=None) for row in result.tracking
     )
     curves = tuple(replace(curve, tracking_error_m=curve.tracking_error_m * nan) for curve in result.ecdfs)
-    draw_all(replace(result, tracking=rows, ecdfs=curves))
+    draw_all(replace(result, tracking=TRACKING.table(rows), ecdfs=curves))
 
 
 def test_one_trip_without_pooled_rows_stands_for_all(make_result: Make) -> None:
     result = make_result(trips=("only/1",))
-    alone = replace(result, rates=tuple(row for row in result.rates if row.trip != "all"))
+    alone = replace(result, rates=RATES.table(row for row in result.rates if row.trip != "all"))
     assert plot_rates(alone).axes[0].containers
 
 

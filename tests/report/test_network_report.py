@@ -1,6 +1,5 @@
 """Claims about tables and figures of a network evaluation: how several banks are told apart."""
 
-from dataclasses import asdict, fields
 from itertools import product
 from typing import Any
 
@@ -9,6 +8,7 @@ import pytest
 from matplotlib.axes import Axes
 from rich.console import Console
 
+from made_rows import filled
 from modelcast.report.figures.files import drawn
 from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.figures.senders import Curve, sender_curves
@@ -16,23 +16,23 @@ from modelcast.report.network import network_console, network_markdown
 from modelcast.report.style import style
 from modelcast.study.network.pool import gather
 from modelcast.study.network.rows import (
+    DISTANCES,
+    RUNS,
+    SECONDS,
+    SENDERS,
     CaseResult,
-    DistanceRow,
     NetworkCase,
     NetworkResult,
-    RunRow,
-    SecondRow,
-    SenderRow,
 )
+from modelcast.study.table import Row, TableSchema
 
 POLICIES = ("j2945", "mbc", "j2945-mbc")
 
 
-def row(kind: Any, case: NetworkCase, **own: float) -> Any:
+def row(kind: TableSchema, case: NetworkCase, **own: float) -> Row:
     """A row of a run with every number the same, and different from that of every other sender."""
     value = 0.01 * (1 + len(case.policy) + 2 * len(case.bank) + 0.1 * case.run)
-    numbers: dict[str, Any] = {field.name: value for field in fields(kind)}
-    return kind(**{**numbers, **asdict(case), **own})
+    return filled(kind, value, **case.values(), **own)
 
 
 def result(*banks: str, **own: float) -> NetworkResult:
@@ -43,17 +43,15 @@ def result(*banks: str, **own: float) -> NetworkResult:
             case = NetworkCase(density, radio, policy, bank, run)
             found.append(
                 CaseResult(
-                    row(RunRow, case, identification_rate_hz=0.25 if bank == "paper" else 0.0, **own),
-                    [
-                        row(DistanceRow, case, low_m=low_m, high_m=low_m + 25.0, **own)
-                        for low_m in (0.0, 25.0)
-                    ],
+                    row(RUNS, case, identification_rate_hz=0.25 if bank == "paper" else 0.0, **own),
+                    [row(DISTANCES, case, low_m=low_m, high_m=low_m + 25.0, **own) for low_m in (0.0, 25.0)],
                     outcomes=[],
-                    seconds=[row(SecondRow, case, t_s=t_s, **own) for t_s in (1.0, 2.0)],
+                    seconds=[row(SECONDS, case, t_s=t_s, **own) for t_s in (1.0, 2.0)],
                 )
             )
     senders = [
-        SenderRow(policy="mbc", bank=bank, sub_models="cv", start="order", identify="never") for bank in banks
+        SENDERS.row(policy="mbc", bank=bank, sub_models="cv", start="order", identify="never")
+        for bank in banks
     ]
     return gather(found, senders)
 
@@ -150,7 +148,7 @@ def test_thresholds_are_told_apart_in_words_and_curves() -> None:
     for policy, threshold_m, run in product(("baseline", "mbc"), (0.2, 0.3, 0.4, 0.5), (0, 1)):
         bank = "paper" if policy == "mbc" else "none"
         case = NetworkCase(25.0, "dsrc", policy, bank, run, threshold_m=threshold_m)
-        found.append(CaseResult(row(RunRow, case), [], outcomes=[], seconds=[]))
+        found.append(CaseResult(row(RUNS, case), [], outcomes=[], seconds=[]))
     one_bank = gather(found)
     assert heads(one_bank)[:5] == ["density", "radio", "policy", "threshold", "seeds"]
     assert "mbc, 30 cm" in shown(one_bank)

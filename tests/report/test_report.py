@@ -12,7 +12,7 @@ from rich.console import Console
 from modelcast.report.console import console_report
 from modelcast.report.html import report_document, write_report
 from modelcast.report.tables import events_frame, rates_frame, samples_frame, tracking_frame, trips_frame
-from modelcast.study.result import EvaluationResult
+from modelcast.study.result import RATES, TRACKING, EvaluationResult
 
 Make = Callable[..., EvaluationResult]
 ReadPage = Callable[[str], Any]
@@ -93,8 +93,8 @@ def test_report_of_nothing(make_result: Make, page_without_figures: Any) -> None
     empty = replace(
         make_result(timeline=False, manoeuvre=False),
         trips=(),
-        rates=(),
-        tracking=(),
+        rates=RATES.table(),
+        tracking=TRACKING.table(),
         ecdfs=(),
         settings={},
         failures={},
@@ -119,14 +119,14 @@ def test_console_fits_in_100_columns_and_shows_the_rates(make_result: Make) -> N
 
 
 def test_console_of_rates_alone(make_result: Make) -> None:
-    text = printed(replace(make_result(), tracking=(), failures={}))
+    text = printed(replace(make_result(), tracking=TRACKING.table(), failures={}))
     assert "MBC total" in text
     assert "PER" not in text
 
 
 def test_frames_have_the_same_types_with_and_without_rows(make_result: Make) -> None:
     result = make_result(seeds=1)
-    empty = replace(result, trips=(), rates=(), tracking=(), samples=())
+    empty = replace(result, trips=(), rates=result.rates[:0], tracking=result.tracking[:0], samples=())
     for frame in (trips_frame, rates_frame, tracking_frame, samples_frame):
         assert frame(result).schema == frame(empty).schema
         assert frame(result).height > 0

@@ -1,33 +1,29 @@
 """The density at which a limit fails, found by doubling and halving: brackets and what is said of them."""
 
-from dataclasses import asdict, fields
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from made_rows import filled
 from modelcast.study.network.capacity import Capacity, bisected
 from modelcast.study.network.capacity_limits import Limit, Probe, probe_of
-from modelcast.study.network.rows import CASE_KEYS, CaseResult, NetworkCase, RunRow
-from modelcast.study.network.warning_rows import WarningRow
+from modelcast.study.network.rows import CASE_KEYS, RUNS, CaseResult, NetworkCase
+from modelcast.study.network.warning_rows import WARNINGS
 
 LIMIT = Limit("absolute", 0.5)
 
 
 def ran(run: int = 0, *, density: float = 100.0, **figures: float) -> CaseResult:
     """A run of which only some figures matter."""
-    names = [field.name for field in fields(RunRow) if field.name not in CASE_KEYS]
-    row: dict[str, Any] = {**dict.fromkeys(names, 0.5), "held_ratio": 1.0, **figures}
-    key = asdict(NetworkCase(density, "dsrc", "mbc", "default", run))
-    return CaseResult(RunRow(**key, **row), [], outcomes=[], seconds=[])
+    key = NetworkCase(density, "dsrc", "mbc", "default", run).values()
+    return CaseResult(filled(RUNS, 0.5, **{**key, "held_ratio": 1.0, **figures}), [], outcomes=[], seconds=[])
 
 
 def warned(run: int, positives: int, missed: int, application: str = "fcw") -> CaseResult:
     """A run in which hosts missed so many instants."""
-    names = [field.name for field in fields(WarningRow) if field.name not in CASE_KEYS]
     row: dict[str, Any] = {
-        **dict.fromkeys(names, 0),
         "application": application,
         "sender": "mbc",
         "reading": "model",
@@ -36,8 +32,8 @@ def warned(run: int, positives: int, missed: int, application: str = "fcw") -> C
         "missed": missed,
     }
     one = ran(run)
-    keys: dict[str, Any] = {name: getattr(one.run, name) for name in CASE_KEYS}
-    return CaseResult(one.run, [], outcomes=[], seconds=[], warnings=[WarningRow(**keys, **row)])
+    keys = one.run.picked(CASE_KEYS)
+    return CaseResult(one.run, [], outcomes=[], seconds=[], warnings=[filled(WARNINGS, 0, **keys, **row)])
 
 
 def at(density: float, p99_m: float, held: float = 1.0) -> Probe:

@@ -1,16 +1,16 @@
 """Claims about the figures of a network evaluation."""
 
-from dataclasses import asdict, fields
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from made_rows import filled
 from modelcast.runtime.fleet.bins_kernels import BINS, bin_of, lower_edge
 from modelcast.study.network.measure import binned_quantiles
 from modelcast.study.network.pool import pool
-from modelcast.study.network.rows import CASE_KEYS, NetworkCase, RunRow
+from modelcast.study.network.rows import RUNS, NetworkCase
+from modelcast.study.table import Row
 
 BIN_RATIO = 1.0 / 32.0
 """Bins are a 32nd of an octave's lower edge wide at most."""
@@ -34,12 +34,8 @@ def test_a_number_lies_in_its_bin(value: float) -> None:
 
 
 def test_every_threshold_has_a_pool_of_its_own() -> None:
-    names = [field.name for field in fields(RunRow) if field.name not in CASE_KEYS]
     runs = [
-        RunRow(
-            **asdict(NetworkCase(25.0, "dsrc", "mbc", "cv", 0, threshold_m=value)),
-            **dict.fromkeys(names, value),
-        )
+        filled(RUNS, value, **NetworkCase(25.0, "dsrc", "mbc", "cv", 0, threshold_m=value).values())
         for value in (0.2, 0.5)
     ]
     pooled = {one.threshold_m: one.value for one in pool(runs) if one.figure == "busy_ratio"}
@@ -47,12 +43,11 @@ def test_every_threshold_has_a_pool_of_its_own() -> None:
 
 
 def test_seeds_are_pooled_bank_by_bank() -> None:
-    names = [field.name for field in fields(RunRow) if field.name not in CASE_KEYS]
-    rows: list[RunRow] = []
+    rows: list[Row] = []
     for bank, first in (("cv", 1.0), ("paper", 5.0)):
         for run in (0, 1, 2):
-            key = asdict(NetworkCase(25.0, "dsrc", "mbc", bank, run))
-            rows.append(RunRow(**key, **dict.fromkeys(names, first + run)))
+            key = NetworkCase(25.0, "dsrc", "mbc", bank, run).values()
+            rows.append(filled(RUNS, first + run, **key))
     found = {one.bank: one for one in pool(rows) if one.figure == "pte_p90_m"}
     assert {bank: (one.seeds, one.value) for bank, one in found.items()} == {
         "cv": (3, 2.0),

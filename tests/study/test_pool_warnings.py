@@ -1,24 +1,22 @@
 """Claims about warnings of fleets pooled over seeds."""
 
-from dataclasses import asdict, fields, replace
 from math import inf, isnan, nan
-from typing import Any
 
 import numpy as np
 import pytest
 
+from made_rows import filled
 from modelcast.station.receiver.reading import Reading
 from modelcast.study.network.pool_warnings import pool_warnings
-from modelcast.study.network.rows import CaseResult, NetworkCase, RunRow
+from modelcast.study.network.rows import RUNS, CaseResult, NetworkCase
 from modelcast.study.network.warned import measure_warnings
-from modelcast.study.network.warning_rows import PooledWarnings
 from modelcast.study.safety.fleet_result import PairingScores
+from modelcast.study.table import Row
 
 
 def a_run(policy: str, number: int = 0, threshold_m: float = nan) -> CaseResult:
     case = NetworkCase(50.0, "dsrc", policy, "none", number, threshold_m=threshold_m)
-    values: dict[str, Any] = {field.name: 2.0 for field in fields(RunRow)}
-    return CaseResult(RunRow(**{**values, **asdict(case)}), (), outcomes=(), seconds=())
+    return CaseResult(filled(RUNS, 2.0, **case.values()), (), outcomes=(), seconds=())
 
 
 def scored(
@@ -49,7 +47,7 @@ def warned(run: CaseResult, *scores: PairingScores, senders: tuple[str, ...] = (
     return measure_warnings(run, scores, senders or (run.run.policy,))
 
 
-def only(rows: list[PooledWarnings], **wanted: object) -> PooledWarnings:
+def only(rows: list[Row], **wanted: object) -> Row:
     (found,) = [row for row in rows if all(getattr(row, name) == value for name, value in wanted.items())]
     return found
 
@@ -159,4 +157,4 @@ def test_a_delay_without_end_is_no_number_in_rows():
     (run,) = [warned(a_run("mbc"), scored([10, 3], [0]))]
     assert [isnan(row.delay_s) for row in run.warned_events] == [True, False]
     assert run.warnings[0].never == 1
-    assert replace(run.warnings[0], never=0) != run.warnings[0]
+    assert run.warnings[0].replaced(never=0) != run.warnings[0]

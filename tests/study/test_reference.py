@@ -170,7 +170,7 @@ def test_rows_of_a_trip_and_pooled_rows_are_sums(drive: Trajectory, gapped_drive
 
 def test_without_references_there_are_no_rows(drive: Trajectory) -> None:
     settings = EvaluationSettings((0.5,), (), protocol="recorded", references=False)
-    assert evaluate([drive], settings).references == ()
+    assert not evaluate([drive], settings).references
 
 
 def test_heading_from_positions_is_held_at_standstill() -> None:

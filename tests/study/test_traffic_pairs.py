@@ -1,37 +1,35 @@
 """Claims about the hybrid against the baseline in traffic: pairs by seed, intervals, verdicts."""
 
-from dataclasses import asdict, fields
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from made_rows import filled
 from modelcast.study.network.densities import TrafficPlan, counted_verdicts
 from modelcast.study.network.pairs import FIGURES, PairedRow, collision_rate_hz, traffic_rows, verdict_of
 from modelcast.study.network.pool import gather
 from modelcast.study.network.rows import (
+    DISTANCES,
+    OUTCOMES,
+    RUNS,
     CaseResult,
-    DistanceRow,
     NetworkCase,
     NetworkResult,
-    OutcomeRow,
-    RunRow,
 )
+from modelcast.study.table import Row, TableSchema
 
 
-def made(kind: Any, case: NetworkCase, value: float, **own: float) -> Any:
+def made(kind: TableSchema, case: NetworkCase, value: float, **own: float) -> Row:
     """A row with the same number everywhere."""
-    numbers: dict[str, Any] = {field.name: value for field in fields(kind)}
-    return kind(**{**numbers, **asdict(case), **own})
+    return filled(kind, value, **case.values(), **own)
 
 
 def run_of(case: NetworkCase, value: float) -> CaseResult:
     return CaseResult(
-        made(RunRow, case, value),
-        [made(DistanceRow, case, 2.0 * value, low_m=0.0, high_m=25.0)],
-        outcomes=[made(OutcomeRow, case, 0.5 * value, low_m=0.0, high_m=50.0)],
+        made(RUNS, case, value),
+        [made(DISTANCES, case, 2.0 * value, low_m=0.0, high_m=25.0)],
+        outcomes=[made(OUTCOMES, case, 0.5 * value, low_m=0.0, high_m=50.0)],
         seconds=[],
     )
 
@@ -131,7 +129,7 @@ def test_every_figure_is_there_and_ranges_are_those_of_their_tables() -> None:
 def test_collisions_a_second_count_frames_that_were_sent() -> None:
     case = NetworkCase(25.0, "dsrc", "mbc", "paper", 0, threshold_m=0.2)
     own = {"collision_ratio": 0.1, "message_rate_hz": 4.0, "expired_ratio": 0.25}
-    assert collision_rate_hz(made(RunRow, case, 0.0, **own)) == pytest.approx(0.3)
+    assert collision_rate_hz(made(RUNS, case, 0.0, **own)) == pytest.approx(0.3)
 
 
 def test_an_interval_that_touches_zero_shows_nothing() -> None:

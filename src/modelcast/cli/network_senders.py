@@ -16,7 +16,8 @@ from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
 from modelcast.station.sender.sender import FREE_SENDERS, MODEL_SENDERS, Sender, named_sender
 from modelcast.station.sensing.motion_filter import MotionFilter
-from modelcast.study.network.rows import NO_BANK, SenderRow
+from modelcast.study.network.rows import NO_BANK, SENDERS
+from modelcast.study.table import Row
 from modelcast.world.sensors import filter_for
 
 __all__ = ["Rules", "named_banks", "rules_in_use", "sender_of", "sender_rows"]
@@ -134,7 +135,7 @@ def rules_in_use(
     )
 
 
-def sender_rows(plan: NetworkPlan, policies: Iterable[str]) -> list[SenderRow]:
+def sender_rows(plan: NetworkPlan, policies: Iterable[str]) -> list[Row]:
     """Make every sender that a plan asks for, and say what those of models send.
 
     Parameters
@@ -154,13 +155,13 @@ def sender_rows(plan: NetworkPlan, policies: Iterable[str]) -> list[SenderRow]:
     except ValueError as error:
         raise ConfigError(str(error)) from error
     banks = named_banks(plan)
-    rows: list[SenderRow] = []
+    rows: list[Row] = []
     for policy in policies:
         own = banks if policy in MODEL_SENDERS else {NO_BANK: None}
         for (bank, named), threshold_m in product(own.items(), plan.thresholds_of(policy)):
             sender = sender_of(plan, policy, bank, threshold_m=threshold_m, named=named, motion=motion)
             rules, members = sender.lanes, "+".join(member.name for member in sender.bank.members)
-            row = SenderRow(
+            row = SENDERS.row(
                 policy=policy, bank=bank, sub_models=members, start=rules.start, identify=rules.identify
             )
             if named is not None and row not in rows:

@@ -27,7 +27,8 @@ from modelcast.report.network import traffic_lines, write_network_report
 from modelcast.report.traffic import write_traffic_report
 from modelcast.study.network.pairs import PairedRow, traffic_rows
 from modelcast.study.network.pool import gather
-from modelcast.study.network.rows import CaseResult, NetworkCase, NetworkResult, SenderRow
+from modelcast.study.network.rows import CaseResult, NetworkCase, NetworkResult
+from modelcast.study.table import Row
 
 __all__ = ["Sweep", "Swept", "sweep"]
 
@@ -56,7 +57,7 @@ class Sweep:
     plan: NetworkPlan
     cases: Sequence[NetworkCase]
     _: KW_ONLY
-    senders: Sequence[SenderRow]
+    senders: Sequence[Row]
     found: FcdSurvey | None = None
     command: str = "network"
     against: str = ""

@@ -11,7 +11,6 @@ from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.radio import AbstractRadio
 from modelcast.core.version import package_version
 from modelcast.interface.result import AbstractFrames
-from modelcast.interface.row_frames import rows_frame
 from modelcast.io.network import write_network
 from modelcast.io.network_runs import RunKey
 from modelcast.report.figures.network import (
@@ -22,16 +21,9 @@ from modelcast.report.figures.network import (
     plot_tracking,
 )
 from modelcast.report.network import write_network_report
+from modelcast.report.tables import frame
 from modelcast.station.sender.sender import Sender, named_sender
-from modelcast.study.network.rows import (
-    DistanceRow,
-    NetworkResult,
-    OutcomeRow,
-    PooledRow,
-    RunRow,
-    SecondRow,
-    SenderRow,
-)
+from modelcast.study.network.rows import NetworkResult
 from modelcast.study.network.simulate import FleetRuns, simulate_fleets
 from modelcast.world.scenario.base import AbstractScenario
 from modelcast.world.sensors import filter_for
@@ -94,33 +86,33 @@ class NetworkSimulation(AbstractFrames):
 
     @property
     def runs(self) -> pl.DataFrame:
-        """A row a run (`RunRow`)."""
-        return rows_frame(self.result.runs, RunRow)
+        """A row a run (`RUNS`)."""
+        return frame(self.result.runs)
 
     @property
     def pooled(self) -> pl.DataFrame:
-        """A row a figure, with its mean and 95 % interval over seeds (`PooledRow`)."""
-        return rows_frame(self.result.pooled, PooledRow)
+        """A row a figure, with its mean and 95 % interval over seeds (`POOLED`)."""
+        return frame(self.result.pooled)
 
     @property
     def distances(self) -> pl.DataFrame:
-        """A row for each run and bin of distance: what hosts hold of remotes (`DistanceRow`)."""
-        return rows_frame(self.result.distances, DistanceRow)
+        """A row for each run and bin of distance: what hosts hold of remotes (`DISTANCES`)."""
+        return frame(self.result.distances)
 
     @property
     def outcomes(self) -> pl.DataFrame:
-        """A row for each run and bin of distance: what became of frames (`OutcomeRow`)."""
-        return rows_frame(self.result.outcomes, OutcomeRow)
+        """A row for each run and bin of distance: what became of frames (`OUTCOMES`)."""
+        return frame(self.result.outcomes)
 
     @property
     def seconds(self) -> pl.DataFrame:
-        """A row for each run and second, warm-up included (`SecondRow`)."""
-        return rows_frame(self.result.seconds, SecondRow)
+        """A row for each run and second, warm-up included (`SECONDS`)."""
+        return frame(self.result.seconds)
 
     @property
     def senders(self) -> pl.DataFrame:
-        """A row for each sender of models: its sub-models and rules (`SenderRow`)."""
-        return rows_frame(self.result.senders, SenderRow)
+        """A row for each sender of models: its sub-models and rules (`SENDERS`)."""
+        return frame(self.result.senders)
 
     @property
     def plot(self) -> NetworkPlots:

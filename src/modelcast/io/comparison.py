@@ -5,33 +5,27 @@
     ``rivals``, ``tracking``, ``references``, ``failures``, ``skipped``: the rows of
     `modelcast.study.compare.result` that pool all trips. A number that does not exist is null.
 ``messages.parquet``
-    One row for each candidate, protocol, trip and threshold: `CountRow`.
+    One row for each candidate, protocol, trip and threshold: `COUNTS`.
 ``tracking.parquet``
-    One row for each candidate, protocol, trip, threshold and packet error ratio: `TrackingRatioRow`, rows
+    One row for each candidate, protocol, trip, threshold and packet error ratio: `TRACKING_RATIOS`, rows
     that pool all trips (``"all"``) among them.
 
 The same result gives the same bytes.
 """
 
-from collections.abc import Sequence
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from modelcast.core.version import package_version
-from modelcast.io.arrow import columns_table, write_tables
 from modelcast.io.documents import document_text, plain_value, row_document
-from modelcast.study.compare.result import ComparisonResult, CountRow, TrackingRatioRow
-from modelcast.study.result import POOLED, Columns
+from modelcast.io.table_files import write_table
+from modelcast.study.compare.result import ComparisonResult
+from modelcast.study.result import POOLED
 
 __all__ = ["COMPARISON_SCHEMA", "comparison_document", "write_comparison"]
 
 COMPARISON_SCHEMA = 1
 """Version of the layout of a comparison's ``summary.json``."""
-
-_TEXT = {"candidate", "protocol", "rate_basis", "trip"}
 
 
 def comparison_document(result: ComparisonResult) -> dict[str, Any]:
@@ -46,13 +40,13 @@ def comparison_document(result: ComparisonResult) -> dict[str, Any]:
         "schema": COMPARISON_SCHEMA,
         "modelcast": package_version(),
         "settings": plain_value(result.settings),
-        "routes": [row_document(row) for row in result.routes],
+        "routes": result.routes.plain(),
         "trips": [row_document(row) for row in result.trips],
         "candidates": [row_document(row) for row in result.candidates],
-        "ratios": [row_document(row) for row in result.ratios],
-        "rivals": [row_document(row) for row in result.rivals],
-        "tracking": [row_document(row) for row in result.tracking if row.trip == POOLED],
-        "references": [row_document(row) for row in result.references],
+        "ratios": result.ratios.plain(),
+        "rivals": result.rivals.plain(),
+        "tracking": [row.plain() for row in result.tracking if row.trip == POOLED],
+        "references": result.references.plain(),
         "failures": plain_value(result.failures),
         "skipped": plain_value(result.skipped),
     }
@@ -73,22 +67,6 @@ def write_comparison(result: ComparisonResult, folder: str | Path) -> list[Path]
         folder / name for name in ("summary.json", "messages.parquet", "tracking.parquet")
     )
     summary.write_text(document_text(comparison_document(result)), encoding="utf-8", newline="\n")
-    for path, columns in (
-        (messages, _columns(result.counts, CountRow)),
-        (tracking, _columns(result.tracking, TrackingRatioRow)),
-    ):
-        table = columns_table(columns)
-        write_tables([table], table.schema, path)
+    write_table(result.counts, messages)
+    write_table(result.tracking, tracking)
     return [summary, messages, tracking]
-
-
-def _columns(
-    rows: Sequence[CountRow | TrackingRatioRow], row_type: type[CountRow | TrackingRatioRow]
-) -> Columns:
-    """Return rows as columns: text as objects, numbers that do not exist as NaN."""
-    columns: dict[str, Any] = {}
-    for field in fields(row_type):
-        values = [getattr(row, field.name) for row in rows]
-        kind = object if field.name in _TEXT else np.int64 if field.type is int else np.float64
-        columns[field.name] = np.array(values, dtype=kind)
-    return columns

@@ -9,29 +9,16 @@ before it is used, for the folder may come from anywhere.
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any, TypeVar, cast
+from typing import Any, cast
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.io.documents import plain_value, row_document
+from modelcast.io.documents import plain_value
 from modelcast.io.run_store import AbstractRunFiles, write_run_file
-from modelcast.study.network.people_rows import PeopleRow
-from modelcast.study.network.roadside_rows import RoadsideDistanceRow, RoadsideRow
-from modelcast.study.network.rows import (
-    CASE_KEYS,
-    CaseResult,
-    DistanceRow,
-    NetworkCase,
-    OutcomeRow,
-    PairingRow,
-    PenetrationRow,
-    RunRow,
-    SecondRow,
-)
-from modelcast.study.network.warning_rows import WarnedEventRow, WarnedHostRow, WarningRow
+from modelcast.study.network.rows import CASE_KEYS, CASE_TABLES, RUNS, CaseResult, NetworkCase
+from modelcast.study.table import Column, Row, TableSchema
 
 __all__ = ["RUN_SCHEMA", "NetworkRunFiles", "RunKey", "case_name", "read_case", "run_path", "write_case"]
 
@@ -43,25 +30,8 @@ those of roadside units, since 9 those of people."""
 _LARGEST_BYTES = 64 * 2**20
 _MOST_ROWS = 1_000_000
 _LARGEST = 1e15
-_ANY_SIGN = frozenset({"power_dbm"})
-_TABLES: Mapping[str, type[Any]] = MappingProxyType(
-    {
-        "distances": DistanceRow,
-        "outcomes": OutcomeRow,
-        "seconds": SecondRow,
-        "pairings": PairingRow,
-        "penetration": PenetrationRow,
-        "warnings": WarningRow,
-        "warned_hosts": WarnedHostRow,
-        "warned_events": WarnedEventRow,
-        "roadside": RoadsideRow,
-        "roadside_distances": RoadsideDistanceRow,
-        "people": PeopleRow,
-    }
-)
-"""Rows beside the run's own, by the fields of `CaseResult`."""
-
-Row = TypeVar("Row")
+_ANY_SIGN = frozenset({"dBm"})
+"""Units of numbers that may be negative."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,8 +129,8 @@ def write_case(
         "modelcast": key.version,
         "inputs": key.of(case.bank).all_inputs,
         "options": dict(options),
-        "run": [row_document(result.run)],
-        **{name: [row_document(row) for row in getattr(result, name)] for name in _TABLES},
+        "run": [result.run.plain()],
+        **{name: [row.plain() for row in getattr(result, name)] for name in CASE_TABLES},
     }
     path = run_path(case, key, folder)
     write_run_file(document, path)
@@ -195,10 +165,10 @@ def read_case(case: NetworkCase, options: Mapping[str, Any], key: RunKey, folder
         )
     if document["modelcast"] != key.version or document["inputs"] != key.of(case.bank).all_inputs:
         raise _refused(path, "inputs", "those of its name")
-    runs = list(_rows(path, "run", RunRow, document["run"], case))
+    runs = _rows(path, "run", RUNS, document["run"], case)
     if len(runs) != 1:
         raise _refused(path, "run", "one row")
-    tables = {name: tuple(_rows(path, name, kind, document[name], case)) for name, kind in _TABLES.items()}
+    tables = {name: _rows(path, name, schema, document[name], case) for name, schema in CASE_TABLES.items()}
     return CaseResult(runs[0], **tables)
 
 
@@ -242,7 +212,7 @@ def _document(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path} cannot be read: {error.strerror or error}") from error
     except (ValueError, RecursionError, MemoryError) as error:
         raise _refused(path, "the file", f"JSON ({type(error).__name__})") from error
-    needed = {"schema", "modelcast", "inputs", "options", "run", *_TABLES}
+    needed = {"schema", "modelcast", "inputs", "options", "run", *CASE_TABLES}
     if not isinstance(document, dict) or set(cast("dict[str, Any]", document)) != needed:
         raise _refused(path, "the file", f"a mapping of {', '.join(sorted(needed))}")
     found = cast("dict[str, Any]", document)
@@ -251,39 +221,42 @@ def _document(path: Path) -> dict[str, Any]:
     return found
 
 
-def _rows(path: Path, name: str, kind: type[Row], rows: object, case: NetworkCase) -> Iterator[Row]:
-    """Yield checked rows; null is a number that does not exist."""
+def _rows(path: Path, name: str, schema: TableSchema, rows: object, case: NetworkCase) -> tuple[Row, ...]:
+    """Return checked rows; null is a number that does not exist."""
     if not isinstance(rows, list) or len(cast("list[Any]", rows)) > _MOST_ROWS:
         raise _refused(path, name, f"a list of at most {_MOST_ROWS} rows")
-    types = {field.name: field.type for field in fields(cast("type[Any]", kind))}
+    own = plain_value(case.values())
+    found: list[Row] = []
     for number, row in enumerate(cast("Sequence[object]", rows)):
         place = f"{name}[{number}]"
-        if not isinstance(row, dict) or set(cast("dict[str, Any]", row)) != set(types):
-            raise _refused(path, place, f"a mapping of the fields of {kind.__name__}")
+        if not isinstance(row, dict) or set(cast("dict[str, Any]", row)) != set(schema.names):
+            raise _refused(path, place, f"a mapping of {', '.join(schema.names)}")
         given = cast("dict[str, Any]", row)
-        values = {at: _value(path, f"{place}.{at}", given[at], types[at]) for at in types}
-        own = plain_value({key: getattr(case, key) for key in CASE_KEYS})
+        values = {
+            column.name: _value(path, f"{place}.{column.name}", given[column.name], column)
+            for column in schema.columns
+        }
         for key in CASE_KEYS:
             if given[key] != own[key]:
                 raise _refused(path, f"{place}.{key}", repr(own[key]))
-        yield kind(**values)
+        found.append(schema.row(**values))
+    return tuple(found)
 
 
-def _value(path: Path, place: str, value: object, kind: object) -> Any:
+def _value(path: Path, place: str, value: object, column: Column) -> Any:
     """Return one checked value of a row."""
-    if kind is str:
+    if column.kind == "text":
         if not isinstance(value, str):
             raise _refused(path, place, "a text")
         return value
-    if kind is int:
+    if column.kind == "count":
         if type(value) is not int or not 0 <= value < 2**63:
             raise _refused(path, place, "a whole number, not negative")
         return value
     if value is None:
         return math.nan
-    name = place.rpartition(".")[2]
-    low = -_LARGEST if name in _ANY_SIGN else 0.0
-    high = 1.0 if name.endswith("_ratio") and name != "expired_ratio" else _LARGEST
+    low = -_LARGEST if column.unit in _ANY_SIGN else 0.0
+    high = 1.0 if column.kind == "ratio" else _LARGEST
     if type(value) not in {int, float} or not low <= cast("float", value) <= high + 1e-9:
         raise _refused(path, place, f"a number from {low:g} to {high:g}")
     return float(cast("float", value))

@@ -23,11 +23,11 @@ from typing import Any
 from modelcast.core.version import package_version
 from modelcast.io.documents import document_text, plain_value, row_document
 from modelcast.io.results import summary_document
-from modelcast.study.compare.result import TrackingRatioRow
 from modelcast.study.paper.choices import CHOICES
 from modelcast.study.paper.readings import RivalKey
 from modelcast.study.paper.result import PaperResult, ReadingResult
 from modelcast.study.result import POOLED, EvaluationResult
+from modelcast.study.table import Row
 from modelcast.trips.manoeuvres.base import ManoeuvreCounts
 
 __all__ = ["PAPER_SCHEMA", "paper_document", "write_paper"]
@@ -89,19 +89,19 @@ def _reading(one: ReadingResult) -> dict[str, Any]:
         "choice": one.labelled.choice,
         "option": one.labelled.option,
         "reading": plain_value(asdict(one.labelled.reading)),
-        "messages": [row_document(row) for row in rows.messages],
-        "updates": [row_document(row) for row in rows.updates],
-        "gaussian_process_alone": [row_document(row) for row in rows.alone],
+        "messages": [row.plain() for row in rows.messages],
+        "updates": [row.plain() for row in rows.updates],
+        "gaussian_process_alone": [row.plain() for row in rows.alone],
         "tracking": _pooled_rows(rows.tracking),
-        "beside_free": [row_document(row) for row in rows.beside_free],
+        "beside_free": [row.plain() for row in rows.beside_free],
         "tracking_beside_free": _pooled_rows(rows.tracking_beside_free),
         "survivals": [row_document(one) for one in rows.complement.survivals],
     }
 
 
-def _pooled_rows(by_rival: Mapping[RivalKey, Sequence[TrackingRatioRow]]) -> list[dict[str, Any]]:
+def _pooled_rows(by_rival: Mapping[RivalKey, Sequence[Row]]) -> list[dict[str, Any]]:
     return [
-        {"schedule": schedule, **row_document(row)}
+        {"schedule": schedule, **row.plain()}
         for (_, schedule), found in by_rival.items()
         for row in found
         if row.trip == POOLED

@@ -2,7 +2,8 @@
 
 ``summary.json`` (`summary_document`)
     ``schema`` (1), ``modelcast`` (version), ``settings``, ``trips``, ``rates``, ``references``, ``tracking``,
-    ``failures``, ``skipped``. The rows are those of `modelcast.study.result`, under the same names; a
+    ``failures``, ``skipped``. Trips are `TripRow`; the columns of the other rows are `RATES`, `REFERENCES`
+    and `TRACKING` of `modelcast.study.result`, under the same names; a
     row that pools all trips has ``"trip": "all"``. A number that does not exist is null. Floats are written
     in full.
 ``events.parquet``
@@ -15,8 +16,6 @@ a message trace (`write_message_trace`)
 The same result gives the same bytes: keys are sorted, and there is no time stamp and no absolute path.
 """
 
-import csv
-import io
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +28,7 @@ from modelcast.core.version import package_version
 from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table, plain_text, sample_tables, write_tables
 from modelcast.io.documents import document_text, plain_value, row_document
 from modelcast.io.output import atomic_file, output_folder
+from modelcast.io.table_files import csv_text
 from modelcast.study.result import Columns, EvaluationResult, HoldsEvaluation, result_of
 
 __all__ = [
@@ -55,9 +55,9 @@ def summary_document(result: EvaluationResult) -> dict[str, Any]:
         "modelcast": package_version(),
         "settings": plain_value(result.settings),
         "trips": [row_document(row) for row in result.trips],
-        "rates": [row_document(row) for row in result.rates],
-        "references": [row_document(row) for row in result.references],
-        "tracking": [row_document(row) for row in result.tracking],
+        "rates": result.rates.plain(),
+        "references": result.references.plain(),
+        "tracking": result.tracking.plain(),
         "failures": plain_value(result.failures),
         "skipped": plain_value(result.skipped),
     }
@@ -128,11 +128,7 @@ def write_message_trace(
         if path.suffix == ".parquet":
             write_tables([table], table.schema, file)
         else:
-            text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=True)
-            writer = csv.writer(text, lineterminator="\n")
-            writer.writerow(table.column_names)
-            writer.writerows(zip(*(column.to_pylist() for column in table.columns), strict=True))
-            text.detach()
+            file.write(csv_text(table).encode())
 
 
 def _message_trace(events: Columns, *, policy: str, bank: str | None, threshold_m: float | None) -> Any:

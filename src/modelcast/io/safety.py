@@ -1,8 +1,8 @@
 """What an evaluation of a safety application leaves on disk, for programs to read.
 
 ``summary.json`` (`safety_document`)
-    ``schema`` (1), ``modelcast`` (version), ``settings``, counts of true warnings, pairs and instants,
-    ``pooled`` (rows of `PooledSafety`), ``failures``, ``skipped``. A number that does not exist is null, an
+    ``schema`` (2), ``modelcast`` (version), ``settings``, counts of true warnings, pairs and instants,
+    ``pooled`` (rows of `POOLED_SAFETY`), ``failures``, ``skipped``. A number that does not exist is null, an
     infinite one too: a delay of warnings that never came.
 ``pooled.parquet``
     The same rows.
@@ -14,25 +14,21 @@ The same result gives the same bytes.
 """
 
 from collections.abc import Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from modelcast.core.version import package_version
-from modelcast.io.arrow import columns_table, write_tables
-from modelcast.io.documents import document_text, plain_value, row_document
-from modelcast.study.result import Columns
-from modelcast.study.safety.result import PooledSafety, RecordingScores, SafetyResult
+from modelcast.io.arrow import write_tables
+from modelcast.io.documents import document_text, plain_value
+from modelcast.io.table_files import arrow_columns, write_table
+from modelcast.study.safety.result import EVENTS, RecordingScores, SafetyResult
 
 __all__ = ["SAFETY_SCHEMA", "safety_document", "write_safety"]
 
-SAFETY_SCHEMA = 1
-"""Version of the layout of a safety evaluation's ``summary.json``."""
-
-_TEXT = {"sensor", "basis", "candidate", "loss_log"}
-_LIMITS = ("missed_over_limits", "false_over_limits")
+SAFETY_SCHEMA = 2
+"""Version of the layout of ``summary.json``; since 2 the ends of intervals are columns of their own."""
 
 
 def safety_document(result: SafetyResult) -> dict[str, Any]:
@@ -51,7 +47,7 @@ def safety_document(result: SafetyResult) -> dict[str, Any]:
         "pairs": result.pairs,
         "counted": result.counted,
         "positives": result.positives,
-        "pooled": [row_document(row) for row in result.pooled],
+        "pooled": result.pooled.plain(),
         "failures": plain_value(result.failures),
         "skipped": plain_value(result.skipped),
     }
@@ -70,30 +66,14 @@ def write_safety(result: SafetyResult, folder: str | Path) -> list[Path]:
     folder = Path(folder)
     summary = folder / "summary.json"
     summary.write_text(document_text(safety_document(result)), encoding="utf-8", newline="\n")
-    tables = {
-        "pooled": [columns_table(_pooled(result))],
-        "events": [columns_table(_events(one)) for one in result.recordings],
-    }
-    for name, parts in tables.items():
-        write_tables(parts, parts[0].schema, folder / f"{name}.parquet")
-    return [summary, *(folder / f"{name}.parquet" for name in tables)]
+    pooled, events = (folder / f"{name}.parquet" for name in ("pooled", "events"))
+    write_table(result.pooled, pooled)
+    parts = [arrow_columns(EVENTS, _events(one)) for one in result.recordings]
+    write_tables(parts, parts[0].schema, events)
+    return [summary, pooled, events]
 
 
-def _pooled(result: SafetyResult) -> Columns:
-    columns: dict[str, Any] = {}
-    for field in fields(PooledSafety):
-        values = [getattr(row, field.name) for row in result.pooled]
-        if field.name in _LIMITS:
-            for at, end in enumerate(("low", "high")):
-                name = field.name.replace("limits", end)
-                columns[name] = np.array([pair[at] for pair in values], dtype=np.float64)
-        else:
-            kind = object if field.name in _TEXT else np.float64
-            columns[field.name] = np.array(values, dtype=kind)
-    return columns
-
-
-def _events(scores: RecordingScores) -> Columns:
+def _events(scores: RecordingScores) -> dict[str, list[Any]]:
     """Events of one recording under all conditions, a row a run."""
     events, parts = scores.positives.size, list[Mapping[str, Any]]()
     for one in scores.conditions:
@@ -119,12 +99,4 @@ def _events(scores: RecordingScores) -> Columns:
                 "delay_s": one.delay_s.ravel().tolist(),
             }
         )
-    text = {"recording", "sensor", "loss_log", "basis", "candidate", "leader", "follower"}
-    whole = {"run", "instants", "missed"}
-    return {
-        name: np.array(
-            [value for part in parts for value in part[name]],
-            dtype=object if name in text else np.int64 if name in whole else np.float64,
-        )
-        for name in parts[0]
-    }
+    return {name: [value for part in parts for value in part[name]] for name in EVENTS.names}

@@ -4,8 +4,8 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
+from modelcast.core.cells import escape
 from modelcast.core.exceptions import ConfigError
-from modelcast.report.page import escape
 
 __all__ = ["check_beside", "show_beside"]
 

@@ -6,15 +6,17 @@ from pathlib import Path
 from rich.console import Group, RenderableType
 from rich.table import Table
 
+from modelcast.core.cells import markdown
 from modelcast.report.console import failures_table, warning_texts
 from modelcast.report.figures.comparison import plot_comparison, rival_rows_of, worst_rows
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.headline import nearest_ratio
-from modelcast.report.literal import literal, markdown
+from modelcast.report.literal import literal
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
-from modelcast.study.compare.result import CandidateRow, ComparisonResult, RatioRow
+from modelcast.study.compare.result import CandidateRow, ComparisonResult
+from modelcast.study.table import Row
 from modelcast.study.wording import centimetres
 
 __all__ = ["comparison_console", "comparison_markdown", "scope_line", "write_comparison_report"]
@@ -241,12 +243,12 @@ def _reference_lines(result: ComparisonResult, protocol: str) -> list[str]:
     return ["", f"References, messages over the baseline's: {text}."]
 
 
-def _rows(result: ComparisonResult, candidate: CandidateRow, protocol: str) -> list[RatioRow]:
+def _rows(result: ComparisonResult, candidate: CandidateRow, protocol: str) -> list[Row]:
     own = (row for row in result.ratios if (row.candidate, row.protocol) == (candidate.name, protocol))
     return sorted(own, key=lambda row: row.threshold_m)
 
 
-def _worst_row(rows: Sequence[RatioRow]) -> RatioRow:
+def _worst_row(rows: Sequence[Row]) -> Row:
     return max(rows, key=lambda row: row.worst_excess)
 
 
@@ -264,7 +266,7 @@ def _with_limits(value: float, low: float | None, high: float | None, form: str 
     return f"{value:{form}}{interval}"
 
 
-def _signed(row: RatioRow) -> str:
+def _signed(row: Row) -> str:
     return _with_limits(row.difference, row.difference_low, row.difference_high, "+.2f")
 
 

@@ -7,7 +7,8 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from modelcast.report.literal import literal, markdown
+from modelcast.core.cells import markdown
+from modelcast.report.literal import literal
 from modelcast.study.cruise.run import PERFECT, REFERENCE, CruiseResult, CruiseRow
 from modelcast.study.wording import centimetres
 

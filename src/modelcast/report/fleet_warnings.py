@@ -8,14 +8,16 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from modelcast.core.cells import markdown
 from modelcast.report.figures.fleet_warnings import plot_warned_map, plot_warnings
 from modelcast.report.figures.senders import threshold_text
-from modelcast.report.literal import literal, markdown
+from modelcast.report.literal import literal
 from modelcast.report.parts import Part
-from modelcast.report.warning_texts import ENOUGH, late_text, percent_text, plain_text, ratio_text
+from modelcast.report.warning_texts import ENOUGH, late_text, over_text, percent_text, plain_text
 from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import NO_BANK, NetworkResult
-from modelcast.study.network.warning_rows import ALL_SENDERS, PooledWarnings
+from modelcast.study.network.warning_rows import ALL_SENDERS
+from modelcast.study.table import Row
 
 __all__ = [
     "policy_text",
@@ -68,21 +70,13 @@ def _short(policy: str) -> str:
     return f"{100.0 * mixed.senders_ratio:g} % {mixed.senders[-1]}" if mixed.is_mixed else policy
 
 
-def _order(row: PooledWarnings) -> tuple[str, str, str, float]:
+def _order(row: Row) -> tuple[str, str, str, float]:
     """Place in a table; rows that are alike stay as they are."""
     return row.application, _density(row).zfill(9), row.radio, mixed_of(row.policy).senders_ratio
 
 
-def _density(row: PooledWarnings) -> str:
+def _density(row: Row) -> str:
     return f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
-
-
-def _missed_over(row: PooledWarnings) -> str:
-    return ratio_text(row.missed_over, (row.missed_over_low, row.missed_over_high))
-
-
-def _false_over(row: PooledWarnings) -> str:
-    return ratio_text(row.false_over, (row.false_over_low, row.false_over_high))
 
 
 def warnings_headline(result: NetworkResult) -> list[str]:
@@ -105,7 +99,7 @@ def warnings_headline(result: NetworkResult) -> list[str]:
     return lines
 
 
-def _whole(result: NetworkResult) -> list[PooledWarnings]:
+def _whole(result: NetworkResult) -> list[Row]:
     """Rows over all senders of their fleets."""
     return [
         row
@@ -130,9 +124,9 @@ def _rows(result: NetworkResult) -> list[list[str]]:
             percent_text(row.busy_ratio),
             str(row.events),
             _share(row.missed_ratio, row.missed_low, row.missed_high),
-            _missed_over(row),
+            over_text(row, "missed"),
             _share(row.false_ratio, row.false_low, row.false_high),
-            _false_over(row),
+            over_text(row, "false"),
             plain_text(row.false_per_hour, "{:.1f}"),
             percent_text(row.never_ratio),
             *(late_text(value) for value in (row.delay_p50_s, row.delay_p90_s, row.delay_p99_s)),

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
-from modelcast.study.result import POOLED, EvaluationResult, RateRow, ReferenceRow, TrackingRow
+from modelcast.study.result import POOLED, EvaluationResult
+from modelcast.study.table import Row
 
 __all__ = [
     "EQUAL_RATE_POLICIES",
@@ -48,8 +48,6 @@ _LABELS = {
     "baseline-periodic": "Baseline, periodic, at MBC's {basis} rate",
 }
 
-_Row = TypeVar("_Row", RateRow, TrackingRow)
-
 
 @dataclass(frozen=True, slots=True)
 class Headline:
@@ -66,8 +64,8 @@ class Headline:
     """
 
     threshold_m: float
-    mbc: RateRow | None
-    baseline: RateRow | None
+    mbc: Row | None
+    baseline: Row | None
     p90_m: dict[tuple[float, str], float]
 
     @property
@@ -130,15 +128,13 @@ def policy_label(policy: str, basis: str = "total") -> str:
     return _LABELS.get(policy, policy).format(basis=basis)
 
 
-def pooled_rate(result: EvaluationResult, policy: str, threshold_m: float) -> RateRow | None:
+def pooled_rate(result: EvaluationResult, policy: str, threshold_m: float) -> Row | None:
     """Return the rate row that pools all trips, or None."""
     rows = [row for row in result.rates if row.policy == policy and row.threshold_m == threshold_m]
     return next(iter(_of_main_bank(result, _pooled(rows))), None)
 
 
-def pooled_reference(
-    result: EvaluationResult, reference: str, threshold_m: float | None
-) -> ReferenceRow | None:
+def pooled_reference(result: EvaluationResult, reference: str, threshold_m: float | None) -> Row | None:
     """Return the pooled row of a reference, None where it was not counted.
 
     Parameters
@@ -157,7 +153,7 @@ def pooled_reference(
     return None
 
 
-def pooled_tracking(result: EvaluationResult, policy: str, threshold_m: float) -> list[TrackingRow]:
+def pooled_tracking(result: EvaluationResult, policy: str, threshold_m: float) -> list[Row]:
     """Return the tracking rows that pool all trips, by rising packet error ratio.
 
     Of equal-rate baselines, those on the basis `rate_basis` names.
@@ -166,11 +162,11 @@ def pooled_tracking(result: EvaluationResult, policy: str, threshold_m: float) -
     return tracking_of(result, _pooled(rows))
 
 
-def tracking_of(result: EvaluationResult, rows: Sequence[TrackingRow]) -> list[TrackingRow]:
+def tracking_of(result: EvaluationResult, rows: Sequence[Row]) -> list[Row]:
     """Return those of the rows that are drawn, one for each packet error ratio, rising."""
     basis = rate_basis(result)
     rows = [row for row in rows if row.rate_basis in {None, basis}]
-    by_ratio: dict[float, TrackingRow] = {}
+    by_ratio: dict[float, Row] = {}
     for row in _of_main_bank(result, rows):
         by_ratio.setdefault(row.packet_error_ratio, row)
     return [by_ratio[ratio] for ratio in sorted(by_ratio)]
@@ -190,7 +186,7 @@ def headlines(result: EvaluationResult) -> list[Headline]:
     return found
 
 
-def _pooled(rows: Sequence[_Row]) -> list[_Row]:
+def _pooled(rows: Sequence[Row]) -> list[Row]:
     """Return the pooled rows; where one trip was evaluated and none was pooled, that trip's."""
     pooled = [row for row in rows if row.trip == POOLED]
     if pooled or len({row.trip for row in rows}) != 1:
@@ -198,7 +194,7 @@ def _pooled(rows: Sequence[_Row]) -> list[_Row]:
     return list(rows)
 
 
-def _of_main_bank(result: EvaluationResult, rows: Sequence[_Row]) -> list[_Row]:
+def _of_main_bank(result: EvaluationResult, rows: Sequence[Row]) -> list[Row]:
     """Return the rows with those of the drawn bank first; MBC's rows of other banks are left out."""
     bank = main_bank(result)
     kept = [row for row in rows if row.policy != "mbc" or row.bank == bank]

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, cast
 
+from modelcast.core.cells import escape, html_table, number
 from modelcast.core.version import package_version
 from modelcast.io.output import output_folder
 from modelcast.report.captions import PROTOCOLS, TITLES, captions, loss_conditions
@@ -23,16 +24,10 @@ from modelcast.report.headline import (
     pooled_reference,
     rate_basis,
 )
-from modelcast.report.page import CSS, escape, number, page, table
+from modelcast.report.page import CSS, page
 from modelcast.report.warnings import warning_lines
-from modelcast.study.result import (
-    POOLED,
-    EvaluationResult,
-    HoldsEvaluation,
-    TrackingRow,
-    TripRow,
-    result_of,
-)
+from modelcast.study.result import POOLED, EvaluationResult, HoldsEvaluation, TripRow, result_of
+from modelcast.study.table import Row
 
 __all__ = ["report_document", "write_report"]
 
@@ -88,7 +83,7 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
         "<h2>Tracking</h2>",
         _tracking_section(result),
         "<h2>Settings</h2>",
-        table(
+        html_table(
             ["setting", "value"], [[key, value] for key, value in _settings(result.settings)], text_columns=2
         ),
         "<h2>Not evaluated</h2>",
@@ -158,7 +153,7 @@ def _rate_table(result: EvaluationResult) -> str:
         "error-driven at the same threshold. Bytes are those of the messages in their frames; airtime counts "
         "all layers and the security header, at 6 Mb/s."
     )
-    return table(head, rows) + f'<p class="note">{escape(note)}</p>'
+    return html_table(head, rows) + f'<p class="note">{escape(note)}</p>'
 
 
 def _reference_table(result: EvaluationResult) -> str:
@@ -175,7 +170,7 @@ def _reference_table(result: EvaluationResult) -> str:
         "sends one polynomial of that degree for each axis, and the triggering rules of ETSI EN 302 637-2. "
         f"Undecided tests, taken as failed: {undecided}."
     )
-    return table(head, rows) + f'<p class="note">{escape(note)}</p>'
+    return html_table(head, rows) + f'<p class="note">{escape(note)}</p>'
 
 
 def _loss_table(result: EvaluationResult) -> str:
@@ -198,7 +193,7 @@ def _loss_table(result: EvaluationResult) -> str:
         "90th percentile of the position tracking error [m] after the instant's message, with "
         f"{loss_conditions(result)}; the two baselines at MBC's {rate_basis(result)} rate."
     )
-    return table(head, rows) + f'<p class="note">{escape(note)}</p>'
+    return html_table(head, rows) + f'<p class="note">{escape(note)}</p>'
 
 
 def _figures(result: EvaluationResult, drawings: Iterable[Drawing]) -> list[str]:
@@ -236,7 +231,7 @@ def _trip_table(trips: Sequence[TripRow]) -> str:
         ]
         for trip in trips
     ]
-    return table(head, rows, text_columns=6) + _conditioning_table(trips)
+    return html_table(head, rows, text_columns=6) + _conditioning_table(trips)
 
 
 def _tracking_section(result: EvaluationResult) -> str:
@@ -250,7 +245,7 @@ def _tracking_section(result: EvaluationResult) -> str:
     return "".join(parts)
 
 
-def _details(title: str, rows: Sequence[TrackingRow]) -> str:
+def _details(title: str, rows: Sequence[Row]) -> str:
     head = [
         "trip",
         "policy",
@@ -284,14 +279,16 @@ def _details(title: str, rows: Sequence[TrackingRow]) -> str:
         ]
         for row in rows
     ]
-    body = table(head, cells, text_columns=3)
+    body = html_table(head, cells, text_columns=3)
     return f"<details><summary>{escape(title)}</summary>{body}</details>"
 
 
 def _failures(failures: Mapping[str, str]) -> str:
     if not failures:
         return "<p>Every trip was evaluated.</p>"
-    return table(["trip", "reason"], [[trip, why] for trip, why in sorted(failures.items())], text_columns=2)
+    return html_table(
+        ["trip", "reason"], [[trip, why] for trip, why in sorted(failures.items())], text_columns=2
+    )
 
 
 def _skipped(skipped: Mapping[str, str]) -> str:
@@ -299,7 +296,7 @@ def _skipped(skipped: Mapping[str, str]) -> str:
         return ""
     heading = '<p class="note">These held no trip:</p>'
     rows = [[name, reason] for name, reason in sorted(skipped.items())]
-    return heading + table(["file or vehicle", "reason"], rows, text_columns=2)
+    return heading + html_table(["file or vehicle", "reason"], rows, text_columns=2)
 
 
 def _conditioning_table(trips: Sequence[TripRow]) -> str:
@@ -310,7 +307,7 @@ def _conditioning_table(trips: Sequence[TripRow]) -> str:
     names = list(smoothed[0][1])
     rows = [[trip, *(f"{figures[name]:.4g}" for name in names)] for trip, figures in smoothed]
     heading = '<p class="note">Truth smoothed; the smoother found:</p>'
-    return heading + table(["trip", *(name.replace("_", " ") for name in names)], rows, text_columns=1)
+    return heading + html_table(["trip", *(name.replace("_", " ") for name in names)], rows, text_columns=1)
 
 
 def _pairs(counts: Mapping[str, int]) -> str:

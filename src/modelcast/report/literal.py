@@ -4,7 +4,7 @@ from rich.text import Text
 
 from modelcast.core.printable import printable
 
-__all__ = ["literal", "markdown"]
+__all__ = ["literal"]
 
 
 def literal(text: str, style: str = "") -> Text:
@@ -23,19 +23,3 @@ def literal(text: str, style: str = "") -> Text:
     True
     """
     return Text(printable(text), style=style)
-
-
-def markdown(text: str) -> str:
-    r"""Return foreign text for a cell or a line of Markdown.
-
-    Parameters
-    ----------
-    text
-        Any text; what is not printable in it is escaped, and nothing in it is markup or ends a cell.
-
-    Examples
-    --------
-    >>> markdown("a|b<c>")
-    'a\\|b&lt;c>'
-    """
-    return printable(text).replace("&", "&amp;").replace("|", "\\|").replace("<", "&lt;")

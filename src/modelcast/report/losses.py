@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from modelcast.study.safety.result import PooledSafety, SafetyKind
+from modelcast.study.safety.result import SafetyKind, kind_of
+from modelcast.study.table import Row
 
 __all__ = ["burst_words", "loss_words", "shown_ratios"]
 
@@ -48,7 +49,7 @@ def loss_words(kind: SafetyKind) -> str:
     return f"recorded: {kind.loss_log}, {burst_words(kind)}" if kind.loss_log else burst_words(kind)
 
 
-def shown_ratios(rows: Sequence[PooledSafety]) -> dict[SafetyKind, float]:
+def shown_ratios(rows: Sequence[Row]) -> dict[SafetyKind, float]:
     """Return the packet error ratio that is shown of each kind: a log has its own.
 
     Parameters
@@ -58,7 +59,7 @@ def shown_ratios(rows: Sequence[PooledSafety]) -> dict[SafetyKind, float]:
     """
     found: dict[SafetyKind, float] = {}
     for row in rows:
-        best = found.setdefault(row.kind, row.packet_error_ratio)
+        best = found.setdefault(kind_of(row), row.packet_error_ratio)
         if abs(row.packet_error_ratio - _SHOWN_RATIO) < abs(best - _SHOWN_RATIO):
-            found[row.kind] = row.packet_error_ratio
+            found[kind_of(row)] = row.packet_error_ratio
     return found

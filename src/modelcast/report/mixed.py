@@ -7,11 +7,12 @@ from rich.box import SIMPLE_HEAD
 from rich.console import RenderableType
 from rich.table import Table
 
+from modelcast.core.cells import markdown, number
 from modelcast.report.figures.mixed import plot_penetration
-from modelcast.report.literal import literal, markdown
-from modelcast.report.page import number
+from modelcast.report.literal import literal
 from modelcast.report.parts import Part
-from modelcast.study.network.rows import NetworkResult, PairingRow
+from modelcast.study.network.rows import NetworkResult
+from modelcast.study.table import Row
 
 __all__ = ["mixed_console", "mixed_markdown", "mixed_part"]
 
@@ -40,7 +41,7 @@ _HEADS = ("density", "radio", "new senders", "sender", "read as", "busy [%]")
 def _cells(result: NetworkResult, names: Sequence[str]) -> list[list[str]]:
     """One row a pairing, means over seeds; pairings that no pair had are left out."""
     busy = {(row.density_per_km, row.radio, row.policy, row.run): row.busy_ratio for row in result.runs}
-    groups: dict[tuple[str, ...], list[PairingRow]] = {}
+    groups: dict[tuple[str, ...], list[Row]] = {}
     for row in sorted(result.pairings, key=lambda row: row.senders_ratio):
         if row.pairs:
             density = f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"

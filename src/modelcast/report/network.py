@@ -9,18 +9,20 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
 from rich.table import Table
 
+from modelcast.core.cells import escape, html_table, markdown, number
 from modelcast.io.fcd_survey import FcdSurvey, survey_document
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.figures.senders import NO_THRESHOLD_TEXT, also_told, threshold_text
 from modelcast.report.fleet_warnings import warnings_console, warnings_markdown, warnings_part
-from modelcast.report.literal import literal, markdown
+from modelcast.report.literal import literal
 from modelcast.report.mixed import mixed_markdown, mixed_part
-from modelcast.report.page import CSS, escape, number, option_rows, page, table
+from modelcast.report.page import CSS, option_rows, page
 from modelcast.report.people import people_cells, people_heads, people_markdown
 from modelcast.report.roadside import roadside_cells, roadside_heads, roadside_markdown
 from modelcast.report.style import style
-from modelcast.study.network.rows import NO_BANK, NetworkResult, PooledRow
+from modelcast.study.network.rows import NO_BANK, NetworkResult
+from modelcast.study.table import Row
 
 __all__ = ["network_console", "network_markdown", "traffic_lines", "write_network_report"]
 
@@ -64,7 +66,7 @@ def _sender(result: NetworkResult) -> tuple[str, ...]:
     return ("policy", *also_told(result))
 
 
-def _told(result: NetworkResult, row: PooledRow) -> list[str]:
+def _told(result: NetworkResult, row: Row) -> list[str]:
     """The cells of a sender."""
     texts = {"policy": row.policy, "bank": row.bank, "threshold": threshold_text(row.threshold_m)}
     return [texts[name] for name in _sender(result)]
@@ -75,7 +77,7 @@ def _heads(result: NetworkResult) -> tuple[str, ...]:
 
 
 def _rows(result: NetworkResult, names: Sequence[str]) -> list[list[str]]:
-    groups: dict[tuple[str, ...], dict[str, PooledRow]] = {}
+    groups: dict[tuple[str, ...], dict[str, Row]] = {}
     for row in result.pooled:
         density = f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
         key = (density, row.radio, *_told(result, row), str(row.seeds))
@@ -86,7 +88,7 @@ def _rows(result: NetworkResult, names: Sequence[str]) -> list[list[str]]:
     ]
 
 
-def _cell(row: PooledRow, factor: float) -> str:
+def _cell(row: Row, factor: float) -> str:
     middle = number(factor * row.value)
     if row.low is None or row.high is None:
         return middle
@@ -235,7 +237,7 @@ def write_network_report(
         "<h1>Fleets on a shared channel</h1>",
         f'<p class="scope">{escape(_SCOPE)}</p>',
         *(f'<p class="note">{escape(line)}.</p>' for line in notes),
-        table(heads, _rows(result, names), text_columns=len(_heads(result)) - 1),
+        html_table(heads, _rows(result, names), text_columns=len(_heads(result)) - 1),
     ]
     for drawing, (caption, _) in zip(drawings, NETWORK_FIGURES.values(), strict=True):
         body.append(
@@ -244,15 +246,18 @@ def write_network_report(
         )
     body += [line for part in parts for line in part.markup()]
     if result.roadside:
-        body += ["<h2>Roadside units</h2>", table(roadside_heads, roadside_cells(result), text_columns=4)]
+        body += [
+            "<h2>Roadside units</h2>",
+            html_table(roadside_heads, roadside_cells(result), text_columns=4),
+        ]
     if result.people:
-        body += ["<h2>Devices of people</h2>", table(people_heads, people_cells(result), text_columns=4)]
+        body += ["<h2>Devices of people</h2>", html_table(people_heads, people_cells(result), text_columns=4)]
     if result.senders:
-        body += ["<h2>Banks</h2>", table(_SENDERS, _sender_cells(result), text_columns=len(_SENDERS))]
+        body += ["<h2>Banks</h2>", html_table(_SENDERS, _sender_cells(result), text_columns=len(_SENDERS))]
     if traffic is not None:
         lines = "".join(f"<li>{escape(line.strip())}</li>" for line in _traffic_lines(traffic))
         body.append(f"<h2>Traffic</h2><ul>{lines}</ul>")
-    body += ["<h2>Options</h2>", table(["option", "value"], option_rows(options), text_columns=2)]
+    body += ["<h2>Options</h2>", html_table(["option", "value"], option_rows(options), text_columns=2)]
     html = folder / "report.html"
     document = page("modelcast: fleets on a shared channel", CSS, body)
     html.write_text(document, encoding="utf-8", newline="\n")

@@ -1,13 +1,11 @@
-"""An HTML page and a table in it, with every string escaped."""
+"""An HTML page, with every string escaped."""
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
-from html import escape as escape_markup
+from collections.abc import Iterable, Mapping
 from typing import Any, cast
 
-from modelcast.core.printable import printable
+from modelcast.core.cells import escape
 
-__all__ = ["CSS", "escape", "number", "option_rows", "page", "table"]
+__all__ = ["CSS", "option_rows", "page"]
 
 CSS = """
 :root { color-scheme: light; }
@@ -40,22 +38,6 @@ summary { cursor: pointer; font-weight: 600; margin: .4rem 0; }
 """
 
 
-def escape(text: str) -> str:
-    r"""Return a text as markup that shows it: nothing in it is a tag, and every character is a visible one.
-
-    Parameters
-    ----------
-    text
-        Any text.
-
-    Examples
-    --------
-    >>> print(escape("<b>\x07"))
-    &lt;b&gt;\x07
-    """
-    return escape_markup(printable(text))
-
-
 def page(title: str, css: str, body: Iterable[str]) -> str:
     """Return a whole document; the parts of the body are markup already.
 
@@ -75,53 +57,6 @@ def page(title: str, css: str, body: Iterable[str]) -> str:
         + "\n".join(part for part in body if part)
         + "\n</body>\n</html>\n"
     )
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, text_columns: int = 0) -> str:
-    """Return a table of plain text cells, which scrolls sideways where it is too wide.
-
-    Parameters
-    ----------
-    head
-        Headings.
-    rows
-        Cells.
-    text_columns
-        How many columns at the left hold text; the others hold numbers and are set to the right.
-
-    Examples
-    --------
-    >>> "<td>&lt;b&gt;</td>" in table(["a"], [["<b>"]])
-    True
-    """
-
-    def line(tag: str, cells: Sequence[str]) -> str:
-        marked = (
-            f'<{tag} class="text">{escape(cell)}</{tag}>'
-            if at < text_columns
-            else f"<{tag}>{escape(cell)}</{tag}>"
-            for at, cell in enumerate(cells)
-        )
-        return f"<tr>{''.join(marked)}</tr>"
-
-    body = "".join("\n" + line("td", row) for row in rows)
-    return f'<div class="wide"><table><thead>{line("th", head)}</thead><tbody>{body}</tbody></table></div>'
-
-
-def number(value: float | None, digits: int = 3) -> str:
-    """Return a number to so many significant digits, without an exponent; a dash where there is none.
-
-    Examples
-    --------
-    >>> number(0.12345), number(1234.5), number(None), number(2.0)
-    ('0.123', '1234', '-', '2.00')
-    """
-    if value is None or not math.isfinite(value):
-        return "-"
-    if value == 0:
-        return "0"
-    decimals = digits - 1 - math.floor(math.log10(abs(value)))
-    return f"{value:.{min(max(decimals, 0), 6)}f}"
 
 
 def option_rows(options: Mapping[str, Any], prefix: str = "") -> list[list[str]]:

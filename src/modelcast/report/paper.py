@@ -8,6 +8,7 @@ from pathlib import Path
 from rich.console import Group, RenderableType
 from rich.table import Table
 
+from modelcast.core.cells import escape, html_table, markdown, number
 from modelcast.core.version import package_version
 from modelcast.report.captions import captions
 from modelcast.report.console import scope_line, warning_texts
@@ -20,8 +21,8 @@ from modelcast.report.figures.readings import plot_readings
 from modelcast.report.figures.system import plot_algorithm, plot_system
 from modelcast.report.figures.timeline import plot_timeline
 from modelcast.report.figures.traffic import TRAFFIC_FIGURES
-from modelcast.report.literal import literal, markdown
-from modelcast.report.page import CSS, escape, number, page, table
+from modelcast.report.literal import literal
+from modelcast.report.page import CSS, page
 from modelcast.report.paper_texts import CAPTIONS, INTRODUCTION, READING_NOTE, TITLES, WHY_THEY_DIFFER
 from modelcast.report.style import style
 from modelcast.report.traffic import traffic_section
@@ -123,22 +124,24 @@ def paper_page(result: PaperResult, drawings: Iterable[Drawing]) -> str:
         "<h2>The paper in short</h2>",
         *(f"<p>{escape(text)}</p>" for text in INTRODUCTION),
         "<h2>Claims</h2>",
-        table(_CLAIM_HEAD, [_claim_cells(row) for row in result.claims], text_columns=5),
+        html_table(_CLAIM_HEAD, [_claim_cells(row) for row in result.claims], text_columns=5),
         f'<p class="note">{escape(READING_NOTE)}</p>',
         "<h2>What is left open</h2>",
-        table(("choice", "question", "stated", "options"), _choice_cells(), text_columns=4),
+        html_table(("choice", "question", "stated", "options"), _choice_cells(), text_columns=4),
         "<h2>Readings</h2>",
-        table(_READING_HEAD, [_reading_cells(one) for one in result.readings], text_columns=6),
+        html_table(_READING_HEAD, [_reading_cells(one) for one in result.readings], text_columns=6),
         f'<p class="note">{escape(WHY_THEY_DIFFER)}</p>',
         "<h3>What the combinations took</h3>",
-        table(("reading", "options that are not the plain ones"), _combined_cells(result), text_columns=2),
+        html_table(
+            ("reading", "options that are not the plain ones"), _combined_cells(result), text_columns=2
+        ),
         "<h2>Verdicts by reading</h2>",
         _verdict_table(result),
         "<h2>Figures</h2>",
         *_figures(result, drawings),
         traffic_section(result.traffic) if result.traffic else "",
         "<h2>How it was measured</h2>",
-        table(
+        html_table(
             ("claim", "measure", "worst trip", "figure", "command"),
             [
                 [row.name, row.measure, row.worst or "-", row.shown_in or "-", row.command]
@@ -249,7 +252,7 @@ def _verdict_table(result: PaperResult) -> str:
     claims = [row for row in result.claims if len(row.verdicts) > 1]
     head = ["reading", *(row.name for row in claims)]
     rows = [[label, *(row.verdicts.get(label, "-") for row in claims)] for label in labels]
-    return table(head, rows, text_columns=len(head))
+    return html_table(head, rows, text_columns=len(head))
 
 
 def _manoeuvre_table(counts: Sequence[ManoeuvreCounts]) -> str:
@@ -267,14 +270,14 @@ def _manoeuvre_table(counts: Sequence[ManoeuvreCounts]) -> str:
     ]
     more = len(counts) - len(rows)
     note = f'<p class="note">{more} more trips are in summary.json.</p>' if more else ""
-    return table(head, rows, text_columns=1) + note
+    return html_table(head, rows, text_columns=1) + note
 
 
 def _left_out(result: PaperResult) -> str:
     rows = [*sorted(result.failures.items()), *sorted(result.skipped.items())]
     if not rows:
         return "<p>Every trip was evaluated.</p>"
-    return table(("trip, file or vehicle", "reason"), [list(row) for row in rows], text_columns=2)
+    return html_table(("trip, file or vehicle", "reason"), [list(row) for row in rows], text_columns=2)
 
 
 def paper_markdown(result: PaperResult) -> str:

@@ -5,7 +5,7 @@ from dataclasses import KW_ONLY, dataclass
 
 from matplotlib.figure import Figure
 
-from modelcast.report.page import escape, table
+from modelcast.core.cells import escape, html_table
 
 __all__ = ["Part"]
 
@@ -46,4 +46,4 @@ class Part:
                 f"<figcaption>{escape(caption)}</figcaption></figure>"
             )
         scope = f'<p class="scope">{escape(self.scope)}</p>'
-        return [*found, scope, table(self.heads, self.rows, text_columns=self.text_columns)]
+        return [*found, scope, html_table(self.heads, self.rows, text_columns=self.text_columns)]

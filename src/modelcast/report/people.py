@@ -4,10 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from modelcast.report.literal import markdown
-from modelcast.report.page import number
-from modelcast.study.network.people_rows import PeopleRow
+from modelcast.core.cells import markdown, number
 from modelcast.study.network.rows import NetworkResult
+from modelcast.study.table import Row
 
 __all__ = ["people_cells", "people_heads", "people_markdown"]
 
@@ -33,7 +32,7 @@ def people_cells(result: NetworkResult) -> list[list[str]]:
     result
         All runs.
     """
-    groups: dict[tuple[str, ...], list[PeopleRow]] = {}
+    groups: dict[tuple[str, ...], list[Row]] = {}
     for row in result.people:
         density = f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
         policy = row.policy + (f" {row.threshold_m:g} m" if np.isfinite(row.threshold_m) else "")

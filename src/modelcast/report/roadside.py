@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from modelcast.report.literal import markdown
-from modelcast.report.page import number
+from modelcast.core.cells import markdown, number
 from modelcast.study.network.rows import NetworkResult
 
 __all__ = ["roadside_cells", "roadside_heads", "roadside_markdown"]

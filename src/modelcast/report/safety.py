@@ -7,17 +7,19 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from modelcast.core.cells import escape, html_table, markdown
 from modelcast.report.beside import show_beside
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
-from modelcast.report.literal import literal, markdown
+from modelcast.report.literal import literal
 from modelcast.report.losses import loss_words, shown_ratios
-from modelcast.report.page import CSS, escape, option_rows, page, table
+from modelcast.report.page import CSS, option_rows, page
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
-from modelcast.report.warning_texts import ENOUGH, late_text, percent_text, plain_text, ratio_text
-from modelcast.study.safety.result import PooledSafety, SafetyResult
+from modelcast.report.warning_texts import ENOUGH, late_text, over_text, percent_text, plain_text
+from modelcast.study.safety.result import SafetyResult, kind_of
+from modelcast.study.table import Row
 
 __all__ = ["safety_console", "safety_headline", "safety_markdown", "write_safety_report"]
 
@@ -61,13 +63,13 @@ def safety_headline(result: SafetyResult) -> list[str]:
     shown = shown_ratios(result.pooled)
     basis = "airtime" if any(row.basis == "airtime" for row in result.pooled) else result.pooled[0].basis
     for row in result.pooled:
-        at = shown[row.kind]
+        at = shown[kind_of(row)]
         if (row.packet_error_ratio, row.basis) != (at, basis) or row.candidate == against:
             continue
         lines.append(
-            f"{row.sensor}, {loss_words(row.kind)}, {100 * at:.4g} % lost, equal {basis} (what {budget} "
-            f"needs): {row.candidate} misses {ratio_text(row.missed_over, row.missed_over_limits)} of what "
-            f"{against} misses, with {ratio_text(row.false_over, row.false_over_limits)} of its false ones"
+            f"{row.sensor}, {loss_words(kind_of(row))}, {100 * at:.4g} % lost, equal {basis} (what {budget} "
+            f"needs): {row.candidate} misses {over_text(row, 'missed')} of what "
+            f"{against} misses, with {over_text(row, 'false')} of its false ones"
         )
     return lines
 
@@ -89,7 +91,7 @@ def safety_console(result: SafetyResult) -> RenderableType:
     places: dict[str, list[tuple[str, ...]]] = {}
     for row in result.pooled:
         if row.basis == basis:
-            place = f"{row.sensor}, {loss_words(row.kind)}, {100 * row.packet_error_ratio:.4g} % lost"
+            place = f"{row.sensor}, {loss_words(kind_of(row))}, {100 * row.packet_error_ratio:.4g} % lost"
             places.setdefault(place, []).append(_console_cells(row))
     # A place is longer than any cell, so it stands above its lines and not in a column.
     every = [heads, *(cells for own in places.values() for cells in own)]
@@ -100,14 +102,14 @@ def safety_console(result: SafetyResult) -> RenderableType:
     return Group(*(Text(line) for line in safety_headline(result)), *shown)
 
 
-def _console_cells(row: PooledSafety) -> tuple[str, ...]:
+def _console_cells(row: Row) -> tuple[str, ...]:
     return (
         row.candidate,
         f"{row.message_rate_hz:.2f}",
         percent_text(row.missed_ratio),
-        ratio_text(row.missed_over, row.missed_over_limits),
+        over_text(row, "missed"),
         percent_text(row.false_ratio),
-        ratio_text(row.false_over, row.false_over_limits),
+        over_text(row, "false"),
         percent_text(row.missed_events),
         late_text(row.delay_p50_s),
     )
@@ -182,12 +184,15 @@ def write_safety_report(
     body += [
         "<h2>All figures</h2>",
         f'<p class="scope">{escape(_SCOPE)}</p>',
-        table(_heads(result), _rows(result), text_columns=_TEXT_COLUMNS),
+        html_table(_heads(result), _rows(result), text_columns=_TEXT_COLUMNS),
     ]
     if result.failures or result.skipped:
         left = [[name, str(why)] for name, why in {**result.failures, **result.skipped}.items()]
-        body += ["<h2>Left out</h2>", table(["what", "why"], left, text_columns=2)]
-    body += ["<h2>Options</h2>", table(["option", "value"], option_rows(result.settings), text_columns=2)]
+        body += ["<h2>Left out</h2>", html_table(["what", "why"], left, text_columns=2)]
+    body += [
+        "<h2>Options</h2>",
+        html_table(["option", "value"], option_rows(result.settings), text_columns=2),
+    ]
     html = folder / "report.html"
     document = page("modelcast: warnings from messages", CSS, body)
     html.write_text(document, encoding="utf-8", newline="\n")
@@ -202,7 +207,7 @@ def _rows(result: SafetyResult) -> list[list[str]]:
     return [
         [
             row.sensor,
-            loss_words(row.kind),
+            loss_words(kind_of(row)),
             f"{100 * row.packet_error_ratio:.4g} %",
             row.basis,
             row.candidate,
@@ -210,9 +215,9 @@ def _rows(result: SafetyResult) -> list[list[str]]:
             f"{row.message_rate_hz:.2f}",
             f"{100 * row.airtime_ratio:.3f} %",
             percent_text(row.missed_ratio),
-            ratio_text(row.missed_over, row.missed_over_limits),
+            over_text(row, "missed"),
             percent_text(row.false_ratio),
-            ratio_text(row.false_over, row.false_over_limits),
+            over_text(row, "false"),
             plain_text(row.false_per_hour, "{:.1f}"),
             percent_text(row.missed_events),
             *(late_text(value) for value in (row.delay_p50_s, row.delay_p90_s, row.delay_p99_s)),

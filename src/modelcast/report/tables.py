@@ -4,25 +4,18 @@ The frames have the names of `modelcast.study.result`, and the same columns and 
 result has no rows.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import polars as pl
 
 from modelcast.io.arrow import columns_table, plain_text, sample_tables
-from modelcast.study.result import (
-    EvaluationResult,
-    HoldsEvaluation,
-    RateRow,
-    ReferenceRow,
-    TrackingRow,
-    TripRow,
-    result_of,
-)
+from modelcast.study.result import EvaluationResult, HoldsEvaluation, result_of, trips_table
+from modelcast.study.table import Kind, Table
 
 __all__ = [
     "events_frame",
+    "frame",
     "rates_frame",
     "references_frame",
     "samples_frame",
@@ -30,49 +23,41 @@ __all__ = [
     "trips_frame",
 ]
 
-_TEXT = {
-    "id",
-    "source",
-    "protocol",
-    "velocity_estimator",
-    "trip",
-    "policy",
-    "bank",
-    "rate_basis",
-    "reference",
-    "warnings",
+_TYPES: Mapping[Kind, type[pl.DataType]] = {
+    "text": pl.String,
+    "count": pl.Int64,
+    "flag": pl.Boolean,
+    "ratio": pl.Float64,
+    "number": pl.Float64,
 }
-_WHOLE = {
-    "vehicles",
-    "samples",
-    "gaps",
-    "rows",
-    "updates",
-    "identifications",
-    "seeds",
-    "excluded_samples",
-    "skipped",
-    "repaired",
-    "messages",
-    "least_messages",
-    "undecided",
-}
-_FLAG = {"resampled", "conditioned"}
+
+
+def frame(table: Table) -> pl.DataFrame:
+    """Return a table of results as a data frame, with null where a row has no value.
+
+    Parameters
+    ----------
+    table
+        Any.
+    """
+    types = {column.name: _TYPES[column.kind] for column in table.schema.columns}
+    columns = {name: [row.values[place] for row in table] for name, place in table.schema.places.items()}
+    return pl.DataFrame(columns, schema=types)
 
 
 def rates_frame(result: EvaluationResult | HoldsEvaluation) -> pl.DataFrame:
     """Return one row for each trip, policy, bank and threshold of the rate runs."""
-    return _frame(result_of(result).rates, RateRow)
+    return frame(result_of(result).rates)
 
 
 def references_frame(result: EvaluationResult | HoldsEvaluation) -> pl.DataFrame:
     """Return one row for each trip, reference and threshold."""
-    return _frame(result_of(result).references, ReferenceRow)
+    return frame(result_of(result).references)
 
 
 def tracking_frame(result: EvaluationResult | HoldsEvaluation) -> pl.DataFrame:
     """Return one row for each trip, policy, rate basis, threshold and packet error ratio."""
-    return _frame(result_of(result).tracking, TrackingRow)
+    return frame(result_of(result).tracking)
 
 
 def trips_frame(result: EvaluationResult) -> pl.DataFrame:
@@ -81,19 +66,7 @@ def trips_frame(result: EvaluationResult) -> pl.DataFrame:
     ``skipped`` and ``repaired`` are total counts here, ``warnings`` the kinds alone, and ``grid_m`` is split
     into its two axes; the reasons and the smoother's figures are in ``summary.json``.
     """
-    columns: dict[str, list[Any]] = {}
-    for item in fields(TripRow):
-        values: list[Any] = [getattr(row, item.name) for row in result.trips]
-        if item.name in {"skipped", "repaired"}:
-            columns[item.name] = [_count(value) for value in values]
-        elif item.name == "warnings":
-            columns[item.name] = [", ".join(value) for value in values]
-        elif item.name == "grid_m":
-            columns["grid_east_m"] = [value[0] for value in values]
-            columns["grid_north_m"] = [value[1] for value in values]
-        elif item.name != "conditioning":
-            columns[item.name] = values
-    return pl.DataFrame(columns, schema={name: _dtype(name) for name in columns})
+    return frame(trips_table(result))
 
 
 def events_frame(result: EvaluationResult) -> pl.DataFrame:
@@ -106,27 +79,6 @@ def samples_frame(result: EvaluationResult) -> pl.DataFrame:
     return _from_arrow(sample_tables(result.samples))
 
 
-def _frame(
-    rows: Sequence[RateRow | ReferenceRow | TrackingRow],
-    row_type: type[RateRow | ReferenceRow | TrackingRow],
-) -> pl.DataFrame:
-    names = [item.name for item in fields(row_type)]
-    columns: dict[str, list[Any]] = {name: [getattr(row, name) for row in rows] for name in names}
-    return pl.DataFrame(columns, schema={name: _dtype(name) for name in names})
-
-
 def _from_arrow(tables: Iterable[Any]) -> pl.DataFrame:
     # One frame a table: dictionaries that differ between tables are no obstacle once they are strings.
     return pl.concat([pl.DataFrame(pl.from_arrow(plain_text(table))) for table in tables])
-
-
-def _count(by_reason: Mapping[str, int]) -> int:
-    return sum(by_reason.values())
-
-
-def _dtype(name: str) -> pl.DataType:
-    if name in _TEXT:
-        return pl.String()
-    if name in _WHOLE:
-        return pl.Int64()
-    return pl.Boolean() if name in _FLAG else pl.Float64()

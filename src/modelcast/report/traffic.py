@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
 
+from modelcast.core.cells import escape, html_table, markdown, number
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.senders import threshold_text
 from modelcast.report.figures.traffic import TRAFFIC_FIGURES
-from modelcast.report.literal import markdown
-from modelcast.report.page import CSS, escape, number, page, table
+from modelcast.report.page import CSS, page
 from modelcast.report.style import style
 from modelcast.study.network.densities import counted_verdicts
 from modelcast.study.network.pairs import PairedRow
@@ -115,7 +115,7 @@ def traffic_section(rows: Sequence[PairedRow]) -> str:
             "<h2>In traffic</h2>",
             f'<p class="scope">{escape(_SCOPE)}</p>',
             "<ul>" + "".join(f"<li>{escape(line)}</li>" for line in _told(rows)) + "</ul>",
-            table(_HEADS, _cells(rows), text_columns=4),
+            html_table(_HEADS, _cells(rows), text_columns=4),
         ]
     )
 

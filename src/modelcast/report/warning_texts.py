@@ -3,8 +3,9 @@
 from math import inf, isfinite
 
 from modelcast.study.compare.bootstrap import Limits
+from modelcast.study.table import Row
 
-__all__ = ["ENOUGH", "late_text", "percent_text", "plain_text", "ratio_text"]
+__all__ = ["ENOUGH", "late_text", "over_text", "percent_text", "plain_text", "ratio_text"]
 
 ENOUGH = 50
 """With fewer true warnings a ratio is an anecdote."""
@@ -35,6 +36,20 @@ def late_text(value_s: float) -> str:
     ('0.25 s', 'never', '-')
     """
     return "never" if value_s == inf else plain_text(value_s, "{:.2f} s")
+
+
+def over_text(row: Row, what: str) -> str:
+    """Return missed or false instants over someone else's, with the interval.
+
+    Parameters
+    ----------
+    row
+        With the columns of `modelcast.study.safety.result.over_columns`.
+    what
+        ``missed`` or ``false``.
+    """
+    value, low, high = row.picked(f"{what}_over{end}" for end in ("", "_low", "_high")).values()
+    return ratio_text(value, (low, high))
 
 
 def ratio_text(value: float, ends: Limits) -> str:

@@ -19,16 +19,17 @@ from modelcast.study.recording import EventRecorder, sample_block
 from modelcast.study.reference import count_references, pooled_references
 from modelcast.study.result import (
     POOLED,
+    RATES,
+    REFERENCES,
+    TRACKING,
     EvaluationResult,
     Manoeuvre,
-    RateRow,
-    ReferenceRow,
     SampleBlock,
     Timeline,
-    TrackingRow,
     TripRow,
 )
 from modelcast.study.settings import EvaluationSettings
+from modelcast.study.table import Row
 from modelcast.study.tracking import Contender, run_tracking
 from modelcast.trips.fingerprint import known_trips
 from modelcast.trips.trajectory import Trajectory
@@ -44,9 +45,9 @@ class _Collected:
 
     trips: list[TripRow] = field(default_factory=list[TripRow])
     counts: list[RateCount] = field(default_factory=list[RateCount])
-    rates: list[RateRow] = field(default_factory=list[RateRow])
-    references: list[ReferenceRow] = field(default_factory=list[ReferenceRow])
-    tracking: list[TrackingRow] = field(default_factory=list[TrackingRow])
+    rates: list[Row] = field(default_factory=list[Row])
+    references: list[Row] = field(default_factory=list[Row])
+    tracking: list[Row] = field(default_factory=list[Row])
     pools: dict[tuple[Contender, float], TrackingPool] = field(
         default_factory=dict[tuple[Contender, float], TrackingPool]
     )
@@ -114,15 +115,17 @@ def evaluate(
     return EvaluationResult(
         settings.as_plain(),
         trips=tuple(collected.trips),
-        rates=(*pooled_rates(collected.counts), *collected.rates),
-        tracking=(*(pool_row(POOLED, pool) for pool in collected.pools.values()), *collected.tracking),
+        rates=RATES.table([*pooled_rates(collected.counts), *collected.rates]),
+        tracking=TRACKING.table(
+            [*(pool_row(POOLED, pool) for pool in collected.pools.values()), *collected.tracking]
+        ),
         ecdfs=tuple(pool_ecdf(pool) for pool in collected.pools.values()),
         timeline=collected.timeline,
         manoeuvre=collected.manoeuvre,
         events=events.columns(),
         samples=tuple(collected.samples),
         failures=collected.failures,
-        references=(*pooled_references(collected.references), *collected.references),
+        references=REFERENCES.table([*pooled_references(collected.references), *collected.references]),
     )
 
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, SingleArray
 from modelcast.study.metrics import LANE_M, Histogram, confidence_limits, quantiles
-from modelcast.study.result import Ecdf, TrackingRow
+from modelcast.study.result import TRACKING, Ecdf
+from modelcast.study.table import Row
 from modelcast.study.tracking import Contender, TrackingRun
 
 __all__ = ["TrackingPool", "pool_ecdf", "pool_row", "sorted_errors"]
@@ -124,7 +125,7 @@ def sorted_errors(run: TrackingRun, ratio: int) -> list[SingleArray]:
     return [ordered[k, : valid[k]] for k in range(after.shape[0])]
 
 
-def pool_row(trip: str, pool: TrackingPool) -> TrackingRow:
+def pool_row(trip: str, pool: TrackingPool) -> Row:
     """The table row of a pool.
 
     Parameters
@@ -141,10 +142,10 @@ def pool_row(trip: str, pool: TrackingPool) -> TrackingRow:
     low, high = confidence_limits(per_seed)
     weight_s = max(pool.weight_s, 1e-12)
     gaps = pool.gaps if pool.gaps.weight > 0 else None
-    return TrackingRow(
-        trip,
-        pool.contender.policy,
-        pool.contender.bank,
+    return TRACKING.row(
+        trip=trip,
+        policy=pool.contender.policy,
+        bank=pool.contender.bank,
         rate_basis=pool.contender.rate_basis,
         threshold_m=pool.contender.threshold_m,
         own_threshold_m=pool.own_threshold_m,

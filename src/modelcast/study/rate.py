@@ -7,9 +7,10 @@ import numpy as np
 
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.study.case import TripCase
-from modelcast.study.result import POOLED, RateRow
+from modelcast.study.result import POOLED, RATES
 from modelcast.study.sent import sent_load
 from modelcast.study.settings import EvaluationSettings
+from modelcast.study.table import Row
 
 __all__ = ["RateCount", "count_rates", "pooled_rates", "rate_row"]
 
@@ -81,14 +82,14 @@ def count_rates(
     return counts
 
 
-def rate_row(trip: str, count: RateCount) -> RateRow:
+def rate_row(trip: str, count: RateCount) -> Row:
     """The table row of one count."""
     total = count.updates + count.identifications
     moving_s = count.moving_s
-    return RateRow(
-        trip,
-        count.policy,
-        count.bank,
+    return RATES.row(
+        trip=trip,
+        policy=count.policy,
+        bank=count.bank,
         threshold_m=count.threshold_m,
         updates=count.updates,
         identifications=count.identifications,
@@ -102,7 +103,7 @@ def rate_row(trip: str, count: RateCount) -> RateRow:
     )
 
 
-def pooled_rates(counts: Sequence[RateCount]) -> list[RateRow]:
+def pooled_rates(counts: Sequence[RateCount]) -> list[Row]:
     """Rows that pool the same policy and threshold over trips: sums of messages over sums of time."""
     groups: dict[tuple[str, str, float], list[RateCount]] = {}
     for count in counts:

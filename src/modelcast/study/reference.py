@@ -10,12 +10,13 @@ from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.study.case import STANDING_SPEED_MPS, TripCase
 from modelcast.study.clairvoyant import clairvoyant
 from modelcast.study.minimax_kernels import MOST_DEGREE
-from modelcast.study.result import POOLED, ReferenceRow
+from modelcast.study.result import POOLED, REFERENCES
+from modelcast.study.table import Row
 
 __all__ = ["count_references", "pooled_references"]
 
 
-def count_references(case: TripCase, thresholds_m: Sequence[float]) -> list[ReferenceRow]:
+def count_references(case: TripCase, thresholds_m: Sequence[float]) -> list[Row]:
     """Count the messages of every reference over what the sender of one trip sees.
 
     Parameters
@@ -25,7 +26,7 @@ def count_references(case: TripCase, thresholds_m: Sequence[float]) -> list[Refe
     thresholds_m
         Tracking-error thresholds [m].
     """
-    rows: list[ReferenceRow] = []
+    rows: list[Row] = []
     for degree in range(1, MOST_DEGREE + 1):
         for threshold_m in thresholds_m:
             found = clairvoyant(case.seen, degree, threshold_m)
@@ -66,9 +67,9 @@ def count_references(case: TripCase, thresholds_m: Sequence[float]) -> list[Refe
     return rows
 
 
-def pooled_references(rows: Sequence[ReferenceRow]) -> list[ReferenceRow]:
+def pooled_references(rows: Sequence[Row]) -> list[Row]:
     """Rows that pool the same reference and threshold over trips: sums of messages over sums of time."""
-    groups: dict[tuple[str, float | None], list[ReferenceRow]] = {}
+    groups: dict[tuple[str, float | None], list[Row]] = {}
     for row in rows:
         groups.setdefault((row.reference, row.threshold_m), []).append(row)
     return [
@@ -93,11 +94,11 @@ def _row(
     least_messages: int,
     duration_s: float,
     undecided: int,
-) -> ReferenceRow:
-    return ReferenceRow(
-        trip,
-        reference,
-        threshold_m,
+) -> Row:
+    return REFERENCES.row(
+        trip=trip,
+        reference=reference,
+        threshold_m=threshold_m,
         messages=messages,
         least_messages=least_messages,
         duration_s=duration_s,

@@ -8,22 +8,25 @@ import numpy as np
 import numpy.typing as npt
 
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
+from modelcast.study.table import Table, TableSchema, count, flag, quantity, ratio, text
 
 __all__ = [
     "POOLED",
+    "RATES",
+    "REFERENCES",
+    "TRACKING",
+    "TRIPS",
     "Coded",
     "Columns",
     "Ecdf",
     "EvaluationResult",
     "HoldsEvaluation",
     "Manoeuvre",
-    "RateRow",
-    "ReferenceRow",
     "SampleBlock",
     "Timeline",
-    "TrackingRow",
     "TripRow",
     "result_of",
+    "trips_table",
 ]
 
 POOLED = "all"
@@ -109,154 +112,153 @@ class TripRow:
     in_training: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class RateRow:
-    """Messages sent at one threshold on an ideal channel, without keep-alive.
+TRIPS = TableSchema(
+    "trips",
+    "One evaluated trip, as one row.",
+    (
+        text("id", "Trip identifier: file stem / vehicle."),
+        text("source", "Name of the format."),
+        quantity("duration_s", "s", "Time observed."),
+        quantity("standing_s", "s", "Part of it spent below walking pace."),
+        count("vehicles", "Vehicles in the trip: one."),
+        count("samples", "Samples."),
+        quantity("dt_s", "s", "Median step of the samples."),
+        count("gaps", "Gaps that split the trip."),
+        flag("resampled", "Whether the trip was resampled to its median rate."),
+        text("protocol", "recorded (the log is both input and truth) or sensor (input simulated)."),
+        flag("conditioned", "Whether the truth was smoothed."),
+        text("velocity_estimator", "Causal estimator that constant velocity and the baseline coast with."),
+        quantity("grid_east_m", "m", "Position grid of the recording, east; 0 where there is none."),
+        quantity("grid_north_m", "m", "Position grid of the recording, north; 0 where there is none."),
+        count("rows", "Rows read."),
+        count("skipped", "Rows skipped."),
+        count("repaired", "Rows put right."),
+        text("warnings", "Kinds of what must be known of the recording before any figure."),
+        flag("in_training", "Whether the bank was trained on this very trip."),
+    ),
+)
+"""Trips: a row a trip; reasons and the smoother's figures are in `TripRow` alone."""
 
-    Parameters
-    ----------
-    trip
-        Trip id, or `POOLED`.
-    policy
-        ``mbc`` or ``baseline``.
-    bank
-        Name of the bank of sub-models.
-    threshold_m
-        Tracking-error threshold [m].
-    updates, identifications
-        Messages sent.
-    update_rate_hz, identification_rate_hz, total_rate_hz
-        Messages over the time observed [Hz].
-    moving_total_rate_hz
-        All messages sent while moving over the time spent moving [Hz].
-    bytes_per_s
-        Application bytes over the time observed: the messages in their frames [byte/s].
-    airtime_per_s
-        Time on the air over the time observed, all layers and the security header counted [s/s].
-    """
+_TRIP = text("trip", "Trip identifier; `all` pools every trip, weighted by time.")
+_BANK = text("bank", "Name of the bank of sub-models.")
+_DURATION = quantity("duration_s", "s", "Time observed.")
 
-    trip: str
-    policy: str
-    bank: str
-    _: KW_ONLY
-    threshold_m: float
-    updates: int
-    identifications: int
-    duration_s: float
-    update_rate_hz: float
-    identification_rate_hz: float
-    total_rate_hz: float
-    moving_total_rate_hz: float
-    bytes_per_s: float
-    airtime_per_s: float
+RATES = TableSchema(
+    "rates",
+    "Messages sent at one threshold on an ideal channel, without keep-alive.",
+    (
+        _TRIP,
+        text("policy", "Policy: mbc or baseline."),
+        _BANK,
+        quantity("threshold_m", "m", "Tracking-error threshold."),
+        count("updates", "Model updates sent."),
+        count("identifications", "Identifications sent."),
+        _DURATION,
+        quantity("update_rate_hz", "1/s", "Model updates over the time observed."),
+        quantity("identification_rate_hz", "1/s", "Identifications over the time observed."),
+        quantity("total_rate_hz", "1/s", "All messages over the time observed."),
+        quantity("moving_total_rate_hz", "1/s", "All messages sent while moving over the time spent moving."),
+        quantity(
+            "bytes_per_s", "byte/s", "Application bytes, messages in their frames, over the time observed."
+        ),
+        quantity(
+            "airtime_per_s",
+            "s/s",
+            "Time on the air over the time observed, all layers and the security header counted.",
+        ),
+    ),
+)
+"""Message rates: a row a trip, policy, bank and threshold."""
 
+REFERENCES = TableSchema(
+    "references",
+    "Messages of a reference that no bank takes part in, over what the sender sees, on an ideal channel.",
+    (
+        _TRIP,
+        text(
+            "reference",
+            "clairvoyant-1, clairvoyant-2 or clairvoyant-3 (the fewest messages of a sender that knows the "
+            "future and sends polynomials of that degree), or cam (the triggering rules of cooperative "
+            "awareness messages).",
+        ),
+        quantity("threshold_m", "m", "Tracking-error threshold.", missing="cam has none"),
+        count("messages", "Messages sent."),
+        count(
+            "least_messages",
+            "The same with every undecided test taken as passed: the fewest messages lie between the two.",
+        ),
+        _DURATION,
+        quantity("rate_hz", "1/s", "Messages over the time observed."),
+        count("undecided", "Tests neither proved nor refuted; each was taken as failed."),
+    ),
+)
+"""References: a row a trip, reference and threshold."""
 
-@dataclass(frozen=True, slots=True)
-class ReferenceRow:
-    """Messages of a reference that no bank takes part in, over what the sender sees, on an ideal channel.
+_ONE_SEED = "one seed has no interval"
+_NO_GAP = "fewer than two messages arrived"
 
-    Parameters
-    ----------
-    trip
-        Trip id, or `POOLED`.
-    reference
-        ``clairvoyant-1``, ``clairvoyant-2`` or ``clairvoyant-3`` (the fewest messages of a sender that knows
-        the future and sends polynomials of that degree), or ``cam`` (the triggering rules of cooperative
-        awareness messages).
-    threshold_m
-        Tracking-error threshold [m]; None for ``cam``, which has none.
-    messages
-        Messages sent.
-    least_messages
-        The same with every undecided test taken as passed: the fewest messages lie between the two.
-    duration_s
-        Time observed [s].
-    rate_hz
-        Messages over the time observed [Hz].
-    undecided
-        Tests that were neither proved nor refuted; each was taken as failed.
-    """
-
-    trip: str
-    reference: str
-    threshold_m: float | None
-    _: KW_ONLY
-    messages: int
-    least_messages: int
-    duration_s: float
-    rate_hz: float
-    undecided: int
-
-
-@dataclass(frozen=True, slots=True)
-class TrackingRow:
-    """Tracking at the receiver for one policy, threshold and packet error ratio.
-
-    Parameters
-    ----------
-    trip
-        Trip id, or `POOLED`.
-    policy
-        ``mbc``, ``baseline`` (error-driven at the same threshold), ``baseline-periodic`` or
-        ``baseline-matched`` (error-driven with its threshold bisected to the rate).
-    rate_basis
-        Which of MBC's rates an equal-rate baseline was given: ``update`` (the paper), ``total`` (fairer),
-        or None for the other policies.
-    threshold_m
-        MBC's threshold, which names the comparison [m].
-    own_threshold_m
-        The threshold the policy itself ran at; None for ``baseline-periodic`` [m].
-    packet_error_ratio
-        Mean share of messages lost, 0..1.
-    seeds
-        Runs pooled.
-    samples, excluded_samples
-        Tracking-error samples, and those left out because nothing had arrived yet (or had expired).
-    message_rate_hz
-        Messages sent over the time observed, keep-alive included [Hz].
-    pte_mean_m .. pte_p99_m
-        Mean and quantiles of the position tracking error after the instant's message [m].
-    pte_p90_low_m, pte_p90_high_m
-        95 % Student-t confidence limits of the 90th percentile over the seeds [m]; None for one seed.
-    pte_before_p90_m
-        90th percentile of the error just before the instant's message [m].
-    along_p90_m, cross_p90_m
-        90th percentiles of the error's size along and across the track [m].
-    beyond_lane_ratio
-        Share of samples with an error over 1.5 m.
-    inter_packet_gap_p50_s, inter_packet_gap_p95_s
-        Gaps between messages received [s].
-    information_age_mean_s, information_age_p95_s
-        Age at each sample of the model update held; an identification does not renew it [s].
-    """
-
-    trip: str
-    policy: str
-    bank: str
-    _: KW_ONLY
-    rate_basis: str | None
-    threshold_m: float
-    own_threshold_m: float | None
-    packet_error_ratio: float
-    seeds: int
-    samples: int
-    excluded_samples: int
-    message_rate_hz: float
-    pte_mean_m: float
-    pte_p50_m: float
-    pte_p90_m: float
-    pte_p90_low_m: float | None
-    pte_p90_high_m: float | None
-    pte_p95_m: float
-    pte_p99_m: float
-    pte_before_p90_m: float
-    along_p90_m: float
-    cross_p90_m: float
-    beyond_lane_ratio: float
-    inter_packet_gap_p50_s: float | None
-    inter_packet_gap_p95_s: float | None
-    information_age_mean_s: float
-    information_age_p95_s: float
+TRACKING = TableSchema(
+    "tracking",
+    "Tracking at the receiver for one policy, threshold and packet error ratio.",
+    (
+        _TRIP,
+        text(
+            "policy",
+            "Policy: mbc, baseline (error-driven at the same threshold), baseline-periodic or "
+            "baseline-matched (error-driven with its threshold bisected to the rate).",
+        ),
+        _BANK,
+        text(
+            "rate_basis",
+            "Which of MBC's rates an equal-rate baseline was given: update (the paper) or total (fairer).",
+            missing="the other policies have none",
+        ),
+        quantity("threshold_m", "m", "MBC's threshold, which names the comparison."),
+        quantity(
+            "own_threshold_m",
+            "m",
+            "Threshold that the policy itself ran at.",
+            missing="baseline-periodic has none",
+        ),
+        ratio("packet_error_ratio", "Mean share of messages lost."),
+        count("seeds", "Runs pooled."),
+        count("samples", "Tracking-error samples."),
+        count("excluded_samples", "Samples left out because nothing had arrived yet, or had expired."),
+        quantity("message_rate_hz", "1/s", "Messages over the time observed, keep-alive included."),
+        quantity("pte_mean_m", "m", "Mean position tracking error after the instant's message."),
+        quantity("pte_p50_m", "m", "Median of that error."),
+        quantity("pte_p90_m", "m", "90th percentile of that error."),
+        quantity(
+            "pte_p90_low_m",
+            "m",
+            "Lower 95 % Student-t limit of that percentile over seeds.",
+            missing=_ONE_SEED,
+        ),
+        quantity(
+            "pte_p90_high_m",
+            "m",
+            "Upper 95 % Student-t limit of that percentile over seeds.",
+            missing=_ONE_SEED,
+        ),
+        quantity("pte_p95_m", "m", "95th percentile of that error."),
+        quantity("pte_p99_m", "m", "99th percentile of that error."),
+        quantity("pte_before_p90_m", "m", "90th percentile of the error just before the instant's message."),
+        quantity("along_p90_m", "m", "90th percentile of the error's size along the track."),
+        quantity("cross_p90_m", "m", "90th percentile of the error's size across the track."),
+        ratio("beyond_lane_ratio", "Share of samples with an error over 1.5 m."),
+        quantity("inter_packet_gap_p50_s", "s", "Median gap between messages received.", missing=_NO_GAP),
+        quantity(
+            "inter_packet_gap_p95_s", "s", "95th percentile gap between messages received.", missing=_NO_GAP
+        ),
+        quantity(
+            "information_age_mean_s",
+            "s",
+            "Mean age at each sample of the model update held; an identification does not renew it.",
+        ),
+        quantity("information_age_p95_s", "s", "95th percentile of that age."),
+    ),
+)
+"""Tracking errors: a row a trip, policy, rate basis, threshold and packet error ratio."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -266,7 +268,7 @@ class Ecdf:
     Parameters
     ----------
     policy, rate_basis, threshold_m, packet_error_ratio
-        As in `TrackingRow`.
+        As in `TRACKING`.
     tracking_error_m
         Quantiles, (Q,) rising [m].
     probability
@@ -351,7 +353,7 @@ class SampleBlock:
     Parameters
     ----------
     trip, policy, bank, rate_basis, threshold_m
-        As in `TrackingRow`.
+        As in `TRACKING`.
     packet_error_ratios
         (L,).
     t_s
@@ -380,8 +382,10 @@ class EvaluationResult:
     ----------
     settings
         What was asked for, as plain values.
-    trips, rates, tracking
-        Rows of the three tables.
+    trips
+        What was evaluated.
+    rates, tracking
+        Tables of `RATES` and `TRACKING`.
     ecdfs, timeline, manoeuvre
         What the figures draw; the last two are None where no trip holds them.
     events
@@ -394,14 +398,14 @@ class EvaluationResult:
     skipped
         Files and vehicles that held no trip, with the reason.
     references
-        Rows of the references that the message rates are drawn beside; empty where they were not asked for.
+        Table of `REFERENCES` that the message rates are drawn beside; empty where they were not asked for.
     """
 
     settings: Mapping[str, Any]
     _: KW_ONLY
     trips: tuple[TripRow, ...]
-    rates: tuple[RateRow, ...]
-    tracking: tuple[TrackingRow, ...]
+    rates: Table
+    tracking: Table
     ecdfs: tuple[Ecdf, ...]
     timeline: Timeline | None
     manoeuvre: Manoeuvre | None
@@ -409,7 +413,7 @@ class EvaluationResult:
     samples: tuple[SampleBlock, ...]
     failures: Mapping[str, str]
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])
-    references: tuple[ReferenceRow, ...] = ()
+    references: Table = field(default_factory=REFERENCES.table)
 
 
 class HoldsEvaluation(Protocol):
@@ -430,3 +434,27 @@ def result_of(held: EvaluationResult | HoldsEvaluation) -> EvaluationResult:
         Either.
     """
     return held if isinstance(held, EvaluationResult) else held.result
+
+
+def trips_table(result: EvaluationResult) -> Table:
+    """Return the trips of an evaluation as a table of `TRIPS`.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    flat = [
+        {
+            "skipped": sum(trip.skipped.values()),
+            "repaired": sum(trip.repaired.values()),
+            "warnings": ", ".join(trip.warnings),
+            "grid_east_m": trip.grid_m[0],
+            "grid_north_m": trip.grid_m[1],
+        }
+        for trip in result.trips
+    ]
+    return TRIPS.table(
+        TRIPS.row(**{name: own[name] if name in own else getattr(trip, name) for name in TRIPS.names})
+        for trip, own in zip(result.trips, flat, strict=True)
+    )

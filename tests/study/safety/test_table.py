@@ -38,8 +38,8 @@ def test_shares_delays_and_ratios_of_two_recordings() -> None:
     assert cv.missed_ratio == pytest.approx(68 / 120)
     assert mbc.missed_over == pytest.approx(0.5)
     # Every warning halves, so every resample does.
-    assert mbc.missed_over_limits == pytest.approx((0.5, 0.5))
-    assert cv.missed_over_limits == (1.0, 1.0)
+    assert (mbc.missed_over_low, mbc.missed_over_high) == pytest.approx((0.5, 0.5))
+    assert (cv.missed_over_low, cv.missed_over_high) == (1.0, 1.0)
     assert cv.missed_events == pytest.approx(4 / 12)
     assert (cv.delay_p50_s, cv.delay_p90_s) == (pytest.approx(0.8), np.inf)
     assert cv.false_ratio == pytest.approx(24 / (2 * 2 * 170))
@@ -51,7 +51,7 @@ def test_shares_delays_and_ratios_of_two_recordings() -> None:
 def test_intervals_are_of_warnings_and_runs() -> None:
     noisy = made("one", {"cv": [[10, 10], [10, 10], [10, 10]], "mbc": [[0, 0], [10, 10], [5, 5]]})
     _, mbc = pooled_rows([noisy], "cv", resamples=2000, seed=2)
-    low, high = mbc.missed_over_limits
+    low, high = mbc.missed_over_low, mbc.missed_over_high
     assert low is not None
     assert high is not None
     assert low == pytest.approx(0.0, abs=0.2)
@@ -60,7 +60,7 @@ def test_intervals_are_of_warnings_and_runs() -> None:
 
 def test_one_warning_has_no_interval_and_none_has_no_share() -> None:
     (row,) = pooled_rows([made("one", {"cv": [[4, 6]]}, events=1)], "cv", resamples=50, seed=0)
-    assert row.missed_over_limits == (None, None)
+    assert (row.missed_over_low, row.missed_over_high) == (None, None)
     none = made("one", {"cv": np.empty((0, 2), dtype=np.int64).tolist()}, events=0)
     none = replace(
         none,

@@ -13,8 +13,9 @@ from matplotlib.typing import LineStyleType
 from modelcast.report.figures.panels import drawable, empty_figure
 from modelcast.report.headline import REFERENCE_LABELS
 from modelcast.report.style import INK, PAGE_IN, new_figure, style
-from modelcast.study.compare.result import ComparisonResult, RatioRow, RivalRow, TrackingRatioRow
+from modelcast.study.compare.result import ComparisonResult
 from modelcast.study.result import POOLED
+from modelcast.study.table import Row
 
 __all__ = ["plot_comparison", "rival_rows_of", "worst_rows"]
 
@@ -107,7 +108,7 @@ def plot_comparison(result: ComparisonResult) -> Figure:
         return figure
 
 
-def rival_rows_of(result: ComparisonResult, candidate: str, protocol: str) -> list[RivalRow]:
+def rival_rows_of(result: ComparisonResult, candidate: str, protocol: str) -> list[Row]:
     """Return a candidate's rows over the one compared against, by rising threshold.
 
     Parameters
@@ -277,7 +278,7 @@ def _worst_limits(
     result: ComparisonResult, name: str, protocol: str, percentile: int
 ) -> list[tuple[float | None, float | None]]:
     """Return the interval of the threshold that `worst_rows` names, at each loss ratio."""
-    by_ratio: dict[float, list[TrackingRatioRow]] = {}
+    by_ratio: dict[float, list[Row]] = {}
     for row in result.tracking:
         if (row.trip, row.candidate, row.protocol) == (POOLED, name, protocol):
             by_ratio.setdefault(row.packet_error_ratio, []).append(row)
@@ -318,11 +319,11 @@ def _draw_line(
     return float(np.nanmax(tops)) if np.isfinite(tops).any() else 0.0
 
 
-def _by_threshold(rows: Sequence[RatioRow], name: str) -> list[RatioRow]:
+def _by_threshold(rows: Sequence[Row], name: str) -> list[Row]:
     return sorted((row for row in rows if row.candidate == name), key=lambda row: row.threshold_m)
 
 
-def _threshold_axis(axes: Axes, rows: Sequence[RatioRow]) -> list[float]:
+def _threshold_axis(axes: Axes, rows: Sequence[Row]) -> list[float]:
     thresholds_m = sorted({row.threshold_m for row in rows})
     axes.set_xticks(range(len(thresholds_m)), [f"{100 * item:.4g}" for item in thresholds_m])
     axes.set_xlim(-0.5, len(thresholds_m) - 0.5)

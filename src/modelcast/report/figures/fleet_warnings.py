@@ -14,7 +14,8 @@ from modelcast.report.style import PAGE_IN, new_figure
 from modelcast.station.receiver.reading import Reading
 from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import NetworkResult
-from modelcast.study.network.warning_rows import ALL_SENDERS, PooledWarnings
+from modelcast.study.network.warning_rows import ALL_SENDERS
+from modelcast.study.table import Row
 
 __all__ = ["plot_warned_map", "plot_warnings"]
 
@@ -65,7 +66,7 @@ def plot_warnings(result: NetworkResult) -> Figure:
     return figure
 
 
-def _draw_shares(axes: Axes, own: Sequence[PooledWarnings], field: str, how: tuple[str, str, str]) -> None:
+def _draw_shares(axes: Axes, own: Sequence[Row], field: str, how: tuple[str, str, str]) -> None:
     """Draw a policy's shares with their intervals; banks and thresholds are written beside."""
     name, colour, marker = how
     rate = [row.message_rate_hz for row in own]
@@ -90,7 +91,7 @@ def _draw_shares(axes: Axes, own: Sequence[PooledWarnings], field: str, how: tup
             axes.annotate(text, (x, y), textcoords="offset points", xytext=(4, 3), fontsize=5.5, color=colour)
 
 
-def _draw_delays(axes: Axes, result: NetworkResult, row: PooledWarnings, colour: str, width: float) -> None:
+def _draw_delays(axes: Axes, result: NetworkResult, row: Row, colour: str, width: float) -> None:
     keys = ("density_per_km", "radio", "policy", "bank", "threshold_m", "application", "reading")
     late_s = np.sort(
         [

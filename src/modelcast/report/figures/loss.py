@@ -8,7 +8,8 @@ from modelcast.core.arrays import FloatArray
 from modelcast.report.figures.panels import empty_figure, panel_grid, top_legend
 from modelcast.report.headline import SHOWN_POLICIES, policy_label, pooled_tracking, rate_basis
 from modelcast.report.style import INK, POLICY_COLOURS, POLICY_LINES, POLICY_MARKERS, style
-from modelcast.study.result import EvaluationResult, TrackingRow
+from modelcast.study.result import EvaluationResult
+from modelcast.study.table import Row
 
 __all__ = ["plot_loss"]
 
@@ -53,7 +54,7 @@ def plot_loss(result: EvaluationResult) -> Figure:
         return figure
 
 
-def _draw_policy(axes: Axes, policy: str, rows: list[TrackingRow], label: str) -> None:
+def _draw_policy(axes: Axes, policy: str, rows: list[Row], label: str) -> None:
     percent = 100 * np.array([row.packet_error_ratio for row in rows])
     p90_m = np.array([row.pte_p90_m for row in rows])
     low_m, high_m = _limits(rows)
@@ -68,7 +69,7 @@ def _draw_policy(axes: Axes, policy: str, rows: list[TrackingRow], label: str) -
         axes.vlines(percent, low_m, high_m, color=colour, linewidth=1.0)
 
 
-def _limits(rows: list[TrackingRow]) -> tuple[FloatArray, FloatArray]:
+def _limits(rows: list[Row]) -> tuple[FloatArray, FloatArray]:
     low_m = np.array([row.pte_p90_low_m for row in rows], dtype=np.float64)
     high_m = np.array([row.pte_p90_high_m for row in rows], dtype=np.float64)
     return np.maximum(low_m, 0.0), high_m

@@ -10,7 +10,8 @@ from modelcast.core.arrays import FloatArray
 from modelcast.report.figures.maps import draw_map
 from modelcast.report.figures.panels import empty_figure
 from modelcast.report.style import PAGE_IN, new_figure
-from modelcast.study.network.rows import NetworkResult, PenetrationRow
+from modelcast.study.network.rows import NetworkResult
+from modelcast.study.table import Row
 
 __all__ = ["plot_penetration"]
 
@@ -48,7 +49,7 @@ def plot_penetration(result: NetworkResult) -> Figure:
     return figure
 
 
-def _draw_map(axes: Axes, rows: Sequence[PenetrationRow], name: str) -> None:
+def _draw_map(axes: Axes, rows: Sequence[Row], name: str) -> None:
     """Draw one map; a cell says its mean over seeds."""
     senders = sorted({row.senders_ratio for row in rows})
     receivers = sorted({row.receivers_ratio for row in rows})

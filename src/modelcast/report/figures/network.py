@@ -10,7 +10,8 @@ from modelcast.report.figures.panels import empty_figure
 from modelcast.report.figures.scales import density_scale, end_below, from_zero, legend_above, log_scale
 from modelcast.report.figures.senders import Curve, sender_curves
 from modelcast.report.style import PAGE_IN, new_figure
-from modelcast.study.network.rows import DistanceRow, NetworkResult, PooledRow
+from modelcast.study.network.rows import NetworkResult
+from modelcast.study.table import Row
 
 __all__ = [
     "NETWORK_FIGURES",
@@ -26,7 +27,7 @@ _MOST_DENSITIES = 4
 _SPREAD = 0.02
 
 Panel = tuple[str, str, float]
-"""Field of `RunRow`, what the axis says, factor to what it shows."""
+"""Field of `RUNS`, what the axis says, factor to what it shows."""
 
 _LOAD: tuple[Panel, ...] = (
     ("message_rate_hz", "messages a vehicle [1/s]", 1.0),
@@ -75,7 +76,7 @@ def _against_density(result: NetworkResult, panels: Sequence[Panel], *, log: boo
     return figure
 
 
-def _draw_densities(axes: Axes, rows: Sequence[PooledRow], factor: float, curves: Sequence[Curve]) -> None:
+def _draw_densities(axes: Axes, rows: Sequence[Row], factor: float, curves: Sequence[Curve]) -> None:
     axes.set_xscale("log")
     for at, curve in enumerate(curves):
         own = sorted(filter(curve.drew, rows), key=lambda row: row.density_per_km)
@@ -166,7 +167,7 @@ def _same(one: float, other: float) -> bool:
     return one == other or (np.isnan(one) and np.isnan(other))
 
 
-def _mean_by_distance(rows: Sequence[DistanceRow]) -> tuple[list[float], list[float]]:
+def _mean_by_distance(rows: Sequence[Row]) -> tuple[list[float], list[float]]:
     """Middle of every bin and the mean over seeds of its 90th percentile."""
     groups: dict[float, list[float]] = {}
     for row in rows:

@@ -10,7 +10,8 @@ from modelcast.core.arrays import FloatArray
 from modelcast.report.figures.panels import drawable, empty_figure, top_legend
 from modelcast.report.losses import burst_words, shown_ratios
 from modelcast.report.style import PAGE_IN, model_colours, new_figure
-from modelcast.study.safety.result import PooledSafety, RecordingScores, SafetyKind, SafetyResult
+from modelcast.study.safety.result import RecordingScores, SafetyKind, SafetyResult, kind_of
+from modelcast.study.table import Row
 
 __all__ = ["SAFETY_FIGURES", "plot_accuracy", "plot_delays"]
 
@@ -26,7 +27,7 @@ def _basis(result: SafetyResult) -> str:
 
 
 def _cases(result: SafetyResult) -> list[SafetyKind]:
-    return list(dict.fromkeys(row.kind for row in result.pooled))
+    return list(dict.fromkeys(kind_of(row) for row in result.pooled))
 
 
 def _title(kind: SafetyKind) -> str:
@@ -50,7 +51,7 @@ def plot_accuracy(result: SafetyResult) -> Figure:
     figure = new_figure(PAGE_IN, _HEAD_IN + _ROW_IN * len(cases))
     panels = figure.subplots(len(cases), 3, squeeze=False, sharex=True)
     for row, case in zip(panels, cases, strict=True):
-        own = [one for one in result.pooled if (one.kind, one.basis) == (case, basis)]
+        own = [one for one in result.pooled if (kind_of(one), one.basis) == (case, basis)]
         for number, name in enumerate(names):
             _draw(row, [one for one in own if one.candidate == name], name, number, colours[name])
         row[0].set_ylabel(f"{_title(case)}\nMissed [%]")
@@ -63,7 +64,7 @@ def plot_accuracy(result: SafetyResult) -> Figure:
     return figure
 
 
-def _draw(row: Sequence[Axes], own: Sequence[PooledSafety], name: str, number: int, colour: str) -> None:
+def _draw(row: Sequence[Axes], own: Sequence[Row], name: str, number: int, colour: str) -> None:
     ratios = 100 * np.array([one.packet_error_ratio for one in own])
     for axes, field in zip(row, ("missed_ratio", "missed_events", "false_ratio"), strict=True):
         values = 100 * np.array([getattr(one, field) for one in own])

@@ -16,12 +16,9 @@ from modelcast.report.figures.panels import drawable
 from modelcast.study.network.rows import (
     NO_BANK,
     NO_THRESHOLD,
-    DistanceRow,
     NetworkResult,
-    PooledRow,
-    RunRow,
-    SecondRow,
 )
+from modelcast.study.table import Row
 from modelcast.study.wording import centimetres
 
 __all__ = ["NO_THRESHOLD_TEXT", "Curve", "also_told", "sender_curves", "sender_look", "threshold_text"]
@@ -119,7 +116,7 @@ class Curve:
         marker = {"marker": _MARKERS[self.policy], "markerfacecolor": face, "markersize": size}
         return {**self.plain, **marker, "markeredgewidth": 0.8}
 
-    def drew(self, row: RunRow | DistanceRow | PooledRow | SecondRow) -> bool:
+    def drew(self, row: Row) -> bool:
         """Whether a row is of this sender."""
         return (row.policy, row.bank, repr(row.threshold_m)) == (
             self.policy,

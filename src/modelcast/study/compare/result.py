@@ -4,17 +4,21 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
+from modelcast.study.table import Column, Row, Table, TableSchema, count, quantity, ratio, text
+
 __all__ = [
+    "COUNTS",
+    "RATIOS",
+    "REFERENCE_RATIOS",
+    "RIVAL_RATIOS",
+    "ROUTES",
+    "TRACKING_RATIOS",
     "CandidateRow",
     "ComparedTrip",
     "ComparisonResult",
-    "CountRow",
-    "RatioRow",
-    "ReferenceRatio",
-    "RivalRow",
-    "RouteRow",
-    "TrackingRatioRow",
+    "excess_of",
     "message_bound",
+    "messages_of",
     "rival_bound",
 ]
 
@@ -41,22 +45,23 @@ def rival_bound(rival_messages: float) -> float:
     return max(1.05 * rival_messages, rival_messages + 5)
 
 
-@dataclass(frozen=True, slots=True)
-class RouteRow:
-    """Trips that share their ground or their platoon.
+_DURATION = quantity("duration_s", "s", "Time observed.")
+_CANDIDATE = text("candidate", "Name of the candidate.")
+_PROTOCOL = text("protocol", "Whether inputs are recorded or simulated.")
+_THRESHOLD = quantity("threshold_m", "m", "Tracking-error threshold.")
+_ONE_TRIP = "one trip, or one route, has no interval"
 
-    Parameters
-    ----------
-    route, name
-        Number from 0, and the first file.
-    trips, duration_s
-        How many, and the time observed [s].
-    """
-
-    route: int
-    name: str
-    trips: int
-    duration_s: float
+ROUTES = TableSchema(
+    "routes",
+    "Trips that share their ground or their platoon.",
+    (
+        count("route", "Number, from 0."),
+        text("name", "Its first file."),
+        count("trips", "How many trips."),
+        _DURATION,
+    ),
+)
+"""Routes: a row each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,226 +124,159 @@ class CandidateRow:
     update_bytes: int
 
 
-@dataclass(frozen=True, slots=True)
-class CountRow:
-    """Messages of one candidate over one trip on an ideal channel, without keep-alive.
+COUNTS = TableSchema(
+    "messages",
+    "Messages of one candidate over one trip on an ideal channel, without keep-alive.",
+    (
+        _CANDIDATE,
+        _PROTOCOL,
+        text("trip", "Identifier of the trip."),
+        count("route", "Route of the trip: what a trained candidate had not seen."),
+        _THRESHOLD,
+        count("updates", "Model updates sent."),
+        count("identifications", "Identifications sent."),
+        count("message_bytes", "Application bytes sent."),
+        count("baseline_messages", "Messages that the baseline sent at the same threshold."),
+        count("baseline_bytes", "Application bytes that the baseline sent."),
+        quantity("airtime_s", "s", "Time that the messages occupy the channel, all layers counted."),
+        quantity("baseline_airtime_s", "s", "The same of the baseline's messages."),
+        _DURATION,
+    ),
+)
+"""Messages trip by trip: a row a candidate, protocol, trip and threshold."""
 
-    Parameters
-    ----------
-    candidate, protocol, trip
-        Whose messages, in which protocol, on which trip.
-    route
-        Route of the trip: what a trained candidate had not seen.
-    threshold_m
-        Tracking-error threshold [m].
-    updates, identifications, message_bytes
-        What was sent.
-    baseline_messages, baseline_bytes
-        What the baseline sent at the same threshold.
-    airtime_s, baseline_airtime_s
-        How long the messages of both occupy the channel, all layers counted [s].
-    duration_s
-        Time observed [s].
+
+def messages_of(row: Row) -> int:
+    """Return updates and identifications of a row of `COUNTS`."""
+    return row.updates + row.identifications
+
+
+def excess_of(row: Row) -> float:
+    """Return how many messages of a row of `COUNTS` are beyond `message_bound` of the baseline's.
+
+    It is negative where there is room.
     """
-
-    candidate: str
-    protocol: str
-    trip: str
-    _: KW_ONLY
-    route: int
-    threshold_m: float
-    updates: int
-    identifications: int
-    message_bytes: int
-    baseline_messages: int
-    baseline_bytes: int
-    airtime_s: float
-    baseline_airtime_s: float
-    duration_s: float
-
-    @property
-    def messages(self) -> int:
-        """Updates and identifications."""
-        return self.updates + self.identifications
-
-    @property
-    def excess(self) -> float:
-        """Messages beyond `message_bound` of the baseline's; negative where there is room."""
-        return self.messages - message_bound(self.baseline_messages)
+    return messages_of(row) - message_bound(row.baseline_messages)
 
 
-@dataclass(frozen=True, slots=True)
-class RatioRow:
-    """Messages of one candidate over all trips: ratios of sums, with 95 % intervals over the trips.
-
-    Parameters
-    ----------
-    candidate, protocol, threshold_m
-        Whose figures.
-    trips, duration_s
-        What they are over [s].
-    update_rate_hz, identification_rate_hz, baseline_rate_hz
-        Messages over the time observed [Hz].
-    message_ratio, message_low, message_high
-        All messages over the baseline's.
-    difference, difference_low, difference_high
-        That ratio less the one of the candidate compared against.
-    bytes_per_s, baseline_bytes_per_s
-        Application bytes over the time observed [byte/s].
-    bytes_ratio, bytes_low, bytes_high
-        Their ratio.
-    airtime_per_s, baseline_airtime_per_s
-        Time on the air over the time observed, all layers and the security header counted [s/s].
-    airtime_ratio, airtime_low, airtime_high
-        Their ratio.
-    trips_over
-        Trips on which it sent more than `message_bound` allows.
-    worst_trip, worst_excess, worst_ratio
-        The trip with the most messages beyond that bound, how many (negative where there is room), and its
-        ratio to the baseline.
-    """
-
-    candidate: str
-    protocol: str
-    threshold_m: float
-    _: KW_ONLY
-    trips: int
-    duration_s: float
-    update_rate_hz: float
-    identification_rate_hz: float
-    baseline_rate_hz: float
-    message_ratio: float
-    message_low: float | None
-    message_high: float | None
-    difference: float
-    difference_low: float | None
-    difference_high: float | None
-    bytes_per_s: float
-    baseline_bytes_per_s: float
-    bytes_ratio: float
-    bytes_low: float | None
-    bytes_high: float | None
-    airtime_per_s: float
-    baseline_airtime_per_s: float
-    airtime_ratio: float
-    airtime_low: float | None
-    airtime_high: float | None
-    trips_over: int
-    worst_trip: str
-    worst_excess: float
-    worst_ratio: float
+def _over(whose: str, *limited: str) -> tuple[Column, ...]:
+    """Ratios to someone's messages, bytes or airtime, each with its interval."""
+    what = {"message": "All messages", "bytes": "Application bytes", "airtime": "Time on the air"}
+    return tuple(
+        column
+        for name in limited
+        for column in (
+            quantity(f"{name}_ratio", "1", f"{what[name]} over {whose}."),
+            quantity(f"{name}_low", "1", "Lower end of its 95 % interval over trips.", missing=_ONE_TRIP),
+            quantity(f"{name}_high", "1", "Upper end of its 95 % interval.", missing=_ONE_TRIP),
+        )
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class RivalRow:
-    """Messages of one candidate over those of the one compared against: ratios of sums over all trips.
+_WORST = (
+    text("worst_trip", "Trip with the most messages beyond the bound."),
+    quantity("worst_excess", "1", "How many messages beyond it; negative where there is room."),
+    quantity("worst_ratio", "1", "Its messages over the other's."),
+)
 
-    Parameters
-    ----------
-    candidate, rival, protocol, threshold_m
-        Whose figures, over whose.
-    message_ratio, message_low, message_high
-        All messages, with a 95 % interval over the trips.
-    bytes_ratio, bytes_low, bytes_high
-        Application bytes.
-    airtime_ratio, airtime_low, airtime_high
-        Time on the air.
-    trips, trips_over
-        How many, and on how many it sent more than `rival_bound` allows.
-    worst_trip, worst_excess, worst_ratio
-        The trip with the most messages beyond that bound, how many (negative where there is room), and its
-        ratio.
-    """
+RATIOS = TableSchema(
+    "ratios",
+    "Messages of one candidate over all trips: ratios of sums, with 95 % intervals over the trips.",
+    (
+        _CANDIDATE,
+        _PROTOCOL,
+        _THRESHOLD,
+        count("trips", "How many trips."),
+        _DURATION,
+        quantity("update_rate_hz", "1/s", "Model updates over the time observed."),
+        quantity("identification_rate_hz", "1/s", "Identifications over the time observed."),
+        quantity("baseline_rate_hz", "1/s", "Messages of the baseline over the time observed."),
+        *_over("the baseline's", "message"),
+        quantity("difference", "1", "That ratio less the one of the candidate compared against."),
+        quantity("difference_low", "1", "Lower end of its 95 % interval.", missing=_ONE_TRIP),
+        quantity("difference_high", "1", "Upper end of its 95 % interval.", missing=_ONE_TRIP),
+        quantity("bytes_per_s", "byte/s", "Application bytes over the time observed."),
+        quantity("baseline_bytes_per_s", "byte/s", "Those of the baseline."),
+        *_over("the baseline's", "bytes"),
+        quantity(
+            "airtime_per_s",
+            "s/s",
+            "Time on the air over the time observed, all layers and the security header counted.",
+        ),
+        quantity("baseline_airtime_per_s", "s/s", "That of the baseline."),
+        *_over("the baseline's", "airtime"),
+        count("trips_over", "Trips on which it sent more than `message_bound` allows."),
+        *_WORST,
+    ),
+)
+"""Messages over all trips: a row a candidate, protocol and threshold."""
 
-    candidate: str
-    rival: str
-    protocol: str
-    _: KW_ONLY
-    threshold_m: float
-    message_ratio: float
-    message_low: float | None
-    message_high: float | None
-    bytes_ratio: float
-    bytes_low: float | None
-    bytes_high: float | None
-    airtime_ratio: float
-    airtime_low: float | None
-    airtime_high: float | None
-    trips: int
-    trips_over: int
-    worst_trip: str
-    worst_excess: float
-    worst_ratio: float
-
-
-@dataclass(frozen=True, slots=True)
-class TrackingRatioRow:
-    """Tracking error of one candidate under loss, beside both readings of the baseline at equal rate.
-
-    Parameters
-    ----------
-    candidate, protocol, trip
-        Whose errors; ``all`` pools the trips, weighted by time.
-    threshold_m, packet_error_ratio
-        Tracking-error threshold [m], and mean share of messages lost, 0..1.
-    rate_basis
-        Whether the baselines send as often as the candidate does in all (``total``), or as it sends model
-        updates alone (``update``, the paper's).
-    message_rate_hz, matched_rate_hz, periodic_rate_hz
-        Messages sent over the time observed, keep-alive included [Hz].
-    p90_m, matched_p90_m, periodic_p90_m
-        90th percentiles of the tracking error after the instant's message [m]: of the candidate, of the
-        baseline with its threshold bisected to that rate, and of the periodic baseline.
-    p99_m, matched_p99_m, periodic_p99_m
-        The same, 99th percentiles.
-    p90_ratio, p99_ratio
-        The candidate's over that of the baselines compared with, of both the smaller.
-    p90_low, p90_high, p99_low, p99_high
-        95 % intervals of the ratios over the trips; None for single trips.
-    """
-
-    candidate: str
-    protocol: str
-    trip: str
-    _: KW_ONLY
-    threshold_m: float
-    packet_error_ratio: float
-    rate_basis: str
-    message_rate_hz: float
-    matched_rate_hz: float
-    periodic_rate_hz: float
-    p90_m: float
-    matched_p90_m: float
-    periodic_p90_m: float
-    p90_ratio: float
-    p90_low: float | None
-    p90_high: float | None
-    p99_m: float
-    matched_p99_m: float
-    periodic_p99_m: float
-    p99_ratio: float
-    p99_low: float | None
-    p99_high: float | None
+RIVAL_RATIOS = TableSchema(
+    "rivals",
+    "Messages of one candidate over those of the one compared against: ratios of sums over all trips.",
+    (
+        _CANDIDATE,
+        text("rival", "The candidate compared against."),
+        _PROTOCOL,
+        _THRESHOLD,
+        *_over("the rival's", "message", "bytes", "airtime"),
+        count("trips", "How many trips."),
+        count("trips_over", "Trips on which it sent more than `rival_bound` allows."),
+        *_WORST,
+    ),
+)
+"""Messages over a rival's: a row a candidate, protocol and threshold."""
 
 
-@dataclass(frozen=True, slots=True)
-class ReferenceRatio:
-    """Messages of a reference over the baseline's, all trips pooled.
+def _errors(percentile: int) -> tuple[Column, ...]:
+    """A percentile of the tracking error: of the candidate, of both baselines, and the ratio."""
+    name = f"p{percentile}"
+    what = f"Percentile {percentile} of the tracking error after the instant's message"
+    missing = "single trips have no interval"
+    return (
+        quantity(f"{name}_m", "m", f"{what}."),
+        quantity(f"matched_{name}_m", "m", f"{what}, of the baseline of bisected threshold."),
+        quantity(f"periodic_{name}_m", "m", f"{what}, of the periodic baseline."),
+        quantity(f"{name}_ratio", "1", "The candidate's over the smaller of those compared with."),
+        quantity(f"{name}_low", "1", "Lower end of its 95 % interval over the trips.", missing=missing),
+        quantity(f"{name}_high", "1", "Upper end of its 95 % interval over the trips.", missing=missing),
+    )
 
-    Parameters
-    ----------
-    reference
-        As in `modelcast.study.result.ReferenceRow`.
-    protocol, threshold_m
-        Protocol and threshold [m]; a reference that knows no threshold has a row at each.
-    message_ratio
-        Its messages over the baseline's at that threshold.
-    """
 
-    reference: str
-    protocol: str
-    threshold_m: float
-    message_ratio: float
+TRACKING_RATIOS = TableSchema(
+    "tracking",
+    "Tracking error of one candidate under loss, beside both readings of the baseline at equal rate.",
+    (
+        _CANDIDATE,
+        _PROTOCOL,
+        text("trip", "Identifier of the trip; all pools the trips, weighted by time."),
+        _THRESHOLD,
+        ratio("packet_error_ratio", "Mean share of messages lost."),
+        text(
+            "rate_basis",
+            "Whether the baselines send as often as the candidate does in all (total), or as it sends model "
+            "updates alone (update, the paper's).",
+        ),
+        quantity("message_rate_hz", "1/s", "Messages over the time observed, keep-alive included."),
+        quantity("matched_rate_hz", "1/s", "The same of the baseline of bisected threshold."),
+        quantity("periodic_rate_hz", "1/s", "The same of the periodic baseline."),
+        *_errors(90),
+        *_errors(99),
+    ),
+)
+"""Tracking errors: a row a candidate, protocol, trip, threshold and packet error ratio."""
+
+REFERENCE_RATIOS = TableSchema(
+    "references",
+    "Messages of a reference over the baseline's, all trips pooled.",
+    (
+        text("reference", "As in `modelcast.study.result.REFERENCES`."),
+        _PROTOCOL,
+        quantity("threshold_m", "m", "Threshold; a reference that knows none has a row at each."),
+        quantity("message_ratio", "1", "Its messages over the baseline's at that threshold."),
+    ),
+)
+"""References: a row a reference, protocol and threshold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -365,14 +303,14 @@ class ComparisonResult:
 
     settings: Mapping[str, Any]
     _: KW_ONLY
-    routes: tuple[RouteRow, ...]
+    routes: Table
     trips: tuple[ComparedTrip, ...]
     candidates: tuple[CandidateRow, ...]
-    ratios: tuple[RatioRow, ...]
-    tracking: tuple[TrackingRatioRow, ...]
-    counts: tuple[CountRow, ...]
-    rivals: tuple[RivalRow, ...] = ()
-    references: tuple[ReferenceRatio, ...] = ()
+    ratios: Table
+    tracking: Table
+    counts: Table
+    rivals: Table = field(default_factory=RIVAL_RATIOS.table)
+    references: Table = field(default_factory=REFERENCE_RATIOS.table)
     failures: Mapping[str, str] = field(default_factory=dict[str, str])
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])
 

@@ -8,18 +8,22 @@ from modelcast.core.arrays import IntArray
 from modelcast.core.exceptions import ConfigError
 from modelcast.study.compare.candidate import AbstractCandidate
 from modelcast.study.compare.result import (
+    COUNTS,
+    RATIOS,
+    REFERENCE_RATIOS,
+    RIVAL_RATIOS,
+    ROUTES,
+    TRACKING_RATIOS,
     CandidateRow,
     ComparedTrip,
     ComparisonResult,
-    CountRow,
-    RouteRow,
-    TrackingRatioRow,
 )
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.compare.stage import reference_ratios, stage_trips, usable_trips
 from modelcast.study.compare.table import Resamples, ratio_rows, rival_rows, tracking_rows
 from modelcast.study.compare.trial import candidate_row, fit_folds, run_trial
 from modelcast.study.routes import route_names, routes
+from modelcast.study.table import Row, Table
 from modelcast.trips.fingerprint import known_trips
 from modelcast.trips.trajectory import Trajectory
 
@@ -112,11 +116,11 @@ def compare(
             for at, (trip, number) in enumerate(zip(usable, route, strict=True))
         ),
         candidates=tuple(work.candidates),
-        ratios=tuple(ratio_rows(work.counts, reference, resamples)),
-        tracking=tuple(work.tracking),
-        counts=tuple(work.counts),
-        rivals=tuple(rival_rows(work.counts, reference, resamples)),
-        references=tuple(reference_ratios(staged, settings)),
+        ratios=RATIOS.table(ratio_rows(work.counts, reference, resamples)),
+        tracking=TRACKING_RATIOS.table(work.tracking),
+        counts=COUNTS.table(work.counts),
+        rivals=RIVAL_RATIOS.table(rival_rows(work.counts, reference, resamples)),
+        references=REFERENCE_RATIOS.table(reference_ratios(staged, settings)),
         failures=failures,
     )
 
@@ -137,8 +141,8 @@ class _Work:
         self._steps = steps
         self._done = 0
         self.candidates: list[CandidateRow] = []
-        self.counts: list[CountRow] = []
-        self.tracking: list[TrackingRatioRow] = []
+        self.counts: list[Row] = []
+        self.tracking: list[Row] = []
 
     def step(self) -> None:
         """Count one trip as done."""
@@ -170,12 +174,19 @@ def _require_other_routes(candidates: Sequence[AbstractCandidate], route: IntArr
         )
 
 
-def _route_rows(trips: Sequence[Trajectory], route: IntArray) -> tuple[RouteRow, ...]:
-    rows: list[RouteRow] = []
+def _route_rows(trips: Sequence[Trajectory], route: IntArray) -> Table:
+    rows: list[Row] = []
     for number, name in enumerate(route_names(trips, route)):
         members = [trip for trip, own in zip(trips, route.tolist(), strict=True) if own == number]
-        rows.append(RouteRow(number, name, len(members), sum(trip.duration_s for trip in members)))
-    return tuple(rows)
+        rows.append(
+            ROUTES.row(
+                route=number,
+                name=name,
+                trips=len(members),
+                duration_s=sum(trip.duration_s for trip in members),
+            )
+        )
+    return ROUTES.table(rows)
 
 
 def _trip_row(

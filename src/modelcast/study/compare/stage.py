@@ -10,11 +10,11 @@ from modelcast.runtime.trip.context import TripContexts
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import TripCase, make_case
-from modelcast.study.compare.result import ReferenceRatio
+from modelcast.study.compare.result import REFERENCE_RATIOS
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.context import case_contexts
 from modelcast.study.reference import count_references, pooled_references
-from modelcast.study.result import POOLED, ReferenceRow
+from modelcast.study.table import Row
 from modelcast.study.tracking import LossRuns
 from modelcast.trips.trajectory import Trajectory
 
@@ -68,7 +68,7 @@ def stage_trips(trips: Sequence[Trajectory], settings: CompareSettings) -> dict[
     return staged
 
 
-def reference_ratios(staged: dict[str, list[StagedTrip]], settings: CompareSettings) -> list[ReferenceRatio]:
+def reference_ratios(staged: dict[str, list[StagedTrip]], settings: CompareSettings) -> list[Row]:
     """Messages of the references over the baseline's, pooled over the trips of each protocol.
 
     Parameters
@@ -80,17 +80,22 @@ def reference_ratios(staged: dict[str, list[StagedTrip]], settings: CompareSetti
     """
     if not settings.evaluation.references:
         return []
-    found: list[ReferenceRatio] = []
+    found: list[Row] = []
     for protocol, trips in staged.items():
-        rows: list[ReferenceRow] = []
+        rows: list[Row] = []
         for trip in trips:
             rows += count_references(trip.case, settings.evaluation.thresholds_m)
-        pooled = pooled_references([replace(row, trip=POOLED) for row in rows])
+        pooled = pooled_references(rows)
         for threshold_m in settings.evaluation.thresholds_m:
             policy = settings.evaluation.policy(threshold_m, keep_alive=False)
             baseline = sum(trip.baseline.run(policy).updates for trip in trips)
             found += [
-                ReferenceRatio(row.reference, protocol, threshold_m, row.messages / baseline)
+                REFERENCE_RATIOS.row(
+                    reference=row.reference,
+                    protocol=protocol,
+                    threshold_m=threshold_m,
+                    message_ratio=row.messages / baseline,
+                )
                 for row in pooled
                 if row.threshold_m in {None, threshold_m}
             ]

@@ -15,15 +15,17 @@ from modelcast.study.compare.bootstrap import (
     resample_weights,
 )
 from modelcast.study.compare.result import (
-    CountRow,
-    RatioRow,
-    RivalRow,
-    TrackingRatioRow,
+    RATIOS,
+    RIVAL_RATIOS,
+    TRACKING_RATIOS,
+    excess_of,
+    messages_of,
     rival_bound,
 )
 from modelcast.study.compare.trial import READINGS, RIVALS, ErrorGroup, Trial
 from modelcast.study.metrics import confidence_limits, quantiles
 from modelcast.study.result import POOLED
+from modelcast.study.table import Row
 
 __all__ = ["Resamples", "ratio_rows", "rival_rows", "tracking_rows"]
 
@@ -61,7 +63,7 @@ class Resamples:
         return cls(resample_weights(clusters, count, child_generator(seed, "bootstrap")), clusters)
 
 
-def ratio_rows(counts: Sequence[CountRow], reference: str, resamples: Resamples) -> list[RatioRow]:
+def ratio_rows(counts: Sequence[Row], reference: str, resamples: Resamples) -> list[Row]:
     """Ratios of sums over all trips, for every candidate, protocol and threshold.
 
     Parameters
@@ -73,7 +75,7 @@ def ratio_rows(counts: Sequence[CountRow], reference: str, resamples: Resamples)
     resamples
         The bootstrap's draws.
     """
-    groups: dict[tuple[str, str, float], list[CountRow]] = {}
+    groups: dict[tuple[str, str, float], list[Row]] = {}
     for row in counts:
         groups.setdefault((row.candidate, row.protocol, row.threshold_m), []).append(row)
     drawn = {key: _drawn_ratio(group, resamples) for key, group in groups.items()}
@@ -90,13 +92,13 @@ def ratio_rows(counts: Sequence[CountRow], reference: str, resamples: Resamples)
 
 
 def _ratio_row(
-    rows: list[CountRow],
-    reference: list[CountRow],
+    rows: list[Row],
+    reference: list[Row],
     resamples: Resamples,
     *,
     drawn: FloatArray,
     reference_drawn: FloatArray,
-) -> RatioRow:
+) -> Row:
     clusters = resamples.clusters
     duration_s = sum(row.duration_s for row in rows)
     own_bytes, base_bytes = (_column(rows, name) for name in ("message_bytes", "baseline_bytes"))
@@ -107,11 +109,9 @@ def _ratio_row(
     difference_low, difference_high = limits(drawn - reference_drawn, clusters)
     bytes_low, bytes_high = limits(ratio_resamples(resamples.weights, own_bytes, base_bytes), clusters)
     air_low, air_high = limits(ratio_resamples(resamples.weights, own_air, base_air), clusters)
-    worst = max(rows, key=lambda row: row.excess)
-    return RatioRow(
-        rows[0].candidate,
-        rows[0].protocol,
-        rows[0].threshold_m,
+    worst = max(rows, key=excess_of)
+    return RATIOS.row(
+        **rows[0].picked(("candidate", "protocol", "threshold_m")),
         trips=len(rows),
         duration_s=duration_s,
         update_rate_hz=sum(row.updates for row in rows) / duration_s,
@@ -133,14 +133,14 @@ def _ratio_row(
         airtime_ratio=float(own_air.sum() / base_air.sum()),
         airtime_low=air_low,
         airtime_high=air_high,
-        trips_over=sum(row.excess > 0 for row in rows),
+        trips_over=sum(excess_of(row) > 0 for row in rows),
         worst_trip=worst.trip,
-        worst_excess=worst.excess,
-        worst_ratio=worst.messages / worst.baseline_messages,
+        worst_excess=excess_of(worst),
+        worst_ratio=messages_of(worst) / worst.baseline_messages,
     )
 
 
-def rival_rows(counts: Sequence[CountRow], rival: str, resamples: Resamples) -> list[RivalRow]:
+def rival_rows(counts: Sequence[Row], rival: str, resamples: Resamples) -> list[Row]:
     """Messages, bytes and airtime over another candidate's, for every candidate, protocol and threshold.
 
     Parameters
@@ -150,26 +150,26 @@ def rival_rows(counts: Sequence[CountRow], rival: str, resamples: Resamples) -> 
     rival
         Name of the candidate that all are held against.
     """
-    groups: dict[tuple[str, str, float], list[CountRow]] = {}
+    groups: dict[tuple[str, str, float], list[Row]] = {}
     for row in counts:
         groups.setdefault((row.candidate, row.protocol, row.threshold_m), []).append(row)
     return [_rival_row(rows, groups[rival, *key[1:]], resamples) for key, rows in groups.items()]
 
 
-def _rival_row(rows: Sequence[CountRow], rival: Sequence[CountRow], resamples: Resamples) -> RivalRow:
+def _rival_row(rows: Sequence[Row], rival: Sequence[Row], resamples: Resamples) -> Row:
     ratios: list[float] = []
     drawn: list[Limits] = []
     for name in ("messages", "message_bytes", "airtime_s"):
         own, other = _column(rows, name), _column(rival, name)
         ratios.append(float(own.sum() / other.sum()))
         drawn.append(limits(ratio_resamples(resamples.weights, own, other), resamples.clusters))
-    excess = [own.messages - rival_bound(other.messages) for own, other in zip(rows, rival, strict=True)]
+    excess = [
+        messages_of(own) - rival_bound(messages_of(other)) for own, other in zip(rows, rival, strict=True)
+    ]
     worst = int(np.argmax(excess))
-    return RivalRow(
-        rows[0].candidate,
-        rival[0].candidate,
-        rows[0].protocol,
-        threshold_m=rows[0].threshold_m,
+    return RIVAL_RATIOS.row(
+        **rows[0].picked(("candidate", "protocol", "threshold_m")),
+        rival=rival[0].candidate,
         message_ratio=ratios[0],
         message_low=drawn[0][0],
         message_high=drawn[0][1],
@@ -183,19 +183,21 @@ def _rival_row(rows: Sequence[CountRow], rival: Sequence[CountRow], resamples: R
         trips_over=sum(one > 0 for one in excess),
         worst_trip=rows[worst].trip,
         worst_excess=float(excess[worst]),
-        worst_ratio=rows[worst].messages / rival[worst].messages,
+        worst_ratio=messages_of(rows[worst]) / messages_of(rival[worst]),
     )
 
 
-def _column(rows: Sequence[CountRow], name: str) -> FloatArray:
-    return np.array([getattr(row, name) for row in rows], dtype=np.float64)
+def _column(rows: Sequence[Row], name: str) -> FloatArray:
+    """Return a column of `COUNTS`, or the ``messages`` of all kinds."""
+    found = [messages_of(row) if name == "messages" else getattr(row, name) for row in rows]
+    return np.array(found, dtype=np.float64)
 
 
-def _ratio(rows: Sequence[CountRow]) -> float:
-    return sum(row.messages for row in rows) / sum(row.baseline_messages for row in rows)
+def _ratio(rows: Sequence[Row]) -> float:
+    return sum(messages_of(row) for row in rows) / sum(row.baseline_messages for row in rows)
 
 
-def _drawn_ratio(rows: Sequence[CountRow], resamples: Resamples) -> FloatArray:
+def _drawn_ratio(rows: Sequence[Row], resamples: Resamples) -> FloatArray:
     return ratio_resamples(resamples.weights, _column(rows, "messages"), _column(rows, "baseline_messages"))
 
 
@@ -208,7 +210,7 @@ def tracking_rows(
     resamples: Resamples,
     rivals: Sequence[str] = RIVALS,
     one_trip_by_seeds: bool = False,
-) -> list[TrackingRatioRow]:
+) -> list[Row]:
     """Tracking errors under loss of one candidate: all trips pooled first, then each.
 
     Parameters
@@ -229,8 +231,8 @@ def tracking_rows(
         Where there is one trip to draw, give Student-t limits over the seeds of the losses instead of none.
     """
     trips = list(dict.fromkeys(row.trip for row in trial.counts))
-    pooled: list[TrackingRatioRow] = []
-    alone: list[TrackingRatioRow] = []
+    pooled: list[Row] = []
+    alone: list[Row] = []
     times = np.array([shares_s, durations_s])
     for group in trial.groups:
         drawn = _drawn_limits(group, shares_s, resamples, rivals)
@@ -283,9 +285,7 @@ def _seed_limits(group: ErrorGroup, rivals: Sequence[str]) -> tuple[Limits, Limi
     return confidence_limits(ratios[:, 0]), confidence_limits(ratios[:, 1])
 
 
-def _tracking_row(
-    whose: tuple[str, str], group: ErrorGroup, part: _Part, times_s: FloatArray
-) -> TrackingRatioRow:
+def _tracking_row(whose: tuple[str, str], group: ErrorGroup, part: _Part, times_s: FloatArray) -> Row:
     """The row of some trips; ``times_s`` is the time of one sample and of the whole of every trip, (2, N)."""
     shares_s = times_s[0].tolist()
     duration_s = float(times_s[1, part.trips].sum())
@@ -295,9 +295,10 @@ def _tracking_row(
     }
     p90, p99 = np.transpose([found[reading] for reading in READINGS])
     p90_ratio, p99_ratio = (_over([found[name][at] for name in ("own", *part.rivals)]) for at in (0, 1))
-    return TrackingRatioRow(
-        *whose,
-        part.name,
+    return TRACKING_RATIOS.row(
+        candidate=whose[0],
+        protocol=whose[1],
+        trip=part.name,
         threshold_m=group.threshold_m,
         packet_error_ratio=group.packet_error_ratio,
         rate_basis=group.rate_basis,

@@ -6,7 +6,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.study.compare.candidate import AbstractCandidate
-from modelcast.study.compare.result import CandidateRow, CountRow
+from modelcast.study.compare.result import COUNTS, CandidateRow
 from modelcast.study.compare.stage import StagedTrip
 from modelcast.study.context import trip_runtimes
 from modelcast.study.metrics import quantiles
@@ -14,6 +14,7 @@ from modelcast.study.pooling import sorted_errors
 from modelcast.study.rate import count_rates
 from modelcast.study.rules import RateBasis
 from modelcast.study.settings import EvaluationSettings
+from modelcast.study.table import Row
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["READINGS", "RIVALS", "ErrorGroup", "Trial", "candidate_row", "fit_folds", "run_trial"]
@@ -90,7 +91,7 @@ class Trial:
     """
 
     protocol: str
-    counts: list[CountRow]
+    counts: list[Row]
     groups: list[ErrorGroup]
 
 
@@ -194,14 +195,14 @@ def _count_rows(
     settings: EvaluationSettings,
     *,
     route: int,
-) -> list[CountRow]:
+) -> list[Row]:
     """The messages of one trip at every threshold, beside the baseline's."""
     counts = [count for count, _ in count_rates(trip.case, ready, trip.baseline, settings)]
     return [
-        CountRow(
-            name,
-            protocol,
-            trip.case.truth.trip_id,
+        COUNTS.row(
+            candidate=name,
+            protocol=protocol,
+            trip=trip.case.truth.trip_id,
             route=route,
             threshold_m=own.threshold_m,
             updates=own.updates,

@@ -9,14 +9,15 @@ from modelcast.runtime.fleet.engine import NetworkRun
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.sender import message_arrays as at
 from modelcast.study.network.rows import (
+    DISTANCES,
     HEADLINE_M,
+    OUTCOMES,
+    RUNS,
+    SECONDS,
     CaseResult,
-    DistanceRow,
     NetworkCase,
-    OutcomeRow,
-    RunRow,
-    SecondRow,
 )
+from modelcast.study.table import Row
 
 __all__ = ["binned_quantiles", "held_figures", "measure", "ratio", "span"]
 
@@ -130,7 +131,7 @@ def held_figures(counts: Tally, span: slice) -> dict[str, float]:
     }
 
 
-def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outcome_bin_m: float) -> RunRow:
+def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outcome_bin_m: float) -> Row:
     counts, sums = run.tally, run.sent.total
     sent = float(sums[at.MESSAGES])
     middle = span(*HEADLINE_M, settings.distance_bin_m)
@@ -141,13 +142,8 @@ def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outc
     steady = run.series[round(settings.warm_up_s / settings.dt_s) :]
     causes = [ratio(float(run.sent.causes[cause]), sent) for cause in range(at.CAUSES)]
     means = [float(column.mean()) for column in steady[:, [0, 5, 6, 7]].T]
-    return RunRow(
-        density_per_km=case.density_per_km,
-        radio=case.radio,
-        policy=case.policy,
-        bank=case.bank,
-        threshold_m=case.threshold_m,
-        run=case.run,
+    return RUNS.row(
+        **case.values(),
         vehicles=means[0],
         message_rate_hz=ratio(sent, run.vehicle_s),
         update_rate_hz=ratio(sent - sums[at.IDENTIFICATIONS], run.vehicle_s),
@@ -182,15 +178,10 @@ def _run_row(run: NetworkRun, case: NetworkCase, settings: NetworkSettings, outc
     )
 
 
-def _distance_rows(run: NetworkRun, case: NetworkCase, settings: NetworkSettings) -> list[DistanceRow]:
+def _distance_rows(run: NetworkRun, case: NetworkCase, settings: NetworkSettings) -> list[Row]:
     return [
-        DistanceRow(
-            density_per_km=case.density_per_km,
-            radio=case.radio,
-            policy=case.policy,
-            bank=case.bank,
-            threshold_m=case.threshold_m,
-            run=case.run,
+        DISTANCES.row(
+            **case.values(),
             low_m=number * settings.distance_bin_m,
             high_m=(number + 1) * settings.distance_bin_m,
             pairs=int(run.tally.pairs[number]),
@@ -200,19 +191,14 @@ def _distance_rows(run: NetworkRun, case: NetworkCase, settings: NetworkSettings
     ]
 
 
-def _outcome_rows(run: NetworkRun, case: NetworkCase, bin_m: float) -> list[OutcomeRow]:
-    rows: list[OutcomeRow] = []
+def _outcome_rows(run: NetworkRun, case: NetworkCase, bin_m: float) -> list[Row]:
+    rows: list[Row] = []
     for number, fate in enumerate(run.outcomes):
         pairs = int(fate.sum())
         shares = [ratio(float(part), pairs) for part in fate]
         rows.append(
-            OutcomeRow(
-                density_per_km=case.density_per_km,
-                radio=case.radio,
-                policy=case.policy,
-                bank=case.bank,
-                threshold_m=case.threshold_m,
-                run=case.run,
+            OUTCOMES.row(
+                **case.values(),
                 low_m=number * bin_m,
                 high_m=(number + 1) * bin_m,
                 pairs=pairs,
@@ -226,20 +212,15 @@ def _outcome_rows(run: NetworkRun, case: NetworkCase, bin_m: float) -> list[Outc
     return rows
 
 
-def _second_rows(run: NetworkRun, case: NetworkCase, settings: NetworkSettings) -> list[SecondRow]:
+def _second_rows(run: NetworkRun, case: NetworkCase, settings: NetworkSettings) -> list[Row]:
     a_second = max(1, round(1.0 / settings.dt_s))
-    rows: list[SecondRow] = []
+    rows: list[Row] = []
     for number, errors in enumerate(run.recent):
         part = run.series[number * a_second : (number + 1) * a_second]
         vehicles = max(float(part[:, 0].sum()) * settings.dt_s, settings.dt_s)
         rows.append(
-            SecondRow(
-                density_per_km=case.density_per_km,
-                radio=case.radio,
-                policy=case.policy,
-                bank=case.bank,
-                threshold_m=case.threshold_m,
-                run=case.run,
+            SECONDS.row(
+                **case.values(),
                 t_s=(number + 1) * a_second * settings.dt_s,
                 message_rate_hz=float(part[:, 1].sum()) / vehicles,
                 busy_ratio=_mean(part[:, 3]),

@@ -20,7 +20,7 @@ from modelcast.station.receiver.reading import Reading
 from modelcast.station.sender import message_arrays as at
 from modelcast.station.sender.sender import Sender
 from modelcast.study.network.measure import binned_quantiles
-from modelcast.study.network.rows import CASE_KEYS, HEADLINE_M, CaseResult, PairingRow, PenetrationRow
+from modelcast.study.network.rows import CASE_KEYS, HEADLINE_M, PAIRINGS, PENETRATION, CaseResult
 
 __all__ = ["MixedPolicy", "measure_mixed", "mixed_of"]
 
@@ -115,10 +115,10 @@ def measure_mixed(
     receivers_ratios
         Shares of model receivers, 0..1.
     """
-    case: dict[str, Any] = {name: getattr(result.run, name) for name in CASE_KEYS}
+    case = result.run.picked(CASE_KEYS)
     span = slice(*(round(edge_m / settings.distance_bin_m) for edge_m in HEADLINE_M))
     pairings = [
-        PairingRow(
+        PAIRINGS.row(
             **case,
             senders_ratio=mixed.senders_ratio,
             sender=group.name,
@@ -130,7 +130,7 @@ def measure_mixed(
         for reading in Reading
     ]
     penetration = [
-        PenetrationRow(
+        PENETRATION.row(
             **case,
             senders_ratio=mixed.senders_ratio,
             receivers_ratio=ratio,

@@ -15,7 +15,8 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.study.metrics import confidence_limits
-from modelcast.study.network.rows import HEADLINE_M, NO_BANK, DistanceRow, NetworkResult, OutcomeRow, RunRow
+from modelcast.study.network.rows import HEADLINE_M, NO_BANK, NetworkResult
+from modelcast.study.table import Row
 
 __all__ = [
     "BASELINE",
@@ -45,10 +46,10 @@ FIGURES = (
     "pte_p90_m",
     "pte_p99_m",
 )
-"""Figures of whole runs that are compared: fields of `RunRow`, and `collision_rate_hz`."""
+"""Figures of whole runs that are compared: fields of `RUNS`, and `collision_rate_hz`."""
 
 _RANGE_FIGURES = ("held_ratio", "gap_p90_s", "pte_p90_m", "pte_p99_m")
-"""Fields of `DistanceRow` that are compared; delivery and collisions come with the radio's own distances."""
+"""Fields of `DISTANCES` that are compared; delivery and collisions come with the radio's own distances."""
 
 Verdict = Literal["fewer", "no difference shown", "more", "one seed"]
 """What the interval of the hybrid minus the baseline says: below zero, around it, above it."""
@@ -63,7 +64,7 @@ class PairedRow:
     density_per_km, radio, bank, threshold_m
         As in `NetworkCase`; the bank is the hybrid's.
     figure
-        A name of `FIGURES`; by range those of `DistanceRow`, delivery and collisions.
+        A name of `FIGURES`; by range those of `DISTANCES`, delivery and collisions.
     low_m, high_m
         Distances that it is of, those of `HEADLINE_M` for figures of whole runs [m].
     by_range
@@ -99,7 +100,7 @@ class PairedRow:
     verdict: Verdict
 
 
-def collision_rate_hz(row: RunRow) -> float:
+def collision_rate_hz(row: Row) -> float:
     """Frames of a remote 50 m to 150 m away that a host loses to other frames, a second [Hz].
 
     The share that collides times the frames that are sent: shares alone do not tell a sender of few frames
@@ -187,9 +188,7 @@ def _numbers(result: NetworkResult) -> Iterator[tuple[_Place, str, int, float]]:
                 yield _place(row, figure, span, True), row.bank, row.run, float(getattr(row, figure))
 
 
-def _place(
-    row: RunRow | OutcomeRow | DistanceRow, figure: str, span_m: tuple[float, float], by_range: bool = False
-) -> _Place:
+def _place(row: Row, figure: str, span_m: tuple[float, float], by_range: bool = False) -> _Place:
     density, threshold = repr(row.density_per_km), repr(row.threshold_m)
     return _Place(density, row.radio, threshold, figure, *span_m, by_range)
 

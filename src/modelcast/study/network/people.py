@@ -1,12 +1,11 @@
 """From what the devices of people of one run did to their row."""
 
 from dataclasses import replace
-from typing import Any
 
 from modelcast.runtime.fleet.people import PeopleRun
 from modelcast.station.sender import message_arrays as at
 from modelcast.study.network.measure import ratio
-from modelcast.study.network.people_rows import PeopleRow
+from modelcast.study.network.people_rows import PEOPLE
 from modelcast.study.network.rows import CASE_KEYS, CaseResult
 
 __all__ = ["measure_people"]
@@ -26,10 +25,10 @@ def measure_people(result: CaseResult, run: PeopleRun, policy: str, counted_s: f
     counted_s
         Time counted [s].
     """
-    case: dict[str, Any] = {name: getattr(result.run, name) for name in CASE_KEYS}
+    case = result.run.picked(CASE_KEYS)
     sums = run.sent.total
     sent = float(sums[at.MESSAGES])
-    row = PeopleRow(
+    row = PEOPLE.row(
         **case,
         people_policy=policy,
         people=ratio(run.person_s, counted_s),

@@ -14,13 +14,13 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.chance import child_generator
 from modelcast.station.receiver.reading import Reading
 from modelcast.study.compare.bootstrap import Limits, limits, resample_weights
-from modelcast.study.network.rows import CaseResult
-from modelcast.study.network.warning_rows import ALL_SENDERS, PooledWarnings
+from modelcast.study.network.rows import SETTING_KEYS, CaseResult
+from modelcast.study.network.warning_rows import ALL_SENDERS, POOLED_WARNINGS
 from modelcast.study.safety.table import delay_quantiles, share_of
+from modelcast.study.table import Row
 
 __all__ = ["pool_warnings"]
 
-_CASE = ("density_per_km", "radio", "policy", "bank", "threshold_m")
 _HOUR_S = 3600.0
 _RESAMPLES = 2000
 _TIME_UNIT_S = 1e-3
@@ -56,7 +56,7 @@ class _Units:
     host_s: float
 
 
-def pool_warnings(results: Sequence[CaseResult], against: str = "", *, seed: int = 0) -> list[PooledWarnings]:
+def pool_warnings(results: Sequence[CaseResult], against: str = "", *, seed: int = 0) -> list[Row]:
     """Rows over the seeds, by case, application, sender and reading.
 
     Of a mixed fleet there is a row over all senders beside each one's own.
@@ -75,12 +75,12 @@ def pool_warnings(results: Sequence[CaseResult], against: str = "", *, seed: int
     groups: dict[tuple[str, ...], list[CaseResult]] = {}
     for one in results:
         if one.warnings:
-            groups.setdefault(tuple(repr(getattr(one.run, name)) for name in _CASE), []).append(one)
+            groups.setdefault(tuple(repr(getattr(one.run, name)) for name in SETTING_KEYS), []).append(one)
     units: dict[tuple[tuple[str, ...], str, str, str], _Units] = {}
     for key, own in groups.items():
         for application, sender, reading in _asked(own[0]):
             units[key, application, sender, reading] = _units(own, application, sender, reading)
-    found: list[PooledWarnings] = []
+    found: list[Row] = []
     for (key, application, sender, reading), one in units.items():
         whole = ALL_SENDERS if _is_mixed(groups[key][0]) else sender
         rival = _rival(key, application, groups, units, against) if sender == whole else None
@@ -155,7 +155,7 @@ def _rival(
 
 def _pooled(
     own: Sequence[CaseResult], who: tuple[str, str, str], one: _Units, rival: _Units | None, seed: int
-) -> PooledWarnings:
+) -> Row:
     runs = np.array([result.run.run for result in own], dtype=np.int64)
     rng = child_generator(seed, "warnings", who[0])
     of_runs = resample_weights(np.arange(runs.size, dtype=np.int64), _RESAMPLES, rng)
@@ -176,9 +176,8 @@ def _pooled(
         counts = [_spread(part.host, part.false, both) for part in (one, rival)]
         false_over, false_over_limits = _ratio(drawn(both[:, 0]), *counts)
     p50_s, p90_s, p99_s = delay_quantiles(one.delay_s)
-    first = own[0].run
-    return PooledWarnings(
-        **{name: getattr(first, name) for name in _CASE},
+    return POOLED_WARNINGS.row(
+        **own[0].run.picked(SETTING_KEYS),
         application=who[0],
         sender=who[1],
         reading=who[2],

@@ -6,7 +6,7 @@ from typing import Any
 from modelcast.runtime.fleet.roadside import RoadsideRun
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.study.network.measure import held_figures, ratio, span
-from modelcast.study.network.roadside_rows import RoadsideDistanceRow, RoadsideRow
+from modelcast.study.network.roadside_rows import ROADSIDE, ROADSIDE_DISTANCES
 from modelcast.study.network.rows import CASE_KEYS, HEADLINE_M, CaseResult
 
 __all__ = ["measure_roadside"]
@@ -28,13 +28,13 @@ def measure_roadside(
     settings
         With what it was run.
     """
-    case: dict[str, Any] = {name: getattr(result.run, name) for name in CASE_KEYS}
+    case = result.run.picked(CASE_KEYS)
     width_m, middle = settings.distance_bin_m, span(*HEADLINE_M, settings.distance_bin_m)
     middle_held: dict[str, Any] = {**held_figures(run.tally, middle)}
     by_distance: list[dict[str, Any]] = [
         {**held_figures(run.tally, slice(number, number + 1))} for number in range(settings.distances)
     ]
-    total = RoadsideRow(
+    total = ROADSIDE.row(
         **case,
         units=units,
         busy_ratio=run.busy_ratio,
@@ -49,7 +49,7 @@ def measure_roadside(
         **middle_held,
     )
     distances = tuple(
-        RoadsideDistanceRow(
+        ROADSIDE_DISTANCES.row(
             **case,
             low_m=number * width_m,
             high_m=(number + 1) * width_m,

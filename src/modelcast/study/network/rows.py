@@ -1,29 +1,51 @@
-"""Rows of a network evaluation; definitions are in ``docs/nomenclature.md``."""
+"""Tables of a network evaluation; definitions are in ``docs/nomenclature.md``."""
 
-from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field, replace
 from math import isfinite, nan
+from types import MappingProxyType
+from typing import Any
 
-from modelcast.study.network.people_rows import PeopleRow
-from modelcast.study.network.roadside_rows import RoadsideDistanceRow, RoadsideRow
-from modelcast.study.network.warning_rows import PooledWarnings, WarnedEventRow, WarnedHostRow, WarningRow
+from modelcast.study.network.columns import (
+    AGE,
+    AIRTIME,
+    BUSY,
+    BYTES,
+    CASE,
+    DELIVERY,
+    GAP,
+    HELD,
+    LOST,
+    MESSAGES,
+    POWER,
+    PTE,
+    SETTING,
+    SPAN,
+    STATE,
+)
+from modelcast.study.network.people_rows import PEOPLE
+from modelcast.study.network.roadside_rows import ROADSIDE, ROADSIDE_DISTANCES
+from modelcast.study.network.warning_rows import POOLED_WARNINGS, WARNED_EVENTS, WARNED_HOSTS, WARNINGS
+from modelcast.study.table import Row, Table, TableSchema, count, quantity, ratio, text
 
 __all__ = [
     "CASE_KEYS",
+    "CASE_TABLES",
+    "DISTANCES",
     "HEADLINE_M",
     "NO_BANK",
     "NO_THRESHOLD",
+    "OUTCOMES",
+    "PAIRINGS",
+    "PENETRATION",
+    "POOLED",
+    "RUNS",
+    "SECONDS",
+    "SENDERS",
+    "SETTING_KEYS",
     "CaseResult",
-    "DistanceRow",
     "NetworkCase",
     "NetworkResult",
-    "OutcomeRow",
-    "PairingRow",
-    "PenetrationRow",
-    "PooledRow",
-    "RunRow",
-    "SecondRow",
-    "SenderRow",
 ]
 
 HEADLINE_M = (50.0, 150.0)
@@ -61,369 +83,242 @@ class NetworkCase:
     threshold_m: float = field(default=NO_THRESHOLD, kw_only=True)
     run: int
 
+    def values(self) -> dict[str, Any]:
+        """What is varied, by the names of its columns."""
+        return {name: getattr(self, name) for name in CASE_KEYS}
 
-CASE_KEYS = tuple(key.name for key in fields(NetworkCase))
+
+CASE_KEYS = tuple(column.name for column in CASE)
 """Names of what is varied, which every row of a run holds."""
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RunRow:
-    """One run; a number that does not exist is NaN.
-
-    Parameters
-    ----------
-    density_per_km, radio, policy, bank, threshold_m, run
-        As in `NetworkCase`.
-    vehicles
-        Mean number.
-    message_rate_hz
-        Messages handed to the radio a vehicle and second [Hz].
-    update_rate_hz, identification_rate_hz
-        Of these, those that state a position and motion anew, and those that name another sub-model of an
-        update sent before [Hz].
-    time_ratio, dynamics_ratio, critical_ratio
-        Shares of the messages by cause; rules without causes count under time.
-    model_ratio, certificate_ratio
-        Shares of the messages with a model and with a certificate.
-    payload_bytes, frame_bytes
-        Mean bytes of a message, and of its frame on the air.
-    bytes_per_s
-        Bytes of frames a vehicle and second.
-    airtime_ratio
-        Share of time that a vehicle is on the air.
-    power_dbm
-        Mean transmit power [dBm].
-    busy_ratio
-        Mean channel busy ratio.
-    expired_ratio
-        Share of the messages that were never sent, since a newer one took their place.
-    delivery_ratio, collision_ratio, hidden_ratio, concurrent_ratio, half_duplex_ratio, weak_ratio
-        Of all pairs of frame and vehicle 50 m to 150 m apart: received; lost to other frames, and of these
-        the hidden and the concurrent ones; lost because the receiver was sending; too weak by themselves.
-    held_ratio
-        Share of the samples of pairs 50 m to 150 m apart in which the host held a live track.
-    pte_p50_m, pte_p90_m, pte_p95_m, pte_p99_m
-        Tracking error, all pairs 50 m to 150 m apart [m].
-    relative_p50_m, relative_p90_m, relative_p99_m
-        Error of the place of the remote as the host sees it from where it takes itself to be, same pairs [m].
-    age_p50_s, age_p90_s
-        Information age, 50 m to 150 m [s].
-    gap_p50_s, gap_p90_s, gap_p99_s
-        Inter-packet gap, 50 m to 150 m [s].
-    neighbours, inter_transmit_time_s, channel_quality
-        Means of the state of J2945/1: smoothed density, longest time between messages [s], believed loss.
-    tracks_per_s
-        Tracks sampled a second: a measure of the work done.
-    """
-
-    density_per_km: float
-    radio: str
-    policy: str
-    bank: str
-    threshold_m: float
-    run: int
-    vehicles: float
-    message_rate_hz: float
-    update_rate_hz: float
-    identification_rate_hz: float
-    time_ratio: float
-    dynamics_ratio: float
-    critical_ratio: float
-    model_ratio: float
-    certificate_ratio: float
-    payload_bytes: float
-    frame_bytes: float
-    bytes_per_s: float
-    airtime_ratio: float
-    power_dbm: float
-    busy_ratio: float
-    expired_ratio: float
-    delivery_ratio: float
-    collision_ratio: float
-    hidden_ratio: float
-    concurrent_ratio: float
-    half_duplex_ratio: float
-    weak_ratio: float
-    held_ratio: float
-    pte_p50_m: float
-    pte_p90_m: float
-    pte_p95_m: float
-    pte_p99_m: float
-    relative_p50_m: float
-    relative_p90_m: float
-    relative_p99_m: float
-    age_p50_s: float
-    age_p90_s: float
-    gap_p50_s: float
-    gap_p90_s: float
-    gap_p99_s: float
-    neighbours: float
-    inter_transmit_time_s: float
-    channel_quality: float
-    tracks_per_s: float
+SETTING_KEYS = tuple(column.name for column in SETTING)
+"""The same without the seed, which every row over all seeds holds."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DistanceRow:
-    """What hosts held of remotes at one distance in one run.
+RUNS = TableSchema(
+    "runs",
+    "One run; figures of frames, tracks, gaps and ages are of vehicles 50 m to 150 m apart.",
+    (
+        *CASE,
+        quantity("vehicles", "1", "Mean number of vehicles."),
+        MESSAGES,
+        quantity(
+            "update_rate_hz",
+            "1/s",
+            "Of these, those that state a position and motion anew.",
+            heading="updates [1/s]",
+        ),
+        quantity(
+            "identification_rate_hz",
+            "1/s",
+            "Of these, those that name another sub-model of an update sent before.",
+            heading="identifications [1/s]",
+        ),
+        ratio("time_ratio", "Share of the messages caused by time; rules without causes count here."),
+        ratio("dynamics_ratio", "Share of the messages caused by the vehicle's motion."),
+        ratio("critical_ratio", "Share of the messages caused by critical events."),
+        ratio("model_ratio", "Share of the messages with a model.", heading="with model [%]"),
+        ratio("certificate_ratio", "Share of the messages with a certificate."),
+        quantity("payload_bytes", "byte", "Mean bytes of a message."),
+        quantity("frame_bytes", "byte", "Mean bytes of its frame on the air.", heading="bytes a frame"),
+        BYTES,
+        AIRTIME,
+        POWER,
+        BUSY,
+        quantity(
+            "expired_ratio",
+            "1",
+            "Messages never sent, since a newer one took their place, over those handed to the radio.",
+        ),
+        DELIVERY,
+        ratio("collision_ratio", "Share lost to other frames, hidden or concurrent.", heading="collided [%]"),
+        *LOST.values(),
+        HELD,
+        *PTE,
+        *(
+            quantity(
+                f"relative_p{at}_m",
+                "m",
+                "Error of the place of the remote as the host sees it from where it takes itself to be: "
+                f"percentile {at}.",
+            )
+            for at in (50, 90, 99)
+        ),
+        *AGE,
+        *GAP,
+        quantity("gap_p99_s", "s", "Inter-packet gap: percentile 99.", heading="IPG p99 [s]"),
+        *STATE,
+        quantity("tracks_per_s", "1/s", "Tracks sampled a second: a measure of the work done."),
+    ),
+)
+"""Runs: a row each."""
 
-    Parameters
-    ----------
-    density_per_km, radio, policy, bank, threshold_m, run
-        As in `NetworkCase`.
-    low_m, high_m
-        Bounds of the distance [m].
-    pairs
-        Samples of pairs of vehicles, whether tracked or not.
-    held_ratio, pte_p50_m, pte_p90_m, pte_p95_m, pte_p99_m, age_p50_s, age_p90_s, gap_p50_s, gap_p90_s
-        As in `RunRow`, at this distance.
-    """
+DISTANCES = TableSchema(
+    "distances",
+    "What hosts held of remotes at one distance in one run.",
+    (
+        *CASE,
+        *SPAN,
+        count("pairs", "Samples of pairs of vehicles, whether tracked or not."),
+        HELD,
+        *PTE,
+        *AGE,
+        *GAP,
+    ),
+)
+"""Tracks by distance: a row a run and bin."""
 
-    density_per_km: float
-    radio: str
-    policy: str
-    bank: str
-    threshold_m: float
-    run: int
-    low_m: float
-    high_m: float
-    pairs: int
-    held_ratio: float
-    pte_p50_m: float
-    pte_p90_m: float
-    pte_p95_m: float
-    pte_p99_m: float
-    age_p50_s: float
-    age_p90_s: float
-    gap_p50_s: float
-    gap_p90_s: float
+OUTCOMES = TableSchema(
+    "outcomes",
+    "What became of frames at one distance in one run: shares of all pairs of frame and vehicle in reach.",
+    (
+        *CASE,
+        *SPAN,
+        count("pairs", "Pairs of frame and vehicle."),
+        ratio("received_ratio", "Share received."),
+        LOST["half_duplex"],
+        LOST["weak"],
+        LOST["hidden"],
+        LOST["concurrent"],
+    ),
+)
+"""Frames by distance: a row a run and bin of the radio."""
 
+SECONDS = TableSchema(
+    "seconds",
+    "One second of one run, the warm-up among them.",
+    (*CASE, quantity("t_s", "s", "Its end."), MESSAGES, BUSY, POWER, *STATE, PTE[1]),
+)
+"""Seconds: a row a run and second."""
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OutcomeRow:
-    """What became of frames at one distance in one run: shares of all pairs of frame and vehicle in reach.
+POOLED = TableSchema(
+    "pooled",
+    "One figure of one setting over all seeds.",
+    (
+        *SETTING,
+        count("seeds", "Runs pooled."),
+        text("figure", "Name of a column of the table of runs."),
+        quantity("value", "", "Mean, in the unit of that column."),
+        quantity("low", "", "Lower 95 % Student-t limit.", missing="one run has no interval"),
+        quantity("high", "", "Upper 95 % Student-t limit.", missing="one run has no interval"),
+    ),
+)
+"""Figures over all seeds: a row each."""
 
-    Parameters
-    ----------
-    density_per_km, radio, policy, bank, threshold_m, run
-        As in `NetworkCase`.
-    low_m, high_m
-        Bounds of the distance [m].
-    pairs
-        Pairs of frame and vehicle.
-    received_ratio, half_duplex_ratio, weak_ratio, hidden_ratio, concurrent_ratio
-        By `modelcast.channel.radio.OUTCOMES`.
-    """
+SENDERS = TableSchema(
+    "senders",
+    "What a policy sends of a bank.",
+    (
+        text("policy", "Name of the policy."),
+        text("bank", "Name of the bank."),
+        text("sub_models", "Names of the bank's members in order, joined by +.", heading="sub-models"),
+        text("start", "Rule in effect of where an update starts."),
+        text("identify", "Rule in effect of when another sub-model is named."),
+    ),
+)
+"""Senders: a row a policy and bank."""
 
-    density_per_km: float
-    radio: str
-    policy: str
-    bank: str
-    threshold_m: float
-    run: int
-    low_m: float
-    high_m: float
-    pairs: int
-    received_ratio: float
-    half_duplex_ratio: float
-    weak_ratio: float
-    hidden_ratio: float
-    concurrent_ratio: float
+_NEW_SENDERS = ratio("senders_ratio", "Share of the vehicles that send by the last of the policies.")
 
+PAIRINGS = TableSchema(
+    "pairings",
+    "How vehicles of one sender, 50 m to 150 m away, are tracked by those that read in one way.",
+    (
+        *CASE,
+        _NEW_SENDERS,
+        text("sender", "Who is tracked."),
+        text("reading", "By whom: legacy, free or model receivers."),
+        MESSAGES,
+        BYTES,
+        replace(AIRTIME, heading="airtime [%]"),
+        replace(HELD, heading="held [%]"),
+        PTE[0],
+        replace(PTE[1], heading="p90 [m]"),
+        replace(PTE[3], heading="p99 [m]"),
+        *AGE,
+        count("pairs", "How many samples of pairs there were."),
+    ),
+)
+"""Mixed fleets: a row a run, sender and reading."""
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SecondRow:
-    """One second of one run, the warm-up among them.
+PENETRATION = TableSchema(
+    "penetration",
+    "Tracking errors over all pairs of a fleet of which shares send and read models; what is read changes "
+    "nothing that is sent, so one run serves all shares of receivers.",
+    (
+        *CASE,
+        _NEW_SENDERS,
+        ratio("receivers_ratio", "Share of the vehicles that read models; the others read as legacy do."),
+        PTE[0],
+        PTE[1],
+        PTE[3],
+    ),
+)
+"""Mixed fleets: a row a run and share of model receivers."""
 
-    Parameters
-    ----------
-    density_per_km, radio, policy, bank, threshold_m, run
-        As in `NetworkCase`.
-    t_s
-        Its end [s].
-    message_rate_hz, busy_ratio, power_dbm, neighbours, inter_transmit_time_s, channel_quality, pte_p90_m
-        As in `RunRow`, in this second.
-    """
-
-    density_per_km: float
-    radio: str
-    policy: str
-    bank: str
-    threshold_m: float
-    run: int
-    t_s: float
-    message_rate_hz: float
-    busy_ratio: float
-    power_dbm: float
-    neighbours: float
-    inter_transmit_time_s: float
-    channel_quality: float
-    pte_p90_m: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PooledRow:
-    """One figure of one density and sender over all seeds: mean and 95 % Student-t interval.
-
-    Parameters
-    ----------
-    density_per_km, radio, policy, bank, threshold_m
-        As in `NetworkCase`.
-    seeds
-        Runs pooled.
-    figure
-        Name of a field of `RunRow`.
-    value, low, high
-        Mean and bounds; bounds are None for a single run.
-    """
-
-    density_per_km: float
-    radio: str
-    policy: str
-    bank: str
-    threshold_m: float
-    seeds: int
-    figure: str
-    value: float
-    low: float | None
-    high: float | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SenderRow:
-    """What a policy sends of a bank.
-
-    Parameters
-    ----------
-    policy, bank
-        As in `NetworkCase`.
-    sub_models
-        Names of the bank's members in order, joined by ``+``.
-    start, identify
-        Rules in effect.
-    """
-
-    policy: str
-    bank: str
-    sub_models: str
-    start: str
-    identify: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PairingRow:
-    """How vehicles of one sender are tracked by those that read in one way, in a run of a mixed fleet.
-
-    Parameters
-    ----------
-    density_per_km, radio, policy, bank, threshold_m, run
-        As in `NetworkCase`.
-    senders_ratio
-        Share of the vehicles that send by the last of the policies.
-    sender, reading
-        Who is tracked, and by whom: ``legacy``, ``free`` or ``model`` receivers.
-    message_rate_hz, bytes_per_s, airtime_ratio
-        Of a vehicle of that sender, whoever hears it.
-    held_ratio, pte_p50_m, pte_p90_m, pte_p99_m, age_p50_s, age_p90_s
-        As in `RunRow`, at the headline distances, over pairs of these.
-    pairs
-        How many samples of pairs there were.
-    """
-
-    density_per_km: float
-    radio: str
-    policy: str
-    bank: str
-    threshold_m: float
-    run: int
-    senders_ratio: float
-    sender: str
-    reading: str
-    message_rate_hz: float
-    bytes_per_s: float
-    airtime_ratio: float
-    held_ratio: float
-    pte_p50_m: float
-    pte_p90_m: float
-    pte_p99_m: float
-    age_p50_s: float
-    age_p90_s: float
-    pairs: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PenetrationRow:
-    """Tracking errors over all pairs of a fleet of which shares send and read models.
-
-    What is read changes nothing that is sent, so one run serves all shares of receivers.
-
-    Parameters
-    ----------
-    density_per_km, radio, policy, bank, threshold_m, run
-        As in `NetworkCase`.
-    senders_ratio
-        Share of the vehicles that send by the last of the policies.
-    receivers_ratio
-        Share of the vehicles that read models; the others read as legacy receivers do.
-    pte_p50_m, pte_p90_m, pte_p99_m
-        At the headline distances.
-    """
-
-    density_per_km: float
-    radio: str
-    policy: str
-    bank: str
-    threshold_m: float
-    run: int
-    senders_ratio: float
-    receivers_ratio: float
-    pte_p50_m: float
-    pte_p90_m: float
-    pte_p99_m: float
+CASE_TABLES: Mapping[str, TableSchema] = MappingProxyType(
+    {
+        schema.name: schema
+        for schema in (
+            DISTANCES,
+            OUTCOMES,
+            SECONDS,
+            PAIRINGS,
+            PENETRATION,
+            WARNINGS,
+            WARNED_HOSTS,
+            WARNED_EVENTS,
+            ROADSIDE,
+            ROADSIDE_DISTANCES,
+            PEOPLE,
+        )
+    }
+)
+"""Tables of one run beside its own row, by the fields of `CaseResult` and `NetworkResult`."""
 
 
 @dataclass(frozen=True, slots=True)
 class CaseResult:
-    """All rows of one run.
+    """All rows of one run, by the tables of `CASE_TABLES`.
 
     Pairings and penetration are those of mixed fleets, warnings of hosts that have applications.
     """
 
-    run: RunRow
-    distances: Sequence[DistanceRow]
+    run: Row
+    distances: Sequence[Row]
     _: KW_ONLY
-    outcomes: Sequence[OutcomeRow]
-    seconds: Sequence[SecondRow]
-    pairings: Sequence[PairingRow] = ()
-    penetration: Sequence[PenetrationRow] = ()
-    warnings: Sequence[WarningRow] = ()
-    warned_hosts: Sequence[WarnedHostRow] = ()
-    warned_events: Sequence[WarnedEventRow] = ()
-    roadside: Sequence[RoadsideRow] = ()
-    roadside_distances: Sequence[RoadsideDistanceRow] = ()
-    people: Sequence[PeopleRow] = ()
+    outcomes: Sequence[Row]
+    seconds: Sequence[Row]
+    pairings: Sequence[Row] = ()
+    penetration: Sequence[Row] = ()
+    warnings: Sequence[Row] = ()
+    warned_hosts: Sequence[Row] = ()
+    warned_events: Sequence[Row] = ()
+    roadside: Sequence[Row] = ()
+    roadside_distances: Sequence[Row] = ()
+    people: Sequence[Row] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class NetworkResult:
-    """Rows of all runs, in order of density, radio, policy, bank, threshold and seed; and who sent."""
+    """Tables of all runs, in order of density, radio, policy, bank, threshold and seed; and who sent."""
 
-    runs: Sequence[RunRow]
-    distances: Sequence[DistanceRow]
+    runs: Table
+    distances: Table
     _: KW_ONLY
-    outcomes: Sequence[OutcomeRow]
-    seconds: Sequence[SecondRow]
-    pooled: Sequence[PooledRow] = field(default=())
-    senders: Sequence[SenderRow] = field(default=())
-    pairings: Sequence[PairingRow] = field(default=())
-    penetration: Sequence[PenetrationRow] = field(default=())
-    warnings: Sequence[WarningRow] = field(default=())
-    warned_hosts: Sequence[WarnedHostRow] = field(default=())
-    warned_events: Sequence[WarnedEventRow] = field(default=())
-    pooled_warnings: Sequence[PooledWarnings] = field(default=())
-    roadside: Sequence[RoadsideRow] = field(default=())
-    roadside_distances: Sequence[RoadsideDistanceRow] = field(default=())
-    people: Sequence[PeopleRow] = field(default=())
+    outcomes: Table
+    seconds: Table
+    pooled: Table = field(default_factory=POOLED.table)
+    senders: Table = field(default_factory=SENDERS.table)
+    pairings: Table = field(default_factory=PAIRINGS.table)
+    penetration: Table = field(default_factory=PENETRATION.table)
+    warnings: Table = field(default_factory=WARNINGS.table)
+    warned_hosts: Table = field(default_factory=WARNED_HOSTS.table)
+    warned_events: Table = field(default_factory=WARNED_EVENTS.table)
+    pooled_warnings: Table = field(default_factory=POOLED_WARNINGS.table)
+    roadside: Table = field(default_factory=ROADSIDE.table)
+    roadside_distances: Table = field(default_factory=ROADSIDE_DISTANCES.table)
+    people: Table = field(default_factory=PEOPLE.table)
 
     @property
     def banks(self) -> tuple[str, ...]:

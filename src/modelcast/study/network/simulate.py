@@ -24,11 +24,12 @@ from modelcast.study.network.pool import gather
 from modelcast.study.network.rows import (
     NO_BANK,
     NO_THRESHOLD,
+    SENDERS,
     CaseResult,
     NetworkCase,
     NetworkResult,
-    SenderRow,
 )
+from modelcast.study.table import Row
 from modelcast.world.scenario.base import AbstractScenario, run_scenario
 from modelcast.world.scenario.motion import checked
 from modelcast.world.scenario.sensed import FleetSensor
@@ -191,9 +192,9 @@ def _bank(sender: Sender) -> str:
     return NO_BANK if all(sender.plain) else "+".join(member.name for member in sender.bank.members)
 
 
-def _sender_row(sender: Sender) -> SenderRow:
+def _sender_row(sender: Sender) -> Row:
     rules = sender.lanes
-    return SenderRow(
+    return SENDERS.row(
         policy=sender.name,
         bank=_bank(sender),
         sub_models=_bank(sender),

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from modelcast.study.network.rows import CASE_KEYS, CaseResult
-from modelcast.study.network.warning_rows import WarnedEventRow, WarnedHostRow, WarningRow
+from modelcast.study.network.warning_rows import WARNED_EVENTS, WARNED_HOSTS, WARNINGS
 from modelcast.study.safety.fleet_result import PairingScores
+from modelcast.study.table import Row
 
 __all__ = ["measure_warnings"]
 
@@ -27,10 +28,10 @@ def measure_warnings(
     senders
         Names of the groups.
     """
-    case: dict[str, Any] = {name: getattr(result.run, name) for name in CASE_KEYS}
-    totals: list[WarningRow] = []
-    hosts: list[WarnedHostRow] = []
-    events: list[WarnedEventRow] = []
+    case = result.run.picked(CASE_KEYS)
+    totals: list[Row] = []
+    hosts: list[Row] = []
+    events: list[Row] = []
     for one in scores:
         who: dict[str, Any] = {
             **case,
@@ -40,7 +41,7 @@ def measure_warnings(
         }
         never = np.isinf(one.delay_s)
         totals.append(
-            WarningRow(
+            WARNINGS.row(
                 **who,
                 host_s=one.host_s,
                 counted=one.counted,
@@ -55,14 +56,14 @@ def measure_warnings(
         )
         columns = (one.host, one.negatives, one.false, one.false_warnings)
         hosts += [
-            WarnedHostRow(**who, host=host, negatives=negatives, false=false, false_warnings=warnings)
+            WARNED_HOSTS.row(**who, host=host, negatives=negatives, false=false, false_warnings=warnings)
             for host, negatives, false, warnings in zip(*(part.tolist() for part in columns), strict=True)
         ]
         late_s = np.where(never, np.nan, one.delay_s)
         fields = ("host", "remote", "t_s", "positives", "missed", "delay_s")
         parts = (one.event_host, one.event_remote, one.event_s, one.positives, one.missed, late_s)
         events += [
-            WarnedEventRow(**who, **dict(zip(fields, values, strict=True)))
+            WARNED_EVENTS.row(**who, **dict(zip(fields, values, strict=True)))
             for values in zip(*(part.tolist() for part in parts), strict=True)
         ]
     return replace(result, warnings=tuple(totals), warned_hosts=tuple(hosts), warned_events=tuple(events))

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modelcast.study.compare.result import RatioRow, RivalRow, TrackingRatioRow
 from modelcast.study.paper.choices import Reading
 from modelcast.study.paper.readings import ReadingRows
 from modelcast.study.paper.verdict import Estimate
+from modelcast.study.table import Row
 from modelcast.study.wording import centimetres
 
 __all__ = [
@@ -45,7 +45,7 @@ class ByReading:
     worst: Callable[[ReadingRows, Reading], str]
 
 
-def message_estimate(row: RatioRow | RivalRow) -> Estimate:
+def message_estimate(row: Row) -> Estimate:
     """Messages over the rival's, with their interval.
 
     Parameters
@@ -56,7 +56,7 @@ def message_estimate(row: RatioRow | RivalRow) -> Estimate:
     return Estimate(row.message_ratio, row.message_low, row.message_high)
 
 
-def message_estimates(rows: Iterable[RatioRow | RivalRow]) -> list[tuple[str, Estimate]]:
+def message_estimates(rows: Iterable[Row]) -> list[tuple[str, Estimate]]:
     """Messages over the rival's, and at which threshold.
 
     Parameters
@@ -67,7 +67,7 @@ def message_estimates(rows: Iterable[RatioRow | RivalRow]) -> list[tuple[str, Es
     return [(centimetres(row.threshold_m), message_estimate(row)) for row in rows]
 
 
-def tracking_estimates(rows: Iterable[TrackingRatioRow], quantile: str) -> list[tuple[str, Estimate]]:
+def tracking_estimates(rows: Iterable[Row], quantile: str) -> list[tuple[str, Estimate]]:
     """A quantile of the error over the rival's, and at which threshold.
 
     Parameters
@@ -86,7 +86,7 @@ def tracking_estimates(rows: Iterable[TrackingRatioRow], quantile: str) -> list[
     ]
 
 
-def worst_messages(rows: Sequence[RatioRow] | Sequence[RivalRow]) -> str:
+def worst_messages(rows: Sequence[Row]) -> str:
     """The trip that speaks against fewer messages most, as text; empty where there is but one.
 
     Parameters
@@ -94,14 +94,14 @@ def worst_messages(rows: Sequence[RatioRow] | Sequence[RivalRow]) -> str:
     rows
         One a threshold.
     """
-    every: list[RatioRow | RivalRow] = [*rows]
+    every: list[Row] = [*rows]
     worst = max(every, key=lambda row: row.worst_ratio, default=None)
     if worst is None or worst.trips < 2:
         return ""
     return f"{worst.worst_trip} {worst.worst_ratio:.2f} at {centimetres(worst.threshold_m)}"
 
 
-def worst_tracking(rows: Sequence[TrackingRatioRow], quantile: str) -> str:
+def worst_tracking(rows: Sequence[Row], quantile: str) -> str:
     """The trip that speaks against a smaller error most, as text; empty where there is but one.
 
     Parameters

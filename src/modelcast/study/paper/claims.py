@@ -11,7 +11,6 @@ import numpy as np
 from scipy import stats
 
 from modelcast.core.arrays import FloatArray
-from modelcast.study.compare.result import TrackingRatioRow
 from modelcast.study.paper.beside_free import BESIDE, beside_free
 from modelcast.study.paper.by_reading import (
     ByReading,
@@ -27,6 +26,7 @@ from modelcast.study.paper.complement import Complement
 from modelcast.study.paper.readings import ReadingRows
 from modelcast.study.paper.result import ClaimRow, ReadingResult
 from modelcast.study.paper.verdict import Estimate, Verdict, verdict_of
+from modelcast.study.table import Row
 from modelcast.study.wording import centimetres
 
 __all__ = ["COMMAND", "claim_rows"]
@@ -211,10 +211,10 @@ def _falling(readings: Sequence[ReadingResult]) -> ClaimRow:
 def _sweep(readings: Sequence[ReadingResult]) -> ClaimRow:
     """At every packet error ratio with losses, in the readings that have the whole sweep."""
 
-    def lossy(one: ReadingResult) -> list[TrackingRatioRow]:
+    def lossy(one: ReadingResult) -> list[Row]:
         return [row for row in one.rows.sweep(one.labelled.reading) if row.packet_error_ratio > 0]
 
-    def estimate(row: TrackingRatioRow) -> Estimate:
+    def estimate(row: Row) -> Estimate:
         return Estimate(row.p90_ratio, row.p90_low, row.p90_high)
 
     plain = readings[0]

@@ -9,7 +9,6 @@ import numpy as np
 from modelcast.models.bank import Bank
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import FREE, free_bank
-from modelcast.study.compare.result import CountRow, RatioRow, RivalRow, TrackingRatioRow
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.compare.stage import StagedTrip, stage_trips
 from modelcast.study.compare.table import Resamples, ratio_rows, rival_rows, tracking_rows
@@ -20,6 +19,7 @@ from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.result import POOLED
 from modelcast.study.rules import RATE_BASES
 from modelcast.study.settings import EvaluationSettings
+from modelcast.study.table import Row
 from modelcast.study.tracking import LossRuns
 from modelcast.trips.manoeuvres.base import FoundManoeuvre
 from modelcast.trips.trajectory import Trajectory
@@ -65,16 +65,16 @@ class ReadingRows:
 
     reading: Reading
     _: KW_ONLY
-    messages: tuple[RatioRow, ...]
-    updates: tuple[RatioRow, ...]
-    alone: tuple[RatioRow, ...]
-    tracking: Mapping[RivalKey, tuple[TrackingRatioRow, ...]]
-    beside_free: tuple[RivalRow, ...]
-    tracking_beside_free: Mapping[RivalKey, tuple[TrackingRatioRow, ...]]
+    messages: tuple[Row, ...]
+    updates: tuple[Row, ...]
+    alone: tuple[Row, ...]
+    tracking: Mapping[RivalKey, tuple[Row, ...]]
+    beside_free: tuple[Row, ...]
+    tracking_beside_free: Mapping[RivalKey, tuple[Row, ...]]
     complement: Complement
     headline_ratio: float
 
-    def pooled(self, reading: Reading) -> tuple[TrackingRatioRow, ...]:
+    def pooled(self, reading: Reading) -> tuple[Row, ...]:
         """Tracking over all trips against the rival of a reading, one row a threshold.
 
         Parameters
@@ -84,23 +84,23 @@ class ReadingRows:
         """
         return tuple(row for row in self.sweep(reading) if row.packet_error_ratio == self.headline_ratio)
 
-    def sweep(self, reading: Reading) -> tuple[TrackingRatioRow, ...]:
+    def sweep(self, reading: Reading) -> tuple[Row, ...]:
         """The same at every packet error ratio that was run."""
         rows = self.tracking[reading.rate_basis, reading.schedule]
         return tuple(row for row in rows if row.trip == POOLED)
 
-    def by_trip(self, reading: Reading) -> tuple[TrackingRatioRow, ...]:
+    def by_trip(self, reading: Reading) -> tuple[Row, ...]:
         """Tracking at the headline's ratio, one row a trip and threshold."""
         rows = self.tracking[reading.rate_basis, reading.schedule]
         ratio = self.headline_ratio
         return tuple(row for row in rows if row.trip != POOLED and row.packet_error_ratio == ratio)
 
-    def beside_free_pooled(self, reading: Reading) -> tuple[TrackingRatioRow, ...]:
+    def beside_free_pooled(self, reading: Reading) -> tuple[Row, ...]:
         """As `pooled`, the rival being of the free bank."""
         rows = self.tracking_beside_free[reading.rate_basis, reading.schedule]
         return tuple(row for row in rows if row.trip == POOLED)
 
-    def beside_free_by_trip(self, reading: Reading) -> tuple[TrackingRatioRow, ...]:
+    def beside_free_by_trip(self, reading: Reading) -> tuple[Row, ...]:
         """As `by_trip`, the rival being of the free bank."""
         rows = self.tracking_beside_free[reading.rate_basis, reading.schedule]
         return tuple(row for row in rows if row.trip != POOLED)
@@ -209,11 +209,11 @@ def _beside_free(trip: StagedTrip, settings: EvaluationSettings) -> StagedTrip:
 
 def _by_rival(
     trial: Trial, staged: Sequence[StagedTrip], resamples: Resamples
-) -> dict[RivalKey, tuple[TrackingRatioRow, ...]]:
+) -> dict[RivalKey, tuple[Row, ...]]:
     """Tracking rows by rate basis and schedule of the baseline."""
     times = [(trip.case.truth.dt_s, trip.case.truth.duration_s) for trip in staged]
     shares_s, durations_s = zip(*times, strict=True)
-    tracking: dict[RivalKey, tuple[TrackingRatioRow, ...]] = {}
+    tracking: dict[RivalKey, tuple[Row, ...]] = {}
     for schedule in get_args(Schedule):
         found = tracking_rows(
             HYBRID,
@@ -229,9 +229,9 @@ def _by_rival(
     return tracking
 
 
-def _updates(row: CountRow) -> CountRow:
+def _updates(row: Row) -> Row:
     """The row as if its identifications had not been sent."""
-    return replace(row, candidate=UPDATES, identifications=0)
+    return row.replaced(candidate=UPDATES, identifications=0)
 
 
 def _nothing() -> None:

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 
-from modelcast.study.compare.result import RatioRow
 from modelcast.study.network.pairs import PairedRow
 from modelcast.study.paper.choices import LabelledReading
 from modelcast.study.paper.complement import Complement
@@ -11,6 +10,7 @@ from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.paper.readings import ReadingRows
 from modelcast.study.paper.verdict import Verdict
 from modelcast.study.result import EvaluationResult
+from modelcast.study.table import Row
 from modelcast.trips.manoeuvres.base import ManoeuvreCounts
 
 __all__ = ["ClaimRow", "PaperResult", "ReadingResult"]
@@ -37,7 +37,7 @@ class ReadingResult:
     tracking: float
 
     @property
-    def message_rows(self) -> tuple[RatioRow, ...]:
+    def message_rows(self) -> tuple[Row, ...]:
         """All messages over the baseline's, one row a threshold."""
         return self.rows.messages
 

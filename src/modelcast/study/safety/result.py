@@ -5,20 +5,24 @@ from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.study.compare.bootstrap import Limits
 from modelcast.study.safety.rules import Basis
+from modelcast.study.table import Column, Row, Table, TableSchema, count, quantity, ratio, text
 
 if TYPE_CHECKING:
     from modelcast.study.safety.film import EventFilm
 
 __all__ = [
+    "DELAYS",
+    "EVENTS",
+    "POOLED_SAFETY",
     "ConditionScores",
     "PairNames",
-    "PooledSafety",
     "RecordingScores",
     "SafetyKind",
     "SafetyResult",
     "SenderSpend",
+    "kind_of",
+    "over_columns",
 ]
 
 
@@ -148,58 +152,93 @@ class RecordingScores:
         return SafetyKind(self.sensor, self.mean_burst_s, self.loss_log)
 
 
-@dataclass(frozen=True, slots=True)
-class PooledSafety:
-    """One candidate on one basis at one loss ratio over all recordings, means over runs.
+DELAYS = tuple(
+    quantity(f"delay_p{at}_s", "s", f"How late warnings come: percentile {at}; infinite where more never do.")
+    for at in (50, 90, 99)
+)
+"""How late warnings come."""
+
+
+def over_columns(what: str, whose: str) -> tuple[Column, Column, Column]:
+    """Return columns of instants over someone else's, and of the interval's ends.
 
     Parameters
     ----------
-    sensor, mean_burst_s, packet_error_ratio, basis, candidate
-        Which.
-    threshold_m
-        Median of the leaders' thresholds [m].
-    message_rate_hz, airtime_ratio
-        Messages a second of a leader, and its time on the air over all time.
-    missed_ratio, false_ratio
-        Share of the true warnings' instants without a warning, and of the others with one.
-    missed_events, false_per_hour
-        Share of true warnings that never came, and warnings without a true one near an hour [1/h].
-    delay_p50_s, delay_p90_s, delay_p99_s
-        Of all true warnings; infinite where more were missed [s].
-    missed_over, false_over
-        Missed and false instants over those of the candidate named by ``against``.
-    missed_over_limits, false_over_limits
-        Their 95 % intervals over true warnings (pairs, where false ones are counted) and runs.
-    loss_log
-        Name of the log whose losses were replayed; empty where they were drawn.
+    what
+        ``missed`` or ``false``.
+    whose
+        Whose they are held against, as the description says it.
     """
+    missing = "too few units to draw from"
+    return (
+        quantity(f"{what}_over", "1", f"{what.capitalize()} instants over {whose}."),
+        quantity(f"{what}_over_low", "1", "Lower end of its 95 % interval.", missing=missing),
+        quantity(f"{what}_over_high", "1", "Upper end of its 95 % interval.", missing=missing),
+    )
 
-    sensor: str
-    mean_burst_s: float | None
-    packet_error_ratio: float
-    basis: Basis
-    candidate: str
-    _: KW_ONLY
-    threshold_m: float
-    message_rate_hz: float
-    airtime_ratio: float
-    missed_ratio: float
-    false_ratio: float
-    missed_events: float
-    false_per_hour: float
-    delay_p50_s: float
-    delay_p90_s: float
-    delay_p99_s: float
-    missed_over: float
-    false_over: float
-    missed_over_limits: Limits
-    false_over_limits: Limits
-    loss_log: str = ""
 
-    @property
-    def kind(self) -> SafetyKind:
-        """Sensor and kind of loss."""
-        return SafetyKind(self.sensor, self.mean_burst_s, self.loss_log)
+_CONDITION = (
+    text("sensor", "What vehicles see of themselves."),
+    quantity(
+        "mean_burst_s",
+        "s",
+        "How losses come: mean length of bursts.",
+        missing="losses come one by one, or a log had none",
+    ),
+    ratio("packet_error_ratio", "Mean share of messages lost."),
+    text("basis", "What is equal: the messages, the bytes or the airtime spent."),
+    text("candidate", "Name of the sender."),
+)
+_LOSS_LOG = text("loss_log", "Name of the log whose losses were replayed; empty where they were drawn.")
+_MISSED = over_columns("missed", "those of the candidate compared against")
+_FALSE = over_columns("false", "those of the candidate compared against")
+
+POOLED_SAFETY = TableSchema(
+    "pooled",
+    "One candidate on one basis at one loss ratio over all recordings, means over runs; intervals are over "
+    "true warnings (pairs, where false ones are counted) and runs.",
+    (
+        *_CONDITION,
+        quantity("threshold_m", "m", "Median of the leaders' thresholds."),
+        quantity("message_rate_hz", "1/s", "Messages a second of a leader."),
+        ratio("airtime_ratio", "Its time on the air over all time."),
+        ratio("missed_ratio", "Share of the true warnings' instants without a warning."),
+        ratio("false_ratio", "Share of the other instants near the decision with a warning."),
+        ratio("missed_events", "Share of true warnings that never came."),
+        quantity("false_per_hour", "1/h", "Warnings without a true one near an hour."),
+        *DELAYS,
+        _MISSED[0],
+        _FALSE[0],
+        *_MISSED[1:],
+        *_FALSE[1:],
+        _LOSS_LOG,
+    ),
+)
+"""Warnings over all recordings: a row a condition and candidate."""
+
+EVENTS = TableSchema(
+    "events",
+    "What became of one true warning in one run.",
+    (
+        text("recording", "Name of the recording."),
+        *_CONDITION[:2],
+        _LOSS_LOG,
+        *_CONDITION[2:],
+        text("leader", "Trip of the leader."),
+        text("follower", "Trip of the follower."),
+        count("run", "Number of the run, from 0."),
+        quantity("t_s", "s", "When it begins on the leader's clock."),
+        count("instants", "Its instants that count."),
+        count("missed", "Those of them at which the host did not warn."),
+        quantity("delay_s", "s", "How late the warning came; infinite where it did not."),
+    ),
+)
+"""True warnings: a row each and condition, candidate and run."""
+
+
+def kind_of(row: Row) -> SafetyKind:
+    """Return sensor and kind of loss of a row of `POOLED_SAFETY`."""
+    return SafetyKind(**row.picked(("sensor", "mean_burst_s", "loss_log")))
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,7 +264,7 @@ class SafetyResult:
     settings: Mapping[str, Any]
     _: KW_ONLY
     recordings: Sequence[RecordingScores]
-    pooled: Sequence[PooledSafety]
+    pooled: Table
     events: int
     pairs: int
     counted: int

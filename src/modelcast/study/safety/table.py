@@ -7,8 +7,9 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.chance import child_generator
 from modelcast.study.compare.bootstrap import Limits, limits, resample_weights
-from modelcast.study.safety.result import ConditionScores, PooledSafety, RecordingScores, SafetyKind
+from modelcast.study.safety.result import POOLED_SAFETY, ConditionScores, RecordingScores, SafetyKind
 from modelcast.study.safety.rules import BASES
+from modelcast.study.table import Row, Table
 
 __all__ = ["delay_quantiles", "pooled_rows", "share_of"]
 
@@ -16,10 +17,8 @@ _HOUR_S = 3600.0
 _DELAYS = (0.5, 0.9, 0.99)
 
 
-def pooled_rows(
-    recordings: Sequence[RecordingScores], against: str, *, resamples: int, seed: int
-) -> list[PooledSafety]:
-    """Rows over all recordings, by sensor, kind of loss, loss ratio, basis and candidate.
+def pooled_rows(recordings: Sequence[RecordingScores], against: str, *, resamples: int, seed: int) -> Table:
+    """Table of `POOLED_SAFETY` over all recordings, by sensor, kind of loss, loss ratio, basis and candidate.
 
     Parameters
     ----------
@@ -33,10 +32,10 @@ def pooled_rows(
     groups: dict[SafetyKind, list[RecordingScores]] = {}
     for one in recordings:
         groups.setdefault(one.kind, []).append(one)
-    rows: list[PooledSafety] = []
+    rows: list[Row] = []
     for own in groups.values():
         rows += _group_rows(own, against, resamples, seed)
-    return rows
+    return POOLED_SAFETY.table(rows)
 
 
 def _joined(own: Sequence[RecordingScores], key: tuple[object, ...], name: str) -> FloatArray:
@@ -51,9 +50,7 @@ def _of(recording: RecordingScores, key: tuple[object, ...]) -> ConditionScores:
     raise ValueError(f"{recording.name} has no scores of {key}: score all recordings by the same settings")
 
 
-def _group_rows(
-    own: Sequence[RecordingScores], against: str, resamples: int, seed: int
-) -> list[PooledSafety]:
+def _group_rows(own: Sequence[RecordingScores], against: str, resamples: int, seed: int) -> list[Row]:
     positives = np.concatenate([one.positives for one in own])
     negatives = np.concatenate([one.negatives for one in own])
     duration_s = np.concatenate([one.duration_s for one in own])
@@ -75,7 +72,7 @@ def _group_rows(
             ratio = float(np.float64(mine.sum()) / np.float64(rival.sum()))
             return ratio, limits(drawn[0] / drawn[1], np.arange(weights.shape[1], dtype=np.int64))
 
-    rows: list[PooledSafety] = []
+    rows: list[Row] = []
     # A loss ratio and basis after the other, so that senders stand side by side.
     order = sorted(own[0].conditions, key=lambda one: (one.packet_error_ratio, BASES.index(one.basis)))
     for condition in order:
@@ -88,12 +85,11 @@ def _group_rows(
         false_over, false_limits = over(false, _joined(own, rival, "false"), of_pairs)
         p50_s, p90_s, p99_s = delay_quantiles(delay_s)
         rows.append(
-            PooledSafety(
-                own[0].sensor,
-                own[0].mean_burst_s,
-                condition.packet_error_ratio,
-                condition.basis,
-                condition.candidate,
+            POOLED_SAFETY.row(
+                **own[0].kind._asdict(),
+                packet_error_ratio=condition.packet_error_ratio,
+                basis=condition.basis,
+                candidate=condition.candidate,
                 threshold_m=float(np.median([m for spend in spends for m in spend.thresholds_m])),
                 message_rate_hz=sum(spend.messages for spend in spends) / leaders_s,
                 airtime_ratio=sum(spend.airtime_s for spend in spends) / leaders_s,
@@ -108,9 +104,10 @@ def _group_rows(
                 delay_p99_s=p99_s,
                 missed_over=missed_over,
                 false_over=false_over,
-                missed_over_limits=missed_limits,
-                false_over_limits=false_limits,
-                loss_log=own[0].loss_log,
+                missed_over_low=missed_limits[0],
+                missed_over_high=missed_limits[1],
+                false_over_low=false_limits[0],
+                false_over_high=false_limits[1],
             )
         )
     return rows
