@@ -20,7 +20,11 @@ if TYPE_CHECKING:
     from modelcast.channel.radio import AbstractRadio as AbstractRadio
     from modelcast.channel.radio import Receptions as Receptions
     from modelcast.channel.radio import Transmissions as Transmissions
+    from modelcast.core.exceptions import DataFormatError as DataFormatError
     from modelcast.core.exceptions import ModelcastError as ModelcastError
+    from modelcast.io.base import AbstractTripReader as AbstractTripReader
+    from modelcast.io.base import Tally as Tally
+    from modelcast.io.base import ignore_skipped as ignore_skipped
     from modelcast.io.profile import read_profile as read_profile
     from modelcast.io.results import write_results as write_results
     from modelcast.io.trips import read_trips as read_trips
@@ -66,10 +70,12 @@ _HOMES = {
     "AbstractApplication": "apps.base",
     "AbstractRadio": "channel.radio",
     "AbstractTransmitPolicy": "station.policy.base",
+    "AbstractTripReader": "io.base",
     "Bank": "models.bank",
     "BsmCore": "messages.bsm",
     "CompareSettings": "study.compare.settings",
     "ConstantVelocity": "models.constant_velocity",
+    "DataFormatError": "core.exceptions",
     "Decisions": "station.policy.base",
     "ErrorDriven": "station.policy.error_driven",
     "EvaluationResult": "study.result",
@@ -87,6 +93,7 @@ _HOMES = {
     "SensedTrip": "study.case",
     "SensorModel": "world.sensors",
     "Station": "station.station",
+    "Tally": "io.base",
     "TrainedCandidate": "study.compare.candidate",
     "Trajectory": "trips.trajectory",
     "Transmissions": "channel.radio",
@@ -101,6 +108,7 @@ _HOMES = {
     "encode_bsm": "messages.bsm",
     "evaluate": "study.evaluate",
     "generate_drive": "world.drive",
+    "ignore_skipped": "io.base",
     "rates_frame": "report.tables",
     "read_profile": "io.profile",
     "read_trips": "io.trips",

@@ -56,9 +56,9 @@ def test_an_evaluation_and_a_comparison_are_driven_by_it(python_with, tmp_path):
     """Errors are forecast to grow, so it sends more often than the error-driven policy."""
     script = """
 import sys
-from modelcast.io.write_trips import write_trips
+from modelcast.io.write_trips import write_csv
 import modelcast
-write_trips([modelcast.generate_drive(seed=0, duration_s=90.0).truth], sys.argv[1])
+write_csv([modelcast.generate_drive(seed=0, duration_s=90.0).truth], sys.argv[1])
 """
     drive = tmp_path / "drive.csv"
     python_with((), "-c", script, str(drive))
@@ -69,8 +69,8 @@ write_trips([modelcast.generate_drive(seed=0, duration_s=90.0).truth], sys.argv[
         python_with(
             ("forecast_policy",), "-m", "modelcast", "evaluate", str(drive), *shared, *more, "--out", str(out)
         )
-        rows = pl.read_parquet(out / "rates.parquet").filter(pl.col("policy") == "mbc")
-        rates[name] = rows["total_rate_hz"][0]
+        rows = json.loads((out / "summary.json").read_text())["rates"]
+        rates[name] = next(row["total_rate_hz"] for row in rows if row["policy"] == "mbc")
     assert rates["forecast"] > rates["own"]
     run = json.loads((tmp_path / "forecast" / "run.json").read_text())
     assert run["versions"]["policy forecast:longest_s=10"] == "forecast-policy 1.0.0"
