@@ -24,7 +24,8 @@ from modelcast.models.profile import people_profile
 from modelcast.runtime.fleet.engine import NetworkRun, run_network
 from modelcast.runtime.fleet.people import People
 from modelcast.runtime.fleet.settings import NetworkSettings
-from modelcast.station.sender.sender import MODEL_SENDERS, Sender, named_sender
+from modelcast.station.sender.names import MODEL_SENDERS
+from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.world.scenario.base import AbstractScenario, FleetFrame, run_scenario
 from modelcast.world.scenario.grid import Grid
 from modelcast.world.scenario.peopled_grid import PeopledGrid

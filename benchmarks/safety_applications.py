@@ -27,12 +27,13 @@ def main() -> int:
     """Measure and print; 1 where the target is missed or the peer differs."""
     host, remote = pairs()
     each: dict[str, float] = {}
-    for name, application in APPLICATIONS.items():
+    applications = {name: APPLICATIONS.made(name) for name in APPLICATIONS.own}
+    for name, application in applications.items():
         found = application.assess(host, remote)
         each[name] = least_ms(lambda: application.assess(host, remote))  # noqa: B023 - run at once
         cautions, warnings = (int((found.level == one).sum()) for one in (Level.CAUTION, Level.WARNING))
         print(f"{name}: {each[name]:.2f} ms, {cautions} cautions, {warnings} warnings")
-    every = least_ms(lambda: [one.assess(host, remote) for one in APPLICATIONS.values()])
+    every = least_ms(lambda: [one.assess(host, remote) for one in applications.values()])
     peer = least_ms(lambda: forward_collision_margins(host, remote))
     margins, own = (
         forward_collision_margins(host, remote),

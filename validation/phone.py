@@ -21,7 +21,8 @@ from modelcast.messages.security.p256 import PrivateKey, PublicKey
 from modelcast.models.profile import default_profile, people_profile
 from modelcast.station.fleet import Fleet
 from modelcast.station.receiver.ears import Ears
-from modelcast.station.sender.sender import MODEL_SENDERS, Sender, named_sender
+from modelcast.station.sender.names import MODEL_SENDERS
+from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.station.station import Station
 from page_blocks import put
 

@@ -17,14 +17,18 @@ from typing import TYPE_CHECKING, Any
 from modelcast.core.public_names import PublicPackage
 
 if TYPE_CHECKING:
+    from modelcast.apps.base import AbstractApplication as AbstractApplication
     from modelcast.apps.motions import Motions as Motions
     from modelcast.apps.registry import get_application as get_application
     from modelcast.apps.surrogates import modified_time_to_collision_s as modified_time_to_collision_s
     from modelcast.apps.surrogates import time_to_collision_s as time_to_collision_s
+    from modelcast.apps.warnings import Warnings as Warnings
     from modelcast.channel.dsrc import Dsrc as Dsrc
     from modelcast.channel.erasure import GilbertElliott as GilbertElliott
     from modelcast.channel.erasure import IndependentErasure as IndependentErasure
     from modelcast.channel.radio import OUTCOMES as OUTCOMES
+    from modelcast.channel.radio import AbstractRadio as AbstractRadio
+    from modelcast.channel.radio import Receptions as Receptions
     from modelcast.channel.radio import Transmissions as Transmissions
     from modelcast.channel.sidelink import Sidelink as Sidelink
     from modelcast.core.exceptions import CodecError as CodecError
@@ -47,6 +51,9 @@ if TYPE_CHECKING:
     from modelcast.interface.training import train_profile as train_profile
     from modelcast.interface.warnings import WarningEvaluation as WarningEvaluation
     from modelcast.interface.warnings import evaluate_warnings as evaluate_warnings
+    from modelcast.io.base import AbstractTripReader as AbstractTripReader
+    from modelcast.io.base import Tally as Tally
+    from modelcast.io.base import ignore_skipped as ignore_skipped
     from modelcast.io.profile import read_profile as read_profile
     from modelcast.io.profile import write_profile as write_profile
     from modelcast.io.results import write_results as write_results
@@ -101,7 +108,9 @@ if TYPE_CHECKING:
     from modelcast.station.banks import PAPER_BANK as PAPER_BANK
     from modelcast.station.banks import bank_from_text as bank_from_text
     from modelcast.station.fleet import Fleet as Fleet
+    from modelcast.station.policy.base import AbstractTransmitPolicy as AbstractTransmitPolicy
     from modelcast.station.policy.base import Air as Air
+    from modelcast.station.policy.base import Decisions as Decisions
     from modelcast.station.policy.base import MessageKind as MessageKind
     from modelcast.station.policy.base import Motion as Motion
     from modelcast.station.policy.base import TransmitInputs as TransmitInputs
@@ -136,6 +145,10 @@ if TYPE_CHECKING:
     from modelcast.world.sensors import SensorModel as SensorModel
 
 _HOMES = {
+    "AbstractApplication": "apps.base",
+    "AbstractRadio": "channel.radio",
+    "AbstractTransmitPolicy": "station.policy.base",
+    "AbstractTripReader": "io.base",
     "Air": "station.policy.base",
     "Authority": "messages.security.authority",
     "Bank": "models.bank",
@@ -148,6 +161,7 @@ _HOMES = {
     "ConstantTurnRateVelocity": "models.kinematic",
     "ConstantVelocity": "models.constant_velocity",
     "DataFormatError": "core.exceptions",
+    "Decisions": "station.policy.base",
     "Dsrc": "channel.dsrc",
     "ErrorDriven": "station.policy.error_driven",
     "Evaluation": "interface.evaluation",
@@ -188,6 +202,7 @@ _HOMES = {
     "Profile": "models.profile",
     "Rbf": "models.gp.kernels.rbf",
     "Receipt": "station.receiver.local_dynamic_map",
+    "Receptions": "channel.radio",
     "SafetySettings": "study.safety.settings",
     "SensedTrip": "study.case",
     "SensorModel": "world.sensors",
@@ -196,6 +211,7 @@ _HOMES = {
     "SignerState": "messages.security.signer",
     "Station": "station.station",
     "SubModelIdentification": "messages.mbc",
+    "Tally": "io.base",
     "TrainedCandidate": "study.compare.candidate",
     "Trajectory": "trips.trajectory",
     "Transmissions": "channel.radio",
@@ -208,6 +224,7 @@ _HOMES = {
     "VerifierState": "messages.security.verifier",
     "VirtualMedium": "runtime.transport.virtual",
     "WarningEvaluation": "interface.warnings",
+    "Warnings": "apps.warnings",
     "Windows": "models.base",
     "WireProfile": "messages.mbc_profile",
     "bank_from_text": "station.banks",
@@ -226,6 +243,7 @@ _HOMES = {
     "get_application": "apps.registry",
     "heard_messages": "station.receiver.heard",
     "highway_input": "io.sumo_roads",
+    "ignore_skipped": "io.base",
     "make_case": "study.case",
     "modified_time_to_collision_s": "apps.surrogates",
     "named_sender": "station.sender.sender",

@@ -11,7 +11,7 @@ from modelcast.apps.warnings import Level
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.kinds import Kind
 
-every = pytest.mark.parametrize("name", APPLICATIONS)
+every = pytest.mark.parametrize("name", APPLICATIONS.own)
 
 
 def rows(motions: Motions, which) -> Motions:
@@ -53,7 +53,7 @@ def test_level_margin_and_certainty_agree(random_pairs, name: str):
 
 
 @pytest.mark.parametrize("whose", ["host", "remote"])
-@pytest.mark.parametrize("name", [name for name in APPLICATIONS if not get_application(name).of_people])
+@pytest.mark.parametrize("name", [name for name in APPLICATIONS.own if not get_application(name).of_people])
 def test_an_application_of_vehicles_says_nothing_of_people(random_pairs, name: str, whose: str):
     pairs = dict(zip(("host", "remote"), random_pairs(np.random.default_rng(4), 5000), strict=True))
     kind = np.arange(5000) % len(Kind)

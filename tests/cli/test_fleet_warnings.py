@@ -110,7 +110,7 @@ def test_every_reading_of_a_mixed_fleet_meets_the_same_warnings(mixed: Path) -> 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("--application cow", "Unknown safety application 'cow'"),
+        ("--application cow", "Unknown application 'cow'"),
         ("--application eebl --algorithm knipling", "goes with --application fcw"),
         ("--algorithm knipling", "goes with --application fcw"),
         ("--application fcw --algorithm cow", "Unknown forward collision warning 'cow'"),

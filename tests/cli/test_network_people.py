@@ -125,7 +125,7 @@ def test_what_needs_people_is_refused_without(
         ({"people_power": 30.0}, "--people-power must be at most 23 dBm"),
         ({"people_reach": 0.0}, "--people-reach must be positive"),
         ({"people_keep_alive": 0.0}, "--people-keep-alive must be positive"),
-        ({"people_policy": "shout"}, "--people-policy must be of"),
+        ({"people_policy": "shout"}, "--people-policy: Unknown policy 'shout'"),
     ],
 )
 def test_a_device_that_cannot_be_is_refused(changed: dict[str, object], told: str) -> None:

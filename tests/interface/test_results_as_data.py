@@ -167,6 +167,21 @@ def test_runs_that_could_not_be_told_apart_are_refused() -> None:
         modelcast.simulate_network([], "bsm-10hz", runs=RUNS)
 
 
+@pytest.mark.parametrize(
+    ("radios", "names"),
+    [
+        ("ideal", ["ideal"]),
+        (["dsrc", "ideal"], ["dsrc", "ideal"]),
+        (modelcast.Dsrc(), ["dsrc"]),
+        ({"one": modelcast.Dsrc(), "other": modelcast.Dsrc()}, ["one", "other"]),
+    ],
+)
+def test_radios_are_named_given_or_both(radios: Any, names: list[str]) -> None:
+    runs = modelcast.FleetRuns(1.0, settings=modelcast.NetworkSettings(warm_up_s=0.5))
+    found = modelcast.simulate_network(modelcast.Highway(500.0, 20.0), "bsm-10hz", radios, runs)
+    assert found.runs["radio"].to_list() == names
+
+
 @pytest.mark.parametrize(("changes", "message"), [({"seeds": 0}, "seeds"), ({"duration_s": 1.0}, "warm-up")])
 def test_runs_are_checked(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from math import cos, pi
 from typing import final
 
-from modelcast.apps.base import AbstractApplication, refuse_negative
+from modelcast.apps.base import refuse_negative
 from modelcast.apps.brake_light_kernels import Settings, assess
+from modelcast.apps.compiled import AbstractCompiledApplication
 from modelcast.apps.pair_kernels import Columns, Found, Lane
 
 __all__ = ["BrakeLight"]
@@ -15,7 +16,7 @@ _GRAVITY_MPS2 = 9.80665
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BrakeLight(AbstractApplication):
+class BrakeLight(AbstractCompiledApplication):
     """Cautions of a remote ahead that brakes hard, in path or beside; warns where the host must brake.
 
     Ahead, and along the path, are as in `modelcast.apps.forward_collision.ForwardCollisionWarning`.
@@ -79,7 +80,8 @@ class BrakeLight(AbstractApplication):
         if not self.braking_mps2 > 0.0:
             raise ValueError(f"braking_mps2 must be positive, got {self.braking_mps2}")
 
-    def _fill(self, host: Columns, remote: Columns, found: Found) -> None:
+    def fill(self, host: Columns, remote: Columns, found: Found) -> None:
+        """Write what is found, every row of it."""
         cosine = cos(min(self.heading_tolerance_rad, pi))
         lane = Lane(self.beside_m, self.longest_gap_m, cosine, self.straight_below_mps)
         settings = Settings(self.hard_braking_mps2, self.delay_s, self.braking_mps2, self.lane_half_width_m)

@@ -4,7 +4,8 @@ from dataclasses import KW_ONLY, dataclass
 from math import cos, pi
 from typing import final
 
-from modelcast.apps.base import AbstractApplication, refuse_negative
+from modelcast.apps.base import refuse_negative
+from modelcast.apps.compiled import AbstractCompiledApplication
 from modelcast.apps.forward_collision_kernels import assess
 from modelcast.apps.pair_kernels import Columns, Found, Lane
 from modelcast.apps.warning_ranges import AbstractWarningRange, CampLinear
@@ -14,7 +15,7 @@ __all__ = ["ForwardCollisionWarning"]
 
 @final
 @dataclass(frozen=True, slots=True)
-class ForwardCollisionWarning(AbstractApplication):
+class ForwardCollisionWarning(AbstractCompiledApplication):
     """Warns where the gap to a remote in path is not above the warning range; cautions a little earlier.
 
     A remote is in path where its middle lies ahead on the host's path of constant curvature, its offset from
@@ -65,8 +66,11 @@ class ForwardCollisionWarning(AbstractApplication):
 
     def __post_init__(self) -> None:
         refuse_negative(self)
+        if not isinstance(self.algorithm, AbstractWarningRange):
+            raise TypeError(f"algorithm must be a warning range, got {self.algorithm!r}")
 
-    def _fill(self, host: Columns, remote: Columns, found: Found) -> None:
+    def fill(self, host: Columns, remote: Columns, found: Found) -> None:
+        """Write what is found, every row of it."""
         lane = Lane(
             self.lane_half_width_m,
             self.longest_gap_m,

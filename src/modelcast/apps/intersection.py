@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from math import pi, sin
 from typing import final
 
-from modelcast.apps.base import AbstractApplication, refuse_negative
+from modelcast.apps.base import refuse_negative
+from modelcast.apps.compiled import AbstractCompiledApplication
 from modelcast.apps.intersection_kernels import Settings, assess
 from modelcast.apps.pair_kernels import Columns, Found
 
@@ -13,7 +14,7 @@ __all__ = ["IntersectionAssist"]
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class IntersectionAssist(AbstractApplication):
+class IntersectionAssist(AbstractCompiledApplication):
     """Cautions of a remote that would meet the host where paths cross; warns when the host must act now.
 
     Both drive on straight along their courses with their accelerations until they stand. Where the strips
@@ -76,7 +77,8 @@ class IntersectionAssist(AbstractApplication):
         if not self.braking_mps2 > 0.0:
             raise ValueError(f"braking_mps2 must be positive, got {self.braking_mps2}")
 
-    def _fill(self, host: Columns, remote: Columns, found: Found) -> None:
+    def fill(self, host: Columns, remote: Columns, found: Found) -> None:
+        """Write what is found, every row of it."""
         settings = Settings(
             sin(self.least_angle_rad), self.apart_s, self.longest_s, self.delay_s, self.braking_mps2
         )

@@ -8,7 +8,8 @@ closing speeds. In the plane, between rectangles at constant velocity: `time_to_
 import numpy as np
 import numpy.typing as npt
 
-from modelcast.apps.base import columns_of, same_rows
+from modelcast.apps.base import same_rows
+from modelcast.apps.compiled import columns_of
 from modelcast.apps.motions import Motions
 from modelcast.apps.surrogate_kernels import encroachments, first_contacts
 from modelcast.core.arrays import FloatArray, owned

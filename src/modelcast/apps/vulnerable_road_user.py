@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from modelcast.apps.base import AbstractApplication, refuse_negative
+from modelcast.apps.base import refuse_negative
+from modelcast.apps.compiled import AbstractCompiledApplication
 from modelcast.apps.pair_kernels import Columns, Found
 from modelcast.apps.vulnerable_road_user_kernels import Settings, assess
 
@@ -12,7 +13,7 @@ __all__ = ["VulnerableRoadUserWarning"]
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class VulnerableRoadUserWarning(AbstractApplication):
+class VulnerableRoadUserWarning(AbstractCompiledApplication):
     """Cautions where a person would be on a vehicle's path when it comes; warns when the host must act now.
 
     One of each pair is a person (`modelcast.core.kinds.PEOPLE`), the other a vehicle; of other pairs nothing
@@ -91,7 +92,8 @@ class VulnerableRoadUserWarning(AbstractApplication):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
 
-    def _fill(self, host: Columns, remote: Columns, found: Found) -> None:
+    def fill(self, host: Columns, remote: Columns, found: Found) -> None:
+        """Write what is found, every row of it."""
         settings = Settings(
             self.aside_m,
             self.apart_s,

@@ -3,6 +3,8 @@
 from dataclasses import KW_ONLY, dataclass
 from enum import IntEnum
 
+import numpy as np
+
 from modelcast.apps import pair_kernels
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 
@@ -36,7 +38,7 @@ class Warnings:
     Raises
     ------
     ValueError
-        Where shapes differ.
+        Where shapes differ, a level is none of `Level`, or a certainty is not within 0..1.
     """
 
     level: IntArray
@@ -50,6 +52,40 @@ class Warnings:
             shape = getattr(self, name).shape
             if shape != self.level.shape:
                 raise ValueError(f"{name} must have shape {self.level.shape}, got {shape}")
+        if len(self) and not (self.level.min() >= Level.NONE and self.level.max() <= Level.WARNING):
+            raise ValueError(f"level must be of Level, got {self.level.min()}..{self.level.max()}")
+        if not ((self.certainty >= 0.0) & (self.certainty <= 1.0)).all():
+            raise ValueError("certainty must be within 0..1")
+
+    @classmethod
+    def by_margin(
+        cls, margin_m: FloatArray, *, time_s: FloatArray | None = None, cautions: BoolArray | None = None
+    ) -> "Warnings":
+        """Warn where the margin is not positive, with certainty.
+
+        Parameters
+        ----------
+        margin_m
+            Way left until the warning, (N,) [m]; infinite for no threat, NaN where it is not known.
+        time_s
+            Until host and remote touch, (N,) [s]; None where that is not told.
+        cautions
+            Of which pairs that do not warn is cautioned, (N,); None for none.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> Warnings.by_margin(np.array([-1.0, 3.0, np.inf]), cautions=np.array([True, True, False])).level
+        array([2, 1, 0])
+        """
+        warned = margin_m <= 0.0
+        cautioned = np.zeros_like(warned) if cautions is None else cautions
+        return cls(
+            np.where(warned, int(Level.WARNING), np.where(cautioned, int(Level.CAUTION), int(Level.NONE))),
+            time_s=np.full(margin_m.shape, np.inf) if time_s is None else time_s,
+            margin_m=margin_m,
+            certainty=warned.astype(np.float64),
+        )
 
     def __len__(self) -> int:
         return int(self.level.shape[0])

@@ -6,6 +6,7 @@ growth.
 """
 
 from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
@@ -168,6 +169,15 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             shadowed=has_shadowing(self.propagation),
             safe_ratio=safe_ratio(error_model.hazards()),
         )
+
+    @property
+    def bin_m(self) -> float:
+        """Width of the bins of distance of its outcomes [m]."""
+        return self.parameters.bin_m
+
+    def within(self, propagation: Propagation) -> Self:
+        """The radio with this propagation."""
+        return replace(self, propagation=propagation)
 
     def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> DsrcState:
         """State at time 0 of V vehicles."""

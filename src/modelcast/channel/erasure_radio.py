@@ -4,21 +4,18 @@
 is the question and the radio is not; a table over distance and load is `TabulatedRadio`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from modelcast.channel.erasure import GilbertElliott, Ideal, IndependentErasure
-from modelcast.channel.radio import OUTCOMES, AbstractRadio, Receptions, Transmissions
-from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
+from modelcast.core.arrays import BoolArray, FloatArray
 
 __all__ = ["ErasureRadio", "ErasureState"]
 
-_BIN_M = 50.0
 _PREAMBLE_S, _RATE_BPS = 40e-6, 6e6
 """Of IEEE 802.11p at 6 Mb/s."""
-
-_LOST = OUTCOMES.index("below-sensitivity")
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,11 +89,6 @@ class ErasureRadio(AbstractRadio[ErasureState]):
         if not (np.isfinite(self.range_m) and self.range_m > 0.0):
             raise ValueError(f"range_m must be positive and finite, got {self.range_m}")
 
-    @property
-    def bin_m(self) -> float:
-        """Width of the bins of distance of its outcomes [m]."""
-        return _BIN_M
-
     def init(self, vehicles: int, rng: np.random.Generator) -> ErasureState:
         """State of a silent channel at time 0."""
         if vehicles < 1:
@@ -119,23 +111,19 @@ class ErasureRadio(AbstractRadio[ErasureState]):
         apart = position_m[sender, None] - position_m[None]
         distance_m = np.hypot(apart[..., 0], apart[..., 1])
         # A vehicle at NaN is no distance from anybody: comparisons with it fail.
+        distance_m[np.arange(sender.size), sender] = np.nan
         near = distance_m <= self.range_m
-        near[np.arange(sender.size), sender] = False
-        heard = near & ~lost[sender]
-        message, receiver = np.nonzero(heard)
         airtime_s = _PREAMBLE_S + 8.0 * transmissions.size_bytes / _RATE_BPS
-        when = (transmissions.ready_s + airtime_s)[message]
-        order = np.argsort(when, kind="stable")
         there = np.isfinite(position_m[sender]).all(axis=1)
-        receptions = Receptions(
-            transmissions.message_id[message[order]],
-            sender[message[order]],
-            receiver=receiver[order],
-            t_s=when[order],
-            rssi_dbm=np.full(order.size, np.nan),
-            outcomes=self._outcomes(distance_m[near], heard[near]),
-            expired=transmissions.message_id[~there],
+        receptions = Receptions.of_pairs(
+            transmissions,
+            ~lost[sender],
+            distance_m=distance_m,
+            range_m=self.range_m,
+            end_s=transmissions.ready_s + airtime_s,
+            bin_m=self.bin_m,
         )
+        receptions = replace(receptions, expired=transmissions.message_id[~there])
         interval_s = until_t_s - state.t_s
         on_air = near.astype(np.float64).T @ airtime_s
         on_air += np.bincount(sender, weights=airtime_s * there, minlength=on_air.size)
@@ -151,14 +139,6 @@ class ErasureRadio(AbstractRadio[ErasureState]):
             relaxation_s = self.channel.relaxation_s
             memory = np.exp(-(until_t_s - state.t_s) / relaxation_s) if relaxation_s > 0.0 else 0.0
         return uniform < ratio + (state.lost - ratio) * memory
-
-    def _outcomes(self, distance_m: FloatArray, heard: BoolArray) -> IntArray:
-        """Pairs in range by distance and outcome, (bins, len(OUTCOMES))."""
-        bins = int(np.ceil(self.range_m / _BIN_M))
-        at = np.minimum((distance_m / _BIN_M).astype(np.int64), bins - 1)
-        counts: IntArray = np.zeros((bins, len(OUTCOMES)), dtype=np.int64)
-        np.add.at(counts, (at, np.where(heard, 0, _LOST)), 1)
-        return counts
 
     def channel_busy_ratio(self, state: ErasureState) -> FloatArray:
         """Airtime of all in range over the last interval, 0..1, (V,)."""

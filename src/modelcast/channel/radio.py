@@ -8,12 +8,13 @@ sends. State goes in and comes out; a lost message is an absent reception, count
 import abc
 from dataclasses import KW_ONLY, dataclass, field, fields
 from enum import IntEnum
-from typing import Generic, TypeVar
+from typing import Generic, Self, TypeVar
 
 import numpy as np
 
 from modelcast.channel.antennas import checked_gains
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.channel.propagation import Propagation
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.parts import WHOLE, Parts
 
 __all__ = ["ORDINARY", "OUTCOMES", "AbstractRadio", "Grant", "Receptions", "Transmissions"]
@@ -199,9 +200,134 @@ class Receptions:
         """Number of receptions."""
         return self.receiver.size
 
+    @classmethod
+    def of_pairs(
+        cls,
+        transmissions: Transmissions,
+        heard: BoolArray,
+        *,
+        distance_m: FloatArray,
+        range_m: float,
+        end_s: FloatArray,
+        bin_m: float,
+    ) -> "Receptions":
+        """What arrived where each pair of message and vehicle is decided by itself, without received power.
+
+        A pair that is not heard counts as ``below-sensitivity``.
+
+        Parameters
+        ----------
+        transmissions
+            N messages.
+        heard
+            Who hears which, (N, V); beyond the range nobody does.
+        distance_m
+            From sender to vehicle, (N, V) [m]; NaN for the sender itself and who is not there.
+        range_m
+            Pairs farther apart count as none [m].
+        end_s
+            When the last bit of each arrives, (N,) [s].
+        bin_m
+            Width of the bins of distance of the outcomes [m].
+
+        Examples
+        --------
+        >>> one = Transmissions(
+        ...     np.array([0]),
+        ...     np.array([0.01]),
+        ...     size_bytes=np.array([300]),
+        ...     power_dbm=np.array([20.0]),
+        ...     message_id=np.array([7]),
+        ... )
+        >>> found = Receptions.of_pairs(
+        ...     one,
+        ...     np.array([[False, True, False]]),
+        ...     distance_m=np.array([[np.nan, 30.0, 60.0]]),
+        ...     range_m=100.0,
+        ...     end_s=np.array([0.0104]),
+        ...     bin_m=50.0,
+        ... )
+        >>> found.receiver.tolist(), found.outcomes[:, :3].tolist()
+        ([1], [[1, 0, 0], [0, 0, 1]])
+        """
+        near = distance_m <= range_m
+        message, receiver = np.nonzero(heard & near)
+        order = np.argsort(end_s[message], kind="stable")
+        message, receiver = message[order], receiver[order]
+        bins = int(np.ceil(range_m / bin_m))
+        outcomes: IntArray = np.zeros((bins, len(OUTCOMES)), dtype=np.int64)
+        at = np.minimum((distance_m[near] / bin_m).astype(np.int64), bins - 1)
+        lost = np.where(heard[near], OUTCOMES.index("received"), OUTCOMES.index("below-sensitivity"))
+        np.add.at(outcomes, (at, lost), 1)
+        return cls(
+            transmissions.message_id[message],
+            transmissions.sender[message],
+            receiver=receiver,
+            t_s=end_s[message],
+            rssi_dbm=np.full(order.size, np.nan),
+            outcomes=outcomes,
+            expired=transmissions.message_id[:0],
+        )
+
+    def check(self, vehicles: int) -> None:
+        """Refuse what no fleet can take in.
+
+        Parameters
+        ----------
+        vehicles
+            Number V of vehicles.
+
+        Raises
+        ------
+        ValueError
+            Where columns differ in length or times fall, a vehicle is not there, a number is negative, or
+            outcomes have another shape.
+        """
+        columns = ("message_id", "sender", "receiver", "t_s", "rssi_dbm")
+        shapes = {getattr(self, name).shape for name in columns}
+        if shapes != {(self.size,)}:
+            raise ValueError(f"receptions must have columns of one length, got {sorted(shapes)}")
+        if self.outcomes.ndim != 2 or self.outcomes.shape[1] != len(OUTCOMES):
+            raise ValueError(f"outcomes must be (bins, {len(OUTCOMES)}), got {self.outcomes.shape}")
+        if not self.size:
+            return
+        for name in ("sender", "receiver"):
+            low, high = int(getattr(self, name).min()), int(getattr(self, name).max())
+            if low < 0 or high >= vehicles:
+                raise ValueError(f"{name} must lie within 0..{vehicles - 1}, got {low}..{high}")
+        if int(self.message_id.min()) < 0:
+            raise ValueError(f"message_id must not be negative, got {int(self.message_id.min())}")
+        if not np.all(np.diff(self.t_s) >= 0.0):
+            raise ValueError("t_s must not fall, nor be NaN: sort receptions by time")
+
 
 class AbstractRadio(abc.ABC, Generic[State]):
-    """A radio technology shared by a fleet."""
+    """A radio technology shared by a fleet.
+
+    Another package adds its own in the entry-point group ``modelcast.radios`` (`modelcast.channel.registry`).
+    """
+
+    __slots__ = ()
+
+    @property
+    def bin_m(self) -> float:
+        """Width of the bins of distance of `Receptions.outcomes`, 50 m where a radio does not say [m]."""
+        return 50.0
+
+    def within(self, propagation: Propagation) -> Self:
+        """The radio where waves get from vehicle to vehicle like this.
+
+        Parameters
+        ----------
+        propagation
+            As a scenario has it: buildings along its streets, heights of antennas.
+
+        Notes
+        -----
+        A radio with a propagation of its own returns itself.
+        """
+        del propagation
+        return self
 
     @abc.abstractmethod
     def init(self, vehicles: int, rng: np.random.Generator) -> State:

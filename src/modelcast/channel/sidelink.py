@@ -6,6 +6,7 @@ is the one-shot grant (`SidelinkParameters.one_shot`), chosen by the same sensin
 """
 
 from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
@@ -181,6 +182,15 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             units_per_byte=units_per_byte,
             shadowed=has_shadowing(self.propagation),
         )
+
+    @property
+    def bin_m(self) -> float:
+        """Width of the bins of distance of its outcomes [m]."""
+        return self.parameters.bin_m
+
+    def within(self, propagation: Propagation) -> Self:
+        """The radio with this propagation."""
+        return replace(self, propagation=propagation)
 
     def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> SidelinkState:
         """State at time 0 of V vehicles."""

@@ -5,7 +5,7 @@ from a detailed radio (`ReceptionTable.from_outcomes`) or from a publication. Lo
 other; the bursts and the fairness of a real channel are lost.
 """
 
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import Self
 
 import numpy as np
@@ -125,7 +125,7 @@ class TabulatedRadio(AbstractRadio[TabulatedState]):
     Parameters
     ----------
     table
-        Chance of reception.
+        Chance of reception; the measured one where not given.
     load_range_m
         A vehicle's load is the airtime of all senders within this distance, over the interval of the step
         [m].
@@ -156,7 +156,7 @@ class TabulatedRadio(AbstractRadio[TabulatedState]):
     ([1], [0.0044, 0.0044])
     """
 
-    table: ReceptionTable
+    table: ReceptionTable = field(default_factory=measured_table)
     load_range_m: float = 300.0
     _: KW_ONLY
     preamble_s: float = 40e-6
@@ -168,6 +168,11 @@ class TabulatedRadio(AbstractRadio[TabulatedState]):
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
         if not self.preamble_s >= 0:
             raise ValueError(f"preamble_s must not be negative, got {self.preamble_s}")
+
+    @property
+    def bin_m(self) -> float:
+        """Width of the bins of distance of its outcomes [m]."""
+        return self.table.bin_m
 
     def init(self, vehicles: int, rng: np.random.Generator) -> TabulatedState:
         """State of a silent channel at time 0."""

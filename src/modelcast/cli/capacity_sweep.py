@@ -43,7 +43,7 @@ def search(asked: CapacitySearch, out: Path, *, jobs: int, progress: Progress) -
     """
     asked.check()
     plan = asked.plan
-    key = plan.key()
+    key = plan.key(radios=asked.radios, policies=asked.policies)
     files = NetworkRunFiles(plan.as_plain(), key)
     runs = _Runs(asked, progress)
     with (
@@ -54,7 +54,7 @@ def search(asked: CapacitySearch, out: Path, *, jobs: int, progress: Progress) -
         found = [
             one for sender in asked.senders for one in _found(asked, sender, runs, store=store, pool=pool)
         ]
-        if plan.key() != key:
+        if plan.key(radios=asked.radios, policies=asked.policies) != key:
             raise ConfigError("an input changed while it was read: run the command again")
         store.publish(runs.done, folder)
         write_capacity(found, asked.as_plain(), folder)

@@ -45,6 +45,7 @@ def demo_live(
     import asyncio
     import io
 
+    from modelcast.cli.named_words import check_word
     from modelcast.cli.node import sender_of_config
     from modelcast.cli.prepare import rehearsed
     from modelcast.cli.progress import watching
@@ -56,14 +57,13 @@ def demo_live(
     from modelcast.node.inputs.replay import TripReplay
     from modelcast.node.journal import Journal
     from modelcast.node.live import LiveNode
-    from modelcast.station.sender.sender import SENDERS
+    from modelcast.station.sender.names import check_sender
 
     if not 0.0 < duration <= DEMO_S:
         raise ConfigError(f"--duration must be above 0 and up to {DEMO_S:g}, got {duration}")
     if not 0.0 <= loss <= 1.0:
         raise ConfigError(f"--loss must be from 0 to 1, got {loss}")
-    if policy not in SENDERS:
-        raise ConfigError(f"--policy must be of {', '.join(SENDERS)}, got {policy!r}")
+    check_word("--policy", check_sender, policy)
     if not (0 <= port < 2**16 and 0 < udp_port < 2**16):
         raise ConfigError(f"--port and --udp-port must be from 0 to 65535, got {port} and {udp_port}")
     sender = sender_of_config(NodeConfig(sending=Sending(policy=policy)))

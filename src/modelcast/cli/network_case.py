@@ -3,6 +3,8 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from modelcast.channel.radio import AbstractRadio
+from modelcast.channel.registry import get_radio
 from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import named_banks, sender_of
@@ -15,7 +17,8 @@ from modelcast.runtime.fleet.observer import AbstractObserver
 from modelcast.runtime.fleet.people import People
 from modelcast.station.banks import free_bank
 from modelcast.station.receiver.reading import Reading
-from modelcast.station.sender.sender import MODEL_SENDERS, Sender
+from modelcast.station.sender.names import sends_models
+from modelcast.station.sender.sender import Sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.study.network.measure import measure
 from modelcast.study.network.mixed import measure_mixed, mixed_of
@@ -56,28 +59,12 @@ def propagation_of(plan: NetworkPlan) -> "Propagation":
     return Propagation(shadowing=Shadowing(decorrelation_m=10.0), streets=streets, nlos=ManhattanNlos())
 
 
-def _radio(plan: NetworkPlan, name: str) -> tuple[Any, float]:
-    """The radio of that name, and the width of its bins of distance."""
-    from modelcast.channel.dsrc import Dsrc
-    from modelcast.channel.erasure import Ideal
-    from modelcast.channel.erasure_radio import ErasureRadio
-    from modelcast.channel.sidelink import Sidelink
-    from modelcast.channel.tabulated import TabulatedRadio, measured_table
-
+def _radio(plan: NetworkPlan, text: str) -> AbstractRadio[Any]:
+    """The radio that a user means, where waves get about as the plan says."""
     propagation = propagation_of(plan)
     if plan.roadside is not None:
         propagation = plan.roadside.raise_antennas(propagation)
-    if name == "dsrc":
-        dsrc = Dsrc(propagation=propagation)
-        return dsrc, dsrc.parameters.bin_m
-    if name == "sidelink":
-        sidelink = Sidelink(propagation=propagation)
-        return sidelink, sidelink.parameters.bin_m
-    if name == "ideal":
-        ideal = ErasureRadio(Ideal())
-        return ideal, ideal.bin_m
-    table = measured_table()
-    return TabulatedRadio(table), table.bin_m
+    return get_radio(text, propagation)
 
 
 def run_case(plan: NetworkPlan, case: NetworkCase, found: FcdSurvey | None = None) -> CaseResult:
@@ -141,7 +128,7 @@ def simulated(
         senders = [_sender(plan, case, one, filter_for(model)) for one in mixed.senders]
         free = free_bank(profile_in_use(plan.profile))
         who = mixed.mix(senders, free) if mixed.is_mixed else senders[0]
-        radio, bin_m = _radio(plan, case.radio)
+        radio = _radio(plan, case.radio)
         seed = loop_seed(plan.seed, case.run)
         with traffic(plan, case, found) as frames:
             run = run_network(
@@ -158,7 +145,7 @@ def simulated(
             )
     except ValueError as error:
         raise ConfigError(str(error)) from error
-    return run, bin_m
+    return run, radio.bin_m
 
 
 def _observer(plan: NetworkPlan, case: NetworkCase, *, is_mixed: bool) -> SafetyObserver | None:
@@ -177,7 +164,7 @@ def _observer(plan: NetworkPlan, case: NetworkCase, *, is_mixed: bool) -> Safety
 
 def _sender(plan: NetworkPlan, case: NetworkCase, policy: str, motion: MotionFilter) -> Sender:
     """The sender of one policy of a case."""
-    named = named_banks(plan).get(case.bank) if policy in MODEL_SENDERS else None
+    named = named_banks(plan).get(case.bank) if sends_models(policy) else None
     return sender_of(plan, policy, case.bank, threshold_m=case.threshold_m, named=named, motion=motion)
 
 
@@ -190,7 +177,7 @@ def _devices(plan: NetworkPlan, case: NetworkCase, motion: MotionFilter) -> Peop
     if people.keep_alive_s is not None:
         plan = replace(plan, keep_alive_s=people.keep_alive_s)
     profile = profile_in_use(plan.profile)
-    named = bank_in_use(people.bank, profile=profile) if policy in MODEL_SENDERS else None
+    named = bank_in_use(people.bank, profile=profile) if sends_models(policy) else None
     sender = sender_of(
         plan,
         policy,

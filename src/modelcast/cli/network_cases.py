@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from itertools import product
 from math import inf, isfinite, nan
 
-from modelcast.cli.network_plan import RADIOS, NetworkPlan
+from modelcast.channel.registry import RADIOS
+from modelcast.cli.named_words import check_word
+from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError
-from modelcast.station.sender.sender import MODEL_SENDERS, SENDERS
+from modelcast.station.sender.names import POLICIES, check_sender, sends_models
 from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import NO_BANK, NetworkCase
 
@@ -50,10 +52,14 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
     ModelcastError
         Where a name is unknown, a number is out of its range, or the traffic cannot be had.
     """
-    for name, given, known in (("radio", varied.radios, RADIOS), ("policy", varied.policies, SENDERS)):
-        unknown = [word for word in given if word not in known]
-        if unknown or not given:
-            raise ConfigError(f"--{name} must be of {', '.join(known)}, got {', '.join(unknown) or 'none'}")
+    for name, given, group, check in (
+        ("radio", varied.radios, RADIOS, RADIOS.made_from),
+        ("policy", varied.policies, POLICIES, check_sender),
+    ):
+        if not given:
+            raise ConfigError(f"--{name} must be of {', '.join(group.names())}, got none")
+        for word in given:
+            check_word(f"--{name}", check, word)
     plan.check_traffic()
     if plan.roadside is not None:
         _check_roadside(plan.roadside, varied)
@@ -76,7 +82,7 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
             densities, dict.fromkeys(varied.radios), dict.fromkeys(varied.policies)
         )
         for bank, threshold_m, run in product(
-            banks if policy in MODEL_SENDERS else (NO_BANK,),
+            banks if sends_models(policy) else (NO_BANK,),
             plan.thresholds_of(policy),
             range(varied.seeds),
         )

@@ -2,7 +2,8 @@
 
 import hashlib
 import importlib.resources
-from dataclasses import KW_ONLY, asdict, dataclass
+from collections.abc import Iterable
+from dataclasses import KW_ONLY, asdict, dataclass, replace
 from importlib import metadata
 from math import ceil
 from pathlib import Path
@@ -17,13 +18,14 @@ from modelcast.messages.rules import CertificateRule
 from modelcast.models.shipped import names_profile, profile_path
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
-from modelcast.station.sender.sender import ERROR_SENDERS, MODEL_SENDERS, THRESHOLD_STARTS
+from modelcast.station.sender.names import POLICIES, has_threshold, sends_models
+from modelcast.station.sender.sender import THRESHOLD_STARTS
 from modelcast.study.network.rows import NO_THRESHOLD
 
 if TYPE_CHECKING:
     from modelcast.apps.base import AbstractApplication
 
-__all__ = ["BUILT_IN", "RADIOS", "RECORDED", "SUMO", "NetworkPlan"]
+__all__ = ["BUILT_IN", "RECORDED", "SUMO", "NetworkPlan"]
 
 _FULL_LANE_PER_KM = 100.0
 """More vehicles a kilometre of lane stand rather than drive [1/km]."""
@@ -37,7 +39,6 @@ PEOPLED = ("grid", "crossing")
 """Scenarios in which people walk and ride."""
 
 RECORDED = ("platoon", "trips")
-RADIOS = ("dsrc", "sidelink", "abstract", "ideal")
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,20 +191,28 @@ class NetworkPlan:
         policy
             Its name.
         """
-        asks = policy in ERROR_SENDERS or (policy in MODEL_SENDERS and self.start in THRESHOLD_STARTS)
+        asks = has_threshold(policy) or (sends_models(policy) and self.start in THRESHOLD_STARTS)
         return tuple(dict.fromkeys(self.thresholds_m)) if asks else (NO_THRESHOLD,)
 
-    def key(self) -> RunKey:
+    def key(self, *, radios: Iterable[str] = (), policies: Iterable[str] = ()) -> RunKey:
         """Version and hashes of all that a run reads: its traffic, its bank, the shipped profile, SUMO.
+
+        Parameters
+        ----------
+        radios, policies
+            Of all runs, as users name them.
 
         Raises
         ------
         ConfigError
             Where a file cannot be read.
         """
+        from modelcast.apps.registry import APPLICATIONS
+        from modelcast.channel.registry import RADIOS
         from modelcast.cli.run_inputs import recorded_inputs
         from modelcast.core.version import package_version
         from modelcast.io.regular import sha256_of
+        from modelcast.study.network.mixed import mixed_of
 
         files = [self.scenario] if self.from_file else []
         files += [] if self.profile is None else [str(profile_path(self.profile))]
@@ -219,7 +228,12 @@ class NetworkPlan:
         theirs = {} if self.people is None else {"people": self.people.bank}
         banks = (*self.bank_texts.items(), *theirs.items())
         files_of_banks = {name: sha256_of(profile_path(text)) for name, text in banks if names_profile(text)}
-        return RunKey(package_version(), inputs, files_of_banks)
+        inputs |= APPLICATIONS.origins(self.applications)
+        theirs_too = () if self.people is None or self.people.policy is None else (self.people.policy,)
+        inputs |= POLICIES.origins(theirs_too)
+        senders = {one for policy in policies for one in mixed_of(policy).senders}
+        foreign = {**RADIOS.origins(radios), **POLICIES.origins(sorted(senders))}
+        return RunKey(package_version(), inputs, files_of_banks, foreign)
 
     @property
     def from_file(self) -> bool:
@@ -302,9 +316,11 @@ class NetworkPlan:
 
         found: dict[str, AbstractApplication] = {name: get_application(name) for name in self.applications}
         if self.algorithm is not None:
-            if "fcw" not in found:
+            of_fcw = {k: v for k, v in found.items() if isinstance(v, ForwardCollisionWarning)}
+            if not of_fcw:
                 raise ConfigError(f"--algorithm {self.algorithm} goes with --application fcw")
-            found["fcw"] = ForwardCollisionWarning(get_warning_range(self.algorithm))
+            warning_range = get_warning_range(self.algorithm)
+            found |= {name: replace(one, algorithm=warning_range) for name, one in of_fcw.items()}
         return found
 
     @property

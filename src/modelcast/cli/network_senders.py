@@ -14,7 +14,8 @@ from modelcast.models.learned import Selector
 from modelcast.station.banks import NamedBank, free_bank
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
-from modelcast.station.sender.sender import FREE_SENDERS, MODEL_SENDERS, Sender, named_sender
+from modelcast.station.sender.names import FREE_SENDERS, sends_models
+from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.study.network.rows import NO_BANK, SENDERS
 from modelcast.study.table import Row
@@ -157,7 +158,7 @@ def sender_rows(plan: NetworkPlan, policies: Iterable[str]) -> list[Row]:
     banks = named_banks(plan)
     rows: list[Row] = []
     for policy in policies:
-        own = banks if policy in MODEL_SENDERS else {NO_BANK: None}
+        own = banks if sends_models(policy) else {NO_BANK: None}
         for (bank, named), threshold_m in product(own.items(), plan.thresholds_of(policy)):
             sender = sender_of(plan, policy, bank, threshold_m=threshold_m, named=named, motion=motion)
             rules, members = sender.lanes, "+".join(member.name for member in sender.bank.members)

@@ -116,7 +116,9 @@ def sweep(
         Where the folder is of other options, an input changes meanwhile, or there is nothing to film.
     """
     plan, cases, found = asked.plan, asked.cases, asked.found
-    options, key = plan.as_plain(), plan.key()
+    options, asked_of = plan.as_plain(), [(case.radio, case.policy) for case in cases]
+    radios, policies = zip(*asked_of, strict=True)
+    key = plan.key(radios=radios, policies=policies)
     meeting = find_meeting(plan, cases[0]) if asked.film else None
     files = NetworkRunFiles(options, key)
     with (
@@ -133,7 +135,7 @@ def sweep(
         say(told(cases, len(results)))
         with watch() as progress:
             results = _run_all(asked, results, store, jobs=jobs, progress=progress)
-        if plan.key() != key:
+        if plan.key(radios=radios, policies=policies) != key:
             raise ConfigError("an input changed while it was read: run the command again")
         result = gather(results.values(), asked.senders, against=asked.against)
         store.publish(results, folder)

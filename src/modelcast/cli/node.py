@@ -192,13 +192,14 @@ def sender_of_config(config: "NodeConfig") -> "Sender":
     from modelcast.core.kinds import PEOPLE
     from modelcast.node.config import DEFAULT_BANK, PEOPLE_BANK
     from modelcast.station.banks import free_bank
-    from modelcast.station.sender.sender import FREE_SENDERS, MODEL_SENDERS, named_sender
+    from modelcast.station.sender.names import FREE_SENDERS, sends_models
+    from modelcast.station.sender.sender import named_sender
 
     own, kind = config.sending, config.station.speaks
     profile = profile_in_use(own.profile or None)
     unsaid = own.bank == DEFAULT_BANK and not own.profile
     bank = PEOPLE_BANK if unsaid and kind in PEOPLE else own.bank
-    named = bank_in_use(bank, profile=profile) if own.policy in MODEL_SENDERS else None
+    named = bank_in_use(bank, profile=profile) if sends_models(own.policy) else None
     own_bank = None if named is None else named.bank
     try:
         return named_sender(

@@ -63,10 +63,11 @@ class PeoplePlan:
         ConfigError
             Where a value is out of its range.
         """
-        from modelcast.station.sender.sender import SENDERS
+        from modelcast.cli.named_words import check_word
+        from modelcast.station.sender.names import check_sender
 
-        if self.policy is not None and self.policy not in SENDERS:
-            raise ConfigError(f"--people-policy must be of {', '.join(SENDERS)}, got {self.policy}")
+        if self.policy is not None:
+            check_word("--people-policy", check_sender, self.policy)
         if not (isfinite(self.gain_db) and self.gain_db <= 0.0):
             raise ConfigError(
                 "--people-gain and the gain of --people-height must together not be above 0 dB, a vehicle's "

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, cast
 
 from modelcast.cli.evaluate_options import EvaluateOptions
@@ -91,6 +92,7 @@ def write_run(
     inputs: Iterable[Path] = (),
     *,
     training_trips: Iterable[str] = (),
+    foreign: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
     """Write ``run.json`` into a folder.
 
@@ -106,6 +108,8 @@ def write_run(
         Files and folders it reads; every file that can be read is hashed.
     training_trips
         Identifiers of the trips that the profile in use was trained on.
+    foreign
+        Package and version of what other packages bring, as `modelcast.core.open_group.OpenGroup.origins`.
     """
     document = {
         "schema": RUN_SCHEMA,
@@ -115,6 +119,7 @@ def write_run(
             "modelcast": package_version(),
             "python": platform.python_version(),
             **{name: metadata.version(name) for name in _PACKAGES},
+            **foreign,
         },
         "inputs": recorded_inputs(inputs),
         "training_trips": list(training_trips),

@@ -123,7 +123,14 @@ def safety(
         }
         trained_on = frozenset[str]().union(*(one.trained_on or () for one in candidates))
         known = known_trips(trips, trained_on)
-        write_run(folder, "safety", asked, (*paths, *options.files, *options.losses), training_trips=known)
+        write_run(
+            folder,
+            "safety",
+            asked,
+            (*paths, *options.files, *options.losses),
+            training_trips=known,
+            foreign=options.foreign,
+        )
         with busy("writing the report", quiet=silent):
             write_safety(found, folder)
             write_safety_report(found, folder, training_trips=known, trips=len(trips), beside=beside)

@@ -38,7 +38,8 @@ class SafetyOptions:
     Parameters
     ----------
     application
-        What warns: fcw (forward collision warning) or eebl (emergency electronic brake light).
+        What warns: fcw (forward collision warning), eebl (emergency electronic brake light), or one that
+        another package adds for two vehicles; as NAME or NAME:KEY=VALUE,KEY=VALUE with settings of its own.
     algorithm
         Of fcw: camp-linear (where not given), camp-linear-miles, knipling, nhtsa, nhtsa-intermediate,
         nhtsa-early.
@@ -132,6 +133,13 @@ class SafetyOptions:
         named = [text for text in self.bank if names_profile(text)]
         return tuple(profile_path(text) for text in (self.profile, *named) if text)
 
+    @property
+    def foreign(self) -> dict[str, str]:
+        """Package and version of an application that another package brings."""
+        from modelcast.apps.registry import APPLICATIONS
+
+        return APPLICATIONS.origins([self.application])
+
     def candidates(self) -> "list[FixedCandidate]":
         """Who sends.
 
@@ -168,6 +176,7 @@ class SafetyOptions:
         """
         from modelcast.apps.brake_light import BrakeLight
         from modelcast.apps.forward_collision import ForwardCollisionWarning
+        from modelcast.apps.intersection import IntersectionAssist
         from modelcast.apps.registry import get_application
         from modelcast.apps.warning_ranges import get_warning_range
         from modelcast.core.exceptions import ConfigError
@@ -176,13 +185,15 @@ class SafetyOptions:
         if self.algorithm is not None and not isinstance(found, ForwardCollisionWarning):
             raise ConfigError(f"--algorithm goes with --application fcw, got {self.application}")
         if isinstance(found, ForwardCollisionWarning):
-            given = "camp-linear" if self.algorithm is None else self.algorithm
-            return replace(found, algorithm=get_warning_range(given), lane_half_width_m=inf)
+            given = found.algorithm if self.algorithm is None else get_warning_range(self.algorithm)
+            return replace(found, algorithm=given, lane_half_width_m=inf)
         if isinstance(found, BrakeLight):
             return replace(found, lane_half_width_m=inf)
-        raise ConfigError(
-            f"--application {self.application}: recorded pairs drive behind each other: take fcw or eebl"
-        )
+        if found.of_people or isinstance(found, IntersectionAssist):
+            raise ConfigError(
+                f"--application {self.application}: recorded pairs drive behind each other: take fcw or eebl"
+            )
+        return found
 
     def settings(
         self, sensor: str, burst_s: float, recorded: "RecordedLosses | None" = None

@@ -93,6 +93,7 @@ def run_options(options: SafetyOptions) -> dict[str, Any]:
     found["files"] = {
         "shipped": hashlib.sha256(shipped.read_bytes()).hexdigest(),
         **{path.name: sha256_of(path) for path in options.files},
+        **options.foreign,
     }
     return found
 

@@ -5,10 +5,10 @@ A package adds one in its ``pyproject.toml``::
     [project.entry-points."modelcast.radios"]
     two-ray = "two_ray.radio:TwoRay"
 
-The right side is what `OpenGroup.made` calls, most often the class itself.
+The right side is what `OpenGroup.made` calls, most often the class itself; its settings are keywords.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cache
 from importlib import import_module
@@ -16,6 +16,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Generic, TypeVar
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.named_settings import named_settings
 
 __all__ = ["OpenGroup", "Origin", "registered"]
 
@@ -127,20 +128,61 @@ entry-point group 'example.counters'.
             As `loaded`; where the call is refused; where it gives something of another kind.
         """
         maker: Callable[..., Any] = self.loaded(name)
-        if name in self.own:
-            thing = maker(*arguments, **settings)
+        if name in self.own and not settings:
+            thing = maker(*arguments)
         else:
+            owner = "modelcast" if name in self.own else _owner(self._point(name))
             try:
                 thing = maker(*arguments, **settings)
-            except (TypeError, ValueError) as error:
+            except (AttributeError, TypeError, ValueError) as error:
                 raise ConfigError(
-                    f"The {self.called} {name!r} of {_owner(self._point(name))} refuses its settings: {error}"
+                    f"The {self.called} {name!r} of {owner} refuses its settings: {error}"
                 ) from error
         if not isinstance(thing, self.kind):
             raise ConfigError(
                 f"The {self.called} registered as {name!r} is no {self.kind.__name__}: {thing!r}"
             )
         return thing
+
+    def made_from(self, text: str, *arguments: Any) -> T:
+        """Return what a user's word stands for, called with these arguments and the word's settings.
+
+        Parameters
+        ----------
+        text
+            ``NAME`` or ``NAME:KEY=VALUE,KEY=VALUE``, as `modelcast.core.named_settings` takes it apart.
+        arguments
+            Those of `made`.
+
+        Raises
+        ------
+        ConfigError
+            As `made`; where the word has another form.
+
+        Examples
+        --------
+        >>> counters = OpenGroup("example.counters", dict, called="counter", own={"plain": "builtins:dict"})
+        >>> counters.made_from("plain:size_m=3")
+        {'size_m': 3}
+        """
+        name, settings = named_settings(text)
+        return self.made(name, *arguments, **settings)
+
+    def origins(self, texts: Iterable[str]) -> dict[str, str]:
+        """Return package and version of those that other packages bring, by kind and word.
+
+        Parameters
+        ----------
+        texts
+            As for `made_from`.
+
+        Raises
+        ------
+        ConfigError
+            As for `origin`.
+        """
+        found = {text: self.origin(named_settings(text)[0]) for text in texts}
+        return {f"{self.called} {text}": str(origin) for text, origin in found.items() if origin is not None}
 
     def _point(self, name: str) -> EntryPoint:
         """The one entry point of a name that is not ours."""

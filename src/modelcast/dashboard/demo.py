@@ -108,6 +108,7 @@ class _Drive:
         self._own = self._medium.join()
         self._ways: dict[int, _Way] = {}
         self._meter = MessageMeter()
+        self._applications = {name: APPLICATIONS.made(name) for name in APPLICATIONS.own}
         self._begun_s: dict[tuple[str, int], float] = {}
 
     def step(self, truth: FleetFrame, seen: FleetFrame) -> Snapshot:
@@ -211,7 +212,7 @@ class _Drive:
         )
         theirs = believed_motions(beliefs)
         said: dict[tuple[str, int], int] = {}
-        for kind, application in APPLICATIONS.items():
+        for kind, application in self._applications.items():
             level = application.assess(mine, theirs).level
             for row in np.flatnonzero(level > Level.NONE):
                 said[kind, int(beliefs.vehicle[row])] = int(level[row])

@@ -13,10 +13,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
+from urllib.parse import quote
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.documents import plain_value
 from modelcast.io.run_store import AbstractRunFiles, write_run_file
+from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import CASE_KEYS, CASE_TABLES, RUNS, CaseResult, NetworkCase
 from modelcast.study.table import Column, Row, TableSchema
 
@@ -46,27 +48,37 @@ class RunKey:
         A hash or version of all that the run reads, by name.
     banks
         A hash of the file of each bank that is one, by the bank's name: runs of other banks do not read it.
+    foreign
+        Package and version of radios and policies that other packages bring, by what they are and their word,
+        as ``radio two-ray``: they count in runs of theirs alone.
     """
 
     version: str
     inputs: Mapping[str, str]
     banks: Mapping[str, str] = field(default_factory=dict[str, str])
+    foreign: Mapping[str, str] = field(default_factory=dict[str, str])
 
     @property
     def all_inputs(self) -> dict[str, str]:
-        """The inputs and the files of the banks, by name."""
-        return {**self.inputs, **{f"bank {name}": found for name, found in self.banks.items()}}
+        """The inputs, the files of the banks and what other packages bring, by name."""
+        return {
+            **self.inputs,
+            **{f"bank {name}": found for name, found in self.banks.items()},
+            **self.foreign,
+        }
 
-    def of(self, bank: str) -> "RunKey":
-        """The key of the runs of one bank.
+    def of(self, case: NetworkCase) -> "RunKey":
+        """The key of one run.
 
         Parameters
         ----------
-        bank
-            Its name.
+        case
+            The run.
         """
-        own = {name: found for name, found in self.banks.items() if name == bank}
-        return replace(self, banks=own)
+        banks = {name: found for name, found in self.banks.items() if name == case.bank}
+        taking = {f"radio {case.radio}", *(f"policy {one}" for one in mixed_of(case.policy).senders)}
+        foreign = {name: found for name, found in self.foreign.items() if name in taking}
+        return replace(self, banks=banks, foreign=foreign)
 
     @property
     def short(self) -> str:
@@ -89,10 +101,13 @@ def case_name(case: NetworkCase) -> str:
     'dsrc_mbc_paper_100_3'
     >>> case_name(NetworkCase(100.0, "dsrc", "mbc", "paper", 3, threshold_m=0.2))
     'dsrc_mbc_paper_0.2m_100_3'
+    >>> case_name(NetworkCase(100.0, "disc:range_m=300", "cam", "none", 3))
+    'disc%3Arange_m=300_cam_none_100_3'
     """
     density = f"{case.density_per_km:g}" if math.isfinite(case.density_per_km) else "own"
     threshold = f"_{case.threshold_m:g}m" if math.isfinite(case.threshold_m) else ""
-    return f"{case.radio}_{case.policy}_{case.bank}{threshold}_{density}_{case.run}"
+    radio, policy = (quote(word, safe="+@,=") for word in (case.radio, case.policy))
+    return f"{radio}_{policy}_{case.bank}{threshold}_{density}_{case.run}"
 
 
 def run_path(case: NetworkCase, key: RunKey, folder: Path) -> Path:
@@ -103,7 +118,7 @@ def run_path(case: NetworkCase, key: RunKey, folder: Path) -> Path:
     case, key, folder
         As for `write_case`.
     """
-    return folder / f"{case_name(case)}-{key.of(case.bank).short}.json"
+    return folder / f"{case_name(case)}-{key.of(case).short}.json"
 
 
 def write_case(
@@ -127,7 +142,7 @@ def write_case(
     document = {
         "schema": RUN_SCHEMA,
         "modelcast": key.version,
-        "inputs": key.of(case.bank).all_inputs,
+        "inputs": key.of(case).all_inputs,
         "options": dict(options),
         "run": [result.run.plain()],
         **{name: [row.plain() for row in getattr(result, name)] for name in CASE_TABLES},
@@ -163,7 +178,7 @@ def read_case(case: NetworkCase, options: Mapping[str, Any], key: RunKey, folder
         raise ConfigError(
             f"{path} was run with other options ({', '.join(changed)}): name another output folder"
         )
-    if document["modelcast"] != key.version or document["inputs"] != key.of(case.bank).all_inputs:
+    if document["modelcast"] != key.version or document["inputs"] != key.of(case).all_inputs:
         raise _refused(path, "inputs", "those of its name")
     runs = _rows(path, "run", RUNS, document["run"], case)
     if len(runs) != 1:

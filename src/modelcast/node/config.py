@@ -4,11 +4,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
+from modelcast.apps.registry import APPLICATIONS
 from modelcast.core.kinds import Kind
+from modelcast.core.named_in import NamedIn
 from modelcast.core.rules import Each, Flag, Maybe, Number, Text, Whole, check_fields
 from modelcast.node.multicast import GROUP, LOOPBACK, PORT
 from modelcast.node.toml_file import read_tables
-from modelcast.station.sender.sender import SENDERS
+from modelcast.station.sender.names import POLICIES, check_sender
 
 __all__ = [
     "DEFAULT_BANK",
@@ -98,7 +100,8 @@ class Sending(_Table):
     Parameters
     ----------
     policy
-        A name of `modelcast.station.sender.sender.SENDERS`.
+        A name of `modelcast.station.sender.names.SENDERS`, or a policy of another package, as ``NAME`` or
+        ``NAME:KEY=VALUE,KEY=VALUE``.
     bank, profile
         As for ``modelcast evaluate``; an empty profile for the shipped one, whose sub-models are those of
         vehicles: ``default`` is ``people`` for people.
@@ -110,7 +113,7 @@ class Sending(_Table):
         Time between measurements [s].
     """
 
-    policy: Annotated[str, Text(choices=SENDERS)] = "mbc"
+    policy: Annotated[str, NamedIn(POLICIES, check_sender)] = "mbc"
     bank: Annotated[str, Text(400)] = DEFAULT_BANK
     profile: Annotated[str, Text(400, empty=True)] = ""
     threshold_m: Annotated[float, Number(0.0, 100.0, over=True)] = 0.2
@@ -243,16 +246,12 @@ class Applications(_Table):
     Parameters
     ----------
     names
-        Of `modelcast.apps.registry`. A person's device has ``vru`` alone of them: the others are of two
-        vehicles.
+        Of `modelcast.apps.registry`, ours and those of other packages, each ``NAME`` or
+        ``NAME:KEY=VALUE,KEY=VALUE``. A person's device has those that are made for people, of ours ``vru``
+        alone.
     """
 
-    names: Annotated[tuple[str, ...], Each(Text(choices=("fcw", "eebl", "ima", "vru")), 0, 4)] = (
-        "fcw",
-        "eebl",
-        "ima",
-        "vru",
-    )
+    names: Annotated[tuple[str, ...], Each(NamedIn(APPLICATIONS), 0, 32)] = tuple(APPLICATIONS.own)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

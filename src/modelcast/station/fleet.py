@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.chance import child_generator
 from modelcast.core.geodesy import Origin
 from modelcast.station.arrays import MEASURED
 from modelcast.station.banks import calibrations_of, profile_number_of
@@ -20,10 +21,12 @@ from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.receiver.deliveries import Deliveries, deliveries_of
 from modelcast.station.receiver.ears import Ears
 from modelcast.station.receiver.local_dynamic_map import Beliefs
+from modelcast.station.sender.deciding import Deciding, deciding_of
 from modelcast.station.sender.message_arrays import MESSAGES_KEPT, SENDER_BITS, contents, outbox, sent_tally
 from modelcast.station.sender.octets import StationOctets, messages_of
+from modelcast.station.sender.posting_kernels import StepInputs
 from modelcast.station.sender.sender import Sender, named_sender
-from modelcast.station.sender.sending_kernels import StepInputs, send_each
+from modelcast.station.sender.sending_kernels import send_each
 from modelcast.station.sender.stations import guards_of, sender_bank, sending_stations, widest
 from modelcast.station.sensing.sensing import NOWHERE, Sensing
 from modelcast.station.sensing.sensing_kernels import forget_each, sense
@@ -142,6 +145,8 @@ class Fleet:
         self._phase = self._rng.random(slots) if slots > 1 else np.zeros(slots)
         self._bank = sender_bank(self.sender, dt_s)
         self._guards = guards_of(self.sender, self._bank)
+        self._seed = seed
+        self._deciding: Deciding | None = None
         self._spread_s, self._minute_s = spread_s, minute_s
         self._writer = StationOctets.of(
             self._bank.bank,
@@ -224,7 +229,12 @@ class Fleet:
             busy_ratio=busy,
             uniforms=self._rng.random((started.size, 4)),
         )
-        send_each(stations, inputs, self._tables, self._contents, self._outbox, self._tally, 0, started.size)
+        box, slots = (self._contents, self._outbox, self._tally), (0, started.size)
+        if self._deciding is None:
+            send_each(stations, inputs, self._tables, *box, *slots)
+        else:
+            self._deciding.decide(stations, inputs, self._tables)
+            self._deciding.post(stations, inputs, box, slots)
         self._last_s = t_s
         return self._sent()
 
@@ -426,6 +436,8 @@ class Fleet:
         self._given = given
         self._sensing = sensing.numbers(self.dt_s)
         self._stations = sending_stations(self.sender, self._bank, self._phase, sensing=sensing)
+        rng = child_generator(self._seed, "policy")
+        self._deciding = deciding_of(self.sender, self._stations, rng)
 
     def _slots(self, vehicle: IntArray) -> tuple[IntArray, BoolArray]:
         """Slot of each vehicle that measures, (N,), and which slots measure for the first time, (V,)."""

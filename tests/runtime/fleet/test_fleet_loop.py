@@ -10,6 +10,7 @@ from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.radio import Receptions
 from modelcast.channel.tabulated import ReceptionTable, TabulatedRadio
 from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.exceptions import ConfigError
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc import ModelUpdate
 from modelcast.models.bank import Bank
@@ -27,7 +28,8 @@ from modelcast.station.policy.j2945 import J2945
 from modelcast.station.receiver.heard import heard_messages
 from modelcast.station.receiver.local_dynamic_map import LocalDynamicMap
 from modelcast.station.sender import message_arrays as at
-from modelcast.station.sender.sender import SENDERS, Sender, named_sender
+from modelcast.station.sender.names import SENDERS
+from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.station.sensing.velocity import REPORTED
@@ -375,7 +377,7 @@ def test_what_erred_least_of_late_is_sent(seen: list[FleetFrame]) -> None:
 
 
 def test_an_unknown_sender_is_refused() -> None:
-    with pytest.raises(ValueError, match="sender must be one of"):
+    with pytest.raises(ConfigError, match="Unknown policy 'cow'"):
         named_sender("cow")
 
 

@@ -23,14 +23,8 @@ from modelcast.station.policy.periodic import Periodic
 from modelcast.station.sender import message_arrays as at
 from modelcast.station.sender.bank import SenderBank
 from modelcast.station.sender.lane_rules import check_rules, speaking_lanes
-from modelcast.station.sender.sender import (
-    FREE_SENDERS,
-    MODEL_SENDERS,
-    SENDERS,
-    Sender,
-    engine_parameters,
-    named_sender,
-)
+from modelcast.station.sender.names import FREE_SENDERS, MODEL_SENDERS, SENDERS
+from modelcast.station.sender.sender import Sender, engine_parameters, named_sender
 from modelcast.station.sender.stations import guards_of, sender_bank, sending_stations, widest
 from modelcast.station.sender.timed_kernels import timers
 from modelcast.station.sensing.motion_filter import MotionFilter

@@ -24,8 +24,9 @@ from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.policy.neighbours_kernels import NeighbourTables
 from modelcast.station.policy.periodic import Periodic
 from modelcast.station.sender import message_arrays as at
+from modelcast.station.sender.posting_kernels import StepInputs
 from modelcast.station.sender.sender import Sender, engine_parameters
-from modelcast.station.sender.sending_kernels import StepInputs, send_each
+from modelcast.station.sender.sending_kernels import send_each
 from modelcast.station.sender.stations import sender_bank, sending_stations, widest
 from modelcast.station.sensing.sensing import Sensing
 from modelcast.station.sensing.sensing_kernels import sense

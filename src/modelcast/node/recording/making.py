@@ -13,7 +13,8 @@ from modelcast.node.envelope import AbstractEnvelope, Unsecured
 from modelcast.node.recording.about import About
 from modelcast.node.toml_file import lines_of, tables_of
 from modelcast.station.banks import profile_number_of
-from modelcast.station.sender.sender import MODEL_SENDERS, Sender
+from modelcast.station.sender.names import sends_models
+from modelcast.station.sender.sender import Sender
 
 if TYPE_CHECKING:
     from modelcast.node.credentials import Credentials
@@ -103,7 +104,7 @@ def profile_of(config: NodeConfig, sender: Sender) -> int | None:
     config, sender
         Of the node.
     """
-    return profile_number_of(sender.bank) if config.sending.policy in MODEL_SENDERS else None
+    return profile_number_of(sender.bank) if sends_models(config.sending.policy) else None
 
 
 def config_of(about: About, path: str) -> NodeConfig:

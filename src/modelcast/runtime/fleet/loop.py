@@ -57,8 +57,8 @@ from modelcast.station.sender.message_arrays import (
     contents,
 )
 from modelcast.station.sender.octets import SentMessages, messages_of
+from modelcast.station.sender.posting_kernels import SendingStations, StepInputs
 from modelcast.station.sender.sender import Sender
-from modelcast.station.sender.sending_kernels import SendingStations, StepInputs
 from modelcast.station.sensing.sensing import Sensing
 from modelcast.world.scenario.base import FleetFrame
 from modelcast.world.scenario.sensed import FleetSensor, FleetSensorState
@@ -156,7 +156,7 @@ class FleetLoop:
         # A part begins with the first slot of a group of `SentTally`.
         edges = [-(-moving * part // self._work.number) for part in range(self._work.number + 1)]
         self._parts = list(pairwise(edges))
-        self.speakers = _speakers(self.senders, settings, phase, self._parts, sensing)
+        self.speakers = _speakers(self.senders, settings, phase, self._parts, sensing, seed=seed)
         self._ready = ReadyBank.joined([one.bank.ready for one in self.speakers])
         self._members = self._ready.members
         shared = len(self.speakers) == 1 and self.units is None
@@ -221,7 +221,7 @@ class FleetLoop:
             self._speaker[:] = self.devices.person
         frame, seen = with_slots(frame, self._fixed), with_slots(seen, self._fixed)
         before = self.sent.total
-        busy_ratio = self.radio.channel_busy_ratio(self._radio_state)
+        busy_ratio = _busy_ratio(self.radio, self._radio_state, self.vehicle.size)
         truth_m = np.where(frame.active[:, None], frame.position_m, np.nan)
         started = self._sense(frame, seen)
         if settings.counted_m is not None:
@@ -394,6 +394,8 @@ class FleetLoop:
             ),
         )
         inputs = [one.inputs(given, first=self.number == 0) for one in self.speakers]
+        for one, own in zip(self.speakers, inputs, strict=True):
+            one.decide(own, self.tables)
 
         def work(part: int) -> None:
             for one, own in zip(self.speakers, inputs, strict=True):
@@ -431,6 +433,7 @@ class FleetLoop:
         if self.units is not None:
             batch = self.units.add(batch, truth_m, now_s, until_s)
         received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s, self._work)
+        _check_receptions(received, self.vehicle.size, self.radio)
         if self.units is not None:
             received = self.units.hear(received, busy_ratio[self.units.slots])
         return replace(received, t_s=received.t_s - shift_s) if shift_s != 0.0 else received
@@ -632,6 +635,8 @@ def _speakers(
     phase: FloatArray,
     parts: list[tuple[int, int]],
     sensing: Sensing | None,
+    *,
+    seed: int,
 ) -> list[Speakers]:
     """One group a sender; what stations hold of their messages is that of their slots, whoever is there."""
     found: list[Speakers] = []
@@ -642,6 +647,7 @@ def _speakers(
             Speakers(
                 sender, settings, phase,
                 parts=parts, groups=PARTS, sensing=sensing, first_member=first, shared=shared,
+                rng=child_generator(seed, "policy", len(found)),
             )
         )  # fmt: skip
         first += len(found[-1].bank.bank.members)
@@ -665,3 +671,26 @@ def _capacity(first: FleetFrame, settings: NetworkSettings, devices: Devices | N
         near = min(near, devices.most_in_reach(first))
     most = near * len(first) / max(first.active.sum(), 1)
     return int(min(len(first) + _SPARE_SLOTS, int(1.5 * most) + _SPARE_SLOTS, 2**15 - 1))
+
+
+def _busy_ratio(radio: AbstractRadio[Any], state: Any, vehicles: int) -> FloatArray:
+    """The busy ratio that a radio measured; refused where it is not one a vehicle."""
+    found = radio.channel_busy_ratio(state)
+    if found.shape != (vehicles,) or not ((found >= 0.0) & (found <= 1.0)).all():
+        raise ValueError(
+            f"{type(radio).__name__}: channel_busy_ratio must be ({vehicles},) within 0..1, got {found}"
+        )
+    return found
+
+
+def _check_receptions(received: Receptions, vehicles: int, radio: AbstractRadio[Any]) -> None:
+    """Refuse receptions that hosts cannot look up."""
+    try:
+        received.check(vehicles)
+    except ValueError as error:
+        raise ValueError(f"{type(radio).__name__}: {error}") from error
+    unknown = (received.message_id & ((1 << SENDER_BITS) - 1)) >= vehicles
+    if unknown.any():
+        raise ValueError(
+            f"{type(radio).__name__}: message {int(received.message_id[unknown][0])} was never sent"
+        )

@@ -18,9 +18,10 @@ from modelcast.station.arrays import MEASURED
 from modelcast.station.context.knowledge import Knowledge
 from modelcast.station.policy.neighbours_kernels import NeighbourTables
 from modelcast.station.sender import sending_kernels
+from modelcast.station.sender.deciding import deciding_of
 from modelcast.station.sender.message_arrays import Contents, Senders, SentTally, outbox, sent_tally
+from modelcast.station.sender.posting_kernels import StepInputs
 from modelcast.station.sender.sender import Sender
-from modelcast.station.sender.sending_kernels import StepInputs
 from modelcast.station.sender.stations import guards_of, sender_bank, sending_stations, widest
 from modelcast.station.sensing.sensing import NOWHERE, Sensing
 from modelcast.station.sensing.sensing_kernels import forget_each, sense
@@ -63,6 +64,8 @@ class Speakers:
         First and end slot of each part of the fleet.
     groups
         For how many groups of slots sums are kept.
+    rng
+        Of a policy in NumPy.
     sensing
         How they read their measurements; None for all columns measured, and the sender's filter.
     first_member
@@ -79,6 +82,7 @@ class Speakers:
         *,
         parts: list[tuple[int, int]],
         groups: int,
+        rng: np.random.Generator,
         sensing: Sensing | None,
         first_member: int = 0,
         shared: Senders | None = None,
@@ -89,6 +93,7 @@ class Speakers:
         if shared is not None:
             own = self.stations.senders.vehicle
             self.stations = self.stations._replace(senders=shared._replace(vehicle=own))
+        self._deciding = deciding_of(sender, self.stations, rng)
         self.outboxes = [outbox(end - begin) for begin, end in parts]
         self.tallies = [sent_tally(groups) for _ in parts]
         self.vehicle_steps = 0
@@ -187,10 +192,24 @@ class Speakers:
         tables, contents
             The fleet's.
         """
-        sending_kernels.send_each(
-            self.stations, inputs, tables, contents, self.outboxes[part], self.tallies[part],
-            *self._parts[part],
-        )  # fmt: skip
+        box, slots = (contents, self.outboxes[part], self.tallies[part]), self._parts[part]
+        if self._deciding is None:
+            sending_kernels.send_each(self.stations, inputs, tables, *box, *slots)
+        else:
+            self._deciding.post(self.stations, inputs, box, slots)
+
+    def decide(self, inputs: StepInputs, tables: NeighbourTables) -> None:
+        """Ask a policy in NumPy about all stations at once; others are asked as they send.
+
+        Parameters
+        ----------
+        inputs
+            What stations know.
+        tables
+            The fleet's.
+        """
+        if self._deciding is not None:
+            self._deciding.decide(self.stations, inputs, tables)
 
     def inputs(self, given: StepInputs, *, first: bool) -> StepInputs:
         """Return what stations of a step know, with what only these do.

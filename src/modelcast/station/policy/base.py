@@ -1,25 +1,33 @@
 """What a transmit policy is: ``init`` and ``decide`` over a batch of vehicles, state passed in and out."""
 
 import abc
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, fields, is_dataclass, replace
 from enum import IntEnum
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.station.policy import dcc_kernels
 from modelcast.station.policy import error_driven_kernels as kernels
-from modelcast.station.policy.policy_numbers import PolicyNumbers
+from modelcast.station.policy.j2945_parameters import J2945Parameters
+from modelcast.station.policy.policy_numbers import RULE_PLAIN, PolicyNumbers
 
 __all__ = [
+    "MOST_POWER_DBM",
     "AbstractTransmitPolicy",
     "Air",
     "Decisions",
     "MessageKind",
     "Motion",
     "TransmitInputs",
+    "at_threshold",
     "required",
+    "takes_threshold",
 ]
+
+MOST_POWER_DBM = J2945Parameters().max_power_dbm
+"""Most that a policy may ask for: the most of SAE J2945/1 [dBm]."""
 
 State = TypeVar("State")
 
@@ -114,6 +122,8 @@ class TransmitInputs:
         What the vehicles measure of themselves.
     air
         What they know of the channel.
+    in_use
+        Sub-model of the last update, -1 before the first, (B,); None where the policy keeps it itself.
     """
 
     t_s: FloatArray
@@ -127,9 +137,23 @@ class TransmitInputs:
     legacy_error_m: FloatArray | None = None
     motion: Motion | None = None
     air: Air | None = None
+    in_use: IntArray | None = None
+
+    @property
+    def error_in_use_m(self) -> FloatArray:
+        """Tracking error of the sub-model of the last update, infinite before the first, (B,) [m].
+
+        Raises
+        ------
+        ValueError
+            Where `in_use` is None.
+        """
+        in_use = required(self.in_use, "in_use", "error_in_use_m")
+        error_m = self.tracking_error_m[np.arange(in_use.size), np.maximum(in_use, 0)]
+        return np.where(in_use >= 0, error_m, np.inf)
 
 
-Part = TypeVar("Part", Motion, Air, FloatArray)
+Part = TypeVar("Part", Motion, Air, FloatArray, IntArray)
 
 
 def required(part: Part | None, name: str, policy: str) -> Part:
@@ -154,7 +178,7 @@ class Decisions:
     kind
         `MessageKind` values, (B,).
     in_use
-        Index of the sub-model, (B,).
+        Index of the sub-model, (B,); of a policy in NumPy -1 where the station chooses, by its start rule.
     send_s
         When the message is handed to the radio, infinite where there is none, (B,) [s].
     power_dbm
@@ -171,6 +195,41 @@ class Decisions:
     power_dbm: FloatArray
     believed: BoolArray
 
+    def check(self, inputs: TransmitInputs) -> None:
+        """Refuse what a station cannot do.
+
+        Parameters
+        ----------
+        inputs
+            What was known.
+
+        Raises
+        ------
+        ValueError
+            Where there is not one decision a vehicle; a kind is neither nothing, an update nor a keep-alive;
+            a sub-model named for a message is out of range or has no full window; a message is to leave
+            before now or after the interval; or a power is above `MOST_POWER_DBM`.
+        """
+        rows, members = inputs.available.shape
+        for name in ("kind", "in_use", "send_s", "power_dbm", "believed"):
+            shape = getattr(self, name).shape
+            if shape != (rows,):
+                raise ValueError(f"{name} must have shape {(rows,)}, got {shape}")
+        allowed = (MessageKind.NOTHING, MessageKind.UPDATE, MessageKind.KEEP_ALIVE)
+        _refuse(~np.isin(self.kind, allowed), "kind", self.kind, "nothing, an update or a keep-alive")
+        sends = self.kind != MessageKind.NOTHING
+        outside = sends & ((self.in_use < -1) | (self.in_use >= members))
+        expected = f"-1, for the station's choice, or a sub-model below {members}"
+        _refuse(outside, "in_use", self.in_use, expected)
+        serves = inputs.available[np.arange(rows), np.clip(self.in_use, 0, members - 1)]
+        lacks = sends & (self.in_use >= 0) & ~serves
+        _refuse(lacks, "in_use", self.in_use, "a sub-model that is available")
+        until_s = np.inf if inputs.until_s is None else inputs.until_s
+        late = sends & ~((self.send_s >= inputs.t_s) & (self.send_s < until_s))
+        _refuse(late, "send_s", self.send_s, "within t_s and until_s, the end excluded")
+        loud = sends & (np.isinf(self.power_dbm) | (self.power_dbm > MOST_POWER_DBM))
+        _refuse(loud, "power_dbm", self.power_dbm, f"NaN or at most {MOST_POWER_DBM:g} dBm")
+
     @classmethod
     def at_once(cls, kind: IntArray, in_use: IntArray, t_s: FloatArray) -> "Decisions":
         """Messages that leave now, at the radio's own power, and are taken for received."""
@@ -184,13 +243,33 @@ class Decisions:
         )
 
 
+def _refuse(wrong: BoolArray, name: str, values: IntArray | FloatArray, expected: str) -> None:
+    """Refuse the first value that is wrong."""
+    if wrong.any():
+        raise ValueError(f"{name} must be {expected}, got {values[np.flatnonzero(wrong)[0]]}")
+
+
 class AbstractTransmitPolicy(abc.ABC, Generic[State]):
-    """Decides what each of B vehicles transmits, from its own past alone."""
+    """Decides what each of B vehicles transmits, from its own past alone.
+
+    Who writes one gives `longest_silence_s`, `init` and `decide`, in NumPy over all vehicles at once. Another
+    package adds its own in the entry-point group ``modelcast.policies``
+    (`modelcast.station.sender.registry`). A state is None, an array with a row a vehicle, or a tuple or
+    dataclass of such arrays: stations take rows out and put them back as vehicles come and go.
+
+    A policy with a setting `threshold_m` is run at each threshold that a command is given.
+    """
+
+    __slots__ = ()
 
     @property
-    @abc.abstractmethod
     def numbers(self) -> PolicyNumbers:
-        """The rule as the compiled station takes it."""
+        """The rule as the compiled station takes it: here that `decide` is asked."""
+        nothing, standard = np.zeros(1), J2945Parameters()
+        critical_mps2 = standard.critical_deceleration_mps2
+        return PolicyNumbers(
+            RULE_PLAIN, standard.constants(), dcc_kernels.NONE, nothing, 0.0, 0.0, critical_mps2
+        )
 
     @property
     @abc.abstractmethod
@@ -206,3 +285,32 @@ class AbstractTransmitPolicy(abc.ABC, Generic[State]):
         self, state: State, inputs: TransmitInputs, rng: np.random.Generator
     ) -> tuple[Decisions, State]:
         """Return the decisions of one instant and the state after it; the given state is left alone."""
+
+
+def takes_threshold(policy: AbstractTransmitPolicy[Any]) -> bool:
+    """Whether a policy has a setting `threshold_m`.
+
+    Parameters
+    ----------
+    policy
+        The policy.
+    """
+    return is_dataclass(policy) and any(one.name == "threshold_m" for one in fields(policy))
+
+
+def at_threshold(policy: AbstractTransmitPolicy[Any], threshold_m: float) -> AbstractTransmitPolicy[Any]:
+    """Return a policy at a threshold; itself where it has none.
+
+    Parameters
+    ----------
+    policy
+        The policy.
+    threshold_m
+        The threshold [m].
+
+    Raises
+    ------
+    ValueError
+        Where it refuses the threshold.
+    """
+    return replace(cast("Any", policy), threshold_m=threshold_m) if takes_threshold(policy) else policy

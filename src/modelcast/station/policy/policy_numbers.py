@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 from modelcast.core.kernel_types import FloatVector
 
-__all__ = ["RULE_CAM", "RULE_ERROR_DRIVEN", "RULE_J2945", "RULE_PERIODIC", "PolicyNumbers"]
+__all__ = ["RULE_CAM", "RULE_ERROR_DRIVEN", "RULE_J2945", "RULE_PERIODIC", "RULE_PLAIN", "PolicyNumbers"]
 
-RULE_PERIODIC, RULE_ERROR_DRIVEN, RULE_J2945, RULE_CAM = range(4)
-"""Codes of the rules."""
+RULE_PERIODIC, RULE_ERROR_DRIVEN, RULE_J2945, RULE_CAM, RULE_PLAIN = range(5)
+"""Codes of the rules; the last is decided in NumPy, between two compiled steps."""
 
 
 class PolicyNumbers(NamedTuple):

@@ -26,7 +26,7 @@ from modelcast.station.sender.message_arrays import (
     MESSAGES_KEPT,
     Contents,
 )
-from modelcast.station.sender.sending_kernels import SendingStations
+from modelcast.station.sender.posting_kernels import SendingStations
 from modelcast.station.sensing.rates import NO_RATES_BELOW_MPS
 
 __all__ = ["SentMessages", "StationOctets", "messages_of"]

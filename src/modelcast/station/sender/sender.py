@@ -45,45 +45,16 @@ from modelcast.station.policy.j2945_parameters import (
 from modelcast.station.policy.periodic import Periodic
 from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
 from modelcast.station.sender.lane_rules import check_rules
+from modelcast.station.sender.names import FREE_SENDERS, SENDERS, check_sender, plain_policy, sends_models
 from modelcast.station.sensing.motion_filter import MotionFilter
 
 __all__ = [
-    "ERROR_SENDERS",
-    "FREE_SENDERS",
-    "MODEL_SENDERS",
-    "SENDERS",
     "THRESHOLD_STARTS",
     "TIMED_STARTS",
     "Sender",
     "engine_parameters",
     "named_sender",
 ]
-
-SENDERS = (
-    "bsm-10hz",
-    "baseline",
-    "free",
-    "mbc",
-    "j2945",
-    "j2945-filtered",
-    "j2945-free",
-    "j2945-free-relaxed",
-    "j2945-free-relaxed-5",
-    "j2945-mbc",
-    "j2945-mbc-relaxed",
-    "j2945-mbc-relaxed-5",
-    "cam",
-)
-"""Names that `named_sender` knows."""
-
-MODEL_SENDERS = tuple(name for name in SENDERS if "mbc" in name)
-"""Those that send models; the others send basic safety messages, and no bank makes a difference to them."""
-
-FREE_SENDERS = tuple(name for name in SENDERS if "free" in name)
-"""Those whose plain messages are coasted by the best free sub-model, whatever the bank of the others."""
-
-ERROR_SENDERS = ("baseline", "free", "mbc")
-"""Those that a tracking error over a threshold calls; timers call the others."""
 
 THRESHOLD_STARTS = ("guarded", "hindsight", "predicted")
 """Start rules that judge sub-models by a threshold, also where timers call for messages."""
@@ -282,7 +253,7 @@ def _bank_of(name: str, bank: Bank | None) -> Bank:
                 f"{name} sends plain messages: its bank is one free sub-model, got {chosen.name}"
             )
         return chosen
-    if name not in MODEL_SENDERS:
+    if not sends_models(name):
         return BASELINE_BANK
     return default_profile().bank if bank is None else bank
 
@@ -311,7 +282,8 @@ def named_sender(
     Parameters
     ----------
     name
-        One of `SENDERS`.
+        One of `modelcast.station.sender.names.SENDERS`, or a policy of another package, as
+        `modelcast.station.sender.names.check_sender` takes it; what it sends is fitted as under timers.
     bank
         Sub-models of those that send models; None for the shipped profile's. Of the free ones, a bank of one
         free sub-model; None for `free_bank`.
@@ -340,15 +312,15 @@ def named_sender(
 
     Raises
     ------
+    ConfigError
+        Where there is no such name, or a policy refuses its settings.
     ValueError
-        Where there is no such name, an error is not positive, a bank of a free one says more than Part I
+        Where an error is not positive, a bank of a free one says more than Part I
         does, or a rule does not go with the sender.
     """
-    if name not in SENDERS:
-        raise ValueError(f"sender must be one of {', '.join(SENDERS)}, got {name!r}")
+    check_sender(name)
     if relaxed_error_m is not None and not relaxed_error_m > 0.0:
         raise ValueError(f"relaxed_error_m must be positive, got {relaxed_error_m}")
-    sends_models = name in MODEL_SENDERS
     own = MotionFilter() if motion is None else motion
     chosen = _bank_of(name, bank)
     within_m = _WITHIN_M
@@ -386,7 +358,9 @@ def named_sender(
             approach_m=approach_m,
             legacy_threshold_m=legacy_threshold_m,
         )
-    elif sends_models:
+    elif sends_models(name):
+        if name not in SENDERS:
+            policy = plain_policy(name, threshold_m)
         first = unguarded(start or "recent")
         if identify not in {None, "never"}:
             raise ValueError(

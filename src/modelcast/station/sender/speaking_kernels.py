@@ -30,7 +30,7 @@ from modelcast.station.sender.fitting_kernels import SenderModels, distance_to, 
 from modelcast.station.sender.motion_kernels import displace_straight, state_motion
 from modelcast.station.sender.starting_kernels import available, chosen
 
-__all__ = ["SCRATCH", "compose", "followed", "forget_lane", "hold", "speak", "speak_through"]
+__all__ = ["SCRATCH", "compose", "followed", "forget_lane", "hold", "member_error", "speak", "speak_through"]
 
 SCRATCH = 5
 """Numbers that these steps overwrite."""
@@ -53,7 +53,7 @@ def forget_lane(lanes: Lanes, b: int) -> None:
 
 
 @kernel(inlined=True)
-def _error(
+def member_error(
     models: SenderModels,
     s: Sensed,
     rules: LaneRules,
@@ -76,7 +76,7 @@ def _expected_error(
     models: SenderModels, s: Sensed, rules: LaneRules, lanes: Lanes, b: int, at: int, scratch: FloatVector
 ) -> float:
     """Mean tracking error over what a remote may hold, each of the last messages by its probability."""
-    newest = _error(models, s, rules, lanes, b, at, lanes.in_use[b], scratch)
+    newest = member_error(models, s, rules, lanes, b, at, lanes.in_use[b], scratch)
     loss, olders = float(lanes.loss[b]), lanes.olders[b]
     if loss <= 0.0 or olders == 0:
         return newest
@@ -125,7 +125,7 @@ def _ask(
         silent = t_s - lanes.message_s[b] >= _longest_s(s, rules, b, at) - _TIME_SLACK_S
         return KEEP_ALIVE if silent else NOTHING
     for m in range(models.members.windows.size):
-        lanes.errors[b, m] = _error(models, s, rules, lanes, b, at, m, scratch)
+        lanes.errors[b, m] = member_error(models, s, rules, lanes, b, at, m, scratch)
     kind, lanes.in_use[b] = step(
         lanes.errors[b],
         lanes.failed_s[b],

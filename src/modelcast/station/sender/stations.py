@@ -9,8 +9,8 @@ from modelcast.station.policy.hindsight_kernels import LAGS_S
 from modelcast.station.sender.bank import SenderBank
 from modelcast.station.sender.lane_rules import speaking_lanes
 from modelcast.station.sender.message_arrays import FleetNumbers, senders
+from modelcast.station.sender.posting_kernels import SendingStations
 from modelcast.station.sender.sender import Sender
-from modelcast.station.sender.sending_kernels import SendingStations
 from modelcast.station.sender.timed_kernels import timers
 from modelcast.station.sensing.sensing import Sensing
 

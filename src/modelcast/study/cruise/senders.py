@@ -10,7 +10,8 @@ from dataclasses import replace
 from modelcast.models.bank import Bank
 from modelcast.station.policy.error_driven import LOSS_BUDGET
 from modelcast.station.policy.periodic import Periodic
-from modelcast.station.sender.sender import ERROR_SENDERS, MODEL_SENDERS, SENDERS, Sender, named_sender
+from modelcast.station.sender.names import ERROR_SENDERS, MODEL_SENDERS, SENDERS
+from modelcast.station.sender.sender import Sender, named_sender
 
 __all__ = ["has_threshold", "is_sender", "platoon_sender"]
 

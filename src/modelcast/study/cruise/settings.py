@@ -9,7 +9,7 @@ from modelcast.apps.cruise.path import PathCacc
 from modelcast.channel.erasure import GilbertElliott, Ideal, IndependentErasure
 from modelcast.runtime.platoon.drive import DriveSettings
 from modelcast.station.policy.error_driven import LOSS_BUDGET
-from modelcast.station.sender.sender import SENDERS
+from modelcast.station.sender.names import SENDERS
 from modelcast.study.cruise.senders import has_threshold, is_sender
 from modelcast.world.platoon.leaders import AbstractLeader, Sinusoid
 

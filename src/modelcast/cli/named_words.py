@@ -1,0 +1,68 @@
+"""A word on the command line that names one of an open group: refused with its option."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from modelcast.core.exceptions import ConfigError
+
+if TYPE_CHECKING:
+    from modelcast.station.policy.base import AbstractTransmitPolicy
+
+__all__ = ["check_word", "policy_origins", "policy_that_decides"]
+
+
+def check_word(option: str, check: Callable[[str], object], word: str) -> None:
+    """Refuse a word that names nothing.
+
+    Parameters
+    ----------
+    option
+        Where it stands, ``--radio`` for one.
+    check
+        Refuses it by a ConfigError.
+    word
+        As the user gives it.
+
+    Raises
+    ------
+    ConfigError
+        As the check, with the option.
+    """
+    try:
+        check(word)
+    except ConfigError as error:
+        raise ConfigError(f"{option}: {error}") from error
+
+
+def policy_that_decides(word: str) -> "AbstractTransmitPolicy[Any]":
+    """The policy that ``--policy`` names over recorded trips, which ``--threshold`` runs at each threshold.
+
+    Parameters
+    ----------
+    word
+        As the user gives it.
+
+    Raises
+    ------
+    ConfigError
+        Where it is no policy of another package, or sets a threshold of its own.
+    """
+    from modelcast.station.sender.names import foreign_policy, sets_threshold
+
+    check_word("--policy", foreign_policy, word)
+    if sets_threshold(word):
+        raise ConfigError(f"--policy {word}: leave threshold_m out and give --threshold")
+    return foreign_policy(word)
+
+
+def policy_origins(word: str | None) -> dict[str, str]:
+    """Package and version of what ``--policy`` names over recorded trips; nothing where it is not given.
+
+    Parameters
+    ----------
+    word
+        As the user gives it.
+    """
+    from modelcast.station.sender.names import POLICIES
+
+    return {} if word is None else POLICIES.origins([word])
