@@ -56,6 +56,9 @@ if TYPE_CHECKING:
     from modelcast.interface.training import train_profile as train_profile
     from modelcast.interface.warnings import WarningEvaluation as WarningEvaluation
     from modelcast.interface.warnings import evaluate_warnings as evaluate_warnings
+    from modelcast.io.base import AbstractTripReader as AbstractTripReader
+    from modelcast.io.base import Tally as Tally
+    from modelcast.io.base import ignore_skipped as ignore_skipped
     from modelcast.io.profile import read_profile as read_profile
     from modelcast.io.profile import write_profile as write_profile
     from modelcast.io.results import write_results as write_results
@@ -163,6 +166,7 @@ _HOMES = {
     "AbstractRadio": "channel.radio",
     "AbstractRadioSimulator": "channel.external_radio",
     "AbstractTransmitPolicy": "station.policy.base",
+    "AbstractTripReader": "io.base",
     "Air": "station.policy.base",
     "Authority": "messages.security.authority",
     "Bank": "models.bank",
@@ -235,6 +239,7 @@ _HOMES = {
     "Sinusoid": "world.platoon.leaders",
     "Station": "station.station",
     "SubModelIdentification": "messages.mbc",
+    "Tally": "io.base",
     "TrainedCandidate": "study.compare.candidate",
     "Trajectory": "trips.trajectory",
     "Transmissions": "channel.radio",
@@ -266,6 +271,7 @@ _HOMES = {
     "get_application": "apps.registry",
     "heard_messages": "station.receiver.heard",
     "highway_input": "io.sumo_roads",
+    "ignore_skipped": "io.base",
     "make_case": "study.case",
     "measure_drive": "study.cruise.measure",
     "modified_time_to_collision_s": "apps.surrogates",

@@ -50,3 +50,35 @@ print(sender.policy, sum(sent), sent[5::5])
 """
     said = python_with(("forecast_policy",), "-c", script, str(place)).stdout
     assert "Forecast(threshold_m=0.2, ahead_s=0.2, longest_s=0.5) 9 [1, 1, 1, 1, 1, 1, 1, 1]" in said
+
+
+def test_an_evaluation_and_a_comparison_are_driven_by_it(python_with, tmp_path):
+    """Errors are forecast to grow, so it sends more often than the error-driven policy."""
+    script = """
+import sys
+from modelcast.io.write_trips import write_csv
+import modelcast
+write_csv([modelcast.generate_drive(seed=0, duration_s=90.0).truth], sys.argv[1])
+"""
+    drive = tmp_path / "drive.csv"
+    python_with((), "-c", script, str(drive))
+    shared = ("--threshold", "0.3", "--per", "0.2", "--seeds", "1", "--no-references", "--quiet")
+    rates: dict[str, float] = {}
+    for name, more in (("own", ()), ("forecast", ("--policy", "forecast:longest_s=10"))):
+        out = tmp_path / name
+        python_with(
+            ("forecast_policy",), "-m", "modelcast", "evaluate", str(drive), *shared, *more, "--out", str(out)
+        )
+        rows = json.loads((out / "summary.json").read_text())["rates"]
+        rates[name] = next(row["total_rate_hz"] for row in rows if row["policy"] == "mbc")
+    assert rates["forecast"] > rates["own"]
+    run = json.loads((tmp_path / "forecast" / "run.json").read_text())
+    assert run["versions"]["policy forecast:longest_s=10"] == "forecast-policy 1.0.0"
+    settings = json.loads((tmp_path / "forecast" / "summary.json").read_text())["settings"]
+    assert settings["policy"] == "Forecast(threshold_m=0.2, ahead_s=0.2, longest_s=10)"
+    compared = ("compare", str(drive), "--bank", "cv", "default", "--policy", "forecast", *shared)
+    out = tmp_path / "compared"
+    protocol = ("--protocol", "recorded", "--out", str(out))
+    python_with(("forecast_policy",), "-m", "modelcast", *compared, *protocol)
+    run = json.loads((out / "run.json").read_text())
+    assert run["versions"]["policy forecast"] == "forecast-policy 1.0.0"

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +13,10 @@ import modelcast
 from modelcast.cli.app import run
 from modelcast.core.exceptions import ConfigError
 from modelcast.interface.result import AbstractFrames
-from modelcast.interface.row_frames import rows_frame
 from modelcast.io.comparison import write_comparison
 from modelcast.io.results import write_results
-from modelcast.study.compare.result import RatioRow
 from modelcast.study.evaluate import evaluate as evaluate_trips
-from modelcast.study.network.rows import CASE_KEYS, RunRow
+from modelcast.study.network.rows import CASE_KEYS
 from modelcast.study.result import EvaluationResult
 
 SMALL = modelcast.EvaluationSettings((0.3, 0.5), (0.0, 0.4), seeds=2)
@@ -69,9 +66,7 @@ def test_a_frame_has_a_row_a_row_and_the_fields_of_the_rows(found: Any) -> None:
 def test_numbers_of_a_frame_are_those_of_the_rows(evaluation: Any, comparison: Any, network: Any) -> None:
     rows = evaluation.result.rates
     assert evaluation.rates["total_rate_hz"].to_list() == [row.total_rate_hz for row in rows]
-    assert comparison.ratios.rows() == [
-        tuple(getattr(row, field.name) for field in fields(RatioRow)) for row in comparison.result.ratios
-    ]
+    assert comparison.ratios.rows() == [row.values for row in comparison.result.ratios]
     assert network.runs["busy_ratio"].to_list() == [row.busy_ratio for row in network.result.runs]
     assert network.headline.columns[-5:] == [
         "message_rate_hz", "bytes_per_s", "busy_ratio", "held_ratio", "pte_p90_m",
@@ -172,23 +167,25 @@ def test_runs_that_could_not_be_told_apart_are_refused() -> None:
         modelcast.simulate_network([], "bsm-10hz", runs=RUNS)
 
 
+@pytest.mark.parametrize(
+    ("radios", "names"),
+    [
+        ("ideal", ["ideal"]),
+        (["dsrc", "ideal"], ["dsrc", "ideal"]),
+        (modelcast.Dsrc(), ["dsrc"]),
+        ({"one": modelcast.Dsrc(), "other": modelcast.Dsrc()}, ["one", "other"]),
+    ],
+)
+def test_radios_are_named_given_or_both(radios: Any, names: list[str]) -> None:
+    runs = modelcast.FleetRuns(1.0, settings=modelcast.NetworkSettings(warm_up_s=0.5))
+    found = modelcast.simulate_network(modelcast.Highway(500.0, 20.0), "bsm-10hz", radios, runs)
+    assert found.runs["radio"].to_list() == names
+
+
 @pytest.mark.parametrize(("changes", "message"), [({"seeds": 0}, "seeds"), ({"duration_s": 1.0}, "warm-up")])
 def test_runs_are_checked(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         modelcast.FleetRuns(**{"duration_s": 30.0, **changes})
-
-
-def test_rows_become_columns_by_their_fields() -> None:
-    @dataclass
-    class Row:
-        name: str
-        over_limits: tuple[float | None, float | None]
-        flag: bool
-
-    frame = rows_frame([Row("a", (0.1, None), flag=True)], Row)
-    assert frame.to_dicts() == [{"name": "a", "over_low": 0.1, "over_high": None, "flag": True}]
-    assert rows_frame([], RunRow).schema["run"] == pl.Int64
-    assert rows_frame([], Row).schema == frame.schema
 
 
 def test_warnings_are_those_of_the_command(tmp_path: Path, data_folder: Path) -> None:

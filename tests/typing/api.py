@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import assert_type
 
 import numpy as np
+import polars as pl
+from matplotlib.figure import Figure
 
 import modelcast
 from modelcast import (
@@ -14,6 +16,7 @@ from modelcast import (
     CompareSettings,
     ConstantVelocity,
     ErrorDriven,
+    Evaluation,
     EvaluationResult,
     EvaluationSettings,
     FixedCandidate,
@@ -51,10 +54,20 @@ def evaluate_files(paths: list[Path]) -> list[Path]:
         (0.2, 0.5), (0.0, 0.4), seeds=3, bank=bank, start="survivor", identify="final"
     )
     result = evaluate(read_trips(paths), settings, progress=show)
-    assert_type(result, EvaluationResult)
-    assert_type(result.rates[0].update_rate_hz, float)
-    assert_type(result.tracking[0].pte_p90_low_m, float | None)
-    return write_results(result, Path("out"))
+    assert_type(result, Evaluation)
+    assert_type(result.rates, pl.DataFrame)
+    assert_type(result.plot.rates(), Figure)
+    assert_type(result.result, EvaluationResult)
+    return [*write_results(result, Path("out")), *result.report("out")]
+
+
+def evaluate_frame(frame: pl.DataFrame, path: str) -> list[str]:
+    """Evaluate a data frame and a path, and ask for trips by their places."""
+    trips = read_trips([path, frame], columns={"t": "clock", "east": "x", "north": "y"})
+    assert_type(trips[0], Trajectory)
+    assert_type(trips[1:], list[Trajectory])
+    results = [evaluate(given) for given in (path, frame, trips, trips[0], [trips[0], frame])]
+    return [repr(result) for result in results]
 
 
 def use_profiles(path: Path, trips: list[Trajectory]) -> str:
@@ -73,9 +86,9 @@ def learn(trips: Sequence[Trajectory], settings: EvaluationSettings) -> Evaluati
 def compare_files(paths: list[Path]) -> float | None:
     """Compare a bank with one that is trained."""
     candidates = [FixedCandidate("cv", Bank((ConstantVelocity(),)), "keep"), TrainedCandidate("mine", learn)]
-    result = compare(list(read_trips(paths)), candidates, CompareSettings(against="mine"), progress=show)
-    assert_type(result.ratios[0].message_ratio, float)
-    return result.tracking[0].p90_low
+    result = compare(paths, candidates, CompareSettings(against="mine"), progress=show)
+    assert_type(result.ratios, pl.DataFrame)
+    return result.result.tracking[0].p90_low
 
 
 def make_trips() -> list[Trajectory | SensedTrip]:

@@ -7,7 +7,8 @@ from pathlib import Path
 WRONG = """from modelcast import Bank, ErrorDriven, evaluate
 ErrorDriven(0.3, start="first")
 Bank("cv")
-evaluate([]).rates[0].updates.lower()
+evaluate([]).rates.lower()
+evaluate(3)
 """
 
 
@@ -28,4 +29,4 @@ def test_user_code_type_checks_and_wrong_user_code_does_not(tmp_path: Path) -> N
     (tmp_path / "wrong.py").write_text(WRONG)
     found = complaints(tmp_path)
     assert [line for line in found if "right.py" in line] == []
-    assert {int(line.split(":")[1]) for line in found if "wrong.py" in line} == {2, 3, 4}
+    assert {int(line.split(":")[1]) for line in found if "wrong.py" in line} == {2, 3, 4, 5}

@@ -46,6 +46,7 @@ def compare(
     import sys
     from dataclasses import replace
 
+    from modelcast.cli.named_words import policy_origins
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import busy, counted, watched
     from modelcast.cli.reading import PARTLY_FAILED, TripSource
@@ -77,7 +78,14 @@ def compare(
             "options": options.as_plain(),
         }
         known = [trip.id for trip in result.trips if trip.in_training]
-        write_run(folder, "compare", asked, (*paths, *options.files), training_trips=known)
+        write_run(
+            folder,
+            "compare",
+            asked,
+            (*paths, *options.files),
+            training_trips=known,
+            foreign=policy_origins(options.policy),
+        )
         with busy("writing the report", quiet=silent):
             write_comparison(result, folder)
             write_comparison_report(result, folder)

@@ -77,6 +77,8 @@ class CompareOptions:
         for never. Every bank is run with each.
     cost
         What the rule cheapest counts: messages, bytes or airtime.
+    policy
+        Who calls for the messages of all banks, as in 'modelcast evaluate'.
     rate_basis
         What the baselines of the loss runs send as often as: all messages of the candidate (total), or its
         model updates alone (update, the paper's).
@@ -117,6 +119,7 @@ class CompareOptions:
     noise_floor: float | None = None
     trusted_horizon: Numbers = (0.0,)
     cost: CostUnit = "bytes"
+    policy: str | None = None
     rate_basis: RateBasis = "total"
     velocity: VelocityRule = "auto"
     keep_alive: float = 2.0
@@ -169,6 +172,7 @@ class CompareOptions:
             road=self.road,
             leader=self.leader,
             sensor=self.sensor,
+            policy=self.policy,
         )
         try:
             return CompareSettings(

@@ -81,6 +81,8 @@ def diagnose() -> tuple[dict[str, Any], list[Problem]]:
             "NO_COLOR": os.environ.get("NO_COLOR"),
         },
     }
+    document["brought"], broken = _brought()
+    problems += broken
     document["cache"], found = _cache()
     problems += [*found, *_profile_problems(), *_folder_problems(), *_terminal_problems()]
     return {**document, "problems": [asdict(one) for one in problems]}, problems
@@ -103,6 +105,19 @@ def _extra_problems(extras: Any) -> list[Problem]:
         for one in packages
         if one.installed is not None and one.problem
     ]
+
+
+def _brought() -> tuple[list[dict[str, str]], list[Problem]]:
+    """What other packages bring; nothing where what it takes to load them is broken."""
+    try:
+        from modelcast.cli.brought import brought
+
+        found = list(brought())
+    except ImportError as error:
+        return [], [Problem(f"what other packages bring: {error}", "mend what is named above")]
+    remedy = "mend or uninstall"
+    broken = [Problem(one.problem, f"{remedy} {one.package}") for one in found if one.problem]
+    return [asdict(one) for one in found], broken
 
 
 def _processor(*, broken: bool) -> dict[str, Any]:

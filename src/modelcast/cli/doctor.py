@@ -7,7 +7,7 @@ __all__ = ["doctor"]
 
 
 def doctor(*, json: bool = False) -> int:
-    """Show versions, processor, compiled code, extras and which command needs which, and what is broken.
+    """Show versions, processor, compiled code, extras, what other packages bring, and what is broken.
 
     Ends with code 0 where all is well, with 1 where something is broken; its remedy is shown.
 
@@ -55,6 +55,13 @@ def _lines(document: Mapping[str, Any]) -> list[tuple[str, str]]:
     for name, extra in document["extras"].items():
         state = "present" if extra["present"] else f"missing: pip install 'modelcast[{name}]'"
         lines.append((f"extra {name}", f"{state}; needed by {extra['needed_by']}"))
+    lines += [
+        (
+            "brought" if not number else "",
+            f"{one['group'].removeprefix('modelcast.')} {one['name']}, by {one['package']} {one['version']}",
+        )
+        for number, one in enumerate(document["brought"])
+    ]
     lines += [(name, value) for name, value in document["variables"].items() if value is not None]
     kind = "a terminal" if terminal["terminal"] else "no terminal"
     lines.append(("output", f"{kind}, {terminal['encoding']}"))

@@ -65,6 +65,10 @@ class EvaluateOptions:
         cheaper than an update by trained costs (cheapest); the profile's rule or on-failure where not given.
     cost
         What the rule cheapest counts: messages, bytes or airtime.
+    policy
+        Who calls for the messages of the model-based sender: the error-driven policy where not given, or a
+        policy of another package, as NAME or NAME:KEY=VALUE,KEY=VALUE. Start, identify, keep-alive and
+        believe are then its own affair.
     keep_alive
         Longest silence in loss runs, for every error-driven policy [s]; 0 for none.
     believe
@@ -123,6 +127,7 @@ class EvaluateOptions:
     start: StartRule | None = None
     identify: IdentifyRule | None = None
     cost: CostUnit = "bytes"
+    policy: str | None = None
     keep_alive: float = 2.0
     believe: BelieveRule | None = None
     budget: float = 4.0 / 3.0
@@ -186,6 +191,7 @@ class EvaluateOptions:
             Where a value is out of its range.
         """
         from modelcast.cli.banks import bank_in_use, profile_in_use
+        from modelcast.cli.named_words import policy_that_decides
         from modelcast.cli.option_rules import OPTIONS
         from modelcast.core.exceptions import ConfigError
         from modelcast.core.rules import check
@@ -228,6 +234,7 @@ class EvaluateOptions:
                 quantised=self.quantised,
                 stack=Stack(self.certificates),
                 context=context_settings(self.road, leader=self.leader),
+                decides=None if self.policy is None else policy_that_decides(self.policy),
             )
             check(self.as_plain(), OPTIONS, "option")
         except ValueError as error:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from modelcast.cli import terminal
+from modelcast.cli.named_words import policy_origins
 from modelcast.cli.options import parse_columns
 from modelcast.cli.progress import busy, watched
 from modelcast.cli.reading import PARTLY_FAILED, TripSource
@@ -51,7 +52,14 @@ def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json:
     with atomic_folder(out, command="evaluate", shown=f"--out {out}") as folder:
         result = evaluate_source(source, settings, quiet=quiet or json)
         known = [trip.id for trip in result.trips if trip.in_training]
-        write_run(folder, "evaluate", asked.arguments(), asked.inputs, training_trips=known)
+        write_run(
+            folder,
+            "evaluate",
+            asked.arguments(),
+            asked.inputs,
+            training_trips=known,
+            foreign=policy_origins(asked.options.policy),
+        )
         with busy("writing the report", quiet=quiet or json):
             publish(result, folder)
         if trace is not None:

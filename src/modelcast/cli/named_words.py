@@ -1,10 +1,14 @@
 """A word on the command line that names one of an open group: refused with its option."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from modelcast.core.exceptions import ConfigError
 
-__all__ = ["check_word"]
+if TYPE_CHECKING:
+    from modelcast.station.policy.base import AbstractTransmitPolicy
+
+__all__ = ["check_word", "policy_origins", "policy_that_decides"]
 
 
 def check_word(option: str, check: Callable[[str], object], word: str) -> None:
@@ -28,3 +32,37 @@ def check_word(option: str, check: Callable[[str], object], word: str) -> None:
         check(word)
     except ConfigError as error:
         raise ConfigError(f"{option}: {error}") from error
+
+
+def policy_that_decides(word: str) -> "AbstractTransmitPolicy[Any]":
+    """The policy that ``--policy`` names over recorded trips, which ``--threshold`` runs at each threshold.
+
+    Parameters
+    ----------
+    word
+        As the user gives it.
+
+    Raises
+    ------
+    ConfigError
+        Where it is no policy of another package, or sets a threshold of its own.
+    """
+    from modelcast.station.sender.names import foreign_policy, sets_threshold
+
+    check_word("--policy", foreign_policy, word)
+    if sets_threshold(word):
+        raise ConfigError(f"--policy {word}: leave threshold_m out and give --threshold")
+    return foreign_policy(word)
+
+
+def policy_origins(word: str | None) -> dict[str, str]:
+    """Package and version of what ``--policy`` names over recorded trips; nothing where it is not given.
+
+    Parameters
+    ----------
+    word
+        As the user gives it.
+    """
+    from modelcast.station.sender.names import POLICIES
+
+    return {} if word is None else POLICIES.origins([word])

@@ -37,6 +37,7 @@ _RULES: dict[str, AbstractRule] = {
     "start": Maybe(_word(StartRule)),
     "identify": Maybe(_word(IdentifyRule)),
     "cost": _word(CostUnit),
+    "policy": Maybe(Text(400)),
     "keep_alive": Number(0.0, _DAY_S),
     "burst": Number(0.0, _HOUR_S),
     "delay": Number(0.0, _HOUR_S),

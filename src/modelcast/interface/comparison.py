@@ -1,7 +1,7 @@
 """`compare`: candidates side by side, with trips in any form and a result of frames and figures."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,22 +9,12 @@ import polars as pl
 
 from modelcast.interface.given_trips import GivenTrips, recorded_trips
 from modelcast.interface.result import AbstractFrames
-from modelcast.interface.row_frames import rows_frame
 from modelcast.io.comparison import write_comparison
 from modelcast.report.comparison import scope_line, write_comparison_report
 from modelcast.report.figures import plot_comparison
+from modelcast.report.tables import frame
 from modelcast.study.compare.candidate import AbstractCandidate
-from modelcast.study.compare.result import (
-    CandidateRow,
-    ComparedTrip,
-    ComparisonResult,
-    CountRow,
-    RatioRow,
-    ReferenceRatio,
-    RivalRow,
-    RouteRow,
-    TrackingRatioRow,
-)
+from modelcast.study.compare.result import ComparisonResult
 from modelcast.study.compare.run import compare as compare_trips
 from modelcast.study.compare.settings import CompareSettings
 
@@ -70,43 +60,45 @@ class Comparison(AbstractFrames):
 
     @property
     def routes(self) -> pl.DataFrame:
-        """A row a route (`RouteRow`)."""
-        return rows_frame(self.result.routes, RouteRow)
+        """A row a route (`ROUTES`)."""
+        return frame(self.result.routes)
 
     @property
     def trips(self) -> pl.DataFrame:
-        """A row a trip (`ComparedTrip`)."""
-        return rows_frame(self.result.trips, ComparedTrip)
+        """A row a trip (`ComparedTrip`); of its warnings the kinds."""
+        rows = [{**asdict(trip), "warnings": ", ".join(trip.warnings)} for trip in self.result.trips]
+        return pl.DataFrame(rows)
 
     @property
     def candidates(self) -> pl.DataFrame:
         """A row a candidate (`CandidateRow`)."""
-        return rows_frame(self.result.candidates, CandidateRow)
+        rows = [{**asdict(row), "sub_models": ", ".join(row.sub_models)} for row in self.result.candidates]
+        return pl.DataFrame(rows)
 
     @property
     def ratios(self) -> pl.DataFrame:
-        """A row for each candidate, protocol and threshold, with 95 % intervals over trips (`RatioRow`)."""
-        return rows_frame(self.result.ratios, RatioRow)
+        """A row for each candidate, protocol and threshold, with 95 % intervals over trips (`RATIOS`)."""
+        return frame(self.result.ratios)
 
     @property
     def rivals(self) -> pl.DataFrame:
-        """A row for each candidate, rival, protocol and threshold (`RivalRow`)."""
-        return rows_frame(self.result.rivals, RivalRow)
+        """A row for each candidate, rival, protocol and threshold (`RIVAL_RATIOS`)."""
+        return frame(self.result.rivals)
 
     @property
     def tracking(self) -> pl.DataFrame:
-        """A row for each candidate, protocol, trip, threshold and packet error ratio (`TrackingRatioRow`)."""
-        return rows_frame(self.result.tracking, TrackingRatioRow)
+        """A row for each candidate, protocol, trip, threshold and packet error ratio (`TRACKING_RATIOS`)."""
+        return frame(self.result.tracking)
 
     @property
     def counts(self) -> pl.DataFrame:
-        """A row for each candidate, protocol, trip and threshold (`CountRow`)."""
-        return rows_frame(self.result.counts, CountRow)
+        """A row for each candidate, protocol, trip and threshold (`COUNTS`)."""
+        return frame(self.result.counts)
 
     @property
     def references(self) -> pl.DataFrame:
-        """A row for each reference, protocol and threshold (`ReferenceRatio`)."""
-        return rows_frame(self.result.references, ReferenceRatio)
+        """A row for each reference, protocol and threshold (`REFERENCE_RATIOS`)."""
+        return frame(self.result.references)
 
     @property
     def failures(self) -> Mapping[str, str]:

@@ -95,22 +95,22 @@ class Evaluation(AbstractFrames):
 
     @property
     def trips(self) -> pl.DataFrame:
-        """A row a trip (`TripRow`)."""
+        """A row a trip (`TRIPS`)."""
         return trips_frame(self.result)
 
     @property
     def rates(self) -> pl.DataFrame:
-        """A row for each trip, policy, bank and threshold of the rate runs (`RateRow`)."""
+        """A row for each trip, policy, bank and threshold of the rate runs (`RATES`)."""
         return rates_frame(self.result)
 
     @property
     def references(self) -> pl.DataFrame:
-        """A row for each trip, reference and threshold (`ReferenceRow`)."""
+        """A row for each trip, reference and threshold (`REFERENCES`)."""
         return references_frame(self.result)
 
     @property
     def tracking(self) -> pl.DataFrame:
-        """A row for each trip, policy, rate basis, threshold and packet error ratio (`TrackingRow`)."""
+        """A row for each trip, policy, rate basis, threshold and packet error ratio (`TRACKING`)."""
         return tracking_frame(self.result)
 
     @property

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
 from itertools import chain
-from typing import Any, Concatenate, ParamSpec, TypeAlias, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeAlias, TypeVar, cast
 
 from modelcast.io.trips import Trips, TripSources, is_source, read_trips
 from modelcast.study.case import SensedTrip
@@ -50,9 +50,10 @@ def given_trips(given: GivenTrips) -> Iterable[Trajectory | SensedTrip]:
             f"trips are paths, data frames, or what read_trips or build_trajectory gave, not "
             f"{type(given).__name__}"
         )
-    if isinstance(given, Sequence) and all(map(is_source, given)):
-        return read_trips(given)
-    return chain.from_iterable(map(given_trips, given))
+    several = cast("Iterable[Any]", given)
+    if isinstance(several, Sequence) and all(map(is_source, several)):
+        return read_trips(several)
+    return chain.from_iterable(map(given_trips, several))
 
 
 def takes_given_trips(

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
-from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.radio import AbstractRadio
+from modelcast.channel.registry import get_radio
 from modelcast.core.version import package_version
 from modelcast.interface.result import AbstractFrames
-from modelcast.interface.row_frames import rows_frame
 from modelcast.io.network import write_network
 from modelcast.io.network_runs import RunKey
 from modelcast.report.figures.network import (
@@ -22,16 +21,9 @@ from modelcast.report.figures.network import (
     plot_tracking,
 )
 from modelcast.report.network import write_network_report
+from modelcast.report.tables import frame
 from modelcast.station.sender.sender import Sender, named_sender
-from modelcast.study.network.rows import (
-    DistanceRow,
-    NetworkResult,
-    OutcomeRow,
-    PooledRow,
-    RunRow,
-    SecondRow,
-    SenderRow,
-)
+from modelcast.study.network.rows import NetworkResult
 from modelcast.study.network.simulate import FleetRuns, simulate_fleets
 from modelcast.world.scenario.base import AbstractScenario
 from modelcast.world.sensors import filter_for
@@ -94,33 +86,33 @@ class NetworkSimulation(AbstractFrames):
 
     @property
     def runs(self) -> pl.DataFrame:
-        """A row a run (`RunRow`)."""
-        return rows_frame(self.result.runs, RunRow)
+        """A row a run (`RUNS`)."""
+        return frame(self.result.runs)
 
     @property
     def pooled(self) -> pl.DataFrame:
-        """A row a figure, with its mean and 95 % interval over seeds (`PooledRow`)."""
-        return rows_frame(self.result.pooled, PooledRow)
+        """A row a figure, with its mean and 95 % interval over seeds (`POOLED`)."""
+        return frame(self.result.pooled)
 
     @property
     def distances(self) -> pl.DataFrame:
-        """A row for each run and bin of distance: what hosts hold of remotes (`DistanceRow`)."""
-        return rows_frame(self.result.distances, DistanceRow)
+        """A row for each run and bin of distance: what hosts hold of remotes (`DISTANCES`)."""
+        return frame(self.result.distances)
 
     @property
     def outcomes(self) -> pl.DataFrame:
-        """A row for each run and bin of distance: what became of frames (`OutcomeRow`)."""
-        return rows_frame(self.result.outcomes, OutcomeRow)
+        """A row for each run and bin of distance: what became of frames (`OUTCOMES`)."""
+        return frame(self.result.outcomes)
 
     @property
     def seconds(self) -> pl.DataFrame:
-        """A row for each run and second, warm-up included (`SecondRow`)."""
-        return rows_frame(self.result.seconds, SecondRow)
+        """A row for each run and second, warm-up included (`SECONDS`)."""
+        return frame(self.result.seconds)
 
     @property
     def senders(self) -> pl.DataFrame:
-        """A row for each sender of models: its sub-models and rules (`SenderRow`)."""
-        return rows_frame(self.result.senders, SenderRow)
+        """A row for each sender of models: its sub-models and rules (`SENDERS`)."""
+        return frame(self.result.senders)
 
     @property
     def plot(self) -> NetworkPlots:
@@ -151,7 +143,7 @@ class NetworkSimulation(AbstractFrames):
 def simulate_network(
     scenarios: AbstractScenario[Any] | Sequence[AbstractScenario[Any]],
     senders: str | Sender | Iterable[str | Sender] = ("j2945", "j2945-mbc"),
-    radio: AbstractRadio[Any] | Mapping[str, AbstractRadio[Any]] | None = None,
+    radios: str | AbstractRadio[Any] | Iterable[str] | Mapping[str, AbstractRadio[Any]] = "dsrc",
     runs: FleetRuns | None = None,
     *,
     progress: Callable[[int, int], None] | None = None,
@@ -164,8 +156,9 @@ def simulate_network(
         Traffic, one or several of different densities.
     senders
         Names as for `named_sender`, or senders, one or several.
-    radio
-        The channel, or several by name; None for IEEE 802.11p.
+    radios
+        The channel: one or several names as for the command line (``dsrc``, ``sidelink``, ``ideal``,
+        ``NAME:KEY=VALUE``), a radio, which is called after its class, or several by name.
     runs
         How often, how long, and what is counted; None for one run of 30 s.
     progress
@@ -196,14 +189,24 @@ def simulate_network(
     made = [
         named_sender(one, motion=filter_for(asked.sensor)) if isinstance(one, str) else one for one in given
     ]
-    channel = Dsrc() if radio is None else radio
-    radios = channel if isinstance(channel, Mapping) else {type(channel).__name__.lower(): channel}
-    result = simulate_fleets(traffic, made, radios, asked, progress=progress)
+    channels = _channels(radios)
+    result = simulate_fleets(traffic, made, channels, asked, progress=progress)
     settings: dict[str, Any] = {
         "scenarios": [type(one).__name__ for one in traffic],
-        "radios": list(radios),
+        "radios": list(channels),
         "senders": [one.name for one in made],
         **asdict(asked),
     }
     del settings["threads"]  # the result is the same whatever their number
     return NetworkSimulation(result, settings)
+
+
+def _channels(
+    radios: str | AbstractRadio[Any] | Iterable[str] | Mapping[str, AbstractRadio[Any]],
+) -> Mapping[str, AbstractRadio[Any]]:
+    """The radios by name."""
+    if isinstance(radios, Mapping):
+        return radios
+    if isinstance(radios, AbstractRadio):
+        return {type(radios).__name__.lower(): radios}
+    return {name: get_radio(name) for name in ([radios] if isinstance(radios, str) else radios)}

@@ -1,11 +1,11 @@
 """What every result that a Python user gets can do: show itself, write its tables, write its report."""
 
 from abc import ABC, abstractmethod
-from html import escape
 from pathlib import Path
 
 import polars as pl
 
+from modelcast.io.frames import frame_html
 from modelcast.io.output import output_folder
 
 __all__ = ["AbstractFrames"]
@@ -69,4 +69,4 @@ class AbstractFrames(ABC):
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows."""
-        return f"<p>{escape(repr(self))}</p>{self.headline._repr_html_()}"
+        return frame_html(repr(self), self.headline)

@@ -9,12 +9,12 @@ import polars as pl
 
 from modelcast.interface.given_trips import GivenTrips, recorded_trips
 from modelcast.interface.result import AbstractFrames
-from modelcast.interface.row_frames import rows_frame
 from modelcast.io.safety import write_safety
 from modelcast.report.figures.safety import plot_accuracy, plot_delays
 from modelcast.report.safety import write_safety_report
+from modelcast.report.tables import frame
 from modelcast.study.compare.candidate import FixedCandidate
-from modelcast.study.safety.result import PooledSafety, SafetyResult
+from modelcast.study.safety.result import SafetyResult
 from modelcast.study.safety.run import evaluate_safety
 from modelcast.study.safety.settings import SafetySettings
 from modelcast.study.settings import EvaluationSettings
@@ -74,8 +74,8 @@ class WarningEvaluation(AbstractFrames):
 
     @property
     def pooled(self) -> pl.DataFrame:
-        """A row for each loss ratio, basis and candidate (`PooledSafety`)."""
-        return rows_frame(self.result.pooled, PooledSafety)
+        """A row for each loss ratio, basis and candidate (`POOLED_SAFETY`)."""
+        return frame(self.result.pooled)
 
     @property
     def plot(self) -> WarningPlots:

@@ -10,6 +10,7 @@ pandas and pyarrow tables all do. No such library is imported for it.
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from html import escape
 from typing import Any
 
 import polars as pl
@@ -21,7 +22,7 @@ from modelcast.io.arrow_trips import arrow_rows
 from modelcast.io.base import OnSkipped, ignore_skipped
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["FRAME", "FrameRecording", "frame_recording", "summary_frame"]
+__all__ = ["FRAME", "FrameRecording", "frame_html", "frame_recording", "summary_frame"]
 
 FRAME = "frame"
 """Name of a data frame in errors and identifiers, and of its format."""
@@ -133,3 +134,17 @@ def summary_frame(trips: Iterable[Trajectory]) -> pl.DataFrame:
         for trip in trips
     ]
     return pl.DataFrame(rows, schema=_SUMMARY, orient="row")
+
+
+def frame_html(title: str, frame: pl.DataFrame) -> str:
+    """Return a data frame below a title, as notebooks show it.
+
+    Parameters
+    ----------
+    title
+        Plain text.
+    frame
+        The frame; Polars shows its first and last rows.
+    """
+    shown = frame._repr_html_()  # pyright: ignore[reportPrivateUsage] - the name is that of notebooks
+    return f"<p>{escape(title)}</p>{shown}"

@@ -15,7 +15,7 @@ unit only their size tells.
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -58,9 +58,11 @@ class ParquetReader(AbstractTripReader):
             # pyarrow, because polars ends the whole process on some damaged files.
             with pq.ParquetFile(path, page_checksum_verification=True) as file:
                 names = [str(name) for name in file.schema_arrow.names]
-                found = arrow_rows(
-                    path, self.columns, names, lambda name: file.read(columns=[name]).column(0)
-                )
+
+                def column(name: str) -> Any:
+                    return file.read(columns=[name]).column(0)
+
+                found = arrow_rows(path, self.columns, names, column)
         except (pa.ArrowException, OSError, ValueError, MemoryError) as error:
             raise DataFormatError(
                 path, f"is not readable as Parquet: {error}", remedy="Check that it is complete."

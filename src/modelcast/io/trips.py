@@ -3,11 +3,10 @@
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from html import escape
 from itertools import islice
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeAlias, cast, overload
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast, overload
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.base import OnSkipped, ignore_skipped
@@ -19,10 +18,19 @@ if TYPE_CHECKING:
 
     from modelcast.io.frames import FrameRecording
 
-__all__ = ["MOST_HELD_BYTES", "TripSources", "Trips", "is_frame", "is_source", "read_trips"]
+__all__ = ["MOST_HELD_BYTES", "ArrowFrame", "TripSources", "Trips", "is_frame", "is_source", "read_trips"]
 
-TripSources: TypeAlias = Any
-"""A path, a data frame (Polars, pandas, pyarrow), or several of them."""
+
+class ArrowFrame(Protocol):
+    """A data frame that hands its columns over by the Arrow interface: Polars, pandas, pyarrow."""
+
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
+        """Hand the columns over."""
+        ...
+
+
+TripSources: TypeAlias = str | Path | ArrowFrame | Iterable[Any]
+"""A path, a data frame, or several of them."""
 
 MOST_HELD_BYTES = 256 * 1024**2
 """Trips of more than this together are not kept, but read again when they are asked for."""
@@ -152,13 +160,15 @@ class Trips(Sequence[Trajectory]):
 
     def _repr_html_(self) -> str:
         """Return a table of the trips; of sources not read yet that of the first."""
+        from modelcast.io.frames import frame_html  # noqa: PLC0415 - reading files needs no data frames
+
         if self._found is None:
             first = list(islice(self._read(), _MOST_SHOWN + 1))
             if len(first) > _MOST_SHOWN:
-                shown = _summary(first[:_MOST_SHOWN])._repr_html_()
-                return f"<p>{escape(repr(self))}; the first {_MOST_SHOWN}:</p>{shown}"
-        table = self.summary()._repr_html_()
-        return f"<p>{escape(repr(self))}</p>{table}"
+                title = f"{self!r}; the first {_MOST_SHOWN}:"
+                return frame_html(title, _summary(first[:_MOST_SHOWN]))
+        summary = self.summary()
+        return frame_html(repr(self), summary)
 
     def _surveyed(self) -> _Survey:
         """Return what a complete reading found; all is read once for it."""

@@ -80,6 +80,7 @@ def trip_runtimes(
             quantised=settings.quantised,
             sensed=sensed,
             context=known,
+            decides=settings.decides,
         )
 
     if contexts is None or not reads_context(settings.bank):

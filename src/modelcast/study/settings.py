@@ -16,6 +16,7 @@ from modelcast.models.learned import Selector
 from modelcast.models.profile import default_profile
 from modelcast.runtime.trip.context import ContextSettings
 from modelcast.station.banks import believe_of, rules_of
+from modelcast.station.policy.base import AbstractTransmitPolicy
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import LOSS_BUDGET, ErrorDriven
 from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
@@ -104,6 +105,9 @@ class EvaluationSettings:
     context
         What a bank that reads context is let know of the road and the vehicle ahead; its seed is that of the
         evaluation, its delay at least `delay_s`, and its losses are those of each loss ratio.
+    decides
+        A policy in NumPy that calls for the messages of model-based senders, at each threshold where it has
+        one; None for the error-driven one. It knows of no channel. The baselines stay error-driven.
 
     Raises
     ------
@@ -140,6 +144,7 @@ class EvaluationSettings:
     velocity: VelocityRule = "auto"
     references: bool = True
     context: ContextSettings = field(default_factory=ContextSettings)
+    decides: AbstractTransmitPolicy[Any] | None = None
 
     def __post_init__(self) -> None:
         if not self.thresholds_m:
@@ -264,4 +269,5 @@ class EvaluationSettings:
             "keep_samples": self.keep_samples,
             "references": self.references,
             "context": self.context.as_plain(),
+            "policy": None if self.decides is None else repr(self.decides),
         }

@@ -10,11 +10,15 @@ from modelcast.channel.dsrc import Dsrc
 from modelcast.core.arrays import FloatArray
 from modelcast.runtime.fleet.engine import run_network
 from modelcast.runtime.fleet.settings import NetworkSettings
+from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.station.fleet import Fleet, Sending
 from modelcast.station.policy.base import AbstractTransmitPolicy, Decisions, MessageKind, TransmitInputs
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.policy_numbers import RULE_PLAIN
 from modelcast.station.sender.sender import Sender, named_sender
+from modelcast.station.sensing.velocity import REPORTED
+from modelcast.world.drive import generate_drive
 from modelcast.world.scenario.base import run_scenario
 from modelcast.world.scenario.highway import Highway
 
@@ -172,3 +176,15 @@ def test_threads_and_repetition_change_nothing_on_the_air() -> None:
     assert runs[0].series[:, 1].sum() > 30.0
     for other in runs[1:]:
         np.testing.assert_array_equal(other.series, runs[0].series)
+
+
+def test_a_recorded_trip_is_driven_as_by_the_compiled_rule() -> None:
+    drive_ = generate_drive(seed=4, duration_s=90.0).truth
+    rule = ErrorDriven(0.3, max_inter_transmit_time_s=1.0).alone
+    walks = [
+        TripRuntime(drive_, BASELINE_BANK, REPORTED, quantised=True, decides=decides).run(rule)
+        for decides in (None, InNumPy(rule))
+    ]
+    assert walks[0].updates > 20
+    for column in ("kind", "in_use", "update_index"):
+        np.testing.assert_array_equal(getattr(walks[1], column), getattr(walks[0], column))

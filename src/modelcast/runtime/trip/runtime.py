@@ -6,18 +6,21 @@ loss ratios and seeds cost little beyond the first.
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.chance import child_generator
 from modelcast.messages.mbc_profile import carries_all
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
 from modelcast.runtime.trip import errors_kernels
+from modelcast.runtime.trip.decided import decided_walk
 from modelcast.station.arrays import Sensed, fits, lanes
-from modelcast.station.policy.base import MessageKind
+from modelcast.station.policy.base import AbstractTransmitPolicy, MessageKind, at_threshold
 from modelcast.station.policy.believed_loss_kernels import DEPTH
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sender import fitting_kernels, speaking_kernels
@@ -105,6 +108,9 @@ class TripRuntime:
     context
         The vehicle ahead and the road at every sample, (T, 13), as `modelcast.runtime.trip.context` finds
         them, for a bank that reads them; None where nothing is known.
+    decides
+        A policy in NumPy that calls for the messages, at the threshold of whatever rule is run; None for the
+        rules themselves.
 
     Raises
     ------
@@ -127,8 +133,10 @@ class TripRuntime:
         quantised: bool = False,
         sensed: Sensed | None = None,
         context: FloatArray | None = None,
+        decides: AbstractTransmitPolicy[Any] | None = None,
     ) -> None:
-        self.trip = trip
+        self.trip, self._decides = trip, decides
+        self._decided: dict[float, TripMessages] = {}
         self.own = SenderBank.of(bank, trip.dt_s, quantised=quantised, selector=selector)
         self.bank = self.own.bank
         held = sense_trip(trip, estimator, quantised=quantised) if sensed is None else sensed
@@ -179,6 +187,8 @@ class TripRuntime:
             Where a policy starts with the predicted sub-model and there is no selector, its costs were
             counted for a bank of another size, or it is guarded and the bank lacks constant velocity.
         """
+        if self._decides is not None:
+            return [self._decided_at(self._decides, policy.threshold_m) for policy in policies]
         members = len(self.bank.members)
         rules = [policy if members > 1 else policy.alone for policy in policies]
         for rule in rules:
@@ -200,6 +210,25 @@ class TripRuntime:
             TripMessages(policy, kind[lane], in_use=in_use[lane], update_index=update_index[lane])
             for policy, lane in zip(policies, spoken.speaks.tolist(), strict=True)
         ]
+
+    def _decided_at(self, decides: AbstractTransmitPolicy[Any], threshold_m: float) -> TripMessages:
+        """Drive the trip by a policy in NumPy at a threshold; what it did once is kept."""
+        if threshold_m not in self._decided:
+            rule = ErrorDriven(threshold_m, "recent", "never")
+            gain = self.trip.acceleration_mps2
+            known = np.zeros(len(self.trip)) if gain is None else gain
+            kind, in_use, update_index = decided_walk(
+                at_threshold(decides, threshold_m),
+                rule if len(self.bank.members) > 1 else rule.alone,
+                self.own,
+                self.sensed,
+                self.fits,
+                t_s=self.trip.t_s,
+                critical=known < -decides.numbers.critical_mps2,
+                rng=child_generator(0, self.trip.trip_id, "policy"),
+            )
+            self._decided[threshold_m] = TripMessages(rule, kind, in_use=in_use, update_index=update_index)
+        return self._decided[threshold_m]
 
     def sent(self, messages: TripMessages, *, temporary_id: int = 0) -> SentMessages:
         """Content of the messages of a policy, as its receivers decode it.

@@ -1,9 +1,9 @@
 """What a transmit policy is: ``init`` and ``decide`` over a batch of vehicles, state passed in and out."""
 
 import abc
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, fields, is_dataclass, replace
 from enum import IntEnum
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
 
@@ -21,7 +21,9 @@ __all__ = [
     "MessageKind",
     "Motion",
     "TransmitInputs",
+    "at_threshold",
     "required",
+    "takes_threshold",
 ]
 
 MOST_POWER_DBM = J2945Parameters().max_power_dbm
@@ -263,9 +265,11 @@ class AbstractTransmitPolicy(abc.ABC, Generic[State]):
     @property
     def numbers(self) -> PolicyNumbers:
         """The rule as the compiled station takes it: here that `decide` is asked."""
-        nothing = np.zeros(1)
-        survey = J2945Parameters().constants()
-        return PolicyNumbers(RULE_PLAIN, survey, dcc_kernels.NONE, nothing, 0.0, 0.0, np.inf)
+        nothing, standard = np.zeros(1), J2945Parameters()
+        critical_mps2 = standard.critical_deceleration_mps2
+        return PolicyNumbers(
+            RULE_PLAIN, standard.constants(), dcc_kernels.NONE, nothing, 0.0, 0.0, critical_mps2
+        )
 
     @property
     @abc.abstractmethod
@@ -281,3 +285,32 @@ class AbstractTransmitPolicy(abc.ABC, Generic[State]):
         self, state: State, inputs: TransmitInputs, rng: np.random.Generator
     ) -> tuple[Decisions, State]:
         """Return the decisions of one instant and the state after it; the given state is left alone."""
+
+
+def takes_threshold(policy: AbstractTransmitPolicy[Any]) -> bool:
+    """Whether a policy has a setting `threshold_m`.
+
+    Parameters
+    ----------
+    policy
+        The policy.
+    """
+    return is_dataclass(policy) and any(one.name == "threshold_m" for one in fields(policy))
+
+
+def at_threshold(policy: AbstractTransmitPolicy[Any], threshold_m: float) -> AbstractTransmitPolicy[Any]:
+    """Return a policy at a threshold; itself where it has none.
+
+    Parameters
+    ----------
+    policy
+        The policy.
+    threshold_m
+        The threshold [m].
+
+    Raises
+    ------
+    ValueError
+        Where it refuses the threshold.
+    """
+    return replace(cast("Any", policy), threshold_m=threshold_m) if takes_threshold(policy) else policy

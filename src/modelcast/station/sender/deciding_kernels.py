@@ -8,18 +8,19 @@ import numpy as np
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import BoolMatrix, BoolVector, FloatMatrix, FloatVector, IntVector
 from modelcast.models.point_kernels import EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH
+from modelcast.station.arrays import Fits, LaneRules, Lanes, Sensed
 from modelcast.station.policy import j2945_kernels
 from modelcast.station.policy.error_driven_kernels import NOTHING
 from modelcast.station.policy.j2945_kernels import CAUSE_TIME
 from modelcast.station.policy.neighbours_kernels import NeighbourTables, survey
-from modelcast.station.sender.fitting_kernels import fit
+from modelcast.station.sender.fitting_kernels import SenderModels, fit
 from modelcast.station.sender.message_arrays import Contents, Outbox, SentTally
 from modelcast.station.sender.posting_kernels import SendingStations, StepInputs, has_begun, post
 from modelcast.station.sender.speaking_kernels import SCRATCH, compose, hold, member_error
 from modelcast.station.sender.starting_kernels import available
 from modelcast.station.sender.timed_kernels import WAITS_KIND, WAITS_MEMBER
 
-__all__ = ["Asked", "Decided", "know_each", "post_each"]
+__all__ = ["Asked", "Decided", "asked", "know_each", "know_sample", "post_each", "say_sample"]
 
 
 class Asked(NamedTuple):
@@ -45,6 +46,20 @@ class Asked(NamedTuple):
     in_use: IntVector
 
 
+def asked(vehicles: int, members: int) -> Asked:
+    """Return room for what so many stations know of so many sub-models."""
+    columns: list[FloatVector] = [np.zeros(vehicles) for _ in range(7)]
+    return Asked(
+        np.zeros(vehicles, dtype=np.bool_),
+        np.zeros(vehicles, dtype=np.bool_),
+        *columns,
+        position_m=np.zeros((vehicles, 2)),
+        error_m=np.full((vehicles, members), np.inf),
+        available=np.zeros((vehicles, members), dtype=np.bool_),
+        in_use=np.full(vehicles, -1, dtype=np.int64),
+    )
+
+
 class Decided(NamedTuple):
     """What V stations send, (V,) each.
 
@@ -56,6 +71,84 @@ class Decided(NamedTuple):
     send_s: FloatVector
     power_dbm: FloatVector
     believed: BoolVector
+
+
+@kernel(inlined=True)
+def _know(
+    models: SenderModels,
+    s: Sensed,
+    rules: LaneRules,
+    lanes: Lanes,
+    b: int,
+    number: int,
+    ask_s: float,
+    scratch: FloatVector,
+    out: Asked,
+) -> None:
+    """Write what the station of a lane knows of itself at a sample."""
+    v, ring = rules.vehicle[b], s.stated_m.shape[1]
+    at = number % ring + ring
+    sample = s.samples[v, at]
+    available(models, s, rules, lanes, b, number)
+    sent = lanes.update[b] >= 0
+    out.ask_s[v], out.in_use[v] = ask_s, lanes.in_use[b] if sent else -1
+    out.age_s[v] = ask_s - lanes.origin[b, 0] if sent else np.inf
+    out.silence_s[v] = ask_s - lanes.message_s[b]
+    for m in range(models.members.windows.size):
+        out.available[v, m], out.error_m[v, m] = lanes.available[b, m], np.inf
+        if sent:
+            out.error_m[v, m] = member_error(models, s, rules, lanes, b, at, m, scratch)
+    out.position_m[v, 0], out.position_m[v, 1] = sample[EAST], sample[NORTH]
+    out.speed_mps[v] = hypot(sample[VELOCITY_EAST], sample[VELOCITY_NORTH])
+    out.heading_rad[v] = np.arctan2(sample[VELOCITY_EAST], sample[VELOCITY_NORTH])
+
+
+@kernel(inlined=True)
+def _compose(
+    models: SenderModels,
+    s: Sensed,
+    fits: Fits,
+    rules: LaneRules,
+    lanes: Lanes,
+    b: int,
+    number: int,
+    wanted: int,
+    believed: bool,
+    scratch: FloatVector,
+) -> int:
+    """Compose a lane's message at a sample by a sub-model, -1 for the station's choice; which it is."""
+    member = compose(models, s, fits, rules, lanes, b, number, scratch)
+    if wanted >= 0 and fit(models, s, fits, rules.vehicle[b], number, wanted):
+        lanes.available[b, wanted] = True
+        member = wanted
+    if believed:
+        hold(models, s, fits, rules, lanes, b, number, member)
+    return member
+
+
+@kernel
+def know_sample(
+    models: SenderModels, s: Sensed, rules: LaneRules, lanes: Lanes, number: int, t_s: float, out: Asked
+) -> None:
+    """Write what the one station of a recorded trip knows at a sample."""
+    _know(models, s, rules, lanes, 0, number, t_s, np.empty(SCRATCH), out)
+
+
+@kernel
+def say_sample(
+    models: SenderModels,
+    s: Sensed,
+    fits: Fits,
+    rules: LaneRules,
+    lanes: Lanes,
+    number: int,
+    t_s: float,
+    wanted: int,
+    believed: bool,
+) -> int:
+    """Let the one station of a recorded trip send at a sample; by which sub-model it does."""
+    lanes.message_s[0] = t_s
+    return _compose(models, s, fits, rules, lanes, 0, number, wanted, believed, np.empty(SCRATCH))
 
 
 @kernel
@@ -70,26 +163,11 @@ def know_each(f: SendingStations, x: StepInputs, tables: NeighbourTables, out: A
         out.begins[v] = out.asks[v] and not before
         if not out.asks[v]:
             continue
-        b, number = (v + 1) * each - 1, f.sensed.taken[v] - 1
-        ring = f.sensed.stated_m.shape[1]
-        at = number % ring + ring
         ask_s = x.t_s + f.timers.phase[v] * (x.dt_s - f.numbers.jitter_s)
-        sample = f.sensed.samples[v, at]
-        available(f.models, f.sensed, f.rules, f.lanes, b, number)
-        sent = f.lanes.update[b] >= 0
-        out.ask_s[v], out.in_use[v] = ask_s, f.lanes.in_use[b] if sent else -1
-        out.age_s[v] = ask_s - f.lanes.origin[b, 0] if sent else np.inf
-        out.silence_s[v] = ask_s - f.lanes.message_s[b]
-        for m in range(f.models.members.windows.size):
-            out.available[v, m] = f.lanes.available[b, m]
-            out.error_m[v, m] = np.inf
-            if sent:
-                out.error_m[v, m] = member_error(f.models, f.sensed, f.rules, f.lanes, b, at, m, scratch)
-        out.position_m[v, 0], out.position_m[v, 1] = sample[EAST], sample[NORTH]
-        out.speed_mps[v] = hypot(sample[VELOCITY_EAST], sample[VELOCITY_NORTH])
-        out.heading_rad[v] = np.arctan2(sample[VELOCITY_EAST], sample[VELOCITY_NORTH])
+        number = f.sensed.taken[v] - 1
+        _know(f.models, f.sensed, f.rules, f.lanes, (v + 1) * each - 1, number, ask_s, scratch, out)
         near, ratio = survey(
-            tables.hosts, tables.slots, v, ask_s, sample[EAST], sample[NORTH],
+            tables.hosts, tables.slots, v, ask_s, out.position_m[v, 0], out.position_m[v, 1],
             c[j2945_kernels.PER_SUB_INTERVAL_S], c[j2945_kernels.PER_RANGE_M],
         )  # fmt: skip
         out.neighbours[v], out.error_ratio[v] = near, ratio
@@ -106,17 +184,12 @@ def _say(
     tally: SentTally,
     scratch: FloatVector,
 ) -> None:
-    """Compose a message of the newest sample by a sub-model, -1 for the station's choice, and post it."""
+    """Compose a message of the newest sample, and post it."""
     kind, wanted = what
     sent_s, power_dbm, believed = how
     b = (v + 1) * (f.rules.vehicle.size // f.senders.vehicle.size) - 1
     number = f.sensed.taken[v] - 1
-    member = compose(f.models, f.sensed, f.fits, f.rules, f.lanes, b, number, scratch)
-    if wanted >= 0 and fit(f.models, f.sensed, f.fits, v, number, wanted):
-        f.lanes.available[b, wanted] = True
-        member = wanted
-    if believed:
-        hold(f.models, f.sensed, f.fits, f.rules, f.lanes, b, number, member)
+    member = _compose(f.models, f.sensed, f.fits, f.rules, f.lanes, b, number, wanted, believed, scratch)
     post(f, v, b, (kind, member), (sent_s, power_dbm, believed, CAUSE_TIME), np.inf, contents, out, tally)
 
 

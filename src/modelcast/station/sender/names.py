@@ -5,12 +5,12 @@ class derived from `modelcast.station.policy.base.AbstractTransmitPolicy` whose 
 It sends the models of whatever bank is named, as ``mbc`` does.
 """
 
-from dataclasses import fields, is_dataclass, replace
-from typing import Any, cast
+from typing import Any
 
+from modelcast.core.exceptions import ConfigError
 from modelcast.core.named_settings import named_settings
 from modelcast.core.open_group import OpenGroup
-from modelcast.station.policy.base import AbstractTransmitPolicy
+from modelcast.station.policy.base import AbstractTransmitPolicy, at_threshold, takes_threshold
 
 __all__ = [
     "ERROR_SENDERS",
@@ -19,9 +19,11 @@ __all__ = [
     "POLICIES",
     "SENDERS",
     "check_sender",
+    "foreign_policy",
     "has_threshold",
     "plain_policy",
     "sends_models",
+    "sets_threshold",
 ]
 
 SENDERS = (
@@ -75,7 +77,7 @@ def check_sender(text: str) -> None:
     if text in SENDERS:
         POLICIES.loaded(text)
     else:
-        POLICIES.made_from(text)
+        foreign_policy(text)
 
 
 def sends_models(text: str) -> bool:
@@ -89,6 +91,17 @@ def sends_models(text: str) -> bool:
     return text in MODEL_SENDERS or text not in SENDERS
 
 
+def sets_threshold(text: str) -> bool:
+    """Whether a word sets a threshold itself.
+
+    Parameters
+    ----------
+    text
+        As for `check_sender`.
+    """
+    return "threshold_m" in named_settings(text)[1]
+
+
 def has_threshold(text: str) -> bool:
     """Whether a sender is run at each threshold: where a tracking error over it calls for messages.
 
@@ -100,7 +113,25 @@ def has_threshold(text: str) -> bool:
     """
     if text in SENDERS:
         return text in ERROR_SENDERS
-    return "threshold_m" not in named_settings(text)[1] and _takes_threshold(POLICIES.made_from(text))
+    return not sets_threshold(text) and takes_threshold(foreign_policy(text))
+
+
+def foreign_policy(text: str) -> AbstractTransmitPolicy[Any]:
+    """Return a policy of another package.
+
+    Parameters
+    ----------
+    text
+        As for `check_sender`, none of ours.
+
+    Raises
+    ------
+    ConfigError
+        Where it is one of ours, nothing of that name is known, or it refuses its settings.
+    """
+    if named_settings(text)[0] in SENDERS:
+        raise ConfigError(f"{text!r} is a sender of modelcast: name a policy of another package")
+    return POLICIES.made_from(text)
 
 
 def plain_policy(text: str, threshold_m: float) -> AbstractTransmitPolicy[Any]:
@@ -120,9 +151,5 @@ def plain_policy(text: str, threshold_m: float) -> AbstractTransmitPolicy[Any]:
     ValueError
         Where it refuses the threshold.
     """
-    policy = POLICIES.made_from(text)
-    return replace(cast("Any", policy), threshold_m=threshold_m) if has_threshold(text) else policy
-
-
-def _takes_threshold(policy: AbstractTransmitPolicy[Any]) -> bool:
-    return is_dataclass(policy) and any(one.name == "threshold_m" for one in fields(policy))
+    policy = foreign_policy(text)
+    return at_threshold(policy, threshold_m) if has_threshold(text) else policy

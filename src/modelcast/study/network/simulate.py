@@ -8,11 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from modelcast.channel.dsrc import Dsrc
-from modelcast.channel.erasure_radio import ErasureRadio
 from modelcast.channel.radio import AbstractRadio
-from modelcast.channel.sidelink import Sidelink
-from modelcast.channel.tabulated import TabulatedRadio
 from modelcast.core.chance import child_generator
 from modelcast.core.exceptions import ConfigError
 from modelcast.runtime.fleet.engine import run_network
@@ -24,11 +20,12 @@ from modelcast.study.network.pool import gather
 from modelcast.study.network.rows import (
     NO_BANK,
     NO_THRESHOLD,
+    SENDERS,
     CaseResult,
     NetworkCase,
     NetworkResult,
-    SenderRow,
 )
+from modelcast.study.table import Row
 from modelcast.world.scenario.base import AbstractScenario, run_scenario
 from modelcast.world.scenario.motion import checked
 from modelcast.world.scenario.sensed import FleetSensor
@@ -138,6 +135,7 @@ def simulate_fleets(
 
     Examples
     --------
+    >>> from modelcast.channel.dsrc import Dsrc
     >>> from modelcast.station.sender.sender import named_sender
     >>> from modelcast.world.scenario.highway import Highway
     >>> road = Highway(500.0, 20.0, warm_up_s=0.0)
@@ -172,7 +170,7 @@ def simulate_fleets(
             sensor=FleetSensor(runs.sensor),
             threads=runs.threads,
         )
-        results.append(measure(run, case, runs.settings, outcome_bin_m=_bin_m(radio)))
+        results.append(measure(run, case, runs.settings, outcome_bin_m=radio.bin_m))
         if progress is not None:
             progress(len(results), wanted)
     return gather(results, [_sender_row(sender) for sender in senders if _bank(sender) != NO_BANK])
@@ -191,25 +189,12 @@ def _bank(sender: Sender) -> str:
     return NO_BANK if all(sender.plain) else "+".join(member.name for member in sender.bank.members)
 
 
-def _sender_row(sender: Sender) -> SenderRow:
+def _sender_row(sender: Sender) -> Row:
     rules = sender.lanes
-    return SenderRow(
+    return SENDERS.row(
         policy=sender.name,
         bank=_bank(sender),
         sub_models=_bank(sender),
         start=rules.start,
         identify=rules.identify,
     )
-
-
-def _bin_m(radio: AbstractRadio[Any]) -> float:
-    """Width of the bins of distance of a radio's outcomes [m]."""
-    match radio:
-        case Dsrc() | Sidelink():
-            return radio.parameters.bin_m
-        case TabulatedRadio():
-            return radio.table.bin_m
-        case ErasureRadio():
-            return radio.bin_m
-        case _:
-            raise ConfigError(f"{type(radio).__name__} does not tell how wide its bins of distance are")

@@ -1,7 +1,6 @@
 """A safety application over recorded pairs: trips and senders in, one result out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -62,7 +61,7 @@ def evaluate_safety(
     evaluation = settings.evaluation
     plain = {
         **evaluation.as_plain(),
-        "application": {"name": type(settings.application).__name__, **asdict(settings.application)},
+        "application": repr(settings.application),
         "bases": list(settings.bases),
         "budget": budget,
         "against": against,

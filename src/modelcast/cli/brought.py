@@ -1,0 +1,69 @@
+"""What other packages bring, in all groups, and whether it can be had; `modelcast doctor` shows it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import entry_points
+from types import MappingProxyType
+from typing import Any
+
+from modelcast.core.exceptions import ConfigError
+from modelcast.core.open_group import OpenGroup, registered
+
+__all__ = ["Brought", "brought"]
+
+_MADE_WITH_DEFAULTS = MappingProxyType(
+    {
+        "modelcast.applications": "modelcast.apps.registry:APPLICATIONS",
+        "modelcast.policies": "modelcast.station.sender.names:POLICIES",
+        "modelcast.radios": "modelcast.channel.registry:RADIOS",
+        "modelcast.readers": "modelcast.io.registry:READERS",
+    }
+)
+"""Groups whose things are made without arguments."""
+
+
+@dataclass(frozen=True, slots=True)
+class Brought:
+    """Something that another package brings.
+
+    Parameters
+    ----------
+    group, name
+        The entry-point group, and the name in it.
+    package, version
+        Of the distribution.
+    problem
+        Why it cannot be had; empty where it can.
+    """
+
+    group: str
+    name: str
+    package: str
+    version: str
+    problem: str
+
+
+def brought() -> Iterator[Brought]:
+    """Yield what other packages bring, by group and name; each is loaded, and made where it takes nothing."""
+    for group in sorted(name for name in entry_points().groups if name.startswith("modelcast.")):
+        for name, points in sorted(registered(group).items()):
+            problem = _problem(group, name)
+            for point in points:
+                package, version = (
+                    ("unknown", "") if point.dist is None else (point.dist.name, point.dist.version)
+                )
+                yield Brought(group, name, package, version, problem)
+
+
+def _problem(group: str, name: str) -> str:
+    try:
+        if group in _MADE_WITH_DEFAULTS:
+            module, _, attribute = _MADE_WITH_DEFAULTS[group].partition(":")
+            found: OpenGroup[Any] = getattr(import_module(module), attribute)
+            found.made(name)
+        else:
+            OpenGroup(group, object, called=group, own={}).loaded(name)
+    except ConfigError as error:
+        return str(error)
+    return ""
