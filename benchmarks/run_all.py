@@ -12,6 +12,7 @@ SCRIPTS = (
     "gp_fit.py",
     "gp_peers.py",
     "switching.py",
+    "numpy_sub_model.py",
     "gp_expressions.py",
     "rate_evaluation.py",
     "evaluate_command.py",

@@ -146,8 +146,10 @@ def test_nothing_a_kernel_answers_is_dropped() -> None:
     assert dropped == set(ANSWERS_NOT_NEEDED)
 
 
-def test_no_kernel_raises() -> None:
+def test_no_kernel_raises_but_those_that_call_python() -> None:
     for path in sorted(SOURCE.rglob("*_kernels.py")):
+        if path == SOURCE / "models" / "python_kernels.py":
+            continue
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.FunctionDef) and any(
                 "kernel" in ast.unparse(d) for d in node.decorator_list

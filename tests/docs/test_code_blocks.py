@@ -183,6 +183,14 @@ def test_a_document_is_well_formed(block: Block) -> None:
     assert (json if block.language == "json" else tomllib).loads(block.text)
 
 
+def test_the_sub_model_in_numpy_of_the_guide_is_the_example() -> None:
+    example = (ROOT / "examples" / "chord" / "src" / "modelcast_chord" / "chord.py").read_text(
+        encoding="utf-8"
+    )
+    texts = [param.values[0].text for param in of("python") if param.values[0].page == "CONTRIBUTING.md"]
+    assert example.strip() in [text.strip() for text in texts]
+
+
 def test_the_sub_model_of_the_guide_keeps_the_contract(tmp_path: Path) -> None:
     """Its files, as printed, beside the others; then the conformance suite, alone and in a bank."""
     package = tmp_path / "models"
@@ -192,7 +200,8 @@ def test_the_sub_model_of_the_guide_keeps_the_contract(tmp_path: Path) -> None:
         (block,) = param.values
         if block.page == "CONTRIBUTING.md":
             above = " ".join(page[max(0, block.line - 4) : block.line])
-            (package / re.findall(r"`models/(\w+\.py)`", above)[-1]).write_text(block.text, encoding="utf-8")
+            for name in re.findall(r"`models/(\w+\.py)`", above)[-1:]:
+                (package / name).write_text(block.text, encoding="utf-8")
     assert sorted(path.name for path in package.iterdir()) == ["chord.py", "chord_kernels.py"]
     suite = (ROOT / "tests" / "models" / "test_model_conformance.py").read_text(encoding="utf-8")
     opened = "MODELS: dict[str, AbstractMotionModel] = {\n"
@@ -210,7 +219,7 @@ def test_the_sub_model_of_the_guide_keeps_the_contract(tmp_path: Path) -> None:
             *("-k", "not every_model"),  # that one asks for all classes of the package, and here are two
         ],
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (tmp_path, ROOT, ROOT / "src")))},
         capture_output=True,
         text=True,
         check=False,

@@ -1,4 +1,4 @@
-"""Claims about the example sub-model in plain NumPy: it works wherever a sub-model does, installed and named."""
+"""Claims about the example sub-model in plain NumPy: installed, it works wherever a sub-model does."""
 
 import json
 import subprocess

@@ -37,6 +37,7 @@ COMMANDS = (
     "capacity",
     "mixed",
     "train",
+    "profile",
     "road",
     "decode",
     "encode",
@@ -49,7 +50,7 @@ COMMANDS = (
     "replay",
     "doctor",
 )
-"""Names of the commands; each is the function of that name in the module of that name, imported when used."""
+"""Names of the commands; each is what has that name in the module of that name, imported when used."""
 
 
 def _version() -> str:

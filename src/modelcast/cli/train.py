@@ -58,9 +58,9 @@ def train(
     bank
         Members of the bank in order, joined by '+', among free, free-predictive, free-context, learned,
         gp-vehicle, gp-derivative, gp-trained, shs, hdp-hmm, gp-regime-1 and so on, ctra, ctrv, ca and cv;
-        their families are trained. Where not given, with --validate chosen among what is trained, but for
-        free-context, gp-trained, shs, hdp-hmm and the regimes', by the messages they save; else
-        free-predictive and free. cv joins as guard.
+        their families are trained; what other packages register joins as it is. Where not given, with
+        --validate chosen among what is trained, but for free-context, gp-trained, shs, hdp-hmm and the
+        regimes', by the messages they save; else free-predictive and free. cv joins as guard.
     validate
         Train once more without each route and count messages there: the record then holds honest figures, and
         the bank's members follow from them. Takes that many times longer.

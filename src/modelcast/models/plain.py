@@ -208,8 +208,8 @@ def _registered(mapping: Mapping[str, Any], path: str) -> AbstractSubModel:
         raise ValueError(f"{path}: {error}") from error
     if found.version != wanted.version:
         warnings.warn(
-            f"The sub-model {name} of a profile is of {printable(str(wanted))}; {found} is installed, which may "
-            "compute other numbers. Messages name the profile by the installed version.",
+            f"The sub-model {name} of a profile is of {printable(str(wanted))}; {found} is installed, which "
+            "may compute other numbers. Messages name the profile by the installed version.",
             ModelcastWarning,
             stacklevel=2,
         )
