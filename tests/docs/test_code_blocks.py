@@ -145,6 +145,19 @@ def test_a_document_is_well_formed(block: Block) -> None:
     assert (json if block.language == "json" else tomllib).loads(block.text)
 
 
+@pytest.mark.parametrize("block", [param for param in map(pytest.param, BLOCKS) if param.values[0].file])
+def test_a_block_that_repeats_a_file_is_that_file(block: Block) -> None:
+    assert block.text == (ROOT / block.file).read_text(encoding="utf-8")
+
+
+def test_the_guide_shows_the_example_packages_whole() -> None:
+    shown = {block.file for block in BLOCKS}
+    for name in ("bonnmotion_reader", "disc_radio", "following_gap", "forecast_policy"):
+        package = ROOT / "examples" / name
+        for one in (package / "pyproject.toml", *package.glob("src/**/*.py")):
+            assert one.relative_to(ROOT).as_posix() in shown
+
+
 def test_the_sub_model_of_the_guide_keeps_the_contract(tmp_path: Path) -> None:
     """Its files, as printed, beside the others; then the conformance suite, alone and in a bank."""
     package = tmp_path / "models"
@@ -152,7 +165,7 @@ def test_the_sub_model_of_the_guide_keeps_the_contract(tmp_path: Path) -> None:
     page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()
     for param in of("python"):
         (block,) = param.values
-        if block.page == "CONTRIBUTING.md":
+        if block.page == "CONTRIBUTING.md" and not block.file:
             above = " ".join(page[max(0, block.line - 4) : block.line])
             (package / re.findall(r"`models/(\w+\.py)`", above)[-1]).write_text(block.text, encoding="utf-8")
     assert sorted(path.name for path in package.iterdir()) == ["chord.py", "chord_kernels.py"]
