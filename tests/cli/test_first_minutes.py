@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
@@ -231,6 +231,28 @@ def test_doctor_names_what_is_broken_and_its_remedy(
     for word in ("MODELCAST_DATA", "MODELCAST_CACHE_DIR to a folder", "pip install --upgrade 'pymap3d>=3.1'"):
         assert word in shown
     assert not kernel_cache.kernel_cache().writable
+
+
+def test_doctor_tells_what_other_packages_bring_and_whether_it_can_be_had(
+    other_package: Callable[..., Path], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A radio under another name, one that is none, and two packages with one reader."""
+    monkeypatch.delenv("MODELCAST_DATA", raising=False)
+    reader = {"modelcast.readers": {"table": "modelcast.io.csv:CsvReader"}}
+    radios = {"silence": "modelcast.channel.erasure_radio:ErasureRadio", "noise": "builtins:list"}
+    other_package("first", {"modelcast.radios": radios, **reader})
+    other_package("second", reader, version="7.1")
+    assert run(["doctor", "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    told = {(one["name"], one["package"], one["version"]): one["problem"] for one in found["brought"]}
+    assert told["silence", "first", "1.2"] == ""
+    assert "is no AbstractRadio" in told["noise", "first", "1.2"]
+    for key in (("table", "first", "1.2"), ("table", "second", "7.1")):
+        assert "registered by" in told[key]
+    assert run(["doctor"]) == 1
+    shown = capsys.readouterr().out
+    assert "radios silence, by first 1.2" in shown
+    assert "mend or uninstall second" in shown
 
 
 def test_a_module_that_takes_the_interpreter_down_is_named_and_the_others_are_tried(

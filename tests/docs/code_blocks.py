@@ -13,7 +13,7 @@ text      the output of the program above it, or a notation (a formula, a pictur
 
 A comment behind a ``print`` is what it prints, perhaps followed by a colon and an explanation; so are the
 comment lines right behind one, a line each for every time it runs. ``<!-- not run: reason -->`` above a
-program says that it is only compiled.
+program says that it is only compiled. ``<!-- file: PATH -->`` above any block says that it repeats that file.
 """
 
 import ast
@@ -30,6 +30,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 
 _NOT_RUN = re.compile(r"<!-- not run: (.+) -->")
+_FILE = re.compile(r"<!-- file: (.+) -->")
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +51,8 @@ class Block:
         Why it is not run; empty where it is.
     result
         The ``text`` block right behind a program, or None.
+    file
+        The file that it repeats, from the project's root; empty where it repeats none.
     """
 
     page: str
@@ -58,6 +61,7 @@ class Block:
     text: str
     not_run: str = ""
     result: str | None = None
+    file: str = ""
 
     @property
     def place(self) -> str:
@@ -82,7 +86,9 @@ def blocks_of(page: Path) -> list[Block]:
         if language == "text" and close and found[-1].language == "python":
             found[-1] = replace(found[-1], result=text)
         place = page.relative_to(ROOT).as_posix()
-        found.append(Block(place, at + 1, language, text, marker[1] if marker else ""))
+        repeated = _FILE.fullmatch(lines[at - 1].strip()) if at else None
+        reason, file = (one[1] if one else "" for one in (marker, repeated))
+        found.append(Block(place, at + 1, language, text, reason, file=file))
         at = behind = stop + 1
     return found
 

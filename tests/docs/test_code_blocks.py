@@ -183,12 +183,17 @@ def test_a_document_is_well_formed(block: Block) -> None:
     assert (json if block.language == "json" else tomllib).loads(block.text)
 
 
-def test_the_sub_model_in_numpy_of_the_guide_is_the_example() -> None:
-    example = (ROOT / "examples" / "chord" / "src" / "modelcast_chord" / "chord.py").read_text(
-        encoding="utf-8"
-    )
-    texts = [param.values[0].text for param in of("python") if param.values[0].page == "CONTRIBUTING.md"]
-    assert example.strip() in [text.strip() for text in texts]
+@pytest.mark.parametrize("block", [param for param in map(pytest.param, BLOCKS) if param.values[0].file])
+def test_a_block_that_repeats_a_file_is_that_file(block: Block) -> None:
+    assert block.text == (ROOT / block.file).read_text(encoding="utf-8")
+
+
+def test_the_guide_shows_the_example_packages_whole() -> None:
+    shown = {block.file for block in BLOCKS}
+    for name in ("bonnmotion_reader", "chord", "disc_radio", "following_gap", "forecast_policy"):
+        package = ROOT / "examples" / name
+        for one in (package / "pyproject.toml", *package.glob("src/**/*.py")):
+            assert one.relative_to(ROOT).as_posix() in shown
 
 
 def test_the_sub_model_of_the_guide_keeps_the_contract(tmp_path: Path) -> None:
@@ -198,7 +203,7 @@ def test_the_sub_model_of_the_guide_keeps_the_contract(tmp_path: Path) -> None:
     page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()
     for param in of("python"):
         (block,) = param.values
-        if block.page == "CONTRIBUTING.md":
+        if block.page == "CONTRIBUTING.md" and not block.file:
             above = " ".join(page[max(0, block.line - 4) : block.line])
             for name in re.findall(r"`models/(\w+\.py)`", above)[-1:]:
                 (package / name).write_text(block.text, encoding="utf-8")

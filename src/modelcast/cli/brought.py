@@ -50,10 +50,8 @@ def brought() -> Iterator[Brought]:
         for name, points in sorted(registered(group).items()):
             problem = _problem(group, name)
             for point in points:
-                package, version = (
-                    ("unknown", "") if point.dist is None else (point.dist.name, point.dist.version)
-                )
-                yield Brought(group, name, package, version, problem)
+                about = ("unknown", "") if point.dist is None else (point.dist.name, point.dist.version)
+                yield Brought(group, name, *about, problem)
 
 
 def _problem(group: str, name: str) -> str:

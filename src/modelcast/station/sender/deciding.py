@@ -48,6 +48,7 @@ class Deciding:
             np.full(vehicles, np.inf),
             np.zeros(vehicles),
             np.zeros(vehicles, dtype=np.bool_),
+            np.zeros((vehicles, 2), dtype=np.int64),
         )
 
     def decide(self, stations: SendingStations, given: StepInputs, tables: NeighbourTables) -> None:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import BoolMatrix, BoolVector, FloatMatrix, FloatVector, IntVector
+from modelcast.core.kernel_types import BoolMatrix, BoolVector, FloatMatrix, FloatVector, IntMatrix, IntVector
 from modelcast.models.point_kernels import EAST, NORTH, VELOCITY_EAST, VELOCITY_NORTH
 from modelcast.station.arrays import Fits, LaneRules, Lanes, Sensed
 from modelcast.station.policy import j2945_kernels
@@ -18,7 +18,6 @@ from modelcast.station.sender.message_arrays import Contents, Outbox, SentTally
 from modelcast.station.sender.posting_kernels import SendingStations, StepInputs, has_begun, post
 from modelcast.station.sender.speaking_kernels import SCRATCH, compose, hold, member_error
 from modelcast.station.sender.starting_kernels import available
-from modelcast.station.sender.timed_kernels import WAITS_KIND, WAITS_MEMBER
 
 __all__ = ["Asked", "Decided", "asked", "know_each", "know_sample", "post_each", "say_sample"]
 
@@ -63,7 +62,8 @@ def asked(vehicles: int, members: int) -> Asked:
 class Decided(NamedTuple):
     """What V stations send, (V,) each.
 
-    ``kind`` and ``member``, -1 for the station's choice; ``send_s``, ``power_dbm`` and ``believed``.
+    ``kind`` and ``member``, -1 for the station's choice; ``send_s``, ``power_dbm`` and ``believed``;
+    ``waiting`` (V, 2) kind and sub-model of what waits for the next step.
     """
 
     kind: IntVector
@@ -71,6 +71,7 @@ class Decided(NamedTuple):
     send_s: FloatVector
     power_dbm: FloatVector
     believed: BoolVector
+    waiting: IntMatrix
 
 
 @kernel(inlined=True)
@@ -215,7 +216,7 @@ def post_each(
             continue
         waits = f.timers.pending[v]
         if waits[0] < until_s:
-            what = int(waits[WAITS_KIND]), int(waits[WAITS_MEMBER])
+            what = decided.waiting[v, 0], decided.waiting[v, 1]
             _say(f, v, what, (max(waits[0], x.t_s), waits[1], waits[2] > 0.0), contents, out, tally, scratch)
             waits[0] = np.inf
         if decided.kind[v] == NOTHING:
@@ -228,4 +229,4 @@ def post_each(
             _say(f, v, what, (sent_s, power_dbm, believed), contents, out, tally, scratch)
         else:
             waits[0], waits[1], waits[2] = sent_s, power_dbm, 1.0 if believed else 0.0
-            waits[WAITS_KIND], waits[WAITS_MEMBER] = decided.kind[v], decided.member[v]
+            decided.waiting[v, 0], decided.waiting[v, 1] = decided.kind[v], decided.member[v]

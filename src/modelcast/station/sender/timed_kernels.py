@@ -21,27 +21,10 @@ from modelcast.station.policy.policy_numbers import (
 from modelcast.station.policy.tracking_error_kernels import LOCAL_COLUMNS, tracking_error_of_model
 from modelcast.station.sender.fitting_kernels import SenderModels
 
-__all__ = [
-    "LOCAL",
-    "WAITS_KIND",
-    "WAITS_MEMBER",
-    "Timers",
-    "ask_cam",
-    "ask_j2945",
-    "ask_periodic",
-    "observe_loss",
-    "start",
-    "timers",
-]
+__all__ = ["LOCAL", "Timers", "ask_cam", "ask_j2945", "ask_periodic", "observe_loss", "start", "timers"]
 
 LOCAL = LOCAL_COLUMNS
 """Numbers of a vehicle's own estimate, that `ask_j2945` overwrites."""
-
-
-WAITS_KIND, WAITS_MEMBER = 4, 5
-"""Columns of `Timers.pending` of a policy that says what is sent."""
-
-_WAITING = 6
 
 
 class Timers(NamedTuple):
@@ -49,8 +32,8 @@ class Timers(NamedTuple):
 
     ``rows`` (V, 15) and ``control`` (V, 5) state of the rule; ``due_s`` (V,) of the periodic one; ``phase``
     (V,) where in a step each decides, in [0, 1); ``begins_s`` and ``begun`` (V,) when each begins to send,
-    and whether it has; ``pending`` (V, 6) a message of a later step: time, power, whether believed received,
-    cause, kind and sub-model.
+    and whether it has; ``pending`` (V, 4) a message of a later step: time, power, whether believed received,
+    cause.
     """
 
     rows: FloatMatrix
@@ -72,7 +55,7 @@ def timers(phase: FloatVector) -> Timers:
         phase=np.array(phase, dtype=np.float64),
         begins_s=np.zeros(count_),
         begun=np.zeros(count_, dtype=np.bool_),
-        pending=np.full((count_, _WAITING), np.inf),
+        pending=np.full((count_, 4), np.inf),
     )
 
 
@@ -80,7 +63,7 @@ def timers(phase: FloatVector) -> Timers:
 def start(timers: Timers, policy: PolicyNumbers, v: int, t_s: float) -> None:
     """Begin the timers of a station anew: it has sent nothing."""
     timers.due_s[v] = -np.inf
-    for column in range(_WAITING):
+    for column in range(4):
         timers.pending[v, column] = np.inf
     if policy.rule == RULE_J2945 or (policy.rule == RULE_ERROR_DRIVEN and policy.constants.size > 1):
         j2945_kernels.start(timers.rows[v], t_s, timers.phase[v], policy.constants)
