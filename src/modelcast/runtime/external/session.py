@@ -289,23 +289,18 @@ class Session:
 
     def _hear(self, rows: Checked) -> IntArray:
         """Let each host take in what it received, in order of time; the receipts as the rows were given."""
-        octets: list[bytes] = [b""] * rows.message.size
-        own = np.flatnonzero(~rows.is_foreign)
-        for at, one in zip(own.tolist(), self._kept.octets(rows.message[own]), strict=True):
-            octets[at] = one
-        for at, one in zip(np.flatnonzero(rows.is_foreign).tolist(), rows.foreign, strict=True):
-            octets[at] = one
         order = np.lexsort((rows.message, rows.received_s, rows.receiver))
-        receipt = np.empty(order.size, dtype=np.int64)
-        receiver = rows.receiver[order]
-        hosts, starts = np.unique(receiver, return_index=True)
+        octets, received_s = self._kept.octets(rows.message, order, rows.foreign), rows.received_s[order]
+        heard = np.empty(order.size, dtype=np.int64)
+        hosts, starts = np.unique(rows.receiver[order], return_index=True)
         ends = np.append(starts, order.size)[1:]
         for host, first, end in zip(hosts.tolist(), starts.tolist(), ends.tolist(), strict=True):
+            fleet = self._fleet_of(host)
             for begin in range(first, end, _AT_ONCE):
-                which = order[begin : min(begin + _AT_ONCE, end)]
-                receipt[which] = self._fleet_of(host).hear(
-                    host, [octets[at] for at in which.tolist()], received_s=rows.received_s[which]
-                )
+                part = slice(begin, min(begin + _AT_ONCE, end))
+                heard[part] = fleet.hear(host, octets[part], received_s=received_s[part])
+        receipt = np.empty_like(heard)
+        receipt[order] = heard
         return receipt
 
     def _leave(self, rows: Checked) -> IntArray:
