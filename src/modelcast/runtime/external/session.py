@@ -37,8 +37,8 @@ MOST_ROWS = 2**17
 _KEPT_S = 10.0
 """Maps refuse what is older on arrival."""
 
-_AT_ONCE = 4096
-"""Messages of one host that are read at a time: bounds what foreign octets take."""
+_AT_ONCE = 8192
+"""Messages that are read at a time: bounds the memory that foreign octets take."""
 
 _BELIEFS = (
     "vehicle", "position_m", "velocity_mps", "speed_mps", "heading_rad", "acceleration_mps2",
@@ -279,7 +279,7 @@ class Session:
         kind = self._kind_of.get(host)
         if kind is None:
             raise FieldError("host", host, "a station of the newest step")
-        return self._fleets[Kind.VEHICLE if kind == Kind.ROADSIDE else kind]
+        return self._fleets[_fleet_kind(kind)]
 
     def _sender_of_people(self, kind: Kind) -> Sender:
         try:
@@ -290,17 +290,21 @@ class Session:
     def _hear(self, rows: Checked) -> IntArray:
         """Let each host take in what it received, in order of time; the receipts as the rows were given."""
         order = np.lexsort((rows.message, rows.received_s, rows.receiver))
-        octets, received_s = self._kept.octets(rows.message, order, rows.foreign), rows.received_s[order]
-        heard = np.empty(order.size, dtype=np.int64)
-        hosts, starts = np.unique(rows.receiver[order], return_index=True)
-        ends = np.append(starts, order.size)[1:]
-        for host, first, end in zip(hosts.tolist(), starts.tolist(), ends.tolist(), strict=True):
-            fleet = self._fleet_of(host)
-            for begin in range(first, end, _AT_ONCE):
-                part = slice(begin, min(begin + _AT_ONCE, end))
-                heard[part] = fleet.hear(host, octets[part], received_s=received_s[part])
-        receipt = np.empty_like(heard)
-        receipt[order] = heard
+        receipt = np.empty(order.size, dtype=np.int64)
+        apart = [order]
+        if len(self._fleets) > 1:
+            fleet_of = {one: _fleet_kind(kind) for one, kind in self._kind_of.items()}
+            mine = np.array([fleet_of[one] for one in rows.receiver[order].tolist()], dtype=np.int64)
+            apart = [order[mine == kind] for kind in self._fleets]
+        for fleet, own in zip(self._fleets.values(), apart, strict=True):
+            octets = self._kept.octets(rows.message, own, rows.foreign)
+            for first in range(0, own.size, _AT_ONCE):
+                part = own[first : first + _AT_ONCE]
+                receipt[part] = fleet.hear_each(
+                    rows.receiver[part],
+                    octets[first : first + _AT_ONCE],
+                    received_s=rows.received_s[part],
+                )
         return receipt
 
     def _leave(self, rows: Checked) -> IntArray:
@@ -352,6 +356,11 @@ class Session:
             receipt=receipt,
             left=left,
         )
+
+
+def _fleet_kind(kind: Kind) -> Kind:
+    """Which fleet stations of a kind are in: roadside units hear as vehicles do."""
+    return Kind.VEHICLE if kind == Kind.ROADSIDE else kind
 
 
 def _application(name: str) -> AbstractApplication:
