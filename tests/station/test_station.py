@@ -248,7 +248,7 @@ def test_hosts_that_hear_at_once_hear_as_each_alone() -> None:
     sender = named_sender("mbc", bank=bank_from_text("cv+ca"), start="order", identify="on-failure")
     at_once, alone = Fleet(sender, slots=5, seed=4), Fleet(sender, slots=5, seed=4)
     rng, ids = np.random.default_rng(2), np.arange(5)
-    drives = [generate_drive(seed=seed, duration_s=30.0).truth for seed in range(5)]
+    drives = [generate_drive(seed=seed, duration_s=90.0).truth for seed in range(5)]
     receipts: set[int] = set()
     kinds: set[int] = set()
     heard: list[tuple[int, list[bytes], list[float]]] = []
