@@ -26,10 +26,14 @@ if TYPE_CHECKING:
     from modelcast.models.gp import GaussianProcess as GaussianProcess
     from modelcast.models.profile import Profile as Profile
     from modelcast.models.profile import default_profile as default_profile
+    from modelcast.node.serving.client import StepClient as StepClient
     from modelcast.report.html import write_report as write_report
     from modelcast.report.tables import rates_frame as rates_frame
     from modelcast.report.tables import references_frame as references_frame
     from modelcast.report.tables import tracking_frame as tracking_frame
+    from modelcast.runtime.external.exchange import SessionSettings as SessionSettings
+    from modelcast.runtime.external.exchange import Step as Step
+    from modelcast.runtime.external.session import Session as Session
     from modelcast.runtime.transport.virtual import VirtualMedium as VirtualMedium
     from modelcast.station.fleet import Fleet as Fleet
     from modelcast.station.policy.error_driven import ErrorDriven as ErrorDriven
@@ -69,7 +73,11 @@ _HOMES = {
     "Profile": "models.profile",
     "SensedTrip": "study.case",
     "SensorModel": "world.sensors",
+    "Session": "runtime.external.session",
+    "SessionSettings": "runtime.external.exchange",
     "Station": "station.station",
+    "Step": "runtime.external.exchange",
+    "StepClient": "node.serving.client",
     "TrainedCandidate": "study.compare.candidate",
     "Trajectory": "trips.trajectory",
     "VirtualMedium": "runtime.transport.virtual",
