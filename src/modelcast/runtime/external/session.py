@@ -6,7 +6,7 @@ that is refused has changed nothing.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -203,7 +203,7 @@ class Session:
             held += found[-1].vehicle.size
             if held > MOST_ROWS:
                 raise FieldError("host", f"{hosts.size} hosts", f"fewer: an answer holds {MOST_ROWS} rows")
-        columns = {
+        columns: dict[str, Any] = {
             name: np.concatenate([getattr(one, name) for one in found]) if found else _NOTHING[name]
             for name in _BELIEFS
         }
@@ -338,19 +338,22 @@ class Session:
         sent.sort(key=lambda one: (one.send_s, one.vehicle))
         first = self._kept.add(t_s, (one.octets for one in sent))
 
-        def column(name: str, dtype: type) -> FloatArray | IntArray:
-            return np.array([getattr(one, name) for one in sent], dtype=dtype)
+        def whole(name: str) -> IntArray:
+            return np.array([getattr(one, name) for one in sent], dtype=np.int64)
+
+        def real(name: str) -> FloatArray:
+            return np.array([getattr(one, name) for one in sent], dtype=np.float64)
 
         return Sent(
             t_s,
             np.arange(first, first + len(sent)),
-            vehicle=column("vehicle", np.int64),
-            send_s=column("send_s", np.float64),
-            frame_bytes=column("frame_bytes", np.int64),
-            power_dbm=column("power_dbm", np.float64),
+            vehicle=whole("vehicle"),
+            send_s=real("send_s"),
+            frame_bytes=whole("frame_bytes"),
+            power_dbm=real("power_dbm"),
             priority=np.full(len(sent), ORDINARY),
-            next_s=column("next_s", np.float64),
-            kind=column("kind", np.int64),
+            next_s=real("next_s"),
+            kind=whole("kind"),
             length=np.array([len(one.octets) for one in sent], dtype=np.int64),
             octets=b"".join(one.octets for one in sent),
             receipt=receipt,
