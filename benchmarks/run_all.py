@@ -24,6 +24,7 @@ SCRIPTS = (
     "safety_applications.py",
     "node_tick.py",
     "node_latency.py",
+    "serve_step.py",
 )
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 

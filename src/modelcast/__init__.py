@@ -104,11 +104,15 @@ if TYPE_CHECKING:
     from modelcast.models.threshold_time import expected_time_to_threshold as expected_time_to_threshold
     from modelcast.node.inputs.motion_source import MotionSource as MotionSource
     from modelcast.node.inputs.replay import TripReplay as TripReplay
+    from modelcast.node.serving.client import StepClient as StepClient
     from modelcast.report.figures.remotes import plot_remotes as plot_remotes
     from modelcast.report.html import write_report as write_report
     from modelcast.report.tables import rates_frame as rates_frame
     from modelcast.report.tables import references_frame as references_frame
     from modelcast.report.tables import tracking_frame as tracking_frame
+    from modelcast.runtime.external.exchange import SessionSettings as SessionSettings
+    from modelcast.runtime.external.exchange import Step as Step
+    from modelcast.runtime.external.session import Session as Session
     from modelcast.runtime.fleet.engine import run_network as run_network
     from modelcast.runtime.fleet.mix import Mix as Mix
     from modelcast.runtime.fleet.settings import NetworkSettings as NetworkSettings
@@ -233,11 +237,15 @@ _HOMES = {
     "SafetySettings": "study.safety.settings",
     "SensedTrip": "study.case",
     "SensorModel": "world.sensors",
+    "Session": "runtime.external.session",
+    "SessionSettings": "runtime.external.exchange",
     "Sidelink": "channel.sidelink",
     "Signer": "messages.security.signer",
     "SignerState": "messages.security.signer",
     "Sinusoid": "world.platoon.leaders",
     "Station": "station.station",
+    "Step": "runtime.external.exchange",
+    "StepClient": "node.serving.client",
     "SubModelIdentification": "messages.mbc",
     "Tally": "io.base",
     "TrainedCandidate": "study.compare.candidate",

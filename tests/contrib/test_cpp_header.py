@@ -1,4 +1,4 @@
-"""Claims about the C++ header that need no compiler: it speaks the protocol of the schema file, and is short."""
+"""Claims about the C++ header that need no compiler: it speaks the protocol of the schema, and is short."""
 
 import re
 from pathlib import Path

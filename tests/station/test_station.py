@@ -241,3 +241,69 @@ def test_ids_are_four_octets_and_not_shared() -> None:
             fleet.rename(1, bad)
     with pytest.raises(ValueError, match="slots must be at least 1"):
         Fleet("mbc", slots=0)
+
+
+def test_hosts_that_hear_at_once_hear_as_each_alone() -> None:
+    """Updates and identifications mixed, octets of nobody between them, own messages repeated."""
+    sender = named_sender("mbc", bank=bank_from_text("cv+ca"), start="order", identify="on-failure")
+    at_once, alone = Fleet(sender, slots=5, seed=4), Fleet(sender, slots=5, seed=4)
+    rng, ids = np.random.default_rng(2), np.arange(5)
+    drives = [generate_drive(seed=seed, duration_s=90.0).truth for seed in range(5)]
+    receipts: set[int] = set()
+    kinds: set[int] = set()
+    heard: list[tuple[int, list[bytes], list[float]]] = []
+    for step in range(250):
+        t_s = 0.1 * step
+        if heard:
+            host = np.repeat([one for one, _, _ in heard], [len(octets) for _, octets, _ in heard])
+            every = [one for _, octets, _ in heard for one in octets]
+            found = at_once.hear_each(host, every, received_s=[one for *_, times in heard for one in times])
+            each = [alone.hear(one, octets, received_s=times) for one, octets, times in heard]
+            np.testing.assert_array_equal(found, np.concatenate(each))
+            receipts |= set(found.tolist())
+        place = np.array([one.position_m[step] for one in drives])
+        motion = {
+            name: np.array([getattr(one, name)[step] for one in drives])
+            for name in ("speed_mps", "heading_rad")
+        }
+        sent = at_once.sense(t_s, ids, place, **motion)
+        assert sent == alone.sense(t_s, ids, place, **motion)
+        kinds |= {one.kind for one in sent}
+        heard = [
+            (host, [one.octets for one in mine], [one.send_s for one in mine])
+            for host in rng.permutation(5).tolist()
+            if (mine := [one for one in sent if rng.random() < 0.9])
+        ]
+        if heard and step % 7 == 0:
+            heard[0][1].insert(0, rng.bytes(20))
+            heard[0][2].insert(0, heard[0][2][0])
+    assert {Receipt.ACCEPTED, Receipt.REPEATED, Receipt.MALFORMED} <= receipts
+    assert MessageKind.IDENTIFICATION in kinds
+    for host in range(5):
+        one, other = at_once.believe(host, 25.0), alone.believe(host, 25.0)
+        np.testing.assert_array_equal(one.position_m, other.position_m)
+        np.testing.assert_array_equal(one.vehicle, other.vehicle)
+        counts = at_once.deliveries(host, ids, 25.0), alone.deliveries(host, ids, 25.0)
+        np.testing.assert_array_equal(counts[0].received, counts[1].received)
+
+
+def test_who_was_admitted_is_let_go_of() -> None:
+    fleet = Fleet("mbc", slots=2)
+    fleet.admit(9)
+    fleet.sense(0.0, np.array([1]), np.zeros((1, 2)))
+    with pytest.raises(ValueError, match="vehicle 1 measures: leave it out of the next step instead"):
+        fleet.dismiss(1)
+    with pytest.raises(ValueError, match="vehicle 9 measured nothing"):
+        fleet.own_motion(9)
+    fleet.dismiss(9)
+    with pytest.raises(ValueError, match="vehicle 9 is not in the fleet"):
+        fleet.believe(9, 0.0)
+    fleet.sense(0.1, np.array([1, 2]), np.zeros((2, 2)))
+
+
+def test_a_vehicle_sees_itself_as_it_measures() -> None:
+    fleet = Fleet("mbc", slots=2)
+    fleet.sense(
+        0.0, np.array([7]), np.array([[3.0, 4.0]]), speed_mps=np.array([5.0]), heading_rad=np.array([6.0])
+    )
+    np.testing.assert_array_equal(fleet.own_motion(7), [3.0, 4.0, 5.0, 6.0, np.nan, np.nan])

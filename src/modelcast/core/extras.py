@@ -40,7 +40,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
                     "zstandard": "zstandard",
                 }
             ),
-            "modelcast node, view, replay, demo-live; signing and checking signatures from Python "
+            "modelcast node, serve, view, replay, demo-live; signing and checking signatures from Python "
             "(modelcast.messages.security)",
         ),
         "train": Extra(

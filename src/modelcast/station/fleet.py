@@ -268,17 +268,44 @@ class Fleet:
         ValueError
             Where the vehicle is not in the fleet.
         """
-        slot = self._slot_of(vehicle)
-        receipts, self._heard[slot] = self._ears.hear(
-            self._heard[slot],
+        return self.hear_each(np.full(len(octets), vehicle), octets, received_s=received_s)
+
+    def hear_each(
+        self, vehicle: IntArray, octets: Sequence[bytes], *, received_s: Sequence[float] | FloatArray
+    ) -> IntArray:
+        """Take in messages that several vehicles received, as `hear` for each; gives a `Receipt` each, (K,).
+
+        Parameters
+        ----------
+        vehicle
+            The host of each message, those of one host side by side, (K,).
+        octets
+            Frames, those of each host in order of arrival.
+        received_s
+            When each arrived, (K,) [s].
+
+        Raises
+        ------
+        ValueError
+            Where a vehicle is not in the fleet, or there is not one of each a message.
+        """
+        if vehicle.shape != (len(octets),):
+            raise ValueError(f"vehicle must be ({len(octets)},), one a frame, got {vehicle.shape}")
+        starts = np.flatnonzero(np.diff(vehicle, prepend=-1))
+        hosts: list[int] = vehicle[starts].tolist()
+        slots = [self._slot_of(host) for host in hosts]
+        receipts, after = self._ears.hear_each(
+            [self._heard[slot] for slot in slots],
+            np.diff(starts, append=vehicle.size).tolist(),
             octets,
             received_s,
             origin=self.origin,
             minute_s=self._minute_s,
             tables=self._tables,
-            host=slot,
-            own=(vehicle, self._before.get(slot, vehicle)),
+            hosts=slots,
+            own=[(host, self._before.get(slot, host)) for host, slot in zip(hosts, slots, strict=True)],
         )
+        self._heard.update(zip(slots, after, strict=True))
         return receipts
 
     def believe(self, vehicle: int, t_s: float) -> Beliefs:
@@ -420,12 +447,12 @@ class Fleet:
         stations.senders.number[slot] += int(self._rng.integers(1, MESSAGES_KEPT))
 
     def _slot_of(self, vehicle: int) -> int:
-        here = np.flatnonzero(self._vehicle == vehicle)
-        if not here.size:
+        here = (self._vehicle == vehicle).argmax()
+        if self._vehicle[here] != vehicle or vehicle < 0:
             raise ValueError(
                 f"vehicle {vehicle} is not in the fleet: it measured nothing, nor was it admitted"
             )
-        return int(here[0])
+        return int(here)
 
     def _measured(
         self,

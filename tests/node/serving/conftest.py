@@ -40,6 +40,16 @@ class Served:
 
         return asyncio.run_coroutine_threadsafe(_given(), self.loop).result(30.0)
 
+    def wait_until(self, what: Callable[[], bool]) -> None:
+        """Wait until something holds in the server's loop, which turns meanwhile."""
+
+        async def _held() -> None:
+            async with asyncio.timeout(30.0):
+                while not what():  # noqa: ASYNC110 - the server tells nobody who leaves
+                    await asyncio.sleep(0.0)
+
+        asyncio.run_coroutine_threadsafe(_held(), self.loop).result(40.0)
+
     def stop(self) -> None:
         """Stop it, and wait until it has."""
         self.loop.call_soon_threadsafe(self._stop.set)

@@ -283,3 +283,53 @@ def test_a_step_without_stations_is_one() -> None:
     session.step(convoy.step(0))
     assert session.step(replace(nobody, t_s=0.05)).left.tolist() == convoy.vehicle.tolist()
     assert session.step(convoy.step(1)).left.size == 0
+
+
+@settings(max_examples=20)
+@given(
+    sender=st.sampled_from(["mbc", "baseline", "j2945-mbc", "cam", "free"]),
+    seed=st.integers(0, 2**32 - 1),
+    latitude_deg=st.sampled_from([0.0, 89.0, -60.0]),
+    dt_s=st.sampled_from([0.001, 0.1, 10.0]),
+)
+def test_whatever_is_in_range_is_served(sender: str, seed: int, latitude_deg: float, dt_s: float) -> None:
+    """Vehicles that jump, spin and stop as none can, at the ends of what is allowed; frames of any octets."""
+    rng = np.random.default_rng(seed)
+    session = Session(
+        SessionSettings(
+            3, sender=sender, seed=seed, latitude_deg=latitude_deg, longitude_deg=179.9, dt_s=dt_s, capacity=2
+        )
+    )
+    ids, heard = rng.choice(2**32, 3, replace=False), dict[str, Any]()
+
+    def drawn(most: float, least: float) -> Any:
+        return np.where(rng.random(3) < 0.5, rng.uniform(least, most, 3), rng.choice([least, most, 0.0], 3))
+
+    t_s = float(rng.choice([-1e8, 0.0, 5e8]))
+    for _ in range(8):
+        t_s += dt_s * float(rng.choice([0.5, 1.0, 40.0]))
+        sent = session.step(
+            Step(
+                t_s,
+                ids,
+                position_m=np.stack([drawn(2e5, -2e5), drawn(2e5, -2e5)], axis=1),
+                speed_mps=drawn(200.0, 0.0),
+                heading_rad=drawn(100.0, -100.0),
+                acceleration_mps2=drawn(200.0, -200.0),
+                yaw_rate_radps=drawn(100.0, -100.0),
+                busy_ratio=drawn(1.0, 0.0),
+                begins=rng.integers(0, 2, 3),
+                **heard,
+            )
+        )
+        length = rng.integers(1, 80, 2)
+        heard = {
+            "receiver": np.append(np.repeat(ids, sent.message.size), ids[:2]),
+            "received_s": np.full(3 * sent.message.size + 2, t_s - rng.choice([0.0, 1e3])),
+            "message": np.append(np.tile(sent.message, 3), [-1, -1]),
+            "foreign_length": length,
+            "foreign_octets": rng.bytes(int(length.sum())),
+        }
+        session.believe(ids, t_s + float(rng.choice([0.0, 1e6])))
+        session.warnings(ids, ["fcw", "eebl", "ima", "vru"])
+        assert (sent.length > 0).all()

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from math import prod
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -23,7 +23,14 @@ __all__ = ["Field", "FrameError", "MessageType", "Schema", "named_values", "step
 
 _ARRAY = re.compile(r"([uif][148])\[([A-Z])((?:,[0-9])*)\]")
 _MOST_KEYS, _MOST_TEXTS, _MOST_TEXT_BYTES = 64, 32, 4096
-_PLAIN = {"integer": int, "number": float, "text": str, "flag": bool, "octets": bytes, "texts": list}
+_PLAIN: dict[str, type[Any]] = {
+    "integer": int,
+    "number": float,
+    "text": str,
+    "flag": bool,
+    "octets": bytes,
+    "texts": list,
+}
 
 
 class FrameError(ValueError):
@@ -111,7 +118,7 @@ class Field:
         kind = _PLAIN[self.type]
         if kind is float and type(value) is int and abs(value) < 2**53:
             return float(value)
-        if type(value) is not kind or (kind is list and not all(type(one) is str for one in value)):
+        if type(value) is not kind or (kind is list and not _are_texts(value)):
             raise FieldError(self.name, _described(value), f"a field of type {self.type}")
         return value
 
@@ -166,7 +173,7 @@ class Schema:
         """
         known = self.messages[name].fields
         given = {key: known[key].wire(value) for key, value in values.items() if value is not None}
-        return msgpack.packb({"type": name, **given})
+        return cast("bytes", msgpack.packb({"type": name, **given}))
 
     def unpack(self, octets: bytes, origin: Literal["client", "server"]) -> tuple[str, dict[str, Any]]:
         """The name and the fields of a message; arrays are views of the octets.
@@ -210,19 +217,22 @@ def _opened(octets: bytes, frame_bytes: int) -> dict[str, Any]:
     if len(octets) > frame_bytes:
         raise FrameError(f"a frame of {len(octets)} octets: at most {frame_bytes}")
     try:
-        found = msgpack.unpackb(
-            octets,
-            object_pairs_hook=_once_each,
-            max_map_len=_MOST_KEYS,
-            max_array_len=_MOST_TEXTS,
-            max_str_len=_MOST_TEXT_BYTES,
-            max_ext_len=0,
+        found = cast(
+            "Any",
+            msgpack.unpackb(
+                octets,
+                object_pairs_hook=_once_each,
+                max_map_len=_MOST_KEYS,
+                max_array_len=_MOST_TEXTS,
+                max_str_len=_MOST_TEXT_BYTES,
+                max_ext_len=0,
+            ),
         )
     except (ValueError, msgpack.UnpackException) as error:
         raise FrameError(f"no map of MessagePack: {error or type(error).__name__}") from error
     if not isinstance(found, dict):
         raise FrameError(f"no map of MessagePack, but {_described(found)}")
-    return found
+    return cast("dict[str, Any]", found)
 
 
 def _once_each(pairs: Sequence[tuple[Any, Any]]) -> dict[str, Any]:
@@ -231,6 +241,10 @@ def _once_each(pairs: Sequence[tuple[Any, Any]]) -> dict[str, Any]:
     if len(found) != len(pairs) or not all(isinstance(key, str) for key in found):
         raise ValueError("keys are texts, each once")
     return found
+
+
+def _are_texts(values: Any) -> bool:
+    return all(type(one) is str for one in values)
 
 
 def _described(value: Any) -> str:

@@ -1,10 +1,13 @@
 """The messages that a session has sent of late, by number, so that receptions need only name them."""
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import final
 
+import numpy as np
+
 from modelcast.core.arrays import IntArray
+from modelcast.runtime.external.exchange import FOREIGN
 from modelcast.runtime.external.refusal import FieldError
 
 __all__ = ["KeptMessages"]
@@ -21,12 +24,11 @@ class KeptMessages:
 
     Examples
     --------
-    >>> import numpy as np
     >>> kept = KeptMessages(10.0)
     >>> kept.add(0.0, [b"one", b"two"]), kept.add(0.1, [b"three"])
     (0, 2)
-    >>> kept.octets(np.array([2, 0]))
-    [b'three', b'one']
+    >>> kept.octets(np.array([2, -1, 0]), np.array([0, 2, 1]), [b"other"])
+    [b'three', b'one', b'other']
     """
 
     def __init__(self, kept_s: float) -> None:
@@ -54,16 +56,23 @@ class KeptMessages:
         self._steps.append((t_s, self._first + len(self._octets)))
         return first
 
-    def octets(self, numbers: IntArray) -> list[bytes]:
-        """Octets of some messages, all of them kept.
+    def octets(self, numbers: IntArray, order: IntArray, foreign: Sequence[bytes] = ()) -> list[bytes]:
+        """Octets of some messages, all of them kept or foreign.
 
         Parameters
         ----------
         numbers
-            Which, (K,).
+            Which, (K,); each `FOREIGN` stands for the next foreign one.
+        order
+            In which order to give them, (K,).
+        foreign
+            Octets of the foreign ones.
         """
-        held, first = self._octets, self._first
-        return [held[number - first] for number in numbers.tolist()]
+        index, table = numbers - self._first, self._octets
+        if foreign:
+            index[numbers == FOREIGN] = len(table) + np.arange(len(foreign))
+            table = [*table, *foreign]
+        return list(map(table.__getitem__, index[order].tolist()))
 
     def check(self, numbers: IntArray) -> None:
         """Refuse numbers that nothing is kept of.

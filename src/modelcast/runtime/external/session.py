@@ -6,7 +6,7 @@ that is refused has changed nothing.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -37,8 +37,8 @@ MOST_ROWS = 2**17
 _KEPT_S = 10.0
 """Maps refuse what is older on arrival."""
 
-_AT_ONCE = 4096
-"""Messages of one host that are read at a time: bounds what foreign octets take."""
+_AT_ONCE = 8192
+"""Messages that are read at a time: bounds the memory that foreign octets take."""
 
 _BELIEFS = (
     "vehicle", "position_m", "velocity_mps", "speed_mps", "heading_rad", "acceleration_mps2",
@@ -203,7 +203,7 @@ class Session:
             held += found[-1].vehicle.size
             if held > MOST_ROWS:
                 raise FieldError("host", f"{hosts.size} hosts", f"fewer: an answer holds {MOST_ROWS} rows")
-        columns = {
+        columns: dict[str, Any] = {
             name: np.concatenate([getattr(one, name) for one in found]) if found else _NOTHING[name]
             for name in _BELIEFS
         }
@@ -279,7 +279,7 @@ class Session:
         kind = self._kind_of.get(host)
         if kind is None:
             raise FieldError("host", host, "a station of the newest step")
-        return self._fleets[Kind.VEHICLE if kind == Kind.ROADSIDE else kind]
+        return self._fleets[_fleet_kind(kind)]
 
     def _sender_of_people(self, kind: Kind) -> Sender:
         try:
@@ -289,22 +289,21 @@ class Session:
 
     def _hear(self, rows: Checked) -> IntArray:
         """Let each host take in what it received, in order of time; the receipts as the rows were given."""
-        octets: list[bytes] = [b""] * rows.message.size
-        own = np.flatnonzero(~rows.is_foreign)
-        for at, one in zip(own.tolist(), self._kept.octets(rows.message[own]), strict=True):
-            octets[at] = one
-        for at, one in zip(np.flatnonzero(rows.is_foreign).tolist(), rows.foreign, strict=True):
-            octets[at] = one
         order = np.lexsort((rows.message, rows.received_s, rows.receiver))
         receipt = np.empty(order.size, dtype=np.int64)
-        receiver = rows.receiver[order]
-        hosts, starts = np.unique(receiver, return_index=True)
-        ends = np.append(starts, order.size)[1:]
-        for host, first, end in zip(hosts.tolist(), starts.tolist(), ends.tolist(), strict=True):
-            for begin in range(first, end, _AT_ONCE):
-                which = order[begin : min(begin + _AT_ONCE, end)]
-                receipt[which] = self._fleet_of(host).hear(
-                    host, [octets[at] for at in which.tolist()], received_s=rows.received_s[which]
+        apart = [order]
+        if len(self._fleets) > 1:
+            fleet_of = {one: _fleet_kind(kind) for one, kind in self._kind_of.items()}
+            mine = np.array([fleet_of[one] for one in rows.receiver[order].tolist()], dtype=np.int64)
+            apart = [order[mine == kind] for kind in self._fleets]
+        for fleet, own in zip(self._fleets.values(), apart, strict=True):
+            octets = self._kept.octets(rows.message, own, rows.foreign)
+            for first in range(0, own.size, _AT_ONCE):
+                part = own[first : first + _AT_ONCE]
+                receipt[part] = fleet.hear_each(
+                    rows.receiver[part],
+                    octets[first : first + _AT_ONCE],
+                    received_s=rows.received_s[part],
                 )
         return receipt
 
@@ -339,24 +338,32 @@ class Session:
         sent.sort(key=lambda one: (one.send_s, one.vehicle))
         first = self._kept.add(t_s, (one.octets for one in sent))
 
-        def column(name: str, dtype: type) -> FloatArray | IntArray:
-            return np.array([getattr(one, name) for one in sent], dtype=dtype)
+        def whole(name: str) -> IntArray:
+            return np.array([getattr(one, name) for one in sent], dtype=np.int64)
+
+        def real(name: str) -> FloatArray:
+            return np.array([getattr(one, name) for one in sent], dtype=np.float64)
 
         return Sent(
             t_s,
             np.arange(first, first + len(sent)),
-            vehicle=column("vehicle", np.int64),
-            send_s=column("send_s", np.float64),
-            frame_bytes=column("frame_bytes", np.int64),
-            power_dbm=column("power_dbm", np.float64),
+            vehicle=whole("vehicle"),
+            send_s=real("send_s"),
+            frame_bytes=whole("frame_bytes"),
+            power_dbm=real("power_dbm"),
             priority=np.full(len(sent), ORDINARY),
-            next_s=column("next_s", np.float64),
-            kind=column("kind", np.int64),
+            next_s=real("next_s"),
+            kind=whole("kind"),
             length=np.array([len(one.octets) for one in sent], dtype=np.int64),
             octets=b"".join(one.octets for one in sent),
             receipt=receipt,
             left=left,
         )
+
+
+def _fleet_kind(kind: Kind) -> Kind:
+    """Which fleet stations of a kind are in: roadside units hear as vehicles do."""
+    return Kind.VEHICLE if kind == Kind.ROADSIDE else kind
 
 
 def _application(name: str) -> AbstractApplication:

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -126,40 +127,97 @@ class Ears:
         ValueError
             Where times fall, or there is not one a frame.
         """
+        receipts, states = self.hear_each(
+            [state],
+            [len(octets)],
+            octets,
+            received_s,
+            origin=origin,
+            minute_s=minute_s,
+            tables=tables,
+            hosts=[host],
+            own=[own],
+        )
+        return receipts, states[0]
+
+    def hear_each(
+        self,
+        states: Sequence[MapState],
+        counts: Sequence[int],
+        octets: Sequence[bytes],
+        received_s: Sequence[float] | FloatArray,
+        *,
+        origin: Origin,
+        minute_s: float = 0.0,
+        tables: NeighbourTables | None = None,
+        hosts: Sequence[int],
+        own: Sequence[Sequence[int]],
+    ) -> tuple[IntArray, list[MapState]]:
+        """Let several hosts take messages in, host after host: as `hear` for each, but all are read at once.
+
+        Parameters
+        ----------
+        states
+            What each of H hosts holds; used up.
+        counts
+            How many of the messages are each host's, H, together K.
+        octets
+            Frames, those of each host in order of arrival.
+        received_s
+            When each arrived, not falling within a host's, (K,) [s].
+        origin, minute_s, tables
+            As for `hear`.
+        hosts, own
+            As ``host`` and ``own`` of `hear`, H.
+
+        Raises
+        ------
+        ValueError
+            Where times fall, or there is not one a frame.
+        """
         arrived_s = np.asarray(received_s, dtype=np.float64)
         if arrived_s.shape != (len(octets),):
             raise ValueError(f"received_s must be ({len(octets)},), one a frame, got {arrived_s.shape}")
         receipts = np.full(len(octets), Receipt.MALFORMED, dtype=np.int64)
         frames, lengths = _side_by_side(octets)
         named = _message_ids(frames, lengths) == IDENTIFICATION_MESSAGE
-        # An identification counts its age from the update before it, so what came before is taken in first.
-        bounds = [0, *(np.flatnonzero(named[1:] != named[:-1]) + 1).tolist(), len(octets)]
-        for first, end in pairwise(bounds):
-            if first == end:
-                continue
-            if named[first]:
-                rows, heard = self._identifications(state, octets, arrived_s, range(first, end))
-            else:
-                which = slice(first, end)
-                rows, heard = self._updates(
-                    frames[which], lengths[which], arrived_s[which], origin=origin, minute_s=minute_s
-                )
-                rows += first
-            state.receipts[Receipt.MALFORMED] += end - first - rows.size
-            mine = np.isin(heard.temporary_id, own)
-            if mine.any():
-                receipts[rows[mine]] = Receipt.REPEATED
-                state.receipts[Receipt.REPEATED] += int(mine.sum())
-                rows, heard = rows[~mine], heard.taken(np.flatnonzero(~mine))
-            receipts[rows], state = self.map.hear(state, heard)
-            if tables is not None:
-                _count(tables, host, heard, receipts[rows])
-        return receipts, state
+        updates = np.flatnonzero(~named)
+        fine, columns = self._updates(
+            frames[updates], lengths[updates], arrived_s[updates], origin=origin, minute_s=minute_s
+        )
+        fine = updates[fine]
+        ends = np.cumsum(counts).tolist()
+        after: list[MapState] = []
+        for state, count, end, host, mine in zip(states, counts, ends, hosts, own, strict=True):
+            start = end - count
+            # An identification counts its age from the update before it: what came before is taken in first.
+            turns = np.flatnonzero(named[start + 1 : end] != named[start : end - 1]) + start + 1
+            held = state
+            for first, last in pairwise([start, *turns.tolist(), end]):
+                if first == last:
+                    continue
+                if named[first]:
+                    rows, heard = self._identifications(held, octets, arrived_s, range(first, last))
+                else:
+                    low, high = np.searchsorted(fine, (first, last))
+                    rows = fine[low:high]
+                    heard = Heard(**{name: column[low:high] for name, column in columns.items()})
+                held.receipts[Receipt.MALFORMED] += last - first - rows.size
+                is_mine = np.isin(heard.temporary_id, mine)
+                if is_mine.any():
+                    receipts[rows[is_mine]] = Receipt.REPEATED
+                    held.receipts[Receipt.REPEATED] += int(is_mine.sum())
+                    rows, heard = rows[~is_mine], heard.taken(np.flatnonzero(~is_mine))
+                receipts[rows], held = self.map.hear(held, heard)
+                if tables is not None:
+                    _count(tables, host, heard, receipts[rows])
+            after.append(held)
+        return receipts, after
 
     def _updates(
         self, frames: OctetArray, lengths: IntArray, arrived_s: FloatArray, *, origin: Origin, minute_s: float
-    ) -> tuple[IntArray, Heard]:
-        """Read safety messages with the first profile that knows each; gives the rows that are some."""
+    ) -> tuple[IntArray, dict[str, Any]]:
+        """Read safety messages, each with the first profile that knows it: rows of some; `Heard`'s fields."""
         profile = np.full(lengths.size, _NOTHING)
         parameters = np.full((lengths.size, self._widest), np.nan)
         in_use = np.zeros(lengths.size, dtype=np.int64)
@@ -186,24 +244,24 @@ class Ears:
         parameters[plain, 2] = np.nan_to_num(stated[:, CORE_INDEX["acceleration_forward_mps2"]])
         motion = {name: values[fine, CORE_INDEX[name]] for name in _MOTION}
         kind = np.where(profile == _NOTHING, HeardKind.PLAIN, HeardKind.UPDATE)
-        return np.flatnonzero(fine), Heard(
-            kind[fine].astype(np.int64),
-            read.rows.vehicle[fine],
-            read.rows.message_count[fine],
-            t_s=read.rows.t_s[fine],
-            received_s=arrived_s[fine],
-            position_m=position_m[fine],
-            speed_mps=motion["speed_mps"],
-            heading_rad=motion["heading_rad"],
-            acceleration_mps2=motion["acceleration_forward_mps2"],
-            yaw_rate_radps=motion["yaw_rate_radps"],
-            profile=profile[fine],
-            in_use=in_use[fine],
-            parameters=parameters[fine],
-            length_m=motion["length_m"],
-            width_m=motion["width_m"],
-            user=read.kind[fine],
-        )
+        return np.flatnonzero(fine), {
+            "kind": kind[fine].astype(np.int64),
+            "temporary_id": read.rows.vehicle[fine],
+            "message_count": read.rows.message_count[fine],
+            "t_s": read.rows.t_s[fine],
+            "received_s": arrived_s[fine],
+            "position_m": position_m[fine],
+            "speed_mps": motion["speed_mps"],
+            "heading_rad": motion["heading_rad"],
+            "acceleration_mps2": motion["acceleration_forward_mps2"],
+            "yaw_rate_radps": motion["yaw_rate_radps"],
+            "profile": profile[fine],
+            "in_use": in_use[fine],
+            "parameters": parameters[fine],
+            "length_m": motion["length_m"],
+            "width_m": motion["width_m"],
+            "user": read.kind[fine],
+        }
 
     def _identifications(
         self, state: MapState, octets: Sequence[bytes], arrived_s: FloatArray, which: range
