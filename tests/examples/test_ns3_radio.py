@@ -130,7 +130,8 @@ def test_a_folder_without_ns3_is_refused(ns3_radio: ModuleType, tmp_path: Path) 
         ns3_radio.Ns3Radio(folder=str(tmp_path)).init(2, np.random.default_rng(0))
 
 
-def test_where_ns3_is_missing_it_says_so(ns3_radio: ModuleType) -> None:
+def test_where_ns3_is_missing_it_says_so(ns3_radio: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("NS3_FOLDER", raising=False)
     if any((Path(path) / "ns3" / "lib64").is_dir() for path in sys.path):
         pytest.skip("ns3 is installed beside modelcast")
     with pytest.raises(ValueError, match="ns-3 is not installed: pip install ns3"):
@@ -153,7 +154,7 @@ def line(*east_m: float) -> np.ndarray:
 
 
 def test_ns3_sends_a_lone_frame_after_aifs_for_as_long_as_it_lasts(over_ns3: Callable[..., Any]) -> None:
-    """ns-3 3.44 waits for AIFS also on an idle channel, and its frames are 4 us shorter than the standard's."""
+    """ns-3 3.44 waits for AIFS on an idle channel too; its frames are 4 us shorter than the standard's."""
     radio = over_ns3()
     state = radio.init(3, np.random.default_rng(1))
     heard, state = radio.step(state, batch([0], [0.01]), line(0.0, 20.0, np.nan), 0.1)

@@ -127,7 +127,8 @@ class Ns3Radio(AbstractExternalRadio):
         Slots of the interframe space beyond SIFS, and the longest countdown. The default is DCF, which a
         station without QoS has.
     folder
-        Of the wheel, ``ns3`` in the site-packages of an environment; empty for this environment's.
+        Of the wheel, ``ns3`` in the site-packages of an environment; empty for what ``NS3_FOLDER`` names, or
+        this environment's.
 
     Notes
     -----
