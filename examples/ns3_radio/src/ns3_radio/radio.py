@@ -109,7 +109,7 @@ class Ns3Radio(AbstractExternalRadio):
 
     Parameters
     ----------
-    max_power_dbm, bin_m, bins
+    max_power_dbm, distance_bin_m, bins
         As for `AbstractExternalRadio`.
     exponent, reference_loss_db
         Of the log-distance loss, its loss at 1 m [dB]. Fading is Nakagami's, m = 3 below 50 m, 1.5 below
@@ -164,7 +164,7 @@ class Ns3Radio(AbstractExternalRadio):
             "load": self.load_dbm,
             "aifsn": self.aifsn,
             "window": self.window,
-            "reach": self.bin_m * self.bins,
+            "reach": self.reach_m,
         }
         command = [str(build(SOURCE, ns3)), *(f"--{name}={value}" for name, value in options.items())]
         return Ns3Simulator(command, ns3, stations)
