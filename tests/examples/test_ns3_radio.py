@@ -16,6 +16,7 @@ import pytest
 
 from modelcast.channel.dsrc_parameters import DsrcParameters
 from modelcast.channel.radio import Receptions, Transmissions
+from modelcast.core.exceptions import ModelcastError
 
 STAND_IN = """
 import struct, sys
@@ -114,7 +115,7 @@ def test_a_run_that_is_over_leaves_no_process(ns3_radio: ModuleType, tmp_path: P
 def test_a_process_that_ends_by_itself_is_told_with_its_words(ns3_radio: ModuleType) -> None:
     command = [sys.executable, "-c", "import sys; sys.stdin.buffer.read(16); sys.exit('no such channel')"]
     simulator = ns3_radio.radio.Ns3Simulator(command, Path(), 3)
-    with pytest.raises(RuntimeError, match="ns-3 ended with 1: no such channel"):
+    with pytest.raises(ModelcastError, match="ns-3 ended with 1: no such channel"):
         simulator.carry(batch([0], [0.01]), PLACES_M, 0.1)
 
 

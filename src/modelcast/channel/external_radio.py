@@ -76,6 +76,13 @@ class AbstractRadioSimulator(abc.ABC):
             neither sends nor hears, and a message that waits at it expires.
         until_t_s
             End of the interval [s]. What is on the air or waits then is told of later.
+
+        Raises
+        ------
+        ModelcastError
+            Where the simulator is lost.
+        ValueError
+            Where it cannot carry what is asked for.
         """
 
 

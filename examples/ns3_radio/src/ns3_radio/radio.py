@@ -9,7 +9,13 @@ from typing import IO
 
 import numpy as np
 
-from modelcast import AbstractExternalRadio, AbstractRadioSimulator, CarriedFrames, Transmissions
+from modelcast import (
+    AbstractExternalRadio,
+    AbstractRadioSimulator,
+    CarriedFrames,
+    ModelcastError,
+    Transmissions,
+)
 from ns3_radio.program import build, environment, installed_ns3
 
 __all__ = ["Ns3Radio", "Ns3Simulator"]
@@ -52,7 +58,15 @@ class Ns3Simulator(AbstractRadioSimulator):
         weakref.finalize(self, _end, self._process, self._errors)
 
     def carry(self, transmissions: Transmissions, position_m: np.ndarray, until_t_s: float) -> CarriedFrames:
-        """Run ns-3 on to ``until_t_s``."""
+        """Run ns-3 on to ``until_t_s``.
+
+        Raises
+        ------
+        ModelcastError
+            Where the process has ended.
+        ValueError
+            Where a message is smaller than the headers of a frame.
+        """
         if (transmissions.size_bytes < OVERHEAD_BYTES).any():
             raise ValueError(f"size_bytes must be at least {OVERHEAD_BYTES}, the headers of a frame")
         messages = np.empty(transmissions.size, dtype=_MESSAGE)
@@ -88,12 +102,12 @@ class Ns3Simulator(AbstractRadioSimulator):
             raise self._lost()
         return np.frombuffer(octets, dtype=dtype).copy()
 
-    def _lost(self) -> RuntimeError:
+    def _lost(self) -> ModelcastError:
         """The process has ended by itself: say with what words."""
         self._process.wait()
         self._errors.seek(0)
         said = self._errors.read().decode(errors="replace").strip()[-500:]
-        return RuntimeError(f"ns-3 ended with {self._process.returncode}: {said or 'it said nothing'}")
+        return ModelcastError(f"ns-3 ended with {self._process.returncode}: {said or 'it said nothing'}")
 
 
 def _end(process: subprocess.Popen[bytes], errors: IO[bytes]) -> None:
