@@ -74,7 +74,7 @@ def drive(case: Case, ns3: str) -> Run:
     start = time.perf_counter()
     model = named_sensor("default")
     sender = named_sender(case.policy, threshold_m=THRESHOLD_M, motion=filter_for(model))
-    theirs = Ns3Radio(max_power_dbm=20.0, bin_m=BIN_M, bins=BINS, folder=ns3)
+    theirs = Ns3Radio(max_power_dbm=20.0, distance_bin_m=BIN_M, bins=BINS, folder=ns3)
     frames = run_scenario(
         Highway(LENGTH_M, case.density_per_km),
         np.random.default_rng([case.seed, 17]),

@@ -166,9 +166,9 @@ def test_more_power_than_the_radio_has_is_refused() -> None:
         radio.step(radio.init(2, np.random.default_rng(0)), batch([0], [0.01]), line(0.0, 9.0), 0.1)
 
 
-@pytest.mark.parametrize("settings", [{"bin_m": 0.0}, {"bins": 0}, {"bin_m": np.inf}])
+@pytest.mark.parametrize("settings", [{"distance_bin_m": 0.0}, {"bins": 0}, {"distance_bin_m": np.inf}])
 def test_bins_that_are_none_are_refused(settings: dict[str, Any]) -> None:
-    with pytest.raises(ValueError, match="bin_m and bins"):
+    with pytest.raises(ValueError, match="distance_bin_m and bins"):
         outer(lambda stations, seed: Inside(Dsrc(), stations, seed), **settings)
 
 
@@ -263,8 +263,9 @@ def test_a_message_is_owed_until_it_is_told_of() -> None:
 def test_a_dsrc_with_other_bins_is_counted_in_its_own() -> None:
     """Bins are the external radio's: twenty of 10 m here, whatever the simulator behind counts by."""
     inner = Dsrc(DsrcParameters(bin_m=100.0))
-    radio = outer(lambda stations, seed: Inside(inner, stations, seed), bin_m=10.0, bins=20)
+    radio = outer(lambda stations, seed: Inside(inner, stations, seed), distance_bin_m=10.0, bins=20)
     state = radio.init(2, np.random.default_rng(0))
     heard, _ = radio.step(state, batch([0], [0.01]), line(0.0, 25.0), 0.1)
     assert heard.outcomes.shape == (20, 5)
+    assert radio.bin_m == 10.0
     assert heard.outcomes[2].tolist() == [1, 0, 0, 0, 0]

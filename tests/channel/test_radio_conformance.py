@@ -151,7 +151,7 @@ class TossRadio(AbstractExternalRadio):
 
     def start(self, stations: int, seed: int) -> AbstractRadioSimulator:
         """Start with these dice."""
-        return Tosses(stations, seed, self.bins * self.bin_m)
+        return Tosses(stations, seed, self.reach_m)
 
 
 FRAME_RADIOS = {"dsrc": dsrc(), "sidelink": sidelink(), "sidelink-one-shot": sidelink(one_shot=True)}

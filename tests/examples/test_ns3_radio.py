@@ -16,6 +16,7 @@ import pytest
 
 from modelcast.channel.dsrc_parameters import DsrcParameters
 from modelcast.channel.radio import Receptions, Transmissions
+from modelcast.core.exceptions import ModelcastError
 
 STAND_IN = """
 import struct, sys
@@ -114,7 +115,7 @@ def test_a_run_that_is_over_leaves_no_process(ns3_radio: ModuleType, tmp_path: P
 def test_a_process_that_ends_by_itself_is_told_with_its_words(ns3_radio: ModuleType) -> None:
     command = [sys.executable, "-c", "import sys; sys.stdin.buffer.read(16); sys.exit('no such channel')"]
     simulator = ns3_radio.radio.Ns3Simulator(command, Path(), 3)
-    with pytest.raises(RuntimeError, match="ns-3 ended with 1: no such channel"):
+    with pytest.raises(ModelcastError, match="ns-3 ended with 1: no such channel"):
         simulator.carry(batch([0], [0.01]), PLACES_M, 0.1)
 
 
@@ -130,7 +131,8 @@ def test_a_folder_without_ns3_is_refused(ns3_radio: ModuleType, tmp_path: Path) 
         ns3_radio.Ns3Radio(folder=str(tmp_path)).init(2, np.random.default_rng(0))
 
 
-def test_where_ns3_is_missing_it_says_so(ns3_radio: ModuleType) -> None:
+def test_where_ns3_is_missing_it_says_so(ns3_radio: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("NS3_FOLDER", raising=False)
     if any((Path(path) / "ns3" / "lib64").is_dir() for path in sys.path):
         pytest.skip("ns3 is installed beside modelcast")
     with pytest.raises(ValueError, match="ns-3 is not installed: pip install ns3"):
@@ -153,7 +155,7 @@ def line(*east_m: float) -> np.ndarray:
 
 
 def test_ns3_sends_a_lone_frame_after_aifs_for_as_long_as_it_lasts(over_ns3: Callable[..., Any]) -> None:
-    """ns-3 3.44 waits for AIFS also on an idle channel, and its frames are 4 us shorter than the standard's."""
+    """ns-3 3.44 waits for AIFS on an idle channel too; its frames are 4 us shorter than the standard's."""
     radio = over_ns3()
     state = radio.init(3, np.random.default_rng(1))
     heard, state = radio.step(state, batch([0], [0.01]), line(0.0, 20.0, np.nan), 0.1)

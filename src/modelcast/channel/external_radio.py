@@ -76,6 +76,13 @@ class AbstractRadioSimulator(abc.ABC):
             neither sends nor hears, and a message that waits at it expires.
         until_t_s
             End of the interval [s]. What is on the air or waits then is told of later.
+
+        Raises
+        ------
+        ModelcastError
+            Where the simulator is lost.
+        ValueError
+            Where it cannot carry what is asked for.
         """
 
 
@@ -144,8 +151,9 @@ class AbstractExternalRadio(AbstractRadio[ExternalState]):
     ----------
     max_power_dbm
         No transmission may exceed it [dBm].
-    bin_m, bins
-        Distance bins of `Receptions.outcomes`; lost frames are counted within them [m].
+    distance_bin_m, bins
+        Width and number of the distance bins of `Receptions.outcomes`; lost frames are counted within them
+        [m].
 
     Raises
     ------
@@ -198,12 +206,24 @@ class AbstractExternalRadio(AbstractRadio[ExternalState]):
 
     _: KW_ONLY
     max_power_dbm: float = 23.0
-    bin_m: float = 50.0
+    distance_bin_m: float = 50.0
     bins: int = 10
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.bin_m) and self.bin_m > 0.0 and self.bins >= 1):
-            raise ValueError(f"bin_m and bins must be positive, got {self.bin_m} and {self.bins}")
+        if not (np.isfinite(self.distance_bin_m) and self.distance_bin_m > 0.0 and self.bins >= 1):
+            raise ValueError(
+                f"distance_bin_m and bins must be positive, got {self.distance_bin_m} and {self.bins}"
+            )
+
+    @property
+    def bin_m(self) -> float:
+        """Width of the bins of distance of its outcomes [m]."""
+        return self.distance_bin_m
+
+    @property
+    def reach_m(self) -> float:
+        """Distance within which lost frames are counted [m]."""
+        return self.distance_bin_m * self.bins
 
     @abc.abstractmethod
     def start(self, stations: int, seed: int) -> AbstractRadioSimulator:
@@ -291,7 +311,7 @@ class AbstractExternalRadio(AbstractRadio[ExternalState]):
     def _outcomes(self, carried: CarriedFrames, apart_m: FloatArray) -> IntArray:
         """Pairs within the bins by distance and outcome, (bins, len(OUTCOMES))."""
         distance_m = np.hypot(apart_m[:, 0], apart_m[:, 1])
-        near = distance_m < self.bins * self.bin_m
+        near = distance_m < self.reach_m
         counts: IntArray = np.zeros((self.bins, len(OUTCOMES)), dtype=np.int64)
         np.add.at(counts, ((distance_m[near] / self.bin_m).astype(np.int64), carried.outcome[near]), 1)
         return counts

@@ -14,19 +14,21 @@ MODULES = ("core", "network", "mobility", "propagation", "spectrum", "antenna", 
 
 
 def installed_ns3() -> Path:
-    """Return the folder of pip's ns-3 in this environment.
+    """Return the folder of pip's ns-3: the one that ``NS3_FOLDER`` names, or that of this environment.
 
     Raises
     ------
     ValueError
-        Where it is not installed.
+        Where it is neither named nor installed.
     """
+    if named := os.environ.get("NS3_FOLDER"):
+        return Path(named)
     try:
         return Path(str(distribution("ns3").locate_file("ns3")))
     except PackageNotFoundError:
         raise ValueError(
-            "ns-3 is not installed: pip install ns3==3.44.*, or name the folder of its wheel, "
-            "`ns3` in the site-packages of another environment"
+            "ns-3 is not installed: pip install ns3==3.44.*, or name in NS3_FOLDER the folder `ns3` in the "
+            "site-packages of another environment"
         ) from None
 
 

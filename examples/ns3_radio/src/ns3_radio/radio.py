@@ -9,7 +9,13 @@ from typing import IO
 
 import numpy as np
 
-from modelcast import AbstractExternalRadio, AbstractRadioSimulator, CarriedFrames, Transmissions
+from modelcast import (
+    AbstractExternalRadio,
+    AbstractRadioSimulator,
+    CarriedFrames,
+    ModelcastError,
+    Transmissions,
+)
 from ns3_radio.program import build, environment, installed_ns3
 
 __all__ = ["Ns3Radio", "Ns3Simulator"]
@@ -52,7 +58,15 @@ class Ns3Simulator(AbstractRadioSimulator):
         weakref.finalize(self, _end, self._process, self._errors)
 
     def carry(self, transmissions: Transmissions, position_m: np.ndarray, until_t_s: float) -> CarriedFrames:
-        """Run ns-3 on to ``until_t_s``."""
+        """Run ns-3 on to ``until_t_s``.
+
+        Raises
+        ------
+        ModelcastError
+            Where the process has ended.
+        ValueError
+            Where a message is smaller than the headers of a frame.
+        """
         if (transmissions.size_bytes < OVERHEAD_BYTES).any():
             raise ValueError(f"size_bytes must be at least {OVERHEAD_BYTES}, the headers of a frame")
         messages = np.empty(transmissions.size, dtype=_MESSAGE)
@@ -88,12 +102,12 @@ class Ns3Simulator(AbstractRadioSimulator):
             raise self._lost()
         return np.frombuffer(octets, dtype=dtype).copy()
 
-    def _lost(self) -> RuntimeError:
+    def _lost(self) -> ModelcastError:
         """The process has ended by itself: say with what words."""
         self._process.wait()
         self._errors.seek(0)
         said = self._errors.read().decode(errors="replace").strip()[-500:]
-        return RuntimeError(f"ns-3 ended with {self._process.returncode}: {said or 'it said nothing'}")
+        return ModelcastError(f"ns-3 ended with {self._process.returncode}: {said or 'it said nothing'}")
 
 
 def _end(process: subprocess.Popen[bytes], errors: IO[bytes]) -> None:
@@ -109,7 +123,7 @@ class Ns3Radio(AbstractExternalRadio):
 
     Parameters
     ----------
-    max_power_dbm, bin_m, bins
+    max_power_dbm, distance_bin_m, bins
         As for `AbstractExternalRadio`.
     exponent, reference_loss_db
         Of the log-distance loss, its loss at 1 m [dB]. Fading is Nakagami's, m = 3 below 50 m, 1.5 below
@@ -127,7 +141,8 @@ class Ns3Radio(AbstractExternalRadio):
         Slots of the interframe space beyond SIFS, and the longest countdown. The default is DCF, which a
         station without QoS has.
     folder
-        Of the wheel, ``ns3`` in the site-packages of an environment; empty for this environment's.
+        Of the wheel, ``ns3`` in the site-packages of an environment; empty for what ``NS3_FOLDER`` names, or
+        this environment's.
 
     Notes
     -----
@@ -163,7 +178,7 @@ class Ns3Radio(AbstractExternalRadio):
             "load": self.load_dbm,
             "aifsn": self.aifsn,
             "window": self.window,
-            "reach": self.bin_m * self.bins,
+            "reach": self.reach_m,
         }
         command = [str(build(SOURCE, ns3)), *(f"--{name}={value}" for name, value in options.items())]
         return Ns3Simulator(command, ns3, stations)
