@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import polars as pl
 
@@ -206,7 +206,7 @@ def _channels(
 ) -> Mapping[str, AbstractRadio[Any]]:
     """The radios by name."""
     if isinstance(radios, Mapping):
-        return radios
+        return cast("Mapping[str, AbstractRadio[Any]]", radios)
     if isinstance(radios, AbstractRadio):
         return {type(radios).__name__.lower(): radios}
     return {name: get_radio(name) for name in ([radios] if isinstance(radios, str) else radios)}

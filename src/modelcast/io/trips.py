@@ -102,7 +102,7 @@ class Trips(Sequence[Trajectory]):
         columns: Mapping[str, str] | None = None,
         on_skipped: OnSkipped | None = None,
     ) -> None:
-        given = [sources] if is_source(sources) else list(sources)
+        given: list[Any] = [sources] if is_source(sources) else list(cast("Iterable[Any]", sources))
         for source in given:
             if not is_source(source):
                 raise TypeError(f"a source of trips is a path or a data frame, not {type(source).__name__}")
