@@ -66,8 +66,9 @@ class ForwardCollisionWarning(AbstractCompiledApplication):
 
     def __post_init__(self) -> None:
         refuse_negative(self)
-        if not isinstance(self.algorithm, AbstractWarningRange):
-            raise TypeError(f"algorithm must be a warning range, got {self.algorithm!r}")
+        given: object = self.algorithm  # a command line's word may set anything
+        if not isinstance(given, AbstractWarningRange):
+            raise TypeError(f"algorithm must be a warning range, got {given!r}")
 
     def fill(self, host: Columns, remote: Columns, found: Found) -> None:
         """Write what is found, every row of it."""
