@@ -2,7 +2,7 @@
 
 from dataclasses import KW_ONLY, dataclass
 from math import cos, pi
-from typing import final
+from typing import cast, final
 
 from modelcast.apps.base import refuse_negative
 from modelcast.apps.compiled import AbstractCompiledApplication
@@ -66,8 +66,9 @@ class ForwardCollisionWarning(AbstractCompiledApplication):
 
     def __post_init__(self) -> None:
         refuse_negative(self)
-        if not isinstance(self.algorithm, AbstractWarningRange):
-            raise TypeError(f"algorithm must be a warning range, got {self.algorithm!r}")
+        given = cast("object", self.algorithm)  # a command line may set anything
+        if not isinstance(given, AbstractWarningRange):
+            raise TypeError(f"algorithm must be a warning range, got {given!r}")
 
     def fill(self, host: Columns, remote: Columns, found: Found) -> None:
         """Write what is found, every row of it."""

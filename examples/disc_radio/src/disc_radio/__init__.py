@@ -71,7 +71,8 @@ class DiscRadio(AbstractRadio[DiscState]):
         distance_m = np.linalg.norm(position_m[sender, None] - position_m[None], axis=2)
         distance_m[np.arange(sender.size), sender] = np.nan
         chance = (self.range_m - distance_m) / (self.range_m - self.sure_m)
-        draws = np.random.default_rng([state.seed, state.interval]).random(distance_m.shape)
+        rng = np.random.default_rng([state.seed, state.interval])
+        draws = rng.random((sender.size, state.busy_ratio.size))
         receptions = Receptions.of_pairs(
             transmissions,
             draws < chance,

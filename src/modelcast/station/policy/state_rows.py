@@ -57,7 +57,11 @@ def take_rows(state: Any, rows: IntArray) -> Any:
     >>> take_rows((np.arange(4.0), None), np.array([3, 1]))
     (array([3., 1.]), None)
     """
-    return _joined([state], lambda part: part[rows])
+
+    def take(part: Any) -> Any:
+        return part[rows]
+
+    return _joined([state], take)
 
 
 def put_rows(state: Any, rows: IntArray, some: Any) -> Any:
