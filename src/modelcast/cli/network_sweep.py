@@ -25,7 +25,7 @@ from modelcast.io.run_store import RunStore, run_store
 from modelcast.io.traffic import write_traffic
 from modelcast.report.network import traffic_lines, write_network_report
 from modelcast.report.traffic import write_traffic_report
-from modelcast.study.network.pairs import PairedRow, traffic_rows
+from modelcast.study.network.pairs import traffic_rows
 from modelcast.study.network.pool import gather
 from modelcast.study.network.rows import CaseResult, NetworkCase, NetworkResult
 from modelcast.study.table import Row
@@ -79,7 +79,7 @@ class Swept:
     """
 
     result: NetworkResult
-    rows: Sequence[PairedRow]
+    rows: Sequence[Row]
     _: KW_ONLY
     options: Mapping[str, Any]
     key: RunKey

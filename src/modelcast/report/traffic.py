@@ -11,7 +11,7 @@ from modelcast.report.figures.traffic import TRAFFIC_FIGURES
 from modelcast.report.page import CSS, page
 from modelcast.report.style import style
 from modelcast.study.network.densities import counted_verdicts
-from modelcast.study.network.pairs import PairedRow
+from modelcast.study.table import Row
 
 __all__ = ["traffic_markdown", "traffic_section", "write_traffic_report"]
 
@@ -47,7 +47,7 @@ _HEADS = (
 )
 
 
-def _cell(row: PairedRow, factor: float) -> str:
+def _cell(row: Row, factor: float) -> str:
     text = f"{number(factor * row.hybrid)} / {number(factor * row.baseline)}"
     if row.difference_low is None or row.difference_high is None:
         return text
@@ -56,8 +56,8 @@ def _cell(row: PairedRow, factor: float) -> str:
     return f"{text} ({sign}{number(abs(factor * row.difference), 2)} ± {number(factor * half, 2)})"
 
 
-def _cells(rows: Sequence[PairedRow]) -> list[list[str]]:
-    groups: dict[tuple[str, ...], dict[str, PairedRow]] = {}
+def _cells(rows: Sequence[Row]) -> list[list[str]]:
+    groups: dict[tuple[str, ...], dict[str, Row]] = {}
     for row in rows:
         if not row.by_range:
             density = f"{row.density_per_km:g}" if isfinite(row.density_per_km) else "-"
@@ -74,7 +74,7 @@ def _cells(rows: Sequence[PairedRow]) -> list[list[str]]:
     ]
 
 
-def _told(rows: Sequence[PairedRow]) -> list[str]:
+def _told(rows: Sequence[Row]) -> list[str]:
     """How often the hybrid has fewer, a line a radio and figure."""
     return [
         f"{radio}, {title}: " + ", ".join(f"{verdict} {count}" for verdict, count in sorted(counts.items()))
@@ -84,7 +84,7 @@ def _told(rows: Sequence[PairedRow]) -> list[str]:
     ]
 
 
-def traffic_markdown(rows: Sequence[PairedRow]) -> str:
+def traffic_markdown(rows: Sequence[Row]) -> str:
     """Return the verdicts and their figures as Markdown.
 
     Parameters
@@ -102,7 +102,7 @@ def _joined(cells: Sequence[str]) -> str:
     return "| " + " | ".join(map(markdown, cells)) + " |"
 
 
-def traffic_section(rows: Sequence[PairedRow]) -> str:
+def traffic_section(rows: Sequence[Row]) -> str:
     """Return verdicts and table as markup, for a page.
 
     Parameters
@@ -120,7 +120,7 @@ def traffic_section(rows: Sequence[PairedRow]) -> str:
     )
 
 
-def write_traffic_report(rows: Sequence[PairedRow], folder: str | Path) -> list[Path]:
+def write_traffic_report(rows: Sequence[Row], folder: str | Path) -> list[Path]:
     """Write ``traffic.md``, ``traffic.html`` and the figures of the first bank; return their paths.
 
     Parameters
