@@ -4,11 +4,10 @@ from collections.abc import Sequence
 
 from rich import box
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
-from modelcast.core.cells import markdown
-from modelcast.report.literal import literal
+from modelcast.core.cells import Cells
+from modelcast.report.console_table import console_table
 from modelcast.study.cruise.run import PERFECT, REFERENCE, CruiseResult
 from modelcast.study.table import Row
 from modelcast.study.wording import centimetres
@@ -102,14 +101,9 @@ def cruise_report(result: CruiseResult) -> RenderableType:
     title = (
         f"{result.platoons} platoons of {result.vehicles} by {result.law}, {sensor}, behind {result.leader}"
     )
-    table = Table(title=literal(title), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     shown = [_HEADINGS.index(heading) for heading in _SHORT]
-    for at, heading in enumerate(_SHORT.values()):
-        table.add_column(heading, justify="left" if at == 0 else "right")
-    for row in result.rows:
-        cells = _cells(row)
-        name, *others = (cells[at].removesuffix(" %").removesuffix(" m") for at in shown)
-        table.add_row(literal(name), *others)
+    rows = [[_cells(row)[at].removesuffix(" %").removesuffix(" m") for at in shown] for row in result.rows]
+    table = console_table(Cells(list(_SHORT.values()), rows, 1), title, box=box.SIMPLE_HEAD)
     return Group(table, Text(_MEANING))
 
 
@@ -121,5 +115,4 @@ def cruise_lines(rows: Sequence[Row]) -> list[str]:
     rows
         Any rows of a study.
     """
-    lines = ["| " + " | ".join(_HEADINGS) + " |", "|---" + "|--:" * (len(_HEADINGS) - 1) + "|"]
-    return [*lines, *("| " + " | ".join(markdown(cell) for cell in _cells(row)) + " |" for row in rows)]
+    return Cells(_HEADINGS, [_cells(row) for row in rows], 1).markdown()
