@@ -378,4 +378,7 @@ class Table(Sequence[Row]):
 
 def _bare(value: Any) -> Any:
     """Return a value without NumPy's type."""
-    return value.item() if isinstance(value, np.generic) else value
+    if isinstance(value, np.generic):
+        bare: Any = value.item()
+        return bare
+    return value
