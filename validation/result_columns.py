@@ -1,7 +1,7 @@
 """The columns of result files as tables: ``docs/columns.md``, made from their declarations.
 
-Run ``python validation/result_columns.py --write`` after a column has changed; ``--check`` returns 1 where the
-page is not what the declarations say, and a test runs it.
+Run ``python validation/result_columns.py --write`` after a column has changed; ``--check`` returns 1 where
+the page is not what the declarations say, and a test runs it.
 """
 
 import argparse

@@ -157,15 +157,18 @@ GOLDEN = {
     "messages.parquet of compare": (
         COUNTS,
         (
-            "candidate protocol trip route threshold_m updates identifications message_bytes baseline_messages "
+            "candidate protocol trip route threshold_m updates identifications message_bytes "
+            "baseline_messages "
             "baseline_bytes airtime_s baseline_airtime_s duration_s"
         ),
     ),
     "tracking.parquet of compare": (
         TRACKING_RATIOS,
         (
-            "candidate protocol trip threshold_m packet_error_ratio rate_basis message_rate_hz matched_rate_hz "
-            "periodic_rate_hz p90_m matched_p90_m periodic_p90_m p90_ratio p90_low p90_high p99_m matched_p99_m "
+            "candidate protocol trip threshold_m packet_error_ratio rate_basis message_rate_hz "
+            "matched_rate_hz "
+            "periodic_rate_hz p90_m matched_p90_m periodic_p90_m p90_ratio p90_low p90_high p99_m "
+            "matched_p99_m "
             "periodic_p99_m p99_ratio p99_low p99_high"
         ),
     ),
@@ -175,17 +178,21 @@ GOLDEN = {
         (
             "sender threshold_m loss_ratio burst_s rate_hz bytes_per_s airtime_per_s fewer_messages_ratio "
             "speed_change_ratio speed_amplification spacing_amplification stable_ratio spacing_peak_m "
-            "spacing_rms_m gap_min_m collisions followers acceleration_rms_mps2 jerk_rms_mps3 fell_back_ratio "
+            "spacing_rms_m gap_min_m collisions followers acceleration_rms_mps2 jerk_rms_mps3 "
+            "fell_back_ratio "
             "age_s"
         ),
     ),
     "runs.parquet of network": (
         RUNS,
         (
-            f"{CASE} vehicles message_rate_hz update_rate_hz identification_rate_hz time_ratio dynamics_ratio "
-            "critical_ratio model_ratio certificate_ratio payload_bytes frame_bytes bytes_per_s airtime_ratio "
+            f"{CASE} vehicles message_rate_hz update_rate_hz identification_rate_hz time_ratio "
+            "dynamics_ratio "
+            "critical_ratio model_ratio certificate_ratio payload_bytes frame_bytes bytes_per_s "
+            "airtime_ratio "
             "power_dbm busy_ratio expired_ratio delivery_ratio collision_ratio hidden_ratio concurrent_ratio "
-            f"half_duplex_ratio weak_ratio {HELD} relative_p50_m relative_p90_m relative_p99_m {TIMES} gap_p99_s "
+            f"half_duplex_ratio weak_ratio {HELD} relative_p50_m relative_p90_m relative_p99_m {TIMES} "
+            "gap_p99_s "
             "neighbours inter_transmit_time_s channel_quality tracks_per_s"
         ),
     ),
@@ -197,14 +204,16 @@ GOLDEN = {
     "seconds": (
         CASE_TABLES["seconds"],
         (
-            f"{CASE} t_s message_rate_hz busy_ratio power_dbm neighbours inter_transmit_time_s channel_quality "
+            f"{CASE} t_s message_rate_hz busy_ratio power_dbm neighbours inter_transmit_time_s "
+            "channel_quality "
             "pte_p90_m"
         ),
     ),
     "pairings": (
         CASE_TABLES["pairings"],
         (
-            f"{CASE} senders_ratio sender reading message_rate_hz bytes_per_s airtime_ratio held_ratio pte_p50_m "
+            f"{CASE} senders_ratio sender reading message_rate_hz bytes_per_s airtime_ratio held_ratio "
+            "pte_p50_m "
             "pte_p90_m pte_p99_m age_p50_s age_p90_s pairs"
         ),
     ),
@@ -244,14 +253,16 @@ GOLDEN = {
     "people": (
         CASE_TABLES["people"],
         (
-            f"{CASE} people_policy people message_rate_hz certificate_ratio frame_bytes airtime_ratio power_dbm "
+            f"{CASE} people_policy people message_rate_hz certificate_ratio frame_bytes airtime_ratio "
+            "power_dbm "
             "received_rate_hz unread_rate_hz far_rate_hz read_rate_hz"
         ),
     ),
     "pooled.parquet of safety": (
         POOLED_SAFETY,
         (
-            "sensor mean_burst_s packet_error_ratio basis candidate threshold_m message_rate_hz airtime_ratio "
+            "sensor mean_burst_s packet_error_ratio basis candidate threshold_m message_rate_hz "
+            "airtime_ratio "
             "missed_ratio false_ratio missed_events false_per_hour delay_p50_s delay_p90_s delay_p99_s "
             "missed_over false_over missed_over_low missed_over_high false_over_low false_over_high loss_log"
         ),
@@ -259,7 +270,8 @@ GOLDEN = {
     "events.parquet of safety": (
         EVENTS,
         (
-            "recording sensor mean_burst_s loss_log packet_error_ratio basis candidate leader follower run t_s "
+            "recording sensor mean_burst_s loss_log packet_error_ratio basis candidate leader follower run "
+            "t_s "
             "instants missed delay_s"
         ),
     ),

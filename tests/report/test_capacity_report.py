@@ -34,7 +34,7 @@ def rows(*every: CapacityFound) -> list[list[str]]:
 def test_a_row_says_density_seeds_values_and_load_at_both_ends() -> None:
     heads, _, cells = rows(found(Limit("relative", 0.5)))
     assert dict(zip(heads, cells, strict=True)) == {
-        "limit": "relative p99 &lt; 0.5 m",
+        "limit": "relative p99 < 0.5 m",
         "radio": "dsrc",
         "policy": "mbc",
         "vehicles/km": "100 to 200",
@@ -56,7 +56,7 @@ def test_misses_come_with_their_warnings_and_rows_are_in_order_of_limits() -> No
     near, far = found(Limit("absolute", 0.5), threshold_m=0.2), found(Limit("missed", 0.5))
     heads, _, *cells = rows(near, far, found(Limit("absolute", 0.5)))
     said = [dict(zip(heads, row, strict=True)) for row in cells]
-    assert [one["limit"] for one in said] == ["p99 &lt; 0.5 m", "p99 &lt; 0.5 m", "missed &lt; 50 %"]
+    assert [one["limit"] for one in said] == ["p99 < 0.5 m", "p99 < 0.5 m", "missed < 50 %"]
     assert [one["threshold"] for one in said] == ["20 cm", "-", "-"]
     assert [one["warnings"] for one in said] == ["-", "-", "70, 70"]
     assert said[2]["at the last"] == "40.00 % (30.00-50.00)"

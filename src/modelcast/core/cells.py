@@ -1,6 +1,7 @@
 """Tables of text cells as markup: HTML and Markdown, each written in one place and every cell escaped."""
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape as escape_markup
@@ -32,14 +33,16 @@ def markdown(text: str) -> str:
     Parameters
     ----------
     text
-        Any text; what is not printable in it is escaped, and nothing in it is markup or ends a cell.
+        Any text; what is not printable in it is escaped, and nothing in it is markup or ends a cell; a sign
+        that begins no tag stays.
 
     Examples
     --------
-    >>> markdown("a|b<c>")
-    'a\\|b&lt;c>'
+    >>> markdown("a|b<c>"), markdown("1 < 2")
+    ('a\\|b&lt;c>', '1 < 2')
     """
-    return printable(text).replace("&", "&amp;").replace("|", "\\|").replace("<", "&lt;")
+    escaped = printable(text).replace("&", "&amp;").replace("|", "\\|")
+    return re.sub("<(?=[A-Za-z/!?])", "&lt;", escaped)
 
 
 def number(value: float | None, digits: int = 3) -> str:

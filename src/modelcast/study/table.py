@@ -378,7 +378,4 @@ class Table(Sequence[Row]):
 
 def _bare(value: Any) -> Any:
     """Return a value without NumPy's type."""
-    if isinstance(value, np.generic):
-        bare: Any = value.item()
-        return bare
-    return value
+    return value.item() if issubclass(type(value), np.generic) else value
