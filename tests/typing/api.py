@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import assert_type
+from typing import Any, assert_type
 
 import numpy as np
+from numpy.typing import NDArray
 
 import modelcast
 from modelcast import (
@@ -37,6 +38,7 @@ from modelcast import (
     write_results,
 )
 from modelcast.station.policy.error_driven import ErrorDrivenState
+from modelcast.study.table import Row, Table
 
 
 def show(done: int, known: int) -> None:
@@ -52,8 +54,11 @@ def evaluate_files(paths: list[Path]) -> list[Path]:
     )
     result = evaluate(read_trips(paths), settings, progress=show)
     assert_type(result, EvaluationResult)
-    assert_type(result.rates[0].update_rate_hz, float)
-    assert_type(result.tracking[0].pte_p90_low_m, float | None)
+    assert_type(result.rates, Table)
+    assert_type(result.rates[0], Row)
+    assert_type(result.rates[1:], Table)
+    assert_type(result.tracking["pte_p90_m"], NDArray[Any])
+    assert_type(result.tracking[0].plain(), dict[str, Any])
     return write_results(result, Path("out"))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 WRONG = """from modelcast import Bank, ErrorDriven, evaluate
 ErrorDriven(0.3, start="first")
 Bank("cv")
-evaluate([]).rates[0].updates.lower()
+evaluate([]).rates.lower()
 """
 
 
