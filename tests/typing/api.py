@@ -79,7 +79,7 @@ def compare_files(paths: list[Path]) -> float | None:
     """Compare a bank with one that is trained."""
     candidates = [FixedCandidate("cv", Bank((ConstantVelocity(),)), "keep"), TrainedCandidate("mine", learn)]
     result = compare(list(read_trips(paths)), candidates, CompareSettings(against="mine"), progress=show)
-    assert_type(result.ratios[0].message_ratio, float)
+    assert_type(result.ratios[0].message_ratio, Any)
     return result.tracking[0].p90_low
 
 
