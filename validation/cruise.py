@@ -24,8 +24,9 @@ from modelcast.apps.cruise.ploeg import Ploeg
 from modelcast.io.trips import read_trips
 from modelcast.report.cruise import sender_label
 from modelcast.runtime.platoon.drive import DriveSettings
-from modelcast.study.cruise.run import PERFECT, REFERENCE, CruiseRow, run_cruise
+from modelcast.study.cruise.run import PERFECT, REFERENCE, run_cruise
 from modelcast.study.cruise.settings import CruiseSettings, Loss
+from modelcast.study.table import Row
 from modelcast.world.platoon.leaders import Braking, RecordedSpeed, recorded_leader
 from page_blocks import put
 
@@ -78,17 +79,17 @@ def theory() -> Iterator[str]:
         yield f"| {one.label} | {growth:.2f} | {speed:.2f} |"
 
 
-def _cell(row: CruiseRow) -> str:
-    drive = row.drive
-    gap = f"{drive.gap_min_m:.1f} m" if not drive.collisions else f"{drive.collisions} collide"
-    return f"{drive.spacing_amplification:.2f}, {gap}"
+def _cell(row: Row) -> str:
+
+    gap = f"{row.gap_min_m:.1f} m" if not row.collisions else f"{row.collisions} collide"
+    return f"{row.spacing_amplification:.2f}, {gap}"
 
 
-def _percent(row: CruiseRow) -> str:
+def _percent(row: Row) -> str:
     return f"{100 * row.loss_ratio:g} % lost"
 
 
-def by_loss(rows: Sequence[CruiseRow]) -> Iterator[str]:
+def by_loss(rows: Sequence[Row]) -> Iterator[str]:
     """One line a sender: messages a second at the least loss, then growth and least gap by loss."""
     sent = [row for row in rows if row.sender != PERFECT]
     heads = list(dict.fromkeys(_percent(row) for row in sent))
@@ -105,19 +106,19 @@ def by_loss(rows: Sequence[CruiseRow]) -> Iterator[str]:
         yield f"| {label} | {rates} | {' | '.join(_cell(row) for row in each)} |"
 
 
-def comfort(rows: Sequence[CruiseRow]) -> Iterator[str]:
+def comfort(rows: Sequence[Row]) -> Iterator[str]:
     """Comfort and airtime at no loss and at 40 %."""
     yield "| sender | lost | rms acceleration | rms jerk | rms spacing error | airtime a vehicle |"
     yield "|---|--:|--:|--:|--:|--:|"
     for row in rows:
         if row.loss_ratio not in {0.0, 0.4}:
             continue
-        drive = row.drive
+
         airtime = "-" if row.sender == PERFECT else f"{1e3 * row.airtime_per_s:.2f} ms/s"
         name = "perfect knowledge" if row.sender == PERFECT else sender_label(row)
         yield (
-            f"| {name} | {100 * row.loss_ratio:g} % | {drive.acceleration_rms_mps2:.2f} m/s² | "
-            f"{drive.jerk_rms_mps3:.2f} m/s³ | {drive.spacing_rms_m:.2f} m | {airtime} |"
+            f"| {name} | {100 * row.loss_ratio:g} % | {row.acceleration_rms_mps2:.2f} m/s² | "
+            f"{row.jerk_rms_mps3:.2f} m/s³ | {row.spacing_rms_m:.2f} m | {airtime} |"
         )
 
 
@@ -128,10 +129,10 @@ def leaders(data: Path) -> Iterator[RecordedSpeed]:
             yield recorded_leader(next(iter(read_trips(path))))
 
 
-def recorded(data: Path) -> dict[str, list[CruiseRow]]:
+def recorded(data: Path) -> dict[str, list[Row]]:
     """Rows behind each recorded leader."""
     few = ("bsm-10hz", "bsm-5hz", "bsm-2hz", "baseline", "free", "mbc")
-    found: dict[str, list[CruiseRow]] = {}
+    found: dict[str, list[Row]] = {}
     for leader in leaders(data):
         drive = DriveSettings(duration_s=min(LONGEST_S, np.floor(leader.lasts_s)))
         losses = (Loss(0.0), Loss(0.4))
@@ -140,33 +141,32 @@ def recorded(data: Path) -> dict[str, list[CruiseRow]]:
     return found
 
 
-def over_leaders(found: dict[str, list[CruiseRow]], loss_ratio: float) -> Iterator[str]:
+def over_leaders(found: dict[str, list[Row]], loss_ratio: float) -> Iterator[str]:
     """Means over the recorded leaders, and their worst."""
     yield (
         "| sender | messages/s | fewer | speed change | worst leader's | growth | stable | least gap |"
         " collisions |"
     )
     yield "|---|" + "--:|" * 8
-    pooled: dict[str, list[CruiseRow]] = {}
+    pooled: dict[str, list[Row]] = {}
     for rows in found.values():
         for row in rows:
             if row.loss_ratio == loss_ratio and row.sender != PERFECT:
                 pooled.setdefault(sender_label(row), []).append(row)
     for label, rows in pooled.items():
         changes = [row.speed_change_ratio for row in rows]
-        drives = [row.drive for row in rows]
         yield (
             f"| {label} | {np.mean([row.rate_hz for row in rows]):.2f} | "
             f"{100 * np.mean([row.fewer_messages_ratio for row in rows]):.1f} % | "
             f"{100 * np.mean(changes):.2f} % | {100 * max(changes):.2f} % | "
-            f"{np.mean([drive.spacing_amplification for drive in drives]):.2f} | "
-            f"{100 * np.mean([drive.stable_ratio for drive in drives]):.0f} % | "
-            f"{min(drive.gap_min_m for drive in drives):.2f} m | "
-            f"{sum(drive.collisions for drive in drives)}/{sum(drive.followers for drive in drives)} |"
+            f"{np.mean([row.spacing_amplification for row in rows]):.2f} | "
+            f"{100 * np.mean([row.stable_ratio for row in rows]):.0f} % | "
+            f"{min(row.gap_min_m for row in rows):.2f} m | "
+            f"{sum(row.collisions for row in rows)}/{sum(row.followers for row in rows)} |"
         )
 
 
-def published(sinusoid: Sequence[CruiseRow], found: dict[str, list[CruiseRow]]) -> Iterator[str]:
+def published(sinusoid: Sequence[Row], found: dict[str, list[Row]]) -> Iterator[str]:
     """Senders without loss against 47 % and 1 %: behind the sinusoid and the recorded leaders."""
     yield "| sender | fewer | speed change | met | fewer, recorded | speed change, mean | met by leaders |"
     yield "|---|--:|--:|---|--:|--:|--:|"
@@ -185,12 +185,12 @@ def published(sinusoid: Sequence[CruiseRow], found: dict[str, list[CruiseRow]]) 
         )
 
 
-def _plain(rows: Sequence[CruiseRow]) -> list[CruiseRow]:
+def _plain(rows: Sequence[Row]) -> list[Row]:
     """Those without loss, but for the reference's."""
     return [row for row in rows if row.loss_ratio == 0.0 and row.sender not in {PERFECT, REFERENCE}]
 
 
-def _met(row: CruiseRow) -> bool:
+def _met(row: Row) -> bool:
     return row.fewer_messages_ratio >= PUBLISHED_FEWER and row.speed_change_ratio < PUBLISHED_CHANGE
 
 

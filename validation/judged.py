@@ -16,7 +16,7 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import KW_ONLY, asdict, dataclass
+from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -134,11 +134,11 @@ def _compared(name: str, trips: Sequence[Trajectory], profile: Profile) -> list[
     )
     settings = CompareSettings(evaluation, PROTOCOLS, against="free", resamples=200)
     result = compare(trips, _candidates(profile), settings)
-    rows = [{"kind": "count", "source": name, **asdict(row)} for row in result.counts]
+    rows = [{"kind": "count", "source": name, **row.plain()} for row in result.counts]
     rows += [
-        {"kind": "tracking", "source": name, **asdict(row)} for row in result.tracking if row.trip == "all"
+        {"kind": "tracking", "source": name, **row.plain()} for row in result.tracking if row.trip == "all"
     ]
-    rows += [{"kind": "reference", "source": name, **asdict(row)} for row in result.references]
+    rows += [{"kind": "reference", "source": name, **row.plain()} for row in result.references]
     return rows
 
 

@@ -20,13 +20,13 @@ from modelcast.io.traffic import read_traffic
 from modelcast.io.trips import read_trips
 from modelcast.report.paper import paper_markdown
 from modelcast.report.paper_texts import INTRODUCTION, READING_NOTE, WHY_THEY_DIFFER
-from modelcast.study.network.pairs import PairedRow
 from modelcast.study.paper.choices import CHOICES, PLAIN
 from modelcast.study.paper.plan import PaperPlan
 from modelcast.study.paper.readings import figure_of
 from modelcast.study.paper.result import PaperResult
 from modelcast.study.paper.run import reproduce_paper
 from modelcast.study.paper.traffic import traffic_claims
+from modelcast.study.table import Row
 
 SOURCES = {
     "Safety Pilot": "spmd/bsm_p1_dev.csv",
@@ -125,7 +125,7 @@ def section(name: str, result: PaperResult) -> str:
     return f"## {name}\n\n`modelcast reproduce paper {SOURCES[name]}`. {told}"
 
 
-def traffic_section(rows: Sequence[PairedRow]) -> list[str]:
+def traffic_section(rows: Sequence[Row]) -> list[str]:
     """The claims about traffic, judged once for all sources; nothing where no runs were given."""
     if not rows:
         return []

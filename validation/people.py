@@ -16,7 +16,6 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict
 from functools import partial
 from math import ceil
 from pathlib import Path
@@ -32,6 +31,7 @@ from modelcast.models.shipped import PEOPLE, profile_path
 from modelcast.models.stop_and_go import StopAndGo
 from modelcast.station.banks import BASELINE_BANK, named_bank
 from modelcast.study.compare.candidate import FixedCandidate
+from modelcast.study.compare.result import messages_of
 from modelcast.study.compare.run import compare
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.ellipse import EllipseFilter, ellipse_messages
@@ -110,15 +110,15 @@ def _compared(
     settings = CompareSettings(evaluation, tuple(protocols), route_by="trip", resamples=500)
     found = compare(trips, candidates, settings)
     return {
-        "ratios": [asdict(row) for row in found.ratios],
-        "tracking": [asdict(row) for row in found.tracking if row.trip == "all"],
-        "references": [asdict(row) for row in found.references],
+        "ratios": [row.plain() for row in found.ratios],
+        "tracking": [row.plain() for row in found.tracking if row.trip == "all"],
+        "references": [row.plain() for row in found.references],
         "counts": [
             {
                 "candidate": row.candidate,
                 "protocol": row.protocol,
                 "threshold_m": row.threshold_m,
-                "messages": row.messages,
+                "messages": messages_of(row),
                 "baseline_messages": row.baseline_messages,
                 "duration_s": row.duration_s,
             }

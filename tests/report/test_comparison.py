@@ -286,7 +286,7 @@ def test_the_table_is_markdown_with_as_many_cells_in_every_row() -> None:
         assert len({len(re.split(r"(?<!\\)\|", row)) for row in rows}) == 1
         assert len(rows) == 2 + len(NAMES)
         assert rows[3].startswith(
-            "| ctra | 0.90 [0.80, 1.00] | 1.20 [1.10, 1.30] | +0.20 [-0.10, +0.10]<br>+0.20"
+            "| ctra | 0.90 [0.80, 1.00] | 1.20 [1.10, 1.30] | +0.20 [-0.10, +0.10]; +0.20"
         )
         assert rows[3].endswith(
             "| 1.12 / 1.12 | 0.84 [0.74, 0.94] | 0.84 [0.74, 0.94] "

@@ -22,7 +22,7 @@ from modelcast.report.figures import (
 from modelcast.report.figures.coverage import plot_coverage, plot_times
 from modelcast.report.figures.trips import MOST_ROWS
 from modelcast.report.style import POLICY_COLOURS, style
-from modelcast.study.coverage import FORMS, CoverageRow, TimeRow
+from modelcast.study.coverage import COVERAGE, FORMS, TIMES
 from modelcast.study.result import RATES, REFERENCES, TRACKING, EvaluationResult
 
 Make = Callable[..., EvaluationResult]
@@ -234,7 +234,14 @@ def test_the_users_own_parameters_are_neither_used_nor_changed(
 @pytest.mark.parametrize("count", [0, 1, 2, 4, 5])
 def test_coverage_draws_a_panel_for_every_sub_model(count: int) -> None:
     rows = [
-        CoverageRow(f"model-{m}", form, horizon_s, level, covered_ratio=0.9 * level, errors=9)
+        COVERAGE.row(
+            sub_model=f"model-{m}",
+            form=form,
+            horizon_s=horizon_s,
+            level=level,
+            covered_ratio=0.9 * level,
+            errors=9,
+        )
         for m in range(count)
         for form in FORMS
         for horizon_s in (0.5, 2.0)
@@ -253,7 +260,15 @@ def test_coverage_draws_a_panel_for_every_sub_model(count: int) -> None:
 @pytest.mark.parametrize("count", [0, 1, 3])
 def test_times_draw_what_was_observed_and_what_every_ellipse_expects(count: int) -> None:
     rows = [
-        TimeRow(f"model-{m}", form, threshold_m, 1.0 + at, 2.0 + m, rank_correlation=0.1, instants=9)
+        TIMES.row(
+            sub_model=f"model-{m}",
+            form=form,
+            threshold_m=threshold_m,
+            expected_s=1.0 + at,
+            observed_s=2.0 + m,
+            rank_correlation=0.1,
+            instants=9,
+        )
         for m in range(count)
         for at, form in enumerate(FORMS)
         for threshold_m in (0.2, 0.5)

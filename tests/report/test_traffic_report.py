@@ -1,6 +1,5 @@
 """Claims about table and figures of the hybrid against the baseline in traffic."""
 
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -13,7 +12,8 @@ from modelcast.io.traffic import read_traffic, write_traffic
 from modelcast.report.figures.traffic import TRAFFIC_FIGURES, one_density
 from modelcast.report.style import style
 from modelcast.report.traffic import traffic_markdown, write_traffic_report
-from modelcast.study.network.pairs import FIGURES, PairedRow, verdict_of
+from modelcast.study.network.pairs import FIGURES, PAIRED, verdict_of
+from modelcast.study.table import Row
 
 RANGES = ("delivery_ratio", "collision_ratio", "gap_p90_s", "pte_p90_m", "pte_p99_m")
 
@@ -27,13 +27,13 @@ def row(
     *,
     seeds: int = 10,
     bank: str = "paper",
-) -> PairedRow:
+) -> Row:
     """The hybrid has half of what the baseline has, which grows with the density."""
     baseline = 1e-4 * density * threshold_m
     spread = None if seeds == 1 else 0.1 * baseline
     difference = -0.5 * baseline
     bounds = (None, None) if spread is None else (difference - spread, difference + spread)
-    return PairedRow(
+    return PAIRED.row(
         density_per_km=density,
         radio=radio,
         bank=bank,
@@ -56,7 +56,7 @@ def row(
     )
 
 
-def rows(seeds: int = 10, thresholds: tuple[float, ...] = (0.2, 0.3, 0.5)) -> list[PairedRow]:
+def rows(seeds: int = 10, thresholds: tuple[float, ...] = (0.2, 0.3, 0.5)) -> list[Row]:
     each = list(product((25.0, 400.0, 1200.0), ("dsrc", "sidelink"), thresholds))
     found = [row(*key, figure, seeds=seeds) for key in each for figure in FIGURES]
     return found + [
@@ -106,7 +106,7 @@ def test_one_density_is_the_one_nearest_to_400() -> None:
 
 
 def test_traffic_of_its_own_density_is_drawn_by_range_alone(tmp_path: Path) -> None:
-    own = [replace(one, density_per_km=np.nan) for one in rows() if one.density_per_km == 400.0]
+    own = [one.replaced(density_per_km=np.nan) for one in rows() if one.density_per_km == 400.0]
     assert "| - | dsrc | paper | 50 cm |" in traffic_markdown(own)
     assert len(write_traffic_report(own, tmp_path)) == 2 + 2 * len(TRAFFIC_FIGURES)
     with style():

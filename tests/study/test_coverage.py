@@ -1,7 +1,5 @@
 """Claims about calibration and coverage: learnt on some trips, counted on others."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -144,7 +142,7 @@ def test_a_hybrid_in_order_is_its_first_member() -> None:
     )
     assert calls[-1] == (12, 12)
     first, both = (
-        [replace(row, sub_model="") for row in result.rows if row.sub_model == name]
+        [row.replaced(sub_model="") for row in result.rows if row.sub_model == name]
         for name in ("ctra", "both")
     )
     assert both == first

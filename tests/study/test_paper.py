@@ -19,7 +19,7 @@ from modelcast.station.banks import PAPER_BANK, free_bank
 from modelcast.study.case import make_case
 from modelcast.study.evaluate import evaluate
 from modelcast.study.metrics import quantiles
-from modelcast.study.network.pairs import PairedRow
+from modelcast.study.network.pairs import PAIRED
 from modelcast.study.paper.choices import CHOICES, PLAIN, Choice, Reading, combined, one_at_a_time
 from modelcast.study.paper.claims import claim_rows
 from modelcast.study.paper.complement import Complement, Survival
@@ -31,6 +31,7 @@ from modelcast.study.paper.traffic import with_traffic
 from modelcast.study.paper.verdict import Estimate, verdict_of
 from modelcast.study.result import POOLED
 from modelcast.study.rules import RATE_BASES
+from modelcast.study.table import Row
 from modelcast.study.tracking import LossRuns
 from modelcast.trips.manoeuvres.base import FoundManoeuvre, ManoeuvreKind
 from modelcast.trips.manoeuvres.rank import count_manoeuvres, rank_trips
@@ -461,9 +462,9 @@ def paired(
     hybrid: float = 1.0,
     figure: str = "collision_rate_hz",
     bank: str = "paper",
-) -> PairedRow:
+) -> Row:
     """A row of the collisions in traffic that came to this verdict."""
-    return PairedRow(
+    return PAIRED.row(
         density_per_km=100.0,
         radio=radio,
         bank=bank,

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from made_rows import filled
 from modelcast.study.network.densities import TrafficPlan, counted_verdicts
-from modelcast.study.network.pairs import FIGURES, PairedRow, collision_rate_hz, traffic_rows, verdict_of
+from modelcast.study.network.pairs import FIGURES, collision_rate_hz, traffic_rows, verdict_of
 from modelcast.study.network.pool import gather
 from modelcast.study.network.rows import (
     DISTANCES,
@@ -46,7 +46,7 @@ def result(
     return gather([run_of(case, value) for case, value in cases])
 
 
-def row_of(rows: list[PairedRow], figure: str, *, by_range: bool = False) -> PairedRow:
+def row_of(rows: list[Row], figure: str, *, by_range: bool = False) -> Row:
     (found,) = [row for row in rows if (row.figure, row.by_range) == (figure, by_range)]
     return found
 

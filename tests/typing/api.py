@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import assert_type
+from typing import Any, assert_type
 
 import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 import modelcast
 from modelcast import (
@@ -40,6 +41,7 @@ from modelcast import (
     write_results,
 )
 from modelcast.station.policy.error_driven import ErrorDrivenState
+from modelcast.study.table import Row, Table
 
 
 def show(done: int, known: int) -> None:
@@ -58,6 +60,11 @@ def evaluate_files(paths: list[Path]) -> list[Path]:
     assert_type(result.rates, pl.DataFrame)
     assert_type(result.plot.rates(), Figure)
     assert_type(result.result, EvaluationResult)
+    assert_type(result.result.rates, Table)
+    assert_type(result.result.rates[0], Row)
+    assert_type(result.result.rates[1:], Table)
+    assert_type(result.result.tracking["pte_p90_m"], NDArray[Any])
+    assert_type(result.result.tracking[0].plain(), dict[str, Any])
     return [*write_results(result, Path("out")), *result.report("out")]
 
 
@@ -88,6 +95,7 @@ def compare_files(paths: list[Path]) -> float | None:
     candidates = [FixedCandidate("cv", Bank((ConstantVelocity(),)), "keep"), TrainedCandidate("mine", learn)]
     result = compare(paths, candidates, CompareSettings(against="mine"), progress=show)
     assert_type(result.ratios, pl.DataFrame)
+    assert_type(result.result.ratios[0].message_ratio, Any)
     return result.result.tracking[0].p90_low
 
 

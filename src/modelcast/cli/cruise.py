@@ -106,7 +106,7 @@ def cruise(
     from modelcast.cli.progress import busy, counted
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
-    from modelcast.io.cruise import cruise_document, write_cruise
+    from modelcast.io.cruise import write_cruise
     from modelcast.io.output import atomic_folder
     from modelcast.report.cruise import cruise_lines, cruise_report
     from modelcast.report.figures.cruise import plot_cruise
@@ -150,7 +150,7 @@ def cruise(
         with atomic_folder(out, command="cruise", shown=f"--out {out}") as folder:
             with counted("runs", quiet=quiet or json) as progress:
                 result = run_cruise(settings, bank=named, progress=progress)
-            summary, _ = write_cruise(cruise_document(result, options=options), folder)
+            summary, _ = write_cruise(result, folder, options=options)
             text = summary.read_text(encoding="utf-8")
             lines = "\n".join(cruise_lines(result.rows))
             (folder / "table.md").write_text(lines + "\n", encoding="utf-8", newline="\n")

@@ -25,7 +25,7 @@ from modelcast.io.traffic import write_traffic
 from modelcast.io.traffic_survey import TrafficSurvey, survey_document
 from modelcast.report.network import traffic_lines, write_network_report
 from modelcast.report.traffic import write_traffic_report
-from modelcast.study.network.pairs import PairedRow, traffic_rows
+from modelcast.study.network.pairs import traffic_rows
 from modelcast.study.network.pool import gather
 from modelcast.study.network.rows import CaseResult, NetworkCase, NetworkResult
 from modelcast.study.table import Row
@@ -82,7 +82,7 @@ class Swept:
     """
 
     result: NetworkResult
-    rows: Sequence[PairedRow]
+    rows: Sequence[Row]
     _: KW_ONLY
     options: Mapping[str, Any]
     key: RunKey

@@ -11,7 +11,8 @@ from modelcast.cli.reading import TripSource
 from modelcast.cli.terminal import say, show
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.output import atomic_file, atomic_folder
-from modelcast.io.ranking import ranking_document, write_ranking
+from modelcast.io.ranking import ranking_document, ranking_table
+from modelcast.io.table_files import write_table
 from modelcast.report.figures.course import course_drawings
 from modelcast.report.figures.files import write_drawings
 from modelcast.report.ranking import ranking_report
@@ -66,7 +67,7 @@ def rank_source(
             raise ConfigError(f"--out {out}: end it in {' or '.join(_FORMS)}")
         with atomic_file(out, inputs=inputs, shown=f"--out {out}") as file:
             ranked, kept = _ranked(source, top=top, keep=figures is not None, quiet=quiet)
-            write_ranking(ranked, file, form=form)
+            write_table(ranking_table(ranked), file, form)
     if figures is not None:
         with atomic_folder(figures, command="trips", shown=f"--figures {figures}") as folder:
             write_drawings(course_drawings(kept), folder)

@@ -11,8 +11,8 @@ from modelcast.cli.network_senders import sender_rows
 from modelcast.cli.network_sweep import Sweep, sweep
 from modelcast.cli.options import SensorOptions
 from modelcast.study.network.densities import TrafficPlan
-from modelcast.study.network.pairs import PairedRow
 from modelcast.study.network.rows import NetworkResult
+from modelcast.study.table import Row
 
 __all__ = ["TrafficResult", "network_plan", "run_traffic"]
 
@@ -29,7 +29,7 @@ class TrafficResult:
         Rows of all runs.
     """
 
-    rows: tuple[PairedRow, ...]
+    rows: tuple[Row, ...]
     network: NetworkResult
 
 

@@ -1,12 +1,14 @@
 """Tables of text cells as markup: HTML and Markdown, each written in one place and every cell escaped."""
 
 import math
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
 from html import escape as escape_markup
 
 from modelcast.core.printable import printable
 
-__all__ = ["escape", "html_table", "markdown", "markdown_table", "number"]
+__all__ = ["Cells", "escape", "markdown", "number"]
 
 
 def escape(text: str) -> str:
@@ -31,14 +33,16 @@ def markdown(text: str) -> str:
     Parameters
     ----------
     text
-        Any text; what is not printable in it is escaped, and nothing in it is markup or ends a cell.
+        Any text; what is not printable in it is escaped, and nothing in it is markup or ends a cell; a sign
+        that begins no tag stays.
 
     Examples
     --------
-    >>> markdown("a|b<c>")
-    'a\\|b&lt;c>'
+    >>> markdown("a|b<c>"), markdown("1 < 2")
+    ('a\\|b&lt;c>', '1 < 2')
     """
-    return printable(text).replace("&", "&amp;").replace("|", "\\|").replace("<", "&lt;")
+    escaped = printable(text).replace("&", "&amp;").replace("|", "\\|")
+    return re.sub("<(?=[A-Za-z/!?])", "&lt;", escaped)
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -64,57 +68,60 @@ def number(value: float | None, digits: int = 3) -> str:
     return f"{value:.{min(max(decimals, 0), 6)}f}"
 
 
-def html_table(head: Sequence[str], rows: Iterable[Sequence[str]], *, text_columns: int = 0) -> str:
-    """Return a table of plain text cells, which scrolls sideways where it is too wide.
+@dataclass(frozen=True, slots=True)
+class Cells:
+    r"""A table as people read it: plain text in every cell.
 
     Parameters
     ----------
-    head
-        Headings.
+    heads
+        Headings, one a column.
     rows
-        Cells.
+        Cells, one a column.
     text_columns
-        How many columns at the left hold text; the others hold numbers and are set to the right.
+        How many columns at the left hold text; the others hold numbers and are set to the right. None for
+        all.
 
     Examples
     --------
-    >>> "<td>&lt;b&gt;</td>" in html_table(["a"], [["<b>"]])
+    >>> shown = Cells(["a", "b"], [["x|<b>", "1"]], text_columns=1)
+    >>> shown.markdown()
+    ['| a | b |', '|---|---:|', '| x\\|&lt;b> | 1 |']
+    >>> '<td class="text">x|&lt;b&gt;</td><td>1</td>' in shown.html()
     True
     """
 
-    def line(tag: str, cells: Sequence[str]) -> str:
+    heads: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    text_columns: int | None = None
+
+    def is_text(self, at: int) -> bool:
+        """Whether a column holds text.
+
+        Parameters
+        ----------
+        at
+            Its place, from 0.
+        """
+        return self.text_columns is None or at < self.text_columns
+
+    def markdown(self) -> list[str]:
+        """Return the lines of the table in Markdown."""
+        marks = ["---" if self.is_text(at) else "---:" for at in range(len(self.heads))]
+        lines = ["| " + " | ".join(map(markdown, cells)) + " |" for cells in (self.heads, *self.rows)]
+        return [lines[0], f"|{'|'.join(marks)}|", *lines[1:]]
+
+    def html(self) -> str:
+        """Return the table as markup, which scrolls sideways where it is too wide."""
+        body = "".join("\n" + self._html_line("td", row) for row in self.rows)
+        head = self._html_line("th", self.heads)
+        return f'<div class="wide"><table><thead>{head}</thead><tbody>{body}</tbody></table></div>'
+
+    def _html_line(self, tag: str, cells: Sequence[str]) -> str:
         marked = (
             f'<{tag} class="text">{escape(cell)}</{tag}>'
-            if at < text_columns
+            if self.is_text(at)
             else f"<{tag}>{escape(cell)}</{tag}>"
             for at, cell in enumerate(cells)
         )
         return f"<tr>{''.join(marked)}</tr>"
-
-    body = "".join("\n" + line("td", row) for row in rows)
-    return f'<div class="wide"><table><thead>{line("th", head)}</thead><tbody>{body}</tbody></table></div>'
-
-
-def markdown_table(
-    head: Sequence[str], rows: Iterable[Sequence[str]], *, text_columns: int | None = None
-) -> list[str]:
-    r"""Return the lines of a table of plain text cells.
-
-    Parameters
-    ----------
-    head
-        Headings.
-    rows
-        Cells.
-    text_columns
-        How many columns at the left hold text; those of numbers are set to the right. None leaves all to the
-        reader's program.
-
-    Examples
-    --------
-    >>> markdown_table(["a", "b"], [["x|y", "1"]], text_columns=1)
-    ['| a | b |', '|---|---:|', '| x\\|y | 1 |']
-    """
-    marks = ["---" if text_columns is None or at < text_columns else "---:" for at in range(len(head))]
-    lines = ["| " + " | ".join(map(markdown, cells)) + " |" for cells in (head, *rows)]
-    return [lines[0], f"|{'|'.join(marks)}|", *lines[1:]]

@@ -104,7 +104,7 @@ def write_tables(tables: Iterable[Any], schema: Any, out: Path | BinaryIO) -> No
     Parameters
     ----------
     tables, schema
-        What to write.
+        What to write; the schema's metadata go into the file's.
     out
         The file, or one open for writing bytes.
     """
@@ -122,6 +122,8 @@ def write_tables(tables: Iterable[Any], schema: Any, out: Path | BinaryIO) -> No
         for table in tables:
             if table.num_rows:
                 writer.write_table(table)
+        if schema.metadata:
+            writer.add_key_value_metadata(schema.metadata)
 
 
 def _samples_table(blocks: Sequence[SampleBlock]) -> Any:

@@ -10,12 +10,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from modelcast.core.version import package_version
-from modelcast.io.arrow import columns_table, write_tables
 from modelcast.io.documents import document_text, plain_value
-from modelcast.study.network.capacity import CapacityFound
+from modelcast.io.table_files import write_table
+from modelcast.study.network.capacity import CapacityFound, probes_table
 
 __all__ = ["CAPACITY_SCHEMA", "capacity_document", "write_capacity"]
 
@@ -70,27 +68,5 @@ def write_capacity(
     folder = Path(folder)
     summary, probes = folder / "summary.json", folder / "capacity.parquet"
     summary.write_text(document_text(capacity_document(found, settings)), encoding="utf-8", newline="\n")
-    rows = [(one, probe) for one in found for probe in one.capacity.probes]
-    numbers = {
-        "threshold_m": [one.threshold_m for one, _ in rows],
-        "limit": [one.limit.value for one, _ in rows],
-        "density_per_km": [probe.density_per_km for _, probe in rows],
-        "value": [probe.value for _, probe in rows],
-        "least": [probe.spread[0] for _, probe in rows],
-        "greatest": [probe.spread[1] for _, probe in rows],
-        "held_ratio": [probe.held_ratio for _, probe in rows],
-        "busy_ratio": [probe.busy_ratio for _, probe in rows],
-        "seeds_held": [probe.seeds_held[0] for _, probe in rows],
-        "seeds": [probe.seeds_held[1] for _, probe in rows],
-        "warnings": [probe.warnings for _, probe in rows],
-    }
-    table = columns_table(
-        {
-            "radio": np.array([one.radio for one, _ in rows], dtype=object),
-            "policy": np.array([one.policy for one, _ in rows], dtype=object),
-            "quantity": np.array([one.limit.quantity for one, _ in rows], dtype=object),
-            **{name: np.array(values, dtype=np.float64) for name, values in numbers.items()},
-        }
-    )
-    write_tables([table], table.schema, probes)
+    write_table(probes_table(found), probes)
     return [summary, probes]

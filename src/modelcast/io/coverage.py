@@ -1,7 +1,7 @@
 """``coverage.json``: what `modelcast.study.coverage` found, for programs to read.
 
 Keys: ``schema`` (1), ``modelcast`` (version), ``protocol``, ``bank``, ``tested`` (trips by group),
-``coverage`` and ``times`` (rows of `CoverageRow` and `TimeRow`, under the same names), ``calibrations`` (by
+``coverage`` and ``times`` (rows of `COVERAGE` and `TIMES`, under the same names), ``calibrations`` (by
 group, then by sub-model, as `Calibration.from_plain` takes them), ``failures``, ``training_trips``
 (tested trips that the sub-models were trained on).
 """

@@ -3,7 +3,7 @@
 ``summary.json``
     ``schema`` (1), ``modelcast`` (version), ``options`` (what was asked for), ``leader``, ``law``,
     ``ranging``, ``platoons``, ``vehicles``, ``failures`` (files that could not be read, and why), ``rows``:
-    those of `CruiseRow`, with the figures of `DriveFigures` under their own names. A number that does not
+    the columns of `CRUISE`. A number that does not
     exist is null.
 ``runs.parquet``
     The rows again, a column a key.
@@ -15,11 +15,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from modelcast.core.version import package_version
-from modelcast.io.arrow import columns_table, write_tables
 from modelcast.io.documents import document_text
+from modelcast.io.table_files import write_table
 from modelcast.study.cruise.run import CruiseResult
 
 __all__ = ["CRUISE_SCHEMA", "cruise_document", "write_cruise"]
@@ -52,32 +50,28 @@ def cruise_document(
         "platoons": result.platoons,
         "vehicles": result.vehicles,
         "failures": dict(failures or {}),
-        "rows": [row.as_plain() for row in result.rows],
+        "rows": result.rows.plain(),
     }
 
 
-def write_cruise(document: Mapping[str, Any], folder: str | Path) -> tuple[Path, Path]:
+def write_cruise(
+    result: CruiseResult,
+    folder: str | Path,
+    *,
+    options: Mapping[str, Any],
+    failures: Mapping[str, str] | None = None,
+) -> tuple[Path, Path]:
     """Write ``summary.json`` and ``runs.parquet`` and return their paths.
 
     Parameters
     ----------
-    document
-        What `cruise_document` returned.
+    result, options, failures
+        As for `cruise_document`.
     folder
         An existing folder.
     """
     summary, runs = Path(folder) / "summary.json", Path(folder) / "runs.parquet"
+    document = cruise_document(result, options=options, failures=failures)
     summary.write_text(document_text(document), encoding="utf-8", newline="\n")
-    rows = document["rows"]
-    columns = {name: _column(name, [row[name] for row in rows]) for name in rows[0]}
-    table = columns_table(columns)
-    write_tables([table], table.schema, runs)
+    write_table(result.rows, runs)
     return summary, runs
-
-
-def _column(name: str, values: list[Any]) -> Any:
-    if name == "sender":
-        return np.array(values, dtype=object)
-    if all(isinstance(value, int) for value in values):
-        return np.array(values, dtype=np.int64)
-    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)

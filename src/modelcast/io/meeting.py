@@ -1,9 +1,6 @@
 """The film of a meeting as a table.
 
-``film.parquet``: a row a run and instant. ``run`` says which; ``t_s`` from where both are nearest;
-``vehicle_east_m``, ``vehicle_north_m``, ``person_east_m``, ``person_north_m``; ``in_sight`` whether no
-building is between; ``distance_m`` between both; ``believed_east_m``, ``believed_north_m``, ``error_m``
-and ``age_s``, no numbers where the vehicle's host does not know the person.
+``film.parquet``: a row a run and instant, the columns of `modelcast.study.network.meeting.FILM`.
 """
 
 from collections.abc import Mapping
@@ -11,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from modelcast.io.arrow import columns_table, write_tables
-from modelcast.study.network.meeting import Seen
+from modelcast.io.arrow import write_tables
+from modelcast.io.table_files import arrow_columns
+from modelcast.study.network.meeting import FILM, Seen
 
 __all__ = ["write_meeting"]
 
@@ -44,5 +42,5 @@ def write_meeting(runs: Mapping[str, Seen], path: Path) -> None:
         }
         for words, seen in runs.items()
     ]
-    table = columns_table({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
-    write_tables([table], table.schema, path)
+    film = arrow_columns(FILM, {name: np.concatenate([part[name] for part in parts]) for name in FILM.names})
+    write_tables([film], film.schema, path)

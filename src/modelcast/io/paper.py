@@ -26,7 +26,7 @@ from modelcast.io.results import summary_document
 from modelcast.study.paper.choices import CHOICES
 from modelcast.study.paper.readings import RivalKey
 from modelcast.study.paper.result import PaperResult, ReadingResult
-from modelcast.study.result import POOLED, EvaluationResult
+from modelcast.study.result import POOLED, TRACKING, EvaluationResult
 from modelcast.study.table import Row
 from modelcast.trips.manoeuvres.base import ManoeuvreCounts
 
@@ -62,7 +62,7 @@ def paper_document(result: PaperResult) -> dict[str, Any]:
         "picked": result.picked,
         "manoeuvres": [_counted(one) for one in result.manoeuvres],
         "evaluation": summary_document(_without_trips(result.evaluation)),
-        "traffic": [row_document(row) for row in result.traffic],
+        "traffic": [row.plain() for row in result.traffic],
         "failures": plain_value(result.failures),
         "skipped": plain_value(result.skipped),
     }
@@ -79,7 +79,7 @@ def _counted(counts: ManoeuvreCounts) -> dict[str, Any]:
 
 def _without_trips(result: EvaluationResult) -> EvaluationResult:
     """The evaluation without its tracking rows of single trips, of which there are too many to read."""
-    return replace(result, tracking=tuple(row for row in result.tracking if row.trip == POOLED))
+    return replace(result, tracking=TRACKING.table(row for row in result.tracking if row.trip == POOLED))
 
 
 def _reading(one: ReadingResult) -> dict[str, Any]:

@@ -1,19 +1,16 @@
 """A ranking of trips by their manoeuvres: as one table, and as one JSON document.
 
-Columns of the table, one row a trip, the richest first: ``rank`` (from 1), ``trip``, ``manoeuvres`` (total),
-``kinds``, ``per_km``, ``duration_s``, ``distance_m``, and a count of each kind: ``lane_changes``, ``turns``,
-``u_turns``, ``roundabouts``, ``stops``, ``hard_brakes``. The document holds the same for each trip, and its
-manoeuvres with times, size and side.
+The columns are `RANKING`, one row a trip, the richest first. The document holds the same for each trip,
+and its manoeuvres with times, size and side.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, BinaryIO, Literal
+from typing import Any
 
-import polars as pl
-
+from modelcast.study.table import Table, TableSchema, count, quantity, text
 from modelcast.trips.manoeuvres.base import FoundManoeuvre, ManoeuvreCounts, ManoeuvreKind
 
-__all__ = ["KIND_COLUMNS", "ranking_document", "ranking_rows", "write_ranking"]
+__all__ = ["KIND_COLUMNS", "RANKING", "ranking_document", "ranking_table"]
 
 KIND_COLUMNS = {
     ManoeuvreKind.LANE_CHANGE: "lane_changes",
@@ -26,48 +23,44 @@ KIND_COLUMNS = {
 """Column of each kind."""
 
 
-def ranking_rows(ranked: Sequence[ManoeuvreCounts]) -> list[dict[str, Any]]:
-    """Rows of the table.
+RANKING = TableSchema(
+    "ranking",
+    "One trip with its manoeuvres, the richest first.",
+    (
+        count("rank", "Place, from 1."),
+        text("trip", "Trip identifier."),
+        count("manoeuvres", "Manoeuvres of all kinds."),
+        count("kinds", "Kinds met."),
+        quantity("per_km", "1/km", "Manoeuvres a kilometre."),
+        quantity("duration_s", "s", "Time observed."),
+        quantity("distance_m", "m", "Way travelled."),
+        *(count(name, f"Manoeuvres: {name.replace('_', ' ')}.") for name in KIND_COLUMNS.values()),
+    ),
+)
+"""Ranked trips: a row each."""
+
+
+def ranking_table(ranked: Sequence[ManoeuvreCounts]) -> Table:
+    """Return the table of `RANKING`.
 
     Parameters
     ----------
     ranked
         Trips in order of merit (`modelcast.trips.manoeuvres.rank.rank_trips`).
     """
-    return [
-        {
-            "rank": at,
-            "trip": one.trip_id,
-            "manoeuvres": one.total,
-            "kinds": one.kinds,
-            "per_km": one.per_km,
-            "duration_s": one.duration_s,
-            "distance_m": one.distance_m,
-            **{KIND_COLUMNS[kind]: count for kind, count in one.by_kind.items()},
-        }
+    return RANKING.table(
+        RANKING.row(
+            rank=at,
+            trip=one.trip_id,
+            manoeuvres=one.total,
+            kinds=one.kinds,
+            per_km=one.per_km,
+            duration_s=one.duration_s,
+            distance_m=one.distance_m,
+            **{KIND_COLUMNS[kind]: number for kind, number in one.by_kind.items()},
+        )
         for at, one in enumerate(ranked, start=1)
-    ]
-
-
-def write_ranking(
-    ranked: Sequence[ManoeuvreCounts], file: BinaryIO, *, form: Literal["csv", "parquet"]
-) -> None:
-    """Write the table.
-
-    Parameters
-    ----------
-    ranked
-        Trips in order of merit.
-    file
-        Open for writing bytes.
-    form
-        Comma-separated text or Parquet.
-    """
-    table = pl.DataFrame(ranking_rows(ranked))
-    if form == "csv":
-        table.write_csv(file)
-    else:
-        table.write_parquet(file)
+    )
 
 
 def ranking_document(
@@ -92,7 +85,7 @@ def ranking_document(
     """
     trips = [
         {**row, "found": [_plain(item) for item in one.manoeuvres]}
-        for row, one in zip(ranking_rows(ranked), ranked, strict=True)
+        for row, one in zip(ranking_table(ranked).plain(), ranked, strict=True)
     ]
     return {"trips": trips, "counted": counted, "failures": dict(failures), "skipped": dict(skipped)}
 

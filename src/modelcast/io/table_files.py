@@ -14,15 +14,17 @@ in JSON only, which has none.
 import csv
 import io
 import json
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
+import pyarrow as pa
 import pyarrow.parquet as pq
 
-from modelcast.core.exceptions import ConfigError
+from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.core.version import package_version
 from modelcast.io.arrow import columns_table, plain_text, write_tables
 from modelcast.io.documents import document_text
@@ -31,6 +33,7 @@ from modelcast.study.table import Table, TableSchema
 __all__ = [
     "arrow_columns",
     "csv_text",
+    "read_table",
     "read_table_schema",
     "schema_document",
     "table_document",
@@ -111,6 +114,37 @@ def write_table(table: Table, out: Path | BinaryIO, form: str = "parquet") -> No
         out.write_text(written, encoding="utf-8", newline="\n")
     else:
         out.write(written.encode())
+
+
+def read_table(schema: TableSchema, path: str | Path, *, remedy: str) -> Table:
+    """Read a table that `write_table` wrote as Parquet.
+
+    Parameters
+    ----------
+    schema
+        Its columns.
+    path
+        The file.
+    remedy
+        What to do where it is no such table.
+
+    Raises
+    ------
+    DataFormatError
+        Where the file cannot be read, has no such columns, or holds a value of another kind.
+    """
+    try:
+        found = pq.read_table(path, columns=list(schema.names)).select(list(schema.names)).to_pylist()
+        absent = {column.name: None if column.missing else math.nan for column in schema.columns}
+        rows = [
+            schema.row(**{name: absent[name] if value is None else value for name, value in row.items()})
+            for row in found
+        ]
+    except (OSError, KeyError, TypeError, pa.ArrowException) as error:
+        raise DataFormatError(
+            str(path), f"is no table of {schema.name!r} ({error})", remedy=remedy
+        ) from error
+    return schema.table(rows)
 
 
 def read_table_schema(path: str | Path) -> dict[str, Any]:

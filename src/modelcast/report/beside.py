@@ -6,6 +6,7 @@ from pathlib import Path
 
 from modelcast.core.cells import escape
 from modelcast.core.exceptions import ConfigError
+from modelcast.report.page import figure
 
 __all__ = ["check_beside", "show_beside"]
 
@@ -59,9 +60,6 @@ def show_beside(folders: Sequence[Path], out: Path) -> list[str]:
         for name in _there(folder):
             for end in _SUFFIXES:
                 shutil.copyfile(folder / f"{name}{end}", out / f"beside_{number}_{name}{end}")
-            caption = escape(f"{_FIGURES[name]} ({folder.resolve().name})")
-            found.append(
-                f'<figure><img src="beside_{number}_{name}.svg" alt="{caption}">'
-                f"<figcaption>{caption}.</figcaption></figure>"
-            )
+            caption = f"{_FIGURES[name]} ({folder.resolve().name})."
+            found.append(figure(f"beside_{number}_{name}.svg", caption))
     return found

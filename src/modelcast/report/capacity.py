@@ -5,14 +5,13 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from rich.box import SIMPLE_HEAD
 from rich.console import RenderableType
-from rich.table import Table
 
+from modelcast.core.cells import Cells
+from modelcast.report.console_table import placed_table
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.panels import drawable, empty_figure, top_legend
 from modelcast.report.figures.senders import threshold_text
-from modelcast.report.literal import literal
 from modelcast.report.style import PAGE_IN, model_colours, new_figure, style
 from modelcast.study.network.capacity import CapacityFound
 from modelcast.study.network.capacity_limits import HELD_RATIO, Limit, Probe
@@ -68,12 +67,13 @@ def _cells(one: CapacityFound) -> list[str]:
     ]
 
 
-def _table(found: Sequence[CapacityFound]) -> tuple[list[str], list[list[str]]]:
+def _table(found: Sequence[CapacityFound]) -> Cells:
     """Heads and rows, a row a capacity, by limit; columns in which no row says anything are left out."""
     limits = list(dict.fromkeys(one.limit for one in found))
     rows = [_cells(one) for one in sorted(found, key=lambda one: limits.index(one.limit))]
     said = [n for n in range(len(_HEADS)) if any(row[n] != "-" for row in rows)]
-    return [_HEADS[n] for n in said], [[row[n] for n in said] for row in rows]
+    texts = sum(n < _TEXTS for n in said)
+    return Cells([_HEADS[n] for n in said], [[row[n] for n in said] for row in rows], texts)
 
 
 def capacity_console(found: Sequence[CapacityFound]) -> RenderableType:
@@ -84,24 +84,17 @@ def capacity_console(found: Sequence[CapacityFound]) -> RenderableType:
     found
         The capacities.
     """
-    table = Table(title=_TITLE, title_justify="left", box=SIMPLE_HEAD, padding=(0, 0), header_style="")
-    heads, rows = _table(found)
-    numbers = [head for head in heads if head not in {*_HEADS[:_TEXTS], "at the first"}]
-    table.add_column("policy", no_wrap=True, overflow="fold")
-    for head in numbers:
-        table.add_column(head, justify="right", overflow="fold")
-    before = ""
-    for cells in rows:
-        named = dict(zip(heads, cells, strict=True))
-        place = f"{named['limit']}, {named['radio']}"
-        if place != before:
-            table.add_section()
-            table.add_row(literal(place, style="bold"))
+    every = _table(found)
+    numbers = [head for head in every.heads if head not in {*_HEADS[:_TEXTS], "at the first"}]
+    places: list[str] = []
+    rows: list[list[str]] = []
+    for cells in every.rows:
+        named = dict(zip(every.heads, cells, strict=True))
+        places.append(f"{named['limit']}, {named['radio']}")
         threshold = named.get("threshold", "-").replace("-", "")
         name = ", ".join(part for part in (named["policy"], threshold) if part)
-        table.add_row(*map(literal, (name, *(named[head] for head in numbers))))
-        before = place
-    return table
+        rows.append([name, *(named[head] for head in numbers)])
+    return placed_table(Cells(["policy", *numbers], rows, 1), places, _TITLE, padding=(0, 0, 0, 0))
 
 
 def capacity_markdown(found: Sequence[CapacityFound]) -> str:
@@ -112,10 +105,7 @@ def capacity_markdown(found: Sequence[CapacityFound]) -> str:
     found
         The capacities.
     """
-    heads, rows = _table(found)
-    lines = [f"{_TITLE}.", "", f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
-    lines += [f"| {' | '.join(cells)} |" for cells in rows]
-    return "\n".join(lines) + "\n"
+    return "\n".join([f"{_TITLE}.", "", *_table(found).markdown()]) + "\n"
 
 
 def write_capacity_report(found: Sequence[CapacityFound], folder: str | Path) -> list[Path]:

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Group, RenderableType
-from rich.table import Table
 
-from modelcast.core.cells import markdown
+from modelcast.core.cells import Cells, markdown
 from modelcast.report.console import failures_table, warning_texts
+from modelcast.report.console_table import console_table
 from modelcast.report.figures.comparison import plot_comparison, rival_rows_of, worst_rows
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.headline import nearest_ratio
@@ -69,9 +69,7 @@ def comparison_markdown(result: ComparisonResult) -> str:
             _LEGEND.format(against=_against(result), basis=result.settings.get("rate_basis", "total")),
             "",
         ]
-        heads, cells = _full_table(result, protocol)
-        lines += [_joined(heads), "|" + "---|" * len(heads)]
-        lines += [_joined(row) for row in cells]
+        lines += _full_table(result, protocol).markdown()
         lines += _reference_lines(result, protocol)
         lines += _rival_lines(result, protocol)
     left_out = [f"- {markdown(name)}: {markdown(reason)}" for name, reason in sorted(result.failures.items())]
@@ -95,20 +93,12 @@ def _rival_lines(result: ComparisonResult, protocol: str) -> list[str]:
     heads = ["candidate", *(f"messages, {text}" for text in thresholds)]
     heads += ["bytes, " + " / ".join(thresholds), *(f"airtime, {text}" for text in thresholds)]
     heads += ["over the bound", "worst trip"]
-    lines = ["", _RIVAL_LEGEND.format(rival=result.rival), "", _joined(heads), "|" + "---|" * len(heads)]
+    cells: list[list[str]] = []
     for candidate in result.candidates:
         rows = rival_rows_of(result, candidate.name, protocol)
-        worst = max(rows, key=lambda row: row.worst_excess)
-        cells = [markdown(_shown_name(candidate))]
-        cells += [_with_limits(row.message_ratio, row.message_low, row.message_high) for row in rows]
-        cells += [" / ".join(f"{row.bytes_ratio:.2f}" for row in rows)]
-        cells += [_with_limits(row.airtime_ratio, row.airtime_low, row.airtime_high) for row in rows]
-        cells += [f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}"]
-        cells += [
-            f"{markdown(worst.worst_trip)}, {worst.worst_ratio:.2f} at {centimetres(worst.threshold_m)}"
-        ]
-        lines.append(_joined(cells))
-    return lines
+        own = [_shown_name(candidate), *_limited(rows, "message"), _listed(rows, "bytes_ratio")]
+        cells.append([*own, *_limited(rows, "airtime"), *_over_the_bound(rows)])
+    return ["", _RIVAL_LEGEND.format(rival=result.rival), "", *Cells(heads, cells, 1).markdown()]
 
 
 _LEGEND = (
@@ -120,7 +110,7 @@ _LEGEND = (
 )
 
 
-def _full_table(result: ComparisonResult, protocol: str) -> tuple[list[str], list[list[str]]]:
+def _full_table(result: ComparisonResult, protocol: str) -> Cells:
     """Return headings and cells with every interval."""
     thresholds = _thresholds(result)
     losses = " / ".join(f"{100 * ratio:g}" for ratio in _ratios(result))
@@ -132,17 +122,33 @@ def _full_table(result: ComparisonResult, protocol: str) -> tuple[list[str], lis
     cells: list[list[str]] = []
     for candidate in result.candidates:
         rows = _rows(result, candidate, protocol)
-        own = [markdown(_shown_name(candidate))]
-        own += [_with_limits(row.message_ratio, row.message_low, row.message_high) for row in rows]
-        own += ["<br>".join(_signed(row) for row in rows)]
-        own += [" / ".join(f"{row.bytes_ratio:.2f}" for row in rows)]
-        own += [_with_limits(row.airtime_ratio, row.airtime_low, row.airtime_high) for row in rows]
+        own = [_shown_name(candidate), *_limited(rows, "message")]
+        own += ["; ".join(_signed(row) for row in rows), _listed(rows, "bytes_ratio")]
+        own += _limited(rows, "airtime")
         own += [_worst(result, candidate, protocol, percentile) for percentile in (90, 99) if losses]
-        worst = _worst_row(rows)
-        own += [f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}"]
-        own += [f"{markdown(worst.worst_trip)}, {worst.worst_ratio:.2f} at {centimetres(worst.threshold_m)}"]
-        cells.append(own)
-    return heads, cells
+        cells.append([*own, *_over_the_bound(rows)])
+    return Cells(heads, cells, 1)
+
+
+def _limited(rows: Sequence[Row], name: str) -> list[str]:
+    """Ratios of messages, bytes or airtime with their intervals."""
+    ends = [row.picked((f"{name}_ratio", f"{name}_low", f"{name}_high")) for row in rows]
+    return [_with_limits(*one.values()) for one in ends]
+
+
+def _listed(rows: Sequence[Row], name: str) -> str:
+    return " / ".join(f"{getattr(row, name):.2f}" for row in rows)
+
+
+def _counted_over(rows: Sequence[Row]) -> str:
+    return f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}"
+
+
+def _over_the_bound(rows: Sequence[Row]) -> list[str]:
+    """How many trips times thresholds are over the bound, and the worst of them."""
+    worst = max(rows, key=lambda row: row.worst_excess)
+    at = centimetres(worst.threshold_m)
+    return [_counted_over(rows), f"{worst.worst_trip}, {worst.worst_ratio:.2f} at {at}"]
 
 
 def comparison_console(result: ComparisonResult) -> RenderableType:
@@ -159,46 +165,33 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
     shown_m = sorted({thresholds_m[0], thresholds_m[-1]}) if thresholds_m else []
     ratio = nearest_ratio(_ratios(result))
     at = None if ratio is None else _ratios(result).index(ratio)
+    levels = " / ".join(f"{100 * item:g}" for item in shown_m)
+    heads = ["candidate", *(f"{head}\n{levels} cm" for head in ("messages", "bytes", "airtime"))]
     for protocol in _protocols(result):
-        table = Table(title=f"Over the baseline, {protocol}", title_justify="left", header_style="")
-        table.add_column("candidate")
-        levels = " / ".join(f"{100 * item:g}" for item in shown_m)
-        for head in ("messages", "bytes", "airtime"):
-            table.add_column(f"{head}\n{levels} cm", justify="right")
-        if ratio is not None:
-            table.add_column(f"p90 / p99\nPER {100 * ratio:g} %", justify="right")
-        table.add_column("trips over\nthe bound", justify="right")
-        for candidate in result.candidates:
-            table.add_row(
-                literal(_shown_name(candidate)), *_short_cells(result, candidate, protocol, shown_m, at)
-            )
-        parts.append(table)
+        rows = [_short_cells(result, candidate, protocol, shown_m, at) for candidate in result.candidates]
+        losses = [] if ratio is None else [f"p90 / p99\nPER {100 * ratio:g} %"]
+        own = [*heads, *losses, "trips over\nthe bound"]
+        parts.append(console_table(Cells(own, rows, 1), f"Over the baseline, {protocol}"))
         if result.rival is not None:
-            parts.append(_rival_table(result, protocol, shown_m))
+            rows = [
+                [
+                    _shown_name(candidate),
+                    *_short_ratios(found, shown_m),
+                    _counted_over(found),
+                ]
+                for candidate in result.candidates
+                for found in (rival_rows_of(result, candidate.name, protocol),)
+            ]
+            over = Cells([*heads, "trips over\nits bound"], rows, 1)
+            parts.append(console_table(over, f"Over {result.rival}, {protocol}"))
     if result.failures:
         parts.append(failures_table(result.failures))
     return Group(*parts)
 
 
-def _rival_table(result: ComparisonResult, protocol: str, shown_m: Sequence[float]) -> Table:
-    """Return the short table over the candidate compared against."""
-    table = Table(title=f"Over {result.rival}, {protocol}", title_justify="left", header_style="")
-    table.add_column("candidate")
-    levels = " / ".join(f"{100 * item:g}" for item in shown_m)
-    for head in ("messages", "bytes", "airtime"):
-        table.add_column(f"{head}\n{levels} cm", justify="right")
-    table.add_column("trips over\nits bound", justify="right")
-    for candidate in result.candidates:
-        rows = rival_rows_of(result, candidate.name, protocol)
-        shown = [row for row in rows if row.threshold_m in shown_m]
-        table.add_row(
-            literal(_shown_name(candidate)),
-            " / ".join(f"{row.message_ratio:.2f}" for row in shown),
-            " / ".join(f"{row.bytes_ratio:.2f}" for row in shown),
-            " / ".join(f"{row.airtime_ratio:.2f}" for row in shown),
-            f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}",
-        )
-    return table
+def _short_ratios(rows: Sequence[Row], shown_m: Sequence[float]) -> list[str]:
+    shown = [row for row in rows if row.threshold_m in shown_m]
+    return [_listed(shown, name) for name in ("message_ratio", "bytes_ratio", "airtime_ratio")]
 
 
 def _short_cells(
@@ -210,16 +203,11 @@ def _short_cells(
 ) -> list[str]:
     """Return a candidate's cells for the terminal; `at` is the place of the loss ratio shown."""
     rows = _rows(result, candidate, protocol)
-    shown = [row for row in rows if row.threshold_m in shown_m]
-    cells = [
-        " / ".join(f"{row.message_ratio:.2f}" for row in shown),
-        " / ".join(f"{row.bytes_ratio:.2f}" for row in shown),
-        " / ".join(f"{row.airtime_ratio:.2f}" for row in shown),
-    ]
+    cells = [_shown_name(candidate), *_short_ratios(rows, shown_m)]
     if at is not None:
         found = (worst_rows(result, candidate.name, protocol, percentile)[at] for percentile in (90, 99))
         cells.append(" / ".join(_number(value) for value in found))
-    return [*cells, f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}"]
+    return [*cells, _counted_over(rows)]
 
 
 def scope_line(result: ComparisonResult) -> str:
@@ -246,10 +234,6 @@ def _reference_lines(result: ComparisonResult, protocol: str) -> list[str]:
 def _rows(result: ComparisonResult, candidate: CandidateRow, protocol: str) -> list[Row]:
     own = (row for row in result.ratios if (row.candidate, row.protocol) == (candidate.name, protocol))
     return sorted(own, key=lambda row: row.threshold_m)
-
-
-def _worst_row(rows: Sequence[Row]) -> Row:
-    return max(rows, key=lambda row: row.worst_excess)
 
 
 def _worst(result: ComparisonResult, candidate: CandidateRow, protocol: str, percentile: int) -> str:
@@ -296,7 +280,3 @@ def _against(result: ComparisonResult) -> str:
 
 def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
-
-
-def _joined(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cells) + " |"

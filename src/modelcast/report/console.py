@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from rich.console import Group, RenderableType
 from rich.table import Table
 
+from modelcast.core.cells import Cells
+from modelcast.report.console_table import console_table
 from modelcast.report.headline import (
     SHOWN_POLICIES,
     Headline,
@@ -135,8 +137,7 @@ def scope_line(result: EvaluationResult) -> str:
 
 def rates_table(result: EvaluationResult) -> Table:
     """Return the pooled message rates at each threshold, MBC beside the baseline."""
-    table = _table("Messages per second, all trips, ideal channel; airtime, MBC / baseline")
-    headings = (
+    heads = (
         "threshold",
         "MBC updates",
         "MBC identif.",
@@ -145,55 +146,46 @@ def rates_table(result: EvaluationResult) -> Table:
         "MBC / baseline",
         "airtime",
     )
-    for heading in headings:
-        table.add_column(heading, justify="right")
-    for line in headlines(result):
-        mbc, baseline = line.mbc, line.baseline
-        table.add_row(
+    rows = [
+        [
             _threshold(line),
-            _number(None if mbc is None else mbc.update_rate_hz),
-            _number(None if mbc is None else mbc.identification_rate_hz),
-            _number(None if mbc is None else mbc.total_rate_hz),
-            _number(None if baseline is None else baseline.total_rate_hz),
+            *(
+                _number(None if line.mbc is None else getattr(line.mbc, name))
+                for name in ("update_rate_hz", "identification_rate_hz", "total_rate_hz")
+            ),
+            _number(None if line.baseline is None else line.baseline.total_rate_hz),
             _number(line.ratio),
             _number(line.airtime_ratio),
-        )
-    return table
+        ]
+        for line in headlines(result)
+    ]
+    title = "Messages per second, all trips, ideal channel; airtime, MBC / baseline"
+    return console_table(Cells(heads, rows, 0), title)
 
 
 def tracking_table(result: EvaluationResult) -> Table:
     """Return the pooled 90th percentile of the tracking error, without loss and near a ratio of 0.4."""
-    basis = rate_basis(result)
-    table = _table(f"Tracking error, p90 in metres; baselines at MBC's {basis} rate")
-    ratios = _shown_ratios(result)
-    table.add_column("threshold", justify="right")
-    for ratio in ratios:
-        for policy in SHOWN_POLICIES:
-            table.add_column(f"PER {100 * ratio:g} %\n{_SHORT_NAMES[policy]}", justify="right")
-    for line in headlines(result):
-        cells = [_number(line.p90_m.get((ratio, policy)), 3) for ratio in ratios for policy in SHOWN_POLICIES]
-        table.add_row(_threshold(line), *cells)
-    return table
+    shown = [(ratio, policy) for ratio in _shown_ratios(result) for policy in SHOWN_POLICIES]
+    heads = [f"PER {100 * ratio:g} %\n{_SHORT_NAMES[policy]}" for ratio, policy in shown]
+    rows = [
+        [_threshold(line), *(_number(line.p90_m.get(key), 3) for key in shown)] for line in headlines(result)
+    ]
+    title = f"Tracking error, p90 in metres; baselines at MBC's {rate_basis(result)} rate"
+    return console_table(Cells(["threshold", *heads], rows, 0), title)
 
 
 def failures_table(failures: Mapping[str, str]) -> Table:
     """Return the trips that could not be evaluated, each with its reason."""
-    table = _table(f"Not evaluated: {_counted(len(failures), 'trip')}")
-    table.add_column("trip", overflow="fold", max_width=36)
-    table.add_column("reason", overflow="fold")
-    for trip, reason in sorted(failures.items()):
-        table.add_row(literal(trip), literal(reason))
-    return table
+    title = f"Not evaluated: {_counted(len(failures), 'trip')}"
+    shown = console_table(Cells(("trip", "reason"), sorted(failures.items())), title)
+    shown.columns[0].max_width = 36
+    return shown
 
 
 def _shown_ratios(result: EvaluationResult) -> Sequence[float]:
     ratios = evaluated_ratios(result)
     nearest = (nearest_ratio(ratios, 0.0), nearest_ratio(ratios))
     return sorted({ratio for ratio in nearest if ratio is not None})
-
-
-def _table(title: str) -> Table:
-    return Table(title=title, title_justify="left", title_style="bold", header_style="")
 
 
 def _threshold(line: Headline) -> str:

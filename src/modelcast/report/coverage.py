@@ -5,8 +5,9 @@ from math import isnan
 from rich.console import Group, RenderableType
 from rich.table import Table
 
+from modelcast.core.cells import Cells
 from modelcast.models.calibration import LEVELS
-from modelcast.report.literal import literal
+from modelcast.report.console_table import console_table
 from modelcast.study.coverage import FORMS, CoverageResult
 
 __all__ = ["coverage_report"]
@@ -26,12 +27,8 @@ def coverage_report(result: CoverageResult) -> RenderableType:
 
 
 def _coverage_table(result: CoverageResult) -> Table:
-    table = Table(title="Errors inside the ellipses of 50/90/95 % [%]", title_justify="left")
-    table.add_column("sub-model")
-    table.add_column("ellipse")
-    for horizon_s in _SHOWN_S:
-        table.add_column(f"{horizon_s:g} s", justify="right")
     found = {(r.sub_model, r.form, r.horizon_s, r.level): r.covered_ratio for r in result.rows}
+    rows: list[list[str]] = []
     for name in dict.fromkeys(row.sub_model for row in result.rows):
         for form in FORMS:
             cells = [
@@ -41,21 +38,21 @@ def _coverage_table(result: CoverageResult) -> Table:
                 )
                 for horizon_s in _SHOWN_S
             ]
-            table.add_row(literal(name if form == FORMS[0] else ""), form, *cells)
-    return table
+            rows.append([name if form == FORMS[0] else "", form, *cells])
+    heads = ["sub-model", "ellipse", *(f"{horizon_s:g} s" for horizon_s in _SHOWN_S)]
+    return console_table(Cells(heads, rows, 2), "Errors inside the ellipses of 50/90/95 % [%]")
 
 
 def _times_table(result: CoverageResult) -> Table:
-    table = Table(title="Time until the threshold [s]", title_justify="left")
-    for heading in ("sub-model", "ellipse", "threshold", "expected / observed", "correlation"):
-        table.add_column(heading, justify="left" if heading in {"sub-model", "ellipse"} else "right")
-    for row in result.times:
-        correlation = "-" if isnan(row.rank_correlation) else f"{row.rank_correlation:.2f}"
-        table.add_row(
-            literal(row.sub_model),
+    rows = [
+        [
+            row.sub_model,
             row.form,
             f"{100 * row.threshold_m:.4g} cm",
             f"{row.expected_s:.2f} / {row.observed_s:.2f}",
-            correlation,
-        )
-    return table
+            "-" if isnan(row.rank_correlation) else f"{row.rank_correlation:.2f}",
+        ]
+        for row in result.times
+    ]
+    heads = ("sub-model", "ellipse", "threshold", "expected / observed", "correlation")
+    return console_table(Cells(heads, rows, 2), "Time until the threshold [s]")

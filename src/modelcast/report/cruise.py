@@ -4,12 +4,12 @@ from collections.abc import Sequence
 
 from rich import box
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
-from modelcast.core.cells import markdown
-from modelcast.report.literal import literal
-from modelcast.study.cruise.run import PERFECT, REFERENCE, CruiseResult, CruiseRow
+from modelcast.core.cells import Cells
+from modelcast.report.console_table import console_table
+from modelcast.study.cruise.run import PERFECT, REFERENCE, CruiseResult
+from modelcast.study.table import Row
 from modelcast.study.wording import centimetres
 
 __all__ = ["cruise_lines", "cruise_report", "sender_label"]
@@ -51,7 +51,7 @@ _MEANING = (
 )
 
 
-def sender_label(row: CruiseRow) -> str:
+def sender_label(row: Row) -> str:
     """Return how a row's sender is called.
 
     Parameters
@@ -62,15 +62,15 @@ def sender_label(row: CruiseRow) -> str:
     return row.sender if row.threshold_m is None else f"{row.sender}, {centimetres(row.threshold_m)}"
 
 
-def _loss(row: CruiseRow) -> str:
+def _loss(row: Row) -> str:
     if row.sender == PERFECT:
         return "-"
     bursts = f", {row.burst_s:g} s" if row.burst_s else ""
     return f"{100 * row.loss_ratio:.4g} %{bursts}"
 
 
-def _cells(row: CruiseRow) -> tuple[str, ...]:
-    drive = row.drive
+def _cells(row: Row) -> tuple[str, ...]:
+
     sent = row.sender != PERFECT
     return (
         sender_label(row),
@@ -78,13 +78,13 @@ def _cells(row: CruiseRow) -> tuple[str, ...]:
         f"{row.rate_hz:.2f}" if sent else "-",
         f"{100 * row.fewer_messages_ratio:.1f} %" if sent else "-",
         f"{100 * row.speed_change_ratio:.2f} %",
-        f"{drive.spacing_amplification:.2f}",
-        f"{100 * drive.stable_ratio:.0f} %",
-        f"{drive.spacing_peak_m:.2f} m",
-        f"{drive.gap_min_m:.2f} m",
-        f"{drive.collisions}/{drive.followers}",
-        f"{drive.acceleration_rms_mps2:.2f}",
-        f"{drive.jerk_rms_mps3:.2f}",
+        f"{row.spacing_amplification:.2f}",
+        f"{100 * row.stable_ratio:.0f} %",
+        f"{row.spacing_peak_m:.2f} m",
+        f"{row.gap_min_m:.2f} m",
+        f"{row.collisions}/{row.followers}",
+        f"{row.acceleration_rms_mps2:.2f}",
+        f"{row.jerk_rms_mps3:.2f}",
         f"{1e3 * row.airtime_per_s:.2f} ms" if sent else "-",
     )
 
@@ -101,18 +101,13 @@ def cruise_report(result: CruiseResult) -> RenderableType:
     title = (
         f"{result.platoons} platoons of {result.vehicles} by {result.law}, {sensor}, behind {result.leader}"
     )
-    table = Table(title=literal(title), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     shown = [_HEADINGS.index(heading) for heading in _SHORT]
-    for at, heading in enumerate(_SHORT.values()):
-        table.add_column(heading, justify="left" if at == 0 else "right")
-    for row in result.rows:
-        cells = _cells(row)
-        name, *others = (cells[at].removesuffix(" %").removesuffix(" m") for at in shown)
-        table.add_row(literal(name), *others)
+    rows = [[_cells(row)[at].removesuffix(" %").removesuffix(" m") for at in shown] for row in result.rows]
+    table = console_table(Cells(list(_SHORT.values()), rows, 1), title, box=box.SIMPLE_HEAD)
     return Group(table, Text(_MEANING))
 
 
-def cruise_lines(rows: Sequence[CruiseRow]) -> list[str]:
+def cruise_lines(rows: Sequence[Row]) -> list[str]:
     """Return the lines of the table in Markdown.
 
     Parameters
@@ -120,5 +115,4 @@ def cruise_lines(rows: Sequence[CruiseRow]) -> list[str]:
     rows
         Any rows of a study.
     """
-    lines = ["| " + " | ".join(_HEADINGS) + " |", "|---" + "|--:" * (len(_HEADINGS) - 1) + "|"]
-    return [*lines, *("| " + " | ".join(markdown(cell) for cell in _cells(row)) + " |" for row in rows)]
+    return Cells(_HEADINGS, [_cells(row) for row in rows], 1).markdown()

@@ -3,15 +3,13 @@
 from collections.abc import Sequence
 
 import numpy as np
-from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
-from modelcast.core.cells import markdown
+from modelcast.core.cells import Cells
+from modelcast.report.console_table import placed_table
 from modelcast.report.figures.fleet_warnings import plot_warned_map, plot_warnings
-from modelcast.report.figures.senders import threshold_text
-from modelcast.report.literal import literal
+from modelcast.report.figures.senders import density_text, threshold_text
 from modelcast.report.parts import Part
 from modelcast.report.warning_texts import ENOUGH, late_text, over_text, percent_text, plain_text
 from modelcast.study.network.mixed import mixed_of
@@ -72,11 +70,12 @@ def _short(policy: str) -> str:
 
 def _order(row: Row) -> tuple[str, str, str, float]:
     """Place in a table; rows that are alike stay as they are."""
-    return row.application, _density(row).zfill(9), row.radio, mixed_of(row.policy).senders_ratio
-
-
-def _density(row: Row) -> str:
-    return f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
+    return (
+        row.application,
+        density_text(row.density_per_km).zfill(9),
+        row.radio,
+        mixed_of(row.policy).senders_ratio,
+    )
 
 
 def warnings_headline(result: NetworkResult) -> list[str]:
@@ -89,7 +88,7 @@ def warnings_headline(result: NetworkResult) -> list[str]:
     """
     found: dict[tuple[str, str], dict[int, None]] = {}
     for row in _whole(result):
-        found.setdefault((row.application, _density(row)), {})[row.events] = None
+        found.setdefault((row.application, density_text(row.density_per_km)), {})[row.events] = None
     lines: list[str] = []
     for (application, density), events in found.items():
         counts = " and ".join(map(str, events))
@@ -108,12 +107,12 @@ def _whole(result: NetworkResult) -> list[Row]:
     ]
 
 
-def _rows(result: NetworkResult) -> list[list[str]]:
+def _cells(result: NetworkResult) -> Cells:
     ordered = sorted(result.pooled_warnings, key=_order)
-    return [
+    rows = [
         [
             row.application,
-            _density(row),
+            density_text(row.density_per_km),
             row.radio,
             policy_text(row.policy),
             row.bank,
@@ -134,6 +133,7 @@ def _rows(result: NetworkResult) -> list[list[str]]:
         for row in ordered
         if row.events or row.negatives
     ]
+    return Cells(_HEADS, rows, _TEXT_COLUMNS)
 
 
 def _share(value: float, low: float | None, high: float | None) -> str:
@@ -152,10 +152,8 @@ def warnings_markdown(result: NetworkResult) -> list[str]:
     """
     if not result.pooled_warnings:
         return []
-    rule = ["---" if number < _TEXT_COLUMNS else "---:" for number in range(len(_HEADS))]
     lines = [f"- {line}" for line in warnings_headline(result)]
-    lines += ["", _SCOPE, "", f"| {' | '.join(_HEADS)} |", f"| {' | '.join(rule)} |"]
-    return lines + [f"| {' | '.join(map(markdown, cells))} |" for cells in _rows(result)]
+    return [*lines, "", _SCOPE, "", *_cells(result).markdown()]
 
 
 def warnings_part(result: NetworkResult) -> list[Part]:
@@ -177,9 +175,7 @@ def warnings_part(result: NetworkResult) -> list[Part]:
             "Warnings",
             _SCOPE,
             notes=warnings_headline(result),
-            heads=_HEADS,
-            rows=_rows(result),
-            text_columns=_TEXT_COLUMNS,
+            cells=_cells(result),
             figures=figures,
         )
     ]
@@ -193,23 +189,17 @@ def warnings_console(result: NetworkResult) -> RenderableType:
     result
         All runs.
     """
-    shown = Table(title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     heads = ("policy", "1/s", "missed", "over", "false", "over", "never", "late p90")
-    for number, head in enumerate(heads):
-        shown.add_column(head, justify="right" if number else "left", no_wrap=not number)
-    before = ""
+    places: list[str] = []
+    rows: list[Sequence[str]] = []
     for row in sorted(_whole(result), key=_order):
-        density = "" if _density(row) == "-" else f", {_density(row)}/km"
-        place = f"{row.application}, {row.radio}{density}"
-        if place != before:
-            shown.add_section()
-            shown.add_row(literal(place, style="bold"))
-        before = place
+        density = "" if np.isnan(row.density_per_km) else f", {density_text(row.density_per_km)}/km"
+        places.append(f"{row.application}, {row.radio}{density}")
         told = [_short(row.policy)]
         told += [row.reading] if row.sender == ALL_SENDERS else []
         told += [row.bank] if len(result.banks) > 1 and row.bank != NO_BANK else []
         told += [threshold_text(row.threshold_m)] if len(result.thresholds_m) > 1 else []
-        cells: Sequence[str] = (
+        cells = (
             ", ".join(told),
             plain_text(row.message_rate_hz, "{:.2f}"),
             percent_text(row.missed_ratio),
@@ -219,5 +209,6 @@ def warnings_console(result: NetworkResult) -> RenderableType:
             percent_text(row.never_ratio),
             late_text(row.delay_p90_s),
         )
-        shown.add_row(*map(literal, cells))
+        rows.append(cells)
+    shown = placed_table(Cells(heads, rows, 1), places)
     return Group(*(Text(line) for line in warnings_headline(result)), shown)

@@ -4,12 +4,11 @@ Figures are embedded as SVG images, so that names inside two of them cannot clas
 stamp and no path; the same result gives the same bytes.
 """
 
-import base64
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, cast
 
-from modelcast.core.cells import escape, html_table, number
+from modelcast.core.cells import Cells, escape, number
 from modelcast.core.version import package_version
 from modelcast.io.output import output_folder
 from modelcast.report.captions import PROTOCOLS, TITLES, captions, loss_conditions
@@ -24,7 +23,7 @@ from modelcast.report.headline import (
     pooled_reference,
     rate_basis,
 )
-from modelcast.report.page import CSS, page
+from modelcast.report.page import CSS, embedded_figure, page
 from modelcast.report.warnings import warning_lines
 from modelcast.study.result import POOLED, EvaluationResult, HoldsEvaluation, TripRow, result_of
 from modelcast.study.table import Row
@@ -83,9 +82,7 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
         "<h2>Tracking</h2>",
         _tracking_section(result),
         "<h2>Settings</h2>",
-        html_table(
-            ["setting", "value"], [[key, value] for key, value in _settings(result.settings)], text_columns=2
-        ),
+        Cells(["setting", "value"], _settings(result.settings)).html(),
         "<h2>Not evaluated</h2>",
         _failures(result.failures),
         _skipped(result.skipped),
@@ -153,7 +150,7 @@ def _rate_table(result: EvaluationResult) -> str:
         "error-driven at the same threshold. Bytes are those of the messages in their frames; airtime counts "
         "all layers and the security header, at 6 Mb/s."
     )
-    return html_table(head, rows) + f'<p class="note">{escape(note)}</p>'
+    return Cells(head, rows, 0).html() + f'<p class="note">{escape(note)}</p>'
 
 
 def _reference_table(result: EvaluationResult) -> str:
@@ -170,7 +167,7 @@ def _reference_table(result: EvaluationResult) -> str:
         "sends one polynomial of that degree for each axis, and the triggering rules of ETSI EN 302 637-2. "
         f"Undecided tests, taken as failed: {undecided}."
     )
-    return html_table(head, rows) + f'<p class="note">{escape(note)}</p>'
+    return Cells(head, rows, 0).html() + f'<p class="note">{escape(note)}</p>'
 
 
 def _loss_table(result: EvaluationResult) -> str:
@@ -193,21 +190,15 @@ def _loss_table(result: EvaluationResult) -> str:
         "90th percentile of the position tracking error [m] after the instant's message, with "
         f"{loss_conditions(result)}; the two baselines at MBC's {rate_basis(result)} rate."
     )
-    return html_table(head, rows) + f'<p class="note">{escape(note)}</p>'
+    return Cells(head, rows, 0).html() + f'<p class="note">{escape(note)}</p>'
 
 
 def _figures(result: EvaluationResult, drawings: Iterable[Drawing]) -> list[str]:
     texts = captions(result)
-    parts: list[str] = []
-    for place, drawing in enumerate(drawings, start=1):
-        title, text = escape(TITLES[drawing.name]), escape(texts[drawing.name])
-        image = base64.b64encode(drawing.svg).decode("ascii")
-        parts.append(
-            f'<figure><img style="width:{drawing.width_in:g}in" alt="{title}" '
-            f'src="data:image/svg+xml;base64,{image}">'
-            f"<figcaption><b>Figure {place}. {title}.</b> {text}</figcaption></figure>"
-        )
-    return parts
+    return [
+        embedded_figure(drawing, place, TITLES[drawing.name], texts[drawing.name])
+        for place, drawing in enumerate(drawings, start=1)
+    ]
 
 
 def _trip_table(trips: Sequence[TripRow]) -> str:
@@ -231,7 +222,7 @@ def _trip_table(trips: Sequence[TripRow]) -> str:
         ]
         for trip in trips
     ]
-    return html_table(head, rows, text_columns=6) + _conditioning_table(trips)
+    return Cells(head, rows, 6).html() + _conditioning_table(trips)
 
 
 def _tracking_section(result: EvaluationResult) -> str:
@@ -279,24 +270,21 @@ def _details(title: str, rows: Sequence[Row]) -> str:
         ]
         for row in rows
     ]
-    body = html_table(head, cells, text_columns=3)
+    body = Cells(head, cells, 3).html()
     return f"<details><summary>{escape(title)}</summary>{body}</details>"
 
 
 def _failures(failures: Mapping[str, str]) -> str:
     if not failures:
         return "<p>Every trip was evaluated.</p>"
-    return html_table(
-        ["trip", "reason"], [[trip, why] for trip, why in sorted(failures.items())], text_columns=2
-    )
+    return Cells(["trip", "reason"], sorted(failures.items())).html()
 
 
 def _skipped(skipped: Mapping[str, str]) -> str:
     if not skipped:
         return ""
     heading = '<p class="note">These held no trip:</p>'
-    rows = [[name, reason] for name, reason in sorted(skipped.items())]
-    return heading + html_table(["file or vehicle", "reason"], rows, text_columns=2)
+    return heading + Cells(["file or vehicle", "reason"], sorted(skipped.items())).html()
 
 
 def _conditioning_table(trips: Sequence[TripRow]) -> str:
@@ -307,7 +295,7 @@ def _conditioning_table(trips: Sequence[TripRow]) -> str:
     names = list(smoothed[0][1])
     rows = [[trip, *(f"{figures[name]:.4g}" for name in names)] for trip, figures in smoothed]
     heading = '<p class="note">Truth smoothed; the smoother found:</p>'
-    return heading + html_table(["trip", *(name.replace("_", " ") for name in names)], rows, text_columns=1)
+    return heading + Cells(["trip", *(name.replace("_", " ") for name in names)], rows, 1).html()
 
 
 def _pairs(counts: Mapping[str, int]) -> str:

@@ -3,28 +3,27 @@
 from collections.abc import Sequence
 
 import numpy as np
-from rich.box import SIMPLE_HEAD
 from rich.console import RenderableType
-from rich.table import Table
 
-from modelcast.core.cells import markdown, number
+from modelcast.core.cells import Cells, number
+from modelcast.report.console_table import placed_table
 from modelcast.report.figures.mixed import plot_penetration
-from modelcast.report.literal import literal
+from modelcast.report.figures.senders import density_text
 from modelcast.report.parts import Part
-from modelcast.study.network.rows import NetworkResult
+from modelcast.study.network.rows import CASE_KEYS, PAIRINGS, NetworkResult
 from modelcast.study.table import Row
 
 __all__ = ["mixed_console", "mixed_markdown", "mixed_part"]
 
 _FIGURES = (
-    ("message_rate_hz", "messages [1/s]", 1.0),
-    ("bytes_per_s", "kB/s", 1e-3),
-    ("airtime_ratio", "airtime [%]", 100.0),
-    ("held_ratio", "held [%]", 100.0),
-    ("pte_p50_m", "PTE p50 [m]", 1.0),
-    ("pte_p90_m", "p90 [m]", 1.0),
-    ("pte_p99_m", "p99 [m]", 1.0),
-    ("age_p90_s", "age p90 [s]", 1.0),
+    "message_rate_hz",
+    "bytes_per_s",
+    "airtime_ratio",
+    "held_ratio",
+    "pte_p50_m",
+    "pte_p90_m",
+    "pte_p99_m",
+    "age_p90_s",
 )
 _TERMINAL = ("message_rate_hz", "held_ratio", "pte_p50_m", "pte_p90_m", "pte_p99_m")
 _SCOPE = (
@@ -38,22 +37,25 @@ _MAP = (
 _HEADS = ("density", "radio", "new senders", "sender", "read as", "busy [%]")
 
 
-def _cells(result: NetworkResult, names: Sequence[str]) -> list[list[str]]:
+def _cells(result: NetworkResult, names: Sequence[str] = _FIGURES) -> Cells:
     """One row a pairing, means over seeds; pairings that no pair had are left out."""
-    busy = {(row.density_per_km, row.radio, row.policy, row.run): row.busy_ratio for row in result.runs}
+    busy = {_run(row): row.busy_ratio for row in result.runs}
     groups: dict[tuple[str, ...], list[Row]] = {}
     for row in sorted(result.pairings, key=lambda row: row.senders_ratio):
         if row.pairs:
-            density = f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
-            share = f"{100.0 * row.senders_ratio:g} %"
+            density, share = density_text(row.density_per_km), f"{100.0 * row.senders_ratio:g} %"
             groups.setdefault((density, row.radio, share, row.sender, row.reading), []).append(row)
-    factors = {name: factor for name, _, factor in _FIGURES}
     found: list[list[str]] = []
     for key, rows in sorted(groups.items(), key=lambda one: one[0][:2]):
-        load = np.mean([busy[row.density_per_km, row.radio, row.policy, row.run] for row in rows])
-        means = [factors[name] * np.mean([getattr(row, name) for row in rows]) for name in names]
-        found.append([*key, *(number(float(value)) for value in (100.0 * load, *means))])
-    return found
+        load = np.mean([busy[_run(row)] for row in rows])
+        means = (PAIRINGS[name].cell(np.mean([getattr(row, name) for row in rows])) for name in names)
+        found.append([*key, number(100.0 * float(load)), *means])
+    return Cells([*_HEADS, *(PAIRINGS[name].shown_heading for name in names)], found, 5)
+
+
+def _run(row: Row) -> tuple[str, ...]:
+    """Which run a row is of; numbers as text, for NaN is like nothing."""
+    return tuple(map(repr, row.picked(CASE_KEYS).values()))
 
 
 def mixed_markdown(result: NetworkResult) -> str:
@@ -64,12 +66,7 @@ def mixed_markdown(result: NetworkResult) -> str:
     result
         All runs.
     """
-    names = [name for name, _, _ in _FIGURES]
-    heads = [*_HEADS, *(title for _, title, _ in _FIGURES)]
-    rows = [heads, *_cells(result, names)]
-    lines = ["| " + " | ".join(map(markdown, cells)) + " |" for cells in rows]
-    lines.insert(1, "|" + "---|" * len(heads))
-    return "\n".join(lines) + "\n"
+    return "\n".join(_cells(result).markdown()) + "\n"
 
 
 def mixed_console(result: NetworkResult) -> RenderableType:
@@ -80,21 +77,16 @@ def mixed_console(result: NetworkResult) -> RenderableType:
     result
         All runs.
     """
-    titles = {name: title for name, title, _ in _FIGURES}
+    found = _cells(result, _TERMINAL)
+    places: list[str] = []
+    rows: list[list[str]] = []
+    for density, radio, share, sender, reading, *figures in found.rows:
+        place = radio if density == "-" else f"{radio}, {density}/km"
+        places.append(f"{place}, {share} new")
+        rows.append([f"{sender}, {reading}", *figures])
+    cells = Cells(["sender, read as", *found.heads[5:]], rows, 1)
     title = "Who is tracked by whom, 50 m to 150 m apart, means over seeds"
-    shown = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1), header_style="")
-    shown.add_column("sender, read as", no_wrap=True)
-    for head in ("busy [%]", *(titles[name] for name in _TERMINAL)):
-        shown.add_column(head, justify="right")
-    before: list[str] = []
-    for density, radio, share, sender, reading, busy, *figures in _cells(result, _TERMINAL):
-        if [density, radio, share] != before:
-            place = radio if density == "-" else f"{radio}, {density}/km"
-            shown.add_section()
-            shown.add_row(literal(f"{place}, {share} new", style="bold"))
-        shown.add_row(*map(literal, (f"{sender}, {reading}", busy, *figures)))
-        before = [density, radio, share]
-    return shown
+    return placed_table(cells, places, title, padding=(0, 1, 0, 1))
 
 
 def mixed_part(result: NetworkResult) -> list[Part]:
@@ -111,9 +103,7 @@ def mixed_part(result: NetworkResult) -> list[Part]:
         Part(
             "Who is tracked by whom",
             _SCOPE,
-            heads=[*_HEADS, *(title for _, title, _ in _FIGURES)],
-            rows=_cells(result, [name for name, _, _ in _FIGURES]),
-            text_columns=5,
+            cells=_cells(result),
             figures={"penetration": (_MAP, plot_penetration(result))},
         )
     ]

@@ -4,56 +4,51 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, cast
 
-import numpy as np
-from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
-from rich.table import Table
 
-from modelcast.core.cells import escape, html_table, markdown, number
+from modelcast.core.cells import Cells, escape, markdown, number
 from modelcast.io.traffic_survey import TrafficSurvey, survey_document
+from modelcast.report.console_table import placed_table
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.network import NETWORK_FIGURES
-from modelcast.report.figures.senders import NO_THRESHOLD_TEXT, also_told, threshold_text
+from modelcast.report.figures.senders import NO_THRESHOLD_TEXT, also_told, density_text, threshold_text
 from modelcast.report.fleet_warnings import warnings_console, warnings_markdown, warnings_part
-from modelcast.report.literal import literal
 from modelcast.report.mixed import mixed_markdown, mixed_part
-from modelcast.report.page import CSS, option_rows, page
-from modelcast.report.people import people_cells, people_heads, people_markdown
-from modelcast.report.roadside import roadside_cells, roadside_heads, roadside_markdown
+from modelcast.report.page import CSS, figure, options_table, page
+from modelcast.report.seed_means import people_cells, roadside_cells
 from modelcast.report.style import style
-from modelcast.study.network.rows import NO_BANK, NetworkResult
+from modelcast.study.network.rows import NO_BANK, RUNS, NetworkResult
 from modelcast.study.table import Row
 
 __all__ = ["network_console", "network_markdown", "traffic_lines", "write_network_report"]
 
-_COLUMNS = (
-    ("message_rate_hz", "messages [1/s]", 1.0),
-    ("update_rate_hz", "updates [1/s]", 1.0),
-    ("identification_rate_hz", "identifications [1/s]", 1.0),
-    ("model_ratio", "with model [%]", 100.0),
-    ("frame_bytes", "bytes a frame", 1.0),
-    ("bytes_per_s", "bytes/s", 1.0),
-    ("busy_ratio", "CBR [%]", 100.0),
-    ("power_dbm", "power [dBm]", 1.0),
-    ("delivery_ratio", "received [%]", 100.0),
-    ("collision_ratio", "collided [%]", 100.0),
-    ("held_ratio", "tracked [%]", 100.0),
-    ("gap_p90_s", "IPG p90 [s]", 1.0),
-    ("age_p90_s", "age p90 [s]", 1.0),
-    ("pte_p50_m", "PTE p50 [m]", 1.0),
-    ("pte_p90_m", "PTE p90 [m]", 1.0),
-    ("pte_p95_m", "PTE p95 [m]", 1.0),
-    ("pte_p99_m", "PTE p99 [m]", 1.0),
+_FIGURES = (
+    "message_rate_hz",
+    "update_rate_hz",
+    "identification_rate_hz",
+    "model_ratio",
+    "frame_bytes",
+    "bytes_per_s",
+    "busy_ratio",
+    "power_dbm",
+    "delivery_ratio",
+    "collision_ratio",
+    "held_ratio",
+    "gap_p90_s",
+    "age_p90_s",
+    "pte_p50_m",
+    "pte_p90_m",
+    "pte_p95_m",
+    "pte_p99_m",
 )
-_TERMINAL = {
-    "update_rate_hz": "updates [1/s]",
-    "identification_rate_hz": "identif. [1/s]",
-    "bytes_per_s": "bytes/s",
-    "busy_ratio": "CBR [%]",
-    "pte_p90_m": "PTE p90 [m]",
-    "pte_p99_m": "PTE p99 [m]",
-}
-_SENDERS = ("policy", "bank", "sub-models", "start", "identify")
+_TERMINAL = (
+    "update_rate_hz",
+    "identification_rate_hz",
+    "bytes_per_s",
+    "busy_ratio",
+    "pte_p90_m",
+    "pte_p99_m",
+)
 _SCOPE = (
     "Mean over seeds with its 95 % interval. Received, collided, tracked, gaps, ages and tracking errors "
     "(PTE) are those of vehicles 50 m to 150 m apart; messages, updates, identifications and bytes are a "
@@ -76,23 +71,21 @@ def _heads(result: NetworkResult) -> tuple[str, ...]:
     return ("density", "radio", *_sender(result), "seeds")
 
 
-def _rows(result: NetworkResult, names: Sequence[str]) -> list[list[str]]:
+def _cells(result: NetworkResult, names: Sequence[str] = _FIGURES) -> Cells:
     groups: dict[tuple[str, ...], dict[str, Row]] = {}
     for row in result.pooled:
-        density = f"{row.density_per_km:g}" if np.isfinite(row.density_per_km) else "-"
-        key = (density, row.radio, *_told(result, row), str(row.seeds))
+        key = (density_text(row.density_per_km), row.radio, *_told(result, row), str(row.seeds))
         groups.setdefault(key, {})[row.figure] = row
-    factors = {name: factor for name, _, factor in _COLUMNS}
-    return [
-        [*key, *(_cell(figures[name], factors[name]) for name in names)] for key, figures in groups.items()
-    ]
+    heads = _heads(result)
+    rows = [[*key, *(_cell(figures[name]) for name in names)] for key, figures in groups.items()]
+    return Cells([*heads, *(RUNS[name].shown_heading for name in names)], rows, len(heads) - 1)
 
 
-def _cell(row: Row, factor: float) -> str:
-    middle = number(factor * row.value)
+def _cell(row: Row) -> str:
+    column = RUNS[row.figure]
     if row.low is None or row.high is None:
-        return middle
-    return f"{middle} ± {number(factor * 0.5 * (row.high - row.low), 2)}"
+        return column.cell(row.value)
+    return f"{column.cell(row.value)} ± {number(column.factor * 0.5 * (row.high - row.low), 2)}"
 
 
 def traffic_lines(found: TrafficSurvey) -> list[str]:
@@ -134,42 +127,29 @@ def network_markdown(
     notes
         What must be known before the figures.
     """
-    names = [name for name, _, _ in _COLUMNS]
-    heads = [*_heads(result), *(title for _, title, _ in _COLUMNS)]
     lines = [
         _SCOPE,
         "",
         *(text for line in notes for text in (f"**{markdown(line)}**", "")),
-        _joined(heads),
-        "|" + "---|" * len(heads),
+        *_cells(result).markdown(),
     ]
-    lines += [_joined(cells) for cells in _rows(result, names)]
     if result.pooled_warnings:
         lines += ["", "Warnings:", "", *warnings_markdown(result)]
     if result.roadside:
-        lines += ["", "Roadside units, of vehicles 50 m to 150 m away:", "", *roadside_markdown(result)]
+        lines += [
+            "",
+            "Roadside units, of vehicles 50 m to 150 m away:",
+            "",
+            *roadside_cells(result).markdown(),
+        ]
     if result.people:
-        lines += ["", "A device of people:", "", *people_markdown(result)]
+        lines += ["", "A device of people:", "", *people_cells(result).markdown()]
     if result.senders:
-        lines += ["", "What was sent of each bank, and by which rules:", ""]
-        lines += [_joined(_SENDERS), "|" + "---|" * len(_SENDERS)]
-        lines += [_joined(cells) for cells in _sender_cells(result)]
+        sent = "What was sent of each bank, and by which rules:"
+        lines += ["", sent, "", *result.senders.cells().markdown()]
     if traffic is not None:
         lines += ["", "Traffic:", "", *(f"- {line.strip()}" for line in _traffic_lines(traffic))]
     return "\n".join(lines) + "\n"
-
-
-def _joined(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(map(markdown, cells)) + " |"
-
-
-def _sender_cells(result: NetworkResult) -> list[list[str]]:
-    return [[row.policy, row.bank, row.sub_models, row.start, row.identify] for row in result.senders]
-
-
-def _narrow(title: str) -> Table:
-    """A table with little air: names of policy and bank must fit beside the numbers."""
-    return Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 0), header_style="")
 
 
 def network_console(result: NetworkResult) -> RenderableType:
@@ -182,20 +162,21 @@ def network_console(result: NetworkResult) -> RenderableType:
     """
     seeds = result.pooled[0].seeds if result.pooled else 0
     mean = "one seed" if seeds == 1 else f"mean over {seeds} seeds ± half of its 95 % interval"
-    shown = _narrow(f"Vehicles 50 m to 150 m apart, {mean}")
-    shown.add_column(", ".join(_sender(result)), no_wrap=True, overflow="fold")
-    for head in _TERMINAL.values():
-        shown.add_column(head, justify="right", overflow="fold", min_width=8)
-    keys, before = len(_heads(result)), ""
-    for cells in _rows(result, tuple(_TERMINAL)):
-        density, radio, *sender = cells[: keys - 1]
-        place = radio if density == "-" else f"{radio}, {density}/km"
-        if place != before:
-            shown.add_section()
-            shown.add_row(literal(place, style="bold"))
-        name = ", ".join(part for part in sender if part not in {NO_BANK, NO_THRESHOLD_TEXT})
-        shown.add_row(*map(literal, (name, *cells[keys:])))
-        before = place
+    keys, places, rows = len(_heads(result)), list[str](), list[list[str]]()
+    found = _cells(result, _TERMINAL)
+    for density, radio, *rest in found.rows:
+        places.append(radio if density == "-" else f"{radio}, {density}/km")
+        sender = (part for part in rest[: keys - 3] if part not in {NO_BANK, NO_THRESHOLD_TEXT})
+        rows.append([", ".join(sender), *rest[keys - 2 :]])
+    heads = [head.replace("identifications", "identif.") for head in found.heads[keys:]]
+    # There is little air between columns: names of policy and bank must fit beside the numbers.
+    shown = placed_table(
+        Cells([", ".join(_sender(result)), *heads], rows, 1),
+        places,
+        f"Vehicles 50 m to 150 m apart, {mean}",
+        padding=(0, 0, 0, 0),
+        min_width=8,
+    )
     return Group(shown, *([warnings_console(result)] if result.pooled_warnings else ()))
 
 
@@ -230,34 +211,28 @@ def write_network_report(
     with style():
         drawings = [drawn(name, plot(result)) for name, (_, plot) in NETWORK_FIGURES.items()]
         parts = [*mixed_part(result), *warnings_part(result)]
-        more = [drawn(name, figure) for part in parts for name, (_, figure) in part.figures.items()]
-    names = [name for name, _, _ in _COLUMNS]
-    heads = [*_heads(result), *(title for _, title, _ in _COLUMNS)]
+        more = [drawn(name, plot) for part in parts for name, (_, plot) in part.figures.items()]
     body = [
         "<h1>Fleets on a shared channel</h1>",
         f'<p class="scope">{escape(_SCOPE)}</p>',
         *(f'<p class="note">{escape(line)}.</p>' for line in notes),
-        html_table(heads, _rows(result, names), text_columns=len(_heads(result)) - 1),
+        _cells(result).html(),
     ]
-    for drawing, (caption, _) in zip(drawings, NETWORK_FIGURES.values(), strict=True):
-        body.append(
-            f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
-            f"<figcaption>{escape(caption)}</figcaption></figure>"
-        )
+    body += [figure(f"{name}.svg", caption) for name, (caption, _) in NETWORK_FIGURES.items()]
     body += [line for part in parts for line in part.markup()]
     if result.roadside:
         body += [
             "<h2>Roadside units</h2>",
-            html_table(roadside_heads, roadside_cells(result), text_columns=4),
+            roadside_cells(result).html(),
         ]
     if result.people:
-        body += ["<h2>Devices of people</h2>", html_table(people_heads, people_cells(result), text_columns=4)]
+        body += ["<h2>Devices of people</h2>", people_cells(result).html()]
     if result.senders:
-        body += ["<h2>Banks</h2>", html_table(_SENDERS, _sender_cells(result), text_columns=len(_SENDERS))]
+        body += ["<h2>Banks</h2>", result.senders.cells().html()]
     if traffic is not None:
         lines = "".join(f"<li>{escape(line.strip())}</li>" for line in _traffic_lines(traffic))
         body.append(f"<h2>Traffic</h2><ul>{lines}</ul>")
-    body += ["<h2>Options</h2>", html_table(["option", "value"], option_rows(options), text_columns=2)]
+    body += ["<h2>Options</h2>", options_table(options)]
     html = folder / "report.html"
     document = page("modelcast: fleets on a shared channel", CSS, body)
     html.write_text(document, encoding="utf-8", newline="\n")

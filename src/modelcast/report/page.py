@@ -1,11 +1,13 @@
 """An HTML page, with every string escaped."""
 
+import base64
 from collections.abc import Iterable, Mapping
 from typing import Any, cast
 
-from modelcast.core.cells import escape
+from modelcast.core.cells import Cells, escape
+from modelcast.report.figures.files import Drawing
 
-__all__ = ["CSS", "option_rows", "page"]
+__all__ = ["CSS", "embedded_figure", "figure", "option_rows", "options_table", "page"]
 
 CSS = """
 :root { color-scheme: light; }
@@ -57,6 +59,53 @@ def page(title: str, css: str, body: Iterable[str]) -> str:
         + "\n".join(part for part in body if part)
         + "\n</body>\n</html>\n"
     )
+
+
+def figure(source: str, caption: str) -> str:
+    """Return a figure of a page with its caption as markup.
+
+    Parameters
+    ----------
+    source
+        Name of the image's file, beside the page.
+    caption
+        Plain text.
+    """
+    return (
+        f'<figure><img src="{escape(source)}" alt="{escape(caption)}">'
+        f"<figcaption>{escape(caption)}</figcaption></figure>"
+    )
+
+
+def embedded_figure(drawing: Drawing, place: int, title: str, caption: str) -> str:
+    """Return a figure that lies in the page itself as markup.
+
+    Parameters
+    ----------
+    drawing
+        The figure.
+    place
+        Its number, from 1.
+    title, caption
+        Plain text.
+    """
+    image = base64.b64encode(drawing.svg).decode("ascii")
+    return (
+        f'<figure><img style="width:{drawing.width_in:g}in" alt="{escape(title)}" '
+        f'src="data:image/svg+xml;base64,{image}">'
+        f"<figcaption><b>Figure {place}. {escape(title)}.</b> {escape(caption)}</figcaption></figure>"
+    )
+
+
+def options_table(options: Mapping[str, Any]) -> str:
+    """Return options with their values as markup.
+
+    Parameters
+    ----------
+    options
+        As plain values.
+    """
+    return Cells(["option", "value"], option_rows(options)).html()
 
 
 def option_rows(options: Mapping[str, Any], prefix: str = "") -> list[list[str]]:

@@ -1,17 +1,16 @@
 """The report of a reproduction of the paper: figures, one HTML file that needs nothing else, and Markdown."""
 
-import base64
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Group, RenderableType
-from rich.table import Table
 
-from modelcast.core.cells import escape, html_table, markdown, number
+from modelcast.core.cells import Cells, escape, markdown, number
 from modelcast.core.version import package_version
 from modelcast.report.captions import captions
 from modelcast.report.console import scope_line, warning_texts
+from modelcast.report.console_table import console_table
 from modelcast.report.figures.distribution import plot_distribution
 from modelcast.report.figures.files import Drawing, drawn, write_drawings
 from modelcast.report.figures.loss import plot_loss
@@ -22,14 +21,14 @@ from modelcast.report.figures.system import plot_algorithm, plot_system
 from modelcast.report.figures.timeline import plot_timeline
 from modelcast.report.figures.traffic import TRAFFIC_FIGURES
 from modelcast.report.literal import literal
-from modelcast.report.page import CSS, page
+from modelcast.report.page import CSS, embedded_figure, page
 from modelcast.report.paper_texts import CAPTIONS, INTRODUCTION, READING_NOTE, TITLES, WHY_THEY_DIFFER
 from modelcast.report.style import style
 from modelcast.report.traffic import traffic_section
 from modelcast.report.warnings import warning_lines
 from modelcast.study.paper.choices import CHOICES, ENDS, PLAIN_LABEL
 from modelcast.study.paper.result import ClaimRow, PaperResult, ReadingResult
-from modelcast.study.result import EvaluationResult
+from modelcast.study.result import TRACKING, EvaluationResult
 from modelcast.trips.manoeuvres.base import KINDS, ManoeuvreCounts
 
 __all__ = ["draw_paper", "paper_console", "paper_markdown", "paper_page", "write_paper_report"]
@@ -98,7 +97,7 @@ def _on_basis(result: EvaluationResult, basis: str) -> EvaluationResult:
     kept = {None, basis}
     return replace(
         result,
-        tracking=tuple(row for row in result.tracking if row.rate_basis in kept),
+        tracking=TRACKING.table(row for row in result.tracking if row.rate_basis in kept),
         ecdfs=tuple(curve for curve in result.ecdfs if curve.rate_basis in kept),
     )
 
@@ -124,31 +123,28 @@ def paper_page(result: PaperResult, drawings: Iterable[Drawing]) -> str:
         "<h2>The paper in short</h2>",
         *(f"<p>{escape(text)}</p>" for text in INTRODUCTION),
         "<h2>Claims</h2>",
-        html_table(_CLAIM_HEAD, [_claim_cells(row) for row in result.claims], text_columns=5),
+        _claims(result).html(),
         f'<p class="note">{escape(READING_NOTE)}</p>',
         "<h2>What is left open</h2>",
-        html_table(("choice", "question", "stated", "options"), _choice_cells(), text_columns=4),
+        Cells(("choice", "question", "stated", "options"), _choice_cells()).html(),
         "<h2>Readings</h2>",
-        html_table(_READING_HEAD, [_reading_cells(one) for one in result.readings], text_columns=6),
+        _readings(result).html(),
         f'<p class="note">{escape(WHY_THEY_DIFFER)}</p>',
         "<h3>What the combinations took</h3>",
-        html_table(
-            ("reading", "options that are not the plain ones"), _combined_cells(result), text_columns=2
-        ),
+        Cells(("reading", "options that are not the plain ones"), _combined_cells(result)).html(),
         "<h2>Verdicts by reading</h2>",
         _verdict_table(result),
         "<h2>Figures</h2>",
         *_figures(result, drawings),
         traffic_section(result.traffic) if result.traffic else "",
         "<h2>How it was measured</h2>",
-        html_table(
+        Cells(
             ("claim", "measure", "worst trip", "figure", "command"),
             [
                 [row.name, row.measure, row.worst or "-", row.shown_in or "-", row.command]
                 for row in result.claims
             ],
-            text_columns=5,
-        ),
+        ).html(),
         "<h2>Manoeuvres</h2>",
         _manoeuvre_table(result.manoeuvres),
         "<h2>Left out</h2>",
@@ -167,16 +163,18 @@ def _figures(result: PaperResult, drawings: Iterable[Drawing]) -> list[str]:
         **CAPTIONS,
         **{name: caption for name, (caption, _) in TRAFFIC_FIGURES.items()},
     }
-    parts: list[str] = []
-    for place, drawing in enumerate(drawings, start=1):
-        title = escape(TITLES.get(drawing.name, "In traffic"))
-        image = base64.b64encode(drawing.svg).decode("ascii")
-        parts.append(
-            f'<figure><img style="width:{drawing.width_in:g}in" alt="{title}" '
-            f'src="data:image/svg+xml;base64,{image}">'
-            f"<figcaption><b>Figure {place}. {title}.</b> {escape(texts[drawing.name])}</figcaption></figure>"
-        )
-    return parts
+    return [
+        embedded_figure(drawing, place, TITLES.get(drawing.name, "In traffic"), texts[drawing.name])
+        for place, drawing in enumerate(drawings, start=1)
+    ]
+
+
+def _claims(result: PaperResult) -> Cells:
+    return Cells(_CLAIM_HEAD, [_claim_cells(row) for row in result.claims])
+
+
+def _readings(result: PaperResult) -> Cells:
+    return Cells(_READING_HEAD, [_reading_cells(one) for one in result.readings])
 
 
 def _claim_cells(row: ClaimRow) -> list[str]:
@@ -252,7 +250,7 @@ def _verdict_table(result: PaperResult) -> str:
     claims = [row for row in result.claims if len(row.verdicts) > 1]
     head = ["reading", *(row.name for row in claims)]
     rows = [[label, *(row.verdicts.get(label, "-") for row in claims)] for label in labels]
-    return html_table(head, rows, text_columns=len(head))
+    return Cells(head, rows).html()
 
 
 def _manoeuvre_table(counts: Sequence[ManoeuvreCounts]) -> str:
@@ -270,14 +268,14 @@ def _manoeuvre_table(counts: Sequence[ManoeuvreCounts]) -> str:
     ]
     more = len(counts) - len(rows)
     note = f'<p class="note">{more} more trips are in summary.json.</p>' if more else ""
-    return html_table(head, rows, text_columns=1) + note
+    return Cells(head, rows, 1).html() + note
 
 
 def _left_out(result: PaperResult) -> str:
     rows = [*sorted(result.failures.items()), *sorted(result.skipped.items())]
     if not rows:
         return "<p>Every trip was evaluated.</p>"
-    return html_table(("trip, file or vehicle", "reason"), [list(row) for row in rows], text_columns=2)
+    return Cells(("trip, file or vehicle", "reason"), rows).html()
 
 
 def paper_markdown(result: PaperResult) -> str:
@@ -291,18 +289,18 @@ def paper_markdown(result: PaperResult) -> str:
     parts = [
         f"{markdown(scope_line(result.evaluation))}; {result.plan.seeds} seeds.",
         "",
-        *_rows(_CLAIM_HEAD, [_claim_cells(row) for row in result.claims]),
+        *_claims(result).markdown(),
         "",
-        *_rows(_READING_HEAD, [_reading_cells(one) for one in result.readings]),
+        *_readings(result).markdown(),
         "",
         *(f"- {label}: {markdown(taken)}" for label, taken in _combined_cells(result)),
     ]
     return "\n".join(parts) + "\n"
 
 
-def _rows(head: Sequence[str], cells: Iterable[Sequence[str]]) -> list[str]:
-    lines = [list(head), ["---"] * len(head), *([markdown(cell) for cell in row] for row in cells)]
-    return [f"| {' | '.join(line)} |" if line[0] != "---" else "|" + "---|" * len(line) for line in lines]
+def _holds(verdicts: Sequence[str]) -> str:
+    held = sum(verdict == "holds" for verdict in verdicts)
+    return f"{held} of {len(verdicts)} readings" if len(verdicts) > 1 else ""
 
 
 def paper_console(result: PaperResult) -> RenderableType:
@@ -313,18 +311,12 @@ def paper_console(result: PaperResult) -> RenderableType:
     result
         The reproduction.
     """
-    claims = Table(title="Claims", title_justify="left", header_style="")
-    for head in ("claim", "plain reading", "holds in"):
-        claims.add_column(head)
-    for row in result.claims:
-        holds = sum(verdict == "holds" for verdict in row.verdicts.values())
-        all_of_them = f"{holds} of {len(row.verdicts)} readings" if len(row.verdicts) > 1 else ""
-        claims.add_row(literal(row.name), row.verdicts[PLAIN_LABEL], all_of_them)
-    readings = Table(title="Over the baseline, mean of the thresholds", title_justify="left", header_style="")
-    readings.add_column("reading")
-    for head in ("messages", f"p90, PER {100 * result.plan.headline_ratio:g} %"):
-        readings.add_column(head, justify="right")
-    for one in result.readings:
-        readings.add_row(literal(one.labelled.label), number(one.messages), number(one.tracking))
+    verdicts = [
+        [row.name, row.verdicts[PLAIN_LABEL], _holds(list(row.verdicts.values()))] for row in result.claims
+    ]
+    claims = console_table(Cells(("claim", "plain reading", "holds in"), verdicts), "Claims")
+    means = [[one.labelled.label, number(one.messages), number(one.tracking)] for one in result.readings]
+    heads = ("reading", "messages", f"p90, PER {100 * result.plan.headline_ratio:g} %")
+    readings = console_table(Cells(heads, means, 1), "Over the baseline, mean of the thresholds")
     warned = warning_texts((trip.id, trip.warnings) for trip in result.evaluation.trips)
     return Group(*warned, literal(scope_line(result.evaluation)), claims, readings)

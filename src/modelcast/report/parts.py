@@ -5,7 +5,8 @@ from dataclasses import KW_ONLY, dataclass
 
 from matplotlib.figure import Figure
 
-from modelcast.core.cells import escape, html_table
+from modelcast.core.cells import Cells, escape
+from modelcast.report.page import figure
 
 __all__ = ["Part"]
 
@@ -20,10 +21,8 @@ class Part:
         Plain text.
     notes
         What must be known first, a line each.
-    heads, rows
-        Of the table, plain text.
-    text_columns
-        How many of its columns hold text.
+    cells
+        The table.
     figures
         Caption and figure by the stem of their files.
     """
@@ -32,18 +31,11 @@ class Part:
     scope: str
     _: KW_ONLY
     notes: Sequence[str] = ()
-    heads: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    text_columns: int
+    cells: Cells
     figures: Mapping[str, tuple[str, Figure]]
 
     def markup(self) -> list[str]:
         """Return it as parts of a page's body."""
         found = [f"<h2>{escape(self.title)}</h2>", *(f"<p>{escape(line)}.</p>" for line in self.notes)]
-        for name, (caption, _) in self.figures.items():
-            found.append(
-                f'<figure><img src="{escape(name)}.svg" alt="{escape(caption)}">'
-                f"<figcaption>{escape(caption)}</figcaption></figure>"
-            )
-        scope = f'<p class="scope">{escape(self.scope)}</p>'
-        return [*found, scope, html_table(self.heads, self.rows, text_columns=self.text_columns)]
+        found += [figure(f"{name}.svg", caption) for name, (caption, _) in self.figures.items()]
+        return [*found, f'<p class="scope">{escape(self.scope)}</p>', self.cells.html()]

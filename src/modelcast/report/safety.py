@@ -7,14 +7,14 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from modelcast.core.cells import escape, html_table, markdown
+from modelcast.core.cells import Cells, escape, markdown
 from modelcast.report.beside import show_beside
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
 from modelcast.report.literal import literal
 from modelcast.report.losses import loss_words, shown_ratios
-from modelcast.report.page import CSS, option_rows, page
+from modelcast.report.page import CSS, figure, options_table, page
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warning_texts import ENOUGH, late_text, over_text, percent_text, plain_text
@@ -134,13 +134,8 @@ def safety_markdown(result: SafetyResult) -> str:
     result
         The evaluation.
     """
-    heads = _heads(result)
-    rows = [[markdown(cell) for cell in row] for row in _rows(result)]
-    rule = ["---" if number < _TEXT_COLUMNS else "---:" for number in range(len(heads))]
     lines = [f"- {markdown(line)}" for line in safety_headline(result)]
-    lines += ["", _SCOPE, ""]
-    lines += [f"| {' | '.join(cells)} |" for cells in (heads, rule, *rows)]
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, "", _SCOPE, "", *_cells(result).markdown()]) + "\n"
 
 
 def write_safety_report(
@@ -171,27 +166,23 @@ def write_safety_report(
         shown = {name: (caption, plot(result)) for name, (caption, plot) in SAFETY_FIGURES.items()}
         if result.film is not None:
             shown["film"] = (_FILM, plot_film(result.film))
-        drawings = [drawn(name, figure) for name, (_, figure) in shown.items()]
+        drawings = [drawn(name, plot) for name, (_, plot) in shown.items()]
     logs = [f"recorded losses: {log}" for log in result.settings.get("losses", ())]
     notes = [*safety_headline(result), *logs, *training_note(tuple(training_trips), trips)]
     body = ["<h1>Warnings from messages</h1>", *(f"<p>{escape(line)}.</p>" for line in notes)]
-    for drawing, (caption, _) in zip(drawings, shown.values(), strict=True):
-        body.append(
-            f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
-            f"<figcaption>{escape(caption)}</figcaption></figure>"
-        )
+    body += [figure(f"{name}.svg", caption) for name, (caption, _) in shown.items()]
     body += show_beside(beside, folder)
     body += [
         "<h2>All figures</h2>",
         f'<p class="scope">{escape(_SCOPE)}</p>',
-        html_table(_heads(result), _rows(result), text_columns=_TEXT_COLUMNS),
+        _cells(result).html(),
     ]
     if result.failures or result.skipped:
         left = [[name, str(why)] for name, why in {**result.failures, **result.skipped}.items()]
-        body += ["<h2>Left out</h2>", html_table(["what", "why"], left, text_columns=2)]
+        body += ["<h2>Left out</h2>", Cells(["what", "why"], left).html()]
     body += [
         "<h2>Options</h2>",
-        html_table(["option", "value"], option_rows(result.settings), text_columns=2),
+        options_table(result.settings),
     ]
     html = folder / "report.html"
     document = page("modelcast: warnings from messages", CSS, body)
@@ -199,12 +190,8 @@ def write_safety_report(
     return [place, html, *write_drawings(drawings, folder)]
 
 
-def _heads(result: SafetyResult) -> list[str]:
-    return [head.format(against=result.settings["against"]) for head in _HEADS]
-
-
-def _rows(result: SafetyResult) -> list[list[str]]:
-    return [
+def _cells(result: SafetyResult) -> Cells:
+    rows = [
         [
             row.sensor,
             loss_words(kind_of(row)),
@@ -224,3 +211,5 @@ def _rows(result: SafetyResult) -> list[list[str]]:
         ]
         for row in result.pooled
     ]
+    heads = [head.format(against=result.settings["against"]) for head in _HEADS]
+    return Cells(heads, rows, _TEXT_COLUMNS)

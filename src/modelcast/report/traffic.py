@@ -1,17 +1,17 @@
 """The hybrid against the error-driven baseline in traffic, for people: verdicts, a page, four figures."""
 
 from collections.abc import Sequence
-from math import isfinite
 from pathlib import Path
 
-from modelcast.core.cells import escape, html_table, markdown, number
+from modelcast.core.cells import Cells, escape, number
 from modelcast.report.figures.files import drawn, write_drawings
-from modelcast.report.figures.senders import threshold_text
+from modelcast.report.figures.senders import density_text, threshold_text
 from modelcast.report.figures.traffic import TRAFFIC_FIGURES
-from modelcast.report.page import CSS, page
+from modelcast.report.page import CSS, figure, page
 from modelcast.report.style import style
 from modelcast.study.network.densities import counted_verdicts
-from modelcast.study.network.pairs import PairedRow
+from modelcast.study.network.rows import RUNS
+from modelcast.study.table import Row, quantity
 
 __all__ = ["traffic_markdown", "traffic_section", "write_traffic_report"]
 
@@ -21,15 +21,11 @@ _SCOPE = (
     "leaves zero out; where nothing differs, one in twenty has one by chance. Collided: of frames at "
     "vehicles 50 m to 150 m away; a second: collided frames of one such remote."
 )
+_COLLIDED = quantity("collision_rate_hz", "1/s", "Collided frames of a remote.", heading="collided a second")
 _COLUMNS = (
-    ("message_rate_hz", "messages [1/s]", 1.0),
-    ("bytes_per_s", "bytes/s", 1.0),
-    ("busy_ratio", "CBR [%]", 100.0),
-    ("collision_ratio", "collided [%]", 100.0),
-    ("collision_rate_hz", "collided a second", 1.0),
-    ("delivery_ratio", "received [%]", 100.0),
-    ("pte_p90_m", "PTE p90 [m]", 1.0),
-    ("pte_p99_m", "PTE p99 [m]", 1.0),
+    *(RUNS[name] for name in ("message_rate_hz", "bytes_per_s", "busy_ratio", "collision_ratio")),
+    _COLLIDED,
+    *(RUNS[name] for name in ("delivery_ratio", "pte_p90_m", "pte_p99_m")),
 )
 _VERDICTS = (
     ("collision_ratio", "collisions by share"),
@@ -42,12 +38,12 @@ _HEADS = (
     "bank",
     "threshold",
     "seeds",
-    *(title for _, title, _ in _COLUMNS),
+    *(column.shown_heading for column in _COLUMNS),
     *(title for _, title in _VERDICTS),
 )
 
 
-def _cell(row: PairedRow, factor: float) -> str:
+def _cell(row: Row, factor: float) -> str:
     text = f"{number(factor * row.hybrid)} / {number(factor * row.baseline)}"
     if row.difference_low is None or row.difference_high is None:
         return text
@@ -56,25 +52,26 @@ def _cell(row: PairedRow, factor: float) -> str:
     return f"{text} ({sign}{number(abs(factor * row.difference), 2)} ± {number(factor * half, 2)})"
 
 
-def _cells(rows: Sequence[PairedRow]) -> list[list[str]]:
-    groups: dict[tuple[str, ...], dict[str, PairedRow]] = {}
+def _cells(rows: Sequence[Row]) -> Cells:
+    groups: dict[tuple[str, ...], dict[str, Row]] = {}
     for row in rows:
         if not row.by_range:
-            density = f"{row.density_per_km:g}" if isfinite(row.density_per_km) else "-"
-            key = (density, row.radio, row.bank, threshold_text(row.threshold_m))
+            density, threshold = density_text(row.density_per_km), threshold_text(row.threshold_m)
+            key = (density, row.radio, row.bank, threshold)
             groups.setdefault(key, {})[row.figure] = row
-    return [
+    cells = [
         [
             *key,
             str(own["collision_ratio"].seeds if "collision_ratio" in own else 0),
-            *(_cell(own[name], factor) if name in own else "-" for name, _, factor in _COLUMNS),
+            *(_cell(own[column.name], column.factor) if column.name in own else "-" for column in _COLUMNS),
             *(own[name].verdict if name in own else "-" for name, _ in _VERDICTS),
         ]
         for key, own in groups.items()
     ]
+    return Cells(_HEADS, cells, 4)
 
 
-def _told(rows: Sequence[PairedRow]) -> list[str]:
+def _told(rows: Sequence[Row]) -> list[str]:
     """How often the hybrid has fewer, a line a radio and figure."""
     return [
         f"{radio}, {title}: " + ", ".join(f"{verdict} {count}" for verdict, count in sorted(counts.items()))
@@ -84,7 +81,7 @@ def _told(rows: Sequence[PairedRow]) -> list[str]:
     ]
 
 
-def traffic_markdown(rows: Sequence[PairedRow]) -> str:
+def traffic_markdown(rows: Sequence[Row]) -> str:
     """Return the verdicts and their figures as Markdown.
 
     Parameters
@@ -93,16 +90,10 @@ def traffic_markdown(rows: Sequence[PairedRow]) -> str:
         As `modelcast.study.network.pairs.traffic_rows` gives them.
     """
     lines = [_SCOPE, "", *(f"- {line}" for line in _told(rows)), ""]
-    lines += [_joined(_HEADS), "|" + "---|" * len(_HEADS)]
-    lines += [_joined(cells) for cells in _cells(rows)]
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *_cells(rows).markdown()]) + "\n"
 
 
-def _joined(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(map(markdown, cells)) + " |"
-
-
-def traffic_section(rows: Sequence[PairedRow]) -> str:
+def traffic_section(rows: Sequence[Row]) -> str:
     """Return verdicts and table as markup, for a page.
 
     Parameters
@@ -115,12 +106,12 @@ def traffic_section(rows: Sequence[PairedRow]) -> str:
             "<h2>In traffic</h2>",
             f'<p class="scope">{escape(_SCOPE)}</p>',
             "<ul>" + "".join(f"<li>{escape(line)}</li>" for line in _told(rows)) + "</ul>",
-            html_table(_HEADS, _cells(rows), text_columns=4),
+            _cells(rows).html(),
         ]
     )
 
 
-def write_traffic_report(rows: Sequence[PairedRow], folder: str | Path) -> list[Path]:
+def write_traffic_report(rows: Sequence[Row], folder: str | Path) -> list[Path]:
     """Write ``traffic.md``, ``traffic.html`` and the figures of the first bank; return their paths.
 
     Parameters
@@ -140,11 +131,7 @@ def write_traffic_report(rows: Sequence[PairedRow], folder: str | Path) -> list[
         traffic_section(rows),
         f'<p class="note">Figures: bank {escape(bank)}.</p>',
     ]
-    for drawing, (caption, _) in zip(drawings, TRAFFIC_FIGURES.values(), strict=True):
-        body.append(
-            f'<figure><img src="{drawing.name}.svg" alt="{escape(caption)}">'
-            f"<figcaption>{escape(caption)}</figcaption></figure>"
-        )
+    body += [figure(f"{name}.svg", caption) for name, (caption, _) in TRAFFIC_FIGURES.items()]
     text, html = folder / "traffic.md", folder / "traffic.html"
     text.write_text(traffic_markdown(rows), encoding="utf-8", newline="\n")
     html.write_text(page("modelcast: the hybrid in traffic", CSS, body), encoding="utf-8", newline="\n")

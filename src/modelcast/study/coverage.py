@@ -10,7 +10,7 @@ threshold is crossed, held against the time that was observed.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import KW_ONLY, asdict, dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -24,6 +24,7 @@ from modelcast.models.threshold_time import expected_time_to_threshold
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.study.case import TripCase
+from modelcast.study.table import Row, Table, TableSchema, count, quantity, ratio, text
 from modelcast.study.training.calibration import (
     PredictionErrors,
     calibrate,
@@ -33,7 +34,7 @@ from modelcast.study.training.calibration import (
     prediction_errors,
 )
 
-__all__ = ["FORMS", "CoverageResult", "CoverageRow", "Hybrid", "TimeRow", "measure_coverage"]
+__all__ = ["COVERAGE", "FORMS", "TIMES", "CoverageResult", "Hybrid", "measure_coverage"]
 
 FORMS = ("nominal", "calibrated", "mapped")
 """The three ellipses."""
@@ -45,57 +46,38 @@ _SMALLEST_M2 = 1e-12
 """Added to a nominal covariance: one of zero has no radius."""
 
 
-@dataclass(frozen=True, slots=True)
-class CoverageRow:
-    """Share of errors inside one kind of ellipse.
+_WHOSE = (text("sub_model", "Name of the sub-model."), text("form", "Kind of ellipse, one of `FORMS`."))
 
-    Parameters
-    ----------
-    sub_model, form
-        Whose errors, and one of `FORMS`.
-    horizon_s
-        Age of the prediction [s].
-    level
-        Share that should lie inside, 0..1.
-    covered_ratio
-        Share that does, 0..1.
-    errors
-        How many there are.
-    """
+COVERAGE = TableSchema(
+    "coverage",
+    "Share of errors inside one kind of ellipse.",
+    (
+        *_WHOSE,
+        quantity("horizon_s", "s", "Age of the prediction."),
+        ratio("level", "Share that should lie inside."),
+        ratio("covered_ratio", "Share that does."),
+        count("errors", "How many errors there are."),
+    ),
+)
+"""Coverage: a row a sub-model, ellipse, horizon and level."""
 
-    sub_model: str
-    form: str
-    horizon_s: float
-    level: float
-    covered_ratio: float
-    errors: int
-
-
-@dataclass(frozen=True, slots=True)
-class TimeRow:
-    """Expected against observed time until a threshold is crossed, both cut at the last horizon.
-
-    Parameters
-    ----------
-    sub_model, form
-        Whose, and one of `FORMS`.
-    threshold_m
-        Tracking error that ends a time [m].
-    expected_s, observed_s
-        Means over the instants [s].
-    rank_correlation
-        Spearman's, over the instants; NaN where one of the two does not vary.
-    instants
-        How many there are.
-    """
-
-    sub_model: str
-    form: str
-    threshold_m: float
-    expected_s: float
-    observed_s: float
-    rank_correlation: float
-    instants: int
+TIMES = TableSchema(
+    "times",
+    "Expected against observed time until a threshold is crossed, both cut at the last horizon.",
+    (
+        *_WHOSE,
+        quantity("threshold_m", "m", "Tracking error that ends a time."),
+        quantity("expected_s", "s", "Mean expected time over the instants."),
+        quantity("observed_s", "s", "Mean observed time over the instants."),
+        quantity(
+            "rank_correlation",
+            "1",
+            "Spearman's, over the instants; NaN where one of the two does not vary.",
+        ),
+        count("instants", "How many instants there are."),
+    ),
+)
+"""Times to thresholds: a row a sub-model, ellipse and threshold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,23 +87,20 @@ class CoverageResult:
     Parameters
     ----------
     rows, times
-        Coverage, and times to the thresholds.
+        Tables of `COVERAGE` and `TIMES`.
     calibrations
         What was learnt, by the name of the trips it was tested on, then by sub-model.
     """
 
-    rows: tuple[CoverageRow, ...]
-    times: tuple[TimeRow, ...]
+    rows: Table
+    times: Table
     calibrations: Mapping[str, Mapping[str, Calibration]]
 
     def as_plain(self) -> Mapping[str, Any]:
         """The result as plain values; a number that does not exist is None."""
         return {
-            "coverage": [asdict(row) for row in self.rows],
-            "times": [
-                {key: None if value != value else value for key, value in asdict(row).items()}  # noqa: PLR0124
-                for row in self.times
-            ],
+            "coverage": self.rows.plain(),
+            "times": self.times.plain(),
             "calibrations": {
                 tested: {name: one.as_plain() for name, one in found.items()}
                 for tested, found in self.calibrations.items()
@@ -189,8 +168,8 @@ def measure_coverage(
     watch = _Watch(
         (every * 2 + len(train)) * len(members) + (every * len(members) if hybrid else 0), progress
     )
-    rows: list[CoverageRow] = []
-    times: list[TimeRow] = []
+    rows: list[Row] = []
+    times: list[Row] = []
     calibrations: dict[str, dict[str, Calibration]] = {name: {} for name in groups}
     for member in members:
         learnt = _calibrations(member, groups, train, stride=stride, watch=watch)
@@ -203,7 +182,7 @@ def measure_coverage(
         parts = _hybrid_parts(groups, members, calibrations, hybrid)
         rows += _coverage_rows(hybrid.label, parts, stride)
         times += _time_rows(hybrid.label, parts, thresholds_m, stride=4 * stride, watch=watch)
-    return CoverageResult(tuple(rows), tuple(times), calibrations)
+    return CoverageResult(COVERAGE.table(rows), TIMES.table(times), calibrations)
 
 
 @dataclass(slots=True)
@@ -290,10 +269,10 @@ def _calibrations(
     }
 
 
-def _coverage_rows(label: str, parts: Sequence[_Part], stride: int) -> list[CoverageRow]:
+def _coverage_rows(label: str, parts: Sequence[_Part], stride: int) -> list[Row]:
     horizons_s = np.array(HORIZONS_S)
     inside = np.zeros((len(FORMS), horizons_s.size, len(LEVELS)), dtype=np.int64)
-    count = np.zeros(horizons_s.size, dtype=np.int64)
+    counted = np.zeros(horizons_s.size, dtype=np.int64)
     for part in parts:
         learned = np.stack([part.calibration.radius(level, horizons_s) for level in LEVELS], axis=1)
         radii = (gaussian_radius(LEVELS), gaussian_radius(LEVELS), learned)
@@ -303,14 +282,19 @@ def _coverage_rows(label: str, parts: Sequence[_Part], stride: int) -> list[Cove
         for form, covariance in enumerate((nominal, calibrated, calibrated)):
             reached = _radii(own.errors_m, covariance)
             inside[form] += (reached[:, :, None] <= radii[form]).sum(axis=0)
-        count += (~np.isnan(own.errors_m[:, :, 0])).sum(axis=0)
+        counted += (~np.isnan(own.errors_m[:, :, 0])).sum(axis=0)
     return [
-        CoverageRow(
-            label, form, float(horizons_s[h]), level, inside[f, h, k] / count[h], errors=int(count[h])
+        COVERAGE.row(
+            sub_model=label,
+            form=form,
+            horizon_s=float(horizons_s[h]),
+            level=level,
+            covered_ratio=float(inside[f, h, k] / counted[h]),
+            errors=int(counted[h]),
         )
         for f, form in enumerate(FORMS)
         for h in range(horizons_s.size)
-        if count[h]
+        if counted[h]
         for k, level in enumerate(LEVELS)
     ]
 
@@ -323,7 +307,7 @@ def _radii(errors_m: FloatArray, covariance_m2: FloatArray) -> FloatArray:
 
 def _time_rows(
     label: str, parts: Sequence[_Part], thresholds_m: Sequence[float], *, stride: int, watch: _Watch
-) -> list[TimeRow]:
+) -> list[Row]:
     horizons_s = np.array(TIME_HORIZONS_S)
     expected: dict[tuple[str, float], list[FloatArray]] = {(f, th): [] for f in FORMS for th in thresholds_m}
     observed: dict[float, list[FloatArray]] = {threshold_m: [] for threshold_m in thresholds_m}
@@ -369,18 +353,17 @@ def _observed_s(length_m: FloatArray, horizons_s: FloatArray, threshold_m: float
 
 def _time_row(
     sub_model: str, form: str, threshold_m: float, expected_s: FloatArray, observed_s: FloatArray
-) -> TimeRow:
-    if not observed_s.size:
-        return TimeRow(sub_model, form, threshold_m, np.nan, np.nan, np.nan, instants=0)
-    # A covariance that is the same at every instant must not be ranked by its rounding.
-    one, other = rankdata(expected_s.round(6)), rankdata(observed_s)
-    varies = np.ptp(one) > 0 and np.ptp(other) > 0
-    return TimeRow(
-        sub_model,
-        form,
-        threshold_m,
-        float(expected_s.mean()),
-        float(observed_s.mean()),
-        float(np.corrcoef(one, other)[0, 1]) if varies else np.nan,
-        instants=observed_s.size,
+) -> Row:
+    figures = dict.fromkeys(("expected_s", "observed_s", "rank_correlation"), np.nan)
+    if observed_s.size:
+        # A covariance that is the same at every instant must not be ranked by its rounding.
+        one, other = rankdata(expected_s.round(6)), rankdata(observed_s)
+        varies = np.ptp(one) > 0 and np.ptp(other) > 0
+        figures = {
+            "expected_s": float(expected_s.mean()),
+            "observed_s": float(observed_s.mean()),
+            "rank_correlation": float(np.corrcoef(one, other)[0, 1]) if varies else np.nan,
+        }
+    return TIMES.row(
+        sub_model=sub_model, form=form, threshold_m=threshold_m, **figures, instants=observed_s.size
     )

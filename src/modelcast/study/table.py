@@ -14,7 +14,7 @@ from typing import Any, Literal, overload
 import numpy as np
 import numpy.typing as npt
 
-from modelcast.core.cells import html_table, number
+from modelcast.core.cells import Cells, number
 
 __all__ = ["Column", "Kind", "Row", "Table", "TableSchema", "count", "flag", "quantity", "ratio", "text"]
 
@@ -134,9 +134,9 @@ def text(name: str, description: str, *, missing: str = "", heading: str = "") -
     return Column(name, "text", description, missing=missing, heading=heading)
 
 
-def count(name: str, description: str, *, heading: str = "") -> Column:
-    """Return a column of whole numbers, none of them negative."""
-    return Column(name, "count", description, heading=heading)
+def count(name: str, description: str, *, unit: str = "", heading: str = "") -> Column:
+    """Return a column of whole numbers, none of them negative; things counted have no unit."""
+    return Column(name, "count", description, unit=unit, heading=heading)
 
 
 def flag(name: str, description: str) -> Column:
@@ -354,27 +354,22 @@ class Table(Sequence[Row]):
 
     def _repr_html_(self) -> str:
         """Return the first rows as notebooks show them."""
-        shown = html_table(self.headings, self.cells(_SHOWN_ROWS))
+        shown = self[:_SHOWN_ROWS].cells().html()
         left = len(self.rows) - _SHOWN_ROWS
         return shown + (f"<p>... and {left} rows more</p>" if left > 0 else "")
 
-    @property
-    def headings(self) -> list[str]:
-        """What people read above the columns."""
-        return [column.shown_heading for column in self.schema.columns]
-
-    def cells(self, most: int | None = None) -> list[list[str]]:
-        """Return the values as people read them.
+    def cells(self, names: Iterable[str] | None = None) -> Cells:
+        """Return columns as people read them, with their headings.
 
         Parameters
         ----------
-        most
-            How many rows at most; None for all.
+        names
+            Of the columns; None for all.
         """
-        return [
-            [column.cell(value) for column, value in zip(self.schema.columns, row.values, strict=True)]
-            for row in self.rows[:most]
-        ]
+        columns = [self.schema[name] for name in names or self.schema.names]
+        texts = next((at for at, column in enumerate(columns) if not column.is_text), len(columns))
+        rows = [[column.cell(getattr(row, column.name)) for column in columns] for row in self.rows]
+        return Cells([column.shown_heading for column in columns], rows, texts)
 
     def plain(self) -> list[dict[str, Any]]:
         """Return the rows as `Row.plain` gives them."""
@@ -383,4 +378,4 @@ class Table(Sequence[Row]):
 
 def _bare(value: Any) -> Any:
     """Return a value without NumPy's type."""
-    return value.item() if isinstance(value, np.generic) else value
+    return value.item() if issubclass(type(value), np.generic) else value

@@ -27,7 +27,7 @@ class BonnMotionReader(AbstractTripReader):
 
     name: ClassVar[str] = "bonnmotion"
 
-    def matches(self, path: Path, head: bytes) -> bool:  # noqa: ARG002 - the file has no head of its own
+    def matches(self, path: Path, head: bytes) -> bool:
         """Whether the name ends as BonnMotion's does."""
         return path.suffix == ".movements"
 

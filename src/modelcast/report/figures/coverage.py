@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 from modelcast.models.calibration import LEVELS
 from modelcast.report.figures.panels import drawable, empty_figure
 from modelcast.report.style import INK, PAGE_IN, POLICY_COLOURS, new_figure, style
-from modelcast.study.coverage import FORMS, CoverageRow, TimeRow
+from modelcast.study.coverage import FORMS
+from modelcast.study.table import Row
 
 __all__ = ["plot_coverage", "plot_times"]
 
@@ -22,7 +23,7 @@ _LINES = {"nominal": ":", "calibrated": "--", "mapped": "-"}
 _MARKERS = dict(zip(LEVELS, ("v", "o", "^"), strict=True))
 
 
-def plot_coverage(rows: Sequence[CoverageRow]) -> Figure:
+def plot_coverage(rows: Sequence[Row]) -> Figure:
     """Return the share of errors inside each kind of ellipse against the horizon, one panel a sub-model.
 
     A marker's shape is its level, and the level's own line is where it should lie.
@@ -54,7 +55,7 @@ def plot_coverage(rows: Sequence[CoverageRow]) -> Figure:
         return figure
 
 
-def _draw(axes: Axes, name: str, rows: Sequence[CoverageRow]) -> None:
+def _draw(axes: Axes, name: str, rows: Sequence[Row]) -> None:
     axes.set_title(drawable(name, 30))
     axes.set_ylim(0.0, 102.0)
     axes.set_yticks([0.0, *(100 * level for level in LEVELS)], ["0", "50", "90", ""])
@@ -78,7 +79,7 @@ def _draw(axes: Axes, name: str, rows: Sequence[CoverageRow]) -> None:
         axes.plot([], [], marker=_MARKERS[level], color=INK, linestyle="", label=f"{100 * level:g} %")
 
 
-def plot_times(rows: Sequence[TimeRow]) -> Figure:
+def plot_times(rows: Sequence[Row]) -> Figure:
     """Return the expected times until a threshold is crossed beside the observed one, one panel a threshold.
 
     A bar is the mean of the observed times; a marker is the mean that the kind of ellipse lets expect.
@@ -106,7 +107,7 @@ def plot_times(rows: Sequence[TimeRow]) -> Figure:
         return figure
 
 
-def _draw_times(axes: Axes, names: Sequence[str], rows: Sequence[TimeRow]) -> None:
+def _draw_times(axes: Axes, names: Sequence[str], rows: Sequence[Row]) -> None:
     axes.grid(visible=False)
     first = [row for row in rows if row.form == FORMS[0]]
     axes.barh(

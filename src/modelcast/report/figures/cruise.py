@@ -13,7 +13,8 @@ from modelcast.report.figures.panels import empty_figure
 from modelcast.report.figures.scales import legend_above
 from modelcast.report.figures.senders import sender_look
 from modelcast.report.style import INK, PAGE_IN, new_figure, style
-from modelcast.study.cruise.run import PERFECT, CruiseResult, CruiseRow
+from modelcast.study.cruise.run import PERFECT, CruiseResult
+from modelcast.study.table import Row
 
 __all__ = ["plot_cruise"]
 
@@ -22,7 +23,7 @@ _LINES = ("-", "--", ":", "-.")
 _GAPS_M = (-100.0, -50.0, -20.0, -10.0, -5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0)
 """Marks of the axis of gaps."""
 
-_Value = Callable[[CruiseRow], float]
+_Value = Callable[[Row], float]
 
 
 def plot_cruise(result: CruiseResult) -> Figure:
@@ -68,19 +69,19 @@ def plot_cruise(result: CruiseResult) -> Figure:
         return figure
 
 
-def _growth(row: CruiseRow) -> float:
-    return row.drive.spacing_amplification
+def _growth(row: Row) -> float:
+    return row.spacing_amplification
 
 
-def _least_gap(row: CruiseRow) -> float:
-    return row.drive.gap_min_m
+def _least_gap(row: Row) -> float:
+    return row.gap_min_m
 
 
-def _curve(row: CruiseRow) -> tuple[str, float]:
+def _curve(row: Row) -> tuple[str, float]:
     return sender_label(row), row.burst_s
 
 
-def _against_loss(axes: Axes, rows: Sequence[CruiseRow], value: _Value) -> None:
+def _against_loss(axes: Axes, rows: Sequence[Row], value: _Value) -> None:
     seen: dict[str, int] = {}
     for (label, burst_s), group in groupby(sorted(rows, key=_curve), key=_curve):
         shown = sorted(group, key=lambda row: row.loss_ratio)
@@ -92,7 +93,7 @@ def _against_loss(axes: Axes, rows: Sequence[CruiseRow], value: _Value) -> None:
         axes.plot(losses, [value(row) for row in shown], label=name, clip_on=False, **look)
 
 
-def _against_rate(axes: Axes, rows: Sequence[CruiseRow], value: _Value, *, hollow: bool) -> None:
+def _against_rate(axes: Axes, rows: Sequence[Row], value: _Value, *, hollow: bool) -> None:
     for row in rows:
         colour, marker = sender_look(row.sender)
         face = "none" if hollow else colour

@@ -21,7 +21,15 @@ from modelcast.study.network.rows import (
 from modelcast.study.table import Row
 from modelcast.study.wording import centimetres
 
-__all__ = ["NO_THRESHOLD_TEXT", "Curve", "also_told", "sender_curves", "sender_look", "threshold_text"]
+__all__ = [
+    "NO_THRESHOLD_TEXT",
+    "Curve",
+    "also_told",
+    "density_text",
+    "sender_curves",
+    "sender_look",
+    "threshold_text",
+]
 
 _COLOURS = {
     "bsm-10hz": "#777777",
@@ -45,6 +53,17 @@ _DARKER = 0.6
 
 NO_THRESHOLD_TEXT = "-"
 """What tables say of a policy that knows no threshold."""
+
+
+def density_text(density_per_km: float) -> str:
+    """Return a density as tables say it.
+
+    Examples
+    --------
+    >>> density_text(25.0), density_text(float("nan"))
+    ('25', '-')
+    """
+    return f"{density_per_km:g}" if isfinite(density_per_km) else "-"
 
 
 def threshold_text(threshold_m: float) -> str:

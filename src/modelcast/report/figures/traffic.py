@@ -16,7 +16,8 @@ from modelcast.report.figures.panels import empty_figure
 from modelcast.report.figures.scales import density_scale, end_below, from_zero, legend_above, log_scale
 from modelcast.report.figures.senders import Curve, threshold_text
 from modelcast.report.style import INK, PAGE_IN, new_figure
-from modelcast.study.network.pairs import BASELINE, HYBRID, PairedRow
+from modelcast.study.network.pairs import BASELINE, HYBRID
+from modelcast.study.table import Row
 
 __all__ = [
     "TRAFFIC_FIGURES",
@@ -36,10 +37,10 @@ _BENEATH: dict[str, Any] = {"linewidth": 2.2, "markersize": 6.0}
 """Look of the baseline, which is drawn first: it must show where the hybrid lies on it."""
 
 Panel = tuple[str, str, float]
-"""Figure of `PairedRow`, what the axis says, factor to what it shows."""
+"""Figure of `PAIRED`, what the axis says, factor to what it shows."""
 
 
-def one_density(rows: Sequence[PairedRow]) -> float:
+def one_density(rows: Sequence[Row]) -> float:
     """Return the density that is drawn where there is room for one: the one nearest to 400/km.
 
     Traffic that has a density of its own has that one alone, NaN.
@@ -53,16 +54,16 @@ def one_density(rows: Sequence[PairedRow]) -> float:
     return min(every, key=lambda density: (abs(density - _NEAR_PER_KM), density), default=nan)
 
 
-def _thresholds(rows: Sequence[PairedRow]) -> list[float]:
+def _thresholds(rows: Sequence[Row]) -> list[float]:
     return sorted({row.threshold_m for row in rows})
 
 
-def _ends(rows: Sequence[PairedRow]) -> list[float]:
+def _ends(rows: Sequence[Row]) -> list[float]:
     every = _thresholds(rows)
     return every if len(every) < 3 else [every[0], every[-1]]
 
 
-def _radios(rows: Sequence[PairedRow]) -> list[str]:
+def _radios(rows: Sequence[Row]) -> list[str]:
     return sorted({row.radio for row in rows})
 
 
@@ -80,10 +81,10 @@ def _panels(radios: Sequence[str], columns: int) -> tuple[Figure, list[list[Axes
 
 def _draw(
     axes: Axes,
-    rows: Sequence[PairedRow],
+    rows: Sequence[Row],
     factor: float,
     thresholds_m: Sequence[float],
-    place_of: Callable[[PairedRow], float],
+    place_of: Callable[[Row], float],
     *,
     spread: float = 0.0,
 ) -> None:
@@ -115,15 +116,15 @@ def _bars(
     axes.vlines(place, low, high, color=colour, linewidth=0.8)
 
 
-def _drawn(rows: Sequence[PairedRow], thresholds_m: Sequence[float]) -> list[float]:
+def _drawn(rows: Sequence[Row], thresholds_m: Sequence[float]) -> list[float]:
     return [value for row in rows if row.threshold_m in thresholds_m for value in (row.hybrid, row.baseline)]
 
 
-def _of_runs(rows: Sequence[PairedRow], radio: str, figure: str) -> list[PairedRow]:
+def _of_runs(rows: Sequence[Row], radio: str, figure: str) -> list[Row]:
     return [row for row in rows if (row.radio, row.figure, row.by_range) == (radio, figure, False)]
 
 
-def plot_load(rows: Sequence[PairedRow]) -> Figure:
+def plot_load(rows: Sequence[Row]) -> Figure:
     """Channel busy ratio, collisions and their paired difference against density.
 
     Parameters
@@ -164,15 +165,15 @@ def plot_load(rows: Sequence[PairedRow]) -> Figure:
     return figure
 
 
-def _density(row: PairedRow) -> float:
+def _density(row: Row) -> float:
     return row.density_per_km
 
 
-def _distance(row: PairedRow) -> float:
+def _distance(row: Row) -> float:
     return 0.5 * (row.low_m + row.high_m)
 
 
-def _by_range(rows: Sequence[PairedRow], panels: Sequence[Panel], *, log: bool) -> Figure:
+def _by_range(rows: Sequence[Row], panels: Sequence[Panel], *, log: bool) -> Figure:
     density = one_density(rows)
     radios, thresholds = _radios(rows), _ends(rows)
     figure, grid = _panels(radios, len(panels))
@@ -201,7 +202,7 @@ def _by_range(rows: Sequence[PairedRow], panels: Sequence[Panel], *, log: bool) 
     return figure
 
 
-def plot_reception(rows: Sequence[PairedRow]) -> Figure:
+def plot_reception(rows: Sequence[Row]) -> Figure:
     """Delivery, collisions and the inter-packet gap by range, at one density.
 
     Parameters
@@ -220,7 +221,7 @@ def plot_reception(rows: Sequence[PairedRow]) -> Figure:
 _TRACKING = (("pte_p90_m", "PTE p90 [m]", 1.0), ("pte_p99_m", "PTE p99 [m]", 1.0))
 
 
-def plot_by_range(rows: Sequence[PairedRow]) -> Figure:
+def plot_by_range(rows: Sequence[Row]) -> Figure:
     """Tracking error by range, at one density.
 
     Parameters
@@ -231,7 +232,7 @@ def plot_by_range(rows: Sequence[PairedRow]) -> Figure:
     return _by_range(rows, _TRACKING, log=True)
 
 
-def plot_by_density(rows: Sequence[PairedRow]) -> Figure:
+def plot_by_density(rows: Sequence[Row]) -> Figure:
     """Tracking error against density, at one range.
 
     Parameters
@@ -258,7 +259,7 @@ def plot_by_density(rows: Sequence[PairedRow]) -> Figure:
     return figure
 
 
-TRAFFIC_FIGURES: dict[str, tuple[str, Callable[[Sequence[PairedRow]], Figure]]] = {
+TRAFFIC_FIGURES: dict[str, tuple[str, Callable[[Sequence[Row]], Figure]]] = {
     "traffic_load": (
         (
             "Load, collisions, and their difference within seeds: below zero the hybrid has fewer. "

@@ -1,53 +1,49 @@
 """What became of driven platoons: does a disturbance grow, is there room, is it pleasant."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.runtime.platoon.drive import PlatoonTrace
+from modelcast.study.table import Row, TableSchema, count, quantity, ratio
 
-__all__ = ["DriveFigures", "measure_drive", "speed_change_ratio"]
+__all__ = ["DRIVE", "measure_drive", "speed_change_ratio"]
 
 
-@dataclass(frozen=True, slots=True)
-class DriveFigures:
-    """Figures of B platoons; what is one number a platoon is the mean over them.
-
-    Parameters
-    ----------
-    speed_amplification
-        Largest peak of a follower's speed, off the leader's mean, over the leader's own.
-    spacing_amplification
-        Largest peak of the spacing error of the second follower and those behind, over the first's.
-    stable_ratio
-        Share of the platoons in which the spacing error does not grow: that ratio is at most 1.
-    spacing_peak_m, spacing_rms_m
-        Largest spacing error, and its root mean square, over all followers [m].
-    gap_min_m
-        Smallest gap of all platoons [m].
-    collisions, followers
-        Followers that ran into the vehicle ahead, of how many.
-    acceleration_rms_mps2, jerk_rms_mps3
-        Of the followers, root mean squares [m/s²], [m/s³].
-    fell_back_ratio
-        Share of the time in which a follower's law knew too little, 0..1.
-    age_s
-        Mean age of what was known of the vehicle ahead; None where nothing ever was [s].
-    """
-
-    speed_amplification: float
-    spacing_amplification: float
-    stable_ratio: float
-    spacing_peak_m: float
-    spacing_rms_m: float
-    gap_min_m: float
-    collisions: int
-    followers: int
-    acceleration_rms_mps2: float
-    jerk_rms_mps3: float
-    fell_back_ratio: float
-    age_s: float | None
+DRIVE = TableSchema(
+    "drive",
+    "Figures of driven platoons; what is one number a platoon is the mean over them.",
+    (
+        quantity(
+            "speed_amplification",
+            "1",
+            "Largest peak of a follower's speed, off the leader's mean, over the leader's own.",
+        ),
+        quantity(
+            "spacing_amplification",
+            "1",
+            "Largest peak of the spacing error of the second follower and those behind, over the first's.",
+        ),
+        ratio(
+            "stable_ratio",
+            "Share of the platoons in which the spacing error does not grow: that ratio is at most 1.",
+        ),
+        quantity("spacing_peak_m", "m", "Largest spacing error over all followers."),
+        quantity("spacing_rms_m", "m", "Root mean square of the spacing error over all followers."),
+        quantity("gap_min_m", "m", "Smallest gap of all platoons."),
+        count("collisions", "Followers that ran into the vehicle ahead."),
+        count("followers", "Of how many."),
+        quantity("acceleration_rms_mps2", "m/s²", "Root mean square of the followers' acceleration."),
+        quantity("jerk_rms_mps3", "m/s³", "Root mean square of the followers' jerk."),
+        ratio("fell_back_ratio", "Share of the time in which a follower's law knew too little."),
+        quantity(
+            "age_s",
+            "s",
+            "Mean age of what was known of the vehicle ahead.",
+            missing="nothing ever was known",
+        ),
+    ),
+)
+"""What became of platoons: columns of `modelcast.study.cruise.run.CRUISE`."""
 
 
 def _rms(values: FloatArray) -> float:
@@ -64,7 +60,7 @@ _STILL = 1e-9
 """Peaks below are rounding [m], [m/s]."""
 
 
-def measure_drive(trace: PlatoonTrace, *, from_s: float) -> DriveFigures:
+def measure_drive(trace: PlatoonTrace, *, from_s: float) -> Row:
     """Figures of what platoons drove.
 
     Parameters
@@ -91,7 +87,7 @@ def measure_drive(trace: PlatoonTrace, *, from_s: float) -> DriveFigures:
     step_s = float(np.diff(trace.t_s).mean())
     age_s = trace.age_s[kept]
     known = ~np.isnan(age_s)
-    return DriveFigures(
+    return DRIVE.row(
         speed_amplification=float(_over(off[:, 1:].max(axis=1), off[:, 0]).mean()),
         spacing_amplification=float(spacing.mean()),
         stable_ratio=float((spacing <= 1.0).mean()),

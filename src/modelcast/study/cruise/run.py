@@ -1,8 +1,7 @@
 """The study: every sender and loss over the same platoons, beside one that knows everything."""
 
 from collections.abc import Callable
-from dataclasses import KW_ONLY, asdict, dataclass
-from typing import Any
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
@@ -14,16 +13,17 @@ from modelcast.runtime.platoon.drive import PlatoonTrace, drive_platoons
 from modelcast.runtime.platoon.knowledge import Heard, Perfect
 from modelcast.station.sender.message_arrays import AIRTIME_S, MESSAGES, PAYLOAD_BYTES
 from modelcast.station.sender.sender import Sender
-from modelcast.study.cruise.measure import DriveFigures, measure_drive, speed_change_ratio
+from modelcast.study.cruise.measure import DRIVE, measure_drive, speed_change_ratio
 from modelcast.study.cruise.senders import platoon_sender
 from modelcast.study.cruise.settings import CruiseSettings, Loss
+from modelcast.study.table import Row, Table, TableSchema, quantity, ratio, text
 from modelcast.world.platoon.platoons import Platoons
 
 __all__ = [
+    "CRUISE",
     "PERFECT",
     "REFERENCE",
     "CruiseResult",
-    "CruiseRow",
     "Driven",
     "drive_perfect",
     "drive_sender",
@@ -40,42 +40,31 @@ _REACH_M = 350.0
 """Of hosts, as in a network run [m]."""
 
 
-@dataclass(frozen=True, slots=True)
-class CruiseRow:
-    """What one sender was worth under one loss.
-
-    Parameters
-    ----------
-    sender, threshold_m
-        Its name, and the error that calls; None where none does [m].
-    loss_ratio, burst_s
-        As in `Loss`.
-    rate_hz, bytes_per_s, airtime_per_s
-        Messages, payload bytes and time on the air of a vehicle, a second.
-    fewer_messages_ratio
-        Share of the reference's messages that are not sent, negative where more are.
-    speed_change_ratio
-        Mean difference of the followers' speeds from those under the reference, over their mean.
-    drive
-        What became of the platoons.
-    """
-
-    sender: str
-    threshold_m: float | None
-    _: KW_ONLY
-    loss_ratio: float
-    burst_s: float
-    rate_hz: float
-    bytes_per_s: float
-    airtime_per_s: float
-    fewer_messages_ratio: float
-    speed_change_ratio: float
-    drive: DriveFigures
-
-    def as_plain(self) -> dict[str, Any]:
-        """The row as plain values, the figures of the drive among the others."""
-        plain = asdict(self)
-        return {**{key: value for key, value in plain.items() if key != "drive"}, **plain["drive"]}
+CRUISE = TableSchema(
+    "runs",
+    "What one sender was worth under one loss.",
+    (
+        text("sender", "Name of the sender."),
+        quantity("threshold_m", "m", "Error that calls for a message.", missing="no error does"),
+        ratio("loss_ratio", "Mean share of messages lost."),
+        quantity("burst_s", "s", "Mean length of bursts of losses; 0 for one by one."),
+        quantity("rate_hz", "1/s", "Messages of a vehicle."),
+        quantity("bytes_per_s", "byte/s", "Payload bytes of a vehicle."),
+        quantity("airtime_per_s", "s/s", "Time on the air of a vehicle."),
+        quantity(
+            "fewer_messages_ratio",
+            "1",
+            "Share of the reference's messages that are not sent, negative where more are.",
+        ),
+        quantity(
+            "speed_change_ratio",
+            "1",
+            "Mean difference of the followers' speeds from those under the reference, over their mean.",
+        ),
+        *DRIVE.columns,
+    ),
+)
+"""Platoons: a row a sender, threshold and loss."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +81,7 @@ class CruiseResult:
         How many, and how long.
     """
 
-    rows: tuple[CruiseRow, ...]
+    rows: Table
     _: KW_ONLY
     leader: str
     law: str
@@ -187,10 +176,10 @@ def run_cruise(
     settled_s = settings.drive.settle_s
     reference = drive_sender(settings, platoon_sender(REFERENCE), Loss(0.0))
 
-    def row(name: str, threshold_m: float | None, loss: Loss, driven: Driven) -> CruiseRow:
-        return CruiseRow(
-            name,
-            threshold_m,
+    def row(name: str, threshold_m: float | None, loss: Loss, driven: Driven) -> Row:
+        return CRUISE.row(
+            sender=name,
+            threshold_m=threshold_m,
             loss_ratio=loss.ratio,
             burst_s=loss.burst_s,
             rate_hz=driven.rate_hz,
@@ -198,7 +187,7 @@ def run_cruise(
             airtime_per_s=driven.airtime_per_s,
             fewer_messages_ratio=1.0 - driven.rate_hz / reference.rate_hz,
             speed_change_ratio=speed_change_ratio(driven.trace, reference.trace, from_s=settled_s),
-            drive=measure_drive(driven.trace, from_s=settled_s),
+            **dict(measure_drive(driven.trace, from_s=settled_s).items()),
         )
 
     perfect = Driven(drive_perfect(settings), 0.0, 0.0, 0.0)
@@ -219,7 +208,7 @@ def run_cruise(
     if progress is not None:
         progress(len(cases), len(cases))
     return CruiseResult(
-        tuple(rows),
+        CRUISE.table(rows),
         leader=settings.leader.name,
         law=settings.law.name,
         ranging=settings.drive.ranging,

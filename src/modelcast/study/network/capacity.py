@@ -11,8 +11,9 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 
 from modelcast.study.network.capacity_limits import Limit, Probe
+from modelcast.study.table import Table, TableSchema, quantity, ratio, text
 
-__all__ = ["Capacity", "CapacityFound", "bisected"]
+__all__ = ["PROBES", "Capacity", "CapacityFound", "bisected", "probes_table"]
 
 _STEP = 2.0
 """Ratio of the densities on the way up."""
@@ -79,6 +80,59 @@ class CapacityFound:
     threshold_m: float
     limit: Limit
     capacity: Capacity
+
+
+PROBES = TableSchema(
+    "capacity",
+    "One density tried for one limit, radio and sender.",
+    (
+        text("radio", "Name of the radio."),
+        text("policy", "Name of the policy."),
+        text("quantity", "What the limit is on."),
+        quantity("threshold_m", "m", "Error that calls for a message; NaN where the policy has none."),
+        quantity("limit", "", "The limit, in the unit of its quantity."),
+        quantity("density_per_km", "1/km", "Vehicles a kilometre."),
+        quantity("value", "", "What the limit is on, mean over seeds."),
+        quantity("least", "", "The least over seeds."),
+        quantity("greatest", "", "The greatest over seeds."),
+        ratio("held_ratio", "Share of the samples of pairs in which the host held a live track."),
+        ratio("busy_ratio", "Mean channel busy ratio."),
+        quantity("seeds_held", "1", "Seeds in which the limit held."),
+        quantity("seeds", "1", "Seeds run."),
+        quantity("warnings", "1", "True warnings."),
+    ),
+)
+"""Probes: a row a limit, radio, sender and density."""
+
+
+def probes_table(found: Sequence[CapacityFound]) -> Table:
+    """Return all that was tried as a table of `PROBES`.
+
+    Parameters
+    ----------
+    found
+        The capacities.
+    """
+    return PROBES.table(
+        PROBES.row(
+            radio=one.radio,
+            policy=one.policy,
+            quantity=one.limit.quantity,
+            threshold_m=one.threshold_m,
+            limit=one.limit.value,
+            density_per_km=probe.density_per_km,
+            value=probe.value,
+            least=probe.spread[0],
+            greatest=probe.spread[1],
+            held_ratio=probe.held_ratio,
+            busy_ratio=probe.busy_ratio,
+            seeds_held=probe.seeds_held[0],
+            seeds=probe.seeds_held[1],
+            warnings=probe.warnings,
+        )
+        for one in found
+        for probe in one.capacity.probes
+    )
 
 
 def bisected(

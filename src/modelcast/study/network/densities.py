@@ -8,7 +8,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from modelcast.station.policy.rules import IdentifyRule, StartRule
-from modelcast.study.network.pairs import BASELINE, HYBRID, PairedRow, Verdict
+from modelcast.study.network.pairs import BASELINE, HYBRID, Verdict
+from modelcast.study.table import Row
 
 __all__ = ["TrafficPlan", "counted_verdicts"]
 
@@ -84,7 +85,7 @@ class TrafficPlan:
         return self.runs * mean_s / jobs
 
 
-def counted_verdicts(rows: Iterable[PairedRow], figure: str, radio: str | None = None) -> dict[Verdict, int]:
+def counted_verdicts(rows: Iterable[Row], figure: str, radio: str | None = None) -> dict[Verdict, int]:
     """Count the verdicts on one figure of whole runs: at how many densities and thresholds there are fewer.
 
     Parameters

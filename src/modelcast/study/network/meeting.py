@@ -15,9 +15,10 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.kinds import PEOPLE, Kind
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.observer import AbstractObserver
+from modelcast.study.table import TableSchema, flag, quantity, text
 from modelcast.world.scenario.base import FleetFrame
 
-__all__ = ["AFTER_S", "BEFORE_S", "Meeting", "MeetingObserver", "Seen", "hidden_meeting"]
+__all__ = ["AFTER_S", "BEFORE_S", "FILM", "Meeting", "MeetingObserver", "Seen", "hidden_meeting"]
 
 BEFORE_S, AFTER_S = 7.0, 1.0
 """Time that a film shows before two are nearest, and after [s]."""
@@ -100,6 +101,27 @@ class Seen:
         """Between both, (N,) [m]."""
         way_m = self.person[:, :2] - self.vehicle[:, :2]
         return np.hypot(way_m[:, 0], way_m[:, 1])
+
+
+FILM = TableSchema(
+    "film",
+    "One instant of one run of a meeting; what the host believes is NaN while it does not know the person.",
+    (
+        text("run", "Which run."),
+        quantity("t_s", "s", "Time from where both are nearest."),
+        quantity("vehicle_east_m", "m", "Where the vehicle is, east."),
+        quantity("vehicle_north_m", "m", "Where the vehicle is, north."),
+        quantity("person_east_m", "m", "Where the person is, east."),
+        quantity("person_north_m", "m", "Where the person is, north."),
+        flag("in_sight", "Whether no building is between them."),
+        quantity("distance_m", "m", "Distance between both."),
+        quantity("believed_east_m", "m", "Where the host believes the person, east."),
+        quantity("believed_north_m", "m", "Where the host believes the person, north."),
+        quantity("error_m", "m", "How far from the truth that is."),
+        quantity("age_s", "s", "Age of what it believes by."),
+    ),
+)
+"""The film of a meeting: a row a run and instant."""
 
 
 def hidden_meeting(

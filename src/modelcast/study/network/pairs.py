@@ -8,21 +8,21 @@ differs, one row in twenty does so by chance.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
 from modelcast.study.metrics import confidence_limits
+from modelcast.study.network.columns import SETTING, SPAN
 from modelcast.study.network.rows import HEADLINE_M, NO_BANK, NetworkResult
-from modelcast.study.table import Row
+from modelcast.study.table import Column, Row, TableSchema, count, flag, quantity, text
 
 __all__ = [
     "BASELINE",
     "FIGURES",
     "HYBRID",
-    "PairedRow",
+    "PAIRED",
     "Verdict",
     "collision_rate_hz",
     "traffic_rows",
@@ -55,49 +55,32 @@ Verdict = Literal["fewer", "no difference shown", "more", "one seed"]
 """What the interval of the hybrid minus the baseline says: below zero, around it, above it."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PairedRow:
-    """One figure of the hybrid and of the baseline at one density, radio, bank, threshold and distance.
+def _mean_columns(name: str, what: str) -> tuple[Column, ...]:
+    """Return columns of a mean and its interval, in the unit of the figure."""
+    missing = "one seed has no interval"
+    return (
+        quantity(name, "", f"{what}, in the unit of the figure."),
+        quantity(f"{name}_low", "", "Lower 95 % Student-t limit.", missing=missing),
+        quantity(f"{name}_high", "", "Upper 95 % Student-t limit.", missing=missing),
+    )
 
-    Parameters
-    ----------
-    density_per_km, radio, bank, threshold_m
-        As in `NetworkCase`; the bank is the hybrid's.
-    figure
-        A name of `FIGURES`; by range those of `DISTANCES`, delivery and collisions.
-    low_m, high_m
-        Distances that it is of, those of `HEADLINE_M` for figures of whole runs [m].
-    by_range
-        Whether it is one of several distances.
-    seeds
-        Seeds in which both have the figure.
-    hybrid, hybrid_low, hybrid_high, baseline, baseline_low, baseline_high
-        Means over these seeds, and their 95 % intervals; None for a single seed.
-    difference, difference_low, difference_high
-        Mean of hybrid minus baseline within a seed, and its 95 % interval.
-    verdict
-        What the interval of the difference says: of collisions, whether the hybrid has fewer or more.
-    """
 
-    density_per_km: float
-    radio: str
-    bank: str
-    threshold_m: float
-    figure: str
-    low_m: float
-    high_m: float
-    by_range: bool
-    seeds: int
-    hybrid: float
-    hybrid_low: float | None
-    hybrid_high: float | None
-    baseline: float
-    baseline_low: float | None
-    baseline_high: float | None
-    difference: float
-    difference_low: float | None
-    difference_high: float | None
-    verdict: Verdict
+PAIRED = TableSchema(
+    "traffic",
+    "One figure of the hybrid and of the baseline at one density, radio, bank, threshold and distance.",
+    (
+        *(column for column in SETTING if column.name != "policy"),
+        text("figure", "A name of `FIGURES`."),
+        *SPAN,
+        flag("by_range", "Whether it is one of several distances."),
+        count("seeds", "Seeds in which both have the figure."),
+        *_mean_columns("hybrid", "Mean of the hybrid over these seeds"),
+        *_mean_columns("baseline", "Mean of the baseline over these seeds"),
+        *_mean_columns("difference", "Mean of hybrid minus baseline within a seed"),
+        text("verdict", "What the interval of the difference says, a `Verdict`."),
+    ),
+)
+"""Pairs: a row a figure, setting and distance."""
 
 
 def collision_rate_hz(row: Row) -> float:
@@ -132,7 +115,7 @@ def verdict_of(low: float | None, high: float | None) -> Verdict:
     return "fewer" if high < 0.0 else "more" if low > 0.0 else "no difference shown"
 
 
-def traffic_rows(result: NetworkResult) -> list[PairedRow]:
+def traffic_rows(result: NetworkResult) -> list[Row]:
     """Compare the hybrid of every bank with the baseline; nothing where either was not run.
 
     Parameters
@@ -144,7 +127,7 @@ def traffic_rows(result: NetworkResult) -> list[PairedRow]:
     for place, bank, run, value in _numbers(result):
         if np.isfinite(value):
             found.setdefault(place, {}).setdefault(bank, {})[run] = value
-    rows: list[PairedRow] = []
+    rows: list[Row] = []
     for bank in result.banks:
         for place, senders in found.items():
             both = sorted(senders.get(bank, {}).keys() & senders.get(NO_BANK, {}).keys())
@@ -193,11 +176,11 @@ def _place(row: Row, figure: str, span_m: tuple[float, float], by_range: bool = 
     return _Place(density, row.radio, threshold, figure, *span_m, by_range)
 
 
-def _row(place: _Place, bank: str, hybrid: FloatArray, baseline: FloatArray) -> PairedRow:
+def _row(place: _Place, bank: str, hybrid: FloatArray, baseline: FloatArray) -> Row:
     difference = hybrid - baseline
     low, high = confidence_limits(difference)
     of_hybrid, of_baseline = confidence_limits(hybrid), confidence_limits(baseline)
-    return PairedRow(
+    return PAIRED.row(
         density_per_km=float(place.density),
         radio=place.radio,
         bank=bank,

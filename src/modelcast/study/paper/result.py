@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 
-from modelcast.study.network.pairs import PairedRow
 from modelcast.study.paper.choices import LabelledReading
 from modelcast.study.paper.complement import Complement
 from modelcast.study.paper.plan import PaperPlan
@@ -110,7 +109,7 @@ class PaperResult:
     manoeuvres: tuple[ManoeuvreCounts, ...]
     readings: tuple[ReadingResult, ...]
     claims: tuple[ClaimRow, ...]
-    traffic: tuple[PairedRow, ...] = ()
+    traffic: tuple[Row, ...] = ()
     picked: str = ""
     failures: Mapping[str, str] = field(default_factory=dict[str, str])
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 from modelcast.station.banks import PAPER_BANK
 from modelcast.study.network.densities import counted_verdicts
-from modelcast.study.network.pairs import PairedRow
 from modelcast.study.paper.choices import PLAIN_LABEL
 from modelcast.study.paper.claims import COMMAND
 from modelcast.study.paper.result import ClaimRow, PaperResult
 from modelcast.study.paper.verdict import Verdict
+from modelcast.study.table import Row
 from modelcast.study.wording import centimetres
 
 __all__ = ["traffic_claims", "with_traffic"]
@@ -20,7 +20,7 @@ _SAME = 1e-9
 _UNDER = "with a noisy sensor, a keep-alive of 2 s and models rounded as sent"
 
 
-def with_traffic(result: PaperResult, rows: Sequence[PairedRow]) -> PaperResult:
+def with_traffic(result: PaperResult, rows: Sequence[Row]) -> PaperResult:
     """The reproduction with the claims about traffic judged.
 
     Parameters
@@ -37,7 +37,7 @@ def with_traffic(result: PaperResult, rows: Sequence[PairedRow]) -> PaperResult:
     return replace(result, claims=(*others, *judged), traffic=tuple(rows))
 
 
-def traffic_claims(rows: Sequence[PairedRow]) -> tuple[ClaimRow, ...]:
+def traffic_claims(rows: Sequence[Row]) -> tuple[ClaimRow, ...]:
     """The claims about traffic, which the paper asserts without measuring.
 
     Parameters
@@ -78,7 +78,7 @@ def traffic_claims(rows: Sequence[PairedRow]) -> tuple[ClaimRow, ...]:
     return (_any_radio(rows), *judged)
 
 
-def _any_radio(rows: Sequence[PairedRow]) -> ClaimRow:
+def _any_radio(rows: Sequence[Row]) -> ClaimRow:
     """Whether the same senders send the same over each radio: what they say does not depend on it."""
     sent: dict[tuple[float, float], dict[str, float]] = {}
     for row in rows:
@@ -102,7 +102,7 @@ def _any_radio(rows: Sequence[PairedRow]) -> ClaimRow:
     )
 
 
-def _counted(rows: Sequence[PairedRow], figure: str) -> str:
+def _counted(rows: Sequence[Row], figure: str) -> str:
     radios = sorted({row.radio for row in rows})
     texts = [
         f"{radio}: "
@@ -114,7 +114,7 @@ def _counted(rows: Sequence[PairedRow], figure: str) -> str:
     return "; ".join(texts) if texts else "no traffic was run"
 
 
-def _traffic_verdict(rows: Sequence[PairedRow], figure: str) -> Verdict:
+def _traffic_verdict(rows: Sequence[Row], figure: str) -> Verdict:
     counts = counted_verdicts(rows, figure)
     fewer, more = counts.get("fewer", 0), counts.get("more", 0)
     if not counts:
@@ -126,7 +126,7 @@ def _traffic_verdict(rows: Sequence[PairedRow], figure: str) -> Verdict:
     return "in part" if fewer or more else "not shown"
 
 
-def _worst_traffic(rows: Sequence[PairedRow], figure: str) -> str:
+def _worst_traffic(rows: Sequence[Row], figure: str) -> str:
     own = [row for row in rows if row.figure == figure and not row.by_range and row.baseline > 0]
     if not own:
         return ""
