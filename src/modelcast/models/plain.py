@@ -181,10 +181,12 @@ def _registered_plain(value: Any, name: str) -> dict[str, Any]:
 def _same(one: Any, other: Any) -> bool:
     """Whether a value is another, arrays by their numbers."""
     if isinstance(one, np.ndarray):
-        return isinstance(other, np.ndarray) and np.array_equal(cast("FloatArray", one), other)
+        return isinstance(other, np.ndarray) and np.array_equal(
+            cast("FloatArray", one), cast("FloatArray", other)
+        )
     if isinstance(one, tuple) and isinstance(other, tuple):
-        pairs = cast("tuple[Any, ...]", one), cast("tuple[Any, ...]", other)
-        return len(pairs[0]) == len(pairs[1]) and all(map(_same, *pairs))
+        first, second = cast("tuple[Any, ...]", one), cast("tuple[Any, ...]", other)
+        return len(first) == len(second) and all(_same(*pair) for pair in zip(first, second, strict=True))
     return type(one) is type(other) and bool(one == other)
 
 
