@@ -180,12 +180,14 @@ def _registered_plain(value: Any, name: str) -> dict[str, Any]:
 
 def _same(one: Any, other: Any) -> bool:
     """Whether a value is another, arrays by their numbers."""
+    if type(one) is not type(other):
+        return False
     if isinstance(one, np.ndarray):
-        return isinstance(other, np.ndarray) and np.array_equal(cast("FloatArray", one), other)
-    if isinstance(one, tuple) and isinstance(other, tuple):
-        pairs = cast("tuple[Any, ...]", one), cast("tuple[Any, ...]", other)
-        return len(pairs[0]) == len(pairs[1]) and all(map(_same, *pairs))
-    return type(one) is type(other) and bool(one == other)
+        return np.array_equal(cast("FloatArray", one), cast("FloatArray", other))
+    if isinstance(one, tuple):
+        first, second = cast("tuple[Any, ...]", one), cast("tuple[Any, ...]", other)
+        return len(first) == len(second) and all(_same(*pair) for pair in zip(first, second, strict=True))
+    return bool(one == other)
 
 
 def _registered(mapping: Mapping[str, Any], path: str) -> AbstractSubModel:

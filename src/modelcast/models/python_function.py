@@ -45,7 +45,7 @@ _making = threading.Lock()
 class KeptFailure(Exception):  # noqa: N818 - it is never seen: another exception stands for it
     """Raised by a compiled function, it is the exception that Python raised in a call of this thread."""
 
-    def __new__(cls, *raised: BaseException) -> Any:
+    def __new__(cls, *raised: object) -> Any:
         """Return what was kept, or what is given: whoever raises a class may call it again, with its result.
 
         It stays kept until the next failure of this thread: compiled code asks for it twice.
@@ -111,4 +111,5 @@ class PythonFunction:
 
 def _array(address: int, size: int) -> FloatArray:
     """The numbers at an address, (size,), without a copy."""
-    return np.ndarray((size,), np.float64, (ctypes.c_double * size).from_address(address))
+    memory: Any = (ctypes.c_double * size).from_address(address)
+    return np.ndarray((size,), np.float64, memory)

@@ -239,7 +239,7 @@ def _training_lines(training: Mapping[str, Any]) -> list[str]:
     if training["counted_on"] is not None:
         lines.append(f"messages counted on {training['counted_on']}")
     for name, settings in (*training["settings"].items(), *training["added"].items()):
-        plain = settings if isinstance(settings, Mapping) else {"": settings}
+        plain = cast("Mapping[str, Any]", settings if isinstance(settings, Mapping) else {"": settings})
         simple = {key: one for key, one in plain.items() if not isinstance(one, Mapping | list | tuple)}
         if simple:
             told = ", ".join(f"{key} {one}".strip() for key, one in simple.items())
