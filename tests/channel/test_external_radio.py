@@ -214,6 +214,32 @@ def test_what_a_simulator_says_is_taken_as_said() -> None:
     assert state.busy_ratio.tolist() == [0.1, 0.2, 0.3]
 
 
+def test_receptions_are_in_order_of_time_whatever_the_order_of_rows() -> None:
+    heard, _ = told(replace(TRUTH, end_s=np.array([0.03, 0.02]), outcome=np.array([0, 0])))
+    assert heard.receiver.tolist() == [2, 1]
+    assert heard.t_s.tolist() == [0.02, 0.03]
+    assert heard.rssi_dbm.tolist() == [-95.0, -60.0]
+
+
+def test_numbers_of_messages_need_not_rise() -> None:
+    """Station 0 has sent 100 before station 1, and station 1 has sent 7 after that."""
+    said = replace(TRUTH, message_id=np.array([100, 7]), receiver=np.array([1, 0]), outcome=np.array([0, 0]))
+    radio = outer(lambda *_: Says(replace(said, ended=np.array([7, 100]), expired=NOBODY)))
+    traffic = replace(batch([0, 1], [0.01, 0.012]), message_id=np.array([100, 7]))
+    state = radio.init(3, np.random.default_rng(0))
+    heard, _ = radio.step(state, traffic, line(0.0, 60.0, 120.0), 0.1)
+    assert heard.sender.tolist() == [0, 1]
+
+
+def test_beyond_the_bins_is_heard_and_not_counted() -> None:
+    """The end of the last bin is beyond it."""
+    radio = outer(lambda *_: Says(replace(TRUTH, outcome=np.array([0, 0]))), distance_bin_m=60.0, bins=2)
+    state = radio.init(3, np.random.default_rng(0))
+    heard, _ = radio.step(state, batch([0, 1], [0.01, 0.012]), line(0.0, 60.0, 120.0), 0.1)
+    assert heard.size == 2
+    assert heard.outcomes[:, 0].tolist() == [0, 1]
+
+
 @pytest.mark.parametrize(
     ("change", "match"),
     [
