@@ -67,16 +67,18 @@ def _made_with(profile: str) -> "Callable[[SessionSettings], Sender]":
     """What stations send with a profile; it is read once, now."""
     from modelcast.cli.banks import bank_in_use, profile_in_use
     from modelcast.cli.network_senders import rules_in_use
+    from modelcast.core.exceptions import ConfigError
     from modelcast.runtime.external.refusal import FieldError
     from modelcast.station.banks import free_bank
-    from modelcast.station.sender.sender import FREE_SENDERS, MODEL_SENDERS, named_sender
+    from modelcast.station.sender.names import FREE_SENDERS, sends_models
+    from modelcast.station.sender.sender import named_sender
 
     read = profile_in_use(profile)
     bank = bank_in_use("default", profile=read)
 
     def make(settings: "SessionSettings") -> "Sender":
         name = settings.sender
-        named = bank if name in MODEL_SENDERS else None
+        named = bank if sends_models(name) else None
         own = None if named is None else named.bank
         try:
             return named_sender(
@@ -86,7 +88,7 @@ def _made_with(profile: str) -> "Callable[[SessionSettings], Sender]":
                 threshold_m=settings.threshold_m,
                 keep_alive_s=settings.keep_alive_s,
             )
-        except ValueError as error:
+        except (ConfigError, ValueError) as error:
             raise FieldError("sender", name, f"a sender ({error})") from error
 
     return make
