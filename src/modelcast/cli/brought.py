@@ -18,6 +18,7 @@ _MADE_WITH_DEFAULTS = MappingProxyType(
         "modelcast.policies": "modelcast.station.sender.names:POLICIES",
         "modelcast.radios": "modelcast.channel.registry:RADIOS",
         "modelcast.readers": "modelcast.io.registry:READERS",
+        "modelcast.sub_models": "modelcast.models.sub_models:SUB_MODELS",
     }
 )
 """Groups whose things are made without arguments."""

@@ -63,7 +63,7 @@ def sender_of(settings: SessionSettings) -> Sender:
         return named_sender(
             settings.sender, threshold_m=settings.threshold_m, keep_alive_s=settings.keep_alive_s
         )
-    except ValueError as error:
+    except (ConfigError, ValueError) as error:
         raise FieldError("sender", settings.sender, f"a sender ({error})") from error
 
 
