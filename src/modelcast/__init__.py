@@ -63,7 +63,13 @@ if TYPE_CHECKING:
     from modelcast.io.profile import write_profile as write_profile
     from modelcast.io.results import write_results as write_results
     from modelcast.io.sumo import run_sumo as run_sumo
+    from modelcast.io.sumo import survey_sumo as survey_sumo
+    from modelcast.io.sumo_config import read_sumo_config as read_sumo_config
     from modelcast.io.sumo_roads import highway_input as highway_input
+    from modelcast.io.table_files import read_table_schema as read_table_schema
+    from modelcast.io.table_files import write_table as write_table
+    from modelcast.io.traces import read_trace as read_trace
+    from modelcast.io.traces import trace_writer as trace_writer
     from modelcast.io.trips import Trips as Trips
     from modelcast.io.trips import read_trips as read_trips
     from modelcast.io.write_trips import write_csv as write_csv
@@ -146,9 +152,11 @@ if TYPE_CHECKING:
     from modelcast.study.cruise.measure import measure_drive as measure_drive
     from modelcast.study.cruise.senders import platoon_sender as platoon_sender
     from modelcast.study.network.simulate import FleetRuns as FleetRuns
+    from modelcast.study.network.trace import TraceObserver as TraceObserver
     from modelcast.study.result import EvaluationResult as EvaluationResult
     from modelcast.study.safety.settings import SafetySettings as SafetySettings
     from modelcast.study.settings import EvaluationSettings as EvaluationSettings
+    from modelcast.study.table import Table as Table
     from modelcast.study.training.calibration import train_calibrations as train_calibrations
     from modelcast.trips.manoeuvres.rank import count_manoeuvres as count_manoeuvres
     from modelcast.trips.trajectory import Trajectory as Trajectory
@@ -247,7 +255,9 @@ _HOMES = {
     "Step": "runtime.external.exchange",
     "StepClient": "node.serving.client",
     "SubModelIdentification": "messages.mbc",
+    "Table": "study.table",
     "Tally": "io.base",
+    "TraceObserver": "study.network.trace",
     "TrainedCandidate": "study.compare.candidate",
     "Trajectory": "trips.trajectory",
     "Transmissions": "channel.radio",
@@ -289,6 +299,9 @@ _HOMES = {
     "plot_remotes": "report.figures.remotes",
     "rates_frame": "report.tables",
     "read_profile": "io.profile",
+    "read_sumo_config": "io.sumo_config",
+    "read_table_schema": "io.table_files",
+    "read_trace": "io.traces",
     "read_trips": "io.trips",
     "read_update": "messages.mbc_update",
     "references_frame": "report.tables",
@@ -300,7 +313,9 @@ _HOMES = {
     "simulate_network": "interface.network",
     "snapshot_of": "dashboard.snapshot",
     "snapshot_text": "dashboard.document",
+    "survey_sumo": "io.sumo",
     "time_to_collision_s": "apps.surrogates",
+    "trace_writer": "io.traces",
     "tracking_frame": "report.tables",
     "train_calibrations": "study.training.calibration",
     "train_profile": "interface.training",
@@ -309,6 +324,7 @@ _HOMES = {
     "write_profile": "io.profile",
     "write_report": "report.html",
     "write_results": "io.results",
+    "write_table": "io.table_files",
 }
 
 

@@ -89,7 +89,7 @@ def test_tables_figure_and_runs_are_written_and_taken_up_again(
     [
         ("--policy mbc", "--policy must name two policies or more, each once, got mbc"),
         ("--policy mbc mbc", "--policy must name two policies or more"),
-        ("--policy mbc nobody", "--policy must be of"),
+        ("--policy mbc nobody", "--policy: Unknown policy 'nobody'"),
         (f"{POLICIES} --penetration 120", "--penetration must be shares from 0 to 100 %, got 120"),
         (f"{POLICIES} --receivers -1", "--receivers must be shares from 0 to 100 %, got -1"),
     ],

@@ -87,7 +87,7 @@ def test_four_nodes_run_on_this_machine_and_say_what_one_believes(capsys: pytest
     [
         ("--duration 0", "--duration must be above 0"),
         ("--loss 1.5", "--loss must be from 0 to 1"),
-        ("--policy cow", "--policy must be of bsm-10hz"),
+        ("--policy cow", "--policy: Unknown policy 'cow'. Known: bsm-10hz"),
         ("--port 70000", "must be from 0 to 65535"),
     ],
 )

@@ -17,6 +17,7 @@ from modelcast.models.learned import Selector
 from modelcast.runtime.trip.context import ContextSettings
 from modelcast.station.banks import PAPER_BANK, bank_from_text
 from modelcast.station.policy.costs import CostTable
+from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.study.case import STANDING_SPEED_MPS, SensedTrip, make_case
 from modelcast.study.evaluate import evaluate
 from modelcast.study.result import POOLED, EvaluationResult
@@ -287,6 +288,7 @@ def test_settings_name_everything_that_changes_the_numbers(
         "sizes": replace(base.sizes, more_bytes=10),
         "stack": replace(base.stack, certificates="digest"),
         "references": False,
+        "decides": ErrorDriven(0.5),
     }
     assert {*changed, "map_at", "trained_on", "recorded"} == {
         item.name for item in fields(EvaluationSettings)
