@@ -7,6 +7,7 @@
     ├── DataFormatError    a file is not what its format says: path, row, value, remedy
     ├── ConfigError        options that do not fit together, or that fit no trip
     ├── MissingExtraError  an optional part is not installed: the extra that brings it
+    ├── PolicyError        a policy written in Python asks for what a station cannot do; a ValueError too
     └── SubModelError      a sub-model written in Python failed, or gave what is none: model, row, value
 
 What works but is not what it seems is a `ModelcastWarning`.
@@ -25,6 +26,7 @@ __all__ = [
     "MissingExtraError",
     "ModelcastError",
     "ModelcastWarning",
+    "PolicyError",
     "SubModelError",
 ]
 
@@ -66,6 +68,10 @@ class CodecError(ModelcastError):
 
 class ConfigError(ModelcastError):
     """Options that do not fit together, or that no trip can satisfy."""
+
+
+class PolicyError(ModelcastError, ValueError):
+    """A policy written in Python decided what a station cannot do; the text names the policy."""
 
 
 class SubModelError(ModelcastError):

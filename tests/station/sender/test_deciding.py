@@ -8,6 +8,7 @@ import pytest
 
 from modelcast.channel.dsrc import Dsrc
 from modelcast.core.arrays import FloatArray
+from modelcast.core.exceptions import PolicyError
 from modelcast.runtime.fleet.engine import run_network
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.trip.runtime import TripRuntime
@@ -152,7 +153,7 @@ def test_a_message_that_falls_due_after_the_step_waits_for_the_next() -> None:
     ],
 )
 def test_what_a_station_cannot_do_is_refused_by_the_policy_s_name(policy: Says, told: str) -> None:
-    with pytest.raises(ValueError, match=f"Says: .*{told}"):
+    with pytest.raises(PolicyError, match=f"Says: .*{told}"):
         drive(replace(named_sender("baseline"), policy=policy), 3)
 
 

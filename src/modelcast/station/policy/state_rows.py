@@ -9,6 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from modelcast.core.arrays import IntArray
+from modelcast.core.exceptions import PolicyError
 
 __all__ = ["check_state", "put_rows", "take_rows"]
 
@@ -27,14 +28,14 @@ def check_state(state: Any, vehicles: int, name: str) -> None:
 
     Raises
     ------
-    ValueError
+    PolicyError
         Where it is none of the kinds that this module knows, or an array has other rows.
     """
     if state is None:
         return
     if isinstance(state, np.ndarray):
         if not state.shape or state.shape[0] != vehicles:
-            raise ValueError(
+            raise PolicyError(
                 f"{name}: an array of the state must have {vehicles} rows, got shape {state.shape}"
             )
         return
@@ -95,7 +96,7 @@ def _parts(state: Any, name: str = "policy") -> list[Any]:
         return [getattr(state, one.name) for one in fields(state)]
     if isinstance(state, tuple):
         return list(cast("tuple[Any, ...]", state))
-    raise ValueError(
+    raise PolicyError(
         f"{name}: a state is None, an array, or a tuple or dataclass of arrays with a row a vehicle, "
         f"got {type(state).__name__}"
     )

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from modelcast.core.arrays import IntArray
+from modelcast.core.exceptions import PolicyError
 from modelcast.station.policy.base import AbstractTransmitPolicy, Air, Decisions, Motion, TransmitInputs
 from modelcast.station.policy.state_rows import check_state, put_rows, take_rows
 from modelcast.station.sender.deciding_kernels import Asked
@@ -65,14 +66,14 @@ class Asking:
 
         Raises
         ------
-        ValueError
+        PolicyError
             Where it decides what a station cannot do, or its state changes shape; it names the policy.
         """
         try:
             said, after = self._policy.decide(take_rows(self._state, rows), inputs, self._rng)
             said.check(inputs)
         except ValueError as error:
-            raise ValueError(f"{self._name}: {error}") from error
+            raise PolicyError(f"{self._name}: {error}") from error
         check_state(after, rows.size, self._name)
         self._state = put_rows(self._state, rows, after)
         return said

@@ -1,0 +1,45 @@
+"""A policy that another package brings, and what is told where it asks for what no station can do."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import modelcast
+from modelcast.cli.app import run
+
+POLICY = """from dataclasses import dataclass
+
+import numpy as np
+
+from modelcast import AbstractTransmitPolicy, Decisions, MessageKind
+
+
+@dataclass(frozen=True, slots=True)
+class Wild(AbstractTransmitPolicy[None]):
+    longest_silence_s: float = 1.0
+
+    def init(self, vehicles, sub_models):
+        return None
+
+    def decide(self, state, inputs, rng):
+        kind = np.full(inputs.t_s.shape, MessageKind.IDENTIFICATION)
+        return Decisions.at_once(kind, np.full(kind.shape, -1), inputs.t_s), None
+"""
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["evaluate {trip} --per 0 --no-references", "network --density 5 --duration 2 --warm-up 1 --radio ideal"],
+)
+def test_policy_that_asks_for_the_impossible_ends_a_command_in_one_line(
+    command: str, other_package: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other_package("wild", {"modelcast.policies": {"wild": "wild_policy:Wild"}}, {"wild_policy": POLICY})
+    trip = tmp_path / "drive.csv"
+    modelcast.write_csv([modelcast.generate_drive(seed=1, duration_s=90.0).truth], trip)
+    words = command.format(trip=trip).split()
+    assert run([*words, "--policy", "wild", "--seeds", "1", "--out", str(tmp_path / "out")]) != 0
+    told = " ".join(capsys.readouterr().err.split())
+    assert "modelcast: Wild: kind must be nothing, an update or a keep-alive, got 2" in told
+    assert "Traceback" not in told
