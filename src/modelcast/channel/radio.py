@@ -31,6 +31,9 @@ other was on the air.
 ORDINARY = 5
 """Priority of a message of which nothing else is said: room above for what is urgent, two steps below."""
 
+_SLACK_S = 1e-9
+"""How much earlier than its interval a reception may be told, for rounding."""
+
 State = TypeVar("State")
 
 
@@ -269,19 +272,21 @@ class Receptions:
             expired=transmissions.message_id[:0],
         )
 
-    def check(self, vehicles: int) -> None:
+    def check(self, vehicles: int, since_s: float = -np.inf) -> None:
         """Refuse what no fleet can take in.
 
         Parameters
         ----------
         vehicles
             Number V of vehicles.
+        since_s
+            When the interval began [s].
 
         Raises
         ------
         ValueError
-            Where columns differ in length or times fall, a vehicle is not there, a number is negative, or
-            outcomes have another shape.
+            Where columns differ in length or times fall, something arrived before the interval, a vehicle is
+            not there or hears itself, a number is negative, or outcomes have another shape.
         """
         columns = ("message_id", "sender", "receiver", "t_s", "rssi_dbm")
         shapes = {getattr(self, name).shape for name in columns}
@@ -299,6 +304,11 @@ class Receptions:
             raise ValueError(f"message_id must not be negative, got {int(self.message_id.min())}")
         if not np.all(np.diff(self.t_s) >= 0.0):
             raise ValueError("t_s must not fall, nor be NaN: sort receptions by time")
+        if self.t_s[0] < since_s - _SLACK_S:
+            raise ValueError(f"t_s must lie after the interval's start, {since_s} s, got {self.t_s[0]}")
+        own = self.sender == self.receiver
+        if own.any():
+            raise ValueError(f"vehicle {int(self.sender[own][0])} must not receive what it sends itself")
 
 
 class AbstractRadio(abc.ABC, Generic[State]):

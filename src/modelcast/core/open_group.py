@@ -13,6 +13,7 @@ from dataclasses import KW_ONLY, dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
+from inspect import signature
 from typing import Any, Generic, TypeVar
 
 from modelcast.core.exceptions import ConfigError
@@ -137,6 +138,7 @@ entry-point group 'example.counters'.
             except (AttributeError, TypeError, ValueError) as error:
                 raise ConfigError(
                     f"The {self.called} {name!r} of {owner} refuses its settings: {error}"
+                    f"{_settings_of(maker)}"
                 ) from error
         if not isinstance(thing, self.kind):
             raise ConfigError(
@@ -209,6 +211,15 @@ def registered(group: str) -> Mapping[str, tuple[EntryPoint, ...]]:
     for point in entry_points(group=group):
         found.setdefault(point.name, {}).setdefault((_owner(point), point.value), point)
     return {name: tuple(points.values()) for name, points in found.items()}
+
+
+def _settings_of(maker: Callable[..., Any]) -> str:
+    """Which settings there are, as a sentence; nothing where that cannot be told."""
+    try:
+        known = signature(maker).parameters
+    except (TypeError, ValueError):
+        return ""
+    return f". It takes {', '.join(known)}" if known else ". It takes none"
 
 
 def _owner(point: EntryPoint) -> str:

@@ -482,7 +482,7 @@ class FleetLoop:
         if self.units is not None:
             batch = self.units.add(batch, truth_m, now_s, until_s)
         received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s, self._work)
-        _check_receptions(received, self.vehicle.size, self.radio)
+        _check_receptions(received, self.vehicle.size, now_s, self.radio)
         if self.units is not None:
             received = self.units.hear(received, busy_ratio[self.units.slots])
         if shift_s != 0.0:
@@ -736,10 +736,10 @@ def _busy_ratio(radio: AbstractRadio[Any], state: Any, vehicles: int) -> FloatAr
     return found
 
 
-def _check_receptions(received: Receptions, vehicles: int, radio: AbstractRadio[Any]) -> None:
+def _check_receptions(received: Receptions, vehicles: int, since_s: float, radio: AbstractRadio[Any]) -> None:
     """Refuse receptions that hosts cannot look up."""
     try:
-        received.check(vehicles)
+        received.check(vehicles, since_s)
     except ValueError as error:
         raise ValueError(f"{type(radio).__name__}: {error}") from error
     unknown = (received.message_id & ((1 << SENDER_BITS) - 1)) >= vehicles
