@@ -90,7 +90,7 @@ def test_columns_carry_units_and_meanings_and_unknown_numbers_are_empty(folder: 
         told = [
             (one.name, one.metadata[b"unit"].decode(), one.metadata[b"meaning"].decode()) for one in schema
         ]
-        assert told == [(one.name, one.unit, one.meaning) for one in columns]
+        assert told == [(one.name, one.unit, one.description) for one in columns]
     received = read_trace(folder)["receptions"].collect()
     assert received["rssi_dbm"].null_count() == 10
     assert received.height == 21

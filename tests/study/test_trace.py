@@ -162,5 +162,5 @@ def test_what_a_unit_repeats_keeps_its_origin() -> None:
 def test_the_documentation_has_all_columns() -> None:
     text = (Path(__file__).parents[2] / "docs" / "traces.md").read_text(encoding="utf-8")
     for name, columns in TRACE.items():
-        rows = "".join(f"| `{one.name}` | {one.unit} | {one.meaning} |\n" for one in columns)
+        rows = "".join(f"| `{one.name}` | {one.unit} | {one.description} |\n" for one in columns)
         assert f"|---|---|---|\n{rows}\n" in text.split(f"**{name}**", 1)[1], name

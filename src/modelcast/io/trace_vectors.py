@@ -13,7 +13,8 @@ from typing import Any, TextIO
 import polars as pl
 import pyarrow.parquet as pq
 
-from modelcast.study.network.trace import TRACE, TraceColumn
+from modelcast.study.network.trace import TRACE
+from modelcast.study.table import Column
 
 __all__ = ["write_vectors"]
 
@@ -38,7 +39,7 @@ def write_vectors(folder: Path) -> None:
             first += _write_table(out, folder / f"{table}.parquet", table, station, first)
 
 
-def vector_columns(table: str) -> tuple[TraceColumn, ...]:
+def vector_columns(table: str) -> tuple[Column, ...]:
     """Columns of a table that are vectors: numbers with a unit, but the time.
 
     Parameters
@@ -46,7 +47,7 @@ def vector_columns(table: str) -> tuple[TraceColumn, ...]:
     table
         Its name.
     """
-    return tuple(one for one in TRACE[table] if one.type != "text" and one.unit and one.name != "t_s")
+    return tuple(one for one in TRACE[table] if one.kind != "text" and one.unit and one.name != "t_s")
 
 
 def _write_table(out: TextIO, path: Path, table: str, station: str, first: int) -> int:
@@ -57,7 +58,7 @@ def _write_table(out: TextIO, path: Path, table: str, station: str, first: int) 
     for one in stations:
         for at, column in enumerate(columns):
             out.write(f"vector {number[one] + at} modelcast.station[{one}] {table}:{column.name} TV\n")
-            out.write(f'attr unit "{column.unit}"\nattr title "{column.meaning}"\n')
+            out.write(f'attr unit "{column.unit}"\nattr title "{column.description}"\n')
     out.write("\n")
     for rows in _rows(path, [station, "t_s", *(column.name for column in columns)]):
         for one, t_s, *values in rows:

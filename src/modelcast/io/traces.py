@@ -41,7 +41,7 @@ _GROUP_ROWS = 200_000
 """Rows of a table that are gathered before they are written: what bounds the memory."""
 
 _TYPES: Mapping[str, Any] = MappingProxyType(
-    {"whole": pa.int64(), "number": pa.float64(), "text": pa.string()}
+    {"count": pa.int64(), "number": pa.float64(), "text": pa.string()}
 )
 
 
@@ -69,7 +69,7 @@ class _Table:
 
     def __init__(self, name: str, folder: Path, stack: ExitStack) -> None:
         fields = [
-            pa.field(one.name, _TYPES[one.type], metadata={"unit": one.unit, "meaning": one.meaning})
+            pa.field(one.name, _TYPES[one.kind], metadata={"unit": one.unit, "meaning": one.description})
             for one in TRACE[name]
         ]
         self._schema = pa.schema(fields)

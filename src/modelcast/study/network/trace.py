@@ -4,9 +4,8 @@
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -24,76 +23,55 @@ from modelcast.station.sender.message_arrays import (
     CONTENT_VEHICLE,
     SENDER_BITS,
 )
+from modelcast.study.table import Column, count, quantity, text
 from modelcast.world.scenario.base import FleetFrame
 
-__all__ = ["TRACE", "TraceColumn", "TraceColumns", "TraceObserver"]
+__all__ = ["TRACE", "TraceColumns", "TraceObserver"]
 
 TraceColumns = Mapping[str, npt.NDArray[Any]]
 """Columns of equal length, by name."""
 
 
-@dataclass(frozen=True, slots=True)
-class TraceColumn:
-    """A column of a trace.
-
-    Parameters
-    ----------
-    name
-        Its name.
-    type
-        ``whole`` numbers, ``number`` or ``text``.
-    unit
-        Of its values; empty where they have none.
-    meaning
-        What they are.
-    """
-
-    name: str
-    type: Literal["whole", "number", "text"]
-    unit: str
-    meaning: str
-
-
 _MESSAGE = (
-    TraceColumn("sender", "whole", "", "station on the air: the origin, or the roadside unit that repeats"),
-    TraceColumn("origin", "whole", "", "station that made the message"),
-    TraceColumn("message", "whole", "", "number of the message among those of its origin's slot"),
+    count("sender", "station on the air: the origin, or the roadside unit that repeats"),
+    count("origin", "station that made the message"),
+    count("message", "number of the message among those of its origin's slot"),
 )
 
-TRACE: Mapping[str, tuple[TraceColumn, ...]] = MappingProxyType(
+TRACE: Mapping[str, tuple[Column, ...]] = MappingProxyType(
     {
         "positions": (
-            TraceColumn("t_s", "number", "s", "time from the start of the run"),
-            TraceColumn("vehicle", "whole", "", "station; no number is used twice"),
-            TraceColumn("kind", "text", "", "vehicle, pedestrian, cyclist, road_worker or roadside"),
-            TraceColumn("east_m", "number", "m", "east of the origin, true"),
-            TraceColumn("north_m", "number", "m", "north of it, true"),
-            TraceColumn("speed_mps", "number", "m/s", "speed over ground"),
-            TraceColumn("heading_rad", "number", "rad", "course, clockwise from north"),
-            TraceColumn("acceleration_mps2", "number", "m/s²", "along the course"),
-            TraceColumn("length_m", "number", "m", "length"),
+            quantity("t_s", "s", "time from the start of the run"),
+            count("vehicle", "station; no number is used twice"),
+            text("kind", "vehicle, pedestrian, cyclist, road_worker or roadside"),
+            quantity("east_m", "m", "east of the origin, true"),
+            quantity("north_m", "m", "north of it, true"),
+            quantity("speed_mps", "m/s", "speed over ground"),
+            quantity("heading_rad", "rad", "course, clockwise from north"),
+            quantity("acceleration_mps2", "m/s²", "along the course"),
+            quantity("length_m", "m", "length"),
         ),
         "transmissions": (
-            TraceColumn("t_s", "number", "s", "when the radio was handed the message"),
+            quantity("t_s", "s", "when the radio was handed the message"),
             *_MESSAGE,
-            TraceColumn("size_bytes", "whole", "octets", "handed to the physical layer, MAC header included"),
-            TraceColumn("power_dbm", "number", "dBm", "at the antenna connector"),
-            TraceColumn("priority", "whole", "", "0, the most urgent, to 7"),
-            TraceColumn("kind", "text", "", "update, identification or keep-alive"),
-            TraceColumn("model", "text", "", "sub-model that receivers go on by"),
+            count("size_bytes", "handed to the physical layer, MAC header included", unit="octets"),
+            quantity("power_dbm", "dBm", "at the antenna connector"),
+            count("priority", "0, the most urgent, to 7"),
+            text("kind", "update, identification or keep-alive"),
+            text("model", "sub-model that receivers go on by"),
         ),
         "receptions": (
-            TraceColumn("t_s", "number", "s", "when the last bit arrived"),
+            quantity("t_s", "s", "when the last bit arrived"),
             *_MESSAGE,
-            TraceColumn("receiver", "whole", "", "station that received it"),
-            TraceColumn("distance_m", "number", "m", "between sender and receiver; empty where one is gone"),
-            TraceColumn("age_s", "number", "s", "since the instant of the state that the message is of"),
-            TraceColumn("rssi_dbm", "number", "dBm", "received power; empty where the radio knows none"),
+            count("receiver", "station that received it"),
+            quantity("distance_m", "m", "between sender and receiver; empty where one is gone"),
+            quantity("age_s", "s", "since the instant of the state that the message is of"),
+            quantity("rssi_dbm", "dBm", "received power; empty where the radio knows none"),
         ),
         "expired": (
-            TraceColumn("t_s", "number", "s", "end of the step in which it was given up"),
-            TraceColumn("origin", "whole", "", "station that made the message"),
-            TraceColumn("message", "whole", "", "number of the message, which was never on the air"),
+            quantity("t_s", "s", "end of the step in which it was given up"),
+            count("origin", "station that made the message"),
+            count("message", "number of the message, which was never on the air"),
         ),
     }
 )
