@@ -1,7 +1,7 @@
 // Vehicles on a line, a radio that carries 150 m, and modelcast for everything between.
 //
-//     modelcast serve --socket /tmp/modelcast.sock &
-//     g++ -std=c++17 -O2 loop.cpp -o loop && ./loop /tmp/modelcast.sock 5 10
+//     modelcast serve --socket modelcast.sock &
+//     g++ -std=c++17 -O2 loop.cpp -o loop && ./loop modelcast.sock 5 10
 //
 // Arguments: the server's socket, how many vehicles, how many seconds. Prints what each vehicle heard, and at
 // the end its map.

@@ -2,7 +2,7 @@
 // station of one session of `modelcast serve`.
 //
 // Put it, ModelcastApp.cc, ModelcastApp.ned and modelcast_client.hpp into a Veins project, make it the
-// application of vehicles, and start `modelcast serve --socket /tmp/modelcast.sock` before the simulation.
+// application of vehicles, and start `modelcast serve --socket modelcast.sock` before the simulation.
 // Written for the DemoBaseApplLayer of Veins 5. The channel counts as free: a sender that heeds its load, as
 // j2945, needs Mac1609_4's sigChannelBusy averaged into Step::busy_ratio.
 
