@@ -16,6 +16,7 @@ from modelcast.station.banks import bank_from_text, named_bank, profile_number_o
 MODULE = """
 from dataclasses import dataclass, field
 import numpy as np
+from modelcast.models.constant_velocity import ConstantVelocity
 from tests.models.numpy_models import Coasting, Smoothed
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +35,21 @@ class Broken(Coasting):
     fault: str = "raises"
 
 @dataclass(frozen=True, slots=True)
+class Hollow(Coasting):
+    name = "hollow"
+
+    @property
+    def parameter_names(self):
+        raise LookupError("no table")
+
+@dataclass(frozen=True, slots=True)
+class Bare(ConstantVelocity):
+    name = "bare"
+
+    def point_functions(self, dt_s):
+        raise RuntimeError("no compiler")
+
+@dataclass(frozen=True, slots=True)
 class Whole(Coasting):
     name = "paper"
 """
@@ -41,6 +57,8 @@ POINTS = {
     "drifting": "strange_models:Drifting",
     "cursed": "strange_models:Cursed",
     "broken": "strange_models:Broken",
+    "hollow": "strange_models:Hollow",
+    "bare": "strange_models:Bare",
     "other-name": "strange_models:Drifting",
     "paper": "strange_models:Whole",
     "number": "builtins:int",
@@ -83,6 +101,8 @@ def test_one_whose_rows_change_one_another_is_told_when_it_is_named() -> None:
         ("other-name", ConfigError, "must be a frozen dataclass of that name, got Drifting named 'drifting'"),
         ("paper", ConfigError, "on the command line that is a whole bank"),
         ("number", ConfigError, "The sub-model registered as 'number' is no AbstractSubModel: 0"),
+        ("hollow", ConfigError, "'hollow' of strange 1.2 cannot be used: LookupError: no table"),
+        ("bare", ConfigError, "'bare' of strange 1.2 cannot be used: RuntimeError: no compiler"),
         ("nobody", ConfigError, "Unknown sub-model 'nobody'"),
     ],
 )
