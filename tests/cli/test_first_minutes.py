@@ -233,6 +233,19 @@ def test_doctor_names_what_is_broken_and_its_remedy(
     assert not kernel_cache.kernel_cache().writable
 
 
+WANING = """
+from dataclasses import dataclass
+from tests.models.numpy_models import Coasting
+
+@dataclass(frozen=True, slots=True)
+class Waning(Coasting):
+    name = "waning"
+
+    def predict_batch(self, parameters, horizons_s, *, dt_s):
+        raise KeyError("moon")
+"""
+
+
 def test_doctor_tells_what_other_packages_bring_and_whether_it_can_be_had(
     other_package: Callable[..., Path], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -240,12 +253,18 @@ def test_doctor_tells_what_other_packages_bring_and_whether_it_can_be_had(
     monkeypatch.delenv("MODELCAST_DATA", raising=False)
     reader = {"modelcast.readers": {"table": "modelcast.io.csv:CsvReader"}}
     radios = {"silence": "modelcast.channel.erasure_radio:ErasureRadio", "noise": "builtins:list"}
-    other_package("first", {"modelcast.radios": radios, **reader})
+    models = {"waning": "waning_model:Waning"}
+    other_package(
+        "first",
+        {"modelcast.radios": radios, "modelcast.sub_models": models, **reader},
+        {"waning_model": WANING},
+    )
     other_package("second", reader, version="7.1")
     assert run(["doctor", "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
     told = {(one["name"], one["package"], one["version"]): one["problem"] for one in found["brought"]}
     assert told["silence", "first", "1.2"] == ""
+    assert "sub-model waning failed in predict_batch: KeyError" in told["waning", "first", "1.2"]
     assert "is no AbstractRadio" in told["noise", "first", "1.2"]
     for key in (("table", "first", "1.2"), ("table", "second", "7.1")):
         assert "registered by" in told[key]

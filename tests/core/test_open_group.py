@@ -54,17 +54,61 @@ def test_unknown_name_lists_the_known_ones_and_where_to_add(other_package):
         COUNTERS.origin("bee")
 
 
+MODULES = {
+    "broken_counter": "1 / 0\n",
+    "leaving_counter": "raise SystemExit(3)\n",
+    "failing_counter": """
+class Worn:
+    def __repr__(self): raise OSError("no name")
+def fails(): raise RuntimeError("no luck")
+def imports(): import there_is_no_such_module
+def leaves(): raise SystemExit(3)
+def stops(): raise KeyboardInterrupt
+""",
+}
+
+
 @pytest.mark.parametrize(
     ("value", "told"),
     [
         ("broken_counter:Ant", "ZeroDivisionError: division by zero"),
         ("no_such_module:Ant", "ModuleNotFoundError"),
         ("collections:Ant", "AttributeError"),
+        ("leaving_counter:Ant", "SystemExit: 3"),
     ],
 )
 def test_package_that_does_not_load_is_named(other_package, value, told):
-    other_package("second", {GROUP: {"ant": value}}, {"broken_counter": "1 / 0\n"})
+    other_package("second", {GROUP: {"ant": value}}, MODULES)
     with pytest.raises(ConfigError, match=f"'ant' of second does not load from '{value}': {told}"):
+        COUNTERS.made("ant")
+
+
+@pytest.mark.parametrize(
+    ("maker", "told"),
+    [
+        ("fails", "RuntimeError: no luck"),
+        ("imports", "ModuleNotFoundError: No module named 'there_is_no_such_module'"),
+        ("leaves", "SystemExit: 3"),
+    ],
+)
+def test_whatever_a_maker_raises_is_told_with_package_version_entry_point_and_cause(
+    other_package, maker, told
+):
+    other_package("second", {GROUP: {"ant": f"failing_counter:{maker}"}}, MODULES)
+    expected = f"The counter 'ant' of second 1.2 cannot be made by 'failing_counter:{maker}': {told}"
+    with pytest.raises(ConfigError, match=re.escape(expected)):
+        COUNTERS.made("ant")
+
+
+def test_a_maker_is_interrupted_as_anything_is(other_package):
+    other_package("second", {GROUP: {"ant": "failing_counter:stops"}}, MODULES)
+    with pytest.raises(KeyboardInterrupt):
+        COUNTERS.made("ant")
+
+
+def test_thing_that_cannot_be_shown_is_refused_by_its_class(other_package):
+    other_package("second", {GROUP: {"ant": "failing_counter:Worn"}}, MODULES)
+    with pytest.raises(ConfigError, match="registered as 'ant' is no dict: <Worn instance at"):
         COUNTERS.made("ant")
 
 

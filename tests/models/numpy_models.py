@@ -49,10 +49,15 @@ class Coasting(AbstractNumpySubModel):
         found = parameters[:, None, :] * horizons_s[:, None]
         return found / 0.0 if self.fault == "infinite" else found
 
+    def covariance_batch(self, parameters: FloatArray, horizons_s: FloatArray, *, dt_s: float) -> FloatArray:
+        """That of constant velocity, more where vehicles of the batch are fast."""
+        found = super(Coasting, self).covariance_batch(parameters, horizons_s, dt_s=dt_s)
+        return found * (1.0 + parameters.max() ** 2) if self.fault == "spread" else found
+
 
 @dataclass(frozen=True, slots=True)
 class Smoothed(AbstractNumpySubModel):
-    """Coast at a velocity that follows the measured one slowly."""
+    """Coast at a velocity that follows the measured one slowly; with no share, the batch's mean less."""
 
     share: float = 0.2
 
@@ -64,6 +69,8 @@ class Smoothed(AbstractNumpySubModel):
     def observe_batch(self, states: FloatArray | None, samples: FloatArray, *, dt_s: float) -> FloatArray:  # noqa: ARG002
         """Follow."""
         measured = samples[:, 2:4]
+        if np.isnan(self.share):
+            return measured - measured.mean(axis=0)
         return measured if states is None else states + self.share * (measured - states)
 
     def fit_batch(self, windows: Windows) -> FloatArray:

@@ -1,9 +1,13 @@
 """Claims about sub-models in plain NumPy: the same as compiled ones, errors told, rows, state, processes."""
 
+import gc
 import pickle
 import re
+import sys
 import threading
+import types
 import warnings
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -194,10 +198,116 @@ def test_addresses_stay_behind() -> None:
     functions = made_functions(Coasting(), 0.1)
     there = pickle.loads(pickle.dumps(functions))  # noqa: S301 - our own
     assert not functions.constants.any()
-    assert np.array_equal(there.addressed, functions.addressed)  # alike, so the same in this process
-    assert functions.addressed.any()
+    assert np.count_nonzero(there.addressed) == np.count_nonzero(functions.addressed) == len(functions.calls)
+    assert not {*there.addressed} & {*functions.addressed} - {0.0}  # each has its own
     assert there.calls == functions.calls
     assert made_functions(Coasting("nan"), 0.1).calls != functions.calls
+
+
+NOTEBOOK = """
+from dataclasses import dataclass
+from typing import Any
+from tests.models.numpy_models import Coasting
+
+def scale(values):
+    return {factor} * values
+
+@dataclass(frozen=True, slots=True)
+class Cell(Coasting):
+    change: Any = None
+    name = "cell"
+
+    def fit_batch(self, windows):
+        found = windows.velocities_mps[:, -1]
+        return {factor} * found if self.change is None else self.change(found)
+"""
+
+
+@pytest.fixture
+def cell(monkeypatch: pytest.MonkeyPatch) -> Callable[[float | str], Any]:
+    """Run a cell of a notebook again, with another number in it: a class and a function of the same names."""
+    notebook = types.ModuleType("notebook_of_a_test")
+    monkeypatch.setitem(sys.modules, notebook.__name__, notebook)
+
+    def run(factor: float | str) -> Any:
+        exec(NOTEBOOK.format(factor=factor), notebook.__dict__)  # noqa: S102 - our own text
+        return notebook
+
+    return run
+
+
+@pytest.mark.parametrize("field", [False, True], ids=["class", "function in a field"])
+def test_what_is_defined_again_under_its_name_runs_its_new_code(
+    cell: Callable[[float | str], Any], field: bool
+) -> None:
+    expected = WINDOWS.velocities_mps[:, -1]
+    kept: Any = None
+    for factor in (1.0, 2.0, 3.0):
+        notebook = cell(factor)
+        if kept is None or not field:
+            kept = notebook.Cell
+        notebook.Cell = kept
+        model = kept(change=notebook.scale if field else None)
+        assert np.array_equal(LOOP.fit(model, WINDOWS), factor * expected)
+
+
+def test_what_is_defined_again_is_looked_at_again(cell: Callable[[float | str], Any]) -> None:
+    assert cell(1.0).Cell().row_dependence(0.1) == ()
+    with pytest.warns(ModelcastWarning, match="of the sub-model cell change one another"):
+        assert cell("found.mean()").Cell().row_dependence(0.1) == ("fit_batch",)
+
+
+def test_an_old_sub_model_of_a_class_defined_again_is_refused(
+    cell: Callable[[float | str], Any],
+) -> None:
+    old = cell(1.0).Cell()
+    cell(2.0)
+    with pytest.raises(SubModelError, match="make it anew where its class was defined again"):
+        made_functions(old, 0.1)
+
+
+def test_classes_of_cells_that_ran_before_do_not_heap_up(cell: Callable[[float | str], Any]) -> None:
+    classes: weakref.WeakSet[type] = weakref.WeakSet()
+    for factor in range(200):
+        model = cell(factor).Cell()
+        classes.add(type(model))
+        assert np.array_equal(LOOP.fit(model, WINDOWS), factor * WINDOWS.velocities_mps[:, -1])
+    gc.collect()
+    assert len(classes) <= 65  # what `made_functions` keeps, and the module's own
+
+
+def test_an_address_lives_as_long_as_any_array_that_holds_it() -> None:
+    model = Coasting()
+    functions = model.point_functions(0.1)
+    bank = Bank((model,))
+    ready = ReadyBank((functions,), bank.windows, bank.offsets, bank.trust)
+    for held in (functions.addressed, functions.reading_context(0), ready.members.constants):
+        assert held[0] == functions.calls[0].address
+    alive = weakref.ref(functions.calls[0].function)
+    constants = [functions.addressed, ready.members.constants]
+    del functions, ready, held
+    for _ in range(2):
+        view = constants.pop()[1:]
+        gc.collect()
+        assert alive() is not None
+        del view
+    gc.collect()
+    assert alive() is None
+
+
+def test_covariances_whose_rows_change_one_another_are_called_one_by_one() -> None:
+    model, parameters = Coasting("spread"), Coasting().fit(WINDOWS)
+    with pytest.warns(ModelcastWarning, match="rows of covariance_batch of the sub-model coasting change"):
+        together = model.covariance(parameters, HORIZONS_S, dt_s=0.1)
+    alone = [model.covariance(one[None], HORIZONS_S, dt_s=0.1)[0] for one in parameters]
+    assert np.array_equal(together, alone)
+
+
+def test_states_whose_rows_change_one_another_are_named() -> None:
+    with pytest.warns(
+        ModelcastWarning, match="rows of observe_batch and fit_batch of the sub-model smoothed"
+    ):
+        assert Smoothed(share=np.nan).row_dependence(0.1) == ("observe_batch", "fit_batch")
 
 
 def test_state_without_a_function_is_refused() -> None:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from modelcast.core.exceptions import ConfigError, ModelcastWarning, SubModelError
 from modelcast.models.bank import Bank
+from modelcast.models.learned import FeatureMap, Perceptron
 from modelcast.models.profile import Profile, profile_from_text
 from modelcast.models.sub_models import SUB_MODELS, registered_model
 from modelcast.station.banks import bank_from_text, named_bank, profile_number_of
@@ -16,12 +18,18 @@ from modelcast.station.banks import bank_from_text, named_bank, profile_number_o
 MODULE = """
 from dataclasses import dataclass, field
 import numpy as np
+from modelcast.models.constant_velocity import ConstantVelocity
 from tests.models.numpy_models import Coasting, Smoothed
 
 @dataclass(frozen=True, slots=True)
 class Drifting(Coasting):
     weights: object = field(default_factory=lambda: np.array([1.0, 0.5]))
     name = "drifting"
+
+@dataclass(frozen=True, slots=True)
+class Holding(Coasting):
+    held: object = None
+    name = "holding"
 
 @dataclass(frozen=True, slots=True)
 class Cursed(Coasting):
@@ -34,13 +42,31 @@ class Broken(Coasting):
     fault: str = "raises"
 
 @dataclass(frozen=True, slots=True)
+class Hollow(Coasting):
+    name = "hollow"
+
+    @property
+    def parameter_names(self):
+        raise LookupError("no table")
+
+@dataclass(frozen=True, slots=True)
+class Bare(ConstantVelocity):
+    name = "bare"
+
+    def point_functions(self, dt_s):
+        raise RuntimeError("no compiler")
+
+@dataclass(frozen=True, slots=True)
 class Whole(Coasting):
     name = "paper"
 """
 POINTS = {
+    "holding": "strange_models:Holding",
     "drifting": "strange_models:Drifting",
     "cursed": "strange_models:Cursed",
     "broken": "strange_models:Broken",
+    "hollow": "strange_models:Hollow",
+    "bare": "strange_models:Bare",
     "other-name": "strange_models:Drifting",
     "paper": "strange_models:Whole",
     "number": "builtins:int",
@@ -62,7 +88,57 @@ def test_a_profile_gives_it_back_with_its_arrays() -> None:
 
 def test_what_a_profile_would_round_is_refused() -> None:
     member = registered_model("drifting", weights=np.array([0.1, 0.5]))
-    with pytest.raises(ValueError, match="field weights of the sub-model drifting would come back"):
+    with pytest.raises(ValueError, match=r"drifting would come back .* weights would come back with other"):
+        _ = Profile(Bank((member,))).text
+
+
+def network(scale: float = 1.0) -> Perceptron:
+    """A dataclass of arrays, whose numbers fit in 32 bits."""
+    inputs = FeatureMap(20).inputs
+    return Perceptron(
+        np.inf,
+        centre=np.zeros(inputs),
+        width=np.ones(inputs),
+        weights_1=np.zeros((inputs, 1)),
+        bias_1=np.zeros(1),
+        weights_2=np.zeros((1, 1)),
+        bias_2=np.zeros(1),
+        weights_3=np.zeros((1, 2)),
+        bias_3=np.array([0.5, 2.0]) * scale,
+    )
+
+
+def test_a_profile_gives_back_what_holds_arrays_deep_inside() -> None:
+    profile = Profile(Bank((registered_model("holding", held=(network(), {"near": (network(2.0), 3)})),)))
+    again = profile_from_text(profile.text)
+    assert again == profile
+    assert again.bank.members[0].held[1]["near"][0].bias_3.tolist() == [1.0, 4.0]  # type: ignore[attr-defined]
+
+
+class Count(IntEnum):
+    """A number with a name."""
+
+    TWO = 2
+
+
+@pytest.mark.parametrize(
+    ("held", "told"),
+    [
+        (network(0.1), "held.bias_3 would come back with other numbers"),
+        ((1, {"a": network(0.1)}), "held[1]['a'].bias_3 would come back"),
+        (np.float64(0.5), "held is np.float64(0.5) (float64) and would come back as float"),
+        (np.str_("a"), "(str_) and would come back as str"),
+        (Count.TWO, "(Count) and would come back as int"),
+        ("inf", "held is 'inf' (str) and would come back as float"),
+        ([1, 2], "(list) and would come back as tuple"),
+        (np.array([1, 2]), "held is an array of int64 and would come back as float64"),
+        ({1: 2}, "the key 1 of held would come back as text"),
+    ],
+    ids=str,
+)
+def test_what_a_profile_would_change_is_refused_by_its_place(held: object, told: str) -> None:
+    member = registered_model("holding", held=held)
+    with pytest.raises(ValueError, match=f"^the sub-model holding would come.*{re.escape(told)}"):
         _ = Profile(Bank((member,))).text
 
 
@@ -83,6 +159,8 @@ def test_one_whose_rows_change_one_another_is_told_when_it_is_named() -> None:
         ("other-name", ConfigError, "must be a frozen dataclass of that name, got Drifting named 'drifting'"),
         ("paper", ConfigError, "on the command line that is a whole bank"),
         ("number", ConfigError, "The sub-model registered as 'number' is no AbstractSubModel: 0"),
+        ("hollow", ConfigError, "'hollow' of strange 1.2 cannot be used: LookupError: no table"),
+        ("bare", ConfigError, "'bare' of strange 1.2 cannot be used: RuntimeError: no compiler"),
         ("nobody", ConfigError, "Unknown sub-model 'nobody'"),
     ],
 )

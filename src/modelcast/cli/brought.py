@@ -4,24 +4,24 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
+from operator import attrgetter
 from types import MappingProxyType
-from typing import Any
 
-from modelcast.core.exceptions import ConfigError
+from modelcast.core.exceptions import ModelcastError
 from modelcast.core.open_group import OpenGroup, registered
 
 __all__ = ["Brought", "brought"]
 
-_MADE_WITH_DEFAULTS = MappingProxyType(
+_MAKERS = MappingProxyType(
     {
-        "modelcast.applications": "modelcast.apps.registry:APPLICATIONS",
-        "modelcast.policies": "modelcast.station.sender.names:POLICIES",
-        "modelcast.radios": "modelcast.channel.registry:RADIOS",
-        "modelcast.readers": "modelcast.io.registry:READERS",
-        "modelcast.sub_models": "modelcast.models.sub_models:SUB_MODELS",
+        "modelcast.applications": "modelcast.apps.registry:APPLICATIONS.made",
+        "modelcast.policies": "modelcast.station.sender.names:POLICIES.made",
+        "modelcast.radios": "modelcast.channel.registry:RADIOS.made",
+        "modelcast.readers": "modelcast.io.registry:READERS.made",
+        "modelcast.sub_models": "modelcast.models.sub_models:registered_model",
     }
 )
-"""Groups whose things are made without arguments."""
+"""What makes a thing of a group by its name alone, where things are made without arguments."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,12 +57,11 @@ def brought() -> Iterator[Brought]:
 
 def _problem(group: str, name: str) -> str:
     try:
-        if group in _MADE_WITH_DEFAULTS:
-            module, _, attribute = _MADE_WITH_DEFAULTS[group].partition(":")
-            found: OpenGroup[Any] = getattr(import_module(module), attribute)
-            found.made(name)
+        if group in _MAKERS:
+            module, _, maker = _MAKERS[group].partition(":")
+            attrgetter(maker)(import_module(module))(name)
         else:
             OpenGroup(group, object, called=group, own={}).loaded(name)
-    except ConfigError as error:
+    except ModelcastError as error:
         return str(error)
     return ""

@@ -18,6 +18,7 @@ from typing import Any, Generic, TypeVar
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.named_settings import named_settings
+from modelcast.core.rules import shown
 
 __all__ = ["OpenGroup", "Origin", "registered"]
 
@@ -114,7 +115,7 @@ entry-point group 'example.counters'.
         point = self._point(name)
         try:
             return point.load()
-        except Exception as error:  # whatever the import of another package raises
+        except (Exception, SystemExit) as error:  # whatever the import of another package raises
             raise ConfigError(
                 f"The {self.called} {name!r} of {_owner(point)} does not load from {point.value!r}: "
                 f"{type(error).__name__}: {error}"
@@ -126,23 +127,30 @@ entry-point group 'example.counters'.
         Raises
         ------
         ConfigError
-            As `loaded`; where the call is refused; where it gives something of another kind.
+            As `loaded`; where the call is refused; where another package's fails, whatever it raises; where
+            it gives something of another kind.
         """
         maker: Callable[..., Any] = self.loaded(name)
-        if name in self.own and not settings:
-            thing = maker(*arguments)
-        else:
-            owner = "modelcast" if name in self.own else _owner(self._point(name))
-            try:
-                thing = maker(*arguments, **settings)
-            except (AttributeError, TypeError, ValueError) as error:
-                raise ConfigError(
-                    f"The {self.called} {name!r} of {owner} refuses its settings: {error}"
-                    f"{_settings_of(maker)}"
-                ) from error
+        ours = name in self.own
+        try:
+            thing = maker(*arguments, **settings)
+        except (AttributeError, TypeError, ValueError) as error:
+            if ours and not settings:
+                raise
+            owner = "modelcast" if ours else _owner(self._point(name))
+            raise ConfigError(
+                f"The {self.called} {name!r} of {owner} refuses its settings: {error}{_settings_of(maker)}"
+            ) from error
+        except (Exception, SystemExit) as error:
+            if ours:
+                raise
+            raise ConfigError(
+                f"The {self.called} {name!r} of {self.origin(name)} cannot be made by "
+                f"{self._point(name).value!r}: {type(error).__name__}: {error}"
+            ) from error
         if not isinstance(thing, self.kind):
             raise ConfigError(
-                f"The {self.called} registered as {name!r} is no {self.kind.__name__}: {thing!r}"
+                f"The {self.called} registered as {name!r} is no {self.kind.__name__}: {shown(thing)}"
             )
         return thing
 

@@ -6,8 +6,10 @@ sent: it means something in one process alone. A loop over a bank takes an array
 """
 
 import functools
+import itertools
 from collections.abc import Callable
 from typing import Any
+from weakref import WeakValueDictionary
 
 from numba import types
 from numba.core import cgutils
@@ -24,6 +26,7 @@ __all__ = [
     "called_plain",
     "fit_at",
     "observe_at",
+    "plain_number",
     "point_address",
     "predict_at",
     "track_at",
@@ -43,8 +46,23 @@ TRACK_TYPES = (FloatVector, FloatVector, FloatVector, FloatMatrix)
 
 _code: Any = cgutils  # untyped
 
-_plain: list[Callable[..., Any]] = []
-"""Point functions by number, where nothing is compiled and an address is such a number."""
+_plain: WeakValueDictionary[int, Callable[..., Any]] = WeakValueDictionary()
+"""Point functions by number, where nothing is compiled and an address is such a number; no number returns."""
+
+_numbers = itertools.count(1)
+
+
+def plain_number(function: Callable[..., Any]) -> int:
+    """Return a number for a function, where nothing is compiled; it is known as long as the function lives.
+
+    Parameters
+    ----------
+    function
+        Any.
+    """
+    number = next(_numbers)
+    _plain[number] = function
+    return number
 
 
 @functools.cache
@@ -64,9 +82,7 @@ def point_address(function: Any, signature: tuple[Any, ...]) -> int:
         Where it is no kernel, or its arguments are others.
     """
     if not COMPILES:
-        if function not in _plain:
-            _plain.append(function)
-        return _plain.index(function)
+        return plain_number(function)
     if not isinstance(function, Kernel):
         raise TypeError(f"a point function is decorated with kernel, got {function!r}")
     declared = function.declared

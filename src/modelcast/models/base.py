@@ -20,7 +20,7 @@ from modelcast.models.address_kernels import FIT_TYPES, OBSERVE_TYPES, PREDICT_T
 from modelcast.models.context_columns import CONTEXT_COLUMNS
 from modelcast.models.member_kernels import NO_ABSORB
 from modelcast.models.payload import PayloadLayout
-from modelcast.models.python_function import PythonFunction
+from modelcast.models.python_function import PythonFunction, keeping
 
 __all__ = [
     "AbstractMotionModel",
@@ -229,10 +229,10 @@ class PointFunctions:
 
     @property
     def addressed(self) -> FloatArray:
-        """The constants with the addresses of this process in place, (K,)."""
+        """The constants with the addresses of this process in place, (K,); they keep what they address."""
         if not self.calls:
             return self.constants
-        out = self.constants.copy()
+        out = keeping(self.constants, self.calls)
         for call in self.calls:
             out[call.at] = call.address
         return out
@@ -280,9 +280,11 @@ class PointFunctions:
         column
             First column of the context, 0 where samples hold none.
         """
+        out = self.addressed
         if self.context_at is None:
-            return self.addressed
-        out = self.addressed.copy()
+            return out
+        if out is self.constants:
+            out = out.copy()
         out[self.context_at] = column
         return out
 

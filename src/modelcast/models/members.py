@@ -11,6 +11,7 @@ from modelcast.models.base import PointFunctions, made_functions
 from modelcast.models.context_columns import CONTEXT_COLUMNS
 from modelcast.models.member_kernels import Members
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
+from modelcast.models.python_function import keeping
 
 __all__ = ["ReadyBank"]
 
@@ -119,7 +120,7 @@ class ReadyBank:
         return Members(
             fits=np.array([one.fit_address for one in self.functions], dtype=np.int64),
             predicts=np.array([one.predict_address for one in self.functions], dtype=np.int64),
-            constants=np.concatenate(constants),
+            constants=keeping(np.concatenate(constants), tuple(one.calls for one in self.functions)),
             bounds=bounds,
             windows=self.windows,
             offsets=self.offsets,

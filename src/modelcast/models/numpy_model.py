@@ -7,10 +7,11 @@ is an error that names the sub-model, the row and the value.
 """
 
 import abc
+import functools
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -202,15 +203,9 @@ class AbstractNumpySubModel(AbstractSubModel):
         parameters = self.checked(parameters)
         horizons_s = np.array(horizons_s, dtype=np.float64)
         wide = (horizons_s.size, 2, 2)
-
-        def spread(rows: IntArray) -> FloatArray:
-            given = parameters[rows]
-            found = self._told(
-                "covariance_batch", lambda: self.covariance_batch(given, horizons_s, dt_s=dt_s)
-            )
-            return self._numbers("covariance_batch", found, rows, wide)
-
-        return self._each(spread, len(parameters), wide, dt_s)
+        return self._each(
+            lambda rows: self._spread(parameters, horizons_s, rows, dt_s), len(parameters), wide, dt_s
+        )
 
     def row_dependence(self, dt_s: float) -> tuple[str, ...]:
         """Which of its functions say something else of a row in a batch than of it alone, by bits.
@@ -223,24 +218,7 @@ class AbstractNumpySubModel(AbstractSubModel):
         dt_s
             Sampling interval [s].
         """
-        fit = made_functions(self, dt_s).calls[0].function
-        if fit.key not in _dependent:
-            windows = made_up_windows(self.window, dt_s=dt_s)
-            parameters = np.concatenate([self._fitted(windows, np.array([row])) for row in range(ROWS)])
-            functions: dict[str, Callable[[IntArray], FloatArray]] = {
-                "fit_batch": lambda rows: self._fitted(windows, rows),
-                "predict_batch": lambda rows: self._predicted(parameters, _CHECKED_HORIZONS_S, rows, dt_s),
-            }
-            found = tuple(name for name, one in functions.items() if not rows_stand_alone(one))
-            _dependent[fit.key] = found
-            if found:
-                warnings.warn(
-                    f"The rows of {' and '.join(found)} of the sub-model {self.name} change one another: it "
-                    "is called row by row everywhere, which takes longer.",
-                    ModelcastWarning,
-                    stacklevel=2,
-                )
-        return _dependent[fit.key]
+        return _row_dependence(made_functions(self, dt_s).calls[0].function)
 
     def _each(
         self, function: Callable[[IntArray], FloatArray], count: int, wide: tuple[int, ...], dt_s: float
@@ -284,6 +262,33 @@ class AbstractNumpySubModel(AbstractSubModel):
         found = self._told("predict_batch", lambda: self.predict_batch(given, horizons_s.copy(), dt_s=dt_s))
         return self._numbers("predict_batch", found, rows, (horizons_s.size, 2))
 
+    def _spread(
+        self, parameters: FloatArray, horizons_s: FloatArray, rows: IntArray, dt_s: float
+    ) -> FloatArray:
+        """Covariances of these rows of parameters."""
+        given = parameters[rows]
+        found = self._told(
+            "covariance_batch", lambda: self.covariance_batch(given, horizons_s.copy(), dt_s=dt_s)
+        )
+        return self._numbers("covariance_batch", found, rows, (horizons_s.size, 2, 2))
+
+    def _dependent(self, dt_s: float) -> tuple[str, ...]:
+        """What `row_dependence` says, looked at."""
+        windows = made_up_windows(self.window, dt_s=dt_s)
+        parameters = np.concatenate([self._fitted(windows, np.array([row])) for row in range(ROWS)])
+        horizons_s = _CHECKED_HORIZONS_S
+
+        def scanned(rows: IntArray) -> FloatArray:
+            return cast("FloatArray", self._scanned(windows.samples[rows], dt_s))
+
+        functions: dict[str, Callable[[IntArray], FloatArray]] = {
+            **({"observe_batch": scanned} if self.state_columns else {}),
+            "fit_batch": lambda rows: self._fitted(windows, rows),
+            "predict_batch": lambda rows: self._predicted(parameters, horizons_s, rows, dt_s),
+            "covariance_batch": lambda rows: self._spread(parameters, horizons_s, rows, dt_s),
+        }
+        return tuple(name for name, one in functions.items() if not rows_stand_alone(one))
+
     def _told(self, called: str, function: Callable[[], Any]) -> Any:
         """What a function of the model gives; what it raises is told with the model's name."""
         try:
@@ -323,10 +328,6 @@ class AbstractNumpySubModel(AbstractSubModel):
         return ", ".join(str(int(one)) for one in place)
 
 
-_dependent: dict[bytes, tuple[str, ...]] = {}
-"""What `AbstractNumpySubModel.row_dependence` found, by the key of the function."""
-
-
 @dataclass(frozen=True, slots=True)
 class _OneRow:
     """A sub-model as compiled loops call it: one row at a time, for one sampling interval."""
@@ -358,3 +359,18 @@ class _OneRow:
         """Carry state, from ``column`` on, to a sample (C,); none before (0, 0) is a start."""
         states = before[:, int(column) : int(column) + out.size] if before.size else None
         out[:] = self.model.observed(states, sample[None, :SAMPLE_COLUMNS], self.dt_s)[0]
+
+
+@functools.lru_cache(maxsize=64)
+def _row_dependence(fit: PythonFunction) -> tuple[str, ...]:
+    """What `AbstractNumpySubModel.row_dependence` says, looked at once for functions that are the same."""
+    one: _OneRow = cast("Any", fit.body).__self__
+    found = one.model._dependent(one.dt_s)  # noqa: SLF001 - of this module
+    if found:
+        warnings.warn(
+            f"The rows of {' and '.join(found)} of the sub-model {one.model.name} change one another: it "
+            "is called row by row everywhere, which takes longer.",
+            ModelcastWarning,
+            stacklevel=3,
+        )
+    return found

@@ -13,10 +13,11 @@ import base64
 import math
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, fields, is_dataclass
 from typing import Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import ConfigError, ModelcastWarning
@@ -127,12 +128,8 @@ def to_plain(value: Any) -> Any:
     >>> from_plain(to_plain(Trusted(ConstantVelocity(), 1.0, np.inf)))
     Trusted(model=ConstantVelocity(acceleration_spread_mps2=1.0), horizon_s=1.0, turn_s=inf)
     """
-    if value is None or isinstance(value, str | bool | int):
-        return value
-    if isinstance(value, float):
-        if value != value:  # noqa: PLR0124 - NaN
-            raise ValueError("a profile holds no NaN")
-        return value if np.isfinite(value) else ("inf" if value > 0.0 else "-inf")
+    if value is None or isinstance(value, bool | int | float | str):
+        return _scalar(value)
     if isinstance(value, np.ndarray):
         array = cast("FloatArray", value)
         text = base64.b64encode(array.astype("<f4").tobytes()).decode("ascii")
@@ -143,6 +140,19 @@ def to_plain(value: Any) -> Any:
     if isinstance(value, Sequence):
         return [to_plain(item) for item in cast("Sequence[object]", value)]
     return _instance_plain(value)
+
+
+def _scalar(value: bool | float | str | None) -> bool | int | float | str | None:
+    """A number or text as Python's own class of it, as JSON gives it back."""
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, str):
+        return str.__str__(value)
+    if isinstance(value, int):
+        return int(value)
+    if value != value:  # noqa: PLR0124 - NaN
+        raise ValueError("a profile holds no NaN")
+    return float(value) if np.isfinite(value) else ("inf" if value > 0.0 else "-inf")
 
 
 def _instance_plain(value: Any) -> dict[str, Any]:
@@ -164,10 +174,12 @@ def _registered_plain(value: Any, name: str) -> dict[str, Any]:
     given = {item.name: getattr(value, item.name) for item in fields(value) if item.init}
     plain = {key: to_plain(one) for key, one in given.items()}
     for key, one in given.items():
-        if not _same(one, from_plain(plain[key])):
+        changed = _changed(one, from_plain(plain[key], f"$.{key}"), key)
+        if changed:
             raise ValueError(
-                f"the field {key} of the sub-model {name} would come back from a profile as another value: "
-                "arrays are of 32-bit floats and 1 to 3 axes, sequences are tuples"
+                f"the sub-model {name} would come back from a profile as another: {changed}; fields hold "
+                "Python's own numbers and text, tuples, tables by text, arrays of float64 with 1 to 3 axes "
+                "whose numbers fit in 32 bits, and sub-models"
             )
     return {
         "is": REGISTERED,
@@ -178,16 +190,39 @@ def _registered_plain(value: Any, name: str) -> dict[str, Any]:
     }
 
 
-def _same(one: Any, other: Any) -> bool:
-    """Whether a value is another, arrays by their numbers."""
+def _changed(one: Any, other: Any, path: str) -> str:
+    """What of a value comes back as another, in words; empty where nothing does."""
     if type(one) is not type(other):
-        return False
+        return f"{path} is {shown(one)} ({type(one).__name__}) and would come back as {type(other).__name__}"
     if isinstance(one, np.ndarray):
-        return np.array_equal(cast("FloatArray", one), cast("FloatArray", other))
+        return _changed_array(one, other, path)
+    parts: list[tuple[str, Any, Any]] = []
+    if isinstance(one, tuple | Mapping) and len(cast("Any", one)) != len(other):
+        return f"{path} would come back with {len(other)} parts, not {len(cast('Any', one))}"
     if isinstance(one, tuple):
-        first, second = cast("tuple[Any, ...]", one), cast("tuple[Any, ...]", other)
-        return len(first) == len(second) and all(_same(*pair) for pair in zip(first, second, strict=True))
-    return bool(one == other)
+        pairs = zip(cast("tuple[Any, ...]", one), other, strict=True)
+        parts = [(f"{path}[{at}]", *pair) for at, pair in enumerate(pairs)]
+    elif isinstance(one, Mapping):
+        table = cast("Mapping[Any, Any]", one)
+        missing = [key for key in table if key not in other]
+        if missing:
+            return f"the key {shown(missing[0])} of {path} would come back as text"
+        parts = [(f"{path}[{key!r}]", part, other[key]) for key, part in table.items()]
+    elif is_dataclass(one):
+        names = [item.name for item in fields(one) if item.init]
+        parts = [(f"{path}.{name}", getattr(one, name), getattr(other, name)) for name in names]
+    elif one != other:
+        return f"{path} is {shown(one)} and would come back as {shown(other)}"
+    return next((found for found in (_changed(*pair, where) for where, *pair in parts) if found), "")
+
+
+def _changed_array(one: NDArray[Any], other: FloatArray, path: str) -> str:
+    """What of an array comes back as another, in words."""
+    if one.dtype != other.dtype:
+        return f"{path} is an array of {one.dtype} and would come back as {other.dtype}"
+    if not np.array_equal(one, other):
+        return f"{path} would come back with other numbers: a profile keeps 32 bits of each, and no NaN"
+    return ""
 
 
 def _registered(mapping: Mapping[str, Any], path: str) -> AbstractSubModel:

@@ -13,7 +13,7 @@ from dataclasses import is_dataclass
 from types import MappingProxyType
 from typing import Any
 
-from modelcast.core.exceptions import ConfigError
+from modelcast.core.exceptions import ConfigError, ModelcastError
 from modelcast.core.open_group import OpenGroup
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.numpy_model import AbstractNumpySubModel
@@ -38,7 +38,8 @@ _DT_S = 0.1
 def registered_model(name: str, **fields: Any) -> AbstractSubModel:
     """Return a sub-model that another package registers.
 
-    One in NumPy is looked at here: whether it works, and whether the rows of its batches stand alone.
+    It is looked at here: one in NumPy whether it works and whether the rows of its batches stand alone, any
+    other whether it has its compiled functions.
 
     Parameters
     ----------
@@ -51,11 +52,25 @@ def registered_model(name: str, **fields: Any) -> AbstractSubModel:
     ------
     ConfigError
         Where none has that name, its package does not load or refuses the fields, or it calls itself
-        something else.
+        something else; where a property of it fails.
     SubModelError
         Where it fails on made-up windows.
     """
     member = SUB_MODELS.made(name, **fields)
+    try:
+        _look_at(member, name)
+    except ModelcastError:
+        raise
+    except Exception as error:  # whatever a property of another package's class raises
+        raise ConfigError(
+            f"The sub-model {name!r} of {SUB_MODELS.origin(name)} cannot be used: "
+            f"{type(error).__name__}: {error}"
+        ) from error
+    return member
+
+
+def _look_at(member: AbstractSubModel, name: str) -> None:
+    """Refuse what is no sub-model of that name, or does not work."""
     if not is_dataclass(member) or member.name != name:
         raise ConfigError(
             f"The sub-model registered as {name!r} by {SUB_MODELS.origin(name)} must be a frozen dataclass "
@@ -67,7 +82,8 @@ def registered_model(name: str, **fields: Any) -> AbstractSubModel:
         raise ConfigError(f"The sub-model {name!r} of {SUB_MODELS.origin(name)}: {error}") from error
     if isinstance(member, AbstractNumpySubModel):
         member.row_dependence(_DT_S)
-    return member
+    else:
+        member.point_functions(_DT_S)
 
 
 def registered_name(kind: type[object]) -> str:

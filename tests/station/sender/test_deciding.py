@@ -149,12 +149,32 @@ def test_a_message_that_falls_due_after_the_step_waits_for_the_next() -> None:
         (Says(late_s=-0.01), "send_s must be within t_s and until_s"),
         (Says(power_dbm=20.5), "power_dbm must be NaN or at most 20 dBm, got 20.5"),
         (Says(power_dbm=np.inf), "power_dbm must be NaN or at most 20 dBm"),
+        (Says(in_use=0.5), "in_use must be an array of int64, got float64"),  # type: ignore[arg-type]
+        (Says(kind=1.5), "kind must be an array of int64, got float64"),  # type: ignore[arg-type]
         (Says(rows=1), r"state must have 5 rows, got shape \(6,\)"),
     ],
 )
 def test_what_a_station_cannot_do_is_refused_by_the_policy_s_name(policy: Says, told: str) -> None:
     with pytest.raises(PolicyError, match=f"Says: .*{told}"):
         drive(replace(named_sender("baseline"), policy=policy), 3)
+
+
+@dataclass(frozen=True, slots=True)
+class Counting(Says):
+    """Says so, and counts in steps of a half what began as whole numbers."""
+
+    def init(self, vehicles: int, sub_models: int) -> Any:  # noqa: ARG002
+        """Nothing yet."""
+        return (np.zeros(vehicles, dtype=np.int64),)
+
+    def decide(self, state: Any, inputs: TransmitInputs, rng: np.random.Generator) -> tuple[Decisions, Any]:
+        """Count."""
+        return Says.decide(self, np.zeros(state[0].size), inputs, rng)[0], (state[0] + 0.5,)
+
+
+def test_a_state_that_would_be_cut_is_refused_by_the_policy_s_name() -> None:
+    with pytest.raises(PolicyError, match=r"Counting: state\[0\] began as int64 and cannot hold float64"):
+        drive(replace(named_sender("baseline"), policy=Counting()), 3)
 
 
 def test_power_is_as_asked_for_but_no_more_than_the_sender_s() -> None:

@@ -1,8 +1,10 @@
 """What a transmit policy is: ``init`` and ``decide`` over a batch of vehicles, state passed in and out."""
 
 import abc
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, fields, is_dataclass, replace
 from enum import IntEnum
+from types import MappingProxyType
 from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
@@ -206,15 +208,18 @@ class Decisions:
         Raises
         ------
         ValueError
-            Where there is not one decision a vehicle; a kind is neither nothing, an update nor a keep-alive;
+            Where there is not one decision a vehicle; an array holds fractions where whole numbers or truth
+            values are meant; a kind is neither nothing, an update nor a keep-alive;
             a sub-model named for a message is out of range or has no full window; a message is to leave
             before now or after the interval; or a power is above `MOST_POWER_DBM`.
         """
         rows, members = inputs.available.shape
-        for name in ("kind", "in_use", "send_s", "power_dbm", "believed"):
-            shape = getattr(self, name).shape
-            if shape != (rows,):
-                raise ValueError(f"{name} must have shape {(rows,)}, got {shape}")
+        for name, wanted in _DECIDED.items():
+            given = getattr(self, name)
+            if not isinstance(given, np.ndarray) or given.shape != (rows,):
+                raise ValueError(f"{name} must be an array of shape {(rows,)}, got {np.shape(given)}")
+            if not np.can_cast(cast("FloatArray", given).dtype, wanted, "same_kind"):
+                raise ValueError(f"{name} must be an array of {wanted.__name__}, got {given.dtype}")
         allowed = (MessageKind.NOTHING, MessageKind.UPDATE, MessageKind.KEEP_ALIVE)
         _refuse(~np.isin(self.kind, allowed), "kind", self.kind, "nothing, an update or a keep-alive")
         sends = self.kind != MessageKind.NOTHING
@@ -241,6 +246,18 @@ class Decisions:
             power_dbm=np.full(kind.size, np.nan),
             believed=sends,
         )
+
+
+_DECIDED: Mapping[str, type[np.generic]] = MappingProxyType(
+    {
+        "kind": np.int64,
+        "in_use": np.int64,
+        "send_s": np.float64,
+        "power_dbm": np.float64,
+        "believed": np.bool_,
+    }
+)
+"""What the arrays of a decision hold."""
 
 
 def _refuse(wrong: BoolArray, name: str, values: IntArray | FloatArray, expected: str) -> None:

@@ -59,13 +59,13 @@ def take_rows(state: Any, rows: IntArray) -> Any:
     (array([3., 1.]), None)
     """
 
-    def take(part: Any) -> Any:
+    def take(part: Any, _place: str) -> Any:
         return part[rows]
 
     return _joined([state], take)
 
 
-def put_rows(state: Any, rows: IntArray, some: Any) -> Any:
+def put_rows(state: Any, rows: IntArray, some: Any, name: str) -> Any:
     """Return the state with that of some vehicles put in; the given ones are left alone.
 
     Parameters
@@ -75,20 +75,47 @@ def put_rows(state: Any, rows: IntArray, some: Any) -> Any:
     rows
         Which, (B,).
     some
-        Their state.
+        Their state: of the same parts, with as many columns, and of numbers that the given ones can hold.
+    name
+        Of the policy, for errors.
+
+    Raises
+    ------
+    PolicyError
+        Where it is none of that; it names the part, what was given and what was expected.
 
     Examples
     --------
-    >>> put_rows(np.zeros(4), np.array([3, 1]), np.array([7.0, 8.0]))
+    >>> put_rows(np.zeros(4), np.array([3, 1]), np.array([7.0, 8.0]), "It")
     array([0., 8., 0., 7.])
+    >>> put_rows((np.zeros(4, dtype=int),), np.array([3]), (np.array([0.5]),), "It")
+    Traceback (most recent call last):
+    modelcast.core.exceptions.PolicyError: It: state[0] began as int64 and cannot hold float64: let init \
+give an array of float64
     """
 
-    def put(part: Any, own: Any) -> Any:
+    def put(part: Any, own: Any, place: str) -> Any:
         after = part.copy()
-        after[rows] = own
+        after[rows] = _fitting(own, part, rows.size, f"{name}: {place}")
         return after
 
-    return _joined([state, some], put)
+    return _joined([state, some], put, name)
+
+
+def _fitting(own: Any, part: Any, count: int, what: str) -> Any:
+    """Some rows as an array of a state holds them; refused where that would change them."""
+    wanted = (count, *part.shape[1:])
+    if own.shape != wanted:
+        raise PolicyError(f"{what} must have shape {wanted}, as init gave it, got {own.shape}")
+    if own.dtype == part.dtype:
+        return own
+    holds = np.can_cast(own.dtype, part.dtype, "same_kind")
+    cast_rows = own.astype(part.dtype) if holds else own
+    if not holds or (not np.issubdtype(part.dtype, np.inexact) and not np.array_equal(cast_rows, own)):
+        raise PolicyError(
+            f"{what} began as {part.dtype} and cannot hold {own.dtype}: let init give an array of {own.dtype}"
+        )
+    return cast_rows
 
 
 def _parts(state: Any, name: str = "policy") -> list[Any]:
@@ -102,14 +129,44 @@ def _parts(state: Any, name: str = "policy") -> list[Any]:
     )
 
 
-def _joined(states: list[Any], make: Any) -> Any:
+def _named_parts(state: Any, place: str) -> list[str]:
+    """Where the parts of a state stand in it."""
+    if is_dataclass(state):
+        return [f"{place}.{one.name}" for one in fields(state)]
+    if hasattr(state, "_fields"):
+        return [f"{place}.{name}" for name in state._fields]
+    return [f"{place}[{at}]" for at in range(len(state))]
+
+
+def _kind(state: Any) -> str:
+    """What a state or a part of one is."""
+    if state is None:
+        return "nothing"
+    return "an array" if isinstance(state, np.ndarray) else "parts"
+
+
+def _joined(states: list[Any], make: Any, name: str = "policy", place: str = "state") -> Any:
     """Apply a function to the arrays that stand at the same place."""
     first = states[0]
+    for other in states[1:]:
+        if _kind(other) != _kind(first):
+            raise PolicyError(
+                f"{name}: {place} must be {_kind(first)}, as init gave it, got {type(other).__name__}"
+            )
     if first is None:
         return None
     if isinstance(first, np.ndarray):
-        return make(*states)
-    found = [_joined(list(parts), make) for parts in zip(*map(_parts, states), strict=True)]
+        return make(*states, place)
+    parts = [_parts(state, name) for state in states]
+    for other in parts[1:]:
+        if len(other) != len(parts[0]):
+            raise PolicyError(
+                f"{name}: {place} must have {len(parts[0])} parts, as init gave it, got {len(other)}"
+            )
+    found = [
+        _joined(list(own), make, name, where)
+        for *own, where in zip(*parts, _named_parts(first, place), strict=True)
+    ]
     if isinstance(first, tuple):
         return first._make(found) if hasattr(first, "_make") else tuple(found)  # type: ignore[attr-defined]
     return replace(first, **{one.name: part for one, part in zip(fields(first), found, strict=True)})

@@ -52,7 +52,8 @@ class Asking:
             Which, (B,).
         """
         if rows.size:
-            self._state = put_rows(self._state, rows, self._policy.init(rows.size, self._sub_models))
+            fresh = self._policy.init(rows.size, self._sub_models)
+            self._state = put_rows(self._state, rows, fresh, self._name)
 
     def decide(self, rows: IntArray, inputs: TransmitInputs) -> Decisions:
         """Ask about some stations.
@@ -67,7 +68,8 @@ class Asking:
         Raises
         ------
         PolicyError
-            Where it decides what a station cannot do, or its state changes shape; it names the policy.
+            Where it decides what a station cannot do, or its state becomes one that the state of
+            `init` cannot hold; it names the policy.
         """
         try:
             said, after = self._policy.decide(take_rows(self._state, rows), inputs, self._rng)
@@ -75,7 +77,7 @@ class Asking:
         except ValueError as error:
             raise PolicyError(f"{self._name}: {error}") from error
         check_state(after, rows.size, self._name)
-        self._state = put_rows(self._state, rows, after)
+        self._state = put_rows(self._state, rows, after, self._name)
         return said
 
 
