@@ -39,6 +39,11 @@ class Conversation:
         self._spoken: Schema = step_protocol()
         self._session: Session | None = None
 
+    @property
+    def begun(self) -> bool:
+        """Whether there is a session: hello was welcome."""
+        return self._session is not None
+
     def answer(self, octets: bytes) -> tuple[bytes, bool]:
         """The answer to a request, and whether the conversation ends with it.
 
