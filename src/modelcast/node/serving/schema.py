@@ -135,12 +135,15 @@ class MessageType:
         Who sends it.
     fields
         By name, in order.
+    answer
+        Name of the message that answers it; empty for an answer.
     """
 
     name: str
     text: str
     origin: Literal["client", "server"]
     fields: Mapping[str, Field]
+    answer: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -290,6 +293,7 @@ def step_protocol() -> Schema:
                 one["text"],
                 one["from"],
                 {field["name"]: Field(**field) for field in one["fields"]},
+                one.get("answer", ""),
             )
             for one in document["message"]
         },
