@@ -149,7 +149,7 @@ class StepClient:
         return answer
 
     def _answer_to(self, name: str, request: bytes) -> tuple[dict[str, Any], bool]:
-        """The fields of the next message after a request, and whether it was refused and the session goes on."""
+        """The fields of the message after a request, and whether that was refused."""
         self._socket.sendall(request)
         try:
             length = length_of(self._read(LENGTH_BYTES), self._spoken.frame_bytes)
