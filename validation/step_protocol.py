@@ -37,7 +37,8 @@ def messages() -> list[str]:
     spoken = step_protocol()
     lines = [f"Version {spoken.protocol} of the protocol."]
     for message in spoken.messages.values():
-        lines += ["", f"### `{message.name}`, from the {message.origin}", "", message.text, ""]
+        answered = f" Answered by `{message.answer}`." if message.answer else ""
+        lines += ["", f"### `{message.name}`, from the {message.origin}", "", message.text + answered, ""]
         lines += table(("field", "type", "unit", "meaning"), map(row, message.fields.values()))
     return lines
 

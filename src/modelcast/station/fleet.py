@@ -12,6 +12,7 @@ import numpy as np
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.chance import child_generator
 from modelcast.core.geodesy import Origin
+from modelcast.core.geodesy_kernels import FARTHEST_M
 from modelcast.station.arrays import MEASURED
 from modelcast.station.banks import calibrations_of, profile_number_of
 from modelcast.station.context.knowledge import Knowledge
@@ -37,6 +38,9 @@ __all__ = ["Fleet", "Sending"]
 
 _IDS = 2**32
 """Temporary ids there are: four octets."""
+
+_FARTHEST_M = FARTHEST_M - 1000.0
+"""A filter may place a station a little farther off than it measured, and messages state that place."""
 
 _OPTIONAL = ("speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps")
 
@@ -192,7 +196,7 @@ class Fleet:
         vehicle
             Who they are, each once, (N,) in 0 to 2^32 - 1: their temporary ids. Who is missing has left.
         position_m
-            East and north, (N, 2) [m].
+            East and north, (N, 2), within 499 km of the origin [m].
         speed_mps, heading_rad, acceleration_mps2, yaw_rate_radps
             (N,) each, heading and yaw rate clockwise; the same ones in every call. What is not measured is
             estimated from past positions.
@@ -205,10 +209,17 @@ class Fleet:
         Raises
         ------
         ValueError
-            Where time does not increase, a value is missing or no number, vehicles repeat or are too many.
+            Where time does not increase, a value is missing or no number, a position is too far, vehicles
+            repeat or are too many; nothing has changed then.
         """
         columns = (speed_mps, heading_rad, acceleration_mps2, yaw_rate_radps)
         measured = self._measured(t_s, vehicle, position_m, columns)
+        for name, column in (("channel_busy_ratio", channel_busy_ratio), ("begins", begins)):
+            if column is not None and column.shape != vehicle.shape:
+                raise ValueError(f"{name} must be ({vehicle.size},), got {column.shape}")
+        self._check_room(vehicle)
+        if self._given is None:
+            self._start(tuple(column is not None for column in columns))
         slot, started = self._slots(vehicle)
         stations = self._stations._replace(models=self._bank.models(self._guards))
         stations.senders.vehicle[:] = np.where(self._measures, self._vehicle, -1)
@@ -370,7 +381,7 @@ class Fleet:
         if not 0 <= vehicle < _IDS or (self._vehicle == vehicle).any():
             raise ValueError(f"vehicle must be new and from 0 to 2^32 - 1, got {vehicle}")
         if not free.size:
-            raise ValueError(f"the fleet has {self._vehicle.size} slots, and all are taken: give it more")
+            raise ValueError(self._full)
         self._vehicle[free[0]], self._new[free[0]] = vehicle, True
         self._heard[int(free[0])] = self._ears.init()
         self._before.pop(int(free[0]), None)
@@ -465,9 +476,7 @@ class Fleet:
         if not t_s > self._last_s:
             raise ValueError(f"t_s must increase, got {t_s} after {self._last_s}")
         given = tuple(column is not None for column in columns)
-        if self._given is None:
-            self._start(given)
-        elif given != self._given:
+        if self._given is not None and given != self._given:
             wanted = ", ".join(name for name, there in zip(_OPTIONAL, self._given, strict=True) if there)
             raise ValueError(f"the columns measured must stay the same: {wanted or 'positions alone'}")
         measured = np.full((vehicle.size, MEASURED), np.nan)
@@ -487,7 +496,28 @@ class Fleet:
             raise ValueError(
                 f"{name} of vehicle {vehicle[row]} must be finite, got {measured[row, known[at]]}"
             )
+        far_m = np.hypot(*measured[:, :2].T)
+        if (far_m > _FARTHEST_M).any():
+            row = int(far_m.argmax())
+            raise ValueError(
+                f"position_m of vehicle {vehicle[row]} (row {row}) must be within {_FARTHEST_M / 1e3:g} km "
+                f"of the origin, got {far_m[row] / 1e3:.1f} km: choose an origin near the vehicles"
+            )
         return measured
+
+    def _check_room(self, vehicle: IntArray) -> None:
+        """Refuse vehicles that repeat, that have no such id, or that there are no slots for."""
+        inside = (vehicle >= 0) & (vehicle < _IDS)
+        if np.unique(vehicle).size != vehicle.size or not inside.all():
+            raise ValueError(f"vehicles must be distinct and from 0 to 2^32 - 1, got {vehicle}")
+        held = self._vehicle
+        stays = (held >= 0) & (~self._measures | np.isin(held, vehicle))
+        if int(stays.sum()) + int((~np.isin(vehicle, held)).sum()) > held.size:
+            raise ValueError(self._full)
+
+    @property
+    def _full(self) -> str:
+        return f"the fleet has {self._vehicle.size} slots, and all are taken: give it more"
 
     def _start(self, given: tuple[bool, ...]) -> None:
         """Make the arrays, now that it is known what is measured."""
@@ -500,17 +530,14 @@ class Fleet:
             origin=self.origin,
             minute_s=self._minute_s,
         )
-        self._given = given
         self._sensing = sensing.numbers(self.dt_s)
         self._stations = sending_stations(self.sender, self._bank, self._phase, sensing=sensing)
         rng = child_generator(self._seed, "policy")
         self._deciding = deciding_of(self.sender, self._stations, rng)
+        self._given = given
 
     def _slots(self, vehicle: IntArray) -> tuple[IntArray, BoolArray]:
         """Slot of each vehicle that measures, (N,), and which slots measure for the first time, (V,)."""
-        inside = (vehicle >= 0) & (vehicle < _IDS)
-        if np.unique(vehicle).size != vehicle.size or not inside.all():
-            raise ValueError(f"vehicles must be distinct and from 0 to 2^32 - 1, got {vehicle}")
         before, held = self._measures, self._vehicle
         held[before & ~np.isin(held, vehicle)] = -1
         for one in vehicle[~np.isin(vehicle, held)].tolist():

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from modelcast.core.kinds import Kind
 from modelcast.runtime.external.exchange import MOST_TRACKS, Sent, SessionSettings, Step
+from modelcast.runtime.external.kept_messages import KeptMessages
 from modelcast.runtime.external.refusal import FieldError
 from modelcast.runtime.external.session import Session
 from modelcast.station.fleet import Fleet
@@ -249,7 +250,9 @@ def test_messages_are_kept_for_ten_seconds() -> None:
         sent = session.step(convoy.step(number))
     heard = {"receiver": np.array([3]), "received_s": np.array([10.0]), "message": first.message[:1]}
     session.step(convoy.step(101, **heard))
-    with pytest.raises(FieldError, match=r"the number of a message of the last 10 s: one from \d+ to \d+"):
+    with pytest.raises(
+        FieldError, match=r"of the last 1048576 messages of the last 10 s: one from \d+ to \d+"
+    ):
         session.step(convoy.step(102, **heard))
     assert sent.message.size == 0 or sent.message[0] > 0
 
@@ -274,6 +277,77 @@ def test_a_session_has_bounds_on_what_it_holds() -> None:
         Session(replace(SETTINGS, sender="j2945-mbc")).step(
             Step(0.0, np.array([1]), position_m=np.zeros((1, 2)))
         )
+
+
+def test_nobody_asks_for_more_than_there_is() -> None:
+    """Hosts and applications once each: an answer is never longer than what the session holds."""
+    session, convoy = Session(SETTINGS), Convoy(5)
+    session.step(convoy.step(0))
+    hosts = convoy.vehicle
+    for ask in (lambda own: session.believe(own, 0.0), lambda own: session.warnings(own, ["fcw"])):
+        ask(hosts)
+        with pytest.raises(FieldError, match="host must be there once, not twice, got 10"):
+            ask(np.array([3, 10, 10]))
+        with pytest.raises(FieldError, match=r"host must be at most the 5 stations of the newest step"):
+            ask(np.tile(hosts, 1000))
+        with pytest.raises(FieldError, match=r"host must be at most the 5 stations.*got shape \(1, 5\)"):
+            ask(hosts[None])
+    with pytest.raises(FieldError, match="applications must be there once, not twice, got fcw"):
+        session.warnings(hosts, ["fcw", "ima", "fcw"])
+    with pytest.raises(FieldError, match="applications must be at most 32, got 33 names"):
+        session.warnings(hosts, [f"fcw:{number}" for number in range(33)])
+
+
+def test_every_answer_has_one_bound_on_its_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("modelcast.runtime.external.session.MOST_ROWS", 3)
+    session, heard = Session(replace(SETTINGS, slots=3)), dict[str, Any]()
+    for number in range(60):  # one behind another, and all too close
+        t_s = 0.1 * number
+        sent = session.step(
+            Step(
+                t_s,
+                np.array([1, 2, 3]),
+                position_m=np.array([[0.0, 25.0 * t_s - 20.0], [0.0, 25.0 * t_s], [0.0, 160.0]]),
+                speed_mps=np.array([25.0, 25.0, 0.0]),
+                heading_rad=np.zeros(3),
+                acceleration_mps2=np.zeros(3),
+                yaw_rate_radps=np.zeros(3),
+                **heard,
+            )
+        )
+        others = [[two for two in (1, 2, 3) if two != one] for one in sent.vehicle.tolist()]
+        heard = {
+            "receiver": np.array(others, dtype=np.int64).ravel(),
+            "received_s": np.repeat(sent.send_s, 2),
+            "message": np.repeat(sent.message, 2),
+        }
+    full = "host must be fewer: an answer holds 3 rows, got 3 hosts"
+    with pytest.raises(FieldError, match=full):
+        session.believe(np.array([1, 2, 3]), 5.9)
+    assert session.believe(np.array([1]), 5.9).vehicle.tolist() == [2, 3]
+    near = "fcw"
+    assert session.warnings(np.array([1, 2]), [near]).host.size
+    with pytest.raises(FieldError, match=full):
+        session.warnings(
+            np.array([1, 2, 3]),
+            [near, "fcw:longest_gap_m=190.5", "fcw:longest_gap_m=180.5", "fcw:longest_gap_m=170.5"],
+        )
+
+
+def test_no_flood_of_messages_within_ten_seconds_is_kept() -> None:
+    """Time may stand all but still: what is kept has a bound in messages too, and whole steps go."""
+    kept = KeptMessages(10.0, most=100)
+    for number in range(1000):
+        first = kept.add(1e-6 * number, [b"x"] * 7)
+        assert first == 7 * number
+    kept.check(np.arange(7 * 1000 - 98, 7 * 1000))
+    with pytest.raises(FieldError, match="one of the last 100 messages of the last 10 s: one from 6902 to"):
+        kept.check(np.array([7 * 1000 - 99]))
+    kept.add(1.0, [])
+    kept.check(np.array([6999]))
+    kept.add(11.0, [])
+    with pytest.raises(FieldError, match="none yet"):
+        kept.check(np.array([6999]))
 
 
 def test_a_step_without_stations_is_one() -> None:

@@ -7,7 +7,7 @@ from typing import Any, Self, final
 
 from modelcast.core.arrays import IntArray
 from modelcast.node.serving.framing import LENGTH_BYTES, framed, length_of
-from modelcast.node.serving.schema import named_values, step_protocol
+from modelcast.node.serving.schema import FrameError, named_values, step_protocol
 from modelcast.runtime.external.exchange import HostBeliefs, HostWarnings, Sent, SessionSettings, Step
 from modelcast.runtime.external.refusal import FieldError
 
@@ -19,6 +19,10 @@ _LOOPBACK = "127.0.0.1"
 @final
 class StepClient:
     """A session of a server; its methods are those of `modelcast.runtime.external.session.Session`.
+
+    The session ends by `close`, by the server, and by any request that was not answered as it must be, as
+    after `timeout_s` or an interrupt: the answer may come later, and must not be taken for that to the next
+    request. Only a `FieldError` leaves it as it was.
 
     Parameters
     ----------
@@ -38,7 +42,7 @@ class StepClient:
     FieldError
         Where the server refuses a setting.
     OSError
-        Where nobody listens there.
+        Where nobody listens there, or the server has no room.
     """
 
     def __init__(
@@ -66,7 +70,7 @@ class StepClient:
             self.server_version: str = self._ask("hello", hello)["version"]
             """Of modelcast at the other end."""
         except BaseException:
-            self._socket.close()
+            self.close()
             raise
 
     def step(self, step: Step) -> Sent:
@@ -82,7 +86,9 @@ class StepClient:
         FieldError
             Where the server refuses it; the session goes on as if it had not been asked.
         ConnectionError
-            Where the session has ended.
+            Where the session has ended, or ends by this request.
+        TimeoutError
+            Where no answer came in time; the session has ended.
         """
         return Sent(**self._ask("step", named_values(step)))
 
@@ -93,6 +99,11 @@ class StepClient:
         ----------
         hosts, t_s
             As for `Session.believe`.
+
+        Raises
+        ------
+        FieldError, ConnectionError, TimeoutError
+            As for `step`.
         """
         return HostBeliefs(**self._ask("map", {"host": hosts, "t_s": float(t_s)}))
 
@@ -103,6 +114,11 @@ class StepClient:
         ----------
         hosts, applications
             As for `Session.warnings`.
+
+        Raises
+        ------
+        FieldError, ConnectionError, TimeoutError
+            As for `step`.
         """
         return HostWarnings(**self._ask("warnings", {"host": hosts, "applications": list(applications)}))
 
@@ -119,16 +135,32 @@ class StepClient:
         self.close()
 
     def _ask(self, name: str, values: dict[str, Any]) -> dict[str, Any]:
-        """The fields of the answer to a request."""
-        self._socket.sendall(framed(self._spoken.pack(name, values)))
-        length = length_of(self._read(LENGTH_BYTES), self._spoken.frame_bytes)
-        kind, answer = self._spoken.unpack(self._read(length), "server")
-        if kind == "error":
-            if answer["ends"]:
-                self.close()
-                raise ConnectionAbortedError(answer["text"])
+        """The fields of the answer to a request; without one the session is over, as its next may be late."""
+        if self._socket.fileno() < 0:
+            raise ConnectionAbortedError("the session has ended: begin another by a new StepClient")
+        request = framed(self._spoken.pack(name, values))
+        try:
+            answer, refused = self._answer_to(name, request)
+        except BaseException:
+            self.close()
+            raise
+        if refused:
             raise FieldError(answer["field"], answer["value"], answer["expected"])
         return answer
+
+    def _answer_to(self, name: str, request: bytes) -> tuple[dict[str, Any], bool]:
+        """The fields of the message after a request, and whether that was refused."""
+        self._socket.sendall(request)
+        try:
+            length = length_of(self._read(LENGTH_BYTES), self._spoken.frame_bytes)
+            kind, answer = self._spoken.unpack(self._read(length), "server")
+        except (FrameError, FieldError) as error:
+            raise ConnectionAbortedError(f"what the server said is no message: {error}") from error
+        if kind not in {"error", self._spoken.messages[name].answer}:
+            raise ConnectionAbortedError(f"the server answered {name} by {kind}: the session has ended")
+        if kind == "error" and answer["ends"]:
+            raise ConnectionAbortedError(answer["text"])
+        return answer, kind == "error"
 
     def _read(self, count: int) -> bytes:
         octets, at = bytearray(count), 0

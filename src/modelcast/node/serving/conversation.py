@@ -39,6 +39,11 @@ class Conversation:
         self._spoken: Schema = step_protocol()
         self._session: Session | None = None
 
+    @property
+    def begun(self) -> bool:
+        """Whether there is a session: hello was welcome."""
+        return self._session is not None
+
     def answer(self, octets: bytes) -> tuple[bytes, bool]:
         """The answer to a request, and whether the conversation ends with it.
 
@@ -49,7 +54,8 @@ class Conversation:
         """
         try:
             name, values = self._spoken.unpack(octets, "client")
-            return self._spoken.pack(*self._answered(name, values)), False
+            answer = self._answered(name, values)
+            return self._spoken.pack(self._spoken.messages[name].answer, answer), False
         except FrameError as error:
             return self.refusal(FieldError("frame", error, "a map of MessagePack"), ends=True), True
         except FieldError as error:
@@ -68,17 +74,17 @@ class Conversation:
         values = {"field": error.field, "value": error.value, "expected": error.expected}
         return self._spoken.pack("error", {**values, "text": str(error), "ends": ends})
 
-    def _answered(self, name: str, values: dict[str, Any]) -> tuple[str, dict[str, Any]]:
-        """Name and fields of the answer."""
+    def _answered(self, name: str, values: dict[str, Any]) -> dict[str, Any]:
+        """Fields of the answer."""
         if name == "hello":
-            return "welcome", self._begin(values)
+            return self._begin(values)
         if self._session is None:
             raise FieldError("type", name, "hello first")
         if name == "step":
-            return "sent", named_values(self._session.step(Step(**values)))
+            return named_values(self._session.step(Step(**values)))
         if name == "map":
-            return "beliefs", named_values(self._session.believe(values["host"], values["t_s"]))
-        return "warned", named_values(self._session.warnings(values["host"], values["applications"]))
+            return named_values(self._session.believe(values["host"], values["t_s"]))
+        return named_values(self._session.warnings(values["host"], values["applications"]))
 
     def _begin(self, values: dict[str, Any]) -> dict[str, Any]:
         if self._session is not None:

@@ -12,6 +12,7 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from modelcast.core.exceptions import MissingExtraError
+from modelcast.runtime.external.exchange import MOST_APPLICATIONS
 from modelcast.runtime.external.refusal import FieldError
 
 try:
@@ -22,7 +23,8 @@ except ModuleNotFoundError as error:
 __all__ = ["Field", "FrameError", "MessageType", "Schema", "named_values", "step_protocol"]
 
 _ARRAY = re.compile(r"([uif][148])\[([A-Z])((?:,[0-9])*)\]")
-_MOST_KEYS, _MOST_TEXTS, _MOST_TEXT_BYTES = 64, 32, 4096
+_MOST_KEYS, _MOST_TEXTS, _MOST_TEXT_BYTES = 64, MOST_APPLICATIONS, 4096
+_SHOWN_OF_KEY = 32
 _PLAIN: dict[str, type[Any]] = {
     "integer": int,
     "number": float,
@@ -135,12 +137,15 @@ class MessageType:
         Who sends it.
     fields
         By name, in order.
+    answer
+        Name of the message that answers it; empty for an answer.
     """
 
     name: str
     text: str
     origin: Literal["client", "server"]
     fields: Mapping[str, Field]
+    answer: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,7 +204,7 @@ class Schema:
             raise FieldError("type", _described(name), f"one of {', '.join(known)}")
         own = self.messages[name].fields
         for key in sorted(found.keys() - own.keys()):
-            raise FieldError(key[:_MOST_TEXTS], "a field", f"left out: {name} has none of that name")
+            raise FieldError(key[:_SHOWN_OF_KEY], "a field", f"left out: {name} has none of that name")
         lengths: dict[str, int] = {}
         values: dict[str, Any] = {}
         for key, field in own.items():
@@ -290,6 +295,7 @@ def step_protocol() -> Schema:
                 one["text"],
                 one["from"],
                 {field["name"]: Field(**field) for field in one["fields"]},
+                one.get("answer", ""),
             )
             for one in document["message"]
         },

@@ -12,7 +12,9 @@ from modelcast.runtime.external.refusal import FieldError
 
 __all__ = [
     "FOREIGN",
+    "MOST_APPLICATIONS",
     "MOST_FOREIGN_BYTES",
+    "MOST_KEPT",
     "MOST_RECEPTIONS",
     "MOST_SLOTS",
     "MOST_TRACKS",
@@ -37,6 +39,12 @@ MOST_RECEPTIONS = 2**20
 
 MOST_FOREIGN_BYTES = 4096
 """Octets of one foreign message; no radio of this kind carries as many."""
+
+MOST_KEPT = 2**20
+"""Messages that can be named: those of 10 s where 10,000 stations send ten a second."""
+
+MOST_APPLICATIONS = 32
+"""Safety applications in one request."""
 
 _RANGES: dict[str, tuple[float, float]] = {
     "slots": (1, MOST_SLOTS),

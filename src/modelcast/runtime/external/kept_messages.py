@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from modelcast.core.arrays import IntArray
-from modelcast.runtime.external.exchange import FOREIGN
+from modelcast.runtime.external.exchange import FOREIGN, MOST_KEPT
 from modelcast.runtime.external.refusal import FieldError
 
 __all__ = ["KeptMessages"]
@@ -21,6 +21,8 @@ class KeptMessages:
     ----------
     kept_s
         For how long a message can be named [s].
+    most
+        Messages that are kept; the steps of more push out the oldest ones.
 
     Examples
     --------
@@ -31,8 +33,8 @@ class KeptMessages:
     [b'three', b'one', b'other']
     """
 
-    def __init__(self, kept_s: float) -> None:
-        self._kept_s = kept_s
+    def __init__(self, kept_s: float, most: int = MOST_KEPT) -> None:
+        self._kept_s, self._most = kept_s, most
         self._octets: list[bytes] = []
         self._first = 0
         self._steps: deque[tuple[float, int]] = deque()
@@ -48,12 +50,15 @@ class KeptMessages:
             In order of their numbers.
         """
         first = self._first + len(self._octets)
-        while self._steps and self._steps[0][0] < t_s - self._kept_s:
-            _, end = self._steps.popleft()
-            del self._octets[: end - self._first]
-            self._first = end
         self._octets.extend(octets)
-        self._steps.append((t_s, self._first + len(self._octets)))
+        end = self._first + len(self._octets)
+        if end > first:
+            self._steps.append((t_s, end))
+        forgotten = self._first
+        while self._steps and (self._steps[0][0] < t_s - self._kept_s or end - forgotten > self._most):
+            _, forgotten = self._steps.popleft()
+        del self._octets[: forgotten - self._first]
+        self._first = forgotten
         return first
 
     def octets(self, numbers: IntArray, order: IntArray, foreign: Sequence[bytes] = ()) -> list[bytes]:
@@ -94,5 +99,6 @@ class KeptMessages:
             raise FieldError(
                 "message",
                 int(wrong[0]),
-                f"-1 or the number of a message of the last {self._kept_s:g} s: {held}",
+                f"-1 or the number of one of the last {self._most} messages of the last {self._kept_s:g} s: "
+                f"{held}",
             )

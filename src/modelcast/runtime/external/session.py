@@ -20,7 +20,14 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import Origin
 from modelcast.core.kinds import PEOPLE, SIZES_M, Kind
 from modelcast.runtime.external.checking import MEASURED_BESIDE, Checked, checked
-from modelcast.runtime.external.exchange import HostBeliefs, HostWarnings, Sent, SessionSettings, Step
+from modelcast.runtime.external.exchange import (
+    MOST_APPLICATIONS,
+    HostBeliefs,
+    HostWarnings,
+    Sent,
+    SessionSettings,
+    Step,
+)
 from modelcast.runtime.external.kept_messages import KeptMessages
 from modelcast.runtime.external.refusal import FieldError
 from modelcast.station.banks import calibrations_of
@@ -32,7 +39,7 @@ from modelcast.station.sender.sender import Sender, named_sender
 __all__ = ["MOST_ROWS", "Session", "sender_of"]
 
 MOST_ROWS = 2**17
-"""Most rows of beliefs in one answer."""
+"""Most rows of beliefs or of warnings in one answer."""
 
 _KEPT_S = 10.0
 """Maps refuse what is older on arrival."""
@@ -184,25 +191,23 @@ class Session:
         Parameters
         ----------
         hosts
-            Temporary ids, (H,).
+            Temporary ids, each once, (H,).
         t_s
             Not before the newest step [s].
 
         Raises
         ------
         FieldError
-            Where a host is not there, the time is before the newest step or no number, or there would be
-            more than `MOST_ROWS` rows.
+            Where a host is not there or is named twice, the time is before the newest step or no number, or
+            there would be more than `MOST_ROWS` rows.
         """
         if not (np.isfinite(t_s) and t_s >= self._last_s):
             raise FieldError("t_s", t_s, f"not before the newest step, {self._last_s!r}")
         found: list[Beliefs] = []
         held = 0
-        for host in hosts.tolist():
+        for host in self._asked(hosts):
             found.append(self._fleet_of(host).believe(host, t_s))
-            held += found[-1].vehicle.size
-            if held > MOST_ROWS:
-                raise FieldError("host", f"{hosts.size} hosts", f"fewer: an answer holds {MOST_ROWS} rows")
+            held = _rows(held + found[-1].vehicle.size, hosts)
         columns: dict[str, Any] = {
             name: np.concatenate([getattr(one, name) for one in found]) if found else _NOTHING[name]
             for name in _BELIEFS
@@ -217,21 +222,27 @@ class Session:
         Parameters
         ----------
         hosts
-            Temporary ids of vehicles and people, (H,).
+            Temporary ids of vehicles and people, each once, (H,).
         applications
-            Names, as ``fcw``.
+            Names, as ``fcw``, each once, at most `MOST_APPLICATIONS`.
 
         Raises
         ------
         FieldError
-            Where a host is not there or is a roadside unit, or there is no such application.
+            Where a host is not there, is named twice or is a roadside unit, there is no such application or
+            it is named twice, or there would be more than `MOST_ROWS` rows.
         """
-        asked = [_application(name) for name in applications]
-        found: list[tuple[IntArray, FloatArray]] = []
-        for host in hosts.tolist():
-            if self._fleet_of(host) and self._kind_of[host] == Kind.ROADSIDE:
+        asked = _applications(applications)
+        wanted = self._asked(hosts)
+        for host in wanted:
+            if self._kind_of[host] == Kind.ROADSIDE:
                 raise FieldError("host", host, "a vehicle or a person: a roadside unit is not warned")
-            found += self._warned(host, asked)
+        found: list[tuple[IntArray, FloatArray]] = []
+        held = 0
+        for host in wanted:
+            for one in self._warned(host, asked):
+                found.append(one)
+                held = _rows(held + one[0].shape[0], hosts)
         pairs = np.concatenate([one for one, _ in found]) if found else np.empty((0, 4), dtype=np.int64)
         values = np.concatenate([one for _, one in found]) if found else np.empty((0, 3))
         host, vehicle, application, level = np.ascontiguousarray(pairs.T)
@@ -275,11 +286,20 @@ class Session:
             )
             yield who, np.stack([said.time_s[at], said.margin_m[at], said.certainty[at]], axis=1)
 
+    def _asked(self, hosts: IntArray) -> list[int]:
+        """The hosts of a request, or say which of them cannot be asked."""
+        if hosts.ndim != 1 or hosts.size > len(self._kind_of):
+            here = f"at most the {len(self._kind_of)} stations of the newest step, each once"
+            raise FieldError("host", f"shape {hosts.shape}", here)
+        asked: list[int] = hosts.tolist()
+        for host in asked:
+            if host not in self._kind_of:
+                raise FieldError("host", host, "a station of the newest step")
+        _check_once("host", asked)
+        return asked
+
     def _fleet_of(self, host: int) -> Fleet:
-        kind = self._kind_of.get(host)
-        if kind is None:
-            raise FieldError("host", host, "a station of the newest step")
-        return self._fleets[_fleet_kind(kind)]
+        return self._fleets[_fleet_kind(self._kind_of[host])]
 
     def _sender_of_people(self, kind: Kind) -> Sender:
         try:
@@ -364,6 +384,30 @@ class Session:
 def _fleet_kind(kind: Kind) -> Kind:
     """Which fleet stations of a kind are in: roadside units hear as vehicles do."""
     return Kind.VEHICLE if kind == Kind.ROADSIDE else kind
+
+
+def _rows(held: int, hosts: IntArray) -> int:
+    """So many rows, where an answer has room for them."""
+    if held > MOST_ROWS:
+        raise FieldError("host", f"{hosts.size} hosts", f"fewer: an answer holds {MOST_ROWS} rows")
+    return held
+
+
+def _check_once(field: str, named: Sequence[int] | Sequence[str]) -> None:
+    """Refuse what is named twice."""
+    seen = set[int | str]()
+    for one in named:
+        if one in seen:
+            raise FieldError(field, one, "there once, not twice")
+        seen.add(one)
+
+
+def _applications(names: Sequence[str]) -> list[AbstractApplication]:
+    """The applications of a request, or say which of them cannot be asked."""
+    if len(names) > MOST_APPLICATIONS:
+        raise FieldError("applications", f"{len(names)} names", f"at most {MOST_APPLICATIONS}")
+    _check_once("applications", names)
+    return [_application(name) for name in names]
 
 
 def _application(name: str) -> AbstractApplication:
