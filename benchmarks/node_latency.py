@@ -116,7 +116,7 @@ def flood(remotes: int, seconds: float, start_utc_s: float) -> None:
     """Be all the others."""
     clock = SystemClock()
     begin_s = start_utc_s - clock.minute_utc_s
-    sent = frames_of(remotes, int(seconds / TICK_S), begin_s=begin_s)
+    sent = frames_of(remotes, int(seconds / TICK_S), default_profile().bank, begin_s=begin_s)
     with MulticastTransport(clock.now_s, port=PORT) as air:
         for tick, frames in enumerate(sent):
             for number, frame in enumerate(frames):

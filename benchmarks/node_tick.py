@@ -7,7 +7,10 @@ so many portions a tick: 1 is a host that was busy, 100 one that is woken for te
 
 Signed, every message is verified; beside it stands what the bare verifications of as many signatures take.
 
-    python benchmarks/node_tick.py [--remotes 1000] [--ticks 200]
+With --bank everybody speaks and holds that bank, one with a sub-model of another package for one; where its
+paths are carried over the air, hosts run none of its Python. Signatures are left out then.
+
+    python benchmarks/node_tick.py [--remotes 1000] [--ticks 200] [--bank chord]
 """
 
 import argparse
@@ -25,12 +28,13 @@ from modelcast.messages.security.authority import Authority
 from modelcast.messages.security.p256 import PrivateKey, PublicKey
 from modelcast.messages.security.signer import Signer
 from modelcast.messages.security.time64 import since_2004_s
-from modelcast.models.profile import default_profile
+from modelcast.models.bank import Bank
 from modelcast.node.envelope import AbstractEnvelope, Unsecured
 from modelcast.node.inputs.motion import Motion
 from modelcast.node.multicast import MulticastTransport
 from modelcast.node.node import Node
 from modelcast.node.signed import Signed
+from modelcast.station.banks import named_bank
 from modelcast.station.fleet import Fleet
 from modelcast.station.policy.periodic import Periodic
 from modelcast.station.sender.sender import Sender, named_sender
@@ -39,6 +43,7 @@ from modelcast.station.station import Station
 ORIGIN = Origin(48.1374, 11.5755, 520.0)
 TICK_S, WARM_TICKS = 0.1, 20
 LANES, ROAD_M, SPEED_MPS = 8, 800.0, 25.0
+DEFAULT = "default"
 APPLICATIONS = ("fcw", "eebl", "ima")
 PORT = 17_399
 ZERO_UTC_S = 1_764_000_000.0
@@ -50,22 +55,31 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--remotes", type=int, default=1000)
     parser.add_argument("--ticks", type=int, default=200)
+    parser.add_argument("--bank", default=DEFAULT)
     given = parser.parse_args()
-    sent = frames_of(given.remotes, given.ticks)
+    bank = named_bank(given.bank).bank
+    sent = frames_of(given.remotes, given.ticks, bank)
     size = np.mean([len(one) for tick in sent for one in tick])
     print(f"{given.remotes} remotes, {given.ticks} ticks, frames of {size:.0f} octets on average")
     gc.collect()
     gc.freeze()
     for portions in (1, 10, 100, given.remotes):
-        print(f"host, {portions:4} portions a tick: {row(host(sent, portions, Unsecured()))}", flush=True)
-    print(f"remote alone: {row(alone(given.ticks))}")
+        print(
+            f"host, {portions:4} portions a tick: {row(host(sent, portions, Unsecured(), bank))}", flush=True
+        )
+    print(f"remote alone: {row(alone(given.ticks, bank))}")
+    if given.bank != DEFAULT:
+        return
     envelope = signing()
     others = {name: envelope(2 + name) for name in range(1, given.remotes + 1)}
-    signed = frames_of(given.remotes, given.ticks // 4, envelopes=others)
+    signed = frames_of(given.remotes, given.ticks // 4, bank, envelopes=others)
     size = np.mean([len(one) for tick in signed for one in tick])
     print(f"signed, frames of {size:.0f} octets on average")
     for portions in (1, 10):
-        print(f"host, {portions:4} portions a tick: {row(host(signed, portions, envelope(2)))}", flush=True)
+        print(
+            f"host, {portions:4} portions a tick: {row(host(signed, portions, envelope(2), bank))}",
+            flush=True,
+        )
     print(f"bare verifications: {row(bare(given.remotes, given.ticks // 4))}")
 
 
@@ -103,12 +117,13 @@ def row(times_ms: FloatArray) -> str:
 def frames_of(
     remotes: int,
     ticks: int,
+    bank: Bank,
     *,
     begin_s: float = 0.0,
     envelopes: Mapping[int, AbstractEnvelope] | None = None,
 ) -> list[list[bytes]]:
     """What all remotes send from a time on, a list a tick, in the order in which they leave."""
-    sender = Sender("model at 10 Hz", Periodic(10.0), default_profile().bank, start="recent")
+    sender = Sender("model at 10 Hz", Periodic(10.0), bank, start="recent")
     fleet = Fleet(sender, slots=remotes, dt_s=TICK_S, origin=ORIGIN)
     rng = child_generator(0, "node tick")
     name, plain = np.arange(1, remotes + 1), Unsecured()
@@ -155,10 +170,12 @@ def motion(t_s: float) -> Motion:
     )
 
 
-def host(sent: Sequence[Sequence[bytes]], portions: int, envelope: AbstractEnvelope) -> FloatArray:
+def host(
+    sent: Sequence[Sequence[bytes]], portions: int, envelope: AbstractEnvelope, bank: Bank
+) -> FloatArray:
     """Processor time of every tick of a host that hears them [ms]."""
     clock_s = [0.0]
-    station = Station("mbc", temporary_id=0, dt_s=TICK_S, origin=ORIGIN)
+    station = Station(named_sender("mbc", bank=bank), temporary_id=0, dt_s=TICK_S, origin=ORIGIN)
     found: list[float] = []
     with (
         MulticastTransport(lambda: clock_s[0], port=PORT) as out,
@@ -190,11 +207,11 @@ def host(sent: Sequence[Sequence[bytes]], portions: int, envelope: AbstractEnvel
     return np.array(found)
 
 
-def alone(ticks: int) -> FloatArray:
+def alone(ticks: int, bank: Bank) -> FloatArray:
     """Processor time of every step of a remote that hears nobody [ms]."""
     found: list[float] = []
     with MulticastTransport(lambda: 0.0, port=PORT) as own:
-        node = Node(Station(named_sender("mbc"), dt_s=TICK_S, origin=ORIGIN), own, Unsecured())
+        node = Node(Station(named_sender("mbc", bank=bank), dt_s=TICK_S, origin=ORIGIN), own, Unsecured())
         for tick in range(10 * ticks + WARM_TICKS):
             now_s = tick * TICK_S
             begin = time.process_time_ns()

@@ -1,5 +1,6 @@
 """A policy that another package brings, and what is told where it asks for what no station can do."""
 
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import pytest
 
 import modelcast
 from modelcast.cli.app import run
+from modelcast.cli.evaluate_options import EvaluateOptions
 
 POLICY = """from dataclasses import dataclass
 
@@ -28,6 +30,7 @@ class Wild(AbstractTransmitPolicy[None]):
 """
 
 
+@pytest.mark.filterwarnings("ignore:--policy wild has no threshold_m")
 @pytest.mark.parametrize(
     "command",
     ["evaluate {trip} --per 0 --no-references", "network --density 5 --duration 2 --warm-up 1 --radio ideal"],
@@ -43,3 +46,28 @@ def test_policy_that_asks_for_the_impossible_ends_a_command_in_one_line(
     told = " ".join(capsys.readouterr().err.split())
     assert "modelcast: Wild: kind must be nothing, an update or a keep-alive, got 2" in told
     assert "Traceback" not in told
+
+
+QUIET = POLICY.replace("IDENTIFICATION", "KEEP_ALIVE").replace("Wild", "Steady")
+AT_THRESHOLD = QUIET.replace("Steady", "Held").replace(
+    "    longest_silence_s", "    threshold_m: float = 0.2\n    longest_silence_s"
+)
+
+
+@pytest.mark.parametrize(
+    ("word", "module", "told"),
+    [
+        ("steady", QUIET, "--policy steady has no threshold_m: it sends the same at every --threshold"),
+        ("held", AT_THRESHOLD, ""),
+    ],
+)
+def test_threshold_that_a_policy_does_not_take_is_told(
+    word: str, module: str, told: str, other_package: Callable[..., Path]
+) -> None:
+    kind = word.capitalize()
+    other_package(word, {"modelcast.policies": {word: f"{word}_policy:{kind}"}}, {f"{word}_policy": module})
+    with warnings.catch_warnings(record=True) as met:
+        warnings.simplefilter("always")
+        settings = EvaluateOptions(policy=word, threshold=(0.2, 0.5)).settings()
+    assert type(settings.decides).__name__ == kind
+    assert [str(one.message).startswith(told) for one in met] == [True] * bool(told)

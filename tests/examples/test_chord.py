@@ -183,3 +183,47 @@ def test_the_readme_runs(python_with: Run) -> None:
     text = (Path(__file__).parents[2] / "examples" / "chord" / "README.md").read_text()
     program = text.partition("```python\n")[2].partition("```")[0]
     assert "baseline" in python_with(("chord",), "-c", program).stdout
+
+
+def test_two_live_nodes_show_one_another_by_it(python_with: Run, tmp_path: Path) -> None:
+    """Their sockets are real, their time is not: each shows the other by the sub-model and on its path."""
+    trip = tmp_path / "drive.csv"
+    write_csv([generate_drive(3, 90.0).truth], trip)
+    program = f"""
+import sys
+sys.path.insert(0, {str(Path(__file__).parents[2])!r})
+import asyncio, io, socket
+from pathlib import Path
+import numpy as np
+from modelcast.cli.node import sender_of_config
+from modelcast.node.config import Air, Gnss, NodeConfig, Sending
+from modelcast.node.journal import Journal
+from modelcast.node.live import LiveNode
+from modelcast.node.showing import Showing
+from tests.node.test_live import VirtualClock, for_a_while, free_port
+from tests.node.virtual_time import run_in_virtual_time
+
+config = NodeConfig(
+    air=Air(group="239.255.16.79", port=free_port(socket.SOCK_DGRAM)),
+    gnss=Gnss(source="trip:" + {str(trip)!r}),
+    sending=Sending(bank="chord+cv"),
+)
+one, other = (
+    LiveNode(config, sender_of_config(config), Journal(io.StringIO(), lambda: 0.0), clock=VirtualClock())
+    for _ in range(2)
+)
+run_in_virtual_time(for_a_while(one, other, seconds=10.0))
+for own, its in ((one, other), (other, one)):
+    shown = Showing(own.node).snapshot(own.state).remotes
+    assert shown.vehicle.tolist() == [its.node.station.temporary_id]
+    assert shown.names[shown.model[0]] == "chord", shown.names
+    path_m = np.vstack([shown.position_m, shown.path_m[0]])
+    assert np.isfinite(path_m).all()
+    # It goes on along a line, at the mean velocity.
+    steps_m = np.diff(shown.path_m[0], axis=0)
+    assert np.abs(steps_m - steps_m[0]).max() < 0.3, steps_m
+    (off_m,) = abs(shown.position_m - its.state.motion.position_m).max(axis=1)
+    assert off_m < 1.0
+    assert own.node.counts["receipt: accepted"] > 3
+"""
+    python_with(("chord",), "-c", program)

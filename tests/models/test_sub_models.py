@@ -167,3 +167,16 @@ def test_one_whose_rows_change_one_another_is_told_when_it_is_named() -> None:
 def test_what_is_none_is_refused_with_its_name(name: str, kind: type[Exception], told: str) -> None:
     with pytest.raises(kind, match=re.escape(told)):
         registered_model(name)
+
+
+def test_a_bank_sets_what_its_word_says() -> None:
+    found = bank_from_text("drifting:fault=none-such+cv")
+    assert (found.name, found.members[0].fault) == ("drifting:fault=none-such+cv", "none-such")  # type: ignore[attr-defined]
+    assert [member.name for member in found.members] == ["drifting", "cv"]
+    assert profile_number_of(found) != profile_number_of(bank_from_text("drifting+cv"))
+    with pytest.raises(ConfigError, match=r"refuses its settings: .*'falt'.* It takes fault, weights"):
+        bank_from_text("drifting:falt=rows+cv")
+    with pytest.raises(ConfigError, match="'fault' is not KEY=VALUE"):
+        bank_from_text("drifting:fault+cv")
+    with pytest.raises(ConfigError, match="no sub-model is named 'cv:samples=3'"):
+        bank_from_text("cv:samples=3")

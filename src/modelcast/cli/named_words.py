@@ -1,9 +1,10 @@
 """A word on the command line that names one of an open group: refused with its option."""
 
+import warnings
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from modelcast.core.exceptions import ConfigError
+from modelcast.core.exceptions import ConfigError, ModelcastWarning
 
 if TYPE_CHECKING:
     from modelcast.station.policy.base import AbstractTransmitPolicy
@@ -47,12 +48,21 @@ def policy_that_decides(word: str) -> "AbstractTransmitPolicy[Any]":
     ConfigError
         Where it is no policy of another package, or sets a threshold of its own.
     """
+    from modelcast.station.policy.base import takes_threshold
     from modelcast.station.sender.names import foreign_policy, sets_threshold
 
     check_word("--policy", foreign_policy, word)
     if sets_threshold(word):
         raise ConfigError(f"--policy {word}: leave threshold_m out and give --threshold")
-    return foreign_policy(word)
+    policy = foreign_policy(word)
+    if not takes_threshold(policy):
+        warnings.warn(
+            f"--policy {word} has no threshold_m: it sends the same at every --threshold, which is that of "
+            "the baselines beside it.",
+            ModelcastWarning,
+            stacklevel=2,
+        )
+    return policy
 
 
 def policy_origins(word: str | None) -> dict[str, str]:

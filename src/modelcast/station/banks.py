@@ -9,6 +9,7 @@ import numpy as np
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.kinds import PEOPLE, Kind
+from modelcast.core.named_settings import named_settings
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc_wire import profile_number
 from modelcast.messages.sizes import SizeModel
@@ -299,8 +300,8 @@ def bank_from_text(
         (`modelcast.models.gp.kernels`), and what the profile in use holds: in the shipped one
         ``gp-trained``, ``gp-vehicle``, ``gp-derivative``, ``learned``, ``gp-regime-1`` to ``gp-regime-3``,
         ``shs`` and ``hdp-hmm``; and what other packages register (`modelcast.models.sub_models`), where the
-        profile holds none of that name. ``regimes`` stands for the sub-models of all regimes, ``free`` for
-        the best receiver of plain messages (`free_bank`).
+        profile holds none of that name, with settings too: ``NAME:KEY=VALUE,KEY=VALUE``. ``regimes`` stands
+        for the sub-models of all regimes, ``free`` for the best receiver of plain messages (`free_bank`).
     noise_floor_m
         Smallest position noise the Gaussian processes fitted by likelihood may assume [m]; where None, none
         to speak of for the paper's form and 1 mm for the others.
@@ -333,7 +334,7 @@ def bank_from_text(
                 member if _needs_no_horizon(member) else Trusted(member, trusted_horizon_s)
                 for member in members
             )
-        return Bank(members, text if text in ("paper", REGIME_BANK, FREE) else "")
+        return Bank(members, text if text in ("paper", REGIME_BANK, FREE) or ":" in text else "")
     except ValueError as error:
         raise ConfigError(f"--bank {text}: {error}") from error
 
@@ -405,8 +406,9 @@ def _member(name: str, profile: Profile, noise_floor_m: float | None, window: in
             closed_floor_m=PAPER_NOISE_FLOOR_M,
         )
     found = _free(profile) if name == FREE else profile.sub_model(name)
-    if found is None and name in SUB_MODELS.foreign_names():
-        found = registered_model(name)
+    if found is None and name.partition(":")[0] in SUB_MODELS.foreign_names():
+        registered, settings = named_settings(name)
+        found = registered_model(registered, **settings)
     if found is None:
         *most, last = member_names(profile)
         known = f"there are {', '.join(most)} and {last}, and gp(...) of a kernel"

@@ -5,7 +5,7 @@ remote and no message is looked at one by one outside a compiled loop.
 """
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from enum import IntEnum
 from functools import cached_property
 from types import MappingProxyType
@@ -13,11 +13,13 @@ from types import MappingProxyType
 import numpy as np
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
+from modelcast.core.exceptions import SubModelError
 from modelcast.core.kinds import Kind
 from modelcast.models.bank import Bank
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.calibration import Calibration
 from modelcast.models.constant_velocity import ConstantVelocity
+from modelcast.models.heard_functions import heard_functions, tell_failure
 from modelcast.models.members import ReadyBank
 from modelcast.models.payload import CORE_PARAMETERS
 from modelcast.models.profile import people_plain_bank
@@ -426,14 +428,8 @@ class LocalDynamicMap:
     @cached_property
     def _ready(self) -> ReadyBank:
         """The members of all banks in one table."""
-        ready = [ReadyBank.of(bank, self.dt_s) for bank in self._banks]
-        sizes = np.concatenate([np.diff(one.offsets) for one in ready])
-        return ReadyBank(
-            tuple(function for one in ready for function in one.functions),
-            np.concatenate([one.windows for one in ready]),
-            np.concatenate([[0], np.cumsum(sizes)]),
-            np.concatenate([one.trust for one in ready]),
-        )
+        ready = ReadyBank.joined([ReadyBank.of(bank, self.dt_s) for bank in self._banks])
+        return replace(ready, functions=tuple(heard_functions(one) for one in ready.functions))
 
     @cached_property
     def _first(self) -> IntArray:
@@ -501,10 +497,15 @@ class LocalDynamicMap:
             ends_s = np.array([ages_s[rows].min(), ages_s[rows].max()])
             asked = np.ascontiguousarray(own[rows])
             with np.errstate(all="ignore"):
-                if calibrated is None:
-                    at_ends = model.covariance(asked, ends_s, dt_s=self.dt_s)
-                else:
-                    at_ends = calibrated.covariance(model, asked, ends_s, dt_s=self.dt_s)
+                try:
+                    if calibrated is None:
+                        at_ends = model.covariance(asked, ends_s, dt_s=self.dt_s)
+                    else:
+                        at_ends = calibrated.covariance(model, asked, ends_s, dt_s=self.dt_s)
+                except SubModelError as error:
+                    tell_failure(error)
+                    out[rows] = np.nan
+                    continue
                 share = (ages_s[rows] - ends_s[0]) / max(ends_s[1] - ends_s[0], 1e-12)
                 # Where both ends are infinite this is no number, and the caller sees that.
                 out[rows] = at_ends[:, 0] + share[:, None, None] * (at_ends[:, 1] - at_ends[:, 0])
