@@ -1,7 +1,7 @@
 """A sub-model that reads context, and banks with it."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -32,20 +32,14 @@ def _fit(window: FloatMatrix, constants: FloatVector, out: FloatVector) -> None:
 class Reader(AbstractCoreModel):
     """Goes on as the road and the leader tell."""
 
-    @property
-    def name(self) -> str:
-        """As in tables."""
-        return "reader"
-
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """Those of Part I."""
-        return ("velocity_east_mps", "velocity_north_mps", "acceleration_mps2", "yaw_rate_radps")
-
-    @property
-    def functions(self) -> tuple[Any, Any]:
-        """Compiled."""
-        return _fit, kinematic_kernels.predict_acceleration_and_turn
+    short_name: ClassVar[str] = "reader"
+    numbers: ClassVar[tuple[str, ...]] = (
+        "velocity_east_mps",
+        "velocity_north_mps",
+        "acceleration_mps2",
+        "yaw_rate_radps",
+    )
+    functions: ClassVar[tuple[Any, Any]] = (_fit, kinematic_kernels.predict_acceleration_and_turn)
 
     def point_functions(self, dt_s: float) -> PointFunctions:
         """Constants hold the place of the context alone."""

@@ -110,15 +110,12 @@ def capacity(
     quiet
         Print nothing but errors.
     """
-    import json as json_format
-    import sys
-
     from modelcast.cli.capacity_search import CapacitySearch, limits_of, margin_of
     from modelcast.cli.capacity_sweep import search
     from modelcast.cli.fleet_options import FleetOptions
     from modelcast.cli.progress import counted
     from modelcast.cli.shared_work import jobs_in_use
-    from modelcast.cli.terminal import say, show
+    from modelcast.cli.terminal import say, say_json, show
     from modelcast.io.capacity import capacity_document
     from modelcast.report.capacity import capacity_console
     from modelcast.study.network.capacity_limits import WARNS
@@ -146,8 +143,7 @@ def capacity(
     with counted("runs", quiet=quiet or json) as progress:
         found = search(asked, out, jobs=jobs_in_use(jobs), progress=progress)
     if json:
-        json_format.dump(capacity_document(found, asked.as_plain()), sys.stdout, indent=2, sort_keys=True)
-        print()
+        say_json(capacity_document(found, asked.as_plain()))
     elif not quiet:
         show(capacity_console(found))
         say(f"figure: {out / 'capacity.png'}")

@@ -42,24 +42,20 @@ def compare(
     quiet
         Print nothing but errors.
     """
-    import json as json_format
-    import sys
     from dataclasses import replace
 
     from modelcast.cli.named_words import policy_origins
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import busy, counted, watched
-    from modelcast.cli.reading import PARTLY_FAILED, TripSource
+    from modelcast.cli.reading import PARTLY_FAILED, TripSource, require_paths
     from modelcast.cli.run_record import write_run
-    from modelcast.cli.terminal import say, show
-    from modelcast.core.exceptions import ConfigError
+    from modelcast.cli.terminal import say, say_json, show
     from modelcast.io.comparison import comparison_document, write_comparison
     from modelcast.io.output import atomic_folder
     from modelcast.report.comparison import comparison_console, write_comparison_report
     from modelcast.study.compare.run import compare as compare_trips
 
-    if not paths:
-        raise ConfigError("name at least one trip file or folder (modelcast compare --help)")
+    require_paths(paths, "compare")
     settings, candidates = options.settings(), options.candidates()
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     silent = quiet or json
@@ -90,8 +86,7 @@ def compare(
             write_comparison(result, folder)
             write_comparison_report(result, folder)
     if json:
-        json_format.dump(comparison_document(result), sys.stdout, indent=2, sort_keys=True)
-        print()
+        say_json(comparison_document(result))
     elif not quiet:
         show(comparison_console(result))
         say(f"table and figure: {out}")

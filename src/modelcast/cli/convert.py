@@ -35,7 +35,7 @@ def convert(
     """
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import watched
-    from modelcast.cli.reading import TripSource
+    from modelcast.cli.reading import TripSource, require_paths
     from modelcast.cli.terminal import say
     from modelcast.core.exceptions import ConfigError
     from modelcast.io.output import atomic_file
@@ -45,8 +45,7 @@ def convert(
     write = writers.get(out.suffix)
     if write is None:
         raise ConfigError(f"--out {out}: end it in {' or '.join(writers)}")
-    if not paths:
-        raise ConfigError("name at least one trip file or folder (modelcast convert --help)")
+    require_paths(paths, "convert")
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     with atomic_file(out, inputs=paths, shown=f"--out {out}") as file:
         with watched(source, quiet=quiet) as shown:

@@ -81,7 +81,7 @@ def coverage(
     from modelcast.cli.banks import bank_in_use, profile_in_use
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import busy, counted
-    from modelcast.cli.reading import TripSource
+    from modelcast.cli.reading import TripSource, require_paths
     from modelcast.cli.terminal import say, show
     from modelcast.core.exceptions import ConfigError
     from modelcast.io.coverage import coverage_document, write_coverage
@@ -95,8 +95,7 @@ def coverage(
     from modelcast.study.settings import EvaluationSettings
     from modelcast.trips.fingerprint import known_trips
 
-    if not paths:
-        raise ConfigError("name at least one trip file or folder (modelcast coverage --help)")
+    require_paths(paths, "coverage")
     named = bank_in_use(
         bank,
         noise_floor_m=noise_floor,

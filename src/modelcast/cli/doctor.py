@@ -16,18 +16,14 @@ def doctor(*, json: bool = False) -> int:
     json
         Print one JSON document instead of lines.
     """
-    import json as json_format
-    import sys
-
     from modelcast.cli.diagnosis import diagnose
     from modelcast.cli.progress import busy
-    from modelcast.cli.terminal import say
+    from modelcast.cli.terminal import say, say_json
 
     with busy("looking", quiet=json):
         document, problems = diagnose()
     if json:
-        json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
-        print()
+        say_json(document)
         return 1 if problems else 0
     for name, words in _lines(document):
         say(f"{name:<12} {words}")

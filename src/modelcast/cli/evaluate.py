@@ -48,6 +48,7 @@ def evaluate(
         Print nothing but errors.
     """
     from modelcast.cli.evaluation_run import run_evaluation
+    from modelcast.cli.reading import require_paths
     from modelcast.cli.run_record import EvaluationRun, load_run
     from modelcast.core.exceptions import ConfigError
 
@@ -58,8 +59,7 @@ def evaluate(
                 "with it"
             )
         asked = load_run(rerun)
-    elif not paths:
-        raise ConfigError("name at least one trip file or folder (modelcast evaluate --help)")
     else:
+        require_paths(paths, "evaluate")
         asked = EvaluationRun(paths, format, columns, trip, options)
     return run_evaluation(asked, out, trace=trace, json=json, quiet=quiet)

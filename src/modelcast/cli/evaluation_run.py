@@ -1,7 +1,5 @@
 """One run of ``modelcast evaluate``: read, evaluate, write, show."""
 
-import json as json_format
-import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -65,8 +63,7 @@ def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json:
         if trace is not None:
             write_message_trace(result, trace)
     if json:
-        json_format.dump(summary_document(result), sys.stdout, indent=2, sort_keys=True)
-        print()
+        terminal.say_json(summary_document(result))
     elif not quiet:
         show(result, out)
     return PARTLY_FAILED if result.failures else 0

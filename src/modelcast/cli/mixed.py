@@ -62,9 +62,6 @@ def mixed(
     quiet
         Print nothing but errors.
     """
-    import json as json_format
-    import sys
-
     from modelcast.cli.mixed_cases import mixed_cases
     from modelcast.cli.network import survey, unsaid
     from modelcast.cli.network_cases import Varied, rival_of
@@ -72,7 +69,7 @@ def mixed(
     from modelcast.cli.network_sweep import Sweep, sweep
     from modelcast.cli.progress import counted
     from modelcast.cli.shared_work import jobs_in_use
-    from modelcast.cli.terminal import say, show
+    from modelcast.cli.terminal import say, say_json, show
     from modelcast.io.network import network_document
     from modelcast.report.fleet_warnings import warnings_console
     from modelcast.report.mixed import mixed_console
@@ -97,8 +94,7 @@ def mixed(
     )
     if json:
         parts = (swept.options, swept.key, swept.traffic, swept.training_trips)
-        json_format.dump(network_document(swept.result, *parts), sys.stdout, indent=2, sort_keys=True)
-        print()
+        say_json(network_document(swept.result, *parts))
     elif not quiet:
         show(mixed_console(swept.result))
         if swept.result.pooled_warnings:

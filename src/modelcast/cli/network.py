@@ -85,8 +85,6 @@ def network(
     quiet
         Print nothing but errors.
     """
-    import json as json_format
-    import sys
     from dataclasses import replace
 
     from modelcast.cli.network_cases import Varied, network_cases, rival_of
@@ -94,7 +92,7 @@ def network(
     from modelcast.cli.network_sweep import Sweep, sweep
     from modelcast.cli.progress import counted
     from modelcast.cli.shared_work import jobs_in_use
-    from modelcast.cli.terminal import say, show
+    from modelcast.cli.terminal import say, say_json, show
     from modelcast.io.network import network_document
     from modelcast.report.network import network_console
 
@@ -121,8 +119,7 @@ def network(
     )
     if json:
         parts = (swept.options, swept.key, swept.traffic, swept.training_trips)
-        json_format.dump(network_document(swept.result, *parts), sys.stdout, indent=2, sort_keys=True)
-        print()
+        say_json(network_document(swept.result, *parts))
     elif not quiet:
         show(network_console(swept.result))
         say(f"report: {out / 'report.html'}")

@@ -20,15 +20,14 @@ def show(name: Path = Path("default"), /, *, json: bool = False) -> int:
     json
         Print one JSON document instead of tables.
     """
-    import json as json_format
-
     from modelcast.cli.banks import profile_in_use
+    from modelcast.cli.terminal import say_json
     from modelcast.cli.terminal import show as show_tables
     from modelcast.report.profile import profile_document, profile_report
 
     found = profile_in_use(name)
     if json:
-        print(json_format.dumps(profile_document(found), indent=2, sort_keys=True))
+        say_json(profile_document(found))
     else:
         show_tables(*profile_report(found, str(name)))
     return 0
@@ -47,16 +46,16 @@ def diff(first: Path, second: Path, /, *, json: bool = False) -> int:
     json
         Print one JSON document instead of a table.
     """
-    import json as json_format
     from dataclasses import asdict
 
     from modelcast.cli.banks import profile_in_use
+    from modelcast.cli.terminal import say_json
     from modelcast.cli.terminal import show as show_tables
     from modelcast.report.profile import difference_table, profile_differences
 
     found = profile_differences(profile_in_use(first), profile_in_use(second))
     if json:
-        print(json_format.dumps([asdict(one) for one in found], indent=2))
+        say_json([asdict(one) for one in found], sort=False)
     else:
         show_tables(difference_table(found, (str(first), str(second))))
     return 0

@@ -1,14 +1,12 @@
 """What ``modelcast trips --rank`` does: count manoeuvres, order the trips, show or write the order."""
 
-import json
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
 from modelcast.cli.progress import watched
 from modelcast.cli.reading import TripSource
-from modelcast.cli.terminal import say, show
+from modelcast.cli.terminal import say, say_json, show
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.output import atomic_file, atomic_folder
 from modelcast.io.ranking import ranking_document, ranking_table
@@ -74,8 +72,7 @@ def rank_source(
     failures, skipped = source.failures, source.skipped
     if as_json:
         told = ranking_document(ranked[:top], counted=len(ranked), failures=failures, skipped=skipped)
-        json.dump(told, sys.stdout, indent=2, sort_keys=True)
-        print()
+        say_json(told)
         return source.exit_code
     show(ranking_report(ranked[:top], counted=len(ranked), failures=failures, skipped=skipped))
     if out is not None:

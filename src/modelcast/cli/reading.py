@@ -7,15 +7,34 @@ from dataclasses import replace
 from pathlib import Path
 
 from modelcast.cli.terminal import complain
-from modelcast.core.exceptions import DataFormatError, ModelcastError
+from modelcast.core.exceptions import ConfigError, DataFormatError, ModelcastError
 from modelcast.core.printable import printable
 from modelcast.io.recordings import Recording, Recordings
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["PARTLY_FAILED", "TripSource"]
+__all__ = ["PARTLY_FAILED", "TripSource", "require_paths"]
 
 PARTLY_FAILED = 3
 """Exit code where some trips failed and the rest is complete."""
+
+
+def require_paths(paths: Sequence[Path], command: str) -> None:
+    """Refuse a command that names no trips.
+
+    Parameters
+    ----------
+    paths
+        What it names.
+    command
+        Its name, and its study where it has one.
+
+    Raises
+    ------
+    ConfigError
+        Where there is none.
+    """
+    if not paths:
+        raise ConfigError(f"name at least one trip file or folder (modelcast {command} --help)")
 
 
 class TripSource:

@@ -1,18 +1,16 @@
 """One run of ``modelcast reproduce``: read, run every reading, write, show."""
 
-import json as json_format
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from modelcast.cli.options import parse_columns
 from modelcast.cli.progress import busy, counted, watched
-from modelcast.cli.reading import PARTLY_FAILED, TripSource
+from modelcast.cli.reading import PARTLY_FAILED, TripSource, require_paths
 from modelcast.cli.reproduce_options import ReproduceOptions
 from modelcast.cli.run_record import write_run
 from modelcast.cli.shared_work import jobs_in_use, workers
-from modelcast.cli.terminal import say, show
+from modelcast.cli.terminal import say, say_json, show
 from modelcast.cli.traffic_runs import run_traffic
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.manifest import require_replaceable
@@ -73,8 +71,7 @@ def run_reproduction(asked: Reproduction, out: Path, *, jobs: int, json: bool, q
     ConfigError
         Where an option is out of its range, or no trip can be used.
     """
-    if not asked.paths:
-        raise ConfigError(f"name at least one trip file or folder (modelcast reproduce {asked.study} --help)")
+    require_paths(asked.paths, f"reproduce {asked.study}")
     plan, traffic = asked.options.plan(), asked.options.traffic_plan()
     runs = asked.options.traffic_out or out.with_name(f"{out.name}-traffic")
     if asked.options.traffic:
@@ -154,8 +151,7 @@ def _arguments(asked: Reproduction) -> dict[str, object]:
 
 def _tell(result: PaperResult, out: Path, *, json: bool, quiet: bool) -> None:
     if json:
-        json_format.dump(paper_document(result), sys.stdout, indent=2, sort_keys=True)
-        print()
+        say_json(paper_document(result))
     elif not quiet:
         show(paper_console(result))
         say(f"report: {out / 'report.html'}")

@@ -49,10 +49,8 @@ def road(
     quiet
         Show no progress, and to build print nothing but errors.
     """
-    import json as json_format
-    import sys
-
-    from modelcast.cli.terminal import say
+    from modelcast.cli.reading import require_paths
+    from modelcast.cli.terminal import say, say_json
     from modelcast.core.exceptions import ConfigError
 
     if action == "show":
@@ -62,8 +60,7 @@ def road(
     else:
         if out is None or out.suffix != ".parquet":
             raise ConfigError("--out: name the .parquet to write")
-        if not paths:
-            raise ConfigError("name at least one trip file or folder (modelcast road --help)")
+        require_paths(paths, "road")
         survey, code = _built(
             paths, out, cells, format_name=format, columns=columns, pattern=trip, quiet=quiet or json
         )
@@ -77,8 +74,7 @@ def road(
             "memory_bytes": survey.memory_bytes,
             "places": "WGS-84" if survey.geodetic else "local plane",
         }
-        json_format.dump(facts, sys.stdout, indent=2)
-        print()
+        say_json(facts, sort=False)
     elif action == "show" or not quiet:
         say(
             f"{length_km:g} km in {passes} passes of {len(survey.fingerprints)} trips: "

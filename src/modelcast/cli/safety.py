@@ -59,15 +59,13 @@ def safety(
     quiet
         Print nothing but errors.
     """
-    import json as json_format
-
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import busy, counted
     from modelcast.cli.reading import PARTLY_FAILED, TripSource
     from modelcast.cli.run_record import write_run
     from modelcast.cli.safety_sweep import gathered, run_options, safety_work, score_all
     from modelcast.cli.shared_work import jobs_in_use
-    from modelcast.cli.terminal import say, show
+    from modelcast.cli.terminal import say, say_json, show
     from modelcast.core.exceptions import ConfigError
     from modelcast.core.version import package_version
     from modelcast.io.output import atomic_folder
@@ -135,7 +133,7 @@ def safety(
             write_safety(found, folder)
             write_safety_report(found, folder, training_trips=known, trips=len(trips), beside=beside)
     if json:
-        print(json_format.dumps(safety_document(found), indent=2, sort_keys=True))
+        say_json(safety_document(found))
     elif not quiet:
         show(safety_console(found))
         say(f"report: {out / 'report.html'}")

@@ -1,5 +1,6 @@
 """The one way to the terminal: text in which nothing foreign is obeyed."""
 
+import json
 import sys
 from typing import TYPE_CHECKING
 
@@ -8,7 +9,7 @@ from modelcast.core.printable import printable
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-__all__ = ["complain", "error_console", "refused", "say", "show"]
+__all__ = ["complain", "error_console", "refused", "say", "say_json", "show"]
 
 
 def complain(problem: object) -> None:
@@ -31,6 +32,19 @@ def say(line: str) -> None:
         Any text; what is not printable in it is escaped.
     """
     print(printable(line))
+
+
+def say_json(document: object, *, sort: bool = True) -> None:
+    """Print a document as JSON, which escapes what is not printable.
+
+    Parameters
+    ----------
+    document
+        Plain values.
+    sort
+        Whether names are sorted; else they stand in the document's order.
+    """
+    print(json.dumps(document, indent=2, sort_keys=sort))
 
 
 def refused(error: Exception) -> "RenderableType":

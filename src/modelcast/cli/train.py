@@ -103,13 +103,10 @@ def train(
     quiet
         Print nothing but errors.
     """
-    import json as json_format
-    import sys
-
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import staged, watched
-    from modelcast.cli.reading import TripSource
-    from modelcast.cli.terminal import say, show
+    from modelcast.cli.reading import TripSource, require_paths
+    from modelcast.cli.terminal import say, say_json, show
     from modelcast.core.exceptions import ConfigError
     from modelcast.io.output import atomic_file
     from modelcast.report.training import training_report
@@ -118,8 +115,7 @@ def train(
     from modelcast.study.training.profile import ProfileSettings
     from modelcast.study.training.switching import FitSettings, SwitchingSettings
 
-    if not paths:
-        raise ConfigError("name at least one trip file or folder (modelcast train --help)")
+    require_paths(paths, "train")
     _require_addable(
         add,
         modes,
@@ -159,8 +155,7 @@ def train(
     if json:
         added = {"added": trained.added_record} if trained.added_record else {}
         document = {"profile": str(out), "sha256": trained.identity, **trained.record, **added}
-        json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
-        print()
+        say_json(document)
     elif not quiet:
         show(training_report(trained))
         say(f"profile: {out}, sha256 {trained.identity}")

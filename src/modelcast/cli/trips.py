@@ -46,17 +46,13 @@ def trips(
     quiet
         Show no progress.
     """
-    import json as json_format
-    import sys
-
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import watched
-    from modelcast.cli.reading import TripSource
-    from modelcast.cli.terminal import show
+    from modelcast.cli.reading import TripSource, require_paths
+    from modelcast.cli.terminal import say_json, show
     from modelcast.core.exceptions import ConfigError
 
-    if not paths:
-        raise ConfigError("name at least one trip file or folder (modelcast trips --help)")
+    require_paths(paths, "trips")
     if not rank and (top, out, figures) != (None, None, None):
         raise ConfigError("--top, --out and --figures belong to --rank")
     if top is not None and top < 1:
@@ -85,8 +81,7 @@ def trips(
     thresholds_m = EvaluationSettings().thresholds_m
     if json:
         document = inspection_document(found, source.failures, source.skipped, thresholds_m=thresholds_m)
-        json_format.dump(document, sys.stdout, indent=2, sort_keys=True)
-        print()
+        say_json(document)
     else:
         show(inspection_report(found, source.failures, source.skipped, thresholds_m=thresholds_m))
     return source.exit_code

@@ -1,6 +1,6 @@
 """What the three Safety Pilot (SPMD) formats share: keys, layout, and reading in bounded memory.
 
-Published files reach many gigabytes and are not in order of vehicle and time throughout. `read_spmd` reads
+Published files reach many gigabytes and are not in order of vehicle and time throughout. Readers go through
 a file twice or more, in blocks of `BLOCK_BYTES`. The first pass only notes, for every key, how many rows it
 has and in which block it begins and ends. The next gathers rows as numbers and yields a trip as soon as the
 last block that holds its key has been read. Where the trips open at once would exceed `OPEN_ROWS` rows, the
@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import polars as pl
@@ -21,7 +22,7 @@ import polars as pl
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
-from modelcast.io.base import OnSkipped, Tally
+from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.rows import Rows, joined, located, make_trip, ordered, with_missing
 from modelcast.io.text_blocks import Block, number_column, read_blocks, text_column
 from modelcast.io.text_head import file_head, first_lines, split_fields
@@ -29,12 +30,11 @@ from modelcast.trips.trajectory import Trajectory
 
 __all__ = [
     "OPEN_ROWS",
+    "AbstractSpmdReader",
     "Key",
     "SpmdFile",
     "SpmdLayout",
     "open_spmd",
-    "read_spmd",
-    "spmd_matches",
     "valid_position",
 ]
 
@@ -171,20 +171,6 @@ class SpmdFile:
         return [tuple(row[1:]) for row in unique.iter_rows()], number.to_numpy().astype(np.int64)
 
 
-def spmd_matches(layout: SpmdLayout, head: bytes) -> bool:
-    """Return whether the first line is the format's header, or its data without one."""
-    lines = [split_fields(line) for line in first_lines(head) if line.strip()]
-    if not lines:
-        return False
-    found = {name.lower() for name in lines[0]}
-    if _is_header(lines[0]):
-        return {name.lower() for name in (*layout.keys, *layout.numbers)} <= found
-    return all(
-        len(line) in layout.counts and all(map(_is_number, (*line[: len(layout.keys)], line[-1])))
-        for line in lines
-    )
-
-
 def _is_number(text: str) -> bool:
     return set(text) <= _NUMBER_CHARACTERS or text == "NULL"
 
@@ -228,19 +214,40 @@ def open_spmd(path: str, layout: SpmdLayout) -> SpmdFile:
     return SpmdFile(path, layout, at, layout.counts | {len(fields)}, 1)
 
 
-def read_spmd(path: str, layout: SpmdLayout, on_skipped: OnSkipped) -> Iterator[Trajectory]:
-    """Yield the trips of an SPMD file in bounded memory; see the module's docstring."""
-    file = open_spmd(path, layout)
-    extents = _extents(file)
-    if not extents:
-        raise DataFormatError(path, "no rows after the header", remedy="The file is empty.")
-    origin: Origin | None = None
-    for keys in _shared_out(extents):
-        for key, gathered, seen in _complete(file, extents, keys, origin):
-            origin = seen
-            trip = _trip(file, key, gathered, origin, on_skipped)
-            if trip is not None:
-                yield trip
+class AbstractSpmdReader(AbstractTripReader):
+    """Reads files of one layout, in bounded memory; see the module's docstring."""
+
+    layout: ClassVar[SpmdLayout]
+    """Of its format."""
+
+    def matches(self, path: Path, head: bytes) -> bool:
+        """Return whether the first line is the format's header, or its data without one."""
+        del path
+        lines = [split_fields(line) for line in first_lines(head) if line.strip()]
+        if not lines:
+            return False
+        found = {name.lower() for name in lines[0]}
+        if _is_header(lines[0]):
+            return {name.lower() for name in (*self.layout.keys, *self.layout.numbers)} <= found
+        return all(
+            len(line) in self.layout.counts
+            and all(map(_is_number, (*line[: len(self.layout.keys)], line[-1])))
+            for line in lines
+        )
+
+    def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
+        """Yield a trip per key of the layout, each as soon as its last block is read."""
+        file = open_spmd(path, self.layout)
+        extents = _extents(file)
+        if not extents:
+            raise DataFormatError(path, "no rows after the header", remedy="The file is empty.")
+        origin: Origin | None = None
+        for keys in _shared_out(extents):
+            for key, gathered, seen in _complete(file, extents, keys, origin):
+                origin = seen
+                trip = _trip(file, key, gathered, origin, on_skipped)
+                if trip is not None:
+                    yield trip
 
 
 def _extents(file: SpmdFile) -> dict[Key, _Extent]:

@@ -32,17 +32,14 @@ implausible" (over 100 deg/s, seen at launch from rest), treated as unavailable.
 Values that a 1 Hz unit repeats for a second are kept as they are.
 """
 
-from collections.abc import Iterator
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from modelcast.core.geodesy import wrap_angle_rad
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.base import Tally
 from modelcast.io.rows import Rows, with_missing
-from modelcast.io.spmd import Key, SpmdLayout, read_spmd, spmd_matches, valid_position
-from modelcast.trips.trajectory import Trajectory
+from modelcast.io.spmd import AbstractSpmdReader, Key, SpmdLayout, valid_position
 
 __all__ = ["BSM_LAYOUT", "SpmdBsmReader"]
 
@@ -57,21 +54,6 @@ YAW_RATE_LIMIT_DEGPS = 100.0
 
 
 _TIME_UNIT_S = 1e-6
-
-
-class SpmdBsmReader(AbstractTripReader):
-    """Reads BsmP1 files; the module's docstring has the columns and the repairs."""
-
-    name: ClassVar[str] = "spmd-bsm"
-
-    def matches(self, path: Path, head: bytes) -> bool:
-        """Return whether the header is BsmP1's, or every line has its fields."""
-        del path
-        return spmd_matches(BSM_LAYOUT, head)
-
-    def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
-        """Yield a trip per (RxDevice, FileId, TxDevice), each as soon as its last block is read."""
-        yield from read_spmd(path, BSM_LAYOUT, on_skipped)
 
 
 def _trip_name(key: Key) -> str:
@@ -106,7 +88,7 @@ def _usable(rows: Rows, tally: Tally) -> Rows:
 
 
 BSM_LAYOUT = SpmdLayout(
-    source=SpmdBsmReader.name,
+    source="spmd-bsm",
     header=(
         "RxDevice", "FileId", "TxDevice", "GenTime", "TxRandom", "MsgCount", "DSecond", "Latitude",
         "Longitude", "Elevation", "Speed", "Heading", "Ax", "Ay", "Az", "Yawrate", "PathCount",
@@ -120,3 +102,10 @@ BSM_LAYOUT = SpmdLayout(
     trip_name=_trip_name,
     usable=_usable,
 )  # fmt: skip
+
+
+class SpmdBsmReader(AbstractSpmdReader):
+    """Reads BsmP1 files; the module's docstring has the columns and the repairs."""
+
+    name: ClassVar[str] = BSM_LAYOUT.source
+    layout: ClassVar[SpmdLayout] = BSM_LAYOUT

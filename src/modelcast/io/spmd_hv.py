@@ -26,37 +26,19 @@ fix", "partial last line", "no first value yet". Repaired and counted: "out of t
 values of optional columns, held or left out as `rows` says.
 """
 
-from collections.abc import Iterator
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from modelcast.core.geodesy import wrap_angle_rad
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.base import Tally
 from modelcast.io.rows import Rows
-from modelcast.io.spmd import SpmdLayout, read_spmd, spmd_matches, valid_position
-from modelcast.trips.trajectory import Trajectory
+from modelcast.io.spmd import AbstractSpmdReader, SpmdLayout, valid_position
 
 __all__ = ["SpmdHvReader"]
 
 
 _TIME_UNIT_S = 1e-3
-
-
-class SpmdHvReader(AbstractTripReader):
-    """Reads HV_Primary files; the module's docstring has the columns and the repairs."""
-
-    name: ClassVar[str] = "spmd-hv"
-
-    def matches(self, path: Path, head: bytes) -> bool:
-        """Return whether the header is HV_Primary's, or every line has its fields."""
-        del path
-        return spmd_matches(_LAYOUT, head)
-
-    def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
-        """Yield a trip per (DeviceID, Trip), each as soon as its last block is read."""
-        yield from read_spmd(path, _LAYOUT, on_skipped)
 
 
 def _usable(rows: Rows, tally: Tally) -> Rows:
@@ -82,7 +64,7 @@ def _usable(rows: Rows, tally: Tally) -> Rows:
 
 
 _LAYOUT = SpmdLayout(
-    source=SpmdHvReader.name,
+    source="spmd-hv",
     header=(
         "DeviceID", "Trip", "Time", "GPS_Elevation", "GPS_Fix_Quality", "GPS_Hdop", "GPS_Heading",
         "GPS_Latitude", "GPS_Longitude", "GPS_Number_Satellites", "GPS_Pdop", "GPS_Speed", "GPS_UTC_Time",
@@ -105,3 +87,10 @@ _LAYOUT = SpmdLayout(
     duplicate="repeated fix",
     start_unix=True,
 )  # fmt: skip
+
+
+class SpmdHvReader(AbstractSpmdReader):
+    """Reads HV_Primary files; the module's docstring has the columns and the repairs."""
+
+    name: ClassVar[str] = _LAYOUT.source
+    layout: ClassVar[SpmdLayout] = _LAYOUT

@@ -30,37 +30,19 @@ Skipped and counted: "no fix", "position coasted", "position unavailable", "no G
 values of optional columns, held or left out as `rows` says. Values held over two rows are kept.
 """
 
-from collections.abc import Iterator
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from modelcast.core.geodesy import wrap_angle_rad
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.base import Tally
 from modelcast.io.rows import Rows, with_missing
-from modelcast.io.spmd import SpmdLayout, read_spmd, spmd_matches, valid_position
-from modelcast.trips.trajectory import Trajectory
+from modelcast.io.spmd import AbstractSpmdReader, SpmdLayout, valid_position
 
 __all__ = ["SpmdWsuReader"]
 
 _KMH = 1.0 / 3.6
 _TIME_UNIT_S = 1e-3
-
-
-class SpmdWsuReader(AbstractTripReader):
-    """Reads DataWsu files; the module's docstring has the columns and the repairs."""
-
-    name: ClassVar[str] = "spmd-wsu"
-
-    def matches(self, path: Path, head: bytes) -> bool:
-        """Return whether the header is DataWsu's, or every line has its fields."""
-        del path
-        return spmd_matches(_LAYOUT, head)
-
-    def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
-        """Yield a trip per (Device, Trip), each as soon as its last block is read."""
-        yield from read_spmd(path, _LAYOUT, on_skipped)
 
 
 def _usable(rows: Rows, tally: Tally) -> Rows:
@@ -88,7 +70,7 @@ def _usable(rows: Rows, tally: Tally) -> Rows:
 
 
 _LAYOUT = SpmdLayout(
-    source=SpmdWsuReader.name,
+    source="spmd-wsu",
     header=(
         "Device", "Trip", "Time", "GpsValidWsu", "GpsTimeWsu", "LatitudeWsu", "LongitudeWsu", "AltitudeWsu",
         "GpsHeadingWsu", "GpsSpeedWsu", "HdopWsu", "PdopWsu", "FixQualityWsu", "GpsCoastingWsu",
@@ -108,3 +90,10 @@ _LAYOUT = SpmdLayout(
     duplicate="repeated fix",
     start_unix=True,
 )  # fmt: skip
+
+
+class SpmdWsuReader(AbstractSpmdReader):
+    """Reads DataWsu files; the module's docstring has the columns and the repairs."""
+
+    name: ClassVar[str] = _LAYOUT.source
+    layout: ClassVar[SpmdLayout] = _LAYOUT

@@ -5,12 +5,11 @@ sub-model and baseline share it.
 """
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
-from modelcast.core.rules import check_fields
 from modelcast.models import constant_velocity_kernels
 from modelcast.models.core_model import SPREAD_MPS2, AbstractCoreModel
 
@@ -43,25 +42,10 @@ class ConstantVelocity(AbstractCoreModel):
             [20. , -2. ]]])
     """
 
+    short_name: ClassVar[str] = "cv"
+    numbers: ClassVar[tuple[str, ...]] = ("velocity_east_mps", "velocity_north_mps")
+    functions: ClassVar[tuple[Any, Any]] = (constant_velocity_kernels.fit, constant_velocity_kernels.predict)
     acceleration_spread_mps2: Annotated[float, SPREAD_MPS2] = 1.0
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-    @property
-    def name(self) -> str:
-        """Short name."""
-        return "cv"
-
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """Velocity."""
-        return ("velocity_east_mps", "velocity_north_mps")
-
-    @property
-    def functions(self) -> tuple[Any, Any]:
-        """Compiled."""
-        return constant_velocity_kernels.fit, constant_velocity_kernels.predict
 
     def spread_m2(self, parameters: FloatArray, horizons_s: FloatArray) -> FloatArray:
         """Spread of an unmodelled constant acceleration."""

@@ -1,12 +1,12 @@
 """Sub-models of what a core basic safety message carries: one sample, no tables, no payload."""
 
 import abc
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
-from modelcast.core.rules import Number
+from modelcast.core.rules import Number, check_fields
 from modelcast.models.base import AbstractSubModel, PointFunctions
 
 __all__ = ["SPREAD_MPS2", "SPREAD_MPS3", "SPREAD_RADPS2", "AbstractCoreModel"]
@@ -25,13 +25,19 @@ class AbstractCoreModel(AbstractSubModel):
     """A closed form of the newest sample: position, velocity, acceleration along the course, yaw rate.
 
     A core basic safety message carries all of them (SAE J2735: speed, heading, and ``accelSet`` with
-    longitudinal acceleration and yaw rate), so none of these models adds a byte to it.
+    longitudinal acceleration and yaw rate), so none of these models adds a byte to it. Models are frozen
+    dataclasses whose fields are checked by their rules.
     """
 
-    @property
-    @abc.abstractmethod
-    def functions(self) -> tuple[Any, Any]:
-        """The compiled ``fit`` and ``predict`` of `PointFunctions`."""
+    short_name: ClassVar[str]
+    """As in tables and on the command line."""
+    numbers: ClassVar[tuple[str, ...]]
+    """Names of its parameters."""
+    functions: ClassVar[tuple[Any, Any]]
+    """The compiled ``fit`` and ``predict`` of `PointFunctions`."""
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @abc.abstractmethod
     def spread_m2(self, parameters: FloatArray, horizons_s: FloatArray) -> FloatArray:
@@ -44,6 +50,16 @@ class AbstractCoreModel(AbstractSubModel):
         horizons_s
             Times after the last sample, (H,) [s].
         """
+
+    @property
+    def name(self) -> str:
+        """Short name."""
+        return self.short_name
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Its numbers."""
+        return self.numbers
 
     @property
     def window(self) -> int:

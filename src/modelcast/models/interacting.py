@@ -12,7 +12,7 @@ Coefficients", IEEE Transactions on Automatic Control 33(8), 780-783, 1988, doi:
 """
 
 from dataclasses import KW_ONLY, dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -76,6 +76,9 @@ class InteractingMultipleModel(AbstractCoreModel):
     array([[[9.5, 0. ]]])
     """
 
+    short_name: ClassVar[str] = "imm"
+    numbers: ClassVar[tuple[str, ...]] = (*CORE_PARAMETERS, *_CHANCES)
+    functions: ClassVar[tuple[Any, Any]] = (kernels.fit, kernels.predict)
     _: KW_ONLY
     persistence_s: Annotated[float, Number(0.1, 1000.0)] = 2.0
     noise_m: Annotated[float, Number(1e-4, 10.0)] = 0.1
@@ -90,16 +93,6 @@ class InteractingMultipleModel(AbstractCoreModel):
             raise FieldError("start", self.start, "chances that sum to one")
 
     @property
-    def name(self) -> str:
-        """Short name."""
-        return "imm"
-
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """Velocity, acceleration and yaw rate, and the chances of the modes."""
-        return (*CORE_PARAMETERS, *_CHANCES)
-
-    @property
     def held_parameters(self) -> tuple[str, ...]:
         """The chances."""
         return _CHANCES
@@ -108,11 +101,6 @@ class InteractingMultipleModel(AbstractCoreModel):
     def predicts_by_parameters(self) -> bool:
         """It predicts by its settings too."""
         return False
-
-    @property
-    def functions(self) -> tuple[Any, Any]:
-        """Compiled."""
-        return kernels.fit, kernels.predict
 
     def point_functions(self, dt_s: float) -> PointFunctions:
         """Return the compiled functions and the settings."""

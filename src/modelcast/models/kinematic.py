@@ -10,12 +10,11 @@ Tracking", 11th International Conference on Information Fusion, 2008.
 """
 
 from dataclasses import KW_ONLY, dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
-from modelcast.core.rules import check_fields
 from modelcast.models import kinematic_kernels
 from modelcast.models.core_model import SPREAD_MPS2, SPREAD_MPS3, SPREAD_RADPS2, AbstractCoreModel
 
@@ -58,27 +57,15 @@ class ConstantAcceleration(AbstractCoreModel):
             [10. ,  0. ]]])
     """
 
+    short_name: ClassVar[str] = "ca"
+    numbers: ClassVar[tuple[str, ...]] = (*_VELOCITY, "acceleration_mps2")
+    functions: ClassVar[tuple[Any, Any]] = (
+        kinematic_kernels.fit_acceleration,
+        kinematic_kernels.predict_acceleration,
+    )
     _: KW_ONLY
     jerk_spread_mps3: Annotated[float, SPREAD_MPS3] = 1.0
     lateral_spread_mps2: Annotated[float, SPREAD_MPS2] = 1.0
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-    @property
-    def name(self) -> str:
-        """Short name."""
-        return "ca"
-
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """Velocity and acceleration."""
-        return (*_VELOCITY, "acceleration_mps2")
-
-    @property
-    def functions(self) -> tuple[Any, Any]:
-        """Compiled."""
-        return kinematic_kernels.fit_acceleration, kinematic_kernels.predict_acceleration
 
     def spread_m2(self, parameters: FloatArray, horizons_s: FloatArray) -> FloatArray:
         """Spread of an unmodelled jerk along the course and acceleration across it."""
@@ -116,27 +103,12 @@ class ConstantTurnRateVelocity(AbstractCoreModel):
             [12.732,  0.   ]]])
     """
 
+    short_name: ClassVar[str] = "ctrv"
+    numbers: ClassVar[tuple[str, ...]] = (*_VELOCITY, "yaw_rate_radps")
+    functions: ClassVar[tuple[Any, Any]] = (kinematic_kernels.fit_turn, kinematic_kernels.predict_turn)
     _: KW_ONLY
     acceleration_spread_mps2: Annotated[float, SPREAD_MPS2] = 1.0
     yaw_acceleration_spread_radps2: Annotated[float, SPREAD_RADPS2] = 0.1
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-    @property
-    def name(self) -> str:
-        """Short name."""
-        return "ctrv"
-
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """Velocity and yaw rate."""
-        return (*_VELOCITY, "yaw_rate_radps")
-
-    @property
-    def functions(self) -> tuple[Any, Any]:
-        """Compiled."""
-        return kinematic_kernels.fit_turn, kinematic_kernels.predict_turn
 
     def spread_m2(self, parameters: FloatArray, horizons_s: FloatArray) -> FloatArray:
         """Spread of an unmodelled acceleration along the course and yaw acceleration across it."""
@@ -183,27 +155,15 @@ class ConstantTurnRateAcceleration(AbstractCoreModel):
             [ 7.926, 22.985]]])
     """
 
+    short_name: ClassVar[str] = "ctra"
+    numbers: ClassVar[tuple[str, ...]] = (*_VELOCITY, "acceleration_mps2", "yaw_rate_radps")
+    functions: ClassVar[tuple[Any, Any]] = (
+        kinematic_kernels.fit_acceleration_and_turn,
+        kinematic_kernels.predict_acceleration_and_turn,
+    )
     _: KW_ONLY
     jerk_spread_mps3: Annotated[float, SPREAD_MPS3] = 1.0
     yaw_acceleration_spread_radps2: Annotated[float, SPREAD_RADPS2] = 0.1
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-    @property
-    def name(self) -> str:
-        """Short name."""
-        return "ctra"
-
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """Velocity, acceleration and yaw rate."""
-        return (*_VELOCITY, "acceleration_mps2", "yaw_rate_radps")
-
-    @property
-    def functions(self) -> tuple[Any, Any]:
-        """Compiled."""
-        return kinematic_kernels.fit_acceleration_and_turn, kinematic_kernels.predict_acceleration_and_turn
 
     def spread_m2(self, parameters: FloatArray, horizons_s: FloatArray) -> FloatArray:
         """Spread of an unmodelled jerk along the course and yaw acceleration across it."""

@@ -1,7 +1,8 @@
 """Candidates side by side: messages and bytes against threshold, tracking error against loss."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -127,27 +128,19 @@ def _draw_rival(
 ) -> None:
     """Draw a row of panels over the candidate compared against, and the share of trips beyond the bounds."""
     ratios = [one for one in result.ratios if one.protocol == protocol]
-    tallest = [1.0, 1.0, 1.0]
     for axes in row:
         _threshold_axis(axes, ratios)
-    for name, look in looks.items():
-        own = rival_rows_of(result, name, protocol)
-        drawn = (
-            ([one.message_ratio for one in own], [(one.message_low, one.message_high) for one in own]),
-            ([one.bytes_ratio for one in own], [(one.bytes_low, one.bytes_high) for one in own]),
-            ([one.airtime_ratio for one in own], [(one.airtime_low, one.airtime_high) for one in own]),
-        )
-        for at, (values, limits) in enumerate(drawn):
-            top = _draw_line(row[at], name, look, np.array(values), limits)
-            tallest[at] = max(tallest[at], top)
-        over = [
-            100.0 * max(one.trips_over / one.trips, two.trips_over / two.trips)
-            for one, two in zip(own, _by_threshold(ratios, name), strict=True)
-        ]
-        _draw_line(row[3], name, look, np.array(over), [(None, None)] * len(over))
-    for axes, top in zip(row, tallest, strict=False):
+    rivals = {name: rival_rows_of(result, name, protocol) for name in looks}
+    for axes, figure in zip(row, ("message", "bytes", "airtime"), strict=False):
+        top = _draw_ratios(axes, rivals, figure, looks)
         axes.axhline(1.0, color=INK, linewidth=1.1, zorder=1)
         axes.set_ylim(0.0, 1.1 * top)
+    for name, look in looks.items():
+        over = [
+            100.0 * max(one.trips_over / one.trips, two.trips_over / two.trips)
+            for one, two in zip(rivals[name], _by_threshold(ratios, name), strict=True)
+        ]
+        _draw_line(row[3], name, look, np.array(over), [(None, None)] * len(over))
     row[3].set_ylim(bottom=0.0)
     for axes, title in zip(row, ("Messages", "Bytes", "Airtime", "Trips over a bound [%]"), strict=True):
         axes.set_title(title)
@@ -187,8 +180,8 @@ def worst_rows(result: ComparisonResult, candidate: str, protocol: str, percenti
     found: dict[float, float] = {}
     for row in result.tracking:
         if (row.trip, row.candidate, row.protocol) == (POOLED, candidate, protocol):
-            ratio = row.p90_ratio if percentile == 90 else row.p99_ratio
             known = found.get(row.packet_error_ratio, float("nan"))
+            ratio = getattr(row, f"p{percentile}_ratio")
             found[row.packet_error_ratio] = float(np.fmax(known, ratio))
     return [found[ratio] for ratio in sorted(found)]
 
@@ -210,15 +203,7 @@ def _looks(result: ComparisonResult) -> dict[str, _Look]:
 
 
 def _draw_messages(axes: Axes, result: ComparisonResult, protocol: str, looks: dict[str, _Look]) -> None:
-    rows = [row for row in result.ratios if row.protocol == protocol]
-    thresholds_m = _threshold_axis(axes, rows)
-    tallest = 1.0
-    for name, look in looks.items():
-        own = _by_threshold(rows, name)
-        values = np.array([row.message_ratio for row in own])
-        limits = [(row.message_low, row.message_high) for row in own]
-        tallest = max(tallest, _draw_line(axes, name, look, values, limits))
-    _baseline(axes)
+    thresholds_m, tallest = _draw_over_baseline(axes, result, protocol, looks, "message")
     for reference, dashes in _REFERENCE_LINES.items():
         found = {
             row.threshold_m: row.message_ratio
@@ -242,16 +227,31 @@ def _draw_messages(axes: Axes, result: ComparisonResult, protocol: str, looks: d
 
 
 def _draw_airtime(axes: Axes, result: ComparisonResult, protocol: str, looks: dict[str, _Look]) -> None:
+    _, tallest = _draw_over_baseline(axes, result, protocol, looks, "airtime")
+    axes.set_ylim(0.0, 1.1 * tallest)
+
+
+def _draw_over_baseline(
+    axes: Axes, result: ComparisonResult, protocol: str, looks: dict[str, _Look], figure: str
+) -> tuple[list[float], float]:
+    """Draw all candidates' ratios of one figure; return the thresholds and the highest point drawn."""
     rows = [row for row in result.ratios if row.protocol == protocol]
-    _threshold_axis(axes, rows)
+    thresholds_m = _threshold_axis(axes, rows)
+    tallest = _draw_ratios(axes, {name: _by_threshold(rows, name) for name in looks}, figure, looks)
+    _baseline(axes)
+    return thresholds_m, tallest
+
+
+def _draw_ratios(
+    axes: Axes, rows: Mapping[str, Sequence[Row]], figure: str, looks: dict[str, _Look]
+) -> float:
+    """Draw candidates' ratios of messages, bytes or airtime; return the highest point, 1 or more."""
     tallest = 1.0
     for name, look in looks.items():
-        own = _by_threshold(rows, name)
-        limits = [(row.airtime_low, row.airtime_high) for row in own]
-        values = np.array([row.airtime_ratio for row in own])
+        values = np.array([getattr(row, f"{figure}_ratio") for row in rows[name]])
+        limits = [(getattr(row, f"{figure}_low"), getattr(row, f"{figure}_high")) for row in rows[name]]
         tallest = max(tallest, _draw_line(axes, name, look, values, limits))
-    _baseline(axes)
-    axes.set_ylim(0.0, 1.1 * tallest)
+    return tallest
 
 
 def _draw_tracking(
@@ -282,15 +282,9 @@ def _worst_limits(
     for row in result.tracking:
         if (row.trip, row.candidate, row.protocol) == (POOLED, name, protocol):
             by_ratio.setdefault(row.packet_error_ratio, []).append(row)
-    found: list[tuple[float | None, float | None]] = []
-    for ratio in sorted(by_ratio):
-        if percentile == 90:
-            worst = max(by_ratio[ratio], key=lambda row: row.p90_ratio)
-            found.append((worst.p90_low, worst.p90_high))
-        else:
-            worst = max(by_ratio[ratio], key=lambda row: row.p99_ratio)
-            found.append((worst.p99_low, worst.p99_high))
-    return found
+    key = attrgetter(f"p{percentile}_ratio")
+    limits = attrgetter(f"p{percentile}_low", f"p{percentile}_high")
+    return [limits(max(by_ratio[ratio], key=key)) for ratio in sorted(by_ratio)]
 
 
 def _draw_line(

@@ -6,10 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from modelcast.report.figures.panels import empty_figure
+from modelcast.report.figures.panels import empty_figure, radio_panels
 from modelcast.report.figures.scales import density_scale, end_below, from_zero, legend_above, log_scale
 from modelcast.report.figures.senders import Curve, sender_curves
-from modelcast.report.style import PAGE_IN, new_figure
 from modelcast.study.network.rows import NetworkResult
 from modelcast.study.table import Row
 
@@ -22,7 +21,6 @@ __all__ = [
     "plot_tracking",
 ]
 
-_ROW_IN = 2.0
 _MOST_DENSITIES = 4
 _SPREAD = 0.02
 
@@ -50,14 +48,19 @@ def _radios(result: NetworkResult) -> list[str]:
     return sorted({row.radio for row in result.runs})
 
 
+def _panels(
+    radios: Sequence[str], columns: int, across: str, *, sharey: bool = False
+) -> tuple[Figure, list[list[Axes]]]:
+    return radio_panels(radios, columns, across=across, height_in=2.0, head_in=0.35, sharey=sharey)
+
+
 def _against_density(result: NetworkResult, panels: Sequence[Panel], *, log: bool) -> Figure:
     """Draw a row of panels a radio, with the interval over seeds."""
     rows = [row for row in result.pooled if np.isfinite(row.density_per_km)]
     radios = sorted({row.radio for row in rows})
     if not rows:
         return empty_figure("no density was varied")
-    figure = new_figure(PAGE_IN, 0.35 + _ROW_IN * len(radios))
-    grid = figure.subplots(len(radios), len(panels), squeeze=False, sharex=True)
+    figure, grid = _panels(radios, len(panels), "vehicles a kilometre")
     for line, radio in zip(grid, radios, strict=True):
         for axes, (name, label, factor) in zip(line, panels, strict=True):
             own = [row for row in rows if row.radio == radio and row.figure == name]
@@ -69,9 +72,6 @@ def _against_density(result: NetworkResult, panels: Sequence[Panel], *, log: boo
                 end_below(axes, [factor * row.value for row in own])
             else:
                 from_zero(axes)
-        line[0].set_title(radio, loc="left")
-    for axes in grid[-1]:
-        axes.set_xlabel("vehicles a kilometre")
     legend_above(figure, grid[0][0])
     return figure
 
@@ -135,8 +135,7 @@ def plot_distance(result: NetworkResult) -> Figure:
     """
     densities = _some(sorted({row.density_per_km for row in result.runs}))
     radios = _radios(result)
-    figure = new_figure(PAGE_IN, 0.35 + _ROW_IN * len(radios))
-    grid = figure.subplots(len(radios), len(densities), squeeze=False, sharex=True, sharey=True)
+    figure, grid = _panels(radios, len(densities), "distance [m]", sharey=True)
     for line, radio in zip(grid, radios, strict=True):
         for axes, density in zip(line, densities, strict=True):
             here = [
@@ -149,8 +148,6 @@ def plot_distance(result: NetworkResult) -> Figure:
             title = f"{density:g}/km" if np.isfinite(density) else "own density"
             axes.set_title(f"{radio}, {title}", loc="left")
         line[0].set_ylabel("tracking error p90 [m]")
-    for axes in grid[-1]:
-        axes.set_xlabel("distance [m]")
     legend_above(figure, grid[0][0])
     return figure
 
@@ -197,8 +194,7 @@ def plot_settling(result: NetworkResult) -> Figure:
     highest = max(
         (row.density_per_km for row in result.runs), key=lambda density: (np.isfinite(density), density)
     )
-    figure = new_figure(PAGE_IN, 0.35 + _ROW_IN * len(radios))
-    grid = figure.subplots(len(radios), len(_SETTLING), squeeze=False, sharex=True)
+    figure, grid = _panels(radios, len(_SETTLING), "time [s]")
     for line, radio in zip(grid, radios, strict=True):
         here = [
             row
@@ -216,8 +212,6 @@ def plot_settling(result: NetworkResult) -> Figure:
         line[0].set_ylabel(radio)
         for axes in line[:-1]:
             from_zero(axes)
-    for axes in grid[-1]:
-        axes.set_xlabel("time [s]")
     legend_above(figure, grid[0][0])
     return figure
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from modelcast.report.style import COLUMN_IN, PAGE_IN, new_figure
 from modelcast.study.wording import centimetres
 
-__all__ = ["MOST_PANELS", "drawable", "empty_figure", "panel_grid", "top_legend"]
+__all__ = ["MOST_PANELS", "drawable", "empty_figure", "panel_grid", "radio_panels", "top_legend"]
 
 MOST_PANELS = 9
 """More thresholds than this are thinned out evenly: panels must stay readable."""
@@ -69,6 +69,39 @@ def panel_grid(thresholds_m: Sequence[float], *, also: str = "") -> tuple[Figure
             # An incomplete last row leaves the panels above its gap at the bottom of their column.
             axes.tick_params(labelbottom=True)
     return figure, panels
+
+
+def radio_panels(
+    radios: Sequence[str],
+    columns: int,
+    *,
+    across: str,
+    height_in: float,
+    head_in: float,
+    sharey: bool = False,
+) -> tuple[Figure, list[list[Axes]]]:
+    """Return a figure with a row of panels a radio, named above its first one, and the rows.
+
+    Parameters
+    ----------
+    radios
+        Names, at least one.
+    columns
+        Panels of a row.
+    across
+        What the horizontal axis, which all share, says.
+    height_in, head_in
+        Height of a row, and of the room above all [in].
+    sharey
+        Whether all share the vertical axis too.
+    """
+    figure = new_figure(PAGE_IN, head_in + height_in * len(radios))
+    grid = figure.subplots(len(radios), columns, squeeze=False, sharex=True, sharey=sharey)
+    for line, radio in zip(grid, radios, strict=True):
+        line[0].set_title(radio, loc="left")
+    for axes in grid[-1]:
+        axes.set_xlabel(across)
+    return figure, [list(line) for line in grid]
 
 
 def top_legend(figure: Figure, axes: Axes, *, columns: int = 4) -> None:

@@ -12,10 +12,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from modelcast.report.figures.panels import empty_figure
+from modelcast.report.figures.panels import empty_figure, radio_panels
 from modelcast.report.figures.scales import density_scale, end_below, from_zero, legend_above, log_scale
 from modelcast.report.figures.senders import Curve, threshold_text
-from modelcast.report.style import INK, PAGE_IN, new_figure
+from modelcast.report.style import INK
 from modelcast.study.network.pairs import BASELINE, HYBRID
 from modelcast.study.table import Row
 
@@ -28,7 +28,7 @@ __all__ = [
     "plot_reception",
 ]
 
-_ROW_IN = 2.2
+_ACROSS = "vehicles a kilometre"
 _SPREAD = 0.03
 _NEAR_PER_KM = 400.0
 """Where one density is drawn it is that of the runs next to this one [1/km]."""
@@ -71,12 +71,8 @@ def _curve(policy: str, place: int, threshold_m: float) -> Curve:
     return Curve(policy, "", threshold_m, f"{policy}, {threshold_text(threshold_m)}", place)
 
 
-def _panels(radios: Sequence[str], columns: int) -> tuple[Figure, list[list[Axes]]]:
-    figure = new_figure(PAGE_IN, 0.45 + _ROW_IN * len(radios))
-    grid = figure.subplots(len(radios), columns, squeeze=False, sharex=True)
-    for line, radio in zip(grid, radios, strict=True):
-        line[0].set_title(radio, loc="left")
-    return figure, [list(line) for line in grid]
+def _panels(radios: Sequence[str], columns: int, across: str) -> tuple[Figure, list[list[Axes]]]:
+    return radio_panels(radios, columns, across=across, height_in=2.2, head_in=0.45)
 
 
 def _draw(
@@ -136,7 +132,7 @@ def plot_load(rows: Sequence[Row]) -> Figure:
     if not rows:
         return empty_figure("no density was varied")
     radios, thresholds = _radios(rows), _thresholds(rows)
-    figure, grid = _panels(radios, 3)
+    figure, grid = _panels(radios, 3, _ACROSS)
     for line, radio in zip(grid, radios, strict=True):
         for axes, name, label in (
             (line[0], "busy_ratio", "channel busy ratio [%]"),
@@ -159,8 +155,6 @@ def plot_load(rows: Sequence[Row]) -> Figure:
             bounds = [(row.difference_low, row.difference_high) for row in here]
             _bars(line[2], place, bounds, 100.0, curve.colour)
         line[2].set_ylabel("more collided by mbc [points]")
-    for axes in grid[-1]:
-        axes.set_xlabel("vehicles a kilometre")
     legend_above(figure, grid[0][0], columns=4)
     return figure
 
@@ -176,7 +170,7 @@ def _distance(row: Row) -> float:
 def _by_range(rows: Sequence[Row], panels: Sequence[Panel], *, log: bool) -> Figure:
     density = one_density(rows)
     radios, thresholds = _radios(rows), _ends(rows)
-    figure, grid = _panels(radios, len(panels))
+    figure, grid = _panels(radios, len(panels), "distance [m]")
     for line, radio in zip(grid, radios, strict=True):
         place = f"{density:g}/km" if isfinite(density) else "own density"
         line[0].set_title(f"{radio}, {place}", loc="left")
@@ -196,8 +190,6 @@ def _by_range(rows: Sequence[Row], panels: Sequence[Panel], *, log: bool) -> Fig
             else:
                 from_zero(axes)
             axes.set_ylabel(label)
-    for axes in grid[-1]:
-        axes.set_xlabel("distance [m]")
     legend_above(figure, grid[0][0], columns=4)
     return figure
 
@@ -244,7 +236,7 @@ def plot_by_density(rows: Sequence[Row]) -> Figure:
     if not rows:
         return empty_figure("no density was varied")
     radios, thresholds = _radios(rows), _thresholds(rows)
-    figure, grid = _panels(radios, len(_TRACKING))
+    figure, grid = _panels(radios, len(_TRACKING), _ACROSS)
     for line, radio in zip(grid, radios, strict=True):
         for axes, (name, label, factor) in zip(line, _TRACKING, strict=True):
             own = _of_runs(rows, radio, name)
@@ -253,8 +245,6 @@ def plot_by_density(rows: Sequence[Row]) -> Figure:
             _draw(axes, own, factor, thresholds, _density, spread=_SPREAD)
             end_below(axes, _drawn(own, thresholds))
             axes.set_ylabel(f"{label[:-4]}, 50-150 m [m]")
-    for axes in grid[-1]:
-        axes.set_xlabel("vehicles a kilometre")
     legend_above(figure, grid[0][0], columns=4)
     return figure
 
