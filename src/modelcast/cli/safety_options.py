@@ -135,10 +135,12 @@ class SafetyOptions:
 
     @property
     def foreign(self) -> dict[str, str]:
-        """Package and version of an application that another package brings."""
+        """Package and version of the application and of the sub-models that other packages bring."""
         from modelcast.apps.registry import APPLICATIONS
+        from modelcast.cli.named_words import origins_in_use
 
-        return APPLICATIONS.origins([self.application])
+        banks = (candidate.bank for candidate in self.candidates())
+        return {**APPLICATIONS.origins([self.application]), **origins_in_use(None, banks)}
 
     def candidates(self) -> "list[FixedCandidate]":
         """Who sends.
