@@ -4,6 +4,7 @@ import io
 import json
 from collections.abc import Sequence
 from contextlib import redirect_stderr
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from modelcast.cli.network_cases import Varied, network_cases, told
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import sender_rows
 from modelcast.cli.options import SensorOptions
+from modelcast.cli.people_plan import PeoplePlan
 from modelcast.io.network_runs import run_path
 from modelcast.io.profile import write_profile
 from modelcast.models.profile import default_profile
@@ -149,6 +151,19 @@ def test_only_runs_of_a_changed_bank_are_made_anew(tmp_path: Path) -> None:
     ]
     assert set(after.all_inputs) - set(alone.all_inputs) == {"bank mine.json"}
     assert asked.as_plain() == plan("cv").as_plain()
+
+
+def test_runs_with_people_are_made_anew_where_the_file_of_their_bank_has_changed(tmp_path: Path) -> None:
+    file = tmp_path / "walkers.json"
+    write_profile(default_profile(), file)
+    people = PeoplePlan(
+        policy="mbc", bank=str(file), keep_alive_s=None, power_dbm=10.0, height_m=1.5, antenna_db=0.0,
+        reach_m=100.0, keeps="vehicles",
+    )  # fmt: skip
+    asked, case = replace(plan("cv"), people=people), NetworkCase(30.0, "dsrc", "mbc", "cv", 0)
+    before = run_path(case, asked.key(), tmp_path)
+    file.write_text(file.read_text() + "\n")
+    assert run_path(case, asked.key(), tmp_path) != before
 
 
 def test_rules_of_the_user_stand_over_those_of_the_bank_and_timers_never_identify() -> None:

@@ -1,6 +1,7 @@
 """Claims about ``modelcast safety``: what it writes and prints, takes up again, and refuses."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -232,3 +233,93 @@ def test_a_folder_with_nothing_to_show_is_refused(
     ]
     assert run(line) == USAGE
     assert "none of warnings.svg" in " ".join(capsys.readouterr().err.split())
+
+
+POLICIES = """from dataclasses import dataclass
+
+import numpy as np
+
+from modelcast import AbstractTransmitPolicy, Decisions, MessageKind
+
+
+@dataclass(frozen=True, slots=True)
+class Clock(AbstractTransmitPolicy[None]):
+    every_s: float = 0.5
+
+    @property
+    def longest_silence_s(self):
+        return self.every_s
+
+    def init(self, vehicles, sub_models):
+        return None
+
+    def decide(self, state, inputs, rng):
+        due = (inputs.silence_s >= self.every_s - 1e-9) | ~(inputs.error_in_use_m < self._limit_m)
+        kind = np.where(due, MessageKind.UPDATE, MessageKind.NOTHING)
+        return Decisions.at_once(kind, np.full(kind.shape, -1), inputs.t_s), None
+
+    @property
+    def _limit_m(self):
+        return np.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Limited(Clock):
+    threshold_m: float = 0.2
+
+    @property
+    def _limit_m(self):
+        return self.threshold_m
+"""
+
+
+@pytest.fixture
+def slow(other_package: Callable[..., Path]) -> None:
+    points = {"clock": "slow_policies:Clock", "limited": "slow_policies:Limited"}
+    other_package("slow", {"modelcast.policies": points}, {"slow_policies": POLICIES})
+
+
+def rates(folder: Path, basis: str) -> dict[str, float]:
+    """Messages a second of each sender without loss."""
+    pooled = pl.read_parquet(folder / "pooled.parquet").filter(
+        (pl.col("basis") == basis) & (pl.col("packet_error_ratio") == 0.0) & pl.col("mean_burst_s").is_null()
+    )
+    return dict(zip(pooled["candidate"], pooled["message_rate_hz"], strict=True))
+
+
+def safe(platoon: Path, out: Path, *words: str) -> int:
+    return run(["safety", str(platoon), *SMALL, *words, "--out", str(out)])
+
+
+@pytest.mark.usefixtures("slow")
+def test_another_packages_policy_decides_for_all_but_the_baseline(
+    platoon: Path, done: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert safe(platoon, out, "--policy", "clock:every_s=0.2") == 0
+    assert (
+        "clock:every_s=0.2 decides when the senders send, but for the baseline cv" in capsys.readouterr().out
+    )
+    without, own = rates(done, "threshold"), rates(out, "threshold")
+    assert own["cv"] == without["cv"]
+    assert own["free"] == pytest.approx(5.0, abs=0.1)
+    assert rates(out, "messages")["cv"] == pytest.approx(own["free"], rel=0.05)
+    assert json.loads((out / "summary.json").read_text())["settings"]["policy"] == "clock:every_s=0.2"
+    run_json = json.loads((out / "run.json").read_text())
+    assert run_json["versions"]["policy clock:every_s=0.2"] == "slow 1.2"
+    assert run_json["arguments"]["options"]["policy"] == "clock:every_s=0.2"
+    assert "clock:every_s=0.2 decides" in (out / "report.html").read_text()
+
+
+@pytest.mark.usefixtures("slow")
+def test_a_policy_is_matched_by_its_threshold_and_one_without_is_refused(
+    platoon: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = ("--bank", "cv", "ctra", "free", "--basis", "messages", "--policy")
+    assert safe(platoon, tmp_path / "limited", *asked, "limited:every_s=5") == 0
+    found = rates(tmp_path / "limited", "messages")
+    assert found["ctra"] == pytest.approx(found["free"], rel=0.1)
+    capsys.readouterr()
+    assert safe(platoon, tmp_path / "clock", *asked, "clock") != 0
+    told = " ".join(capsys.readouterr().err.split())
+    assert "Clock(every_s=0.5) has no threshold_m, so it cannot be made to cost as much as another" in told

@@ -22,6 +22,11 @@ def result(case: NetworkCase = CASE) -> CaseResult:
     return CaseResult(filled(RUNS, 0.5, **case.values()), (), outcomes=(), seconds=())
 
 
+def made(folder: Path) -> Path:
+    folder.mkdir()
+    return folder
+
+
 def test_a_run_comes_back_as_it_was_written(tmp_path: Path) -> None:
     write_case(result(), CASE, OPTIONS, KEY, tmp_path)
     assert read_case(CASE, OPTIONS, KEY, tmp_path) == result()
@@ -95,3 +100,42 @@ def test_a_run_depends_on_the_file_of_its_own_bank_alone(tmp_path: Path) -> None
     assert read_case(mine, OPTIONS, replace(asked, banks={**asked.banks, "b.json": "0"}), tmp_path) == result(
         mine
     )
+
+
+def test_a_run_depends_on_what_other_packages_bring_to_its_own_bank_alone() -> None:
+    key = replace(KEY, sub_models={"chord+cv": {"sub-model chord": "chord 1.0"}, "cv": {}})
+    mine = replace(CASE, policy="mbc", bank="chord+cv")
+    assert key.of(mine).all_inputs == {**KEY.inputs, "sub-model chord": "chord 1.0"}
+    assert key.of(CASE).all_inputs == key.of(replace(mine, bank="cv")).all_inputs == KEY.inputs
+    assert key.all_inputs == key.of(mine).all_inputs
+
+
+def test_why_runs_are_not_taken_up_is_told_by_input(tmp_path: Path) -> None:
+    """The nearest of the older runs counts, and what is no run says nothing."""
+    old = replace(KEY, foreign={"radio dsrc": "radios 1.0"}, inputs={"0 traffic.xml": "a" * 64})
+    new = replace(old, foreign={"radio dsrc": "radios 2.0"})
+    more = replace(new, version="1.1", inputs={"0 traffic.xml": "b" * 64})
+    cases = [replace(CASE, run=number) for number in range(3)]
+    with run_store(tmp_path / "out", NetworkRunFiles(OPTIONS, old), command="network") as store:
+        store.publish({case: result(case) for case in cases[:2]}, made(tmp_path / "out"))
+        run_path(cases[0], KEY, store.done).write_text("{}")
+    told = {}
+    for key in (old, new, more):
+        with run_store(tmp_path / "out", NetworkRunFiles(OPTIONS, key), command="network") as store:
+            told[key.short] = store.outdated(cases)
+    changed = "radio dsrc was radios 1.0, is radios 2.0"
+    assert list(told.values()) == [
+        [],
+        [f"2 runs are not taken up again: {changed}"],
+        [f"2 runs are not taken up again: modelcast was 1.0, is 1.1; 0 traffic.xml has changed; {changed}"],
+    ]
+
+
+def test_what_a_hostile_run_says_of_its_inputs_is_not_shown_raw(tmp_path: Path) -> None:
+    path = write_case(result(), CASE, OPTIONS, KEY, made(made(tmp_path / "out") / "runs"))
+    document = json.loads(path.read_text(encoding="utf-8"))
+    key = replace(KEY, version="1.1")
+    for inputs, told in (({"0 traffic.xml": "\x1b[31m"}, []), ({"0 traffic.xml": 1}, []), ([], [])):
+        path.write_text(json.dumps({**document, "inputs": inputs}), encoding="utf-8")
+        with run_store(tmp_path / "out", NetworkRunFiles(OPTIONS, key), command="network") as store:
+            assert store.outdated([CASE]) == told

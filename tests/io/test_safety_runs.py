@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.io.run_store import run_store
 from modelcast.io.safety_runs import SafetyCase, SafetyRunFiles, scores_document
 from modelcast.study.safety.result import ConditionScores, PairNames, RecordingScores, SenderSpend
 
@@ -98,3 +99,18 @@ def test_damaged_files_are_named(
     with pytest.raises(ConfigError, match=told) as raised:
         FILES.read(CASE, tmp_path)
     assert str(path) in str(raised.value)
+
+
+def test_why_scores_are_not_taken_up_is_told(tmp_path: Path) -> None:
+    old, new = (
+        SafetyRunFiles("1.0", {"files": {"mine.json": one * 64, "policy slow": f"slow {one}"}})
+        for one in "12"
+    )
+    (tmp_path / "out").mkdir()
+    with run_store(tmp_path / "out", old, command="safety") as store:
+        store.publish({CASE: scores()}, tmp_path / "out")
+        assert store.outdated([CASE, LOGGED]) == []
+    with run_store(tmp_path / "out", new, command="safety") as store:
+        assert store.outdated([CASE, LOGGED]) == [
+            "1 run is not taken up again: mine.json has changed; policy slow was slow 1, is slow 2"
+        ]

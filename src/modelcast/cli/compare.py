@@ -44,7 +44,6 @@ def compare(
     """
     from dataclasses import replace
 
-    from modelcast.cli.named_words import policy_origins
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import busy, counted, watched
     from modelcast.cli.reading import PARTLY_FAILED, TripSource, require_paths
@@ -80,7 +79,7 @@ def compare(
             asked,
             (*paths, *options.files),
             training_trips=known,
-            foreign=policy_origins(options.policy),
+            foreign=options.foreign,
         )
         with busy("writing the report", quiet=silent):
             write_comparison(result, folder)

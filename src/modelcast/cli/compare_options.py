@@ -145,6 +145,24 @@ class CompareOptions:
         named = [text for text in self.bank if names_profile(text)]
         return (*(profile_path(text) for text in (self.profile, *named) if text), *road_files(self.road))
 
+    @property
+    def foreign(self) -> dict[str, str]:
+        """Package and version of the policy and of the sub-models that other packages bring."""
+        from modelcast.cli.banks import profile_in_use
+        from modelcast.cli.named_words import origins_in_use
+        from modelcast.models.sub_models import SUB_MODELS
+        from modelcast.station.banks import parts_of
+        from modelcast.study.compare.candidate import FixedCandidate
+
+        fixed = (one.bank for one in self.candidates() if isinstance(one, FixedCandidate))
+        trained = [text for text in self.bank or () if text.partition(":")[0] == "trained"]
+        banks = (*fixed, *((profile_in_use(self.profile).bank,) if "trained" in trained else ()))
+        named = (part for text in trained for part in parts_of(text.partition(":")[2]))
+        return {
+            **origins_in_use(self.policy, banks),
+            **SUB_MODELS.origins(part for part in named if part in SUB_MODELS.foreign_names()),
+        }
+
     def settings(self) -> "CompareSettings":
         """The settings they mean.
 

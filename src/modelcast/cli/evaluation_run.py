@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from modelcast.cli import terminal
-from modelcast.cli.named_words import policy_origins
+from modelcast.cli.named_words import origins_in_use
 from modelcast.cli.options import parse_columns
 from modelcast.cli.progress import busy, watched
 from modelcast.cli.reading import PARTLY_FAILED, TripSource
@@ -56,7 +56,7 @@ def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json:
             asked.arguments(),
             asked.inputs,
             training_trips=known,
-            foreign=policy_origins(asked.options.policy),
+            foreign=origins_in_use(asked.options.policy, [settings.bank]),
         )
         with busy("writing the report", quiet=quiet or json):
             publish(result, folder)

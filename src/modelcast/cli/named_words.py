@@ -1,15 +1,16 @@
 """A word on the command line that names one of an open group: refused with its option."""
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from modelcast.core.exceptions import ConfigError, ModelcastWarning
 
 if TYPE_CHECKING:
+    from modelcast.models.bank import Bank
     from modelcast.station.policy.base import AbstractTransmitPolicy
 
-__all__ = ["check_word", "policy_origins", "policy_that_decides"]
+__all__ = ["check_word", "origins_in_use", "policy_that_decides"]
 
 
 def check_word(option: str, check: Callable[[str], object], word: str) -> None:
@@ -65,14 +66,18 @@ def policy_that_decides(word: str) -> "AbstractTransmitPolicy[Any]":
     return policy
 
 
-def policy_origins(word: str | None) -> dict[str, str]:
-    """Package and version of what ``--policy`` names over recorded trips; nothing where it is not given.
+def origins_in_use(policy: str | None, banks: "Iterable[Bank]") -> dict[str, str]:
+    """Package and version of what other packages bring to senders over recorded trips, by kind and word.
 
     Parameters
     ----------
-    word
-        As the user gives it.
+    policy
+        What ``--policy`` names, as the user gives it; None where it is not given.
+    banks
+        Whose sub-models are sent.
     """
+    from modelcast.models.sub_models import sub_model_origins
     from modelcast.station.sender.names import POLICIES
 
-    return {} if word is None else POLICIES.origins([word])
+    members = (member for bank in banks for member in bank.members)
+    return {**({} if policy is None else POLICIES.origins([policy])), **sub_model_origins(members)}

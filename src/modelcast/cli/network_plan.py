@@ -202,6 +202,8 @@ class NetworkPlan:
     def key(self, *, radios: Iterable[str] = (), policies: Iterable[str] = ()) -> RunKey:
         """Version and hashes of all that a run reads: its traffic, its bank, the shipped profile, SUMO.
 
+        Beside them stand the versions of what other packages bring.
+
         Parameters
         ----------
         radios, policies
@@ -210,13 +212,18 @@ class NetworkPlan:
         Raises
         ------
         ConfigError
-            Where a file cannot be read.
+            Where a file cannot be read, or a bank is unknown.
+        DataFormatError
+            Where a bank's file or the profile is none.
         """
         from modelcast.apps.registry import APPLICATIONS
         from modelcast.channel.registry import RADIOS
+        from modelcast.cli.banks import bank_in_use, profile_in_use
         from modelcast.cli.run_inputs import recorded_inputs
         from modelcast.core.version import package_version
         from modelcast.io.regular import sha256_of
+        from modelcast.models.sub_models import sub_model_origins
+        from modelcast.station.banks import free_bank
         from modelcast.study.network.mixed import mixed_of
 
         files = [self.scenario] if self.from_file else []
@@ -234,15 +241,28 @@ class NetworkPlan:
         inputs["profile"] = hashlib.sha256(profile.read_bytes()).hexdigest()
         if self.needs_sumo:
             inputs["eclipse-sumo"] = metadata.version("eclipse-sumo")
-        theirs = {} if self.people is None else {"people": self.people.bank}
-        banks = (*self.bank_texts.items(), *theirs.items())
-        files_of_banks = {name: sha256_of(profile_path(text)) for name, text in banks if names_profile(text)}
-        inputs |= APPLICATIONS.origins(self.applications)
-        theirs_too = () if self.people is None or self.people.policy is None else (self.people.policy,)
-        inputs |= POLICIES.origins(theirs_too)
+        in_use = profile_in_use(self.profile)
+        inputs |= APPLICATIONS.origins(self.applications) | sub_model_origins(free_bank(in_use).members)
+        if self.people is not None:
+            theirs = self.people.bank
+            inputs |= {"people's bank": sha256_of(profile_path(theirs))} if names_profile(theirs) else {}
+            inputs |= sub_model_origins(bank_in_use(theirs, profile=in_use).bank.members)
+            inputs |= {} if self.people.policy is None else POLICIES.origins([self.people.policy])
+        texts = self.bank_texts
+        files_of_banks = {
+            name: sha256_of(profile_path(one)) for name, one in texts.items() if names_profile(one)
+        }
         senders = {one for policy in policies for one in mixed_of(policy).senders}
-        foreign = {**RADIOS.origins(radios), **POLICIES.origins(sorted(senders))}
-        return RunKey(package_version(), inputs, files_of_banks, foreign)
+        return RunKey(
+            package_version(),
+            inputs,
+            banks=files_of_banks,
+            foreign={**RADIOS.origins(radios), **POLICIES.origins(sorted(senders))},
+            sub_models={
+                name: sub_model_origins(bank_in_use(text, profile=in_use).bank.members)
+                for name, text in texts.items()
+            },
+        )
 
     @property
     def from_file(self) -> bool:

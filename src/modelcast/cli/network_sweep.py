@@ -137,6 +137,8 @@ def sweep(
         known_runs = cases if asked.trace is None else ()
         results = {case: done for case in known_runs if (done := store.find(case)) is not None}
         say(told(cases, len(results)))
+        for line in store.outdated(case for case in known_runs if case not in results):
+            say(line)
         with watch() as progress:
             results = _run_all(asked, results, store, jobs=jobs, progress=progress)
         if plan.key(radios=radios, policies=policies) != key:

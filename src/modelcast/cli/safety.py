@@ -7,8 +7,14 @@ from modelcast.cli.options import Columns, Format, Paths
 from modelcast.cli.safety_options import SafetyOptions
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from modelcast.cli.reading import TripSource
+    from modelcast.cli.safety_sweep import SafetyWork
     from modelcast.io.loss_logs import LossLog
+    from modelcast.io.run_store import RunStore
+    from modelcast.io.safety_runs import SafetyCase
+    from modelcast.study.safety.result import RecordingScores
     from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["safety"]
@@ -90,14 +96,14 @@ def safety(
         _ = options.settings(sensor, options.burst[0])
     logs = _logs(options, quiet=silent)
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
-    files = SafetyRunFiles(package_version(), run_options(options))
     with (
         atomic_folder(out, command="safety", shown=f"--out {out}") as folder,
-        run_store(out, files, command="safety") as store,
+        run_store(out, SafetyRunFiles(package_version(), run_options(options)), command="safety") as store,
     ):
         trips = _trips(source, streams, options.seed, quiet=silent)
         recordings = recordings_of(trips)
         work = safety_work(recordings, options, logs)
+        _tell_outdated(store, work, quiet=silent)
         with counted("recordings", quiet=silent) as progress:
             scores = score_all(work, options, store, jobs=jobs_in_use(jobs), progress=progress)
         with busy("pooling", quiet=silent):
@@ -149,6 +155,17 @@ def _logs(options: SafetyOptions, *, quiet: bool) -> "list[LossLog]":
     for log in () if quiet else logs:
         say(f"recorded losses: {log.as_text()}")
     return logs
+
+
+def _tell_outdated(
+    store: "RunStore[SafetyCase, RecordingScores]", work: "Iterable[SafetyWork]", *, quiet: bool
+) -> None:
+    """Say why recordings that were scored before are scored again."""
+    from modelcast.cli.terminal import say
+
+    cases = [case for one in work for case, _ in one.cases]
+    for line in () if quiet else store.outdated(case for case in cases if store.find(case) is None):
+        say(line)
 
 
 def _trips(source: "TripSource", streams: int, seed: int, *, quiet: bool) -> "list[Trajectory]":

@@ -48,6 +48,10 @@ class SafetyOptions:
         baseline. Put the trips before this option.
     profile
         File of the profile in use, as in 'modelcast evaluate'.
+    policy
+        Who calls for the messages of all senders but cv: the error-driven policy where not given, or a policy
+        of another package, as in 'modelcast evaluate'. One without a threshold goes with --basis threshold,
+        or with a single bank beside cv.
     threshold
         Tracking-error threshold [m] of the sender whose budget counts, and of all at equal threshold.
     per
@@ -96,6 +100,7 @@ class SafetyOptions:
     algorithm: str | None = None
     bank: Words = ("cv", "free", "default")
     profile: str | None = None
+    policy: str | None = None
     threshold: float = 0.5
     per: Numbers | None = None
     burst: Numbers = (0.0, 0.5)
@@ -135,10 +140,12 @@ class SafetyOptions:
 
     @property
     def foreign(self) -> dict[str, str]:
-        """Package and version of an application that another package brings."""
+        """Package and version of application, policy and sub-models that other packages bring."""
         from modelcast.apps.registry import APPLICATIONS
+        from modelcast.cli.named_words import origins_in_use
 
-        return APPLICATIONS.origins([self.application])
+        banks = (candidate.bank for candidate in self.candidates())
+        return {**APPLICATIONS.origins([self.application]), **origins_in_use(self.policy, banks)}
 
     def candidates(self) -> "list[FixedCandidate]":
         """Who sends.
@@ -231,6 +238,7 @@ class SafetyOptions:
             certificates=self.certificates,
             references=False,
             sensor=SensorOptions(sensor=sensor),
+            policy=self.policy,
         )
         try:
             evaluation = shared.settings()

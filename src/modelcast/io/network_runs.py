@@ -17,7 +17,7 @@ from urllib.parse import quote
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.documents import plain_value
-from modelcast.io.run_store import AbstractRunFiles, write_run_file
+from modelcast.io.run_store import AbstractRunFiles, write_run_file, written_inputs
 from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import CASE_KEYS, CASE_TABLES, RUNS, CaseResult, NetworkCase
 from modelcast.study.table import Column, Row, TableSchema
@@ -51,12 +51,15 @@ class RunKey:
     foreign
         Package and version of radios and policies that other packages bring, by what they are and their word,
         as ``radio two-ray``: they count in runs of theirs alone.
+    sub_models
+        The same of the sub-models of each bank, by the bank's name: runs of other banks do not use them.
     """
 
     version: str
     inputs: Mapping[str, str]
     banks: Mapping[str, str] = field(default_factory=dict[str, str])
     foreign: Mapping[str, str] = field(default_factory=dict[str, str])
+    sub_models: Mapping[str, Mapping[str, str]] = field(default_factory=dict[str, Mapping[str, str]])
 
     @property
     def all_inputs(self) -> dict[str, str]:
@@ -65,6 +68,7 @@ class RunKey:
             **self.inputs,
             **{f"bank {name}": found for name, found in self.banks.items()},
             **self.foreign,
+            **{name: found for one in self.sub_models.values() for name, found in one.items()},
         }
 
     def of(self, case: NetworkCase) -> "RunKey":
@@ -78,7 +82,8 @@ class RunKey:
         banks = {name: found for name, found in self.banks.items() if name == case.bank}
         taking = {f"radio {case.radio}", *(f"policy {one}" for one in mixed_of(case.policy).senders)}
         foreign = {name: found for name, found in self.foreign.items() if name in taking}
-        return replace(self, banks=banks, foreign=foreign)
+        sub_models = {name: found for name, found in self.sub_models.items() if name == case.bank}
+        return replace(self, banks=banks, foreign=foreign, sub_models=sub_models)
 
     @property
     def short(self) -> str:
@@ -207,6 +212,15 @@ class NetworkRunFiles(AbstractRunFiles[NetworkCase, CaseResult]):
     def read(self, case: NetworkCase, folder: Path) -> CaseResult | None:
         """As `read_case`."""
         return read_case(case, self.options, self.key, folder)
+
+    def inputs(self, case: NetworkCase) -> Mapping[str, str]:
+        """The version of modelcast, and `RunKey.all_inputs` of the run."""
+        return {"modelcast": self.key.version, **self.key.of(case).all_inputs}
+
+    def inputs_in(self, path: Path) -> Mapping[str, str]:
+        """As `inputs`."""
+        document = _document(path)
+        return written_inputs(path, document["modelcast"], document["inputs"])
 
     def write(self, case: NetworkCase, result: CaseResult, folder: Path) -> None:
         """As `write_case`."""

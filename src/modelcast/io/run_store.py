@@ -9,18 +9,22 @@ an output folder: the kernel holds a lock for as long as the process lives.
 import os
 import shutil
 from abc import ABC, abstractmethod
-from collections.abc import Generator, Mapping
+from collections import Counter
+from collections.abc import Generator, Iterable, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from glob import escape
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 from filelock import FileLock, Timeout
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.printable import printable
+from modelcast.core.rules import Table, Text, check
 from modelcast.io.documents import document_text
 
-__all__ = ["AbstractRunFiles", "RunStore", "run_store", "write_run_file"]
+__all__ = ["AbstractRunFiles", "RunStore", "run_store", "write_run_file", "written_inputs"]
 
 Case = TypeVar("Case")
 Result = TypeVar("Result")
@@ -67,6 +71,31 @@ class AbstractRunFiles(ABC, Generic[Case, Result]):
             The run, its result, and an existing folder.
         """
 
+    @abstractmethod
+    def inputs(self, case: Case) -> Mapping[str, str]:
+        """What a run depends on beside its options: a hash or version each, by name.
+
+        Parameters
+        ----------
+        case
+            The run.
+        """
+
+    @abstractmethod
+    def inputs_in(self, path: Path) -> Mapping[str, str]:
+        """The same of the run in a file, as it was written.
+
+        Parameters
+        ----------
+        path
+            The file.
+
+        Raises
+        ------
+        ConfigError
+            Where it is damaged.
+        """
+
 
 @dataclass(frozen=True, slots=True)
 class RunStore(Generic[Case, Result]):
@@ -108,6 +137,33 @@ class RunStore(Generic[Case, Result]):
             return self.files.read(case, self.unfinished)
         return None
 
+    def outdated(self, cases: Iterable[Case]) -> list[str]:
+        """Why runs are not taken up that were done before, one line a reason.
+
+        Parameters
+        ----------
+        cases
+            Those that have to be run.
+        """
+        reasons = Counter(reason for case in cases if (reason := self._changed(case)))
+        return [
+            f"{count} {'run is' if count == 1 else 'runs are'} not taken up again: {reason}"
+            for reason, count in reasons.items()
+        ]
+
+    def _changed(self, case: Case) -> str:
+        """In what a run differs from that of its name that is most like it; empty where there is none."""
+        wanted, now = self.files.path(case, self.done), self.files.inputs(case)
+        pattern = escape(wanted.name.rpartition("-")[0]) + "-*.json"
+        found: list[list[str]] = []
+        for path in sorted((*self.done.glob(pattern), *self.unfinished.glob(pattern))):
+            with suppress(ConfigError):
+                before = self.files.inputs_in(path)
+                names = dict.fromkeys((*now, *before))
+                changed = [name for name in names if before.get(name) != now.get(name)]
+                found.append([_change(name, before, now) for name in changed])
+        return "; ".join(min(found, key=len)) if found else ""
+
     def keep(self, case: Case, result: Result) -> None:
         """Write a run that has just been done.
 
@@ -137,6 +193,45 @@ class RunStore(Generic[Case, Result]):
         for case, result in results.items():
             if not self.files.path(case, runs).exists():
                 self.files.write(case, result, runs)
+
+
+_SHA256_LENGTH = 64
+_LONGEST_INPUT, _MOST_INPUTS = 1000, 100_000
+
+
+_INPUTS = Table(Text(_LONGEST_INPUT), _MOST_INPUTS)
+
+
+def written_inputs(path: Path, version: object, inputs: object) -> dict[str, str]:
+    """Return checked inputs that a run's file holds, the version of modelcast among them.
+
+    Parameters
+    ----------
+    path
+        The file, for errors.
+    version, inputs
+        As read.
+
+    Raises
+    ------
+    ConfigError
+        Where they are none.
+    """
+    try:
+        check(version, Text(_LONGEST_INPUT), "modelcast")
+        check(inputs, _INPUTS, "inputs")
+    except ValueError as error:
+        raise ConfigError(f"{path} is no run of modelcast: {error}: remove it") from error
+    return {"modelcast": cast("str", version), **cast("dict[str, str]", inputs)}
+
+
+def _change(name: str, before: Mapping[str, str], now: Mapping[str, str]) -> str:
+    """How an input differs, as a user reads it: versions by what they are, hashes not."""
+    was, found = (printable(given[name]) if name in given else "none" for given in (before, now))
+    shown = printable(name)
+    if _SHA256_LENGTH in {len(was), len(found)}:
+        return f"{shown} has changed"
+    return f"{shown} was {was}, is {found}"
 
 
 def write_run_file(document: Mapping[str, Any], path: Path) -> None:

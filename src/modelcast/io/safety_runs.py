@@ -13,16 +13,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isinf
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.json_text import parse_json, schema_of
-from modelcast.core.rules import Anything, Each, FieldError, Fixed, Keys, Maybe, Number, Text, Whole, check
+from modelcast.core.rules import Anything, Each, Fixed, Keys, Maybe, Number, Text, Whole, check
 from modelcast.io.regular import read_document
-from modelcast.io.run_store import AbstractRunFiles, write_run_file
+from modelcast.io.run_store import AbstractRunFiles, write_run_file, written_inputs
 from modelcast.study.safety.result import ConditionScores, PairNames, RecordingScores, SenderSpend
 from modelcast.study.safety.rules import BASES
 
@@ -123,17 +123,26 @@ class SafetyRunFiles(AbstractRunFiles[SafetyCase, RecordingScores]):
         path = self.path(case, folder)
         if not path.is_file():
             return None
-        document = parse_json(read_document(path))
+        document = _document(path)
         try:
-            check(document, _DOCUMENT)
-            _ = schema_of(document, SAFETY_RUN_SCHEMA)
             found = _scores(document["scores"])
-        except (FieldError, ValueError) as error:
-            raise ConfigError(f"{path} is not a run of modelcast safety: {error}: remove it") from error
+        except ValueError as error:
+            raise _refused(path, error) from error
         wanted = (case.recording, case.sensor, case.mean_burst_s, case.loss_log)
         if (found.name, *found.kind) != wanted:
             raise ConfigError(f"{path} is of another recording, sensor or kind of loss: remove it")
         return found
+
+    def inputs(self, case: SafetyCase) -> Mapping[str, str]:  # noqa: ARG002 - the same for all
+        """The version of modelcast, the files' hashes, and what other packages bring."""
+        return {"modelcast": self.version, **self.options["files"]}
+
+    def inputs_in(self, path: Path) -> Mapping[str, str]:
+        """As `inputs`."""
+        document = _document(path)
+        options: Any = document["options"]
+        files = cast("dict[str, Any]", options).get("files") if isinstance(options, dict) else None
+        return written_inputs(path, document["modelcast"], files)
 
     def write(self, case: SafetyCase, result: RecordingScores, folder: Path) -> None:
         """Write the scores of a recording; the file appears whole or not at all."""
@@ -144,6 +153,21 @@ class SafetyRunFiles(AbstractRunFiles[SafetyCase, RecordingScores]):
             "scores": scores_document(result),
         }
         write_run_file(document, self.path(case, folder))
+
+
+def _document(path: Path) -> Mapping[str, Any]:
+    """The checked content of a recording's file."""
+    try:
+        document: Any = parse_json(read_document(path))
+        check(document, _DOCUMENT)
+        _ = schema_of(document, SAFETY_RUN_SCHEMA)
+    except ValueError as error:
+        raise _refused(path, error) from error
+    return document
+
+
+def _refused(path: Path, error: Exception) -> ConfigError:
+    return ConfigError(f"{path} is not a run of modelcast safety: {error}: remove it")
 
 
 def scores_document(scores: RecordingScores) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from modelcast.models.kinematic import (
 )
 from modelcast.models.regimes import REGIME_BANK
 from modelcast.models.shipped import SHIPPED
-from modelcast.models.wrapped import AbstractWrapped
+from modelcast.models.wrapped import unwrapped
 
 __all__ = ["EXPRESSION", "KINEMATIC", "UNTRAINED", "check_name"]
 
@@ -59,8 +59,7 @@ def check_name(member: AbstractSubModel) -> None:
     Traceback (most recent call last):
     ValueError: no sub-model of a profile may be named 'cv': on the command line that is another sub-model
     """
-    while isinstance(member, AbstractWrapped):
-        member = member.model
+    member = unwrapped(member)
     name = member.name
     refused = f"no sub-model of a profile may be named {name!r}: "
     if name in _BANKS:

@@ -9,6 +9,7 @@ The name is the sub-model's own. Banks may then be made of it, and profiles hold
 (`modelcast.models.plain`).
 """
 
+from collections.abc import Iterable
 from dataclasses import is_dataclass
 from types import MappingProxyType
 from typing import Any
@@ -18,8 +19,9 @@ from modelcast.core.open_group import OpenGroup
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.numpy_model import AbstractNumpySubModel
 from modelcast.models.reserved import KINEMATIC, check_name
+from modelcast.models.wrapped import unwrapped
 
-__all__ = ["SUB_MODELS", "registered_model", "registered_name"]
+__all__ = ["SUB_MODELS", "registered_model", "registered_name", "sub_model_origins"]
 
 SUB_MODELS: OpenGroup[AbstractSubModel] = OpenGroup(
     "modelcast.sub_models",
@@ -100,3 +102,23 @@ def registered_name(kind: type[object]) -> str:
         Where a package that registers one does not load.
     """
     return next((name for name in SUB_MODELS.foreign_names() if SUB_MODELS.loaded(name) is kind), "")
+
+
+def sub_model_origins(members: Iterable[AbstractSubModel]) -> dict[str, str]:
+    """Return package and version of the sub-models that other packages register, by ``sub-model NAME``.
+
+    Packages that register none of these are not loaded.
+
+    Parameters
+    ----------
+    members
+        Of a bank or a profile, wrapped or not.
+
+    Raises
+    ------
+    ConfigError
+        As for `modelcast.core.open_group.OpenGroup.loaded`.
+    """
+    foreign = SUB_MODELS.foreign_names()
+    inside = {member.name: unwrapped(member) for member in members if member.name in foreign}
+    return SUB_MODELS.origins(name for name, one in inside.items() if SUB_MODELS.loaded(name) is type(one))

@@ -7,7 +7,7 @@ from modelcast.core.rules import One
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.payload import PayloadLayout
 
-__all__ = ["AbstractWrapped"]
+__all__ = ["AbstractWrapped", "unwrapped"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,3 +66,16 @@ class AbstractWrapped(AbstractSubModel):
     def trusted_turn_s(self) -> float:
         """The model's."""
         return self.model.trusted_turn_s
+
+
+def unwrapped(member: AbstractSubModel) -> AbstractSubModel:
+    """Return the sub-model inside all that goes round it.
+
+    Parameters
+    ----------
+    member
+        Any sub-model.
+    """
+    while isinstance(member, AbstractWrapped):
+        member = member.model
+    return member

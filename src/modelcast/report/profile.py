@@ -17,7 +17,7 @@ from modelcast.models.plain import REGISTERED, from_plain
 from modelcast.models.predicted_path import carried_layout
 from modelcast.models.profile import Profile
 from modelcast.models.sub_models import SUB_MODELS, registered_name
-from modelcast.models.wrapped import AbstractWrapped
+from modelcast.models.wrapped import unwrapped
 from modelcast.report.literal import literal
 
 __all__ = [
@@ -205,8 +205,7 @@ def _sub_model(member: AbstractSubModel, profile: Profile) -> dict[str, Any]:
 
 def _kind(member: AbstractSubModel) -> str:
     """The class inside all that goes round it, and the package it is from where that is another."""
-    while isinstance(member, AbstractWrapped):
-        member = member.model
+    member = unwrapped(member)
     name = registered_name(type(member))
     return f"{type(member).__name__}, {SUB_MODELS.origin(name)}" if name else type(member).__name__
 

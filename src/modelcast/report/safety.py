@@ -50,11 +50,13 @@ def safety_headline(result: SafetyResult) -> list[str]:
         The evaluation.
     """
     against, budget = result.settings["against"], result.settings["budget"]
+    policy = result.settings.get("policy")
     lines = [
         (
             f"{result.events} true warnings in {result.pairs} pairs: {result.positives} of "
             f"{result.counted} instants near the decision"
-        )
+        ),
+        *([] if policy is None else [f"{policy} decides when the senders send, but for the baseline cv"]),
     ]
     if result.events == 0:
         return [*lines, "no true warning: there is nothing to miss, and shares of false ones alone are shown"]

@@ -1,11 +1,10 @@
 """Which learned sub-models of a bank look back too short a time at a sampling interval."""
 
 from modelcast.models.bank import Bank
-from modelcast.models.base import AbstractSubModel
 from modelcast.models.free import FreeMotion
 from modelcast.models.learned.features import LAG_STEP_S, SHORTEST_SPAN
 from modelcast.models.learned.learned_trajectory import LearnedTrajectory
-from modelcast.models.wrapped import AbstractWrapped
+from modelcast.models.wrapped import unwrapped
 
 __all__ = ["short_at"]
 
@@ -30,7 +29,7 @@ def short_at(bank: Bank, dt_s: float) -> str:
     predicts as constant turn rate and acceleration (ctra)
     """
     for member in bank.members:
-        inner = _inner(member)
+        inner = unwrapped(member)
         if isinstance(inner, LearnedTrajectory | FreeMotion):
             lags = inner.features.lags if isinstance(inner, FreeMotion) else inner.lags
             needed_s, spanned_s = lags * LAG_STEP_S, (inner.window - 1) * dt_s
@@ -41,9 +40,3 @@ def short_at(bank: Bank, dt_s: float) -> str:
                     "turn rate and acceleration (ctra)"
                 )
     return ""
-
-
-def _inner(member: AbstractSubModel) -> AbstractSubModel:
-    while isinstance(member, AbstractWrapped):
-        member = member.model
-    return member

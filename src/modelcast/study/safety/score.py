@@ -1,7 +1,7 @@
 """Pairs of one recording scored: what hosts warn of, against perfect knowledge."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.runtime.trip.replay import replay, schedules_of
 from modelcast.runtime.trip.runtime import TripMessages, sense_trip
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import TripCase, make_case
 from modelcast.study.compare.candidate import FixedCandidate
 from modelcast.study.context import trip_runtimes
@@ -57,11 +58,13 @@ def _scored(scene: Scene, warned: BoolArray, settings: SafetySettings) -> _Runs:
 def _senders(
     case: TripCase, candidates: Sequence[FixedCandidate], settings: SafetySettings
 ) -> dict[str, LeadingSender]:
-    """The candidates as senders of one trip."""
+    """The candidates as senders of one trip; the baseline is error-driven whoever decides for the others."""
     found: dict[str, LeadingSender] = {}
     sensed = sense_trip(case.seen, case.estimator, quantised=settings.evaluation.quantised)
     for candidate in candidates:
         own = candidate.fitted((), settings.evaluation)
+        if own.bank.members == BASELINE_BANK.members:
+            own = replace(own, decides=None)
         ready, _ = trip_runtimes(case, own, sensed)
         found[candidate.name] = LeadingSender(case, ready, own)
     return found

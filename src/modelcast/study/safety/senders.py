@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass, field
 
+from modelcast.core.exceptions import ConfigError
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
+from modelcast.station.policy.base import takes_threshold
 from modelcast.study.case import TripCase
 from modelcast.study.matching import matched_threshold
 from modelcast.study.safety.rules import Basis
@@ -91,7 +93,19 @@ class LeadingSender:
             Messages or airtime.
         ratio
             Packet error ratio.
+
+        Raises
+        ------
+        ConfigError
+            Where its policy has no threshold.
         """
+        decides = self.settings.decides
+        if decides is not None and not takes_threshold(decides):
+            raise ConfigError(
+                f"{decides!r} has no threshold_m, so it cannot be made to cost as much as another sender: "
+                "hold the senders against each other at equal threshold alone, or name one bank beside the "
+                "baseline"
+            )
         threshold_m = matched_threshold(
             lambda tried_m: self.walked(tried_m, ratio)[1].by(basis), spent.by(basis), bisections=_BISECTIONS
         )

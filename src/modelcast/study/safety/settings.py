@@ -27,6 +27,7 @@ class SafetySettings:
     ----------
     evaluation
         Thresholds, losses, seeds, sensor, sizes; its protocol is ``sensor``. Bank and rules play no part.
+        A policy in NumPy decides for all candidates but one of the baseline's bank.
     application
         What warns.
     bases
