@@ -1,14 +1,17 @@
 """A policy that another package brings, and what is told where it asks for what no station can do."""
 
+import json
 import warnings
 from collections.abc import Callable
 from pathlib import Path
 
+import polars as pl
 import pytest
 
 import modelcast
 from modelcast.cli.app import run
 from modelcast.cli.evaluate_options import EvaluateOptions
+from modelcast.study.rules import BASELINES
 
 POLICY = """from dataclasses import dataclass
 
@@ -71,3 +74,71 @@ def test_threshold_that_a_policy_does_not_take_is_told(
         settings = EvaluateOptions(policy=word, threshold=(0.2, 0.5)).settings()
     assert type(settings.decides).__name__ == kind
     assert [str(one.message).startswith(told) for one in met] == [True] * bool(told)
+
+
+EVERY = """
+
+@dataclass(frozen=True, slots=True)
+class Every(Wild):
+    every_s: float = 0.5
+
+    def decide(self, state, inputs, rng):
+        kind = np.where(inputs.silence_s >= self.every_s - 1e-9, MessageKind.UPDATE, MessageKind.NOTHING)
+        return Decisions.at_once(kind, np.full(kind.shape, -1), inputs.t_s), None
+"""
+WORD = "every:every_s=0.5"
+
+
+@pytest.fixture
+def drive(other_package: Callable[..., Path], tmp_path: Path) -> Path:
+    points = {"modelcast.policies": {"every": "every_policy:Every"}}
+    other_package("every", points, {"every_policy": POLICY + EVERY})
+    trip = tmp_path / "drive.csv"
+    modelcast.write_csv([modelcast.generate_drive(seed=1, duration_s=90.0).truth], trip)
+    return trip
+
+
+def test_rows_console_report_and_trace_name_the_policy_that_decides(
+    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    out, trace = tmp_path / "out", tmp_path / "trace.csv"
+    words = [
+        "evaluate",
+        str(drive),
+        "--per",
+        "0",
+        "0.4",
+        "--threshold",
+        "0.5",
+        "--no-references",
+        "--seeds",
+        "1",
+    ]
+    assert run([*words, "--policy", WORD, "--out", str(out), "--trace", str(trace)]) == 0
+    told = capsys.readouterr().out
+    summary = json.loads((out / "summary.json").read_text())
+    assert {row["policy"] for row in summary["rates"]} == {WORD, "baseline"}
+    assert {row["policy"] for row in summary["tracking"]} == {WORD, *BASELINES}
+    assert set(pl.read_parquet(out / "events.parquet")["policy"].unique()) == {WORD, "baseline"}
+    rate_hz = {row["policy"]: row["total_rate_hz"] for row in summary["rates"] if row["trip"] == "all"}
+    assert rate_hz[WORD] == pytest.approx(2.0, abs=0.05)
+    html = (out / "report.html").read_text()
+    for text in (told, html):
+        assert f"{WORD} updates" in text
+        assert f"{WORD} / baseline" in text
+        assert f"at {WORD}" in text
+        assert "MBC" not in text.replace("Which of MBC", "")
+    assert f"{rate_hz[WORD]:.3g}" in told
+    assert len(trace.read_text().splitlines()) > 100
+
+
+def test_a_comparison_says_who_decides_for_its_candidates(
+    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    words = ["compare", str(drive), "--per", "0", "--threshold", "0.5", "--no-references", "--seeds", "1"]
+    assert run([*words, "--bank", "cv", "ctra", "--policy", WORD, "--out", str(out)]) == 0
+    assert f"{WORD} decides when the candidates send" in " ".join(capsys.readouterr().out.split())
+    assert "every_s=0.5 decides when the candidates send" in (out / "table.md").read_text()
+    assert json.loads((out / "summary.json").read_text())["settings"]["decided_by"] == WORD

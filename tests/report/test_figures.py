@@ -24,6 +24,7 @@ from modelcast.report.figures.trips import MOST_ROWS
 from modelcast.report.style import POLICY_COLOURS, style
 from modelcast.study.coverage import COVERAGE, FORMS, TIMES
 from modelcast.study.result import RATES, REFERENCES, TRACKING, EvaluationResult
+from modelcast.study.table import Table, TableSchema
 
 Make = Callable[..., EvaluationResult]
 
@@ -283,3 +284,33 @@ def test_times_draw_what_was_observed_and_what_every_ellipse_expects(count: int)
         widths = [bar.get_width() for bar in axes.patches if isinstance(bar, Rectangle)]
         assert widths == [2.0 + m for m in range(count)]
         assert [list(line.get_xdata()) for line in axes.lines] == [[1.0 + at] * count for at in range(3)]
+
+
+def test_legends_name_the_policy_that_decides(make_result: Make) -> None:
+    """The same curves and bars as ever, under its name."""
+    plain = make_result()
+
+    def called(rows: Table, schema: TableSchema) -> Table:
+        return schema.table(
+            row.replaced(policy=row.policy.replace("mbc", "soon:ahead_s=$1$")) for row in rows
+        )
+
+    foreign = replace(
+        plain,
+        settings={**plain.settings, "decided_by": "soon:ahead_s=$1$"},
+        rates=called(plain.rates, RATES),
+        tracking=called(plain.tracking, TRACKING),
+        ecdfs=tuple(
+            replace(one, policy=one.policy.replace("mbc", "soon:ahead_s=$1$")) for one in plain.ecdfs
+        ),
+    )
+    for plot in (plot_rates, plot_distribution, plot_loss, plot_trips):
+        ours, theirs = plot(plain), plot(foreign)
+        names, other = (
+            [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+            for figure in (ours, theirs)
+        )
+        assert any("MBC" in name for name in names)
+        assert other == [name.replace("MBC", "soon:ahead_s=$1$") for name in names]
+        assert [len(axes.lines) for axes in theirs.axes] == [len(axes.lines) for axes in ours.axes]
+        assert [len(axes.patches) for axes in theirs.axes] == [len(axes.patches) for axes in ours.axes]

@@ -290,7 +290,7 @@ def test_settings_name_everything_that_changes_the_numbers(
         "references": False,
         "decides": ErrorDriven(0.5),
     }
-    assert {*changed, "map_at", "trained_on", "recorded"} == {
+    assert {*changed, "map_at", "trained_on", "recorded", "decided_by"} == {
         item.name for item in fields(EvaluationSettings)
     }
     plain = base.as_plain()
@@ -332,3 +332,15 @@ def test_settings_name_everything_that_changes_the_numbers(
 def test_settings_out_of_range_are_refused_by_name(changes: dict[str, Any], named: str) -> None:
     with pytest.raises(ValueError, match=named):
         replace(EvaluationSettings(), **changes)
+
+
+def test_rows_call_the_model_based_sender_by_who_decides() -> None:
+    decided = EvaluationSettings(decides=ErrorDriven(0.5))
+    assert EvaluationSettings().sender == EvaluationSettings().as_plain()["decided_by"] == "mbc"
+    assert decided.sender == decided.as_plain()["decided_by"] == "ErrorDriven"
+    assert replace(decided, decided_by="mine:ahead_s=1").sender == "mine:ahead_s=1"
+    with pytest.raises(ValueError, match="decided_by must be empty where decides is None, got 'mine'"):
+        EvaluationSettings(decided_by="mine")
+    for taken in ("mbc", "baseline", "baseline-matched", "baseline-periodic"):
+        with pytest.raises(ValueError, match=f"must not be the name of another sender, got '{taken}'"):
+            replace(decided, decided_by=taken)

@@ -15,6 +15,7 @@ from modelcast.models.profile import default_profile, profile_from_text
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.sensing.velocity import velocity_estimator_for
+from modelcast.study.training.dates import training_dates
 from modelcast.study.training.descent import Descent
 from modelcast.study.training.free import FreeSettings
 from modelcast.study.training.free_members import FreeMembersSettings
@@ -140,6 +141,7 @@ def test_a_profile_chooses_its_bank_by_messages_and_records_how(trips: list[Traj
     ]
     profile = train_profile(apart, settings)
     figures = profile.record["figures"]
+    assert "dates" not in profile.record
     totals = {name: sum(sum(row) for row in rows.values()) for name, rows in figures["messages"].items()}
     assert figures["counted_on"] == "routes left out"
     singles = {name: total for name, total in totals.items() if name in figures["steps"][0]}
@@ -170,7 +172,8 @@ def test_a_profile_chooses_its_bank_by_messages_and_records_how(trips: list[Traj
 def test_families_are_trained_that_the_bank_names_and_others_are_taken_over(trips: list[Trajectory]) -> None:
     """The shipped profile lends what is not trained anew, and what was added to it stays added."""
     shipped = default_profile()
-    profile = train_profile(trips[:1], ProfileSettings(free=FREE, seed=3), beside=shipped)
+    dated = replace(trips[0], start_unix_s=1_334_102_350.0)
+    profile = train_profile([dated], ProfileSettings(free=FREE, seed=3), beside=shipped)
     assert [member.name for member in profile.bank.members] == ["free-predictive", "free", "ctra", "cv"]
     assert profile.bank.sent_plain == (True, True, True, False)
     assert profile.sub_model("free") != shipped.sub_model("free")
@@ -179,6 +182,7 @@ def test_families_are_trained_that_the_bank_names_and_others_are_taken_over(trip
     assert (profile.added, profile.added_record) == (shipped.added, shipped.added_record)
     assert profile.record["networks"] == shipped.record["networks"]
     assert profile.record["free"]["seed"] == 3
+    assert profile.record["dates"] == training_dates([dated])
     assert profile.training_trips == (fingerprint(trips[0]), *shipped.training_trips)
     assert profile_from_text(profile.text) == profile
 
@@ -193,3 +197,12 @@ def test_one_route_alone_cannot_be_left_out(trips: list[Trajectory]) -> None:
     together = [replace(trip, trip_id=f"file/{at}") for at, trip in enumerate(trips[:2])]
     with pytest.raises(ValueError, match="one route"):
         train_profile(together, settings)
+
+
+def test_dates_are_those_of_the_trips_that_have_one(trips: list[Trajectory]) -> None:
+    """From the first beginning to the last end; times that no calendar holds are none."""
+    day_s = 86_400.0
+    starts_s = (3 * day_s, 9.5 * day_s, None, -1.0, 1e300, np.nan)
+    given = [replace(trips[0], start_unix_s=start_s) for start_s in starts_s]
+    assert training_dates(given) == {"first": "1970-01-04", "last": "1970-01-10", "trips": 2}
+    assert training_dates(given[2:]) == {}

@@ -235,6 +235,7 @@ class EvaluateOptions:
                 stack=Stack(self.certificates),
                 context=context_settings(self.road, leader=self.leader),
                 decides=None if self.policy is None else policy_that_decides(self.policy),
+                decided_by=self.policy or "",
             )
             check(self.as_plain(), OPTIONS, "option")
         except ValueError as error:

@@ -189,6 +189,7 @@ def gathered(
         scores,
         {
             **options.as_plain(),
+            "decided_by": asked.evaluation.sender,
             "against": against,
             "budget": budget,
             "losses": [log.as_text() for log in logs],

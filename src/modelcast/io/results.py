@@ -94,7 +94,7 @@ def write_message_trace(
     result: EvaluationResult,
     path: str | Path,
     *,
-    policy: str = "mbc",
+    policy: str | None = None,
     bank: str | None = None,
     threshold_m: float | None = None,
 ) -> None:
@@ -109,7 +109,7 @@ def write_message_trace(
     path
         ``*.csv`` or ``*.parquet``; it appears whole or not at all.
     policy
-        ``mbc`` or ``baseline``.
+        As rows name it; None for the model-based sender, ``mbc`` where the error-driven policy decides.
     bank
         The bank of sub-models; None for the first one evaluated.
     threshold_m
@@ -123,7 +123,7 @@ def write_message_trace(
     path = Path(path)
     if path.suffix not in {".csv", ".parquet"}:
         raise ConfigError(f"a message trace is .csv or .parquet, not {path.name!r}")
-    table = _message_trace(result.events, policy=policy, bank=bank, threshold_m=threshold_m)
+    table = _message_trace(result.events, policy=policy or result.sender, bank=bank, threshold_m=threshold_m)
     with atomic_file(path) as file:
         if path.suffix == ".parquet":
             write_tables([table], table.schema, file)

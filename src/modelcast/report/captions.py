@@ -1,6 +1,6 @@
 """What each figure of the report shows, in two sentences, with the definitions a reader needs."""
 
-from modelcast.report.headline import main_bank, rate_basis
+from modelcast.report.headline import main_bank, rate_basis, sender_label
 from modelcast.study.result import EvaluationResult
 
 __all__ = ["PROTOCOLS", "TITLES", "captions", "loss_conditions"]
@@ -40,17 +40,17 @@ def captions(result: EvaluationResult) -> dict[str, str]:
     protocols = sorted({trip.protocol for trip in result.trips})
     label = f" (protocol: {', '.join(protocols)})" if protocols else ""
     counted = {"total": "updates and identifications", "update": "model updates alone"}[rate_basis(result)]
-    conditions = loss_conditions(result)
+    conditions, sender = loss_conditions(result), sender_label(result)
     equal = (
-        f"The baselines send as often as MBC ({counted} counted): one error-driven, with its threshold "
+        f"The baselines send as often as {sender} ({counted} counted): one error-driven, with its threshold "
         "bisected to that rate, and one periodic with a random phase."
     )
     return {
         "message_rate": (
             f"Messages per second of time observed, all trips pooled{label}, on an ideal channel without "
-            f"keep-alive: MBC with the bank {main_bank(result) or 'evaluated'}, split into model updates and "
-            "sub-model identifications, beside the baseline. The baseline is error-driven at the same "
-            "threshold; it sends raw state, which its receiver extrapolates at constant velocity. "
+            f"keep-alive: {sender} with the bank {main_bank(result) or 'evaluated'}, split into model "
+            "updates and sub-model identifications, beside the baseline. The baseline is error-driven at the "
+            "same threshold; it sends raw state, which its receiver extrapolates at constant velocity. "
             "Below, the time on the air of both, all layers and the security header counted."
             + (_REFERENCES if result.references else "")
         ),
@@ -76,7 +76,7 @@ def captions(result: EvaluationResult) -> dict[str, str]:
         "trips": (
             f"Message rate without loss, and 90th percentile of the PTE after the instant's message under "
             f"loss, for each trip{label}. On the left the baseline runs at the same threshold; on the right "
-            f"it is error-driven at MBC's rate ({counted} counted), with {conditions}."
+            f"it is error-driven at {sender}'s rate ({counted} counted), with {conditions}."
         ),
     }
 

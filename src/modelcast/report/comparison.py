@@ -16,6 +16,7 @@ from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
 from modelcast.study.compare.result import CandidateRow, ComparisonResult
+from modelcast.study.rules import MODEL_SENDER
 from modelcast.study.table import Row
 from modelcast.study.wording import centimetres
 
@@ -55,7 +56,7 @@ def comparison_markdown(result: ComparisonResult) -> str:
     """
     told = warning_lines((trip.id, trip.warnings) for trip in result.trips)
     lines = [f"- **Warning**: {markdown(line)}" for line in told] + ([""] if told else [])
-    lines += [scope_line(result), ""]
+    lines += [markdown(scope_line(result)), ""]
     lines += [text for line in _training_lines(result) for text in (markdown(line), "")]
     lines += [
         f"- route {row.route}: {markdown(row.name)}, {_counted(row.trips, 'trip')}, {row.duration_s:.0f} s"
@@ -213,9 +214,11 @@ def _short_cells(
 def scope_line(result: ComparisonResult) -> str:
     """Return in one line what was compared."""
     hours = sum(trip.duration_s for trip in result.trips) / 3600.0
+    sender = result.settings.get("decided_by", MODEL_SENDER)
+    decides = "" if sender == MODEL_SENDER else f"; {sender} decides when the candidates send"
     return (
         f"{_counted(len(result.trips), 'trip')}, {hours:.2f} h, {_counted(len(result.routes), 'route')}; "
-        f"{_counted(len(result.candidates), 'candidate')}, seed {result.settings.get('seed')}"
+        f"{_counted(len(result.candidates), 'candidate')}, seed {result.settings.get('seed')}{decides}"
     )
 
 

@@ -17,6 +17,7 @@ from modelcast.report.headline import (
     headlines,
     nearest_ratio,
     rate_basis,
+    sender_label,
 )
 from modelcast.report.literal import literal
 from modelcast.report.training_trips import training_note
@@ -45,7 +46,7 @@ _SMOOTHER = (
     "velocity_nis",
     "correction_rms_m",
 )
-_SHORT_NAMES = {"mbc": "MBC", "baseline-matched": "matched", "baseline-periodic": "periodic"}
+_SHORT_NAMES = {"baseline-matched": "matched", "baseline-periodic": "periodic"}
 
 
 def console_report(result: EvaluationResult) -> RenderableType:
@@ -136,14 +137,15 @@ def scope_line(result: EvaluationResult) -> str:
 
 
 def rates_table(result: EvaluationResult) -> Table:
-    """Return the pooled message rates at each threshold, MBC beside the baseline."""
+    """Return the pooled message rates at each threshold, the model-based sender's beside the baseline's."""
+    sender = sender_label(result)
     heads = (
         "threshold",
-        "MBC updates",
-        "MBC identif.",
-        "MBC total",
+        f"{sender} updates",
+        f"{sender} identif.",
+        f"{sender} total",
         "baseline",
-        "MBC / baseline",
+        f"{sender} / baseline",
         "airtime",
     )
     rows = [
@@ -159,18 +161,19 @@ def rates_table(result: EvaluationResult) -> Table:
         ]
         for line in headlines(result)
     ]
-    title = "Messages per second, all trips, ideal channel; airtime, MBC / baseline"
+    title = f"Messages per second, all trips, ideal channel; airtime, {sender} / baseline"
     return console_table(Cells(heads, rows, 0), title)
 
 
 def tracking_table(result: EvaluationResult) -> Table:
     """Return the pooled 90th percentile of the tracking error, without loss and near a ratio of 0.4."""
     shown = [(ratio, policy) for ratio in _shown_ratios(result) for policy in SHOWN_POLICIES]
-    heads = [f"PER {100 * ratio:g} %\n{_SHORT_NAMES[policy]}" for ratio, policy in shown]
+    sender = sender_label(result)
+    heads = [f"PER {100 * ratio:g} %\n{_SHORT_NAMES.get(policy, sender)}" for ratio, policy in shown]
     rows = [
         [_threshold(line), *(_number(line.p90_m.get(key), 3) for key in shown)] for line in headlines(result)
     ]
-    title = f"Tracking error, p90 in metres; baselines at MBC's {rate_basis(result)} rate"
+    title = f"Tracking error, p90 in metres; baselines at {sender}'s {rate_basis(result)} rate"
     return console_table(Cells(["threshold", *heads], rows, 0), title)
 
 

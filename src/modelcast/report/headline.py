@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from modelcast.study.result import POOLED, EvaluationResult
+from modelcast.study.rules import MODEL_SENDER
 from modelcast.study.table import Row
 
 __all__ = [
@@ -21,6 +22,8 @@ __all__ = [
     "pooled_reference",
     "pooled_tracking",
     "rate_basis",
+    "role_of",
+    "sender_label",
     "thresholds_m",
     "tracking_of",
 ]
@@ -28,7 +31,8 @@ __all__ = [
 EQUAL_RATE_POLICIES = ("baseline-matched", "baseline-periodic")
 """The two readings of a baseline that sends as often as MBC."""
 
-SHOWN_POLICIES = ("mbc", *EQUAL_RATE_POLICIES)
+SHOWN_POLICIES = (MODEL_SENDER, *EQUAL_RATE_POLICIES)
+"""Roles (`role_of`) that are drawn beside each other."""
 
 HEADLINE_RATIO = 0.4
 """The packet error ratio that the paper's distribution is drawn at."""
@@ -42,10 +46,10 @@ REFERENCE_LABELS = {
 """What figures and tables call the references."""
 
 _LABELS = {
-    "mbc": "MBC",
+    MODEL_SENDER: "{sender}",
     "baseline": "Baseline, same threshold",
-    "baseline-matched": "Baseline, error-driven, at MBC's {basis} rate",
-    "baseline-periodic": "Baseline, periodic, at MBC's {basis} rate",
+    "baseline-matched": "Baseline, error-driven, at {sender}'s {basis} rate",
+    "baseline-periodic": "Baseline, periodic, at {sender}'s {basis} rate",
 }
 
 
@@ -106,9 +110,33 @@ def nearest_ratio(ratios: Sequence[float], target: float = HEADLINE_RATIO) -> fl
 
 
 def main_bank(result: EvaluationResult) -> str:
-    """Return the bank that is drawn: the first one of MBC's rows."""
+    """Return the bank that is drawn: the first one of the model-based sender's rows."""
     rows = (*result.rates, *result.tracking)
-    return next((row.bank for row in rows if row.policy == "mbc"), "")
+    return next((row.bank for row in rows if row.policy == result.sender), "")
+
+
+def role_of(result: EvaluationResult, policy: str) -> str:
+    """Return what a row's policy is drawn as: ``mbc`` for whoever sends models, else its own name.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    policy
+        As the row names it.
+    """
+    return MODEL_SENDER if policy == result.sender else policy
+
+
+def sender_label(result: EvaluationResult) -> str:
+    """Return what people read for the model-based sender: MBC, or the name of the policy that decides.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    return "MBC" if result.sender == MODEL_SENDER else result.sender
 
 
 def rate_basis(result: EvaluationResult) -> str:
@@ -117,20 +145,33 @@ def rate_basis(result: EvaluationResult) -> str:
     return "update" if "update" in found and "total" not in found else "total"
 
 
-def policy_label(policy: str, basis: str = "total") -> str:
+def policy_label(role: str, basis: str = "total", *, sender: str = "MBC") -> str:
     """Return the name of a policy in a legend.
+
+    Parameters
+    ----------
+    role
+        As `role_of` says.
+    basis
+        Of the equal-rate baselines.
+    sender
+        As `sender_label` says.
 
     Examples
     --------
     >>> policy_label("baseline-periodic", "update")
     "Baseline, periodic, at MBC's update rate"
     """
-    return _LABELS.get(policy, policy).format(basis=basis)
+    return _LABELS[role].format(basis=basis, sender=sender) if role in _LABELS else role
 
 
 def pooled_rate(result: EvaluationResult, policy: str, threshold_m: float) -> Row | None:
-    """Return the rate row that pools all trips, or None."""
-    rows = [row for row in result.rates if row.policy == policy and row.threshold_m == threshold_m]
+    """Return the rate row of a role (`role_of`) that pools all trips, or None."""
+    rows = [
+        row
+        for row in result.rates
+        if role_of(result, row.policy) == policy and row.threshold_m == threshold_m
+    ]
     return next(iter(_of_main_bank(result, _pooled(rows))), None)
 
 
@@ -154,11 +195,15 @@ def pooled_reference(result: EvaluationResult, reference: str, threshold_m: floa
 
 
 def pooled_tracking(result: EvaluationResult, policy: str, threshold_m: float) -> list[Row]:
-    """Return the tracking rows that pool all trips, by rising packet error ratio.
+    """Return the tracking rows of a role (`role_of`) that pool all trips, by rising packet error ratio.
 
     Of equal-rate baselines, those on the basis `rate_basis` names.
     """
-    rows = [row for row in result.tracking if row.policy == policy and row.threshold_m == threshold_m]
+    rows = [
+        row
+        for row in result.tracking
+        if role_of(result, row.policy) == policy and row.threshold_m == threshold_m
+    ]
     return tracking_of(result, _pooled(rows))
 
 
@@ -181,7 +226,7 @@ def headlines(result: EvaluationResult) -> list[Headline]:
             for policy in SHOWN_POLICIES
             for row in pooled_tracking(result, policy, threshold_m)
         }
-        mbc, baseline = (pooled_rate(result, policy, threshold_m) for policy in ("mbc", "baseline"))
+        mbc, baseline = (pooled_rate(result, policy, threshold_m) for policy in (MODEL_SENDER, "baseline"))
         found.append(Headline(threshold_m, mbc, baseline, p90_m))
     return found
 
@@ -197,5 +242,5 @@ def _pooled(rows: Sequence[Row]) -> list[Row]:
 def _of_main_bank(result: EvaluationResult, rows: Sequence[Row]) -> list[Row]:
     """Return the rows with those of the drawn bank first; MBC's rows of other banks are left out."""
     bank = main_bank(result)
-    kept = [row for row in rows if row.policy != "mbc" or row.bank == bank]
+    kept = [row for row in rows if row.policy != result.sender or row.bank == bank]
     return sorted(kept, key=lambda row: row.bank != bank)

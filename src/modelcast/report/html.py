@@ -22,10 +22,13 @@ from modelcast.report.headline import (
     policy_label,
     pooled_reference,
     rate_basis,
+    role_of,
+    sender_label,
 )
 from modelcast.report.page import CSS, embedded_figure, page
 from modelcast.report.warnings import warning_lines
 from modelcast.study.result import POOLED, EvaluationResult, HoldsEvaluation, TripRow, result_of
+from modelcast.study.rules import MODEL_SENDER
 from modelcast.study.table import Row
 
 __all__ = ["report_document", "write_report"]
@@ -116,18 +119,19 @@ def _headline_table(result: EvaluationResult) -> str:
 
 
 def _rate_table(result: EvaluationResult) -> str:
+    sender = sender_label(result)
     head = [
         "threshold [cm]",
-        "MBC updates [1/s]",
-        "MBC identifications [1/s]",
-        "MBC total [1/s]",
+        f"{sender} updates [1/s]",
+        f"{sender} identifications [1/s]",
+        f"{sender} total [1/s]",
         "baseline [1/s]",
-        "MBC / baseline",
-        "MBC [byte/s]",
+        f"{sender} / baseline",
+        f"{sender} [byte/s]",
         "baseline [byte/s]",
-        "MBC airtime [ms/s]",
+        f"{sender} airtime [ms/s]",
         "baseline airtime [ms/s]",
-        "airtime, MBC / baseline",
+        f"airtime, {sender} / baseline",
     ]
     rows = [
         [
@@ -176,7 +180,8 @@ def _loss_table(result: EvaluationResult) -> str:
     shown = sorted({ratio for ratio in nearest if ratio is not None})
     if not shown:
         return ""
-    shorts = {"mbc": "MBC", "baseline-matched": "error-driven", "baseline-periodic": "periodic"}
+    sender = sender_label(result)
+    shorts = {MODEL_SENDER: sender, "baseline-matched": "error-driven", "baseline-periodic": "periodic"}
     head = ["threshold [cm]"]
     head += [f"PER {100 * ratio:g} %, {short}" for ratio in shown for short in shorts.values()]
     rows = [
@@ -188,7 +193,7 @@ def _loss_table(result: EvaluationResult) -> str:
     ]
     note = (
         "90th percentile of the position tracking error [m] after the instant's message, with "
-        f"{loss_conditions(result)}; the two baselines at MBC's {rate_basis(result)} rate."
+        f"{loss_conditions(result)}; the two baselines at {sender}'s {rate_basis(result)} rate."
     )
     return Cells(head, rows, 0).html() + f'<p class="note">{escape(note)}</p>'
 
@@ -228,15 +233,16 @@ def _trip_table(trips: Sequence[TripRow]) -> str:
 def _tracking_section(result: EvaluationResult) -> str:
     pooled = [row for row in result.tracking if row.trip == POOLED]
     single = [row for row in result.tracking if row.trip != POOLED]
-    parts = [_details(f"All trips pooled ({len(pooled)} rows)", pooled)]
+    parts = [_details(f"All trips pooled ({len(pooled)} rows)", pooled, result)]
     if len(single) <= _MOST_TRACKING_ROWS:
-        parts.append(_details(f"Each trip ({len(single)} rows)", single))
+        parts.append(_details(f"Each trip ({len(single)} rows)", single, result))
     else:
         parts.append(f'<p class="note">The {len(single)} rows of single trips are in summary.json.</p>')
     return "".join(parts)
 
 
-def _details(title: str, rows: Sequence[Row]) -> str:
+def _details(title: str, rows: Sequence[Row], result: EvaluationResult) -> str:
+    sender = sender_label(result)
     head = [
         "trip",
         "policy",
@@ -253,7 +259,7 @@ def _details(title: str, rows: Sequence[Row]) -> str:
     cells = [
         [
             "all trips" if row.trip == POOLED else row.trip,
-            policy_label(row.policy, row.rate_basis or ""),
+            policy_label(role_of(result, row.policy), row.rate_basis or "", sender=sender),
             row.bank,
             f"{100 * row.threshold_m:.4g}",
             f"{100 * row.packet_error_ratio:.4g}",

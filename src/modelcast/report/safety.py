@@ -18,6 +18,7 @@ from modelcast.report.page import CSS, figure, options_table, page
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warning_texts import ENOUGH, late_text, over_text, percent_text, plain_text
+from modelcast.study.rules import MODEL_SENDER
 from modelcast.study.safety.result import SafetyResult, kind_of
 from modelcast.study.table import Row
 
@@ -50,13 +51,17 @@ def safety_headline(result: SafetyResult) -> list[str]:
         The evaluation.
     """
     against, budget = result.settings["against"], result.settings["budget"]
-    policy = result.settings.get("policy")
+    sender = result.settings.get("decided_by", MODEL_SENDER)
     lines = [
         (
             f"{result.events} true warnings in {result.pairs} pairs: {result.positives} of "
             f"{result.counted} instants near the decision"
         ),
-        *([] if policy is None else [f"{policy} decides when the senders send, but for the baseline cv"]),
+        *(
+            []
+            if sender == MODEL_SENDER
+            else [f"{sender} decides when the senders send, but for the baseline cv"]
+        ),
     ]
     if result.events == 0:
         return [*lines, "no true warning: there is nothing to miss, and shares of false ones alone are shown"]

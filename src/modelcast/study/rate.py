@@ -64,7 +64,7 @@ def count_rates(
     for threshold_m, *walks in zip(
         settings.thresholds_m, mbc.run_each(policies), baseline.run_each(policies), strict=True
     ):
-        for name, ready, walk in zip(("mbc", "baseline"), (mbc, baseline), walks, strict=True):
+        for name, ready, walk in zip((settings.sender, "baseline"), (mbc, baseline), walks, strict=True):
             sent = sent_load(walk, ready.bank, case.truth.t_s, settings)
             count = RateCount(
                 name,

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
+from modelcast.study.rules import MODEL_SENDER
 from modelcast.study.table import Table, TableSchema, count, flag, quantity, ratio, text
 
 __all__ = [
@@ -148,7 +149,7 @@ RATES = TableSchema(
     "Messages sent at one threshold on an ideal channel, without keep-alive.",
     (
         _TRIP,
-        text("policy", "Policy: mbc or baseline."),
+        text("policy", "Policy: mbc, or the name of another that decides (`--policy`); or baseline."),
         _BANK,
         quantity("threshold_m", "m", "Tracking-error threshold."),
         count("updates", "Model updates sent."),
@@ -204,16 +205,18 @@ TRACKING = TableSchema(
         _TRIP,
         text(
             "policy",
-            "Policy: mbc, baseline (error-driven at the same threshold), baseline-periodic or "
-            "baseline-matched (error-driven with its threshold bisected to the rate).",
+            "Policy: mbc, or the name of another that decides (`--policy`); baseline (error-driven at the "
+            "same threshold), baseline-periodic or baseline-matched (error-driven with its threshold "
+            "bisected to the rate).",
         ),
         _BANK,
         text(
             "rate_basis",
-            "Which of MBC's rates an equal-rate baseline was given: update (the paper) or total (fairer).",
+            "Which of the model-based sender's rates an equal-rate baseline was given: update (the paper) "
+            "or total (fairer).",
             missing="the other policies have none",
         ),
-        quantity("threshold_m", "m", "MBC's threshold, which names the comparison."),
+        quantity("threshold_m", "m", "The model-based sender's threshold, which names the comparison."),
         quantity(
             "own_threshold_m",
             "m",
@@ -414,6 +417,11 @@ class EvaluationResult:
     failures: Mapping[str, str]
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])
     references: Table = field(default_factory=REFERENCES.table)
+
+    @property
+    def sender(self) -> str:
+        """What the rows call the model-based sender: ``mbc`` where the error-driven policy decides."""
+        return str(self.settings.get("decided_by", MODEL_SENDER))
 
 
 class HoldsEvaluation(Protocol):

@@ -22,6 +22,7 @@ from modelcast.station.policy.error_driven import LOSS_BUDGET, ErrorDriven
 from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
 from modelcast.station.sender.lane_rules import check_rules
 from modelcast.station.sensing.rules import VelocityRule
+from modelcast.study.rules import BASELINES, MODEL_SENDER
 from modelcast.world.sensors import SensorModel
 
 __all__ = ["EvaluationSettings"]
@@ -108,6 +109,8 @@ class EvaluationSettings:
     decides
         A policy in NumPy that calls for the messages of model-based senders, at each threshold where it has
         one; None for the error-driven one. It knows of no channel. The baselines stay error-driven.
+    decided_by
+        What rows call model-based senders where `decides` is given; the name of its class where empty.
 
     Raises
     ------
@@ -145,6 +148,7 @@ class EvaluationSettings:
     references: bool = True
     context: ContextSettings = field(default_factory=ContextSettings)
     decides: AbstractTransmitPolicy[Any] | None = None
+    decided_by: str = ""
 
     def __post_init__(self) -> None:
         if not self.thresholds_m:
@@ -169,6 +173,7 @@ class EvaluationSettings:
         _require_known("keep_samples", self.keep_samples, ("first", "all", "none"))
         for threshold_m in self.thresholds_m:
             check_rules(self.under_loss(threshold_m, 0.0), self.bank, self.selector)
+        self._check_sender()
         if self.mean_burst_s is not None and self.recorded is not None:
             raise ValueError("mean_burst_s and recorded: losses are drawn or replayed, give one of the two")
         for ratio in self.packet_error_ratios:
@@ -188,6 +193,18 @@ class EvaluationSettings:
         if self.belief == "sent":
             return policy
         return replace(policy, believe=self.belief, packet_error_ratio=ratio, budget=self.budget)
+
+    def _check_sender(self) -> None:
+        """Refuse a name that says nothing, or that rows give to somebody else."""
+        if self.decided_by and self.decides is None:
+            raise ValueError(f"decided_by must be empty where decides is None, got {self.decided_by!r}")
+        if self.decides is not None and self.sender in {MODEL_SENDER, *BASELINES}:
+            raise ValueError(f"decided_by must not be the name of another sender, got {self.sender!r}")
+
+    @property
+    def sender(self) -> str:
+        """What rows call model-based senders: ``mbc`` where the error-driven policy decides."""
+        return MODEL_SENDER if self.decides is None else self.decided_by or type(self.decides).__name__
 
     @property
     def belief(self) -> BelieveRule:
@@ -270,4 +287,5 @@ class EvaluationSettings:
             "references": self.references,
             "context": self.context.as_plain(),
             "policy": None if self.decides is None else repr(self.decides),
+            "decided_by": self.sender,
         }

@@ -218,7 +218,7 @@ class LossRuns:
             return [TrackingRun.stacked(runs) for runs in zip(*parts, strict=True)]
         ready, policy = each[0], settings.policy(threshold_m, keep_alive=True)
         walks = walks_under_loss(ready, settings, threshold_m)
-        own = self.walked(ready, walks, Contender("mbc", ready.bank.name, None, threshold_m))
+        own = self.walked(ready, walks, Contender(settings.sender, ready.bank.name, None, threshold_m))
         return [own, *(run for basis in bases for run in self.equal_rate(policy, walks, basis))]
 
     def _part(self, at: int) -> "LossRuns":

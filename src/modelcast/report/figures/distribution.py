@@ -1,14 +1,20 @@
 """Distribution of the tracking error at one packet error ratio."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from modelcast.report.figures.panels import empty_figure, panel_grid, top_legend
-from modelcast.report.headline import SHOWN_POLICIES, nearest_ratio, policy_label, rate_basis
+from modelcast.report.figures.panels import empty_figure, panel_grid, policy_labels, top_legend
+from modelcast.report.headline import (
+    SHOWN_POLICIES,
+    nearest_ratio,
+    rate_basis,
+    role_of,
+)
 from modelcast.report.style import INK, POLICY_COLOURS, POLICY_LINES, style
 from modelcast.study.result import Ecdf, EvaluationResult
 
@@ -30,11 +36,12 @@ def plot_distribution(result: EvaluationResult) -> Figure:
     """
     ratio = nearest_ratio(sorted({curve.packet_error_ratio for curve in result.ecdfs}))
     basis = rate_basis(result)
+    labels = policy_labels(result)
     curves = [
-        curve
+        replace(curve, policy=role_of(result, curve.policy))
         for curve in result.ecdfs
         if curve.packet_error_ratio == ratio
-        and curve.policy in SHOWN_POLICIES
+        and role_of(result, curve.policy) in SHOWN_POLICIES
         and curve.rate_basis in {None, basis}
         and np.isfinite(curve.tracking_error_m).any()
     ]
@@ -45,7 +52,7 @@ def plot_distribution(result: EvaluationResult) -> Figure:
         figure, panels = panel_grid(sorted({curve.threshold_m for curve in curves}), also=shown)
         for threshold_m, axes in panels.items():
             _draw_curves(
-                axes, threshold_m, [item for item in curves if item.threshold_m == threshold_m], basis
+                axes, threshold_m, [item for item in curves if item.threshold_m == threshold_m], labels
             )
         _scale(next(iter(panels.values())), curves)
         figure.supxlabel("Position tracking error [m]", fontsize=7.5)
@@ -54,7 +61,7 @@ def plot_distribution(result: EvaluationResult) -> Figure:
         return figure
 
 
-def _draw_curves(axes: Axes, threshold_m: float, curves: Sequence[Ecdf], basis: str) -> None:
+def _draw_curves(axes: Axes, threshold_m: float, curves: Sequence[Ecdf], labels: Mapping[str, str]) -> None:
     for policy in SHOWN_POLICIES:
         for curve in curves:
             if curve.policy == policy:
@@ -63,7 +70,7 @@ def _draw_curves(axes: Axes, threshold_m: float, curves: Sequence[Ecdf], basis: 
                     curve.probability,
                     POLICY_LINES[policy],
                     color=POLICY_COLOURS[policy],
-                    label=policy_label(policy, basis),
+                    label=labels[policy],
                 )
     axes.axvline(threshold_m, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), label="Threshold")
 

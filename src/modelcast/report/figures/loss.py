@@ -5,8 +5,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from modelcast.core.arrays import FloatArray
-from modelcast.report.figures.panels import empty_figure, panel_grid, top_legend
-from modelcast.report.headline import SHOWN_POLICIES, policy_label, pooled_tracking, rate_basis
+from modelcast.report.figures.panels import empty_figure, panel_grid, policy_labels, top_legend
+from modelcast.report.headline import SHOWN_POLICIES, pooled_tracking
 from modelcast.report.style import INK, POLICY_COLOURS, POLICY_LINES, POLICY_MARKERS, style
 from modelcast.study.result import EvaluationResult
 from modelcast.study.table import Row
@@ -26,7 +26,7 @@ def plot_loss(result: EvaluationResult) -> Figure:
     result
         The evaluation.
     """
-    basis = rate_basis(result)
+    labels = policy_labels(result)
     thresholds_m = sorted({row.threshold_m for row in result.tracking})
     rows = {
         (threshold_m, policy): pooled_tracking(result, policy, threshold_m)
@@ -41,7 +41,7 @@ def plot_loss(result: EvaluationResult) -> Figure:
         for threshold_m, axes in panels.items():
             for policy in SHOWN_POLICIES:
                 if rows[threshold_m, policy]:
-                    _draw_policy(axes, policy, rows[threshold_m, policy], policy_label(policy, basis))
+                    _draw_policy(axes, policy, rows[threshold_m, policy], labels[policy])
             axes.axhline(threshold_m, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), label="Threshold")
         first = next(iter(panels.values()))
         first.set_ylim(bottom=0.0)

@@ -5,15 +5,30 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from modelcast.report.headline import policy_label, rate_basis, sender_label
 from modelcast.report.style import COLUMN_IN, PAGE_IN, new_figure
+from modelcast.study.result import EvaluationResult
+from modelcast.study.rules import BASELINES, MODEL_SENDER
 from modelcast.study.wording import centimetres
 
-__all__ = ["MOST_PANELS", "drawable", "empty_figure", "panel_grid", "radio_panels", "top_legend"]
+__all__ = [
+    "LONGEST_NAME",
+    "MOST_PANELS",
+    "drawable",
+    "empty_figure",
+    "panel_grid",
+    "policy_labels",
+    "radio_panels",
+    "top_legend",
+]
 
 MOST_PANELS = 9
 """More thresholds than this are thinned out evenly: panels must stay readable."""
 
 _LAST_IN_FONT = "\u024f"
+
+LONGEST_NAME = 30
+"""Letters of another package's name in a legend."""
 
 
 def drawable(text: str, most: int = 60) -> str:
@@ -29,6 +44,18 @@ def drawable(text: str, most: int = 60) -> str:
         return shown
     tail = most // 2
     return f"{shown[: most - 1 - tail]}…{shown[-tail:]}"
+
+
+def policy_labels(result: EvaluationResult) -> dict[str, str]:
+    """Return what legends call the policies of an evaluation, by role.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    basis, sender = rate_basis(result), drawable(sender_label(result), LONGEST_NAME)
+    return {role: policy_label(role, basis, sender=sender) for role in (MODEL_SENDER, *BASELINES)}
 
 
 def empty_figure(reason: str) -> Figure:

@@ -5,8 +5,8 @@ from matplotlib.container import BarContainer
 from matplotlib.figure import Figure
 from matplotlib.typing import LineStyleType
 
-from modelcast.report.figures.panels import empty_figure
-from modelcast.report.headline import REFERENCE_LABELS, Headline, headlines, pooled_reference
+from modelcast.report.figures.panels import LONGEST_NAME, drawable, empty_figure
+from modelcast.report.headline import REFERENCE_LABELS, Headline, headlines, pooled_reference, sender_label
 from modelcast.report.style import (
     COLUMN_IN,
     IDENTIFICATION_COLOUR,
@@ -54,7 +54,7 @@ def plot_rates(result: EvaluationResult) -> Figure:
         wide = len(lines) > _MOST_IN_COLUMN
         figure = new_figure(PAGE_IN if wide else COLUMN_IN, 4.0 if result.references else 3.6)
         axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.6, 1.0))
-        _draw_bars(axes, lines)
+        _draw_bars(axes, lines, drawable(sender_label(result), LONGEST_NAME))
         _draw_references(axes, result, lines)
         axes.set_xticks(range(len(lines)), [f"{100 * line.threshold_m:.4g}" for line in lines])
         axes.set_xlim(-0.6, len(lines) - 0.4)
@@ -67,20 +67,20 @@ def plot_rates(result: EvaluationResult) -> Figure:
         return figure
 
 
-def _draw_bars(axes: Axes, lines: list[Headline]) -> None:
+def _draw_bars(axes: Axes, lines: list[Headline], sender: str) -> None:
     places = range(len(lines))
     left, right = [at - _WIDTH / 2 - 0.01 for at in places], [at + _WIDTH / 2 + 0.01 for at in places]
     updates = [0.0 if line.mbc is None else line.mbc.update_rate_hz for line in lines]
     identifications = [0.0 if line.mbc is None else line.mbc.identification_rate_hz for line in lines]
     baseline = [0.0 if line.baseline is None else line.baseline.total_rate_hz for line in lines]
-    axes.bar(left, updates, _WIDTH, color=POLICY_COLOURS["mbc"], label="MBC updates")
+    axes.bar(left, updates, _WIDTH, color=POLICY_COLOURS["mbc"], label=f"{sender} updates")
     tops = axes.bar(
         left,
         identifications,
         _WIDTH,
         bottom=updates,
         color=IDENTIFICATION_COLOUR,
-        label="MBC identifications",
+        label=f"{sender} identifications",
     )
     beside = axes.bar(right, baseline, _WIDTH, color=POLICY_COLOURS["baseline"], label="Baseline")
     _label_tops(axes, tops, [None if line.mbc is None else line.mbc.total_rate_hz for line in lines])

@@ -6,14 +6,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from modelcast.report.figures.panels import drawable, empty_figure
+from modelcast.report.figures.panels import drawable, empty_figure, policy_labels
 from modelcast.report.headline import (
     HEADLINE_RATIO,
     evaluated_ratios,
     main_bank,
     nearest_ratio,
-    policy_label,
-    rate_basis,
+    role_of,
     tracking_of,
 )
 from modelcast.report.style import (
@@ -84,10 +83,11 @@ def _rates(result: EvaluationResult, threshold_m: float) -> dict[str, _ByTrip]:
     bank = main_bank(result)
     found: dict[str, dict[str, float]] = {"mbc": {}, "baseline": {}}
     for row in result.rates:
-        if row.trip == POOLED or row.threshold_m != threshold_m or row.policy not in found:
+        role = role_of(result, row.policy)
+        if row.trip == POOLED or row.threshold_m != threshold_m or role not in found:
             continue
-        if row.policy != "mbc" or row.bank == bank:
-            found[row.policy].setdefault(row.trip, row.total_rate_hz)
+        if role != "mbc" or row.bank == bank:
+            found[role].setdefault(row.trip, row.total_rate_hz)
     return dict(found)
 
 
@@ -100,8 +100,9 @@ def _errors(result: EvaluationResult, threshold_m: float, ratio: float | None) -
     ]
     by_trip: dict[tuple[str, str], list[int]] = {}
     for at, row in enumerate(rows):
-        if row.policy in found:
-            by_trip.setdefault((row.policy, row.trip), []).append(at)
+        role = role_of(result, row.policy)
+        if role in found:
+            by_trip.setdefault((role, row.trip), []).append(at)
     for (policy, trip), places in by_trip.items():
         for row in tracking_of(result, [rows[at] for at in places]):
             found[policy][trip] = row.pte_p90_m
@@ -157,10 +158,8 @@ def _from_zero(axes: Axes) -> None:
 
 def _legend(figure: Figure, result: EvaluationResult) -> None:
     handles = figure.axes[0].get_lines() + figure.axes[1].get_lines()
-    labels = {
-        POLICY_COLOURS[policy]: policy_label(policy, rate_basis(result))
-        for policy in ("mbc", "baseline", "baseline-matched")
-    }
+    named = policy_labels(result)
+    labels = {POLICY_COLOURS[role]: named[role] for role in ("mbc", "baseline", "baseline-matched")}
     by_colour = {str(handle.get_color()): handle for handle in handles}
     shown = [(by_colour[colour], label) for colour, label in labels.items() if colour in by_colour]
     figure.legend(

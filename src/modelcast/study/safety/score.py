@@ -64,7 +64,7 @@ def _senders(
     for candidate in candidates:
         own = candidate.fitted((), settings.evaluation)
         if own.bank.members == BASELINE_BANK.members:
-            own = replace(own, decides=None)
+            own = replace(own, decides=None, decided_by="")
         ready, _ = trip_runtimes(case, own, sensed)
         found[candidate.name] = LeadingSender(case, ready, own)
     return found

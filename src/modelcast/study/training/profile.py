@@ -39,6 +39,7 @@ from modelcast.study.routes import routes
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.training.calibration import pooled_calibrations
 from modelcast.study.training.costs import train_costs
+from modelcast.study.training.dates import training_dates
 from modelcast.study.training.free_members import (
     FREE_NAMES,
     FreeMembers,
@@ -514,8 +515,10 @@ def _record(
         {"trip": trip.trip_id, "format": trip.source, "duration_s": round(trip.duration_s, 3)}
         for trip in trips
     ]
+    dates = training_dates(trips)
     return {
         **kept.record,
+        **({"dates": dates} if dates else {}),
         "modelcast": package_version(),
         "seed": settings.seed,
         "trips": [*own, *(row for row in kept.trips if row not in own)],
