@@ -13,6 +13,7 @@ SCRIPTS = (
     "gp_peers.py",
     "switching.py",
     "numpy_sub_model.py",
+    "numpy_policy.py",
     "gp_expressions.py",
     "rate_evaluation.py",
     "evaluate_command.py",

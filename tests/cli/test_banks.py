@@ -1,10 +1,15 @@
 """Claims about banks by name."""
 
+import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import modelcast
+from modelcast.cli.app import run
 from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.compare_options import CompareOptions
 from modelcast.cli.evaluate_options import EvaluateOptions
@@ -14,9 +19,25 @@ from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import AxisKernel, VehicleProcess
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
-from modelcast.models.profile import Profile, default_profile, people_profile
+from modelcast.models.profile import Profile, default_profile, people_profile, profile_from_text
+from modelcast.models.sub_models import SUB_MODELS
 from modelcast.models.trusted import Trusted
 from modelcast.station.banks import bank_from_text, free_bank, named_bank
+from modelcast.study.compare.candidate import FixedCandidate
+
+SCALED = """
+from dataclasses import dataclass
+from tests.models.numpy_models import Coasting
+
+@dataclass(frozen=True, slots=True)
+class Scaled(Coasting):
+    gain: float = 1.0
+    note: str = ""
+    name = "scaled"
+
+    def fit_batch(self, windows):
+        return self.gain * windows.velocities_mps[:, -1]
+"""
 
 NAMES = [
     "cv",
@@ -134,3 +155,58 @@ def test_the_profile_of_people_is_named_like_the_default_one() -> None:
     assert [path.name for path in EvaluateOptions(bank="people", profile="people").files] == [
         "people.json"
     ] * 2
+
+
+@pytest.fixture
+def scaled(other_package: Callable[..., Path]) -> None:
+    """A package with a sub-model that has settings."""
+    other_package("strange", {SUB_MODELS.name: {"scaled": "scaled_model:Scaled"}}, {"scaled_model": SCALED})
+
+
+def gain_of(bank: Bank) -> float:
+    """The setting of the first member."""
+    return getattr(bank.members[0], "gain", np.nan)
+
+
+@pytest.mark.usefixtures("scaled")
+def test_a_word_of_a_bank_sets_the_fields_of_another_package_s_sub_model() -> None:
+    for text in ("scaled:gain=0.5+cv", "scaled:gain=0.5,note=a.json"):
+        bank = EvaluateOptions(bank=text).settings().bank
+        assert (gain_of(bank), bank.members[0].name) == (0.5, "scaled")
+        assert profile_from_text(Profile(bank).text).bank.members[0] == bank.members[0]
+    assert gain_of(bank_from_text("scaled")) == 1.0
+    assert isinstance(bank_from_text("scaled:gain=2", trusted_horizon_s=1.0).members[0], Trusted)
+
+
+@pytest.mark.usefixtures("scaled")
+def test_two_settings_are_two_things_to_compare() -> None:
+    words = ("scaled:gain=0.5", "scaled:gain=2+cv")
+    found = CompareOptions(bank=words).candidates()
+    assert [one.name for one in found] == list(words)
+    assert [gain_of(one.bank) for one in found if isinstance(one, FixedCandidate)] == [0.5, 2]
+
+
+@pytest.mark.usefixtures("scaled")
+def test_a_profile_is_trained_with_it_as_it_is_set(tmp_path: Path) -> None:
+    trips, out = [tmp_path / f"{seed}.csv" for seed in range(3)], tmp_path / "mine.json"
+    for seed, path in enumerate(trips):
+        modelcast.write_csv([modelcast.generate_drive(seed=seed, duration_s=90.0).truth], path)
+    words = ["train", *map(str, trips), "--out", str(out), "--bank", "scaled:gain=2+cv", "--quiet"]
+    assert run(words) == 0
+    assert gain_of(profile_in_use(out).bank) == 2
+
+
+@pytest.mark.usefixtures("scaled")
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("scaled:gian=2+cv", "'scaled' of strange refuses its settings: .*gian.* It takes fault, gain, note"),
+        ("scaled:gain+cv", "'gain' is not KEY=VALUE"),
+        ("scaled:gain=2+scaled:gain=3", "sub-models of a bank must have distinct names, got scaled, scaled"),
+        ("cv:gain=2", "'cv:gain=2': settings are for sub-models of other packages, here scaled"),
+        ("nobody:gain=2", "'nobody:gain=2': settings are for sub-models of other packages, here scaled"),
+    ],
+)
+def test_settings_that_do_not_fit_are_refused_with_the_bank(text: str, told: str) -> None:
+    with pytest.raises(ConfigError, match=f"^--bank {re.escape(text)}: .*{told}"):
+        bank_from_text(text)

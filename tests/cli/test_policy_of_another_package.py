@@ -11,6 +11,7 @@ import pytest
 import modelcast
 from modelcast.cli.app import run
 from modelcast.cli.evaluate_options import EvaluateOptions
+from modelcast.core.exceptions import ModelcastWarning
 from modelcast.study.rules import BASELINES
 
 POLICY = """from dataclasses import dataclass
@@ -115,7 +116,8 @@ def test_rows_console_report_and_trace_name_the_policy_that_decides(
         "--seeds",
         "1",
     ]
-    assert run([*words, "--policy", WORD, "--out", str(out), "--trace", str(trace)]) == 0
+    with pytest.warns(ModelcastWarning, match="has no threshold_m"):
+        assert run([*words, "--policy", WORD, "--out", str(out), "--trace", str(trace)]) == 0
     told = capsys.readouterr().out
     summary = json.loads((out / "summary.json").read_text())
     assert {row["policy"] for row in summary["rates"]} == {WORD, "baseline"}
@@ -138,7 +140,8 @@ def test_a_comparison_says_who_decides_for_its_candidates(
 ) -> None:
     out = tmp_path / "out"
     words = ["compare", str(drive), "--per", "0", "--threshold", "0.5", "--no-references", "--seeds", "1"]
-    assert run([*words, "--bank", "cv", "ctra", "--policy", WORD, "--out", str(out)]) == 0
+    with pytest.warns(ModelcastWarning, match="has no threshold_m"):
+        assert run([*words, "--bank", "cv", "ctra", "--policy", WORD, "--out", str(out)]) == 0
     assert f"{WORD} decides when the candidates send" in " ".join(capsys.readouterr().out.split())
     assert "every_s=0.5 decides when the candidates send" in (out / "table.md").read_text()
     assert json.loads((out / "summary.json").read_text())["settings"]["decided_by"] == WORD

@@ -178,5 +178,5 @@ def test_a_bank_sets_what_its_word_says() -> None:
         bank_from_text("drifting:falt=rows+cv")
     with pytest.raises(ConfigError, match="'fault' is not KEY=VALUE"):
         bank_from_text("drifting:fault+cv")
-    with pytest.raises(ConfigError, match="no sub-model is named 'cv:samples=3'"):
+    with pytest.raises(ConfigError, match="settings are for sub-models of other packages"):
         bank_from_text("cv:samples=3")

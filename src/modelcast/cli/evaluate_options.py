@@ -41,7 +41,8 @@ class EvaluateOptions:
         use), 'people', a profile's file, 'paper', 'free' (the best receiver of plain messages: the profile's
         free, else ctra), 'regimes' (a Gaussian process for each driving regime), or names joined by '+' among
         cv, ca, ctrv, ctra, imm, gp-anchored, gp-intercept, gp-adaptive, gp-linear, gp-trained, gp-vehicle,
-        gp-derivative, learned and gp-regime-1, gp-regime-2, gp-regime-3.
+        gp-derivative, learned, gp-regime-1, gp-regime-2, gp-regime-3, and what other packages register, as
+        NAME or NAME:KEY=VALUE,KEY=VALUE.
     profile
         File of the profile in use, from which sub-models get what was trained, or 'people' for the profile of
         people that ships with modelcast; that of vehicles where not given.

@@ -179,7 +179,7 @@ class NetworkPlan:
         """
         found: dict[str, str] = {}
         for text in self.banks:
-            name = Path(text).name if text.endswith(".json") else text
+            name = Path(text).name if names_profile(text) else text
             if found.setdefault(name, text) != text:
                 raise ConfigError(f"--bank: {found[name]} and {text} have the same name: rename one")
         if not found:

@@ -58,7 +58,8 @@ def train(
     bank
         Members of the bank in order, joined by '+', among free, free-predictive, free-context, learned,
         gp-vehicle, gp-derivative, gp-trained, shs, hdp-hmm, gp-regime-1 and so on, ctra, ctrv, ca and cv;
-        their families are trained; what other packages register joins as it is. Where not given, with
+        their families are trained; what other packages register joins as it is, as NAME or
+        NAME:KEY=VALUE,KEY=VALUE. Where not given, with
         --validate chosen among what is trained, but for free-context, gp-trained, shs, hdp-hmm and the
         regimes', by the messages they save; else free-predictive and free. cv joins as guard.
     validate
@@ -237,11 +238,16 @@ def _require_addable(add: tuple[str, ...], modes: int, **unused: object) -> None
 def _require_trainable(names: tuple[str, ...]) -> None:
     """Refuse members before hours of training that no profile could hold."""
     from modelcast.cli.banks import profile_in_use
+    from modelcast.models.sub_models import names_registered
     from modelcast.station.banks import member_names
     from modelcast.study.training.profile import MOST_NAMES
 
     known = member_names(profile_in_use(None))
-    unknown = [name for name in names if name not in known and not name.startswith("gp-regime-")]
+    unknown = [
+        name
+        for name in names
+        if name not in known and not name.startswith("gp-regime-") and not names_registered(name)
+    ]
     if unknown:
         raise ValueError(f"--bank: no sub-model is named {unknown[0]}; there are {', '.join(known)}")
     if len(names) > MOST_NAMES:

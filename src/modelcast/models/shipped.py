@@ -1,6 +1,7 @@
 """The profiles that ship with modelcast, by name: ``default`` for vehicles, ``people`` for people."""
 
 import importlib.resources
+import re
 from pathlib import Path
 
 __all__ = ["DEFAULT", "PEOPLE", "SHIPPED", "names_profile", "profile_path"]
@@ -13,6 +14,9 @@ PEOPLE = "people"
 
 SHIPPED = (DEFAULT, PEOPLE)
 """Names of the profiles that ship."""
+
+_SETTINGS = re.compile(r":[A-Za-z]\w*=")
+"""Where a sub-model's settings begin (`modelcast.core.named_settings`)."""
 
 
 def profile_path(text: str | Path) -> Path:
@@ -44,7 +48,7 @@ def names_profile(bank: str) -> bool:
 
     Examples
     --------
-    >>> [names_profile(text) for text in ("people", "mine.json", "default", "cv+ctra")]
-    [True, True, False, False]
+    >>> [names_profile(text) for text in ("people", "mine.json", "default", "cv+ctra", "near:file=a.json")]
+    [True, True, False, False, False]
     """
-    return bank == PEOPLE or bank.endswith(".json")
+    return bank == PEOPLE or (bank.endswith(".json") and not _SETTINGS.search(bank))

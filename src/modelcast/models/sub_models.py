@@ -5,8 +5,8 @@ A package adds one in its ``pyproject.toml``, as a class that needs no arguments
     [project.entry-points."modelcast.sub_models"]
     chord = "modelcast_chord:Chord"
 
-The name is the sub-model's own. Banks may then be made of it, and profiles hold it
-(`modelcast.models.plain`).
+The name is the sub-model's own. Banks may then be made of it, with settings of its fields in the same word
+(`modelcast.core.named_settings`), and profiles hold it (`modelcast.models.plain`).
 """
 
 from collections.abc import Iterable
@@ -15,13 +15,21 @@ from types import MappingProxyType
 from typing import Any
 
 from modelcast.core.exceptions import ConfigError, ModelcastError
+from modelcast.core.named_settings import named_settings
 from modelcast.core.open_group import OpenGroup
 from modelcast.models.base import AbstractSubModel
 from modelcast.models.numpy_model import AbstractNumpySubModel
 from modelcast.models.reserved import KINEMATIC, check_name
 from modelcast.models.wrapped import unwrapped
 
-__all__ = ["SUB_MODELS", "registered_model", "registered_name", "sub_model_origins"]
+__all__ = [
+    "SUB_MODELS",
+    "model_of_word",
+    "names_registered",
+    "registered_model",
+    "registered_name",
+    "sub_model_origins",
+]
 
 SUB_MODELS: OpenGroup[AbstractSubModel] = OpenGroup(
     "modelcast.sub_models",
@@ -69,6 +77,34 @@ def registered_model(name: str, **fields: Any) -> AbstractSubModel:
             f"{type(error).__name__}: {error}"
         ) from error
     return member
+
+
+def names_registered(word: str) -> bool:
+    """Whether a word of a bank names what another package registers, with settings or without.
+
+    Parameters
+    ----------
+    word
+        ``NAME`` or ``NAME:KEY=VALUE,KEY=VALUE``; anything else names nothing.
+    """
+    return word.partition(":")[0] in SUB_MODELS.foreign_names()
+
+
+def model_of_word(word: str) -> AbstractSubModel:
+    """Return the sub-model that a word of a bank names, with the word's settings as its fields.
+
+    Parameters
+    ----------
+    word
+        As for `names_registered`.
+
+    Raises
+    ------
+    ConfigError, SubModelError
+        As for `registered_model`; where the word has another form.
+    """
+    name, fields = named_settings(word)
+    return registered_model(name, **fields)
 
 
 def _look_at(member: AbstractSubModel, name: str) -> None:

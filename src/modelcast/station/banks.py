@@ -9,7 +9,6 @@ import numpy as np
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.kinds import PEOPLE, Kind
-from modelcast.core.named_settings import named_settings
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc_wire import profile_number
 from modelcast.messages.sizes import SizeModel
@@ -28,7 +27,7 @@ from modelcast.models.learned import Selector
 from modelcast.models.profile import Profile, default_profile, people_plain_bank
 from modelcast.models.regimes import REGIME_BANK
 from modelcast.models.reserved import EXPRESSION, KINEMATIC, UNTRAINED
-from modelcast.models.sub_models import SUB_MODELS, registered_model
+from modelcast.models.sub_models import SUB_MODELS, model_of_word, names_registered
 from modelcast.models.trusted import Trusted
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.guard import unguarded
@@ -300,8 +299,9 @@ def bank_from_text(
         (`modelcast.models.gp.kernels`), and what the profile in use holds: in the shipped one
         ``gp-trained``, ``gp-vehicle``, ``gp-derivative``, ``learned``, ``gp-regime-1`` to ``gp-regime-3``,
         ``shs`` and ``hdp-hmm``; and what other packages register (`modelcast.models.sub_models`), where the
-        profile holds none of that name, with settings too: ``NAME:KEY=VALUE,KEY=VALUE``. ``regimes`` stands
-        for the sub-models of all regimes, ``free`` for the best receiver of plain messages (`free_bank`).
+        profile holds none of that name, with settings of their fields or without, as
+        ``NAME:KEY=VALUE,KEY=VALUE``. ``regimes`` stands for the sub-models of all regimes, ``free`` for
+        the best receiver of plain messages (`free_bank`).
     noise_floor_m
         Smallest position noise the Gaussian processes fitted by likelihood may assume [m]; where None, none
         to speak of for the paper's form and 1 mm for the others.
@@ -335,7 +335,7 @@ def bank_from_text(
                 for member in members
             )
         return Bank(members, text if text in ("paper", REGIME_BANK, FREE) or ":" in text else "")
-    except ValueError as error:
+    except (ConfigError, ValueError) as error:
         raise ConfigError(f"--bank {text}: {error}") from error
 
 
@@ -406,10 +406,12 @@ def _member(name: str, profile: Profile, noise_floor_m: float | None, window: in
             closed_floor_m=PAPER_NOISE_FLOOR_M,
         )
     found = _free(profile) if name == FREE else profile.sub_model(name)
-    if found is None and name.partition(":")[0] in SUB_MODELS.foreign_names():
-        registered, settings = named_settings(name)
-        found = registered_model(registered, **settings)
+    if found is None and names_registered(name):
+        found = model_of_word(name)
     if found is None:
+        if ":" in name:
+            others = ", ".join(SUB_MODELS.foreign_names()) or "none"
+            raise ValueError(f"'{name}': settings are for sub-models of other packages, here {others}")
         *most, last = member_names(profile)
         known = f"there are {', '.join(most)} and {last}, and gp(...) of a kernel"
         raise ValueError(f"no sub-model is named '{name}'; {known}")

@@ -27,7 +27,7 @@ from modelcast.models.learned import LearnedTrajectory, Selector
 from modelcast.models.plain import from_plain, to_plain
 from modelcast.models.profile import MOST_MEMBERS, Profile
 from modelcast.models.regimes import REGIME_BANK, Regimes
-from modelcast.models.sub_models import SUB_MODELS, registered_model
+from modelcast.models.sub_models import model_of_word, names_registered
 from modelcast.models.trusted import Trusted
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import BASELINE_BANK
@@ -238,8 +238,8 @@ class _Shelf:
     def bank(self, names: Sequence[str]) -> Bank:
         """The bank of these members: trained ones, and those that other packages register."""
         named = {member.name: member for member in self.members}
-        foreign = [name for name in names if name not in named and name in SUB_MODELS.foreign_names()]
-        named |= {name: registered_model(name) for name in foreign}
+        foreign = [name for name in names if name not in named and names_registered(name)]
+        named |= {name: model_of_word(name) for name in foreign}
         unknown = [name for name in names if name not in named]
         if unknown:
             raise ValueError(f"no trained sub-model is named {unknown[0]}; there are {', '.join(named)}")
