@@ -21,7 +21,7 @@ import numpy as np
 from modelcast.node.serving.client import StepClient
 from modelcast.node.serving.server import StepServer
 from modelcast.runtime.external.exchange import Sent, SessionSettings, Step
-from modelcast.runtime.external.session import sender_of
+from modelcast.runtime.external.senders import sender_of
 from modelcast.station.fleet import Fleet
 
 ROAD_M, LANES, LANE_M, REACH_M = 5000.0, 12, 3.5, 300.0

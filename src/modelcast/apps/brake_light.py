@@ -6,7 +6,7 @@ from typing import final
 
 from modelcast.apps.base import refuse_negative
 from modelcast.apps.brake_light_kernels import Settings, assess
-from modelcast.apps.compiled import AbstractCompiledApplication
+from modelcast.apps.compiled import AbstractCompiledApplication, reals
 from modelcast.apps.pair_kernels import Columns, Found, Lane
 
 __all__ = ["BrakeLight"]
@@ -85,4 +85,4 @@ class BrakeLight(AbstractCompiledApplication):
         cosine = cos(min(self.heading_tolerance_rad, pi))
         lane = Lane(self.beside_m, self.longest_gap_m, cosine, self.straight_below_mps)
         settings = Settings(self.hard_braking_mps2, self.delay_s, self.braking_mps2, self.lane_half_width_m)
-        assess(settings, lane, host, remote, found)
+        assess(reals(settings), reals(lane), host, remote, found)

@@ -1,6 +1,7 @@
 """Applications whose rule is compiled: motions and warnings as kernels take them."""
 
 import abc
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -10,7 +11,9 @@ from modelcast.apps.pair_kernels import Columns, Found
 from modelcast.apps.warnings import Warnings
 from modelcast.core.arrays import owned
 
-__all__ = ["AbstractCompiledApplication", "columns_of"]
+__all__ = ["AbstractCompiledApplication", "columns_of", "reals"]
+
+Settings = TypeVar("Settings", bound=tuple[float, ...])
 
 
 class AbstractCompiledApplication(AbstractApplication):
@@ -44,3 +47,14 @@ def columns_of(motions: Motions) -> Columns:
         np.empty((0, 2, 2)) if covariance is None else owned(covariance),
         np.zeros(len(motions), dtype=np.int64) if motions.kind is None else owned(motions.kind, np.int64),
     )
+
+
+def reals(settings: Settings) -> Settings:
+    """Settings as kernels take them: a whole number that a user gave is a number as any other.
+
+    Parameters
+    ----------
+    settings
+        A named tuple of numbers.
+    """
+    return cast("Settings", type(settings)(*map(float, settings)))

@@ -5,7 +5,7 @@ from math import cos, pi
 from typing import cast, final
 
 from modelcast.apps.base import refuse_negative
-from modelcast.apps.compiled import AbstractCompiledApplication
+from modelcast.apps.compiled import AbstractCompiledApplication, reals
 from modelcast.apps.forward_collision_kernels import assess
 from modelcast.apps.pair_kernels import Columns, Found, Lane
 from modelcast.apps.warning_ranges import AbstractWarningRange, CampLinear
@@ -78,4 +78,4 @@ class ForwardCollisionWarning(AbstractCompiledApplication):
             cos(min(self.heading_tolerance_rad, pi)),
             self.straight_below_mps,
         )
-        assess(self.algorithm.rule, lane, self.caution_s, host, remote, found)
+        assess(self.algorithm.rule, reals(lane), self.caution_s, host, remote, found)

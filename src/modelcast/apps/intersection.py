@@ -5,7 +5,7 @@ from math import pi, sin
 from typing import final
 
 from modelcast.apps.base import refuse_negative
-from modelcast.apps.compiled import AbstractCompiledApplication
+from modelcast.apps.compiled import AbstractCompiledApplication, reals
 from modelcast.apps.intersection_kernels import Settings, assess
 from modelcast.apps.pair_kernels import Columns, Found
 
@@ -82,4 +82,4 @@ class IntersectionAssist(AbstractCompiledApplication):
         settings = Settings(
             sin(self.least_angle_rad), self.apart_s, self.longest_s, self.delay_s, self.braking_mps2
         )
-        assess(settings, host, remote, found)
+        assess(reals(settings), host, remote, found)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 from modelcast.apps.base import refuse_negative
-from modelcast.apps.compiled import AbstractCompiledApplication
+from modelcast.apps.compiled import AbstractCompiledApplication, reals
 from modelcast.apps.pair_kernels import Columns, Found
 from modelcast.apps.vulnerable_road_user_kernels import Settings, assess
 
@@ -104,4 +104,4 @@ class VulnerableRoadUserWarning(AbstractCompiledApplication):
             self.person_delay_s,
             self.person_braking_mps2,
         )
-        assess(settings, host, remote, found)
+        assess(reals(settings), host, remote, found)

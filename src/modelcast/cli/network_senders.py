@@ -3,25 +3,22 @@
 from collections.abc import Iterable
 from itertools import product
 from math import inf, isfinite
-from typing import TypedDict
 
 from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.kinds import Kind
 from modelcast.messages.airtime import Stack
-from modelcast.models.learned import Selector
-from modelcast.station.banks import NamedBank, free_bank
-from modelcast.station.policy.costs import CostTable
-from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
-from modelcast.station.sender.names import FREE_SENDERS, sends_models
+from modelcast.station.banks import NamedBank
+from modelcast.station.sender.in_use import in_use
+from modelcast.station.sender.names import sends_models
 from modelcast.station.sender.sender import Sender, named_sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 from modelcast.study.network.rows import NO_BANK, SENDERS
 from modelcast.study.table import Row
 from modelcast.world.sensors import filter_for
 
-__all__ = ["Rules", "named_banks", "rules_in_use", "sender_of", "sender_rows"]
+__all__ = ["named_banks", "sender_of", "sender_rows"]
 
 
 def named_banks(plan: NetworkPlan) -> dict[str, NamedBank]:
@@ -76,12 +73,19 @@ def sender_of(
     DataFormatError
         Where the profile is none.
     """
-    own = None if named is None else named.bank
+    profile = profile_in_use(plan.profile)
     try:
         return named_sender(
             policy,
-            bank=free_bank(profile_in_use(plan.profile), kind) if policy in FREE_SENDERS else own,
-            **rules_in_use(policy, named, start=plan.start, identify=plan.identify, cost=plan.cost),
+            **in_use(
+                policy,
+                named,
+                profile=profile,
+                kind=kind,
+                start=plan.start,
+                identify=plan.identify,
+                cost=plan.cost,
+            ),
             threshold_m=threshold_m if isfinite(threshold_m) else plan.thresholds_m[0],
             keep_alive_s=plan.keep_alive_s,
             believe=plan.believe,
@@ -95,45 +99,6 @@ def sender_of(
     except ValueError as error:
         what = f"--policy {policy}" + ("" if named is None else f" --bank {bank}")
         raise ConfigError(f"{what}: {error}") from error
-
-
-class Rules(TypedDict):
-    """Rules of a sender of models, as `named_sender` takes them."""
-
-    start: StartRule | None
-    identify: IdentifyRule | None
-    costs: CostTable | None
-    selector: Selector | None
-
-
-def rules_in_use(
-    policy: str,
-    named: NamedBank | None,
-    *,
-    start: StartRule | None = None,
-    identify: IdentifyRule | None = None,
-    cost: CostUnit = "bytes",
-) -> Rules:
-    """The rules of a policy with a bank: those asked for, else the bank's where it is error-driven.
-
-    Parameters
-    ----------
-    policy, named
-        As for `sender_of`.
-    start, identify, cost
-        As asked for; None for the bank's.
-    """
-    if named is None:
-        return Rules(start=None, identify=None, costs=None, selector=None)
-    failing = policy == "mbc"
-    start = start or (named.start if failing else None)
-    identify = identify or named.identify if failing else None
-    return Rules(
-        start=start,
-        identify=identify,
-        costs=named.costs(cost) if identify == "cheapest" else None,
-        selector=named.selector if start == "predicted" else None,
-    )
 
 
 def sender_rows(plan: NetworkPlan, policies: Iterable[str]) -> list[Row]:

@@ -187,12 +187,11 @@ def sender_of_config(config: "NodeConfig") -> "Sender":
         Where bank, profile or rules cannot be had.
     """
     from modelcast.cli.banks import bank_in_use, profile_in_use
-    from modelcast.cli.network_senders import rules_in_use
     from modelcast.core.exceptions import ConfigError
     from modelcast.core.kinds import PEOPLE
     from modelcast.node.config import DEFAULT_BANK, PEOPLE_BANK
-    from modelcast.station.banks import free_bank
-    from modelcast.station.sender.names import FREE_SENDERS, sends_models
+    from modelcast.station.sender.in_use import in_use
+    from modelcast.station.sender.names import sends_models
     from modelcast.station.sender.sender import named_sender
 
     own, kind = config.sending, config.station.speaks
@@ -200,12 +199,10 @@ def sender_of_config(config: "NodeConfig") -> "Sender":
     unsaid = own.bank == DEFAULT_BANK and not own.profile
     bank = PEOPLE_BANK if unsaid and kind in PEOPLE else own.bank
     named = bank_in_use(bank, profile=profile) if sends_models(own.policy) else None
-    own_bank = None if named is None else named.bank
     try:
         return named_sender(
             own.policy,
-            bank=own_bank if own.policy not in FREE_SENDERS else free_bank(profile, kind),
-            **rules_in_use(own.policy, named),
+            **in_use(own.policy, named, profile=profile, kind=kind),
             threshold_m=own.threshold_m,
             keep_alive_s=own.keep_alive_s,
         ).of_kind(kind)

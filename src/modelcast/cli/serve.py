@@ -1,14 +1,11 @@
 """``modelcast serve``: the stations of another simulator's vehicles, over a socket of this machine."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from modelcast.node.serving.server import StepServer
-    from modelcast.runtime.external.exchange import SessionSettings
-    from modelcast.station.sender.sender import Sender
 
 __all__ = ["serve"]
 
@@ -36,7 +33,7 @@ def serve(
     port
         Port of this machine to listen at instead; 0 for any that is free.
     profile
-        File of the profile in use, or a shipped one's name, as for evaluate.
+        File of the profile in use, or a shipped one's name, as for evaluate; people have that of people.
     sessions
         Clients at a time.
     once
@@ -44,10 +41,11 @@ def serve(
     """
     import asyncio
 
+    from modelcast.cli.banks import profile_in_use
     from modelcast.cli.terminal import complain
     from modelcast.core.exceptions import ConfigError
     from modelcast.node.serving.server import StepServer
-    from modelcast.runtime.external.session import sender_of
+    from modelcast.runtime.external.senders import sender_of
 
     if (socket is None) == (port is None):
         raise ConfigError("give --socket or --port, one of the two")
@@ -55,43 +53,12 @@ def serve(
         raise ConfigError(f"--port must be from 0 to 65535, got {port}")
     if not 1 <= sessions <= _MOST_SESSIONS:
         raise ConfigError(f"--sessions must be from 1 to {_MOST_SESSIONS}, got {sessions}")
-    make = sender_of if profile is None else _made_with(profile)
+    make = partial(sender_of, profile=profile_in_use(profile))
     server = StepServer(make, most=sessions, tell=complain)
     asyncio.run(_serve(server, None if socket is None else str(socket), port or 0, once=once))
     if socket is not None:
         socket.unlink(missing_ok=True)
     return 0
-
-
-def _made_with(profile: str) -> "Callable[[SessionSettings], Sender]":
-    """What stations send with a profile; it is read once, now."""
-    from modelcast.cli.banks import bank_in_use, profile_in_use
-    from modelcast.cli.network_senders import rules_in_use
-    from modelcast.core.exceptions import ConfigError
-    from modelcast.runtime.external.refusal import FieldError
-    from modelcast.station.banks import free_bank
-    from modelcast.station.sender.names import FREE_SENDERS, sends_models
-    from modelcast.station.sender.sender import named_sender
-
-    read = profile_in_use(profile)
-    bank = bank_in_use("default", profile=read)
-
-    def make(settings: "SessionSettings") -> "Sender":
-        name = settings.sender
-        named = bank if sends_models(name) else None
-        own = None if named is None else named.bank
-        try:
-            return named_sender(
-                name,
-                bank=free_bank(read) if name in FREE_SENDERS else own,
-                **rules_in_use(name, named),
-                threshold_m=settings.threshold_m,
-                keep_alive_s=settings.keep_alive_s,
-            )
-        except (ConfigError, ValueError) as error:
-            raise FieldError("sender", name, f"a sender ({error})") from error
-
-    return make
 
 
 async def _serve(server: "StepServer", path: str | None, port: int, *, once: bool) -> None:

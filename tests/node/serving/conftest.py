@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("msgpack", reason="the extra `node` brings MessagePack")
 
 from modelcast.node.serving.server import StepServer
-from modelcast.runtime.external.session import sender_of
+from modelcast.runtime.external.senders import sender_of
 
 
 class Served:

@@ -18,7 +18,7 @@ pytest.importorskip("msgpack", reason="the extra `node` brings MessagePack")
 from modelcast.node.serving.framing import framed
 from modelcast.node.serving.schema import step_protocol
 from modelcast.node.serving.server import StepServer
-from modelcast.runtime.external.session import sender_of
+from modelcast.runtime.external.senders import sender_of
 
 from ..virtual_time import run_in_virtual_time  # noqa: TID252 - tests are no package
 

@@ -1,14 +1,13 @@
 """One client's requests and their answers, octets for octets; no socket in here."""
 
-from collections.abc import Callable
 from typing import Any, final
 
 from modelcast.core.version import package_version
 from modelcast.node.serving.schema import FrameError, Schema, named_values, step_protocol
 from modelcast.runtime.external.exchange import SessionSettings, Step
 from modelcast.runtime.external.refusal import FieldError
-from modelcast.runtime.external.session import Session, sender_of
-from modelcast.station.sender.sender import Sender
+from modelcast.runtime.external.senders import MakeSender, sender_of
+from modelcast.runtime.external.session import Session
 
 __all__ = ["Conversation"]
 
@@ -20,7 +19,7 @@ class Conversation:
     Parameters
     ----------
     make
-        Gives what stations send, and when, from the settings that a client asks for.
+        Gives what stations of each kind send, and when, from the settings that a client asks for.
 
     Examples
     --------
@@ -34,7 +33,7 @@ class Conversation:
     ('frame', True)
     """
 
-    def __init__(self, make: Callable[[SessionSettings], Sender] = sender_of) -> None:
+    def __init__(self, make: MakeSender = sender_of) -> None:
         self._make = make
         self._spoken: Schema = step_protocol()
         self._session: Session | None = None

@@ -15,9 +15,8 @@ from modelcast.node.local_socket import serve_locally
 from modelcast.node.serving.conversation import Conversation
 from modelcast.node.serving.framing import LENGTH_BYTES, framed, length_of
 from modelcast.node.serving.schema import FrameError, step_protocol
-from modelcast.runtime.external.exchange import SessionSettings
 from modelcast.runtime.external.refusal import FieldError
-from modelcast.station.sender.sender import Sender
+from modelcast.runtime.external.senders import MakeSender
 
 __all__ = ["StepServer"]
 
@@ -47,16 +46,14 @@ class StepServer:
     Parameters
     ----------
     make
-        Gives what stations send, and when, from the settings that a client asks for.
+        Gives what stations of each kind send, and when, from the settings that a client asks for.
     most
         Sessions at a time; who comes beyond is refused.
     tell
         Is given a line where something goes wrong in here.
     """
 
-    def __init__(
-        self, make: Callable[[SessionSettings], Sender], *, most: int, tell: Callable[[str], None]
-    ) -> None:
+    def __init__(self, make: MakeSender, *, most: int, tell: Callable[[str], None]) -> None:
         self._make, self._most, self._tell = make, most, tell
         self._tasks: set[asyncio.Task[None]] = set()
         self._waiting: dict[asyncio.Task[None], None] = {}

@@ -5,7 +5,7 @@ run: what a session sends is what is evaluated. A request is checked whole befor
 that is refused has changed nothing.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -19,6 +19,7 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.geodesy import Origin
 from modelcast.core.kinds import PEOPLE, SIZES_M, Kind
+from modelcast.models.bank import Bank
 from modelcast.runtime.external.checking import MEASURED_BESIDE, Checked, checked
 from modelcast.runtime.external.exchange import (
     MOST_APPLICATIONS,
@@ -30,13 +31,14 @@ from modelcast.runtime.external.exchange import (
 )
 from modelcast.runtime.external.kept_messages import KeptMessages
 from modelcast.runtime.external.refusal import FieldError
-from modelcast.station.banks import calibrations_of
+from modelcast.runtime.external.senders import MakeSender, sender_of
+from modelcast.station.banks import calibrations_of, profile_number_of
 from modelcast.station.fleet import Fleet, Sending
 from modelcast.station.receiver.ears import Ears
 from modelcast.station.receiver.local_dynamic_map import Beliefs
-from modelcast.station.sender.sender import Sender, named_sender
+from modelcast.station.sender.sender import Sender
 
-__all__ = ["MOST_ROWS", "Session", "sender_of"]
+__all__ = ["MOST_ROWS", "Session"]
 
 MOST_ROWS = 2**17
 """Most rows of beliefs or of warnings in one answer."""
@@ -53,27 +55,6 @@ _BELIEFS = (
 )  # fmt: skip
 
 
-def sender_of(settings: SessionSettings) -> Sender:
-    """The sender that a session's settings name, with the shipped profile.
-
-    Parameters
-    ----------
-    settings
-        Of the session.
-
-    Raises
-    ------
-    FieldError
-        Where there is no sender of that name.
-    """
-    try:
-        return named_sender(
-            settings.sender, threshold_m=settings.threshold_m, keep_alive_s=settings.keep_alive_s
-        )
-    except (ConfigError, ValueError) as error:
-        raise FieldError("sender", settings.sender, f"a sender ({error})") from error
-
-
 @final
 class Session:
     """Stations of vehicles, people and roadside units that another simulator moves.
@@ -83,7 +64,7 @@ class Session:
     settings
         How it begins.
     make
-        Gives what vehicles send, and when.
+        Gives what stations of each kind send, and when.
 
     Raises
     ------
@@ -118,33 +99,32 @@ class Session:
     ([8], [[36.0, 0.0]])
     """
 
-    def __init__(
-        self, settings: SessionSettings, make: Callable[[SessionSettings], Sender] = sender_of
-    ) -> None:
+    def __init__(self, settings: SessionSettings, make: MakeSender = sender_of) -> None:
         self.settings = settings
-        self._sender = make(settings)
+        kinds = (Kind.VEHICLE, *PEOPLE) if settings.people_slots else (Kind.VEHICLE,)
+        self._senders = {kind: make(settings, kind) for kind in kinds}
         self.origin = Origin(settings.latitude_deg, settings.longitude_deg, settings.altitude_m)
         """Where the plane of positions touches the Earth."""
-        self._fleets: dict[Kind, Fleet] = {Kind.VEHICLE: self._fleet(Kind.VEHICLE, self._sender)}
+        self._fleets: dict[Kind, Fleet] = {Kind.VEHICLE: self._fleet(Kind.VEHICLE)}
         self._kind_of: dict[int, Kind] = {}
         self._given: tuple[str, ...] | None = None
         self._last_s = -np.inf
         self._kept = KeptMessages(_KEPT_S)
 
-    def _fleet(self, kind: Kind, sender: Sender) -> Fleet:
-        """Stations of one kind; each kind has random numbers of its own."""
-        settings, bank = self.settings, sender.bank
+    def _fleet(self, kind: Kind) -> Fleet:
+        """Stations of one kind; each has random numbers of its own, and all hold the same banks."""
+        settings, banks = self.settings, _banks(self._senders.values())
         return Fleet(
-            sender,
+            self._senders[kind],
             slots=settings.people_slots if kind in PEOPLE else settings.slots,
             dt_s=settings.dt_s,
             origin=self.origin,
             seed=settings.seed + int(kind),
             minute_s=settings.minute_s,
             ears=Ears(
-                (bank,),
+                banks,
                 dt_s=settings.dt_s,
-                calibrations=(calibrations_of(bank),),
+                calibrations=tuple(calibrations_of(bank) for bank in banks),
                 capacity=settings.capacity,
             ),
             spread_s=settings.spread_s,
@@ -167,17 +147,17 @@ class Session:
             Where a field is not what it must be; nothing has changed then.
         """
         rows = checked(step, self.settings, before=self._kind_of, given=self._given, last_s=self._last_s)
-        if self._sender.motion is not None and len(rows.columns) < len(MEASURED_BESIDE) and rows.vehicle.size:
+        sender = self._senders[Kind.VEHICLE]
+        if sender.motion is not None and len(rows.columns) < len(MEASURED_BESIDE) and rows.vehicle.size:
             raise FieldError(
                 "columns",
                 ", ".join(rows.columns) or "none",
-                f"{', '.join(MEASURED_BESIDE)}: {self._sender.name} filters the motion",
+                f"{', '.join(MEASURED_BESIDE)}: {sender.name} filters the motion",
             )
         self._kept.check(rows.message[~rows.is_foreign])
-        people = {kind: self._sender_of_people(kind) for kind in PEOPLE if (rows.kind == kind).any()}
-        for kind, sender in people.items():
-            if kind not in self._fleets:
-                self._fleets[kind] = self._fleet(kind, sender)
+        for kind in PEOPLE:
+            if kind not in self._fleets and (rows.kind == kind).any():
+                self._fleets[kind] = self._fleet(kind)
         receipt = self._hear(rows)
         left = self._leave(rows)
         measured = rows.given is not None
@@ -301,12 +281,6 @@ class Session:
     def _fleet_of(self, host: int) -> Fleet:
         return self._fleets[_fleet_kind(self._kind_of[host])]
 
-    def _sender_of_people(self, kind: Kind) -> Sender:
-        try:
-            return self._sender.of_kind(kind)
-        except ValueError as error:
-            raise FieldError("kind", int(kind), f"one that {self._sender.name} is for ({error})") from error
-
     def _hear(self, rows: Checked) -> IntArray:
         """Let each host take in what it received, in order of time; the receipts as the rows were given."""
         order = np.lexsort((rows.message, rows.received_s, rows.receiver))
@@ -379,6 +353,14 @@ class Session:
             receipt=receipt,
             left=left,
         )
+
+
+def _banks(senders: Iterable[Sender]) -> tuple[Bank, ...]:
+    """What stations must hold to understand all of these; banks of one number on the air count once."""
+    found: dict[int, Bank] = {}
+    for sender in senders:
+        found.setdefault(profile_number_of(sender.bank), sender.bank)
+    return tuple(found.values())
 
 
 def _fleet_kind(kind: Kind) -> Kind:
