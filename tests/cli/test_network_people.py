@@ -7,7 +7,6 @@ import pyarrow.parquet as pq
 import pytest
 
 from modelcast.cli.app import USAGE, run
-from modelcast.cli.people_options import PeopleOptions
 from modelcast.cli.people_plan import PeoplePlan
 from modelcast.core.exceptions import ConfigError
 from modelcast.station.policy.j2945 import J2945
@@ -19,7 +18,7 @@ CROSSING = ["network", "--scenario", "crossing", "--blocks", "2", "--density", "
 
 
 def asked(**changed: object) -> PeoplePlan:
-    plan = PeopleOptions(**changed).plan(there_are=True)  # type: ignore[arg-type]
+    plan = PeoplePlan(**changed).checked(there_are=True)  # type: ignore[arg-type]
     assert plan is not None
     return plan
 
@@ -119,13 +118,13 @@ def test_what_needs_people_is_refused_without(
 @pytest.mark.parametrize(
     ("changed", "told"),
     [
-        ({"people_height": 1.0}, "--people-height must be above 1 m"),
-        ({"people_height": 3.0}, "must together not be above 0 dB"),
-        ({"people_gain": 7.5}, "must together not be above 0 dB"),
-        ({"people_power": 30.0}, "--people-power must be at most 23 dBm"),
-        ({"people_reach": 0.0}, "--people-reach must be positive"),
-        ({"people_keep_alive": 0.0}, "--people-keep-alive must be positive"),
-        ({"people_policy": "shout"}, "--people-policy: Unknown policy 'shout'"),
+        ({"height_m": 1.0}, "--people-height must be above 1 m"),
+        ({"height_m": 3.0}, "must together not be above 0 dB"),
+        ({"antenna_db": 7.5}, "must together not be above 0 dB"),
+        ({"power_dbm": 30.0}, "--people-power must be at most 23 dBm"),
+        ({"reach_m": 0.0}, "--people-reach must be positive"),
+        ({"keep_alive_s": 0.0}, "--people-keep-alive must be positive"),
+        ({"policy": "shout"}, "--people-policy: Unknown policy 'shout'"),
     ],
 )
 def test_a_device_that_cannot_be_is_refused(changed: dict[str, object], told: str) -> None:
@@ -135,8 +134,8 @@ def test_a_device_that_cannot_be_is_refused(changed: dict[str, object], told: st
 
 def test_height_and_gain_add_up() -> None:
     """17.3 dB a tenfold effective height, which is what is above 1 m."""
-    assert asked(people_height=1.5, people_gain=-3.0).gain_db == pytest.approx(-3.0)
-    assert asked(people_height=1.05, people_gain=0.0).gain_db == pytest.approx(-17.3)
+    assert asked(height_m=1.5, antenna_db=-3.0).gain_db == pytest.approx(-3.0)
+    assert asked(height_m=1.05, antenna_db=0.0).gain_db == pytest.approx(-17.3)
 
 
 @pytest.mark.parametrize("name", ["bsm-10hz", "j2945", "cam"])

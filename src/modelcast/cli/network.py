@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from modelcast.cli.fleet_options import FleetOptions
 from modelcast.cli.options import Numbers, SensorOptions, Words
-from modelcast.cli.people_options import PeopleOptions
+from modelcast.cli.people_plan import PeoplePlan
 from modelcast.cli.roadside_options import RoadsideOptions
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def network(
     options: FleetOptions = FleetOptions(),  # noqa: B008 - frozen
     sensor: SensorOptions = SensorOptions(),  # noqa: B008 - frozen
     roadside: RoadsideOptions = RoadsideOptions(),  # noqa: B008 - frozen
-    people: PeopleOptions = PeopleOptions(),  # noqa: B008 - frozen
+    people: PeoplePlan = PeoplePlan(),  # noqa: B008 - frozen
     film: bool = False,
     trace: Path | None = None,
     trace_format: Words = ("parquet",),
@@ -98,7 +98,7 @@ def network(
 
     plan = options.plan(sensor, banks=tuple(bank), thresholds_m=tuple(threshold))
     units = roadside.plan(scenario=plan.scenario, blocks=plan.blocks)
-    devices = people.plan(there_are=plan.has_people or bool(plan.tracks) or plan.persons)
+    devices = people.checked(there_are=plan.has_people or bool(plan.tracks) or plan.persons)
     plan = replace(plan, roadside=units, people=devices)
     cases = network_cases(plan, Varied(density, radio, policy, options.seeds))
     asked = Sweep(

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from modelcast.core.version import package_version
-from modelcast.io.documents import document_text, plain_value
-from modelcast.io.table_files import write_table
+from modelcast.io.documents import plain_value
+from modelcast.io.result_files import write_result
 from modelcast.study.network.capacity import CapacityFound, probes_table
 
 __all__ = ["CAPACITY_SCHEMA", "capacity_document", "write_capacity"]
@@ -65,8 +65,4 @@ def write_capacity(
     folder
         An existing folder.
     """
-    folder = Path(folder)
-    summary, probes = folder / "summary.json", folder / "capacity.parquet"
-    summary.write_text(document_text(capacity_document(found, settings)), encoding="utf-8", newline="\n")
-    write_table(probes_table(found), probes)
-    return [summary, probes]
+    return write_result(capacity_document(found, settings), {"capacity": probes_table(found)}, folder)

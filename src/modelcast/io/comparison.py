@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from modelcast.core.version import package_version
-from modelcast.io.documents import document_text, plain_value, row_document
-from modelcast.io.table_files import write_table
+from modelcast.io.documents import plain_value, row_document
+from modelcast.io.result_files import write_result
 from modelcast.study.compare.result import ComparisonResult
 from modelcast.study.result import POOLED
 
@@ -62,11 +62,5 @@ def write_comparison(result: ComparisonResult, folder: str | Path) -> list[Path]
     folder
         An existing folder.
     """
-    folder = Path(folder)
-    summary, messages, tracking = (
-        folder / name for name in ("summary.json", "messages.parquet", "tracking.parquet")
-    )
-    summary.write_text(document_text(comparison_document(result)), encoding="utf-8", newline="\n")
-    write_table(result.counts, messages)
-    write_table(result.tracking, tracking)
-    return [summary, messages, tracking]
+    tables = {"messages": result.counts, "tracking": result.tracking}
+    return write_result(comparison_document(result), tables, folder)

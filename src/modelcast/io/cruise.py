@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from modelcast.core.version import package_version
-from modelcast.io.documents import document_text
-from modelcast.io.table_files import write_table
+from modelcast.io.result_files import write_result
 from modelcast.study.cruise.run import CruiseResult
 
 __all__ = ["CRUISE_SCHEMA", "cruise_document", "write_cruise"]
@@ -70,8 +69,6 @@ def write_cruise(
     folder
         An existing folder.
     """
-    summary, runs = Path(folder) / "summary.json", Path(folder) / "runs.parquet"
     document = cruise_document(result, options=options, failures=failures)
-    summary.write_text(document_text(document), encoding="utf-8", newline="\n")
-    write_table(result.rows, runs)
+    summary, runs = write_result(document, {"runs": result.rows}, folder)
     return summary, runs

@@ -26,9 +26,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from modelcast.io.documents import document_text, plain_value
+from modelcast.io.documents import plain_value
 from modelcast.io.network_runs import RunKey
-from modelcast.io.table_files import write_table
+from modelcast.io.result_files import write_result
 from modelcast.study.network.rows import CASE_TABLES, NetworkResult
 from modelcast.study.table import Table
 
@@ -100,14 +100,8 @@ def write_network(
     folder
         An existing folder.
     """
-    folder = Path(folder)
-    summary = folder / "summary.json"
-    text = document_text(network_document(result, options, key, traffic, training_trips))
-    summary.write_text(text, encoding="utf-8", newline="\n")
-    paths = [summary]
-    for name in ("runs", *CASE_TABLES, "pooled_warnings"):
-        table: Table = getattr(result, name)
-        if table or name in _ALWAYS:
-            paths.append(folder / f"{name}.parquet")
-            write_table(table, paths[-1])
-    return paths
+    tables: dict[str, Table] = {
+        name: getattr(result, name) for name in ("runs", *CASE_TABLES, "pooled_warnings")
+    }
+    shown = {name: table for name, table in tables.items() if table or name in _ALWAYS}
+    return write_result(network_document(result, options, key, traffic, training_trips), shown, folder)

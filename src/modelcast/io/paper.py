@@ -21,7 +21,8 @@ from pathlib import Path
 from typing import Any
 
 from modelcast.core.version import package_version
-from modelcast.io.documents import document_text, plain_value, row_document
+from modelcast.io.documents import plain_value, row_document
+from modelcast.io.result_files import write_result
 from modelcast.io.results import summary_document
 from modelcast.study.paper.choices import CHOICES
 from modelcast.study.paper.readings import RivalKey
@@ -118,8 +119,7 @@ def write_paper(result: PaperResult, folder: str | Path) -> list[Path]:
     folder
         An existing folder.
     """
-    summary, claims = (Path(folder) / name for name in ("summary.json", "claims.csv"))
-    summary.write_text(document_text(paper_document(result)), encoding="utf-8", newline="\n")
+    written, claims = write_result(paper_document(result), {}, folder), Path(folder) / "claims.csv"
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(("claim", "place", "reading", "verdict"))
@@ -127,4 +127,4 @@ def write_paper(result: PaperResult, folder: str | Path) -> list[Path]:
         for reading, verdict in row.verdicts.items():
             writer.writerow((row.name, row.place, reading, verdict))
     claims.write_text(text.getvalue(), encoding="utf-8", newline="\n")
-    return [summary, claims]
+    return [*written, claims]

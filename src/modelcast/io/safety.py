@@ -21,8 +21,9 @@ import numpy as np
 
 from modelcast.core.version import package_version
 from modelcast.io.arrow import write_tables
-from modelcast.io.documents import document_text, plain_value
-from modelcast.io.table_files import arrow_columns, write_table
+from modelcast.io.documents import plain_value
+from modelcast.io.result_files import write_result
+from modelcast.io.table_files import arrow_columns
 from modelcast.study.safety.result import EVENTS, RecordingScores, SafetyResult
 
 __all__ = ["SAFETY_SCHEMA", "safety_document", "write_safety"]
@@ -63,14 +64,11 @@ def write_safety(result: SafetyResult, folder: str | Path) -> list[Path]:
     folder
         An existing folder.
     """
-    folder = Path(folder)
-    summary = folder / "summary.json"
-    summary.write_text(document_text(safety_document(result)), encoding="utf-8", newline="\n")
-    pooled, events = (folder / f"{name}.parquet" for name in ("pooled", "events"))
-    write_table(result.pooled, pooled)
+    written = write_result(safety_document(result), {"pooled": result.pooled}, folder)
+    events = Path(folder) / "events.parquet"
     parts = [arrow_columns(EVENTS, _events(one)) for one in result.recordings]
     write_tables(parts, parts[0].schema, events)
-    return [summary, pooled, events]
+    return [*written, events]
 
 
 def _events(scores: RecordingScores) -> dict[str, list[Any]]:

@@ -10,11 +10,11 @@ Memory: a few times one block, plus about 300 bytes for each of `OPEN_ROWS` rows
 trip, if that is more), plus about 300 bytes a key.
 """
 
+import abc
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from pathlib import Path
-from typing import ClassVar
 
 import numpy as np
 import polars as pl
@@ -217,8 +217,10 @@ def open_spmd(path: str, layout: SpmdLayout) -> SpmdFile:
 class AbstractSpmdReader(AbstractTripReader):
     """Reads files of one layout, in bounded memory; see the module's docstring."""
 
-    layout: ClassVar[SpmdLayout]
-    """Of its format."""
+    @property
+    @abc.abstractmethod
+    def layout(self) -> SpmdLayout:
+        """What tells its format from the others."""
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether the first line is the format's header, or its data without one."""

@@ -108,4 +108,8 @@ class SpmdBsmReader(AbstractSpmdReader):
     """Reads BsmP1 files; the module's docstring has the columns and the repairs."""
 
     name: ClassVar[str] = BSM_LAYOUT.source
-    layout: ClassVar[SpmdLayout] = BSM_LAYOUT
+
+    @property
+    def layout(self) -> SpmdLayout:
+        """BsmP1."""
+        return BSM_LAYOUT

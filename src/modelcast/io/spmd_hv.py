@@ -93,4 +93,8 @@ class SpmdHvReader(AbstractSpmdReader):
     """Reads HV_Primary files; the module's docstring has the columns and the repairs."""
 
     name: ClassVar[str] = _LAYOUT.source
-    layout: ClassVar[SpmdLayout] = _LAYOUT
+
+    @property
+    def layout(self) -> SpmdLayout:
+        """HV_Primary."""
+        return _LAYOUT

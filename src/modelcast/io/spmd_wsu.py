@@ -96,4 +96,8 @@ class SpmdWsuReader(AbstractSpmdReader):
     """Reads DataWsu files; the module's docstring has the columns and the repairs."""
 
     name: ClassVar[str] = _LAYOUT.source
-    layout: ClassVar[SpmdLayout] = _LAYOUT
+
+    @property
+    def layout(self) -> SpmdLayout:
+        """DataWsu."""
+        return _LAYOUT

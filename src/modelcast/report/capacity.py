@@ -9,7 +9,7 @@ from rich.console import RenderableType
 
 from modelcast.core.cells import Cells
 from modelcast.report.console_table import placed_table
-from modelcast.report.figures.files import drawn, write_drawings
+from modelcast.report.figures.files import drawn, write_report_files
 from modelcast.report.figures.panels import drawable, empty_figure, top_legend
 from modelcast.report.figures.senders import threshold_text
 from modelcast.report.style import PAGE_IN, model_colours, new_figure, style
@@ -118,11 +118,9 @@ def write_capacity_report(found: Sequence[CapacityFound], folder: str | Path) ->
     folder
         An existing folder.
     """
-    folder = Path(folder)
-    place = folder / "table.md"
-    place.write_text(capacity_markdown(found), encoding="utf-8", newline="\n")
     with style():
-        return [place, *write_drawings([drawn("capacity", plot_capacity(found))], folder)]
+        drawing = drawn("capacity", plot_capacity(found))
+    return write_report_files({"table.md": capacity_markdown(found)}, [drawing], folder)
 
 
 def plot_capacity(found: Sequence[CapacityFound]) -> Figure:

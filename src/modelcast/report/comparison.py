@@ -9,7 +9,7 @@ from modelcast.core.cells import Cells, markdown
 from modelcast.report.console import failures_table, warning_texts
 from modelcast.report.console_table import console_table
 from modelcast.report.figures.comparison import plot_comparison, rival_rows_of, worst_rows
-from modelcast.report.figures.files import drawn, write_drawings
+from modelcast.report.figures.files import drawn, write_report_files
 from modelcast.report.headline import nearest_ratio
 from modelcast.report.literal import literal
 from modelcast.report.style import style
@@ -35,11 +35,9 @@ def write_comparison_report(result: ComparisonResult, folder: str | Path) -> lis
     folder
         An existing folder.
     """
-    table = Path(folder) / "table.md"
-    table.write_text(comparison_markdown(result), encoding="utf-8", newline="\n")
     with style():
         drawing = drawn("comparison", plot_comparison(result))
-    return [table, *write_drawings([drawing], folder)]
+    return write_report_files({"table.md": comparison_markdown(result)}, [drawing], folder)
 
 
 def _training_lines(result: ComparisonResult) -> list[str]:

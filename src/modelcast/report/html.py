@@ -13,7 +13,8 @@ from modelcast.core.version import package_version
 from modelcast.io.output import output_folder
 from modelcast.report.captions import PROTOCOLS, TITLES, captions, loss_conditions
 from modelcast.report.console import scope_line, training_lines
-from modelcast.report.figures import Drawing, draw_figures, write_drawings
+from modelcast.report.figures import Drawing, draw_figures
+from modelcast.report.figures.files import write_report_files
 from modelcast.report.headline import (
     REFERENCE_LABELS,
     evaluated_ratios,
@@ -55,9 +56,8 @@ def write_report(result: EvaluationResult | HoldsEvaluation, folder: str | Path)
     found = result_of(result)
     drawings = draw_figures(found)
     with output_folder(folder) as place:
-        document = place / "report.html"
-        document.write_text(report_document(found, drawings), encoding="utf-8", newline="\n")
-        return [document, *write_drawings(drawings, place / "figures")]
+        texts = {"report.html": report_document(found, drawings)}
+        return write_report_files(texts, drawings, place, figures="figures")
 
 
 def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> str:

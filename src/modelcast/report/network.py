@@ -9,7 +9,7 @@ from rich.console import Group, RenderableType
 from modelcast.core.cells import Cells, escape, markdown, number
 from modelcast.io.traffic_survey import TrafficSurvey, survey_document
 from modelcast.report.console_table import placed_table
-from modelcast.report.figures.files import drawn, write_drawings
+from modelcast.report.figures.files import drawn, write_report_files
 from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.figures.senders import NO_THRESHOLD_TEXT, also_told, density_text, threshold_text
 from modelcast.report.fleet_warnings import warnings_console, warnings_markdown, warnings_part
@@ -203,11 +203,8 @@ def write_network_report(
     traffic, notes
         As for `network_markdown`.
     """
-    folder = Path(folder)
-    place = folder / "table.md"
-    place.write_text(network_markdown(result, traffic, notes), encoding="utf-8", newline="\n")
     if result.pairings:
-        (folder / "pairings.md").write_text(mixed_markdown(result), encoding="utf-8", newline="\n")
+        (Path(folder) / "pairings.md").write_text(mixed_markdown(result), encoding="utf-8", newline="\n")
     with style():
         drawings = [drawn(name, plot(result)) for name, (_, plot) in NETWORK_FIGURES.items()]
         parts = [*mixed_part(result), *warnings_part(result)]
@@ -233,7 +230,8 @@ def write_network_report(
         lines = "".join(f"<li>{escape(line.strip())}</li>" for line in _traffic_lines(traffic))
         body.append(f"<h2>Traffic</h2><ul>{lines}</ul>")
     body += ["<h2>Options</h2>", options_table(options)]
-    html = folder / "report.html"
-    document = page("modelcast: fleets on a shared channel", CSS, body)
-    html.write_text(document, encoding="utf-8", newline="\n")
-    return [place, html, *write_drawings([*drawings, *more], folder)]
+    texts = {
+        "table.md": network_markdown(result, traffic, notes),
+        "report.html": page("modelcast: fleets on a shared channel", CSS, body),
+    }
+    return write_report_files(texts, [*drawings, *more], folder)

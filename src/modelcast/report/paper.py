@@ -12,7 +12,7 @@ from modelcast.report.captions import captions
 from modelcast.report.console import scope_line, warning_texts
 from modelcast.report.console_table import console_table
 from modelcast.report.figures.distribution import plot_distribution
-from modelcast.report.figures.files import Drawing, drawn, write_drawings
+from modelcast.report.figures.files import Drawing, drawn, write_report_files
 from modelcast.report.figures.loss import plot_loss
 from modelcast.report.figures.manoeuvre import plot_manoeuvre
 from modelcast.report.figures.rates import plot_rates
@@ -48,12 +48,9 @@ def write_paper_report(result: PaperResult, folder: str | Path) -> list[Path]:
     folder
         An existing folder.
     """
-    folder = Path(folder)
     drawings = draw_paper(result)
-    document, claims = folder / "report.html", folder / "claims.md"
-    document.write_text(paper_page(result, drawings), encoding="utf-8", newline="\n")
-    claims.write_text(paper_markdown(result), encoding="utf-8", newline="\n")
-    return [document, claims, *write_drawings(drawings, folder / "figures")]
+    texts = {"report.html": paper_page(result, drawings), "claims.md": paper_markdown(result)}
+    return write_report_files(texts, drawings, folder, figures="figures")
 
 
 def draw_paper(result: PaperResult) -> list[Drawing]:

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from modelcast.core.cells import Cells, escape, markdown
 from modelcast.report.beside import show_beside
-from modelcast.report.figures.files import drawn, write_drawings
+from modelcast.report.figures.files import drawn, write_report_files
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
 from modelcast.report.literal import literal
@@ -166,9 +166,6 @@ def write_safety_report(
     beside
         Output folders of other commands whose figures are shown too.
     """
-    folder = Path(folder)
-    place = folder / "table.md"
-    place.write_text(safety_markdown(result), encoding="utf-8", newline="\n")
     with style():
         shown = {name: (caption, plot(result)) for name, (caption, plot) in SAFETY_FIGURES.items()}
         if result.film is not None:
@@ -178,7 +175,7 @@ def write_safety_report(
     notes = [*safety_headline(result), *logs, *training_note(tuple(training_trips), trips)]
     body = ["<h1>Warnings from messages</h1>", *(f"<p>{escape(line)}.</p>" for line in notes)]
     body += [figure(f"{name}.svg", caption) for name, (caption, _) in shown.items()]
-    body += show_beside(beside, folder)
+    body += show_beside(beside, Path(folder))
     body += [
         "<h2>All figures</h2>",
         f'<p class="scope">{escape(_SCOPE)}</p>',
@@ -191,10 +188,8 @@ def write_safety_report(
         "<h2>Options</h2>",
         options_table(result.settings),
     ]
-    html = folder / "report.html"
-    document = page("modelcast: warnings from messages", CSS, body)
-    html.write_text(document, encoding="utf-8", newline="\n")
-    return [place, html, *write_drawings(drawings, folder)]
+    html = page("modelcast: warnings from messages", CSS, body)
+    return write_report_files({"table.md": safety_markdown(result), "report.html": html}, drawings, folder)
 
 
 def _cells(result: SafetyResult) -> Cells:

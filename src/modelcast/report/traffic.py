@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from modelcast.core.cells import Cells, escape, number
-from modelcast.report.figures.files import drawn, write_drawings
+from modelcast.report.figures.files import drawn, write_report_files
 from modelcast.report.figures.senders import density_text, threshold_text
 from modelcast.report.figures.traffic import TRAFFIC_FIGURES
 from modelcast.report.page import CSS, figure, page
@@ -121,7 +121,6 @@ def write_traffic_report(rows: Sequence[Row], folder: str | Path) -> list[Path]:
     folder
         An existing folder.
     """
-    folder = Path(folder)
     bank = rows[0].bank
     own = [row for row in rows if row.bank == bank]
     with style():
@@ -132,7 +131,5 @@ def write_traffic_report(rows: Sequence[Row], folder: str | Path) -> list[Path]:
         f'<p class="note">Figures: bank {escape(bank)}.</p>',
     ]
     body += [figure(f"{name}.svg", caption) for name, (caption, _) in TRAFFIC_FIGURES.items()]
-    text, html = folder / "traffic.md", folder / "traffic.html"
-    text.write_text(traffic_markdown(rows), encoding="utf-8", newline="\n")
-    html.write_text(page("modelcast: the hybrid in traffic", CSS, body), encoding="utf-8", newline="\n")
-    return [text, html, *write_drawings(drawings, folder)]
+    html = page("modelcast: the hybrid in traffic", CSS, body)
+    return write_report_files({"traffic.md": traffic_markdown(rows), "traffic.html": html}, drawings, folder)

@@ -1,7 +1,7 @@
 """The figures as files: each is laid out and drawn once, and saved as PNG and as SVG."""
 
 import io
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +16,15 @@ from modelcast.report.figures.trips import plot_trips
 from modelcast.report.style import style
 from modelcast.study.result import EvaluationResult
 
-__all__ = ["FIGURES", "Drawing", "draw_figures", "drawn", "write_drawings", "write_figures"]
+__all__ = [
+    "FIGURES",
+    "Drawing",
+    "draw_figures",
+    "drawn",
+    "write_drawings",
+    "write_figures",
+    "write_report_files",
+]
 
 FIGURES: dict[str, Callable[[EvaluationResult], Figure]] = {
     "message_rate": plot_rates,
@@ -80,6 +88,28 @@ def write_drawings(drawings: Iterable[Drawing], folder: str | Path) -> list[Path
             paths.append(folder / f"{drawing.name}{suffix}")
             paths[-1].write_bytes(content)
     return paths
+
+
+def write_report_files(
+    texts: Mapping[str, str], drawings: Iterable[Drawing], folder: str | Path, *, figures: str = ""
+) -> list[Path]:
+    """Write the texts of a report and its drawings; return the paths, the texts' first.
+
+    Parameters
+    ----------
+    texts
+        By the names of their files.
+    drawings
+        As for `write_drawings`.
+    folder
+        An existing folder.
+    figures
+        Name of the folder in it for the drawings; empty for none of their own.
+    """
+    pages = {Path(folder) / name: text for name, text in texts.items()}
+    for path, text in pages.items():
+        path.write_text(text, encoding="utf-8", newline="\n")
+    return [*pages, *write_drawings(drawings, Path(folder) / figures)]
 
 
 def write_figures(result: EvaluationResult, folder: str | Path) -> list[Path]:
