@@ -1,13 +1,13 @@
 """`compare`: candidates side by side, with trips in any form and a result of frames and figures."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
-from modelcast.interface.given_trips import GivenTrips, recorded_trips
+from modelcast.interface.given_trips import GivenTripList, GivenTrips
 from modelcast.interface.result import AbstractFrames
 from modelcast.io.comparison import write_comparison
 from modelcast.report.comparison import scope_line, write_comparison_report
@@ -106,6 +106,11 @@ class Comparison(AbstractFrames):
         return self.result.failures
 
     @property
+    def skipped(self) -> Mapping[str, str]:
+        """Files and vehicles that held no trip, with the reason."""
+        return self.result.skipped
+
+    @property
     def plot(self) -> ComparisonPlots:
         """The figures."""
         return ComparisonPlots(self.result)
@@ -168,4 +173,6 @@ def compare(
     >>> found.ratios.select("candidate", "threshold_m", "message_ratio").rows()
     [('cv', 0.5, 1.0)]
     """
-    return Comparison(compare_trips(recorded_trips(trips), candidates, settings, progress=progress))
+    taken = GivenTripList(trips)
+    result = compare_trips(taken.recorded(), candidates, settings, progress=progress)
+    return Comparison(replace(result, skipped=taken.skipped))

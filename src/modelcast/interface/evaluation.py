@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
-from modelcast.interface.given_trips import GivenTrips, given_trips
+from modelcast.interface.given_trips import GivenTripList, GivenTrips
 from modelcast.interface.result import AbstractFrames
 from modelcast.io.results import write_results
-from modelcast.io.trips import Trips
 from modelcast.report.console import scope_line
 from modelcast.report.figures import (
     plot_distribution,
@@ -187,6 +186,6 @@ def evaluate(
     >>> evaluate(generate_drive(0, 120.0).truth, asked)
     Evaluation(1 trip, 0.03 h, protocol: recorded)
     """
-    taken = given_trips(trips)
+    taken = GivenTripList(trips)
     result = evaluate_trips(taken, settings, progress=progress)
-    return Evaluation(replace(result, skipped=dict(taken.skipped)) if isinstance(taken, Trips) else result)
+    return Evaluation(replace(result, skipped=taken.skipped))

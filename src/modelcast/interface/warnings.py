@@ -1,15 +1,16 @@
 """`evaluate_warnings`: what followers warn of by messages alone, with a result of frames and figures."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
-from modelcast.interface.given_trips import GivenTrips, recorded_trips
+from modelcast.interface.given_trips import GivenTripList, GivenTrips
 from modelcast.interface.result import AbstractFrames
 from modelcast.io.safety import write_safety
+from modelcast.report.console import left_out_text
 from modelcast.report.figures.safety import plot_accuracy, plot_delays
 from modelcast.report.safety import write_safety_report
 from modelcast.report.tables import frame
@@ -78,6 +79,11 @@ class WarningEvaluation(AbstractFrames):
         return frame(self.result.pooled)
 
     @property
+    def skipped(self) -> Mapping[str, str]:
+        """Files and vehicles that held no trip, with the reason."""
+        return self.result.skipped
+
+    @property
     def plot(self) -> WarningPlots:
         """The figures."""
         return WarningPlots(self.result)
@@ -85,7 +91,9 @@ class WarningEvaluation(AbstractFrames):
     @property
     def scope(self) -> str:
         """What was run, in one line."""
-        return f"pairs: {self.result.pairs}, true warnings: {self.result.events}"
+        return f"pairs: {self.result.pairs}, true warnings: {self.result.events}" + left_out_text(
+            self.result.failures, self.result.skipped
+        )
 
     @property
     def headline(self) -> pl.DataFrame:
@@ -130,7 +138,9 @@ def evaluate_warnings(
         Where a file cannot be read.
     """
     asked = SafetySettings(_EVALUATION) if settings is None else settings
-    taken = recorded_trips(trips)
+    source = GivenTripList(trips)
+    taken = source.recorded()
     trained_on = frozenset[str]().union(*(one.trained_on or () for one in candidates))
     result = evaluate_safety(taken, candidates, asked, progress=progress)
+    result = replace(result, skipped=source.skipped)
     return WarningEvaluation(result, len(taken), tuple(known_trips(taken, trained_on)))
