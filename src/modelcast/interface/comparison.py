@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
+from modelcast.core.argument_types import require_several, require_type
 from modelcast.interface.given_trips import GivenTripList, GivenTrips
 from modelcast.interface.result import AbstractFrames
 from modelcast.io.comparison import write_comparison
@@ -21,7 +22,10 @@ from modelcast.study.compare.settings import CompareSettings
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Comparison", "ComparisonPlots", "compare"]
+__all__ = ["CANDIDATE_REMEDY", "Comparison", "ComparisonPlots", "compare"]
+
+CANDIDATE_REMEDY = 'give modelcast.FixedCandidate("cv", modelcast.bank_from_text("cv")) or its like'
+"""What to do where a candidate is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +138,7 @@ class Comparison(AbstractFrames):
 
 def compare(
     trips: GivenTrips,
-    candidates: Sequence[AbstractCandidate],
+    candidates: AbstractCandidate | Sequence[AbstractCandidate],
     settings: CompareSettings | None = None,
     *,
     progress: Callable[[int, int], None] | None = None,
@@ -147,7 +151,8 @@ def compare(
         Recorded trips with distinct identifiers: a path, a data frame, a trip, what `read_trips` gave, or
         several of them.
     candidates
-        What is compared; a trained one is fitted anew for every route, on the trips of the others.
+        What is compared, one or several; a trained one is fitted anew for every route, on the trips of the
+        others.
     settings
         What to do.
     progress
@@ -160,7 +165,7 @@ def compare(
     DataFormatError
         Where a file cannot be read.
     TypeError
-        Where a trip is none.
+        Where a trip or a candidate is none, or the settings are of another study.
 
     Examples
     --------
@@ -173,6 +178,9 @@ def compare(
     >>> found.ratios.select("candidate", "threshold_m", "message_ratio").rows()
     [('cv', 0.5, 1.0)]
     """
+    if settings is not None:
+        require_type("settings", settings, CompareSettings)
+    asked = require_several("candidates", candidates, AbstractCandidate, remedy=CANDIDATE_REMEDY)
     taken = GivenTripList(trips)
-    result = compare_trips(taken.recorded(), candidates, settings, progress=progress)
+    result = compare_trips(taken.recorded(), asked, settings, progress=progress)
     return Comparison(replace(result, skipped=taken.skipped))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
+from modelcast.core.argument_types import require_type
 from modelcast.interface.given_trips import GivenTripList, GivenTrips
 from modelcast.interface.result import AbstractFrames
 from modelcast.io.results import write_results
@@ -177,7 +178,7 @@ def evaluate(
     ConfigError, DataFormatError
         Where the settings fit no trip, or a file cannot be read.
     TypeError
-        Where a trip is none.
+        Where a trip is none, or the settings are of another study.
 
     Examples
     --------
@@ -186,6 +187,8 @@ def evaluate(
     >>> evaluate(generate_drive(0, 120.0).truth, asked)
     Evaluation(1 trip, 0.03 h, protocol: recorded)
     """
+    if settings is not None:
+        require_type("settings", settings, EvaluationSettings)
     taken = GivenTripList(trips)
     result = evaluate_trips(taken, settings, progress=progress)
     return Evaluation(replace(result, skipped=taken.skipped))

@@ -1,7 +1,9 @@
 """Trips in whatever form a user has them: paths, data frames, trips, and lists of these."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, TypeAlias, cast
+
+import numpy as np
 
 from modelcast.io.skipped import merge_skipped
 from modelcast.io.trips import Trips, TripSources, is_source, read_trips
@@ -71,11 +73,11 @@ class GivenTripList(Iterable[Trajectory | SensedTrip]):
             yield from given
         elif is_source(given) or (isinstance(given, Sequence) and all(map(is_source, given))):
             yield from self._trips_of(read_trips(given))
-        elif isinstance(given, Iterable):
+        elif isinstance(given, Iterable) and not isinstance(given, Mapping | np.ndarray):
             for one in cast("Iterable[Any]", given):
                 yield from self._trips_of(one)
         else:
             raise TypeError(
                 f"trips are paths, data frames, or what read_trips or build_trajectory gave, not "
-                f"{type(given).__name__}"
+                f"{type(given).__name__}: give arrays to build_trajectory, or make a data frame of them"
             )

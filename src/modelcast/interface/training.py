@@ -4,6 +4,7 @@ import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
+from modelcast.core.argument_types import require_type
 from modelcast.interface.given_trips import GivenTripList, GivenTrips
 from modelcast.models.profile import Profile
 from modelcast.report.console import skipped_lines
@@ -50,6 +51,8 @@ def train_profile(
     ValueError
         Where the trips are too short to learn from, or ``validate`` finds a single route only.
     """
+    if settings is not None:
+        require_type("settings", settings, ProfileSettings)
     taken = GivenTripList(trips)
     recorded = taken.recorded()
     told = skipped_lines(taken.skipped, rest="read_trips(...).skipped")
@@ -102,6 +105,8 @@ def reproduce_paper(
     >>> [reading.labelled.label for reading in result.readings][-2:]
     ['combined: best tracking', 'combined: worst tracking']
     """
+    if plan is not None:
+        require_type("plan", plan, PaperPlan)
     taken = GivenTripList(trips)
     result = reproduce(taken.recorded(), plan, each=each, progress=progress)
     return replace(result, skipped=taken.skipped)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
+from modelcast.core.argument_types import require_several, require_type
+from modelcast.interface.comparison import CANDIDATE_REMEDY
 from modelcast.interface.given_trips import GivenTripList, GivenTrips
 from modelcast.interface.result import AbstractFrames
 from modelcast.io.safety import write_safety
@@ -110,7 +112,7 @@ class WarningEvaluation(AbstractFrames):
 
 def evaluate_warnings(
     trips: GivenTrips,
-    candidates: Sequence[FixedCandidate],
+    candidates: FixedCandidate | Sequence[FixedCandidate],
     settings: SafetySettings | None = None,
     *,
     progress: Callable[[int, int], None] | None = None,
@@ -123,7 +125,7 @@ def evaluate_warnings(
         Recorded trips, some of which follow each other, as a platoon: a path, a data frame, what `read_trips`
         gave, or several of them.
     candidates
-        Who sends.
+        Who sends, one or several.
     settings
         Application, losses and sensor; None for forward collision warning, a threshold of 0.5 m, and losses
         of 0, 20, 40 and 60 %.
@@ -136,11 +138,15 @@ def evaluate_warnings(
         Where no vehicle follows another, names repeat, or a name in the settings is none of a candidate.
     DataFormatError
         Where a file cannot be read.
+    TypeError
+        Where a trip or a candidate is none, or the settings are of another study.
     """
     asked = SafetySettings(_EVALUATION) if settings is None else settings
+    require_type("settings", asked, SafetySettings)
+    senders = require_several("candidates", candidates, FixedCandidate, remedy=CANDIDATE_REMEDY)
     source = GivenTripList(trips)
     taken = source.recorded()
-    trained_on = frozenset[str]().union(*(one.trained_on or () for one in candidates))
-    result = evaluate_safety(taken, candidates, asked, progress=progress)
+    trained_on = frozenset[str]().union(*(one.trained_on or () for one in senders))
+    result = evaluate_safety(taken, senders, asked, progress=progress)
     result = replace(result, skipped=source.skipped)
     return WarningEvaluation(result, len(taken), tuple(known_trips(taken, trained_on)))

@@ -103,6 +103,11 @@ class Trips(Sequence[Trajectory]):
         columns: Mapping[str, str] | None = None,
         on_skipped: OnSkipped | None = None,
     ) -> None:
+        if isinstance(sources, Mapping):
+            raise TypeError(
+                f"a source of trips is a path or a data frame, not {type(sources).__name__}: "
+                f"make a data frame of it, as polars.DataFrame(columns)"
+            )
         given: list[Any] = [sources] if is_source(sources) else list(cast("Iterable[Any]", sources))
         for source in given:
             if not is_source(source):
