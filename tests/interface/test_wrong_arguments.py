@@ -1,6 +1,7 @@
 """What a caller gets wrong at the first try is told by the argument, what was given, and a remedy."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -112,3 +113,14 @@ def test_an_iterator_is_several_and_nothing_is_none() -> None:
     assert require_several("seeds", iter((1, 2)), int) == [1, 2]
     assert require_several("seeds", (), int) == []
     require_type("seeds", True, int)
+
+
+@pytest.mark.parametrize("write", [modelcast.write_csv, modelcast.write_parquet])
+def test_one_trip_is_written_as_a_list_of_one_and_a_frame_is_refused(write: Any, tmp_path: Path) -> None:
+    (trip,) = modelcast.read_trips(FRAME)
+    write(trip, tmp_path / "one")
+    write([trip], tmp_path / "listed")
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "listed").read_bytes()
+    with pytest.raises(TypeError, match=r"trips must be of Trajectory, not Series: modelcast.read_trips"):
+        write(FRAME, tmp_path / "frame")
+    assert not (tmp_path / "frame").exists()

@@ -78,6 +78,7 @@ class GivenTripList(Iterable[Trajectory | SensedTrip]):
                 yield from self._trips_of(one)
         else:
             raise TypeError(
-                f"trips are paths, data frames, or what read_trips or build_trajectory gave, not "
-                f"{type(given).__name__}: give arrays to build_trajectory, or make a data frame of them"
+                "trips are paths, data frames, or what read_trips or build_trajectory gave, not "
+                f"{type(cast('object', given)).__name__}: "
+                "give arrays to build_trajectory, or make a data frame of them"
             )

@@ -105,7 +105,7 @@ class Trips(Sequence[Trajectory]):
     ) -> None:
         if isinstance(sources, Mapping):
             raise TypeError(
-                f"a source of trips is a path or a data frame, not {type(sources).__name__}: "
+                f"a source of trips is a path or a data frame, not {type(cast('object', sources)).__name__}: "
                 f"make a data frame of it, as polars.DataFrame(columns)"
             )
         given: list[Any] = [sources] if is_source(sources) else list(cast("Iterable[Any]", sources))
