@@ -24,8 +24,8 @@ from modelcast.report.figures.network import (
 from modelcast.report.network import write_network_report
 from modelcast.report.tables import frame
 from modelcast.station.sender.sender import Sender, named_sender
-from modelcast.study.network.rows import NetworkResult
-from modelcast.study.network.simulate import FleetRuns, simulate_fleets
+from modelcast.study.network.rows import CaseResult, NetworkResult
+from modelcast.study.network.simulate import FleetJob, FleetRuns, simulate_fleets
 from modelcast.world.scenario.base import AbstractScenario
 from modelcast.world.sensors import filter_for
 
@@ -147,6 +147,7 @@ def simulate_network(
     radios: str | AbstractRadio[Any] | Iterable[str] | Mapping[str, AbstractRadio[Any]] = "dsrc",
     runs: FleetRuns | None = None,
     *,
+    each: Callable[[Callable[[FleetJob], CaseResult], Iterable[FleetJob]], Iterable[CaseResult]] = map,
     progress: Callable[[int, int], None] | None = None,
 ) -> NetworkSimulation:
     """Run fleets on a shared channel: traffic moves, senders decide, messages contend, receivers track.
@@ -162,6 +163,9 @@ def simulate_network(
         ``NAME:KEY=VALUE``), a radio, which is called after its class, or several by name.
     runs
         How often, how long, and what is counted; None for one run of 30 s.
+    each
+        Applies a function to jobs and returns what it gave, in order: `map`, or one that shares the jobs out
+        among processes, as `concurrent.futures.ProcessPoolExecutor.map`; the result is the same.
     progress
         Called with runs done and runs to do.
 
@@ -203,7 +207,7 @@ def simulate_network(
         remedy="give names, or what modelcast.named_sender makes",
     )
     channels = _channels(radios)
-    result = simulate_fleets(traffic, made, channels, asked, progress=progress)
+    result = simulate_fleets(traffic, made, channels, asked, each=each, progress=progress)
     settings: dict[str, Any] = {
         "scenarios": [type(one).__name__ for one in traffic],
         "radios": list(channels),
