@@ -388,6 +388,25 @@ def test_what_convert_writes_is_read_back_the_same(suffix: str, drive_csv: Path,
     assert names(tmp_path) == {out.name}
 
 
+def test_convert_names_what_gave_no_trip(
+    drive_csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "given"
+    folder.mkdir()
+    (folder / "drive.csv").write_bytes(drive_csv.read_bytes())
+    for number in range(7):
+        (folder / f"n{number}.md").write_text("no trip")
+    ask = ["convert", str(folder), "--out", str(tmp_path / "all.csv")]
+    assert run(ask) == 0
+    shown = capsys.readouterr().out.replace("\n", " ")
+    assert shown.count("no trip from given/n") == 5
+    assert "nor from 2 more (modelcast trips names all)" in shown
+    assert run([*ask, "--quiet"]) == 0
+    assert capsys.readouterr().out == ""
+    (folder / "drive.csv").unlink()
+    assert "nothing was written; no trip from given/n0.md" in refused(capsys, *ask).replace("\n", " ")
+
+
 @pytest.mark.parametrize("out", ["trips.txt", "no/folder/trips.csv"])
 def test_convert_refuses_what_it_cannot_write(
     out: str, drive_csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

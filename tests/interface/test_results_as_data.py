@@ -2,6 +2,8 @@
 
 import json
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -157,6 +159,23 @@ def test_a_network_is_that_of_the_command(network: Any, tmp_path: Path) -> None:
         for name in ours.keys() - set(CASE_KEYS):
             known = ours[name] is not None and ours[name] == ours[name]
             assert theirs[name] == (ours[name] if known else None), name
+
+
+def test_runs_of_several_processes_are_those_of_one(network: Any, tmp_path: Path) -> None:
+    """To the byte of every table, and in the same order; what is handed over survives it."""
+    told: list[tuple[int, int]] = []
+    given = (modelcast.Highway(500.0, 40.0), ("bsm-10hz", "j2945-mbc"), "dsrc", RUNS)
+    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+        shared = modelcast.simulate_network(*given, each=pool.map, progress=lambda *at: told.append(at))
+    assert told == [(1, 2), (2, 2)]
+    ours, theirs = (
+        {path.name: path for path in one.write(tmp_path / name)}
+        for one, name in ((network, "one"), (shared, "several"))
+    )
+    assert ours.keys() == theirs.keys()
+    assert "runs.parquet" in ours
+    for name, path in ours.items():
+        assert path.read_bytes() == theirs[name].read_bytes(), name
 
 
 def test_runs_that_could_not_be_told_apart_are_refused() -> None:

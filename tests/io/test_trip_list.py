@@ -126,6 +126,19 @@ def test_what_gave_no_trip_is_told_once_however_often_it_is_read(folder: Path) -
     assert list(trips.skipped) == told
 
 
+@pytest.mark.usefixtures("either")
+def test_vehicles_of_one_name_that_gave_no_trip_are_all_kept() -> None:
+    """Two frames with the same vehicle, which is nowhere: neither is lost to the other."""
+    nowhere = pl.when(pl.col("vehicle") != "b").then(pl.col("east_m"))
+    frames = [table(("a", "b")).with_columns(east_m=nowhere)] * 2
+    told: list[str] = []
+    trips = read_trips(frames, on_skipped=lambda what, _reason: told.append(what))
+    assert len(trips) == 2
+    assert [trip.trip_id for trip in trips] == ["frame/a", "frame/a#2"]
+    assert told == ["frame/b", "frame/b"]
+    assert list(trips.skipped) == ["frame/b", "frame/b#2"]
+
+
 def test_nothing_is_read_before_it_is_asked_for_and_no_further(folder: Path, reads: list[str]) -> None:
     trips = read_trips(folder)
     assert (repr(trips), reads) == ("Trips(1 source, not read yet)", [])
@@ -136,6 +149,11 @@ def test_nothing_is_read_before_it_is_asked_for_and_no_further(folder: Path, rea
     reads.clear()
     assert [trip.trip_id for trip in trips] == EXPECTED  # kept
     assert reads == []
+
+
+def test_a_list_of_what_is_kept_reads_each_file_once(folder: Path, reads: list[str]) -> None:
+    assert [trip.trip_id for trip in list(read_trips(folder))] == EXPECTED
+    assert reads == ["a.csv", "b.csv", "c.csv"]
 
 
 def test_of_a_large_folder_one_file_is_read_for_one_trip(

@@ -51,7 +51,8 @@ def convert(
         with watched(source, quiet=quiet) as shown:
             write(shown, file)
         if source.trips == 0:
-            raise ConfigError("no usable trip: nothing was written")
+            raise ConfigError("; ".join(("no usable trip: nothing was written", *source.skipped_lines())))
     if not quiet:
         say(f"{source.trips} trips written to {out}")
+        source.tell_skipped()
     return source.exit_code

@@ -149,6 +149,8 @@ def coverage(
             say(line)
         show(coverage_report(result))
         say(f"figures: {out}")
+        for source in (tested, taught):
+            source.tell_skipped()
     return max(tested.exit_code, taught.exit_code)
 
 
@@ -165,5 +167,5 @@ def _cases(
         for one in trips:
             groups.setdefault(one.trip_id.partition("/")[0], []).append(make_case(one, settings))
     if not groups:
-        raise ConfigError("no usable trip")
+        raise ConfigError("; ".join(("no usable trip", *source.skipped_lines())))
     return groups

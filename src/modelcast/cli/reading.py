@@ -6,10 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from modelcast.cli.terminal import complain
+from modelcast.cli.terminal import complain, say
 from modelcast.core.exceptions import ConfigError, DataFormatError, ModelcastError
 from modelcast.core.printable import printable
 from modelcast.io.recordings import Recording, Recordings
+from modelcast.io.skipped import free_name
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["PARTLY_FAILED", "TripSource", "require_paths"]
@@ -85,6 +86,17 @@ class TripSource:
         """Exit code of a command that took every trip."""
         return PARTLY_FAILED if self.failures else 0
 
+    def skipped_lines(self) -> list[str]:
+        """Say what gave no trip, a line each; the first few."""
+        from modelcast.report.console import skipped_lines
+
+        return skipped_lines(self.skipped, rest="modelcast trips names all")
+
+    def tell_skipped(self) -> None:
+        """Print what gave no trip, in a command whose files have no place for it."""
+        for line in self.skipped_lines():
+            say(line)
+
     def __iter__(self) -> Iterator[Trajectory]:
         seen: dict[str, int] = {}
         while (recording := self._next_recording()) is not None:
@@ -111,18 +123,12 @@ class TripSource:
     def _fail(self, path: str, error: Exception) -> None:
         """Note a file that could not be read, and say so."""
         label = printable(self._recordings.label(path))
-        self.failures[_free(self.failures, label)] = printable(_reason(error))
+        self.failures[free_name(self.failures, label)] = printable(_reason(error))
         complain(str(error) if isinstance(error, DataFormatError) else f"{path}: {_reason(error)}")
 
     def _skip(self, name: str, reason: str) -> None:
         label = self._recordings.label(name) if os.path.lexists(name) else name
-        self.skipped[_free(self.skipped, printable(label))] = printable(reason)
-
-
-def _free(taken: Mapping[str, str], name: str) -> str:
-    """The name, or with #2, #3, ... behind it where it is taken."""
-    copy = sum(other == name or other.startswith(f"{name}#") for other in taken)
-    return f"{name}#{copy + 1}" if copy else name
+        self.skipped[free_name(self.skipped, printable(label))] = printable(reason)
 
 
 def _reason(error: Exception) -> str:

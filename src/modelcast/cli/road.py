@@ -118,6 +118,8 @@ def _built(
             write_roads(survey, file)
     except ValueError as error:
         raise ConfigError(str(error)) from error
+    if not quiet:
+        source.tell_skipped()
     return survey, source.exit_code
 
 

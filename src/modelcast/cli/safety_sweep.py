@@ -162,7 +162,7 @@ def gathered(
     logs: Sequence[LossLog],
     *,
     failures: Mapping[str, str],
-    skipped: Mapping[str, Any],
+    skipped: Mapping[str, str],
 ) -> SafetyResult:
     """All scores as one result, pooled over the recordings.
 

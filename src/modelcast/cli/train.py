@@ -147,7 +147,7 @@ def train(
             with watched(source, quiet=silent) as shown:
                 trips = list(shown)
             if not trips:
-                raise ConfigError("no usable trip")
+                raise ConfigError("; ".join(("no usable trip", *source.skipped_lines())))
             with staged(quiet=silent) as progress:
                 trained = _trained(profile, trips, add, settings, progress)
             file.write(trained.text.encode("utf-8"))
@@ -160,6 +160,7 @@ def train(
     elif not quiet:
         show(training_report(trained))
         say(f"profile: {out}, sha256 {trained.identity}")
+        source.tell_skipped()
     return source.exit_code
 
 

@@ -1,13 +1,14 @@
 """`compare`: candidates side by side, with trips in any form and a result of frames and figures."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
-from modelcast.interface.given_trips import GivenTrips, recorded_trips
+from modelcast.core.argument_types import require_several, require_type
+from modelcast.interface.given_trips import GivenTripList, GivenTrips
 from modelcast.interface.result import AbstractFrames
 from modelcast.io.comparison import write_comparison
 from modelcast.report.comparison import scope_line, write_comparison_report
@@ -21,7 +22,10 @@ from modelcast.study.compare.settings import CompareSettings
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Comparison", "ComparisonPlots", "compare"]
+__all__ = ["CANDIDATE_REMEDY", "Comparison", "ComparisonPlots", "compare"]
+
+CANDIDATE_REMEDY = 'give modelcast.FixedCandidate("cv", modelcast.bank_from_text("cv")) or its like'
+"""What to do where a candidate is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +110,11 @@ class Comparison(AbstractFrames):
         return self.result.failures
 
     @property
+    def skipped(self) -> Mapping[str, str]:
+        """Files and vehicles that held no trip, with the reason."""
+        return self.result.skipped
+
+    @property
     def plot(self) -> ComparisonPlots:
         """The figures."""
         return ComparisonPlots(self.result)
@@ -129,7 +138,7 @@ class Comparison(AbstractFrames):
 
 def compare(
     trips: GivenTrips,
-    candidates: Sequence[AbstractCandidate],
+    candidates: AbstractCandidate | Sequence[AbstractCandidate],
     settings: CompareSettings | None = None,
     *,
     progress: Callable[[int, int], None] | None = None,
@@ -142,7 +151,8 @@ def compare(
         Recorded trips with distinct identifiers: a path, a data frame, a trip, what `read_trips` gave, or
         several of them.
     candidates
-        What is compared; a trained one is fitted anew for every route, on the trips of the others.
+        What is compared, one or several; a trained one is fitted anew for every route, on the trips of the
+        others.
     settings
         What to do.
     progress
@@ -155,7 +165,7 @@ def compare(
     DataFormatError
         Where a file cannot be read.
     TypeError
-        Where a trip is none.
+        Where a trip or a candidate is none, or the settings are of another study.
 
     Examples
     --------
@@ -168,4 +178,9 @@ def compare(
     >>> found.ratios.select("candidate", "threshold_m", "message_ratio").rows()
     [('cv', 0.5, 1.0)]
     """
-    return Comparison(compare_trips(recorded_trips(trips), candidates, settings, progress=progress))
+    if settings is not None:
+        require_type("settings", settings, CompareSettings)
+    asked = require_several("candidates", candidates, AbstractCandidate, remedy=CANDIDATE_REMEDY)
+    taken = GivenTripList(trips)
+    result = compare_trips(taken.recorded(), asked, settings, progress=progress)
+    return Comparison(replace(result, skipped=taken.skipped))

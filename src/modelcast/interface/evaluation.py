@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
-from modelcast.interface.given_trips import GivenTrips, given_trips
+from modelcast.core.argument_types import require_type
+from modelcast.interface.given_trips import GivenTripList, GivenTrips
 from modelcast.interface.result import AbstractFrames
 from modelcast.io.results import write_results
-from modelcast.io.trips import Trips
 from modelcast.report.console import scope_line
 from modelcast.report.figures import (
     plot_distribution,
@@ -178,7 +178,7 @@ def evaluate(
     ConfigError, DataFormatError
         Where the settings fit no trip, or a file cannot be read.
     TypeError
-        Where a trip is none.
+        Where a trip is none, or the settings are of another study.
 
     Examples
     --------
@@ -187,6 +187,8 @@ def evaluate(
     >>> evaluate(generate_drive(0, 120.0).truth, asked)
     Evaluation(1 trip, 0.03 h, protocol: recorded)
     """
-    taken = given_trips(trips)
+    if settings is not None:
+        require_type("settings", settings, EvaluationSettings)
+    taken = GivenTripList(trips)
     result = evaluate_trips(taken, settings, progress=progress)
-    return Evaluation(replace(result, skipped=dict(taken.skipped)) if isinstance(taken, Trips) else result)
+    return Evaluation(replace(result, skipped=taken.skipped))

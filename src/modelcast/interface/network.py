@@ -9,6 +9,7 @@ import polars as pl
 
 from modelcast.channel.radio import AbstractRadio
 from modelcast.channel.registry import get_radio
+from modelcast.core.argument_types import require_several, require_type
 from modelcast.core.version import package_version
 from modelcast.interface.result import AbstractFrames
 from modelcast.io.network import write_network
@@ -23,8 +24,8 @@ from modelcast.report.figures.network import (
 from modelcast.report.network import write_network_report
 from modelcast.report.tables import frame
 from modelcast.station.sender.sender import Sender, named_sender
-from modelcast.study.network.rows import NetworkResult
-from modelcast.study.network.simulate import FleetRuns, simulate_fleets
+from modelcast.study.network.rows import CaseResult, NetworkResult
+from modelcast.study.network.simulate import FleetJob, FleetRuns, simulate_fleets
 from modelcast.world.scenario.base import AbstractScenario
 from modelcast.world.sensors import filter_for
 
@@ -146,6 +147,7 @@ def simulate_network(
     radios: str | AbstractRadio[Any] | Iterable[str] | Mapping[str, AbstractRadio[Any]] = "dsrc",
     runs: FleetRuns | None = None,
     *,
+    each: Callable[[Callable[[FleetJob], CaseResult], Iterable[FleetJob]], Iterable[CaseResult]] = map,
     progress: Callable[[int, int], None] | None = None,
 ) -> NetworkSimulation:
     """Run fleets on a shared channel: traffic moves, senders decide, messages contend, receivers track.
@@ -161,6 +163,9 @@ def simulate_network(
         ``NAME:KEY=VALUE``), a radio, which is called after its class, or several by name.
     runs
         How often, how long, and what is counted; None for one run of 30 s.
+    each
+        Applies a function to jobs and returns what it gave, in order: `map`, or one that shares the jobs out
+        among processes, as `concurrent.futures.ProcessPoolExecutor.map`; the result is the same.
     progress
         Called with runs done and runs to do.
 
@@ -168,6 +173,8 @@ def simulate_network(
     ------
     ConfigError
         Where there is nothing to run, or rows of two runs could not be told apart.
+    TypeError
+        Where a scenario, a sender or a radio is none.
     ValueError
         Where a name is unknown, or vehicles do not fit on the road.
 
@@ -184,13 +191,23 @@ def simulate_network(
     [10.0]
     """
     asked = FleetRuns() if runs is None else runs
-    traffic = [scenarios] if isinstance(scenarios, AbstractScenario) else list(scenarios)
-    given = [senders] if isinstance(senders, str | Sender) else list(senders)
-    made = [
-        named_sender(one, motion=filter_for(asked.sensor)) if isinstance(one, str) else one for one in given
-    ]
+    require_type("runs", asked, FleetRuns, remedy="give modelcast.FleetRuns(30.0) for 30 s")
+    traffic: list[AbstractScenario[Any]] = require_several(
+        "scenarios", scenarios, AbstractScenario, remedy="give modelcast.Highway(1000.0, 25.0) or its like"
+    )
+    if isinstance(senders, str) or not isinstance(senders, Iterable):
+        senders = (senders,)
+    made = require_several(
+        "senders",
+        [
+            named_sender(one, motion=filter_for(asked.sensor)) if isinstance(one, str) else one
+            for one in senders
+        ],
+        Sender,
+        remedy="give names, or what modelcast.named_sender makes",
+    )
     channels = _channels(radios)
-    result = simulate_fleets(traffic, made, channels, asked, progress=progress)
+    result = simulate_fleets(traffic, made, channels, asked, each=each, progress=progress)
     settings: dict[str, Any] = {
         "scenarios": [type(one).__name__ for one in traffic],
         "radios": list(channels),
@@ -209,4 +226,7 @@ def _channels(
         return cast("Mapping[str, AbstractRadio[Any]]", radios)
     if isinstance(radios, AbstractRadio):
         return {type(radios).__name__.lower(): radios}
-    return {name: get_radio(name) for name in ([radios] if isinstance(radios, str) else radios)}
+    names = require_several(
+        "radios", radios, str, remedy="give names, a radio, or a mapping of names to radios"
+    )
+    return {name: get_radio(name) for name in names}

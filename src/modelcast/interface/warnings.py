@@ -1,15 +1,18 @@
 """`evaluate_warnings`: what followers warn of by messages alone, with a result of frames and figures."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
-from modelcast.interface.given_trips import GivenTrips, recorded_trips
+from modelcast.core.argument_types import require_several, require_type
+from modelcast.interface.comparison import CANDIDATE_REMEDY
+from modelcast.interface.given_trips import GivenTripList, GivenTrips
 from modelcast.interface.result import AbstractFrames
 from modelcast.io.safety import write_safety
+from modelcast.report.console import left_out_text
 from modelcast.report.figures.safety import plot_accuracy, plot_delays
 from modelcast.report.safety import write_safety_report
 from modelcast.report.tables import frame
@@ -78,6 +81,11 @@ class WarningEvaluation(AbstractFrames):
         return frame(self.result.pooled)
 
     @property
+    def skipped(self) -> Mapping[str, str]:
+        """Files and vehicles that held no trip, with the reason."""
+        return self.result.skipped
+
+    @property
     def plot(self) -> WarningPlots:
         """The figures."""
         return WarningPlots(self.result)
@@ -85,7 +93,9 @@ class WarningEvaluation(AbstractFrames):
     @property
     def scope(self) -> str:
         """What was run, in one line."""
-        return f"pairs: {self.result.pairs}, true warnings: {self.result.events}"
+        return f"pairs: {self.result.pairs}, true warnings: {self.result.events}" + left_out_text(
+            self.result.failures, self.result.skipped
+        )
 
     @property
     def headline(self) -> pl.DataFrame:
@@ -102,7 +112,7 @@ class WarningEvaluation(AbstractFrames):
 
 def evaluate_warnings(
     trips: GivenTrips,
-    candidates: Sequence[FixedCandidate],
+    candidates: FixedCandidate | Sequence[FixedCandidate],
     settings: SafetySettings | None = None,
     *,
     progress: Callable[[int, int], None] | None = None,
@@ -115,7 +125,7 @@ def evaluate_warnings(
         Recorded trips, some of which follow each other, as a platoon: a path, a data frame, what `read_trips`
         gave, or several of them.
     candidates
-        Who sends.
+        Who sends, one or several.
     settings
         Application, losses and sensor; None for forward collision warning, a threshold of 0.5 m, and losses
         of 0, 20, 40 and 60 %.
@@ -128,9 +138,15 @@ def evaluate_warnings(
         Where no vehicle follows another, names repeat, or a name in the settings is none of a candidate.
     DataFormatError
         Where a file cannot be read.
+    TypeError
+        Where a trip or a candidate is none, or the settings are of another study.
     """
     asked = SafetySettings(_EVALUATION) if settings is None else settings
-    taken = recorded_trips(trips)
-    trained_on = frozenset[str]().union(*(one.trained_on or () for one in candidates))
-    result = evaluate_safety(taken, candidates, asked, progress=progress)
+    require_type("settings", asked, SafetySettings)
+    senders = require_several("candidates", candidates, FixedCandidate, remedy=CANDIDATE_REMEDY)
+    source = GivenTripList(trips)
+    taken = source.recorded()
+    trained_on = frozenset[str]().union(*(one.trained_on or () for one in senders))
+    result = evaluate_safety(taken, senders, asked, progress=progress)
+    result = replace(result, skipped=source.skipped)
     return WarningEvaluation(result, len(taken), tuple(known_trips(taken, trained_on)))

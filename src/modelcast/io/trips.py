@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast, overload
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.base import OnSkipped, ignore_skipped
 from modelcast.io.recordings import Recording, Recordings
+from modelcast.io.skipped import free_name
 from modelcast.trips.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class Trips(Sequence[Trajectory]):
     Iterating reads one recording after another and yields a trip at a time; so does `len`, once. Trips of at
     most `MOST_HELD_BYTES` together are kept after the first complete reading; more are read again when they
     are asked for, so that a large folder needs no more memory than its largest recording. `list` asks for the
-    length first and reads such a folder twice; a ``for`` loop does not.
+    length first and reads these twice; a ``for`` loop does not.
 
     Parameters
     ----------
@@ -102,6 +103,11 @@ class Trips(Sequence[Trajectory]):
         columns: Mapping[str, str] | None = None,
         on_skipped: OnSkipped | None = None,
     ) -> None:
+        if isinstance(sources, Mapping):
+            raise TypeError(
+                f"a source of trips is a path or a data frame, not {type(cast('object', sources)).__name__}: "
+                f"make a data frame of it, as polars.DataFrame(columns)"
+            )
         given: list[Any] = [sources] if is_source(sources) else list(cast("Iterable[Any]", sources))
         for source in given:
             if not is_source(source):
@@ -120,7 +126,10 @@ class Trips(Sequence[Trajectory]):
 
     @property
     def skipped(self) -> Mapping[str, str]:
-        """What gave no trip so far (a vehicle's identifier, a file in a folder), with the reason."""
+        """What gave no trip so far (a vehicle's identifier, a file in a folder), with the reason.
+
+        Where two share a name, as the same vehicle in two files, the later gets ``#2``, ``#3``, ...
+        """
         return MappingProxyType(self._skipped)
 
     def summary(self) -> "pl.DataFrame":
@@ -128,8 +137,9 @@ class Trips(Sequence[Trajectory]):
         return _summary(self)
 
     def __iter__(self) -> Iterator[Trajectory]:
+        # Settled at the first trip, not here: `list` asks for the length once it has its iterator.
         held = None if self._found is None else self._found.held
-        return self._read() if held is None else iter(held)
+        yield from self._read() if held is None else held
 
     def __len__(self) -> int:
         return len(self._surveyed().entries)
@@ -198,7 +208,7 @@ class Trips(Sequence[Trajectory]):
             skips += 1
             if skips > self._skips_told:
                 self._skips_told = skips
-                self._skipped[what] = reason
+                self._skipped[free_name(self._skipped, what)] = reason
                 self._on_skipped(what, reason)
 
         seen: dict[str, int] = {}

@@ -10,7 +10,7 @@ was skipped, the name of the first format and the resampling mark do not. Trips 
 # pyarrow has no type stubs: what comes out of it is unknown to pyright.
 # pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -20,6 +20,7 @@ import polars as pl
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from modelcast.core.argument_types import require_type
 from modelcast.core.arrays import FloatArray
 from modelcast.io.output import atomic_file
 from modelcast.trips.trajectory import Trajectory
@@ -27,19 +28,24 @@ from modelcast.trips.trajectory import Trajectory
 __all__ = ["write_csv", "write_parquet"]
 
 
-def write_csv(trips: Iterable[Trajectory], out: str | Path | BinaryIO) -> None:
+def write_csv(trips: Trajectory | Iterable[Trajectory], out: str | Path | BinaryIO) -> None:
     """Write trips as comma-separated text, numbers with every digit they need.
 
     Parameters
     ----------
     trips
-        Trips with different identifiers (which may hold no comma or quote).
+        Trips with different identifiers (which may hold no comma or quote), or one.
     out
         The file to write, which appears whole or not at all; or one open for writing bytes.
+
+    Raises
+    ------
+    TypeError
+        Where a trip is none.
     """
     with _opened(out) as file:
         header = True
-        for trip in trips:
+        for trip in _several(trips):
             if set(trip.trip_id) & set(',"\r\n'):
                 raise ValueError(
                     f"trip_id {trip.trip_id!r} holds a comma, a quote or a line end; use Parquet"
@@ -50,24 +56,38 @@ def write_csv(trips: Iterable[Trajectory], out: str | Path | BinaryIO) -> None:
             file.write((",".join(_SCHEMA) + "\n").encode())
 
 
-def write_parquet(trips: Iterable[Trajectory], out: str | Path | BinaryIO) -> None:
+def write_parquet(trips: Trajectory | Iterable[Trajectory], out: str | Path | BinaryIO) -> None:
     """Write trips as Parquet, float64, a row group a trip.
 
     Parameters
     ----------
     trips
-        Trips with different identifiers.
+        Trips with different identifiers, or one.
     out
         The file to write, which appears whole or not at all; or one open for writing bytes.
+
+    Raises
+    ------
+    TypeError
+        Where a trip is none.
     """
     schema: Any = pa.schema([(name, pa.string() if name == "trip" else pa.float64()) for name in _SCHEMA])
     with (
         _opened(out) as file,
         pq.ParquetWriter(file, schema, compression="zstd", write_page_checksum=True) as writer,
     ):
-        for trip in trips:
+        for trip in _several(trips):
             table: Any = _table(trip).to_arrow().cast(schema)
             writer.write_table(table)
+
+
+def _several(trips: Trajectory | Iterable[Trajectory]) -> Iterator[Trajectory]:
+    """Yield the trips one at a time."""
+    for trip in (trips,) if isinstance(trips, Trajectory) else trips:
+        require_type(
+            "trips", trip, Trajectory, remedy="modelcast.read_trips(...) gives those of files and frames"
+        )
+        yield trip
 
 
 def _opened(out: str | Path | BinaryIO) -> AbstractContextManager[BinaryIO]:

@@ -6,7 +6,7 @@ from pathlib import Path
 from rich.console import Group, RenderableType
 
 from modelcast.core.cells import Cells, markdown
-from modelcast.report.console import failures_table, warning_texts
+from modelcast.report.console import failures_table, left_out_text, skipped_lines, warning_texts
 from modelcast.report.console_table import console_table
 from modelcast.report.figures.comparison import plot_comparison, rival_rows_of, worst_rows
 from modelcast.report.figures.files import drawn, write_report_files
@@ -71,9 +71,10 @@ def comparison_markdown(result: ComparisonResult) -> str:
         lines += _full_table(result, protocol).markdown()
         lines += _reference_lines(result, protocol)
         lines += _rival_lines(result, protocol)
-    left_out = [f"- {markdown(name)}: {markdown(reason)}" for name, reason in sorted(result.failures.items())]
+    left_out = [*sorted(result.failures.items()), *sorted(result.skipped.items())]
     if left_out:
-        lines += ["", "Left out:", "", *left_out]
+        lines += ["", "Left out:", ""]
+        lines += [f"- {markdown(name)}: {markdown(reason)}" for name, reason in left_out]
     return "\n".join(lines) + "\n"
 
 
@@ -183,6 +184,7 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
             ]
             over = Cells([*heads, "trips over\nits bound"], rows, 1)
             parts.append(console_table(over, f"Over {result.rival}, {protocol}"))
+    parts += [literal(line) for line in skipped_lines(result.skipped)]
     if result.failures:
         parts.append(failures_table(result.failures))
     return Group(*parts)
@@ -217,6 +219,7 @@ def scope_line(result: ComparisonResult) -> str:
     return (
         f"{_counted(len(result.trips), 'trip')}, {hours:.2f} h, {_counted(len(result.routes), 'route')}; "
         f"{_counted(len(result.candidates), 'candidate')}, seed {result.settings.get('seed')}{decides}"
+        f"{left_out_text(result.failures, result.skipped)}"
     )
 
 

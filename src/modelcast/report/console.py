@@ -28,6 +28,7 @@ __all__ = [
     "conditioning_lines",
     "console_report",
     "failures_table",
+    "left_out_text",
     "rates_table",
     "scope_line",
     "skipped_lines",
@@ -63,7 +64,7 @@ def console_report(result: EvaluationResult) -> RenderableType:
     if result.tracking:
         parts.append(tracking_table(result))
     parts += [literal(line) for line in conditioning_lines(result)]
-    parts += [literal(line) for line in skipped_lines(result)]
+    parts += [literal(line) for line in skipped_lines(result.skipped)]
     if result.failures:
         parts.append(failures_table(result.failures))
     return Group(*parts)
@@ -113,18 +114,37 @@ def conditioning_lines(result: EvaluationResult) -> list[str]:
     return lines
 
 
-def skipped_lines(result: EvaluationResult) -> list[str]:
+def left_out_text(failures: Mapping[str, str], skipped: Mapping[str, str]) -> str:
+    """Return how many trips failed, and how many files and vehicles held none, as the end of a line.
+
+    Parameters
+    ----------
+    failures, skipped
+        Names with reasons.
+
+    Examples
+    --------
+    >>> left_out_text({"a": "too short"}, {"b.md": "no format", "c.md": "no format"})
+    ', 1 failed, 2 skipped'
+    """
+    counts = ((len(failures), "failed"), (len(skipped), "skipped"))
+    return "".join(f", {count} {word}" for count, word in counts if count)
+
+
+def skipped_lines(skipped: Mapping[str, str], *, rest: str = "summary.json") -> list[str]:
     """Return one line for each file and vehicle that held no trip; the first few.
 
     Parameters
     ----------
-    result
-        The evaluation.
+    skipped
+        Their names, with the reason.
+    rest
+        Where all are to be found.
     """
-    found = sorted(result.skipped.items())
+    found = sorted(skipped.items())
     lines = [f"no trip from {name}: {reason}" for name, reason in found[:_SHOWN_TRIPS]]
     if len(found) > _SHOWN_TRIPS:
-        lines.append(f"... nor from {len(found) - _SHOWN_TRIPS} more (summary.json)")
+        lines.append(f"... nor from {len(found) - _SHOWN_TRIPS} more ({rest})")
     return lines
 
 
@@ -132,8 +152,8 @@ def scope_line(result: EvaluationResult) -> str:
     """Return in one line how many trips of which kind were evaluated."""
     hours = sum(trip.duration_s for trip in result.trips) / 3600.0
     protocols = ", ".join(sorted({trip.protocol for trip in result.trips})) or "none"
-    failed = f", {len(result.failures)} failed" if result.failures else ""
-    return f"{_counted(len(result.trips), 'trip')}, {hours:.2f} h, protocol: {protocols}{failed}"
+    left_out = left_out_text(result.failures, result.skipped)
+    return f"{_counted(len(result.trips), 'trip')}, {hours:.2f} h, protocol: {protocols}{left_out}"
 
 
 def rates_table(result: EvaluationResult) -> Table:

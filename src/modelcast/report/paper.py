@@ -9,7 +9,7 @@ from rich.console import Group, RenderableType
 from modelcast.core.cells import Cells, escape, markdown, number
 from modelcast.core.version import package_version
 from modelcast.report.captions import captions
-from modelcast.report.console import scope_line, warning_texts
+from modelcast.report.console import failures_table, scope_line, skipped_lines, warning_texts
 from modelcast.report.console_table import console_table
 from modelcast.report.figures.distribution import plot_distribution
 from modelcast.report.figures.files import Drawing, drawn, write_report_files
@@ -316,4 +316,8 @@ def paper_console(result: PaperResult) -> RenderableType:
     heads = ("reading", "messages", f"p90, PER {100 * result.plan.headline_ratio:g} %")
     readings = console_table(Cells(heads, means, 1), "Over the baseline, mean of the thresholds")
     warned = warning_texts((trip.id, trip.warnings) for trip in result.evaluation.trips)
-    return Group(*warned, literal(scope_line(result.evaluation)), claims, readings)
+    parts = [*warned, literal(scope_line(result.evaluation)), claims, readings]
+    parts += [literal(line) for line in skipped_lines(result.skipped)]
+    if result.failures:
+        parts.append(failures_table(result.failures))
+    return Group(*parts)

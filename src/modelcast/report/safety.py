@@ -9,6 +9,7 @@ from rich.text import Text
 
 from modelcast.core.cells import Cells, escape, markdown
 from modelcast.report.beside import show_beside
+from modelcast.report.console import failures_table, skipped_lines
 from modelcast.report.figures.files import drawn, write_report_files
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
@@ -106,6 +107,9 @@ def safety_console(result: SafetyResult) -> RenderableType:
     shown: list[RenderableType] = [Text(f"At equal {basis}"), _lines(heads, (), widths)]
     for place, own in places.items():
         shown += [literal(place, style="bold"), _lines((), own, widths)]
+    shown += [literal(line) for line in skipped_lines(result.skipped)]
+    if result.failures:
+        shown.append(failures_table(result.failures))
     return Group(*(Text(line) for line in safety_headline(result)), *shown)
 
 
@@ -182,8 +186,8 @@ def write_safety_report(
         _cells(result).html(),
     ]
     if result.failures or result.skipped:
-        left = [[name, str(why)] for name, why in {**result.failures, **result.skipped}.items()]
-        body += ["<h2>Left out</h2>", Cells(["what", "why"], left).html()]
+        left_out = [*result.failures.items(), *result.skipped.items()]
+        body += ["<h2>Left out</h2>", Cells(["what", "why"], left_out).html()]
     body += [
         "<h2>Options</h2>",
         options_table(result.settings),

@@ -1,6 +1,6 @@
 """What an evaluation is asked to do."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, asdict, dataclass, field, replace
 from typing import Any, Literal, get_args
 
@@ -9,6 +9,7 @@ import numpy as np
 from modelcast.channel.base import AbstractChannel
 from modelcast.channel.erasure import GilbertElliott, IndependentErasure
 from modelcast.channel.recorded import RecordedLosses
+from modelcast.core.argument_types import require_type
 from modelcast.messages.airtime import Stack
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
@@ -26,6 +27,8 @@ from modelcast.study.rules import BASELINES, MODEL_SENDER
 from modelcast.world.sensors import SensorModel
 
 __all__ = ["EvaluationSettings"]
+
+_SEVERAL = "give several numbers, as (0.2, 0.5)"
 
 
 def _require_positive(name: str, value: float) -> None:
@@ -151,6 +154,9 @@ class EvaluationSettings:
     decided_by: str = ""
 
     def __post_init__(self) -> None:
+        require_type("bank", self.bank, Bank, remedy='give modelcast.bank_from_text("cv") or its like')
+        require_type("thresholds_m", self.thresholds_m, Sequence, remedy=_SEVERAL)
+        require_type("packet_error_ratios", self.packet_error_ratios, Sequence, remedy=_SEVERAL)
         if not self.thresholds_m:
             raise ValueError("at least one threshold is needed")
         for name, values in (

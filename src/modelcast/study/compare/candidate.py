@@ -4,6 +4,7 @@ import abc
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from modelcast.core.argument_types import require_type
 from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.station.policy.costs import CostTable
@@ -73,6 +74,9 @@ class FixedCandidate(AbstractCandidate):
     selector: Selector | None = None
     costs: CostTable | None = None
     trained_on: frozenset[str] | None = None
+
+    def __post_init__(self) -> None:
+        require_type("bank", self.bank, Bank, remedy='give modelcast.bank_from_text("cv") or its like')
 
     @property
     def name(self) -> str:

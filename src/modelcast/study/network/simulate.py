@@ -1,6 +1,6 @@
 """Fleets on a shared channel, for every scenario, radio and sender asked for: runs in, one result out."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from itertools import product
 from math import nan
@@ -31,7 +31,7 @@ from modelcast.world.scenario.motion import checked
 from modelcast.world.scenario.sensed import FleetSensor
 from modelcast.world.sensors import SensorModel
 
-__all__ = ["FleetRuns", "loop_seed", "simulate_fleets", "traffic_chance"]
+__all__ = ["FleetJob", "FleetRuns", "loop_seed", "run_fleet", "simulate_fleets", "traffic_chance"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,12 +103,61 @@ def loop_seed(seed: int, run: int) -> int:
     return int(child_generator(seed, run, "loop").integers(2**31))
 
 
+@dataclass(frozen=True, slots=True)
+class FleetJob:
+    """One run, as it is handed to a process.
+
+    Parameters
+    ----------
+    case
+        What it is called.
+    scenario, radio, sender
+        Its traffic, its channel, and what every vehicle sends.
+    runs
+        How long it lasts, and what is counted.
+    """
+
+    case: NetworkCase
+    scenario: AbstractScenario[Any]
+    radio: AbstractRadio[Any]
+    sender: Sender
+    runs: FleetRuns
+
+
+def run_fleet(job: FleetJob) -> CaseResult:
+    """Do one run and return its rows.
+
+    Parameters
+    ----------
+    job
+        Which.
+
+    Raises
+    ------
+    ValueError
+        Where vehicles do not fit on the road, or do not move as their columns say.
+    """
+    runs, case = job.runs, job.case
+    frames = run_scenario(job.scenario, traffic_chance(runs.seed, case.run), duration_s=runs.duration_s)
+    run = run_network(
+        checked(frames),
+        job.sender,
+        job.radio,
+        runs.settings,
+        seed=loop_seed(runs.seed, case.run),
+        sensor=FleetSensor(runs.sensor),
+        threads=runs.threads,
+    )
+    return measure(run, case, runs.settings, outcome_bin_m=job.radio.bin_m)
+
+
 def simulate_fleets(
     scenarios: Sequence[AbstractScenario[Any]],
     senders: Sequence[Sender],
     radios: Mapping[str, AbstractRadio[Any]],
     runs: FleetRuns,
     *,
+    each: Callable[[Callable[[FleetJob], CaseResult], Iterable[FleetJob]], Iterable[CaseResult]] = map,
     progress: Callable[[int, int], None] | None = None,
 ) -> NetworkResult:
     """Run every sender over every radio in every scenario, and pool the runs.
@@ -123,6 +172,9 @@ def simulate_fleets(
         Channels by name.
     runs
         How often, how long, and what is counted.
+    each
+        Applies a function to jobs and returns what it gave, in order: `map`, or one that shares the jobs out
+        among processes, as `concurrent.futures.ProcessPoolExecutor.map`; the result is the same.
     progress
         Called with runs done and runs to do.
 
@@ -159,18 +211,8 @@ def simulate_fleets(
             "threshold (dataclasses.replace gives a sender another name)"
         )
     results: list[CaseResult] = []
-    for case, (scenario, radio, sender) in cases.items():
-        frames = run_scenario(scenario, traffic_chance(runs.seed, case.run), duration_s=runs.duration_s)
-        run = run_network(
-            checked(frames),
-            sender,
-            radio,
-            runs.settings,
-            seed=loop_seed(runs.seed, case.run),
-            sensor=FleetSensor(runs.sensor),
-            threads=runs.threads,
-        )
-        results.append(measure(run, case, runs.settings, outcome_bin_m=radio.bin_m))
+    for result in each(run_fleet, [FleetJob(case, *what, runs) for case, what in cases.items()]):
+        results.append(result)
         if progress is not None:
             progress(len(results), wanted)
     return gather(results, [_sender_row(sender) for sender in senders if _bank(sender) != NO_BANK])

@@ -30,7 +30,7 @@ from modelcast.trips.manoeuvres.base import ManoeuvreCounts
 from modelcast.trips.manoeuvres.rank import count_manoeuvres, rank_trips
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["Job", "reproduce_paper", "run_job"]
+__all__ = ["Found", "Job", "reproduce_paper", "run_job"]
 
 Part = TypeVar("Part", ManoeuvreCounts, EvaluationResult, ReadingRows)
 Progress = Callable[[int, int], None]

@@ -270,5 +270,5 @@ class SafetyResult:
     counted: int
     positives: int
     failures: Mapping[str, str]
-    skipped: Mapping[str, Any]
+    skipped: Mapping[str, str]
     film: "EventFilm | None" = None

@@ -82,7 +82,7 @@ def pool_scores(
     seed: int,
     film: EventFilm | None,
     failures: Mapping[str, str] | None = None,
-    skipped: Mapping[str, Any] | None = None,
+    skipped: Mapping[str, str] | None = None,
 ) -> SafetyResult:
     """All scores as one result, pooled over the recordings.
 
