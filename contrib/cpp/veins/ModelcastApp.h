@@ -33,7 +33,7 @@ public:
 struct Outgoing {
     std::int64_t number;
     double send_s, power_dbm;
-    unsigned bits;
+    std::int64_t bits;
 };
 
 // The session that all applications of a simulation share. Positions of one instant come one vehicle after
