@@ -38,10 +38,13 @@ std::shared_ptr<Stations> Stations::shared(const std::string& socket, const Sett
 
 void Stations::tell(std::uint32_t vehicle, double east_m, double north_m, double speed_mps,
                     double heading_rad) {
-    next_.vehicle.push_back(vehicle);
-    next_.position_m.insert(next_.position_m.end(), {east_m, north_m});
-    next_.speed_mps.push_back(speed_mps);
-    next_.heading_rad.push_back(heading_rad);
+    const auto known = std::find(next_.vehicle.begin(), next_.vehicle.end(), vehicle);
+    const auto row = static_cast<std::size_t>(known - next_.vehicle.begin());
+    if (known == next_.vehicle.end()) next_.vehicle.push_back(vehicle);
+    next_.position_m.resize(2 * next_.vehicle.size());
+    next_.speed_mps.resize(next_.vehicle.size()), next_.heading_rad.resize(next_.vehicle.size());
+    next_.position_m[2 * row] = east_m, next_.position_m[2 * row + 1] = north_m;
+    next_.speed_mps[row] = speed_mps, next_.heading_rad[row] = heading_rad;
 }
 
 void Stations::heard(std::uint32_t vehicle, double t_s, std::int64_t number) {

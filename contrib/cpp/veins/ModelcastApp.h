@@ -43,6 +43,7 @@ public:
     Stations(const std::string& socket, const Settings& settings);
     static std::shared_ptr<Stations> shared(const std::string& socket, const Settings& settings);
 
+    // Where a vehicle is; a mobility module that signals twice at one instant is taken at its last word.
     void tell(std::uint32_t vehicle, double east_m, double north_m, double speed_mps, double heading_rad);
     void heard(std::uint32_t vehicle, double t_s, std::int64_t number);
     std::vector<Outgoing> act(std::uint32_t vehicle, double t_s);
