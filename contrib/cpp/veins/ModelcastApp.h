@@ -3,8 +3,9 @@
 //
 // Put it, ModelcastApp.cc, ModelcastApp.ned and modelcast_client.hpp into a Veins project, make it the
 // application of vehicles, and start `modelcast serve --socket modelcast.sock` before the simulation.
-// Written for the DemoBaseApplLayer of Veins 5. The channel counts as free: a sender that heeds its load, as
-// j2945, needs Mac1609_4's sigChannelBusy averaged into Step::busy_ratio.
+// Written for the DemoBaseApplLayer of Veins 5; docs/serve.md lists what was compared with its headers. The
+// channel counts as free: a sender that heeds its load, as j2945, needs Mac1609_4's sigChannelBusy averaged
+// into Step::busy_ratio.
 
 #pragma once
 
