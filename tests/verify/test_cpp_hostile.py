@@ -6,7 +6,7 @@ import socket
 import threading
 from collections.abc import Generator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -72,10 +72,15 @@ def packed(name: str) -> bytes:
     return step_protocol().pack(name, VALUES[name])
 
 
+def map_of(values: dict[str, Any]) -> bytes:
+    """A framed map of MessagePack."""
+    return framed(cast("bytes", msgpack.packb(values)))
+
+
 def changed(name: str, **values: Any) -> bytes:
     """An answer, framed, some of whose fields are others; None leaves one out."""
-    found = {**msgpack.unpackb(packed(name)), **values}
-    return framed(msgpack.packb({key: value for key, value in found.items() if value is not None}))
+    found = {**cast("dict[str, Any]", msgpack.unpackb(packed(name))), **values}
+    return map_of({key: value for key, value in found.items() if value is not None})
 
 
 def doubles(*values: float) -> bytes:
@@ -207,12 +212,10 @@ def test_a_server_that_is_silent_or_goes_is_given_up(program: Path, tmp_path: Pa
 
 def test_an_error_is_refused_and_ends_the_session_where_it_says_so(program: Path, tmp_path: Path) -> None:
     error = {"type": "error", "field": "t_s", "value": "0", "expected": "later", "text": "no"}
-    sessions = [
-        [framed(packed("welcome")), framed(msgpack.packb({**error, "ends": ends}))] for ends in (0, 1)
-    ]
+    sessions = [[framed(packed("welcome")), map_of({**error, "ends": ends})] for ends in (0, 1)]
     assert told(program, tmp_path / "s", sessions) == [WRONG + "ends is of another type"] * 2
     for one, ends in zip(sessions, (False, True), strict=True):
-        one[1] = framed(msgpack.packb({**error, "ends": ends}))
+        one[1] = map_of({**error, "ends": ends})
     assert told(program, tmp_path / "t", sessions) == ["refused: t_s, ends 0", "refused: t_s, ends 1"]
 
 
