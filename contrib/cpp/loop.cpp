@@ -71,9 +71,12 @@ int run(const char* path, std::size_t vehicles, double duration_s) {
     // What was sent in the last step has not been told to anybody: the map is that of the last step's time.
     const modelcast::Beliefs map = client.map(step.vehicle, step.t_s);
     for (std::size_t row = 0; row < map.host.size(); ++row) {
-        const double off_m = map.position_m[2 * row + 1] - step.position_m[2 * (map.vehicle[row] - 1) + 1];
+        // The client has looked at senders and hosts; a remote may be anybody who was heard.
+        const std::uint32_t remote = map.vehicle[row];
+        if (remote < 1 || remote > vehicles) throw modelcast::BadAnswer("vehicle", "is none of the loop's");
+        const double off_m = map.position_m[2 * row + 1] - step.position_m[2 * (remote - 1) + 1];
         std::printf("vehicle %u believes %u at north %.1f m, %.2f m off, %.1f m/s\n", map.host[row],
-                    map.vehicle[row], map.position_m[2 * row + 1], off_m, map.speed_mps[row]);
+                    remote, map.position_m[2 * row + 1], off_m, map.speed_mps[row]);
     }
     return 0;
 }

@@ -1,6 +1,7 @@
 """Claims about the C++ header that need no compiler: it speaks the protocol of the schema, and is short."""
 
 import re
+from math import prod
 from pathlib import Path
 
 import pytest
@@ -43,8 +44,14 @@ def test_its_structs_are_the_messages(struct: str, message: str) -> None:
                 "<i", "<std::i"
             )
     body = HEADER.split(f"struct {struct} {{")[1].split("\n};")[0]
-    for name in fields:
+    letters = [own[1] for own in (field.array() for field in fields.values()) if own is not None]
+    for name, field in fields.items():
+        own = field.array()
         assert f'"{name}", {name}' in body
+        if step_protocol().messages[message].origin == "server" and own is not None:
+            # As many numbers a row as the schema says; arrays of another length are read alone.
+            call, wide = "f" if own[1] == letters[0] else "f.alone", prod(own[2])
+            assert f'{call}("{name}", {name}{f", {wide}" if wide > 1 else ""})' in body
 
 
 def test_its_constants_are_those_of_the_protocol() -> None:

@@ -1,6 +1,8 @@
 """Claims about SUMO's configurations: what they name, what of their traffic is taken, and what is refused."""
 
 import importlib.util
+import re
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +12,23 @@ from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.core.kinds import SIZES_M, Kind
 from modelcast.io.sumo import run_sumo, survey_sumo
 from modelcast.io.sumo_config import SumoConfig, read_sumo_config
-from modelcast.io.sumo_roads import junction_input
+from modelcast.io.sumo_roads import junction_input, sumo_home
 from modelcast.world.scenario.base import STEP_S
 from modelcast.world.scenario.motion import checked
 
 INSTALLED = importlib.util.find_spec("libsumo") is not None and importlib.util.find_spec("sumo") is not None
 needs_sumo = pytest.mark.skipif(not INSTALLED, reason="needs SUMO: pip install 'modelcast[sumo]'")
+
+NOT_WRITTEN = frozenset(
+    {
+        *("configuration-file", "net-file", "route-files", "additional-files", "weight-files", "load-state"),
+        *("fcd-output.filter-edges.input-file", "device.ssm.filter-edges.input-file", "phemlight-path"),
+        *("astar.all-distances", "astar.landmark-distances", "device.fcd-replay.files"),
+        *("gui-settings-file", "edgedata-files", "alternative-net-file", "selection-file"),
+        *("save-state.prefix", "save-state.files", "gui-testing.setting-output"),
+    }
+)
+"""Files that SUMO reads; saved states, which its prefix takes away; what its window alone knows."""
 
 USERS = """<routes>
 <vType id="lorry" vClass="truck" length="12" width="2.5"/>
@@ -116,6 +129,89 @@ def test_frames_end_where_the_configuration_does(tmp_path: Path) -> None:
     assert later[-1].t_s == pytest.approx(2.0)
     with pytest.raises(ConfigError, match="nobody is on the roads"):
         survey_sumo(source, duration_s=5.0, warm_up_s=20.0)
+
+
+WRITTEN = """<additional>
+<edgeData id="e" file="sub/edges.xml"/>
+<inductionLoop id="d" lane="inE_0" pos="10" period="2" file="loops.xml"/>
+</additional>
+"""
+
+OUTPUTS = (
+    *("tripinfo", "summary", "vehroutes", "ndump", "fcd-output", "full-output", "l", "error-log"),
+    *("edgedata-output", "device.rerouting.output"),
+)
+"""Names of outputs, old and short ones too."""
+
+
+@needs_sumo
+def test_nothing_is_written_beside_the_files_of_a_configuration(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mine, elsewhere = tmp_path / "mine", tmp_path / "elsewhere"
+    for folder in (mine / "sub", elsewhere):
+        folder.mkdir(parents=True)
+    monkeypatch.chdir(elsewhere)
+    own = '<vType id="lorry" vClass="truck"><param key="device.ssm.file" value="ssm.xml"/></vType>'
+    users = USERS.replace('<vType id="lorry" vClass="truck" length="12" width="2.5"/>', own)
+    named = "".join(f'<{name} value="{name}.xml"/>' for name in OUTPUTS)
+    source = configured(
+        mine,
+        users=users,
+        options=f'<o>{named}<save-state.period value="2"/><output-prefix value="mine-"/>'
+        '<device.ssm.probability value="1"/><device.rerouting.probability value="1"/>'
+        '<additional-files value="more.add.xml"/></o>',
+    )
+    assert set(source.outputs) == set(OUTPUTS)
+    (mine / "more.add.xml").write_text(WRITTEN, encoding="utf-8")
+    for name in ("sub/edges.xml", "loops.xml", "tripinfo.xml", "mine-tripinfo.xml"):
+        (mine / name).write_text("of the user", encoding="utf-8")
+
+    def contents() -> dict[Path, bytes]:
+        return {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+
+    before = contents()
+    found = survey_sumo(source, duration_s=8.0)
+    assert len(list(run_sumo(source, slots=found.most, duration_s=8.0))) == 80
+    assert contents() == before
+    source.path.write_text(source.path.read_text("utf-8").replace("users.rou", "none.rou"), encoding="utf-8")
+    before = contents()
+    with pytest.raises(ConfigError, match=r"none\.rou"):
+        survey_sumo(source, duration_s=8.0)
+    assert contents() == before
+
+
+@pytest.mark.parametrize("name", ["save-configuration", "save-config", "C", "save-template", "save-schema"])
+def test_what_ends_sumo_at_once_is_refused(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.sumocfg"
+    path.write_text(
+        f'<configuration><n value="n.xml"/><{name} value="o.xml"/></configuration>', encoding="utf-8"
+    )
+    with pytest.raises(ConfigError, match=rf"a\.sumocfg: {name} \(o\.xml\) makes SUMO write its settings"):
+        read_sumo_config(path)
+
+
+@needs_sumo
+def test_every_option_of_sumo_that_names_a_file_is_read_or_written(tmp_path: Path) -> None:
+    """SUMO's own list of options, with their other names."""
+    listed = tmp_path / "options.xml"
+    words = [str(sumo_home() / "bin" / "sumo"), "--save-template", str(listed), "--save-template.commented"]
+    subprocess.run(words, check=True, capture_output=True)  # noqa: S603 - SUMO's own program
+    files = re.findall(
+        r'<(\S+) value="[^"]*" (?:synonymes="([^"]*)" )?(?:deprecated="[^"]*" )?type="FILE"',
+        listed.read_text(encoding="utf-8"),
+    )
+    assert len(files) > 50
+    names = {name for own, others in files if own not in NOT_WRITTEN for name in (own, *others.split())}
+    path = tmp_path / "a.sumocfg"
+    for name in sorted(names):
+        path.write_text(
+            f'<configuration><n value="n.xml"/><{name} value="o.xml"/></configuration>', encoding="utf-8"
+        )
+        try:
+            assert read_sumo_config(path).outputs == (name,)
+        except ConfigError as error:
+            assert "makes SUMO write its settings" in str(error)  # noqa: PT017 - one of the two
 
 
 @needs_sumo

@@ -1,6 +1,5 @@
 """Claims about the C++ header: it compiles without a warning, and what it drives is what Python drives."""
 
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -12,32 +11,9 @@ from modelcast.core.geodesy import Origin
 from modelcast.station.station import Station
 
 from ..convoy import Convoy  # noqa: TID252 - tests are no package
+from .cpp_build import CPP, TRIED, built, needs_compiler, output, ran
 
-ROOT = Path(__file__).parents[2]
-CPP, TRIED = ROOT / "contrib" / "cpp", Path(__file__).parent / "cpp"
-FLAGS = ("-std=c++17", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
-COMPILER = shutil.which("g++")
-
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(COMPILER is None, reason="needs g++, the GNU compiler of C++"),
-    pytest.mark.skipif(sys.platform == "win32", reason="the header uses POSIX sockets"),
-]
-
-
-def built(out: Path, *sources: Path, include: tuple[Path, ...] = (CPP,)) -> Path:
-    words = [str(COMPILER), *FLAGS, *(f"-I{one}" for one in include), *map(str, sources), "-o", str(out)]
-    made = subprocess.run(words, capture_output=True, text=True, check=False)  # noqa: S603 - our own sources
-    assert made.returncode == 0, made.stderr
-    return out
-
-
-def output(*words: object, given: str = "") -> str:
-    ran = subprocess.run(  # noqa: S603 - what was built above
-        [str(one) for one in words], capture_output=True, text=True, check=False, input=given, timeout=120.0
-    )
-    assert ran.returncode == 0, ran.stderr
-    return ran.stdout
+pytestmark = needs_compiler
 
 
 @pytest.fixture(name="socket")
@@ -94,8 +70,8 @@ def test_the_loop_prints_what_each_heard_and_a_map_that_holds(socket: Path, tmp_
 
 def test_the_loop_says_what_is_wrong(tmp_path: Path) -> None:
     program = built(tmp_path / "loop", CPP / "loop.cpp")
-    ran = subprocess.run([program, tmp_path / "none", "4", "1"], capture_output=True, text=True, check=False)  # noqa: S603 - what was built above
-    assert (ran.returncode, ran.stderr) == (
+    done = ran(program, tmp_path / "none", 4, 1)
+    assert (done.returncode, done.stderr) == (
         1, f"cannot reach the server at {tmp_path / 'none'}: No such file or directory\n",
     )  # fmt: skip
 

@@ -17,6 +17,8 @@ namespace {
 
 constexpr double kStanding_mps = 0.1;  // below, the course says nothing and the last heading holds
 constexpr short kLast = 1000;          // scheduling priority: after whatever else happens at the instant
+constexpr double kFarthest_s = 60.0;   // between a step and what is sent because of it
+constexpr double kStrongest_dBm = 100.0;
 
 double milliwatts(double power_dbm) {
     return std::pow(10.0, power_dbm / 10.0);
@@ -36,10 +38,13 @@ std::shared_ptr<Stations> Stations::shared(const std::string& socket, const Sett
 
 void Stations::tell(std::uint32_t vehicle, double east_m, double north_m, double speed_mps,
                     double heading_rad) {
-    next_.vehicle.push_back(vehicle);
-    next_.position_m.insert(next_.position_m.end(), {east_m, north_m});
-    next_.speed_mps.push_back(speed_mps);
-    next_.heading_rad.push_back(heading_rad);
+    const auto known = std::find(next_.vehicle.begin(), next_.vehicle.end(), vehicle);
+    const auto row = static_cast<std::size_t>(known - next_.vehicle.begin());
+    if (known == next_.vehicle.end()) next_.vehicle.push_back(vehicle);
+    next_.position_m.resize(2 * next_.vehicle.size());
+    next_.speed_mps.resize(next_.vehicle.size()), next_.heading_rad.resize(next_.vehicle.size());
+    next_.position_m[2 * row] = east_m, next_.position_m[2 * row + 1] = north_m;
+    next_.speed_mps[row] = speed_mps, next_.heading_rad[row] = heading_rad;
 }
 
 void Stations::heard(std::uint32_t vehicle, double t_s, std::int64_t number) {
@@ -61,9 +66,14 @@ void Stations::take_step(double t_s) {
     there_ = std::set<std::uint32_t>(next_.vehicle.begin(), next_.vehicle.end());
     next_ = Step();
     outgoing_.clear();
-    for (std::size_t row = 0; row < sent.message.size(); ++row)
-        outgoing_[sent.vehicle[row]].push_back(
-            {sent.message[row], sent.send_s[row], sent.power_dbm[row], 8 * sent.frame_bytes[row]});
+    // The client has looked at lengths and senders. Times and powers go into the simulator's own arithmetic.
+    for (std::size_t row = 0; row < sent.message.size(); ++row) {
+        const double send_s = sent.send_s[row], power_dbm = sent.power_dbm[row];
+        if (!(std::abs(send_s - t_s) <= kFarthest_s)) throw BadAnswer("send_s", "is not near the step's time");
+        if (!(std::abs(power_dbm) <= kStrongest_dBm)) throw BadAnswer("power_dbm", "is no power of a radio");
+        const std::int64_t bits = 8 * std::int64_t{sent.frame_bytes[row]};
+        outgoing_[sent.vehicle[row]].push_back({sent.message[row], send_s, power_dbm, bits});
+    }
 }
 
 void ModelcastApp::initialize(int stage) {

@@ -3,8 +3,9 @@
 //
 // Put it, ModelcastApp.cc, ModelcastApp.ned and modelcast_client.hpp into a Veins project, make it the
 // application of vehicles, and start `modelcast serve --socket modelcast.sock` before the simulation.
-// Written for the DemoBaseApplLayer of Veins 5. The channel counts as free: a sender that heeds its load, as
-// j2945, needs Mac1609_4's sigChannelBusy averaged into Step::busy_ratio.
+// Written for the DemoBaseApplLayer of Veins 5; docs/serve.md lists what was compared with its headers. The
+// channel counts as free: a sender that heeds its load, as j2945, needs Mac1609_4's sigChannelBusy averaged
+// into Step::busy_ratio.
 
 #pragma once
 
@@ -33,7 +34,7 @@ public:
 struct Outgoing {
     std::int64_t number;
     double send_s, power_dbm;
-    unsigned bits;
+    std::int64_t bits;
 };
 
 // The session that all applications of a simulation share. Positions of one instant come one vehicle after
@@ -43,6 +44,7 @@ public:
     Stations(const std::string& socket, const Settings& settings);
     static std::shared_ptr<Stations> shared(const std::string& socket, const Settings& settings);
 
+    // Where a vehicle is; a mobility module that signals twice at one instant is taken at its last word.
     void tell(std::uint32_t vehicle, double east_m, double north_m, double speed_mps, double heading_rad);
     void heard(std::uint32_t vehicle, double t_s, std::int64_t number);
     std::vector<Outgoing> act(std::uint32_t vehicle, double t_s);

@@ -5,7 +5,9 @@ Needs the extra ``sumo`` (eclipse-sumo and libsumo). What runs is a network and 
 
 In traffic of ours vehicles follow by EIDM, because SUMO's default (Krauss) jerks, and move sideways in the
 sublane model with a resolution of 0.8 m, because a change of lane is a jump or a kink otherwise. A
-configuration is run as it is, with its own step, begin and end; only its seed and its outputs are ours.
+configuration is run as it is, with its own step, begin and end; only its seed and its outputs are ours:
+what it asks for by options is not written, and what its other files ask for (detectors, mean data, devices)
+goes into a folder that is removed.
 SUMO's x and y are the middle of the front bumper; frames hold the middles of vehicles. One simulation runs in
 a process at a time.
 """
@@ -42,6 +44,13 @@ __all__ = ["SumoSurvey", "require_sumo", "run_sumo", "survey_sumo"]
 _LATERAL_M = 0.8
 _SLACK_S = 1e-6
 _WARNINGS_TOLD = 5
+_ERROR_LOG, _ERRORS = "error-log", "modelcast-errors.txt"
+_UPWARDS = 64
+"""More folders than any file lies deep: so many steps up lead to the root."""
+
+
+_At = tuple[RoadUsers, float]
+"""Who is there at one of SUMO's steps, and how long those are [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,10 +89,12 @@ def survey_sumo(
     library = _library()
     users = Users(library, people=people)
     with tempfile.TemporaryDirectory(prefix="modelcast-") as folder:
-        log = Path(folder) / "sumo.txt"
-        steps = _run(library, users, source, duration_s=duration_s, seed=seed, warm_up_s=warm_up_s, log=log)
+        apart = Path(folder)
+        steps = _run(
+            library, users, source, duration_s=duration_s, seed=seed, warm_up_s=warm_up_s, apart=apart
+        )
         step_s = [step_s for _, step_s in steps][-1:]
-        warnings = list(_warnings(log))
+        warnings = list(_warnings(apart / _ERRORS))
     counts = users.counts
     if not counts.names:
         skipped = counts.tally.reading(counts.rows, 0).skipped
@@ -176,7 +187,7 @@ def run_sumo(
     """
     library = _library()
     users = Users(library, people=people)
-    steps = _run(library, users, source, duration_s=duration_s, seed=seed, warm_up_s=warm_up_s)
+    steps = _run_apart(library, users, source, duration_s=duration_s, seed=seed, warm_up_s=warm_up_s)
     frames = resampled(completed(_frames(steps, slots, kinds=isinstance(source, SumoConfig))))
     return takewhile(lambda frame: frame.t_s < duration_s - _SLACK_S, frames)
 
@@ -203,7 +214,7 @@ def _library() -> Any:
         raise MissingExtraError("Traffic by SUMO", "sumo") from error
 
 
-def _frames(steps: Iterator[tuple[RoadUsers, float]], slots: int, *, kinds: bool) -> Iterator[FleetFrame]:
+def _frames(steps: Iterator[_At], slots: int, *, kinds: bool) -> Iterator[FleetFrame]:
     """Yield frames at SUMO's own steps, the first at t = 0."""
     seats = FleetSlots(slots)
     start_s = inf
@@ -219,6 +230,12 @@ def _frames(steps: Iterator[tuple[RoadUsers, float]], slots: int, *, kinds: bool
         yield frame
 
 
+def _run_apart(library: Any, users: Users, source: SumoInput | SumoConfig, **settings: Any) -> Iterator[_At]:
+    """Yield what `_run` yields; what SUMO writes goes into a folder of this run, which is removed."""
+    with tempfile.TemporaryDirectory(prefix="modelcast-") as folder:
+        yield from _run(library, users, source, apart=Path(folder), **settings)
+
+
 def _run(
     library: Any,
     users: Users,
@@ -227,12 +244,17 @@ def _run(
     duration_s: float,
     seed: int,
     warm_up_s: float,
-    log: Path | None = None,
-) -> Iterator[tuple[RoadUsers, float]]:
-    """Yield who is on the roads at every step after the warm-up, and SUMO's step [s]."""
+    apart: Path,
+) -> Iterator[_At]:
+    """Yield who is on the roads at every step after the warm-up, and SUMO's step [s].
+
+    SUMO puts its prefix of outputs before the last part of a name: one that leads up to the root and down
+    into another folder takes there whatever is asked for, wherever that was to be.
+    """
+    there = apart.resolve()
+    away = f"{'../' * _UPWARDS}{there.relative_to(there.anchor).as_posix()}/"
     arguments = [*_arguments(source), "--seed", str(seed), "--no-step-log", "true", "--no-warnings", "true"]
-    if log is not None:
-        arguments += ["--error-log", str(log)]
+    arguments += ["--output-prefix", away, f"--{_ERROR_LOG}", str(apart / _ERRORS)]
     with _running(library, source, arguments):
         step_s = float(library.simulation.getDeltaT())
         until_s = float(library.simulation.getEndTime())
@@ -274,7 +296,8 @@ def _arguments(source: SumoInput | SumoConfig) -> Iterator[str]:
     if isinstance(source, SumoConfig):
         yield from ("-c", str(source.path), "--random", "false", "--duration-log.disable", "true")
         for option in source.outputs:
-            yield from (f"--{option}", os.devnull)
+            if option != _ERROR_LOG:
+                yield from (f"--{option}", os.devnull)
         return
     yield from (
         "-n", str(source.network), "-r", str(source.routes), "--step-length", str(STEP_S),

@@ -24,7 +24,18 @@ _READ = frozenset(
         *("weight-files", "weights", "load-state"),
     }
 )
-_LOGS = frozenset({"log", "log-file", "message-log", "error-log"})
+_WRITTEN = frozenset(
+    {
+        *("netstate-dump", "ndump", "netstate", "summary", "tripinfo", "personinfo", "vehroutes"),
+        *("personroutes", "person-fcd", "log", "log-file", "l", "message-log", "error-log"),
+        *("device.rerouting.output", "device.taxi.idle-algorithm.output"),
+        *("device.taxi.dispatch-algorithm.output", "pedestrian.jupedsim.wkt", "pedestrian.jupedsim.py"),
+    }
+)
+"""Options of SUMO 1.28 by which one file is written, under all names, beside those that end in -output."""
+
+_ENDS_AT_ONCE = frozenset({"save-configuration", "save-config", "C", "save-template", "save-schema"})
+"""Options by which SUMO writes its own settings and ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,14 +69,19 @@ def read_sumo_config(path: str | Path) -> SumoConfig:
     Raises
     ------
     ConfigError
-        Where the file cannot be read.
+        Where the file cannot be read, names no network, or tells SUMO to write its settings and end.
     DataFormatError
         Where it is no configuration of SUMO, with file and line.
     """
     at = Path(path)
     options = dict(_options(at))
     inputs = [at.parent / name for key, value in options.items() if key in _READ for name in _names(value)]
-    outputs = [key for key in options if key.endswith("-output") or key in _LOGS]
+    outputs = [key for key in options if key.endswith("-output") or key in _WRITTEN]
+    ending = sorted(_ENDS_AT_ONCE & options.keys())
+    if ending:
+        raise ConfigError(
+            f"{at}: {ending[0]} ({options[ending[0]]}) makes SUMO write its settings and end: leave it out"
+        )
     return SumoConfig(at, inputs=tuple(inputs), outputs=tuple(outputs))
 
 

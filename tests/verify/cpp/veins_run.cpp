@@ -56,13 +56,15 @@ int main(int, char** arguments) {
     }
     const int steps = static_cast<int>(std::lround(duration_s / kStep_s));
     for (int step = 0; step < steps; ++step) {
-        // As TraCI: all positions within one event.
+        // As TraCI: all positions within one event. A mobility module may signal twice; its last word counts.
         omnetpp::simulation().at(kStep_s * step, 0, [&vehicles] {
             const double t_s = omnetpp::simTime().dbl();
             for (int one = 0; one < kVehicles; ++one) {
                 veins::Mobility& own = vehicles[one]->mobility;
                 const double omega = 0.2, radius_m = 60.0 + 5.0 * one;
                 const double cosine = std::cos(omega * t_s), sine = std::sin(omega * t_s);
+                own.position = {1000.0, 1000.0, 0.0};
+                vehicles[one]->app.moved(own);
                 own.position = {radius_m * cosine, radius_m * sine, 0.0};
                 own.speed = {-radius_m * omega * sine, radius_m * omega * cosine, 0.0};
                 vehicles[one]->app.moved(own);
