@@ -218,7 +218,22 @@ class AbstractNumpySubModel(AbstractSubModel):
         dt_s
             Sampling interval [s].
         """
-        return _row_dependence(made_functions(self, dt_s).calls[0].function)
+        return self._row_dependence(made_functions(self, dt_s).calls[0].function)
+
+    @staticmethod
+    @functools.lru_cache(maxsize=64)
+    def _row_dependence(fit: PythonFunction) -> tuple[str, ...]:
+        """What `row_dependence` says, looked at once for functions that are the same."""
+        one: _OneRow = cast("Any", fit.body).__self__
+        found = one.model._dependent(one.dt_s)  # noqa: SLF001 - of this class
+        if found:
+            warnings.warn(
+                f"The rows of {' and '.join(found)} of the sub-model {one.model.name} change one another: it "
+                "is called row by row everywhere, which takes longer.",
+                ModelcastWarning,
+                stacklevel=3,
+            )
+        return found
 
     def _each(
         self, function: Callable[[IntArray], FloatArray], count: int, wide: tuple[int, ...], dt_s: float
@@ -359,18 +374,3 @@ class _OneRow:
         """Carry state, from ``column`` on, to a sample (C,); none before (0, 0) is a start."""
         states = before[:, int(column) : int(column) + out.size] if before.size else None
         out[:] = self.model.observed(states, sample[None, :SAMPLE_COLUMNS], self.dt_s)[0]
-
-
-@functools.lru_cache(maxsize=64)
-def _row_dependence(fit: PythonFunction) -> tuple[str, ...]:
-    """What `AbstractNumpySubModel.row_dependence` says, looked at once for functions that are the same."""
-    one: _OneRow = cast("Any", fit.body).__self__
-    found = one.model._dependent(one.dt_s)  # noqa: SLF001 - of this module
-    if found:
-        warnings.warn(
-            f"The rows of {' and '.join(found)} of the sub-model {one.model.name} change one another: it "
-            "is called row by row everywhere, which takes longer.",
-            ModelcastWarning,
-            stacklevel=3,
-        )
-    return found

@@ -195,7 +195,7 @@ def _changed(one: Any, other: Any, path: str) -> str:
     if type(one) is not type(other):
         return f"{path} is {shown(one)} ({type(one).__name__}) and would come back as {type(other).__name__}"
     if isinstance(one, np.ndarray):
-        return _changed_array(one, other, path)
+        return _changed_array(cast("NDArray[Any]", one), other, path)
     parts: list[tuple[str, Any, Any]] = []
     if isinstance(one, tuple | Mapping) and len(cast("Any", one)) != len(other):
         return f"{path} would come back with {len(other)} parts, not {len(cast('Any', one))}"
@@ -213,7 +213,7 @@ def _changed(one: Any, other: Any, path: str) -> str:
         parts = [(f"{path}.{name}", getattr(one, name), getattr(other, name)) for name in names]
     elif one != other:
         return f"{path} is {shown(one)} and would come back as {shown(other)}"
-    return next((found for found in (_changed(*pair, where) for where, *pair in parts) if found), "")
+    return next(filter(None, (_changed(own, back, where) for where, own, back in parts)), "")
 
 
 def _changed_array(one: NDArray[Any], other: FloatArray, path: str) -> str:

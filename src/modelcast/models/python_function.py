@@ -98,7 +98,7 @@ class PythonFunction:
     body: Callable[[FloatArray, FloatArray, float, FloatArray], None] = field(compare=False)
     _key: bytes = field(init=False, repr=False)
     _named: tuple[object, ...] = field(init=False, repr=False, compare=False)
-    _native: Any = field(default=None, init=False, repr=False, compare=False)
+    _native: Any = field(default=0, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         content = io.BytesIO()
@@ -128,10 +128,11 @@ class PythonFunction:
     def address(self) -> int:
         """Where compiled loops of this process find it, as long as it lives (`keeping`)."""
         with _making:
-            if self._native is None:
+            if not self._native:
                 made = _Native(functools.partial(_called, self.body)) if COMPILES else plain_number(self)
                 object.__setattr__(self, "_native", made)
-        return int(ctypes.cast(self._native, ctypes.c_void_p).value or 0) if COMPILES else self._native
+        native: Any = self._native
+        return int(ctypes.cast(native, ctypes.c_void_p).value or 0) if COMPILES else native
 
 
 def keeping(numbers: FloatArray, functions: tuple[object, ...]) -> FloatArray:

@@ -215,11 +215,13 @@ class Decisions:
         """
         rows, members = inputs.available.shape
         for name, wanted in _DECIDED.items():
-            given = getattr(self, name)
-            if not isinstance(given, np.ndarray) or given.shape != (rows,):
-                raise ValueError(f"{name} must be an array of shape {(rows,)}, got {np.shape(given)}")
-            if not np.can_cast(cast("FloatArray", given).dtype, wanted, "same_kind"):
-                raise ValueError(f"{name} must be an array of {wanted.__name__}, got {given.dtype}")
+            given: Any = getattr(self, name)
+            shape = np.shape(given)
+            if not isinstance(given, np.ndarray) or shape != (rows,):
+                raise ValueError(f"{name} must be an array of shape {(rows,)}, got {shape}")
+            found = cast("FloatArray", given).dtype
+            if not np.can_cast(found, wanted, "same_kind"):
+                raise ValueError(f"{name} must be an array of {wanted.__name__}, got {found}")
         allowed = (MessageKind.NOTHING, MessageKind.UPDATE, MessageKind.KEEP_ALIVE)
         _refuse(~np.isin(self.kind, allowed), "kind", self.kind, "nothing, an update or a keep-alive")
         sends = self.kind != MessageKind.NOTHING
