@@ -1,7 +1,7 @@
 """Applications whose rule is compiled: motions and warnings as kernels take them."""
 
 import abc
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -57,4 +57,5 @@ def reals(settings: Settings) -> Settings:
     settings
         A named tuple of numbers.
     """
-    return cast("Settings", type(settings)(*map(float, settings)))
+    made: Any = type(settings)
+    return cast("Settings", made(*map(float, settings)))
