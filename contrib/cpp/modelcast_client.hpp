@@ -289,7 +289,7 @@ public:
         return Client(reinterpret_cast<const sockaddr*>(&place), sizeof place, "port " + std::to_string(port),
                       settings, silence_s);
     }
-    Client(Client&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+    Client(Client&& other) noexcept : socket_(std::exchange(other.socket_, -1)) { why_.swap(other.why_); }
     ~Client() { end(); }
 
     Sent step(const Step& step) {

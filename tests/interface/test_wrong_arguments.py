@@ -115,6 +115,12 @@ def test_an_iterator_is_several_and_nothing_is_none() -> None:
     require_type("seeds", True, int)
 
 
+@pytest.mark.parametrize("name", ["thresholds_m", "packet_error_ratios"])
+def test_a_text_is_no_sequence_of_numbers(name: str) -> None:
+    with pytest.raises(TypeError, match=rf"{name} must be of Sequence, not str: give several numbers"):
+        modelcast.EvaluationSettings(**{name: "0.5"})
+
+
 @pytest.mark.parametrize("write", [modelcast.write_csv, modelcast.write_parquet])
 def test_one_trip_is_written_as_a_list_of_one_and_a_frame_is_refused(write: Any, tmp_path: Path) -> None:
     (trip,) = modelcast.read_trips(FRAME)

@@ -75,6 +75,18 @@ def test_a_configuration_names_its_files_beside_itself_and_its_outputs(tmp_path:
 
 
 @pytest.mark.parametrize(
+    "name", ["w", "weight-files", "load-state", "device.fcd-replay.files", "astar.all-distances", "net", "r"]
+)
+def test_what_changes_the_traffic_is_an_input(name: str, tmp_path: Path) -> None:
+    """Runs are taken up again only with the same inputs."""
+    path = tmp_path / "a.sumocfg"
+    path.write_text(
+        f'<configuration><n value="n.xml"/><{name} value="i.xml"/></configuration>', encoding="utf-8"
+    )
+    assert read_sumo_config(path).inputs == (tmp_path / "n.xml", tmp_path / "i.xml")
+
+
+@pytest.mark.parametrize(
     ("text", "told"),
     [
         ("<configuration><input>", "row 1: is not well-formed"),

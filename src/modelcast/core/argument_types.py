@@ -9,7 +9,7 @@ Item = TypeVar("Item")
 
 
 def require_type(name: str, given: object, kind: type[Any], *, remedy: str = "") -> None:
-    """Refuse an argument of another type.
+    """Refuse an argument of another type; a text is no sequence of numbers.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def require_type(name: str, given: object, kind: type[Any], *, remedy: str = "")
     Traceback (most recent call last):
     TypeError: seeds must be of int, not float: give a whole number
     """
-    if not isinstance(given, kind):
+    if not isinstance(given, kind) or (kind is not str and isinstance(given, str)):
         told = f": {remedy}" if remedy else ""
         raise TypeError(f"{name} must be of {kind.__name__}, not {type(given).__name__}{told}")
 

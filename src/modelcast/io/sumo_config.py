@@ -21,7 +21,8 @@ SUMO_CONFIG = ".sumocfg"
 _READ = frozenset(
     {
         *("net-file", "net", "n", "route-files", "routes", "r", "additional-files", "additional", "a"),
-        *("weight-files", "weights", "load-state"),
+        *("weight-files", "weights", "w", "load-state", "device.fcd-replay.file", "device.fcd-replay.files"),
+        *("astar.all-distances", "astar.landmark-distances"),
     }
 )
 _WRITTEN = frozenset(

@@ -79,6 +79,46 @@ def test_what_is_no_answer_to_the_request_ends_the_session(told: str, tmp_path: 
                 call()
 
 
+def changed(**values: object) -> Callable[[bytes], bytes]:
+    """What changes fields of an answer, and leaves it a message."""
+
+    def change(answer: bytes) -> bytes:
+        name, told = SPOKEN.unpack(answer, "server")
+        return framed(SPOKEN.pack(name, told | values))
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"vehicle": np.array([77])}, "vehicle names who is not there"),
+        ({"length": np.array([1])}, "length does not add up"),
+        ({"receipt": np.zeros(2)}, "receipt is not one for each reception"),
+    ],
+)
+def test_a_message_that_does_not_fit_the_request_ends_the_session(
+    change: dict[str, object], told: str, tmp_path: Path
+) -> None:
+    with (
+        answered(tmp_path / "s", changed(**change)) as path,
+        StepClient(SETTINGS, path=path, timeout_s=30.0) as client,
+        pytest.raises(ConnectionAbortedError, match=f"no answer: {told}"),
+    ):
+        client.step(HERE)
+
+
+def test_no_number_is_wrapped_on_its_way_to_the_server(tmp_path: Path) -> None:
+    with (
+        answered(tmp_path / "s", framed) as path,
+        StepClient(SETTINGS, path=path, timeout_s=30.0) as client,
+    ):
+        client.step(HERE)
+        with pytest.raises(FieldError, match=r"host must be within 0 to 4294967295, got -1"):
+            client.believe(np.array([-1]), 0.0)
+        assert client.believe(np.array([1]), 0.0).host.size == 0
+
+
 def test_after_a_time_out_no_late_answer_is_taken_for_another(tmp_path: Path) -> None:
     """A second is enough for a welcome that needs nothing more to be loaded."""
     late = threading.Event()

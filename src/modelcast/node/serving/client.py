@@ -1,9 +1,11 @@
 """A client of the step protocol: the session of `modelcast serve` as if it were in this process."""
 
 import socket
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, Self, final
+
+import numpy as np
 
 from modelcast.core.arrays import IntArray
 from modelcast.node.serving.framing import LENGTH_BYTES, framed, length_of
@@ -67,7 +69,7 @@ class StepClient:
             self._socket.settimeout(timeout_s)
             self._socket.connect(place)
             hello = {"protocol": self._spoken.protocol, **named_values(settings)}
-            self.server_version: str = self._ask("hello", hello)["version"]
+            self.server_version: str = self._ask("hello", hello, self._is_spoken)["version"]
             """Of modelcast at the other end."""
         except BaseException:
             self.close()
@@ -90,7 +92,14 @@ class StepClient:
         TimeoutError
             Where no answer came in time; the session has ended.
         """
-        return Sent(**self._ask("step", named_values(step)))
+
+        def fits(sent: dict[str, Any]) -> None:
+            _require("vehicle", np.isin(sent["vehicle"], step.vehicle).all(), "names who is not there")
+            _require("length", sent["length"].sum() == len(sent["octets"]), "does not add up to the octets")
+            _require("receipt", sent["receipt"].size == received, "is not one for each reception")
+
+        received = 0 if step.receiver is None else len(step.receiver)
+        return Sent(**self._ask("step", named_values(step), fits))
 
     def believe(self, hosts: IntArray, t_s: float) -> HostBeliefs:
         """What hosts believe of all their remotes.
@@ -105,7 +114,11 @@ class StepClient:
         FieldError, ConnectionError, TimeoutError
             As for `step`.
         """
-        return HostBeliefs(**self._ask("map", {"host": hosts, "t_s": float(t_s)}))
+
+        def fits(beliefs: dict[str, Any]) -> None:
+            _require("host", np.isin(beliefs["host"], hosts).all(), "names who was not asked for")
+
+        return HostBeliefs(**self._ask("map", {"host": hosts, "t_s": float(t_s)}, fits))
 
     def warnings(self, hosts: IntArray, applications: Sequence[str]) -> HostWarnings:
         """What safety applications say to hosts at the newest step.
@@ -120,7 +133,14 @@ class StepClient:
         FieldError, ConnectionError, TimeoutError
             As for `step`.
         """
-        return HostWarnings(**self._ask("warnings", {"host": hosts, "applications": list(applications)}))
+
+        def fits(warned: dict[str, Any]) -> None:
+            _require("host", np.isin(warned["host"], hosts).all(), "names who was not asked for")
+            known = warned["application"] < len(applications)
+            _require("application", known.all(), "is none that was asked for")
+
+        asked = {"host": hosts, "applications": list(applications)}
+        return HostWarnings(**self._ask("warnings", asked, fits))
 
     def close(self) -> None:
         """End the session."""
@@ -134,13 +154,20 @@ class StepClient:
     ) -> None:
         self.close()
 
-    def _ask(self, name: str, values: dict[str, Any]) -> dict[str, Any]:
-        """The fields of the answer to a request; without one the session is over, as its next may be late."""
+    def _is_spoken(self, welcome: dict[str, Any]) -> None:
+        _require("protocol", welcome["protocol"] == self._spoken.protocol, f"is not {self._spoken.protocol}")
+
+    def _ask(
+        self, name: str, values: dict[str, Any], fits: Callable[[dict[str, Any]], None]
+    ) -> dict[str, Any]:
+        """The fields of the answer to a request; without one that fits it the session is over."""
         if self._socket.fileno() < 0:
             raise ConnectionAbortedError("the session has ended: begin another by a new StepClient")
         request = framed(self._spoken.pack(name, values))
         try:
             answer, refused = self._answer_to(name, request)
+            if not refused:
+                fits(answer)
         except BaseException:
             self.close()
             raise
@@ -171,3 +198,9 @@ class StepClient:
                 raise ConnectionResetError("the server ended the session")
             at += got
         return bytes(octets)
+
+
+def _require(field: str, holds: object, what: str) -> None:
+    """End the session where an answer is not one to what was asked."""
+    if not holds:
+        raise ConnectionAbortedError(f"what the server said is no answer: {field} {what}")

@@ -82,9 +82,24 @@ class Field:
         ----------
         value
             An array for an array.
+
+        Raises
+        ------
+        FieldError
+            Where a whole number has no place in the field's numbers.
         """
         own = self.array()
-        return value if own is None else np.ascontiguousarray(value, dtype=own[0]).tobytes()
+        if own is None:
+            return value
+        given = np.asarray(value)
+        if own[0].kind in "iu" and given.size:
+            bounds = np.iinfo(own[0])
+            outside = (given < bounds.min) | (given > bounds.max)
+            if outside.any():
+                raise FieldError(
+                    self.name, repr(given[outside].flat[0].item()), f"within {bounds.min} to {bounds.max}"
+                )
+        return np.ascontiguousarray(given, dtype=own[0]).tobytes()
 
     def read(self, value: Any, lengths: dict[str, int]) -> Any:
         """The value as it came, or say what is wrong with it.

@@ -41,7 +41,7 @@ MOST_FOREIGN_BYTES = 4096
 """Octets of one foreign message; no radio of this kind carries as many."""
 
 MOST_KEPT = 2**20
-"""Messages that can be named: those of 10 s where 10,000 stations send ten a second."""
+"""Messages that can be named: where 10,000 stations send ten a second those of 10 s, else the newest."""
 
 MOST_APPLICATIONS = 32
 """Safety applications in one request."""
