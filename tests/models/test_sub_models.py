@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from modelcast.cli.brought import brought
 from modelcast.core.exceptions import ConfigError, ModelcastWarning, SubModelError
 from modelcast.models.bank import Bank
 from modelcast.models.learned import FeatureMap, Perceptron
@@ -50,6 +51,26 @@ class Hollow(Coasting):
         raise LookupError("no table")
 
 @dataclass(frozen=True, slots=True)
+class Leaving(Coasting):
+    name = "leaving"
+    fault: str = "leaves"
+
+@dataclass(frozen=True, slots=True)
+class Gone(Coasting):
+    name = "gone"
+
+    @property
+    def window(self):
+        raise SystemExit(3)
+
+@dataclass(frozen=True, slots=True)
+class Sealed(Coasting):
+    name = "sealed"
+
+    def __reduce__(self):
+        raise SystemExit(3)
+
+@dataclass(frozen=True, slots=True)
 class Bare(ConstantVelocity):
     name = "bare"
 
@@ -66,6 +87,9 @@ POINTS = {
     "cursed": "strange_models:Cursed",
     "broken": "strange_models:Broken",
     "hollow": "strange_models:Hollow",
+    "leaving": "strange_models:Leaving",
+    "gone": "strange_models:Gone",
+    "sealed": "strange_models:Sealed",
     "bare": "strange_models:Bare",
     "other-name": "strange_models:Drifting",
     "paper": "strange_models:Whole",
@@ -161,12 +185,23 @@ def test_one_whose_rows_change_one_another_is_told_when_it_is_named() -> None:
         ("number", ConfigError, "The sub-model registered as 'number' is no AbstractSubModel: 0"),
         ("hollow", ConfigError, "'hollow' of strange 1.2 cannot be used: LookupError: no table"),
         ("bare", ConfigError, "'bare' of strange 1.2 cannot be used: RuntimeError: no compiler"),
+        ("leaving", SubModelError, "The sub-model leaving failed in fit_batch: SystemExit: 3"),
+        ("gone", ConfigError, "'gone' of strange 1.2 cannot be used: SystemExit: 3"),
+        ("sealed", SubModelError, "must pickle: 3"),
         ("nobody", ConfigError, "Unknown sub-model 'nobody'"),
     ],
 )
 def test_what_is_none_is_refused_with_its_name(name: str, kind: type[Exception], told: str) -> None:
     with pytest.raises(kind, match=re.escape(told)):
         registered_model(name)
+
+
+def test_doctor_tells_of_all_where_one_ends_the_process() -> None:
+    found = {one.name: one.problem for one in brought() if one.group == SUB_MODELS.name}
+    assert set(found) == set(POINTS)
+    assert "failed in fit_batch: SystemExit: 3" in found["leaving"]
+    assert "cannot be used: SystemExit: 3" in found["gone"]
+    assert not found["drifting"]
 
 
 def test_a_bank_sets_what_its_word_says() -> None:

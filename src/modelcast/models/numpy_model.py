@@ -305,12 +305,12 @@ class AbstractNumpySubModel(AbstractSubModel):
         return tuple(name for name, one in functions.items() if not rows_stand_alone(one))
 
     def _told(self, called: str, function: Callable[[], Any]) -> Any:
-        """What a function of the model gives; what it raises is told with the model's name."""
+        """What a function of the model gives; what it raises, `SystemExit` too, is told with its name."""
         try:
             return function()
         except ModelcastError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise SubModelError(
                 f"The sub-model {self.name} failed in {called}: {type(error).__name__}: {error}"
             ) from error
