@@ -248,7 +248,8 @@ def _changed(one: Any, other: Any, path: str) -> str:
         if missing:
             return f"the key {shown(missing[0])} of {path} would come back as text"
     elif not parts and one != other:
-        return f"{path} is {shown(one)} and would come back as {shown(other)}"
+        text = shown(cast("object", one))
+        return f"{path} is {text} and would come back as {shown(other)}"
     pairs = zip(parts, _parts(other, path), strict=True)
     return next(filter(None, (_changed(own, back, where) for (where, own), (_, back) in pairs)), "")
 
