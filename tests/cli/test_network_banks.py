@@ -136,6 +136,12 @@ def plan(*banks: str, start: StartRule | None = None, identify: IdentifyRule | N
     )
 
 
+def of_people(bank: str) -> NetworkPlan:
+    """A plan whose people take a bank."""
+    people = PeoplePlan(policy="mbc", bank=bank)
+    return replace(plan("cv"), people=people)
+
+
 def test_only_runs_of_a_changed_bank_are_made_anew(tmp_path: Path) -> None:
     file = tmp_path / "mine.json"
     write_profile(default_profile(), file)
@@ -156,14 +162,16 @@ def test_only_runs_of_a_changed_bank_are_made_anew(tmp_path: Path) -> None:
 def test_runs_with_people_are_made_anew_where_the_file_of_their_bank_has_changed(tmp_path: Path) -> None:
     file = tmp_path / "walkers.json"
     write_profile(default_profile(), file)
-    people = PeoplePlan(
-        policy="mbc", bank=str(file), keep_alive_s=None, power_dbm=10.0, height_m=1.5, antenna_db=0.0,
-        reach_m=100.0, keeps="vehicles",
-    )  # fmt: skip
-    asked, case = replace(plan("cv"), people=people), NetworkCase(30.0, "dsrc", "mbc", "cv", 0)
+    asked, case = of_people(str(file)), NetworkCase(30.0, "dsrc", "mbc", "cv", 0)
     before = run_path(case, asked.key(), tmp_path)
     file.write_text(file.read_text() + "\n")
     assert run_path(case, asked.key(), tmp_path) != before
+
+
+def test_banks_of_people_with_one_last_part_are_two_and_a_file_goes_by_its_name() -> None:
+    words = ("good:table=a/b", "good:gain=2,table=c/b")
+    assert [of_people(word).as_plain()["people"]["bank"] for word in words] == list(words)
+    assert of_people("here/mine.json").as_plain() == of_people("there/mine.json").as_plain()
 
 
 def test_rules_of_the_user_stand_over_those_of_the_bank_and_timers_never_identify() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from made_rows import filled
 from modelcast.core.exceptions import ConfigError
-from modelcast.io.network_runs import NetworkRunFiles, RunKey, read_case, run_path, write_case
+from modelcast.io.network_runs import NetworkRunFiles, RunKey, case_name, read_case, run_path, write_case
 from modelcast.io.run_store import run_store
 from modelcast.study.network.rows import RUNS, CaseResult, NetworkCase
 
@@ -30,6 +30,23 @@ def made(folder: Path) -> Path:
 def test_a_run_comes_back_as_it_was_written(tmp_path: Path) -> None:
     write_case(result(), CASE, OPTIONS, KEY, tmp_path)
     assert read_case(CASE, OPTIONS, KEY, tmp_path) == result()
+
+
+@pytest.mark.parametrize("bank", ["good:table=a/b", "good:table=../b+cv", "good:table=/b"])
+def test_a_setting_with_a_slash_stays_in_the_folder(bank: str, tmp_path: Path) -> None:
+    case = replace(CASE, bank=bank)
+    path = write_case(result(case), case, OPTIONS, KEY, tmp_path)
+    assert path.parent == tmp_path
+    assert list(tmp_path.iterdir()) == [path]
+    assert read_case(case, OPTIONS, KEY, tmp_path) == result(case)
+    assert Path(case_name(case)).name == case_name(case)
+
+
+@pytest.mark.parametrize(
+    "bank", ["none", "paper", "default", "cv+ctra", "gp-anchored", "my_bank-2.json", "mixed@0.5"]
+)
+def test_plain_banks_stand_in_names_as_they_are(bank: str) -> None:
+    assert case_name(replace(CASE, bank=bank)) == f"dsrc_j2945_{bank}_25_0"
 
 
 @pytest.mark.parametrize("key", [RunKey("1.1", KEY.inputs), RunKey("1.0", {"0 traffic.xml": "ac"})])

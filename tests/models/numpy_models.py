@@ -34,6 +34,8 @@ class Coasting(AbstractNumpySubModel):
             raise ZeroDivisionError("nothing moves")
         if self.fault == "stops":
             raise KeyboardInterrupt("enough")
+        if self.fault == "leaves":
+            raise SystemExit(3)
         if self.fault == "nan":
             return np.where([True, False], found, np.nan)
         if self.fault == "shape":

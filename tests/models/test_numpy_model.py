@@ -73,6 +73,7 @@ def test_its_covariance_is_that_of_constant_velocity_where_it_says_none() -> Non
 
 FAULTS = [
     ("raises", SubModelError, "The sub-model coasting failed in fit_batch: ZeroDivisionError: nothing moves"),
+    ("leaves", SubModelError, "The sub-model coasting failed in fit_batch: SystemExit: 3"),
     ("nan", SubModelError, "gave nan from fit_batch in row 0 at velocity_north_mps: every number must be"),
     ("shape", SubModelError, "gave (1, 1) from fit_batch, wanted (1, 2): a row each"),
     ("text", SubModelError, "The sub-model coasting gave no array of numbers from fit_batch"),

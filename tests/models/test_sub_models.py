@@ -2,17 +2,21 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.models.numpy_models import Coasting
 
+from modelcast.cli.brought import brought
 from modelcast.core.exceptions import ConfigError, ModelcastWarning, SubModelError
 from modelcast.models.bank import Bank
 from modelcast.models.learned import FeatureMap, Perceptron
 from modelcast.models.profile import Profile, profile_from_text
 from modelcast.models.sub_models import SUB_MODELS, registered_model
+from modelcast.models.trusted import Trusted
 from modelcast.station.banks import bank_from_text, named_bank, profile_number_of
 
 MODULE = """
@@ -50,6 +54,26 @@ class Hollow(Coasting):
         raise LookupError("no table")
 
 @dataclass(frozen=True, slots=True)
+class Leaving(Coasting):
+    name = "leaving"
+    fault: str = "leaves"
+
+@dataclass(frozen=True, slots=True)
+class Gone(Coasting):
+    name = "gone"
+
+    @property
+    def window(self):
+        raise SystemExit(3)
+
+@dataclass(frozen=True, slots=True)
+class Sealed(Coasting):
+    name = "sealed"
+
+    def __reduce__(self):
+        raise SystemExit(3)
+
+@dataclass(frozen=True, slots=True)
 class Bare(ConstantVelocity):
     name = "bare"
 
@@ -66,6 +90,9 @@ POINTS = {
     "cursed": "strange_models:Cursed",
     "broken": "strange_models:Broken",
     "hollow": "strange_models:Hollow",
+    "leaving": "strange_models:Leaving",
+    "gone": "strange_models:Gone",
+    "sealed": "strange_models:Sealed",
     "bare": "strange_models:Bare",
     "other-name": "strange_models:Drifting",
     "paper": "strange_models:Whole",
@@ -88,7 +115,9 @@ def test_a_profile_gives_it_back_with_its_arrays() -> None:
 
 def test_what_a_profile_would_round_is_refused() -> None:
     member = registered_model("drifting", weights=np.array([0.1, 0.5]))
-    with pytest.raises(ValueError, match=r"drifting would come back .* weights would come back with other"):
+    with pytest.raises(
+        ValueError, match=r"drifting would not come back .* weights would come back with other"
+    ):
         _ = Profile(Bank((member,))).text
 
 
@@ -115,6 +144,13 @@ def test_a_profile_gives_back_what_holds_arrays_deep_inside() -> None:
     assert again.bank.members[0].held[1]["near"][0].bias_3.tolist() == [1.0, 4.0]  # type: ignore[attr-defined]
 
 
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A dataclass of the package's own."""
+
+    gain: float = 0.5
+
+
 class Count(IntEnum):
     """A number with a name."""
 
@@ -132,14 +168,36 @@ class Count(IntEnum):
         ("inf", "held is 'inf' (str) and would come back as float"),
         ([1, 2], "(list) and would come back as tuple"),
         (np.array([1, 2]), "held is an array of int64 and would come back as float64"),
+        (Part(), "as it is: held: a profile holds no Part: Part(gain=0.5)"),
+        ((1, {"a": [Part()]}), "as it is: held[1]['a'][0]: a profile holds no Part"),
+        ((0.5, float("nan")), "as it is: held[1]: a profile holds no NaN"),
+        (np.array(0.5), "as it is: held is an array of shape ()"),
+        ({"a": np.zeros((2, 0))}, "as it is: held['a'] is an array of shape (2, 0)"),
+        (np.array(["fast"]), "as it is: held: could not convert"),
+        ({"is": 3}, "as it is: the key 'is' of held has a meaning of its own"),
+        ((1, {"float32": 0.5}), "as it is: the key 'float32' of held[1] has a meaning"),
+        (Trusted(Coasting(), 1.0), "as it is: held.model: a profile holds no Coasting"),
         ({1: 2}, "the key 1 of held would come back as text"),
     ],
     ids=str,
 )
 def test_what_a_profile_would_change_is_refused_by_its_place(held: object, told: str) -> None:
     member = registered_model("holding", held=held)
-    with pytest.raises(ValueError, match=f"^the sub-model holding would come.*{re.escape(told)}"):
+    with pytest.raises(
+        ValueError, match=f"^the sub-model holding would not come back.*{re.escape(told)}.*; fields hold"
+    ):
         _ = Profile(Bank((member,))).text
+
+
+def test_a_sub_model_inside_another_is_kept_and_refused_by_the_place_in_it() -> None:
+    kept = registered_model("holding", held=(registered_model("drifting"),))
+    again = profile_from_text(Profile(Bank((kept,))).text).bank.members[0]
+    assert again.held[0].weights.tolist() == [1.0, 0.5]  # type: ignore[attr-defined]
+    rounded = registered_model("holding", held=(registered_model("drifting", weights=np.array([0.1])),))
+    told = re.escape("as it is: held[0].weights would come back with other numbers")
+    with pytest.raises(ValueError, match=f"^the sub-model holding .*{told}.*; fields hold") as refused:
+        _ = Profile(Bank((rounded,))).text
+    assert str(refused.value).count("; fields hold") == 1
 
 
 def test_a_bank_of_it_was_trained_on_nothing_of_the_profile() -> None:
@@ -161,12 +219,23 @@ def test_one_whose_rows_change_one_another_is_told_when_it_is_named() -> None:
         ("number", ConfigError, "The sub-model registered as 'number' is no AbstractSubModel: 0"),
         ("hollow", ConfigError, "'hollow' of strange 1.2 cannot be used: LookupError: no table"),
         ("bare", ConfigError, "'bare' of strange 1.2 cannot be used: RuntimeError: no compiler"),
+        ("leaving", SubModelError, "The sub-model leaving failed in fit_batch: SystemExit: 3"),
+        ("gone", ConfigError, "'gone' of strange 1.2 cannot be used: SystemExit: 3"),
+        ("sealed", SubModelError, "must pickle: 3"),
         ("nobody", ConfigError, "Unknown sub-model 'nobody'"),
     ],
 )
 def test_what_is_none_is_refused_with_its_name(name: str, kind: type[Exception], told: str) -> None:
     with pytest.raises(kind, match=re.escape(told)):
         registered_model(name)
+
+
+def test_doctor_tells_of_all_where_one_ends_the_process() -> None:
+    found = {one.name: one.problem for one in brought() if one.group == SUB_MODELS.name}
+    assert set(found) == set(POINTS)
+    assert "failed in fit_batch: SystemExit: 3" in found["leaving"]
+    assert "cannot be used: SystemExit: 3" in found["gone"]
+    assert not found["drifting"]
 
 
 def test_a_bank_sets_what_its_word_says() -> None:

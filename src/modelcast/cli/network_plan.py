@@ -16,7 +16,7 @@ from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.network_runs import RunKey
 from modelcast.io.sumo_config import SUMO_CONFIG
 from modelcast.messages.rules import CertificateRule
-from modelcast.models.shipped import names_profile, profile_path
+from modelcast.models.shipped import bank_name, names_profile, profile_path
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 from modelcast.station.sender.names import POLICIES, has_threshold, sends_models
@@ -165,7 +165,7 @@ class NetworkPlan:
         for name in ("scenario", "profile"):
             found[name] = None if found[name] is None else Path(found[name]).name
         if self.people is not None:
-            found["people"]["bank"] = Path(self.people.bank).name
+            found["people"]["bank"] = bank_name(self.people.bank)
         return found
 
     @property
@@ -179,7 +179,7 @@ class NetworkPlan:
         """
         found: dict[str, str] = {}
         for text in self.banks:
-            name = Path(text).name if names_profile(text) else text
+            name = bank_name(text)
             if found.setdefault(name, text) != text:
                 raise ConfigError(f"--bank: {found[name]} and {text} have the same name: rename one")
         if not found:

@@ -109,18 +109,18 @@ class TripSource:
                         self.trips += 1
                         copy = seen[trip.trip_id]
                         yield trip if copy == 1 else _named(trip, f"{trip.trip_id}#{copy}")
-            except Exception as error:  # noqa: BLE001 - whatever it is, it costs this file alone
+            except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, it costs this file alone
                 self._fail(recording.path, error)
 
     def _next_recording(self) -> Recording | None:
         while True:
             try:
                 return next(self._recordings, None)
-            except Exception as error:  # noqa: BLE001 - as above
+            except (Exception, SystemExit) as error:  # noqa: BLE001 - as above
                 self.started += 1
                 self._fail(self._recordings.at, error)
 
-    def _fail(self, path: str, error: Exception) -> None:
+    def _fail(self, path: str, error: BaseException) -> None:
         """Note a file that could not be read, and say so."""
         label = printable(self._recordings.label(path))
         self.failures[free_name(self.failures, label)] = printable(_reason(error))
@@ -131,7 +131,7 @@ class TripSource:
         self.skipped[free_name(self.skipped, printable(label))] = printable(reason)
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: BaseException) -> str:
     """What to say of a file that could not be read."""
     if isinstance(error, DataFormatError):
         place = "" if error.row is None else f"row {error.row}: "

@@ -75,7 +75,20 @@ class PolicyError(ModelcastError, ValueError):
 
 
 class SubModelError(ModelcastError):
-    """A sub-model written in Python failed, or gave something else than it says; the cause is chained."""
+    """A sub-model written in Python failed, or gave something else than it says; the cause is chained.
+
+    Parameters
+    ----------
+    text
+        What went wrong.
+    model, called
+        Name of the sub-model, and of its function; empty where no function of one was called.
+    """
+
+    def __init__(self, text: str, *, model: str = "", called: str = "") -> None:
+        self.model = model
+        self.called = called
+        super().__init__(text)
 
 
 class ModelcastWarning(UserWarning):

@@ -93,7 +93,7 @@ class RunKey:
 
 
 def case_name(case: NetworkCase) -> str:
-    """Name of a run.
+    """Name of a run, which is one part of a path whatever the user's words hold.
 
     Parameters
     ----------
@@ -108,11 +108,13 @@ def case_name(case: NetworkCase) -> str:
     'dsrc_mbc_paper_0.2m_100_3'
     >>> case_name(NetworkCase(100.0, "disc:range_m=300", "cam", "none", 3))
     'disc%3Arange_m=300_cam_none_100_3'
+    >>> case_name(NetworkCase(100.0, "dsrc", "mbc", "near:table=a/b+cv", 3))
+    'dsrc_mbc_near%3Atable=a%2Fb+cv_100_3'
     """
     density = f"{case.density_per_km:g}" if math.isfinite(case.density_per_km) else "own"
     threshold = f"_{case.threshold_m:g}m" if math.isfinite(case.threshold_m) else ""
-    radio, policy = (quote(word, safe="+@,=") for word in (case.radio, case.policy))
-    return f"{radio}_{policy}_{case.bank}{threshold}_{density}_{case.run}"
+    radio, policy, bank = (quote(word, safe="+@,=") for word in (case.radio, case.policy, case.bank))
+    return f"{radio}_{policy}_{bank}{threshold}_{density}_{case.run}"
 
 
 def run_path(case: NetworkCase, key: RunKey, folder: Path) -> Path:

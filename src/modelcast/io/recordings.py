@@ -105,7 +105,7 @@ class Recordings(Iterator[Recording]):
             self.at = place.path
             try:
                 found = self._found(place)
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 self._tried = True
                 if isinstance(error, OSError):
                     raise _refused(place.path, error) from error

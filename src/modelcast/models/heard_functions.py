@@ -17,8 +17,8 @@ from modelcast.models.python_function import PythonFunction
 
 __all__ = ["heard_functions", "tell_failure"]
 
-_told: set[str] = set()
-"""Sub-models whose failure was told: strangers may send as many as they like."""
+_told: set[tuple[str, str]] = set()
+"""Sub-models and their functions whose failure was told: strangers choose what is given."""
 
 
 def heard_functions(functions: PointFunctions) -> PointFunctions:
@@ -51,16 +51,16 @@ def heard_functions(functions: PointFunctions) -> PointFunctions:
 
 
 def tell_failure(error: SubModelError) -> None:
-    """Warn that a sub-model failed on what a message carried, the first time for each kind of failure.
+    """Warn that a sub-model failed on what a message carried, the first time for each of its functions.
 
     Parameters
     ----------
     error
         What it raised.
     """
-    kind = f"{type(error.__cause__).__name__} {str(error).partition(' in ')[0]}"[:200]
-    if kind not in _told:
-        _told.add(kind)
+    failed = (error.model, error.called)
+    if failed not in _told:
+        _told.add(failed)
         warnings.warn(
             f"{error} A message carried these parameters: it is refused, or the spread is that of constant "
             "velocity. This is told once.",

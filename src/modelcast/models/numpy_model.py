@@ -16,7 +16,7 @@ from typing import Any, cast
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
-from modelcast.core.exceptions import ModelcastError, ModelcastWarning, SubModelError
+from modelcast.core.exceptions import ModelcastWarning, SubModelError
 from modelcast.core.rules import shown
 from modelcast.models import python_kernels as kernels
 from modelcast.models.base import (
@@ -305,15 +305,13 @@ class AbstractNumpySubModel(AbstractSubModel):
         return tuple(name for name, one in functions.items() if not rows_stand_alone(one))
 
     def _told(self, called: str, function: Callable[[], Any]) -> Any:
-        """What a function of the model gives; what it raises is told with the model's name."""
+        """What a function of the model gives; what it raises, `SystemExit` too, is told with its name."""
         try:
             return function()
-        except ModelcastError:
-            raise
-        except Exception as error:
-            raise SubModelError(
-                f"The sub-model {self.name} failed in {called}: {type(error).__name__}: {error}"
-            ) from error
+        except (Exception, SystemExit) as error:
+            if isinstance(error, SubModelError) and error.model:  # of another one that it asked
+                raise
+            raise self._failure(called, f"failed in {called}: {type(error).__name__}: {error}") from error
 
     def _numbers(self, called: str, found: Any, rows: IntArray, wide: tuple[int, ...]) -> FloatArray:
         """What a function of the model gave for some rows, as finite numbers, (n, *wide)."""
@@ -321,20 +319,21 @@ class AbstractNumpySubModel(AbstractSubModel):
         try:
             values = np.asarray(found, dtype=np.float64)
         except (TypeError, ValueError) as error:
-            raise SubModelError(
-                f"The sub-model {self.name} gave no array of numbers from {called}: {shown(found)}"
-            ) from error
+            raise self._failure(called, f"gave no array of numbers from {called}: {shown(found)}") from error
         if values.shape != wanted:
-            raise SubModelError(
-                f"The sub-model {self.name} gave {values.shape} from {called}, wanted {wanted}: a row each."
-            )
+            raise self._failure(called, f"gave {values.shape} from {called}, wanted {wanted}: a row each.")
         if not np.isfinite(values).all():
             row, *place = np.argwhere(~np.isfinite(values))[0]
-            raise SubModelError(
-                f"The sub-model {self.name} gave {values[row][*place]} from {called} in row {rows[row]} at "
-                f"{self._place(called, place)}: every number must be finite."
+            raise self._failure(
+                called,
+                f"gave {values[row][*place]} from {called} in row {rows[row]} at "
+                f"{self._place(called, place)}: every number must be finite.",
             )
         return np.ascontiguousarray(values)
+
+    def _failure(self, called: str, what: str) -> SubModelError:
+        """The error that one of its functions did something."""
+        return SubModelError(f"The sub-model {self.name} {what}", model=self.name, called=called)
 
     def _place(self, called: str, place: Sequence[int]) -> str:
         """What a number of a row is."""

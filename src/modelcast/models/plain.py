@@ -102,6 +102,13 @@ _REGISTERED: AbstractRule = Keys(
     }
 )
 
+_KEPT = (
+    "fields hold Python's own numbers and text, tuples, tables by text other than 'is' and 'float32', arrays "
+    "of float64 with 1 to 3 axes, none of them empty, whose numbers fit in 32 bits, sub-models, and "
+    "dataclasses of modelcast that profiles name: write one of your own as a tuple or a table"
+)
+"""What the fields of a registered sub-model may be."""
+
 _NAMES: dict[type[object], str] = {cls: name for name, cls in PLAIN_CLASSES.items()}
 
 
@@ -119,7 +126,7 @@ def to_plain(value: Any) -> Any:
     TypeError
         Where it is anything else.
     ValueError
-        Where a number is none (NaN), or a field of a registered sub-model would come back as another value.
+        Where a number is none (NaN), or a field of a registered sub-model would not come back as it is.
 
     Examples
     --------
@@ -165,22 +172,20 @@ def _instance_plain(value: Any) -> dict[str, Any]:
     if name:
         return _registered_plain(value, name)
     remedy = f"; register it in {SUB_MODELS.name!r}" if isinstance(value, AbstractSubModel) else ""
-    raise TypeError(f"a profile holds no {kind.__name__}: {value!r}{remedy}")
+    raise TypeError(f"a profile holds no {kind.__name__}: {shown(value)}{remedy}")
 
 
 def _registered_plain(value: Any, name: str) -> dict[str, Any]:
     """A sub-model of another package in terms of JSON."""
     origin = SUB_MODELS.origin(name) or Origin("", "")
-    given = {item.name: getattr(value, item.name) for item in fields(value) if item.init}
-    plain = {key: to_plain(one) for key, one in given.items()}
-    for key, one in given.items():
-        changed = _changed(one, from_plain(plain[key], f"$.{key}"), key)
-        if changed:
-            raise ValueError(
-                f"the sub-model {name} would come back from a profile as another: {changed}; fields hold "
-                "Python's own numbers and text, tuples, tables by text, arrays of float64 with 1 to 3 axes "
-                "whose numbers fit in 32 bits, and sub-models"
-            )
+    plain: dict[str, Any] = {}
+    for item in fields(value):
+        if item.init:
+            plain[item.name], unkept = _written(getattr(value, item.name), item.name)
+            if unkept:
+                raise ValueError(
+                    f"the sub-model {name} would not come back from a profile as it is: {unkept}; {_KEPT}"
+                )
     return {
         "is": REGISTERED,
         "name": name,
@@ -190,30 +195,63 @@ def _registered_plain(value: Any, name: str) -> dict[str, Any]:
     }
 
 
+def _written(one: Any, path: str) -> tuple[Any, str]:
+    """A value in terms of JSON, and what of it does not come back, in words; empty where all does."""
+    try:
+        plain = to_plain(one)
+    except (TypeError, ValueError) as error:
+        return None, _unkept_part(one, path) or f"{path}: {error}"
+    try:
+        other = from_plain(plain, path)
+    except ValueError as error:  # its text begins with the place
+        return None, _unkept_part(one, path) or _unreadable(one, path) or str(error)
+    return plain, _changed(one, other, path)
+
+
+def _unreadable(one: Any, path: str) -> str:
+    """What of an array or a table cannot be read again, in words; empty where it is something else."""
+    if isinstance(one, np.ndarray):
+        return f"{path} is an array of shape {cast('NDArray[Any]', one).shape}"
+    if isinstance(one, Mapping):
+        own = [key for key in ("is", "float32") if key in one]
+        return f"the key {own[0]!r} of {path} has a meaning of its own in profiles" if own else ""
+    return ""
+
+
+def _unkept_part(one: Any, path: str) -> str:
+    """What `_written` says of the first part that does not come back."""
+    return next(filter(None, (_written(part, where)[1] for where, part in _parts(one, path))), "")
+
+
+def _parts(one: Any, path: str) -> list[tuple[str, Any]]:
+    """What a value is made of, with the place of each; nothing where it is one thing."""
+    if isinstance(one, list | tuple):
+        return [(f"{path}[{at}]", part) for at, part in enumerate(cast("Sequence[Any]", one))]
+    if isinstance(one, Mapping):
+        return [(f"{path}[{key!r}]", part) for key, part in cast("Mapping[Any, Any]", one).items()]
+    if is_dataclass(one) and (type(one) in _NAMES or isinstance(one, AbstractSubModel)):
+        return [(f"{path}.{item.name}", getattr(one, item.name)) for item in fields(one) if item.init]
+    return []
+
+
 def _changed(one: Any, other: Any, path: str) -> str:
     """What of a value comes back as another, in words; empty where nothing does."""
     if type(one) is not type(other):
         return f"{path} is {shown(one)} ({type(one).__name__}) and would come back as {type(other).__name__}"
     if isinstance(one, np.ndarray):
         return _changed_array(cast("NDArray[Any]", one), other, path)
-    parts: list[tuple[str, Any, Any]] = []
-    if isinstance(one, tuple | Mapping) and len(cast("Any", one)) != len(other):
-        return f"{path} would come back with {len(other)} parts, not {len(cast('Any', one))}"
-    if isinstance(one, tuple):
-        pairs = zip(cast("tuple[Any, ...]", one), other, strict=True)
-        parts = [(f"{path}[{at}]", *pair) for at, pair in enumerate(pairs)]
-    elif isinstance(one, Mapping):
-        table = cast("Mapping[Any, Any]", one)
-        missing = [key for key in table if key not in other]
+    parts = _parts(one, path)
+    if isinstance(one, tuple | Mapping) and len(parts) != len(other):
+        return f"{path} would come back with {len(other)} parts, not {len(parts)}"
+    if isinstance(one, Mapping):
+        missing = [key for key in cast("Mapping[Any, Any]", one) if key not in other]
         if missing:
             return f"the key {shown(missing[0])} of {path} would come back as text"
-        parts = [(f"{path}[{key!r}]", part, other[key]) for key, part in table.items()]
-    elif is_dataclass(one):
-        names = [item.name for item in fields(one) if item.init]
-        parts = [(f"{path}.{name}", getattr(one, name), getattr(other, name)) for name in names]
-    elif one != other:
-        return f"{path} is {shown(one)} and would come back as {shown(other)}"
-    return next(filter(None, (_changed(own, back, where) for where, own, back in parts)), "")
+    elif not parts and one != other:
+        text = shown(cast("object", one))
+        return f"{path} is {text} and would come back as {shown(other)}"
+    pairs = zip(parts, _parts(other, path), strict=True)
+    return next(filter(None, (_changed(own, back, where) for (where, own), (_, back) in pairs)), "")
 
 
 def _changed_array(one: NDArray[Any], other: FloatArray, path: str) -> str:

@@ -105,7 +105,7 @@ class PythonFunction:
         pickler = _Named(content)
         try:
             pickler.dump(self.body)
-        except Exception as error:  # whatever a field raises
+        except (Exception, SystemExit) as error:  # whatever a field raises
             raise SubModelError(
                 f"A sub-model goes to other processes and must pickle: {error}. Keep numbers, text and "
                 "arrays in its fields, and functions in its module; make it anew where its class was "

@@ -4,7 +4,7 @@ import importlib.resources
 import re
 from pathlib import Path
 
-__all__ = ["DEFAULT", "PEOPLE", "SHIPPED", "names_profile", "profile_path"]
+__all__ = ["DEFAULT", "PEOPLE", "SHIPPED", "bank_name", "names_profile", "profile_path"]
 
 DEFAULT = "default"
 """The profile of vehicles, in use where nobody names another."""
@@ -52,3 +52,19 @@ def names_profile(bank: str) -> bool:
     [True, True, False, False, False]
     """
     return bank == PEOPLE or (bank.endswith(".json") and not _SETTINGS.search(bank))
+
+
+def bank_name(bank: str) -> str:
+    """A bank as rows and run keys name it: of a file its last part, of any other text all of it.
+
+    Parameters
+    ----------
+    bank
+        As users write it.
+
+    Examples
+    --------
+    >>> [bank_name(text) for text in ("banks/mine.json", "cv+ctra", "near:file=a/b")]
+    ['mine.json', 'cv+ctra', 'near:file=a/b']
+    """
+    return Path(bank).name if names_profile(bank) else bank

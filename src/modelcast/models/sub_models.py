@@ -71,7 +71,7 @@ def registered_model(name: str, **fields: Any) -> AbstractSubModel:
         _look_at(member, name)
     except ModelcastError:
         raise
-    except Exception as error:  # whatever a property of another package's class raises
+    except (Exception, SystemExit) as error:  # whatever a property of another package's class raises
         raise ConfigError(
             f"The sub-model {name!r} of {SUB_MODELS.origin(name)} cannot be used: "
             f"{type(error).__name__}: {error}"

@@ -69,6 +69,7 @@ def test_a_state_without_a_row_a_vehicle_is_refused(state: Any, told: str) -> No
     assert told in str(refused.value)
 
 
+SINGLES = np.zeros(4, dtype=np.float32)
 WHOLE, TEXT = np.zeros(4, dtype=np.int64), np.array(["ab"] * 4)
 
 
@@ -79,6 +80,22 @@ WHOLE, TEXT = np.zeros(4, dtype=np.int64), np.array(["ab"] * 4)
         ((None, WHOLE), (None, np.array([0.5, 1.0])), "It: state[1] began as int64"),
         (held(4), Held(held(2).a, Named(held(2).a[:, 0], held(2).a[:, 1])), "It: state.b.b began as int64"),  # type: ignore[arg-type]
         (WHOLE.astype(np.int8), np.array([1, 300]), "state began as int8 and cannot hold int64"),
+        (WHOLE.astype(np.uint8), np.array([1, -1]), "state began as uint8 and cannot hold int64: let init"),
+        (SINGLES, np.array([1.0, 1e300]), "It: state began as float32 and cannot hold float64 (1e+300): let"),
+        (SINGLES, np.array([-1e39, 1.0]), "cannot hold float64 (-1e+39): let init give an array of float64"),
+        (SINGLES, np.array([2**24 + 1, 1]), "began as float32 and cannot hold int64 (16777217)"),
+        (SINGLES.astype(np.float16), np.array([1, 70_000]), "began as float16 and cannot hold int64 (70000)"),
+        (np.zeros(4), np.array([1, 2**53 + 1]), "began as float64 and cannot hold int64 (9007199254740993)"),
+        (
+            np.zeros(4),
+            np.array([1, 2**63 - 1]),
+            "began as float64 and cannot hold int64 (9223372036854775807)",
+        ),
+        (
+            np.zeros(4),
+            np.array([2**64 - 1], np.uint64).repeat(2),
+            "cannot hold uint64 (18446744073709551615)",
+        ),
         (TEXT, np.array(["ab", "abc"]), "state began as <U2 and cannot hold <U3"),
         (WHOLE > 0, np.array([1, 2]), "state began as bool and cannot hold int64"),
         (held(4).a, np.zeros(2), "state must have shape (2, 2), as init gave it, got (2,)"),
@@ -95,9 +112,25 @@ def test_a_state_that_would_be_cut_or_stretched_is_refused(state: Any, some: Any
 
 def test_a_state_of_other_numbers_that_loses_nothing_but_digits_is_kept() -> None:
     rows = np.array([3, 1])
-    singles = np.zeros(4, dtype=np.float32)
-    for state, some in ((singles, np.array([1.5, 0.1])), (np.zeros(4), np.array([1, 2]))):
+    for state, some in ((SINGLES, np.array([1.5, 0.1])), (np.zeros(4), np.array([1, 2]))):
         after = put_rows(state, rows, some, "It")
         assert after.dtype == state.dtype
         assert after[rows] == pytest.approx(some, rel=1e-6)
     assert put_rows(WHOLE.astype(np.int8), rows, np.array([1, 127]), "It").tolist() == [0, 127, 0, 1]
+
+
+@pytest.mark.parametrize(
+    ("state", "some"),
+    [
+        (SINGLES, np.array([np.inf, np.nan])),
+        (SINGLES, np.array([-np.inf, 3e38])),
+        (SINGLES, np.array([2**24, -(2**24)])),
+        (np.zeros(4), np.array([2**53, -(2**63)])),
+        (np.zeros(4), np.array([True, False])),
+    ],
+)
+def test_what_a_float_holds_to_the_last_digit_is_kept(state: FloatArray, some: Any) -> None:
+    rows = np.array([3, 1])
+    after = put_rows(state, rows, some, "It")
+    assert after.dtype == state.dtype
+    np.testing.assert_array_equal(after[rows], some.astype(state.dtype))

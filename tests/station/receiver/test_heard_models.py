@@ -1,5 +1,6 @@
 """Claims about hosts that run a sub-model in Python on parameters which anybody may have sent."""
 
+import copy
 import warnings
 from dataclasses import dataclass
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from modelcast.core.arrays import FloatArray
-from modelcast.core.exceptions import ModelcastWarning, SubModelError
+from modelcast.core.exceptions import ConfigError, ModelcastWarning, SubModelError
 from modelcast.messages.mbc import ModelUpdate
 from modelcast.models import heard_functions
 from modelcast.models.bank import Bank
@@ -46,6 +47,12 @@ class Damped(AbstractNumpySubModel):
         rate = parameters[:, :1]
         if self.fault == "raises" and (rate == 0.0).any():
             raise ZeroDivisionError("no rate")
+        if self.fault == "words":
+            return np.array(f"{rate[0, 0]:g}/s")
+        if self.fault == "own":
+            raise SubModelError(f"no rate of {rate[0, 0]:g}")
+        if self.fault == "options":
+            raise ConfigError(f"no rate of {rate[0, 0]:g}")
         with np.errstate(all="ignore"):
             return parameters[:, None, 1:] * ((1.0 - np.exp(-rate * horizons_s)) / rate)[..., None]
 
@@ -58,7 +65,7 @@ class Damped(AbstractNumpySubModel):
 
 @pytest.fixture(autouse=True)
 def _not_yet_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(heard_functions, "_told", set[str]())
+    monkeypatch.setattr(heard_functions, "_told", set[tuple[str, str]]())
 
 
 def updates(model: Damped, *rates_1ps: float) -> tuple[LocalDynamicMap, Heard, FloatArray]:
@@ -89,6 +96,40 @@ def test_a_message_that_the_model_fails_on_is_refused_and_told_once(fault: str, 
     assert len(met) == 1
     held = around.believe(state, float(at_s[-1]) + 1.0)
     assert held.position_m[0, 0] == pytest.approx(20.0 * at_s[-1] + 20.0 * (1.0 - np.exp(-0.2)) / 0.2)
+
+
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        ("words", "gave no array of numbers from predict_batch: 0.1/s"),
+        ("own", "failed in predict_batch: SubModelError: no rate of 0.1"),
+        ("options", "failed in predict_batch: ConfigError: no rate of 0.1"),
+    ],
+)
+def test_what_strangers_send_does_not_multiply_what_is_told(fault: str, told: str) -> None:
+    around, heard, _ = updates(Damped(fault), 0.1, 0.2, 0.3, 0.4)
+    with pytest.warns(ModelcastWarning, match=f"The sub-model damped {told}") as met:
+        receipts, _ = around.hear(around.init(), heard)
+    assert receipts.tolist() == [Receipt.MALFORMED] * 4
+    assert len(met) == 1
+
+
+def test_each_function_that_fails_is_told_once() -> None:
+    failures = [
+        SubModelError(f"{number}", model="damped", called=called)
+        for number in range(3)
+        for called in ("predict_batch", "covariance_batch")
+    ]
+    with warnings.catch_warnings(record=True) as met:
+        warnings.simplefilter("always")
+        for one in failures:
+            heard_functions.tell_failure(one)
+    assert [str(one.message)[0] for one in met] == ["0", "0"]
+
+
+def test_a_failure_keeps_its_names_on_the_way_to_another_process() -> None:
+    failure = copy.copy(SubModelError("no rate", model="damped", called="fit_batch"))  # as pickle does it
+    assert (str(failure), failure.model, failure.called) == ("no rate", "damped", "fit_batch")
 
 
 def test_a_spread_that_fails_is_that_of_constant_velocity() -> None:

@@ -7,6 +7,7 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from modelcast.core.arrays import IntArray
 from modelcast.core.exceptions import PolicyError
@@ -75,7 +76,8 @@ def put_rows(state: Any, rows: IntArray, some: Any, name: str) -> Any:
     rows
         Which, (B,).
     some
-        Their state: of the same parts, with as many columns, and of numbers that the given ones can hold.
+        Their state: of the same parts, with as many columns, and of numbers that the given ones can hold:
+        finite ones stay finite and whole ones stay the same, fractions may be rounded (float64 to float32).
     name
         Of the policy, for errors.
 
@@ -103,19 +105,37 @@ give an array of float64
 
 
 def _fitting(own: Any, part: Any, count: int, what: str) -> Any:
-    """Some rows as an array of a state holds them; refused where that would change them."""
+    """Some rows as an array of a state holds them; refused where that would cut them.
+
+    Numbers with fractions are rounded to those of the array: a float32 keeps some 7 digits of a float64. What
+    is finite stays finite, and all else stays what it is: whole numbers and truth values to the last digit,
+    as fractions too, and texts to their last letter.
+    """
     wanted = (count, *part.shape[1:])
     if own.shape != wanted:
         raise PolicyError(f"{what} must have shape {wanted}, as init gave it, got {own.shape}")
     if own.dtype == part.dtype:
         return own
-    holds = np.can_cast(own.dtype, part.dtype, "same_kind")
-    cast_rows = own.astype(part.dtype) if holds else own
-    if not holds or (not np.issubdtype(part.dtype, np.inexact) and not np.array_equal(cast_rows, own)):
+    remedy = f"let init give an array of {own.dtype}"
+    if not np.can_cast(own.dtype, part.dtype, "same_kind"):
+        raise PolicyError(f"{what} began as {part.dtype} and cannot hold {own.dtype}: {remedy}")
+    with np.errstate(over="ignore", under="ignore"):
+        held = own.astype(part.dtype)
+    cut = _cut(own, held)
+    if cut.any():
         raise PolicyError(
-            f"{what} began as {part.dtype} and cannot hold {own.dtype}: let init give an array of {own.dtype}"
+            f"{what} began as {part.dtype} and cannot hold {own.dtype} ({own[cut][0]}): {remedy}"
         )
-    return cast_rows
+    return held
+
+
+def _cut(own: NDArray[Any], held: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which values another type of the same kind does not hold; rounded fractions are held."""
+    if np.issubdtype(own.dtype, np.inexact):
+        return np.isfinite(own) & ~np.isfinite(held)
+    if np.issubdtype(held.dtype, np.inexact):  # Python compares a whole number with a fraction exactly
+        return held.astype(object) != own.astype(object)
+    return held != own
 
 
 def _parts(state: Any, name: str = "policy") -> list[Any]:
