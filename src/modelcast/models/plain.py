@@ -12,7 +12,7 @@ of that, and its fields. A text can only name what an installed package register
 import base64
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import MISSING, fields, is_dataclass
 from typing import Any, cast
 
@@ -241,7 +241,7 @@ def _changed(one: Any, other: Any, path: str) -> str:
     if isinstance(one, np.ndarray):
         return _changed_array(cast("NDArray[Any]", one), other, path)
     parts = _parts(one, path)
-    if isinstance(one, tuple | Mapping) and len(parts) != len(other):
+    if isinstance(one, tuple | Mapping) and len(parts) != len(cast("Sized", other)):
         return f"{path} would come back with {len(other)} parts, not {len(parts)}"
     if isinstance(one, Mapping):
         missing = [key for key in cast("Mapping[Any, Any]", one) if key not in other]

@@ -98,7 +98,7 @@ class StepClient:
             _require("length", sent["length"].sum() == len(sent["octets"]), "does not add up to the octets")
             _require("receipt", sent["receipt"].size == received, "is not one for each reception")
 
-        received = 0 if step.receiver is None else len(step.receiver)
+        received = step.receiver.size
         return Sent(**self._ask("step", named_values(step), fits))
 
     def believe(self, hosts: IntArray, t_s: float) -> HostBeliefs:
