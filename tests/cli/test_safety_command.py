@@ -292,6 +292,7 @@ def safe(platoon: Path, out: Path, *words: str) -> int:
 
 
 @pytest.mark.usefixtures("slow")
+@pytest.mark.filterwarnings("ignore:--policy clock")
 def test_another_packages_policy_decides_for_all_but_the_baseline(
     platoon: Path, done: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -312,6 +313,7 @@ def test_another_packages_policy_decides_for_all_but_the_baseline(
 
 
 @pytest.mark.usefixtures("slow")
+@pytest.mark.filterwarnings("ignore:--policy clock")
 def test_a_policy_is_matched_by_its_threshold_and_one_without_is_refused(
     platoon: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

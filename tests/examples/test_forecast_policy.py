@@ -64,13 +64,14 @@ write_csv([modelcast.generate_drive(seed=0, duration_s=90.0).truth], sys.argv[1]
     python_with((), "-c", script, str(drive))
     shared = ("--threshold", "0.3", "--per", "0.2", "--seeds", "1", "--no-references", "--quiet")
     rates: dict[str, float] = {}
-    for name, more in (("own", ()), ("forecast", ("--policy", "forecast:longest_s=10"))):
+    word = "forecast:longest_s=10"
+    for name, sender, more in (("own", "mbc", ()), ("forecast", word, ("--policy", word))):
         out = tmp_path / name
         python_with(
             ("forecast_policy",), "-m", "modelcast", "evaluate", str(drive), *shared, *more, "--out", str(out)
         )
         rows = json.loads((out / "summary.json").read_text())["rates"]
-        rates[name] = next(row["total_rate_hz"] for row in rows if row["policy"] == "mbc")
+        rates[name] = next(row["total_rate_hz"] for row in rows if row["policy"] == sender)
     assert rates["forecast"] > rates["own"]
     run = json.loads((tmp_path / "forecast" / "run.json").read_text())
     assert run["versions"]["policy forecast:longest_s=10"] == "forecast-policy 1.0.0"
