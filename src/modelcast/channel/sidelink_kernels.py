@@ -1,7 +1,8 @@
 """Compiled LTE-V2X mode 4: one interval of sensing-based semi-persistent scheduling, subframe by subframe.
 
-In every subframe of 1 ms: messages become ready and choose a resource if they have none; vehicles whose turn
-it is send; everybody else adds up the power in each sub-channel, decodes what it can, and remembers both.
+In every subframe of 1 ms: vehicles whose turn it is send; everybody else adds up the power in each
+sub-channel, decodes what it can, and remembers both; messages that became ready choose a resource if they
+have none that fits.
 """
 
 from typing import NamedTuple
@@ -15,7 +16,12 @@ from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_he
 from modelcast.channel.propagation_kernels import PropagationTables, fading_factor, is_raised, median_ln
 from modelcast.channel.random_kernels import LUCK, next_word, uniform, uniform_of, word_of
 from modelcast.channel.shadowing_kernels import SILENT, ShadowRows, Sweep, shadow_of
-from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants, select_resource
+from modelcast.channel.sidelink_selection_kernels import (
+    MEMORY,
+    SidelinkConstants,
+    draw_resource,
+    select_resource,
+)
 from modelcast.core.exponential_kernels import fast_exp
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
@@ -104,6 +110,18 @@ def _used(size_bytes: int, constants: SidelinkConstants) -> int:
 
 
 @kernel(inlined=True)
+def _length_of(used_blocks: int, constants: SidelinkConstants) -> int:
+    """Return the sub-channels that a message of so many resource-block pairs takes."""
+    return max((used_blocks + constants.blocks - 1) // constants.blocks, constants.least_sub_channels)
+
+
+@kernel(inlined=True)
+def _filled(used_blocks: int, place: int, constants: SidelinkConstants) -> float:
+    """Return how much a message fills the ``place``-th sub-channel that it takes, 0..1."""
+    return min(max(used_blocks - place * constants.blocks, 0), constants.blocks) / constants.blocks
+
+
+@kernel(inlined=True)
 def _draw_counter(random: UInt64Vector, constants: SidelinkConstants) -> int:
     span = constants.counter_high - constants.counter_low + 1
     return constants.counter_low + int(uniform(random) * span)
@@ -129,7 +147,7 @@ def _receive_powers(
     band, used_blocks = int(memory.grant[v, BAND]), _used(int(memory.grant[v, _BYTES]), constants)
     position_m, cells, near = around.position_m, around.cells, around.near
     power, top_mw, top_turn = air.power, air.top_mw, air.top_turn
-    length = (used_blocks + constants.blocks - 1) // constants.blocks
+    length = _length_of(used_blocks, constants)
     east, north = position_m[v, 0], position_m[v, 1]
     for n in range(find_in_range(v, position_m, cells, constants.range_m, near)):
         k = near[n, 0]
@@ -154,9 +172,7 @@ def _receive_powers(
         for s in range(constants.sub_channels):
             share_mw = density_mw * leak[length - 1, band, s]
             if band <= s < band + length:
-                share_mw *= (
-                    min(used_blocks - (s - band) * constants.blocks, constants.blocks) / constants.blocks
-                )
+                share_mw *= _filled(used_blocks, s - band, constants)
             power[j, s] += share_mw
             if share_mw > top_mw[j, s, 0]:
                 top_mw[j, s, 1], top_turn[j, s, 1] = top_mw[j, s, 0], top_turn[j, s, 0]
@@ -183,14 +199,13 @@ def _judge(
     """Return what became of a frame at a listening receiver, and its SINR."""
     place, power, top_mw, top_turn = turns.place, air.power, air.top_mw, air.top_turn
     used_blocks = _used(size_bytes, constants)
-    length = (used_blocks + constants.blocks - 1) // constants.blocks
+    length = _length_of(used_blocks, constants)
     noise_mw = constants.noise_mw * used_blocks / constants.blocks
     density_mw = power_mw * constants.blocks / used_blocks
     other_mw = 0.0
     worst_mw, worst = 0.0, -1
     for s in range(band, band + length):
-        share = min(used_blocks - (s - band) * constants.blocks, constants.blocks) / constants.blocks
-        other_mw += max(power[j, s] - density_mw * share, 0.0)
+        other_mw += max(power[j, s] - density_mw * _filled(used_blocks, s - band, constants), 0.0)
         rank = 1 if top_turn[j, s, 0] == turn else 0
         if top_mw[j, s, rank] > worst_mw:
             worst_mw, worst = top_mw[j, s, rank], top_turn[j, s, rank]
@@ -231,14 +246,19 @@ def _take_in(
 ) -> None:
     """Let a message wait for the vehicle's resource; choose one where it has none that fits."""
     grant, v, size_bytes = memory.grant, asked.sender[n], asked.size_bytes[n]
-    length = (_used(size_bytes, constants) + constants.blocks - 1) // constants.blocks
+    length = _length_of(_used(size_bytes, constants), constants)
     grant[v, MESSAGE], grant[v, _READY], grant[v, _BYTES] = asked.message_id[n], subframe, size_bytes
     memory.power_dbm[v] = asked.power_dbm[n]
     ahead = grant[v, NEXT] - subframe
     fits = grant[v, BAND] >= 0 and grant[v, _LENGTH] >= length
     if fits and constants.first <= ahead <= constants.last:
         return
-    when_next, band = select_resource(v, subframe, length, memory.sensed, memory.reserved, random, constants)
+    if constants.first_by_chance and grant[v, _LENGTH] == 0:
+        when_next, band = draw_resource(subframe, length, random, constants)
+    else:
+        when_next, band = select_resource(
+            v, subframe, length, memory.sensed, memory.reserved, random, constants
+        )
     grant[v, BAND], grant[v, NEXT], grant[v, _LENGTH] = band, when_next, length
     grant[v, _COUNTER] = 1 if constants.one_shot else _draw_counter(random, constants)
     grant[v, _UNUSED] = 0
@@ -287,7 +307,10 @@ def _remember(subframe: int, memory: Memory, air: Air, constants: SidelinkConsta
     slot, phase = subframe % MEMORY, subframe % constants.interval
     for v in range(memory.grant.shape[0]):
         for s in range(constants.sub_channels):
-            sensed_mw = np.inf if air.sends[v] else air.power[v, s] + constants.noise_mw
+            sensed_mw = air.power[v, s] + constants.noise_mw
+            if not constants.noise_counts:
+                sensed_mw = air.power[v, s] if air.power[v, s] >= constants.noise_mw else 0.0
+            sensed_mw = np.inf if air.sends[v] else sensed_mw
             memory.sensed[v, slot, s] = sensed_mw
             memory.reserved[v, phase, s] = 0.0
 
@@ -309,7 +332,7 @@ def _finish_frame(
     v, phase = turns.vehicle[turn], subframe % constants.interval
     band, size = memory.grant[v, BAND], int(memory.grant[v, _BYTES])
     used_blocks = _used(size, constants)
-    length = (used_blocks + constants.blocks - 1) // constants.blocks
+    length = _length_of(used_blocks, constants)
     for k in range(turns.first_link[turn], turns.first_link[turn + 1]):
         j = int(links.receiver[k])
         if air.sends[j]:
@@ -422,16 +445,6 @@ def advance(
     arrival = 0
 
     for subframe in range(now, until):
-        # Messages that became ready before this subframe choose their resource.
-        while arrival < sender.size and ready_subframe[arrival] <= subframe:
-            v, n = sender[arrival], arrival
-            arrival += 1
-            absent = not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]))
-            if absent or grant[v, MESSAGE] >= 0:
-                heard.expired[lapsed] = asked.message_id[n] if absent else grant[v, MESSAGE]
-                lapsed += 1
-            if not absent:
-                _take_in(n, subframe, memory, asked, random, constants)
         count, used = _take_turns(subframe, grant, position_m, turns, air, random, constants), 0
         for turn in range(count):
             links = _links_room(links, used, present)
@@ -447,6 +460,17 @@ def advance(
                 turn, subframe, turns, memory, air, links, heard, received, hazard, constants
             )
         _clear(count, used, turns, links, grant, air, channels)
+        # Messages that became ready in this subframe choose their resource once it is over: whose turn it
+        # was has sent, and what it brought is known.
+        while arrival < sender.size and ready_subframe[arrival] <= subframe:
+            v, n = sender[arrival], arrival
+            arrival += 1
+            absent = not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]))
+            if absent or grant[v, MESSAGE] >= 0:
+                heard.expired[lapsed] = asked.message_id[n] if absent else grant[v, MESSAGE]
+                lapsed += 1
+            if not absent:
+                _take_in(n, subframe, memory, asked, random, constants)
         if (subframe + 1) % constants.window == 0:
             _measure_busy(subframe, memory, constants)
 

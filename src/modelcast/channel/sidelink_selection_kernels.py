@@ -8,7 +8,7 @@ from modelcast.channel.random_kernels import uniform
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import Float32Cube, UInt64Vector
 
-__all__ = ["MEMORY", "SidelinkConstants", "select_resource"]
+__all__ = ["MEMORY", "SidelinkConstants", "draw_resource", "select_resource"]
 
 MEMORY = 1000
 """Subframes of the sensing window; TS 36.213, 14.1.1.6."""
@@ -31,6 +31,10 @@ class SidelinkConstants(NamedTuple):
     keep_ratio: float
     reselect_after: int
     best_ratio: float
+    best_of_possible: bool
+    reserved_by_mean: bool
+    first_by_chance: bool
+    noise_counts: bool
     reserved_mw: float
     elements: float
     noise_mw: float
@@ -45,6 +49,7 @@ class SidelinkConstants(NamedTuple):
     bin_m: float
     bins: int
     blocks: int
+    least_sub_channels: int
     bits_per_block: float
     control_blocks: int
     units_fixed: float
@@ -76,19 +81,21 @@ def select_resource(
                 past[n, s] += sensed[v, at, s]
     mean = np.empty(total)
     strongest = np.empty(total)
+    share = 1.0 / (MEMORY // _STEP * constants.blocks * constants.elements)
     for n in range(subframes):
         phase = (now + constants.first + n) % constants.interval
         for b in range(bands):
-            power = 0.0
-            rsrp = 0.0
+            power, rsrp, loudest = 0.0, 0.0, 0.0
             for s in range(b * step, b * step + length):
                 rsrp = max(rsrp, reserved[v, phase, s])
+                loudest = max(loudest, past[n, s] * share)
                 power += past[n, s]
             # A part in a million of chance decides between resources that are equally quiet.
-            mean[n * bands + b] = power * (1.0 + 1e-6 * uniform(random))
-            strongest[n * bands + b] = rsrp
-    wanted = int(np.ceil(constants.best_ratio * total))
+            mean[n * bands + b] = power + (power + constants.noise_mw) * 1e-6 * uniform(random)
+            by_mean = constants.reserved_by_mean and rsrp > 0.0
+            strongest[n * bands + b] = loudest if by_mean else rsrp
     possible = np.isfinite(mean).sum()
+    wanted = int(np.ceil(constants.best_ratio * (possible if constants.best_of_possible else total)))
     wanted = max(min(wanted, possible), 1)
     limit = constants.reserved_mw
     free = np.isfinite(mean) & (strongest <= limit)
@@ -102,4 +109,15 @@ def select_resource(
         if chosen.size > wanted:
             chosen = chosen[np.argsort(mean[chosen])[:wanted]]
         pick = chosen[int(uniform(random) * chosen.size)]
+    return now + constants.first + pick // bands, (pick % bands) * step
+
+
+@kernel
+def draw_resource(
+    now: int, length: int, random: UInt64Vector, constants: SidelinkConstants
+) -> tuple[int, int]:
+    """Return subframe and first sub-channel of a resource chosen by chance alone."""
+    step = 1 if constants.overlapping else length
+    bands = (constants.sub_channels - length) // step + 1
+    pick = int(uniform(random) * (constants.last - constants.first + 1) * bands)
     return now + constants.first + pick // bands, (pick % bands) * step
