@@ -92,11 +92,7 @@ def sidelink(*, one_shot: bool = False) -> FrameCase:
 def tabulated() -> Case:
     table = measured_table()
     radio = TabulatedRadio(table)
-    return Case(
-        radio,
-        lambda size_bytes: radio.preamble_s + 8e-6 * size_bytes / radio.rate_mbps,
-        table.bin_m * table.reception_ratios.shape[1],
-    )
+    return Case(radio, radio.airtime_s, table.bin_m * table.reception_ratios.shape[1])
 
 
 def erasure(channel: IndependentErasure | GilbertElliott) -> Case:
