@@ -18,6 +18,7 @@ from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
 from modelcast.channel.error_models import AbstractErrorModel, TabulatedErrorModel
 from modelcast.channel.frame_kernels import Heard
 from modelcast.channel.frame_radio import AbstractFrameRadio, asked, error_units, has_shadowing
+from modelcast.channel.in_band_emission import in_band_emission
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
@@ -32,7 +33,6 @@ from modelcast.channel.sidelink_parameters import (
     COUNTER,
     COUNTERS,
     SidelinkParameters,
-    in_band_emission,
 )
 from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray

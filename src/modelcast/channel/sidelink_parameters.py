@@ -1,10 +1,10 @@
-"""Constants of LTE-V2X mode 4, by document: sizes, windows, thresholds, leakage between sub-channels."""
+"""Constants of LTE-V2X mode 4, by document: sizes, windows, thresholds."""
 
 from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import IntArray
 
 __all__ = [
     "BITS_PER_BLOCK",
@@ -13,7 +13,6 @@ __all__ = [
     "COUNTER",
     "COUNTERS",
     "SidelinkParameters",
-    "in_band_emission",
     "j3161_sidelink_parameters",
 ]
 
@@ -243,38 +242,3 @@ def j3161_sidelink_parameters() -> SidelinkParameters:
         reselect_after=9,
         max_power_dbm=20.0,
     )
-
-
-def in_band_emission(sub_channels: int, blocks: int) -> FloatArray:
-    """Power that a sender leaks into each sub-channel, over its own there, (lengths, firsts, sub-channels).
-
-    Parameters
-    ----------
-    sub_channels
-        Sub-channels of the pool; row k is for messages of k + 1 of them.
-    blocks
-        Resource-block pairs in each.
-
-    Notes
-    -----
-    The mask of 3GPP TS 36.101, table 6.5.2A.3.1-1, for QPSK (EVM 17.5 %) with {W, X, Y, Z} = {3, 6, 3, 3} dB
-    (TR 36.885): the larger of -25 - 10 log(N/L) - X and 20 log EVM - 3 - 5(d - 1)/L - W for a block d blocks
-    away, and -25 - Y more on the image of the used blocks. Carrier leakage (-25 - Z) falls on the two middle
-    blocks. Averaged over the blocks of a sub-channel.
-    """
-    total = sub_channels * blocks
-    block = np.arange(total)
-    table = np.zeros((sub_channels, sub_channels, sub_channels))
-    for length in range(1, sub_channels + 1):
-        for first in range(sub_channels - length + 1):
-            start, stop, width = first * blocks, (first + length) * blocks - 1, length * blocks
-            away = np.maximum(start - block, block - stop)
-            general = -25.0 - 10.0 * np.log10(total / width) - 6.0
-            slope = 20.0 * np.log10(0.175) - 3.0 - 5.0 * (away - 1) / width - 3.0
-            leak = 10.0 ** (0.1 * np.maximum(general, slope))
-            image = total - 1 - block
-            leak = leak + np.where((image >= start) & (image <= stop), 10.0**-2.8, 0.0)
-            middle = (block == (total - 1) // 2) | (block == total // 2)
-            leak = np.where(away <= 0, 1.0, leak + np.where(middle, 10.0**-2.8, 0.0))
-            table[length - 1, first] = leak.reshape(sub_channels, blocks).mean(axis=1)
-    return table
