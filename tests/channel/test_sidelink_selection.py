@@ -13,7 +13,7 @@ from modelcast.channel.path_loss import LogDistance
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import Transmissions
 from modelcast.channel.sidelink import Sidelink
-from modelcast.channel.sidelink_kernels import BAND
+from modelcast.channel.sidelink_grant_kernels import BAND, NEXT
 from modelcast.channel.sidelink_parameters import SidelinkParameters, wilab_sidelink_parameters
 from modelcast.channel.sidelink_selection_kernels import MEMORY, select_resource
 
@@ -34,6 +34,16 @@ def message(size: int, ready_s: float = 0.0005) -> Transmissions:
         power_dbm=np.array([23.0]),
         message_id=np.array([1]),
     )
+
+
+def chosen_by(
+    radio: Sidelink, now: int, length: int, sensed: np.ndarray, reserved: np.ndarray, *, random: np.ndarray
+) -> tuple[int, int]:
+    """Subframe and first sub-channel of one choice."""
+    when, band, _, _ = select_resource(
+        0, now, length, radio.parameters.interval_ms, False, sensed, reserved, random, radio.constants
+    )
+    return when, band
 
 
 def candidates(
@@ -101,9 +111,7 @@ def test_chance_decides_among_the_resources_that_the_rules_leave(
     sensed, reserved = surroundings(radio, seed, sent)
     left = candidates(radio, 777, length, sensed, reserved)
     random = np.array([seed], dtype=np.uint64)
-    chosen = {
-        select_resource(0, 777, length, sensed, reserved, random, radio.constants) for _ in range(DRAWS)
-    }
+    chosen = {chosen_by(radio, 777, length, sensed, reserved, random=random) for _ in range(DRAWS)}
     assert chosen == left
 
 
@@ -116,7 +124,7 @@ def test_the_share_of_possible_resources_is_smaller_where_the_vehicle_was_sendin
     for of_possible, wanted in ((False, 4), (True, 2)):
         radio = radio_of(best_of_possible=of_possible, last_ms=20, sub_channels=1)
         random = np.array([5], dtype=np.uint64)
-        chosen = {select_resource(0, 0, 1, sensed, reserved, random, radio.constants) for _ in range(DRAWS)}
+        chosen = {chosen_by(radio, 0, 1, sensed, reserved, random=random) for _ in range(DRAWS)}
         assert len(chosen) == wanted
 
 
@@ -134,7 +142,7 @@ def test_a_reservation_made_of_late_counts_by_a_tenth_where_the_mean_decides() -
     for by_mean in (False, True):
         radio = radio_of(reserved_by_mean=by_mean, last_ms=20, sub_channels=1, best_ratio=0.1)
         random = np.array([5], dtype=np.uint64)
-        chosen = {select_resource(0, 0, 1, sensed, reserved, random, radio.constants) for _ in range(DRAWS)}
+        chosen = {chosen_by(radio, 0, 1, sensed, reserved, random=random) for _ in range(DRAWS)}
         found[by_mean] = {when for when, _ in chosen}
     assert found == {False: {1, 2}, True: {3, 4}}
 
@@ -145,7 +153,7 @@ def test_equally_quiet_resources_are_equally_likely() -> None:
     sensed = np.zeros((1, MEMORY, 1), dtype=np.float32)
     reserved = np.zeros((1, 100, 1), dtype=np.float32)
     random = np.array([5], dtype=np.uint64)
-    chosen = [select_resource(0, 0, 1, sensed, reserved, random, radio.constants)[0] for _ in range(4000)]
+    chosen = [chosen_by(radio, 0, 1, sensed, reserved, random=random)[0] for _ in range(4000)]
     share = np.bincount(chosen, minlength=21)[1:] / 4000
     assert np.abs(share - 0.05).max() < 0.02  # five standard deviations
 
@@ -178,10 +186,10 @@ def test_a_vehicle_that_chooses_first_by_chance_minds_no_reservation_once() -> N
                 state.sensed[0, 100 * second + loud] = 1e-6
             state.reserved[0, loud] = 1e-8
             _, state = radio.step(state, message(80), place_m, 0.001)
-            first += int(state.grant[0, 1]) % 100 in loud
+            first += int(state.grant[0, NEXT]) % 100 in loud
             state.grant[0, BAND] = -1
             _, state = radio.step(state, message(80, 0.0015), place_m, 0.002)
-            later += int(state.grant[0, 1]) % 100 in loud
+            later += int(state.grant[0, NEXT]) % 100 in loud
         assert least <= first <= most
         assert later == 0
 
@@ -217,7 +225,7 @@ def test_a_message_that_becomes_ready_in_its_own_subframe_does_not_push_the_last
         )
         heard, state = radio.step(state, batch, place_m, round(0.1 * (k + 1), 3))
         expired += heard.expired.size
-        waited += np.count_nonzero(state.grant[:, 1] % 100 == 50)
+        waited += np.count_nonzero(state.grant[:, NEXT] % 100 == 50)
     assert waited > 0
     assert expired == 0
 
