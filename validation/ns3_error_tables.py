@@ -1,8 +1,8 @@
 """Measure the packet errors of ns-3's table-based error model, and compare them with ours.
 
 Usage: python validation/ns3_error_tables.py NS3_PYTHON
-NS3_PYTHON is the interpreter of a virtual environment with pip's ``ns3`` 3.44. Needs g++. Prints the tables as
-`modelcast.channel.table_error_model` has them, and ends with 1 where they are others.
+NS3_PYTHON is the interpreter of a virtual environment with pip's ``ns3`` 3.44. Needs g++. Prints the tables
+as `modelcast.channel.table_error_model` has them, and ends with 1 where they are others.
 """
 
 import subprocess
