@@ -9,12 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from modelcast.channel.error_models import ThresholdErrorModel
+from modelcast.channel.in_band_emission import in_band_emission
 from modelcast.channel.path_loss import LogDistance
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import Receptions, Transmissions
 from modelcast.channel.sidelink import Sidelink, SidelinkState
-from modelcast.channel.sidelink_kernels import BAND
-from modelcast.channel.sidelink_parameters import SidelinkParameters, in_band_emission
+from modelcast.channel.sidelink_grant_kernels import BAND
+from modelcast.channel.sidelink_parameters import SidelinkParameters
 
 CLEAR = Propagation(LogDistance(2.0), None, None)
 
