@@ -49,7 +49,7 @@ class Case:
     range_m: float
     largest_bytes: int = 600
     heeds: tuple[str, ...] = ()
-    """Which of ``priority``, ``next_s`` and ``grant`` it does."""
+    """Which wishes of a transmission change what it does."""
 
 
 @dataclass(frozen=True)
@@ -76,11 +76,11 @@ def dsrc() -> FrameCase:
     )
 
 
-def sidelink(*, one_shot: bool = False) -> FrameCase:
-    radio = Sidelink(SidelinkParameters(bins=80, one_shot=one_shot))
+def sidelink(*heeds: str, **changes: Any) -> FrameCase:
+    radio = Sidelink(SidelinkParameters(bins=80, **changes))
 
     def clear(sensitivity_dbm: float) -> Sidelink:
-        parameters = SidelinkParameters(sensitivity_dbm=sensitivity_dbm, one_shot=one_shot)
+        parameters = SidelinkParameters(sensitivity_dbm=sensitivity_dbm, **changes)
         return Sidelink(parameters, CLEAR, ThresholdErrorModel(5.0))
 
     return FrameCase(
@@ -90,6 +90,7 @@ def sidelink(*, one_shot: bool = False) -> FrameCase:
         largest_bytes=400,
         sensitivity_dbm=radio.parameters.sensitivity_dbm,
         clear=clear,
+        heeds=("grant", *heeds),
     )
 
 
@@ -116,11 +117,7 @@ def nr(**changes: Any) -> FrameCase:
 def tabulated() -> Case:
     table = measured_table()
     radio = TabulatedRadio(table)
-    return Case(
-        radio,
-        lambda size_bytes: radio.preamble_s + 8e-6 * size_bytes / radio.rate_mbps,
-        table.bin_m * table.reception_ratios.shape[1],
-    )
+    return Case(radio, radio.airtime_s, table.bin_m * table.reception_ratios.shape[1])
 
 
 def erasure(channel: IndependentErasure | GilbertElliott) -> Case:
@@ -182,6 +179,8 @@ FRAME_RADIOS = {
     "dsrc": dsrc(),
     "sidelink": sidelink(),
     "sidelink-one-shot": sidelink(one_shot=True),
+    "sidelink-deployed": sidelink("next_s", transmissions=2, interleaved=True, interval_by_next=True),
+    "sidelink-by-next": sidelink("next_s", interval_by_next=True, grant_by_next=True),
     "nr": nr(),
     "nr-dynamic": nr(dynamic=True),
     "nr-copies": nr(transmissions=3, spacing_khz=30, bandwidth_mhz=20),
@@ -568,15 +567,15 @@ def test_what_a_sender_leaves_out_radios_see_in_full() -> None:
 
 @every_radio
 def test_what_a_radio_does_not_heed_changes_nothing(case: Case) -> None:
-    """Priority, next message and kind of grant."""
+    """Priority, next message and kind of grant, save those that a case names."""
     traffic, place_m = random_traffic(4, 40, 200, largest=case.largest_bytes)
     said = {
         "priority": np.arange(200) % 8,
         "next_s": traffic.ready_s + 0.1,
         "grant": np.full(200, int(Grant.ONE_SHOT)),
     }
-    said = replace(traffic, **{name: held for name, held in said.items() if name not in case.heeds})
-    assert_same(run(case.radio, traffic, place_m), run(case.radio, said, place_m))
+    unheeded = {name: column for name, column in said.items() if name not in case.heeds}
+    assert_same(run(case.radio, traffic, place_m), run(case.radio, replace(traffic, **unheeded), place_m))
 
 
 def test_every_radio_of_the_package_has_a_case(

@@ -14,7 +14,7 @@ from modelcast.channel.path_loss import LogDistance
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import Receptions, Transmissions
 from modelcast.channel.sidelink import Sidelink, SidelinkState
-from modelcast.channel.sidelink_kernels import BAND
+from modelcast.channel.sidelink_grant_kernels import BAND
 from modelcast.channel.sidelink_parameters import SidelinkParameters
 
 CLEAR = Propagation(LogDistance(2.0), None, None)

@@ -13,6 +13,7 @@ __all__ = [
     "COUNTER",
     "COUNTERS",
     "SidelinkParameters",
+    "j3161_sidelink_parameters",
 ]
 
 BITS_PER_BLOCK: dict[int, float] = {
@@ -62,7 +63,27 @@ class SidelinkParameters:
     keep_ratio
         Chance to keep the resource when the counter runs out; 0, .2, .4, .6 or .8.
     one_shot
-        Choose a resource for every message and reserve nothing.
+        Choose a resource for every message and reserve nothing; a message that asks for a `Grant` gets it.
+    transmissions
+        1, or 2 for a blind retransmission of every message, at most 15 subframes from the first copy. Copies
+        are not combined: a receiver holds the message where it receives any of them.
+    interleaved
+        Send a message now and then by a one-shot though its reserved turn fits, so that those who share a
+        resource do not collide for ever; the turn passes unused, and the reservation stays (SAE J3161/1).
+    one_shot_least, one_shot_most
+        Bounds of the counter of messages up to such a one-shot, drawn anew after each: 2 and 6 (A. Fouda, R.
+        Berry, I. Vukovic, arXiv:2110.00056; from memory).
+    interval_by_next
+        Announce with each message the interval with which the resource comes back for the next one: the
+        shortest, from `interval_ms` on, that is not over before that message is ready, by `Transmissions`'
+        ``next_s``; it is given up where another announced the place it would come back to. A message without
+        ``next_s`` has `interval_ms`.
+    grant_by_next
+        Reserve only where the next message is expected within the longest interval announced; else a
+        message is a one-shot, and the resource it was sent in is not kept. For messages that ask for no
+        `Grant`.
+    longest_interval_ms
+        Longest interval where it is chosen by the next message, a multiple of 100 up to 1000 [ms].
     reselect_after
         A resource is given up after so many turns in a row without a message (sl-ReselectAfter, 1..9).
     best_ratio
@@ -103,6 +124,13 @@ class SidelinkParameters:
     last_ms: int = 100
     keep_ratio: float = 0.8
     one_shot: bool = False
+    transmissions: int = 1
+    interleaved: bool = False
+    one_shot_least: int = 2
+    one_shot_most: int = 6
+    interval_by_next: bool = False
+    grant_by_next: bool = False
+    longest_interval_ms: int = 1000
     reselect_after: int = 1
     best_ratio: float = 0.2
     reserved_dbm: float = -110.0
@@ -134,6 +162,28 @@ class SidelinkParameters:
                 raise ValueError(f"{name} must lie within 0..1, got {getattr(self, name)}")
         if not self.bin_m > 0:
             raise ValueError(f"bin_m must be positive, got {self.bin_m}")
+        self._check_grants()
+
+    def _check_grants(self) -> None:
+        if self.transmissions not in (1, 2):
+            raise ValueError(f"transmissions must be 1 or 2, got {self.transmissions}")
+        if not 1 <= self.one_shot_least <= self.one_shot_most:
+            raise ValueError(
+                f"one_shot_least must lie within 1..one_shot_most, got {self.one_shot_least} and "
+                f"{self.one_shot_most}"
+            )
+        longest_ms = self.longest_interval_ms
+        if longest_ms not in range(100, 1001, 100) or longest_ms < self.interval_ms:
+            raise ValueError(
+                f"longest_interval_ms must be 100, 200, ... 1000 and at least interval_ms, got {longest_ms}"
+            )
+        if self.interleaved and self.one_shot:
+            raise ValueError("interleaved one-shots need reservations: one_shot must be False")
+
+    @property
+    def horizon_ms(self) -> int:
+        """Longest interval that is announced [ms]."""
+        return self.longest_interval_ms if self.interval_by_next else self.interval_ms
 
     @property
     def sub_channel_hz(self) -> float:
@@ -156,3 +206,39 @@ class SidelinkParameters:
         """
         data = np.ceil(8.0 * np.asarray(size_bytes) / BITS_PER_BLOCK[self.mcs]).astype(np.int64)
         return -(-(data + self.control_blocks) // self.blocks)
+
+
+def j3161_sidelink_parameters() -> SidelinkParameters:
+    """Return LTE-V2X as deployed in the United States: SAE J3161/1 over 20 MHz (channel 183).
+
+    100 resource blocks in ten sub-channels, every message sent twice, one-shots interleaved with
+    reservations, an interval that follows the timers of congestion control, 20 dBm at most.
+
+    Notes
+    -----
+    The standard is not public. That it interleaves one-shots and retransmits blindly is published; the ten
+    sub-channels, the bounds of the counter and MCS 5 are ours, from memory of what its studies simulate. A
+    reservation survives eight turns without a message: congestion control may send every sixth only.
+
+    References
+    ----------
+    SAE J3161/1, "On-Board System Requirements for LTE-V2X V2V Safety Communications". A. Fouda, R. Berry, I.
+    Vukovic, "Interleaved One-shot Semi-Persistent Scheduling for BSM Transmissions in C-V2X Networks",
+    arXiv:2110.00056, and "Study of BSM Inter-Packet Gap Tails in C-V2X Networks", arXiv:2311.16904.
+
+    Examples
+    --------
+    >>> deployed = j3161_sidelink_parameters()
+    >>> deployed.sub_channels * deployed.blocks, deployed.transmissions, deployed.interleaved
+    (100, 2, True)
+    """
+    return SidelinkParameters(
+        5,
+        10,
+        transmissions=2,
+        interleaved=True,
+        interval_by_next=True,
+        longest_interval_ms=600,
+        reselect_after=9,
+        max_power_dbm=20.0,
+    )
