@@ -211,7 +211,7 @@ def test_a_message_takes_sub_channels_that_it_does_not_fill() -> None:
 
 def test_a_message_that_becomes_ready_in_its_own_subframe_does_not_push_the_last_one_out() -> None:
     """Of 400 vehicles four or so choose the last subframe of the window: the one of the next message."""
-    place_m = np.column_stack([40_000.0 * np.arange(400), np.zeros(400)])
+    place_m = np.column_stack([np.linspace(0.0, 16e6, 400), np.zeros(400)])
     radio = radio_of()
     state = radio.init(400, np.random.default_rng(3))
     expired, waited = 0, 0
