@@ -70,6 +70,8 @@ class NetworkPlan:
         Driven by a configuration of SUMO before the run begins [s].
     certificates
         Rule of the certificates.
+    more_bytes
+        Of every message of a vehicle, beside what it is known to hold.
     banks, profile, start, identify, cost
         Of senders of models, as users name them.
     threads
@@ -134,6 +136,7 @@ class NetworkPlan:
     algorithm: str | None = None
     roadside: RoadsidePlan | None = None
     people: PeoplePlan | None = None
+    more_bytes: int = 0
 
     def as_plain(self) -> dict[str, Any]:
         """What every run depends on, as plain values; files by their names, the sensor with its figures.
@@ -158,6 +161,7 @@ class NetworkPlan:
             "algorithm",
             "roadside",
             "people",
+            "more_bytes",
         ):
             if not found[name]:
                 del found[name]

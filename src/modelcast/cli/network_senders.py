@@ -95,6 +95,7 @@ def sender_of(
             relaxed_error_m=plan.relaxed_error_m,
             motion=motion,
             stack=Stack(plan.certificates),
+            more_bytes=plan.more_bytes,
         ).of_kind(kind)
     except ValueError as error:
         what = f"--policy {policy}" + ("" if named is None else f" --bank {bank}")
