@@ -305,7 +305,6 @@ def named_sender(
     relaxed_error_m: float | None = None,
     motion: MotionFilter | None = None,
     stack: Stack | None = None,
-    more_bytes: int = 0,
 ) -> Sender:
     """The sender of that name.
 
@@ -339,8 +338,6 @@ def named_sender(
         Filter of those that filter their motion; None for one that knows the default sensors.
     stack
         What goes round the payload; None for the default table.
-    more_bytes
-        Of every message beside what it is known to hold, as in `SizeModel`.
 
     Raises
     ------
@@ -402,8 +399,7 @@ def named_sender(
         name,
         policy,
         chosen,
-        stack=around if frames is None else replace(around, certificates="unsigned"),
-        sizes=SizeModel(more_bytes),
+        stack=around if frames is None else replace(around, certificates="unsigned", other_bytes=0),
         frames=frames,
         start=first,
         within_m=within_m,
