@@ -104,8 +104,8 @@ def run_block(found: Found, rows: Rows) -> list[str]:
     states = len({done.sources for done in found.values()})
     of = "one state of the sources" if states == 1 else f"{states} states of the sources"
     note = (
-        f"{len(found):,} runs, {minutes:,.0f} minutes of processor time, modelcast {package_version()}, {of}. "
-        f"{MACHINE}. A run that two calls ask for was made once, and counts in both lines."
+        f"{len(found):,} runs, {minutes:,.0f} minutes of processor time, modelcast {package_version()}, {of}."
+        f" {MACHINE}. A run that two calls ask for was made once, and counts in both lines."
     )
     heads = ("call", "radio", "senders", "receivers", "seeds at vehicles/km", "runs")
     return [*_table(heads, lines), "", note]
