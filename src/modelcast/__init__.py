@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from modelcast.channel.external_radio import AbstractExternalRadio as AbstractExternalRadio
     from modelcast.channel.external_radio import AbstractRadioSimulator as AbstractRadioSimulator
     from modelcast.channel.external_radio import CarriedFrames as CarriedFrames
+    from modelcast.channel.nr import Nr as Nr
+    from modelcast.channel.nr_parameters import NrParameters as NrParameters
     from modelcast.channel.radio import OUTCOMES as OUTCOMES
     from modelcast.channel.radio import AbstractRadio as AbstractRadio
     from modelcast.channel.radio import Receptions as Receptions
@@ -227,6 +229,8 @@ _HOMES = {
     "Motions": "apps.motions",
     "NetworkSettings": "runtime.fleet.settings",
     "NetworkSimulation": "interface.network",
+    "Nr": "channel.nr",
+    "NrParameters": "channel.nr_parameters",
     "OUTCOMES": "channel.radio",
     "PAPER_BANK": "station.banks",
     "PathCacc": "apps.cruise.path",

@@ -18,8 +18,10 @@ RADIOS: OpenGroup[AbstractRadio[Any]] = OpenGroup(
     own={
         "dsrc": "modelcast.channel.dsrc:Dsrc",
         "sidelink": "modelcast.channel.sidelink:Sidelink",
+        "nr": "modelcast.channel.nr:Nr",
         "abstract": "modelcast.channel.tabulated:TabulatedRadio",
         "ideal": "modelcast.channel.erasure_radio:ErasureRadio",
     },
 )
-"""IEEE 802.11p, LTE-V2X sidelink, a table of losses, no loss within a range; and those of other packages."""
+"""IEEE 802.11p, LTE-V2X and NR-V2X sidelink, a table of losses, no loss within a range; and those of other
+packages."""

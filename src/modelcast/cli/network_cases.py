@@ -91,11 +91,15 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
     ]
 
 
+_RESERVING = ("sidelink", "nr")
+"""Radios whose stations hold one message until its reserved time."""
+
+
 def _check_roadside(roadside: RoadsidePlan, varied: Varied) -> None:
     """Refuse units that cannot be had, before anything runs."""
     if any(mixed_of(name).is_mixed for name in varied.policies):
         raise ConfigError("--roadside goes with one sender a fleet: units read messages of one bank")
-    if roadside.relay is not None and any(named_settings(word)[0] == "sidelink" for word in varied.radios):
+    if roadside.relay is not None and any(named_settings(word)[0] in _RESERVING for word in varied.radios):
         raise ConfigError(
             "--relay goes with --radio dsrc, abstract or ideal: a sidelink station holds one message at a "
             "time and sends it at its reserved time, so a relay there would lose most of what it repeats"
