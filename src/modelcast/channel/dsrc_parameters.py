@@ -99,8 +99,8 @@ class DsrcParameters:
         Whether a message that finds the medium idle for AIFS goes out at once (10.23.2.4); else every message
         counts down first.
     aifs_on_arrival
-        Whether a message that counts down first waits for AIFS from when it became ready; else idle time before
-        counts. Only without ``immediate_access``.
+        Whether a message that counts down first waits for AIFS from when it became ready; else idle time
+        before counts. Only without ``immediate_access``.
     extended_s
         After a frame it could not decode, a vehicle waits this long more before it counts (EIFS, 10.3.2.3.7):
         SIFS and an acknowledgement at 3 Mb/s, 32 + 88 us [s].
