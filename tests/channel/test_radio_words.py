@@ -144,7 +144,7 @@ def test_another_kind_of_a_part_leaves_the_presets_settings_of_it() -> None:
     [
         (
             "dsrc:noise_figure=3",
-            "no setting 'noise_figure' (is noise_figure_db meant?). Settings: access, aifsn,",
+            "no setting 'noise_figure' (is noise_figure_db meant?). Settings: access, aifs_on_arrival,",
         ),
         ("dsrc:zzz=3", "there is no setting 'zzz'. Settings: access"),
         ("dsrc:noise_figure_db=loud", "noise_figure_db must be a number, got loud"),

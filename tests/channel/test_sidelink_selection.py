@@ -129,7 +129,7 @@ def test_the_share_of_possible_resources_is_smaller_where_the_vehicle_was_sendin
 
 
 def test_a_reservation_made_of_late_counts_by_a_tenth_where_the_mean_decides() -> None:
-    """All but resources 1 and 2 are reserved at 8 dB above the bound, heard once: the mean is 2 dB below."""
+    """All but two resources are reserved 8 dB above the bound, heard once: their mean is 2 dB below."""
     once_mw = 10 ** (0.1 * (-110.0 + 8.0)) * 120
     sensed = np.zeros((1, MEMORY, 1), dtype=np.float32)
     sensed[0, MEMORY - 100 + 3 : MEMORY - 100 + 21] = once_mw
