@@ -32,7 +32,7 @@ from ns3_radio.radio import ERROR_MODELS
 LENGTH_M, PERIOD_S, BIN_M, BINS = 1000.0, 0.1, 50.0, 10
 OVERHEAD = 36  # MAC header 24, FCS 4, LLC and SNAP 8
 SEEDS = 3
-PAIRS = {50: 3, 100: 3, 200: 3}
+PAIRS = {50: 3, 100: 3, 200: 9}
 """Timed pairs of runs by number of nodes: each seed as often as the next."""
 TARGET = 0.05
 
@@ -52,6 +52,8 @@ class Air(NamedTuple):
     errors: str = "nist"
     seconds: float = 10.0
     tail_s: float = 0.0
+    energy_dbm: float = -82.0
+    """Of our radio alone: ns-3's is its default."""
 
     @property
     def turns(self) -> int:
@@ -108,6 +110,7 @@ def radio(air: Air = NIST) -> Dsrc:
         "decodable_dbm": -98.0,
         "preamble_db": 2.0,
         "capture_db": 2.0,
+        "energy_dbm": air.energy_dbm,
         "exponent": air.exponent,
         "reference_loss_db": 47.86,
         "fading": "nakagami",
