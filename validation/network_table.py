@@ -25,6 +25,7 @@ from modelcast.cli.fleet_options import FleetOptions
 from modelcast.cli.network_case import run_case
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.options import SensorOptions
+from modelcast.core.arrays import IntArray
 from modelcast.core.version import package_version
 from modelcast.station.sender.names import has_threshold, sends_models
 from modelcast.study.network.rows import NO_BANK, NO_THRESHOLD, NetworkCase
@@ -83,8 +84,9 @@ def run_again(cells: Sequence[Cell], folder: Path, count: int) -> int:
     held = [(cell, done) for cell in cells if (done := kept(folder, cell)) is not None]
     older = [(cell, done) for cell, done in held if done.sources != state]
     differ = 0
-    for at in np.random.default_rng(0).permutation(len(older))[:count].tolist():
-        cell, done = older[at]
+    order: IntArray = np.random.default_rng(0).permutation(len(older))
+    for at in order[:count]:
+        cell, done = older[int(at)]
         now = run(cell, state)
         moved = [name for name in FIGURES if repr(now.figures[name]) != repr(done.figures[name])]
         differ += bool(moved)
