@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
 
-from modelcast.channel.registry import RADIOS
+from modelcast.channel.radio_words import get_radio
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.version import package_version
 from modelcast.station.sender.names import SENDERS
@@ -70,7 +70,7 @@ MOST_QUICK_PER_KM = 400.0
 def _is_known(radio: str) -> bool:
     """Whether this version has a radio of that word."""
     try:
-        _ = RADIOS.made_from(radio)
+        _ = get_radio(radio)
     except ConfigError:
         return False
     return True
