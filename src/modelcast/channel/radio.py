@@ -88,7 +88,7 @@ class Transmissions:
     Notes
     -----
     Radios see ``priority``, ``next_s`` and ``grant`` as full columns, whether left out or not. Each says
-    which of them it heeds: today none does.
+    which of them it heeds; `Sidelink` heeds the last two.
     """
 
     sender: IntArray

@@ -2,7 +2,9 @@
 
 `Sidelink` simulates sensing-based semi-persistent scheduling of one pool of sub-channels. A vehicle holds one
 message at most; a newer one takes its place. Periodic traffic suits it; for messages at uneven times there
-is the one-shot grant (`SidelinkParameters.one_shot`), chosen by the same sensing and never announced.
+is the one-shot grant (`Grant.ONE_SHOT`, `SidelinkParameters.one_shot`), chosen by the same sensing and never
+announced, and the interval that is announced by when the next message is expected. SAE J3161/1 interleaves
+one-shots with reservations and sends every message twice (`j3161_sidelink_parameters`).
 """
 
 from dataclasses import KW_ONLY, dataclass, field, replace
@@ -11,24 +13,26 @@ from typing import Self
 import numpy as np
 
 from modelcast.channel.antennas import antennas, checked_gains
+from modelcast.channel.copies_kernels import PAIR_COLUMNS, Copies
 from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
 from modelcast.channel.error_models import AbstractErrorModel, TabulatedErrorModel
 from modelcast.channel.frame_kernels import Heard
 from modelcast.channel.frame_radio import AbstractFrameRadio, asked, error_units, has_shadowing
+from modelcast.channel.in_band_emission import in_band_emission
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import Transmissions
 from modelcast.channel.shadow_sweep import renew_pairs
 from modelcast.channel.shadowing_kernels import lay_out
-from modelcast.channel.sidelink_kernels import BAND, GRANT_COLUMNS, MESSAGE, Memory, advance, find_reach
+from modelcast.channel.sidelink_grant_kernels import BAND, GRANT_COLUMNS, MESSAGE, TURNS
+from modelcast.channel.sidelink_kernels import Memory, advance, find_reach
 from modelcast.channel.sidelink_parameters import (
     BITS_PER_BLOCK,
     BLOCK_ELEMENTS,
     COUNTER,
     COUNTERS,
     SidelinkParameters,
-    in_band_emission,
 )
 from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
@@ -54,14 +58,16 @@ class SidelinkState:
     sensed
         S-RSSI of the last 1000 subframes, infinite where the vehicle sent, (V, 1000, sub-channels) [mW].
     reserved
-        Power of an element of the strongest reservation by phase of the interval, (V, interval, sub-channels)
-        [mW].
+        Power of an element of the strongest reservation by phase of the longest interval, (V, interval,
+        sub-channels) [mW].
     busy_ratio
         Of the last full window, (V,).
     pairs, pair_count
         Shadowing of pairs, as `Pairs` has it, (V, S, 4), (V,).
     gain_db
         Of the antennas, beside a vehicle's, (V,) [dB].
+    copy_pair, copy_span
+        Messages of which a copy is still to come at their receivers, as `Copies` has them, (P, 3), (V, 2).
     """
 
     t_s: float
@@ -75,6 +81,8 @@ class SidelinkState:
     pairs: SingleArray
     pair_count: IntArray
     gain_db: FloatArray
+    copy_pair: IntArray
+    copy_span: IntArray
 
     @property
     def vehicles(self) -> int:
@@ -97,11 +105,12 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
 
     Notes
     -----
-    Time runs in subframes of 1 ms; steps must end on one. A message ready in subframe n is looked at in n
-    and sent in n + T1 to n + T2. All have one reservation interval; ``priority``, ``next_s`` and ``grant`` of
-    a transmission are not heeded, `SidelinkParameters.one_shot` speaks for all messages. Of lost frames,
-    ``concurrent`` means that the strongest interferer was near enough to hear the sender's reservations
-    (median power), ``hidden`` that it was not.
+    Time runs in subframes of 1 ms; steps must end on one. A message ready in subframe n is looked at when n
+    is over and sent in n + T1 to n + T2. ``grant`` of a transmission is heeded, ``next_s`` where the
+    parameters say so (`SidelinkParameters.interval_by_next`, ``grant_by_next``), ``priority`` not at all. Of
+    lost frames, ``concurrent`` means that the strongest interferer was near enough to hear the sender's
+    reservations (median power), ``hidden`` that it was not. Of a message sent twice a pair counts once, when
+    the second copy has gone out: as received, or by what became of that one.
 
     Examples
     --------
@@ -154,14 +163,26 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             sub_channels=p.sub_channels,
             overlapping=p.overlapping,
             first=p.first_ms,
-            last=min(p.last_ms, p.interval_ms),
+            last=p.last_ms if p.interval_by_next else min(p.last_ms, p.interval_ms),
             interval=p.interval_ms,
+            longest=p.horizon_ms,
+            horizon=p.horizon_ms,
+            copies=p.transmissions,
             one_shot=p.one_shot,
+            interleaved=p.interleaved,
+            interval_by_next=p.interval_by_next,
+            grant_by_next=p.grant_by_next,
+            shots_low=p.one_shot_least,
+            shots_high=p.one_shot_most,
             counter_low=low,
             counter_high=high,
             keep_ratio=p.keep_ratio,
             reselect_after=p.reselect_after,
             best_ratio=p.best_ratio,
+            best_of_possible=p.best_of_possible,
+            reserved_by_mean=p.reserved_by_mean,
+            first_by_chance=p.first_by_chance,
+            noise_counts=p.noise_counts,
             reserved_mw=power_ratio(p.reserved_dbm),
             elements=float(BLOCK_ELEMENTS),
             noise_mw=power_ratio(noise_dbm),
@@ -176,6 +197,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             bin_m=p.bin_m,
             bins=p.bins,
             blocks=p.blocks,
+            least_sub_channels=p.least_sub_channels,
             bits_per_block=BITS_PER_BLOCK[p.mcs],
             control_blocks=p.control_blocks,
             units_fixed=units_fixed,
@@ -196,19 +218,23 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
         """State at time 0 of V vehicles."""
         p = self.parameters
         grant = np.zeros((vehicles, GRANT_COLUMNS), dtype=np.int64)
-        grant[:, BAND] = grant[:, MESSAGE] = -1
+        grant[:, BAND : BAND + TURNS] = -1
+        grant[:, MESSAGE] = -1
         pairs = empty_pairs(vehicles, 16)
+        quiet_mw = self.constants.noise_mw if p.noise_counts else 0.0
         return SidelinkState(
             0.0,
             random,
             grant=grant,
             power_dbm=np.zeros(vehicles),
-            sensed=np.full((vehicles, MEMORY, p.sub_channels), self.constants.noise_mw, dtype=np.float32),
-            reserved=np.zeros((vehicles, p.interval_ms, p.sub_channels), dtype=np.float32),
+            sensed=np.full((vehicles, MEMORY, p.sub_channels), quiet_mw, dtype=np.float32),
+            reserved=np.zeros((vehicles, p.horizon_ms, p.sub_channels), dtype=np.float32),
             busy_ratio=np.zeros(vehicles),
             pairs=pairs.held,
             pair_count=pairs.owned,
             gain_db=np.zeros(vehicles),
+            copy_pair=np.empty((0, PAIR_COLUMNS), dtype=np.int64),
+            copy_span=np.zeros((vehicles, 2), dtype=np.int64),
         )
 
     def fit_antennas(self, state: SidelinkState, gain_db: FloatArray) -> SidelinkState:
@@ -230,11 +256,12 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
         fitted = antennas(state.gain_db)
         sweep = lay_out(reach_m2, position_m, fitted.weak, self.constants.range_m)
         pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
-        heard = advance(
+        copies = Copies(state.copy_pair, state.copy_span, np.full(state.vehicles, -1, dtype=np.int64))
+        heard, copy_pair, copy_span = advance(
             round(state.t_s * 1e3),
             round(until_t_s * 1e3),
             state.random,
-            Memory(state.grant, state.power_dbm, state.sensed, state.reserved, state.busy_ratio),
+            Memory(state.grant, state.power_dbm, state.sensed, state.reserved, state.busy_ratio, copies),
             sent,
             sweep,
             fitted,
@@ -243,7 +270,15 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             self.tables,
             self.constants,
         )
-        return heard, replace(state, t_s=until_t_s, pairs=pairs.held, pair_count=pairs.owned)
+        after = replace(
+            state,
+            t_s=until_t_s,
+            pairs=pairs.held,
+            pair_count=pairs.owned,
+            copy_pair=copy_pair,
+            copy_span=copy_span,
+        )
+        return heard, after
 
     def channel_busy_ratio(self, state: SidelinkState) -> FloatArray:
         """Share of sub-channels above -94 dBm in the last full 100 subframes of every vehicle, 0..1, (V,)."""

@@ -1,7 +1,8 @@
 """Compiled LTE-V2X mode 4: one interval of sensing-based semi-persistent scheduling, subframe by subframe.
 
-In every subframe of 1 ms: messages become ready and choose a resource if they have none; vehicles whose turn
-it is send; everybody else adds up the power in each sub-channel, decodes what it can, and remembers both.
+In every subframe of 1 ms: vehicles whose turn it is send; everybody else adds up the power in each
+sub-channel, decodes what it can, and remembers both; messages that became ready choose a resource if they
+have none that fits.
 """
 
 from typing import NamedTuple
@@ -10,11 +11,37 @@ import numpy as np
 
 from modelcast.channel.antennas import Antennas
 from modelcast.channel.cells_kernels import Cells, find_in_range
+from modelcast.channel.copies_kernels import Copies, copies_room, kept_copies, seek_pairs, settle, tell
 from modelcast.channel.error_kernels import hazard_at
 from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_heard
 from modelcast.channel.propagation_kernels import PropagationTables, fading_factor, is_raised, median_ln
 from modelcast.channel.random_kernels import LUCK, next_word, uniform, uniform_of, word_of
 from modelcast.channel.shadowing_kernels import SILENT, ShadowRows, Sweep, shadow_of
+from modelcast.channel.sidelink_grant_kernels import (
+    AHEAD,
+    BAND,
+    BYTES,
+    COUNTER,
+    INTERVAL,
+    LENGTH,
+    MESSAGE,
+    NEXT,
+    RESERVED,
+    SENT,
+    SHOT,
+    SHOT_LENGTH,
+    SHOTS,
+    SKIPS,
+    TURNS,
+    UNUSED,
+    VIA,
+    WISH,
+    draw_counter,
+    draw_shots,
+    interval_for,
+    is_foreseen,
+    wants_one_shot,
+)
 from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants, select_resource
 from modelcast.core.exponential_kernels import fast_exp
 from modelcast.core.kernel import kernel
@@ -30,19 +57,10 @@ from modelcast.core.kernel_types import (
     UInt64Vector,
 )
 
-__all__ = [
-    "BAND",
-    "GRANT_COLUMNS",
-    "MESSAGE",
-    "NEXT",
-    "Memory",
-    "advance",
-    "find_reach",
-]
+__all__ = ["Memory", "advance", "find_reach"]
 
-# Columns of ``grant`` (V, GRANT_COLUMNS): integers.
-BAND, NEXT, _COUNTER, _UNUSED, _LENGTH, MESSAGE, _READY, _BYTES = 0, 1, 2, 3, 4, 5, 6, 7
-GRANT_COLUMNS = 8
+_ANY = 0
+_ALTERNATIVES_MS = 100
 _RECEIVED, _HALF_DUPLEX, _WEAK, _HIDDEN, _CONCURRENT = 0, 1, 2, 3, 4
 
 
@@ -54,6 +72,7 @@ class Memory(NamedTuple):
     sensed: Float32Cube
     reserved: Float32Cube
     busy_ratio: FloatVector
+    copies: Copies
 
 
 class Air(NamedTuple):
@@ -71,9 +90,14 @@ class Air(NamedTuple):
 
 
 class Turns(NamedTuple):
-    """Who sends in a subframe, in turn: ``vehicle``, ``place`` (V, 2), ``seed``, and their first links."""
+    """Who sends in a subframe, in turn: ``vehicle``, ``place`` (V, 2), ``seed``, and their first links.
+
+    ``which`` of the vehicle's turns it is, and its ``band``.
+    """
 
     vehicle: IntVector
+    which: IntVector
+    band: IntVector
     place: FloatMatrix
     seed: IntVector
     first_link: IntVector
@@ -104,9 +128,15 @@ def _used(size_bytes: int, constants: SidelinkConstants) -> int:
 
 
 @kernel(inlined=True)
-def _draw_counter(random: UInt64Vector, constants: SidelinkConstants) -> int:
-    span = constants.counter_high - constants.counter_low + 1
-    return constants.counter_low + int(uniform(random) * span)
+def _length_of(used_blocks: int, constants: SidelinkConstants) -> int:
+    """Return the sub-channels that a message of so many resource-block pairs takes."""
+    return max((used_blocks + constants.blocks - 1) // constants.blocks, constants.least_sub_channels)
+
+
+@kernel(inlined=True)
+def _filled(used_blocks: int, place: int, constants: SidelinkConstants) -> float:
+    """Return how much a message fills the ``place``-th sub-channel that it takes, 0..1."""
+    return min(max(used_blocks - place * constants.blocks, 0), constants.blocks) / constants.blocks
 
 
 @kernel(inlined=True)
@@ -126,10 +156,10 @@ def _receive_powers(
     """Add the power of one sender to the vehicles in range; return how many links there are."""
     v, seed = int(turns.vehicle[turn]), int(turns.seed[turn])
     sent_ln = (constants.gain_db + memory.power_dbm[v]) * np.log(10.0) / 10.0 + around.gain_ln[v]
-    band, used_blocks = int(memory.grant[v, BAND]), _used(int(memory.grant[v, _BYTES]), constants)
+    band, used_blocks = int(turns.band[turn]), _used(int(memory.grant[v, BYTES]), constants)
     position_m, cells, near = around.position_m, around.cells, around.near
     power, top_mw, top_turn = air.power, air.top_mw, air.top_turn
-    length = (used_blocks + constants.blocks - 1) // constants.blocks
+    length = _length_of(used_blocks, constants)
     east, north = position_m[v, 0], position_m[v, 1]
     for n in range(find_in_range(v, position_m, cells, constants.range_m, near)):
         k = near[n, 0]
@@ -147,16 +177,18 @@ def _receive_powers(
         )
         group = min(int(distance_m / constants.bin_m), constants.bins)
         if power_mw < constants.quiet_mw:
-            if group < constants.bins:
+            if constants.copies > 1:
+                # Whether it counts is seen once all copies have gone out.
+                links.receiver[used], links.mw[used], links.bin[used] = j, 0.0, group
+                used += 1
+            elif group < constants.bins:
                 outcomes[group, _HALF_DUPLEX if air.sends[j] else _WEAK] += 1
             continue
         density_mw = power_mw * constants.blocks / used_blocks
         for s in range(constants.sub_channels):
             share_mw = density_mw * leak[length - 1, band, s]
             if band <= s < band + length:
-                share_mw *= (
-                    min(used_blocks - (s - band) * constants.blocks, constants.blocks) / constants.blocks
-                )
+                share_mw *= _filled(used_blocks, s - band, constants)
             power[j, s] += share_mw
             if share_mw > top_mw[j, s, 0]:
                 top_mw[j, s, 1], top_turn[j, s, 1] = top_mw[j, s, 0], top_turn[j, s, 0]
@@ -183,14 +215,13 @@ def _judge(
     """Return what became of a frame at a listening receiver, and its SINR."""
     place, power, top_mw, top_turn = turns.place, air.power, air.top_mw, air.top_turn
     used_blocks = _used(size_bytes, constants)
-    length = (used_blocks + constants.blocks - 1) // constants.blocks
+    length = _length_of(used_blocks, constants)
     noise_mw = constants.noise_mw * used_blocks / constants.blocks
     density_mw = power_mw * constants.blocks / used_blocks
     other_mw = 0.0
     worst_mw, worst = 0.0, -1
     for s in range(band, band + length):
-        share = min(used_blocks - (s - band) * constants.blocks, constants.blocks) / constants.blocks
-        other_mw += max(power[j, s] - density_mw * share, 0.0)
+        other_mw += max(power[j, s] - density_mw * _filled(used_blocks, s - band, constants), 0.0)
         rank = 1 if top_turn[j, s, 0] == turn else 0
         if top_mw[j, s, rank] > worst_mw:
             worst_mw, worst = top_mw[j, s, rank], top_turn[j, s, rank]
@@ -225,29 +256,117 @@ def find_reach(
     return reach_m2
 
 
+@kernel(inlined=True)
+def _fits(
+    v: int, kind: int, subframe: int, length: int, grant: IntMatrix, constants: SidelinkConstants
+) -> bool:
+    """Whether a turn of a kind is there for a message that is ready, in time and long enough."""
+    long_enough = grant[v, LENGTH if kind == RESERVED else SHOT_LENGTH] >= length
+    ahead = grant[v, NEXT + kind] - subframe
+    return bool(grant[v, BAND + kind] >= 0 and long_enough and constants.first <= ahead <= constants.last)
+
+
+@kernel
+def _choose(
+    v: int,
+    kind: int,
+    subframe: int,
+    length: int,
+    interval: int,
+    memory: Memory,
+    random: UInt64Vector,
+    constants: SidelinkConstants,
+) -> None:
+    """Choose the turns of a kind by sensing, or by chance where it is the first and the parameters say so."""
+    grant = memory.grant
+    blind = constants.first_by_chance and grant[v, LENGTH] == 0 and grant[v, SHOT_LENGTH] == 0
+    when, band, when_again, band_again = select_resource(
+        v, subframe, length, interval, blind, memory.sensed, memory.reserved, random, constants
+    )
+    grant[v, BAND + kind], grant[v, NEXT + kind] = band, when
+    grant[v, BAND + kind + 1], grant[v, NEXT + kind + 1] = band_again, when_again
+
+
 @kernel
 def _take_in(
     n: int, subframe: int, memory: Memory, asked: Asked, random: UInt64Vector, constants: SidelinkConstants
 ) -> None:
     """Let a message wait for the vehicle's resource; choose one where it has none that fits."""
-    grant, v, size_bytes = memory.grant, asked.sender[n], asked.size_bytes[n]
-    length = (_used(size_bytes, constants) + constants.blocks - 1) // constants.blocks
-    grant[v, MESSAGE], grant[v, _READY], grant[v, _BYTES] = asked.message_id[n], subframe, size_bytes
+    grant, v, size_bytes, wish = memory.grant, asked.sender[n], asked.size_bytes[n], asked.grant[n]
+    length = _length_of(_used(size_bytes, constants), constants)
+    grant[v, MESSAGE], grant[v, BYTES], grant[v, WISH] = asked.message_id[n], size_bytes, wish
+    grant[v, AHEAD] = int(np.floor(asked.next_s[n] * 1e3 + 1e-6)) if asked.next_s[n] < 1e12 else -1
+    grant[v, VIA], grant[v, SENT], grant[v, SKIPS] = RESERVED, 0, 0
     memory.power_dbm[v] = asked.power_dbm[n]
-    ahead = grant[v, NEXT] - subframe
-    fits = grant[v, BAND] >= 0 and grant[v, _LENGTH] >= length
-    if fits and constants.first <= ahead <= constants.last:
+    fits = _fits(v, RESERVED, subframe, length, grant, constants)
+    shot = wants_one_shot(wish, constants)
+    if constants.interleaved and fits and not shot:
+        grant[v, SHOTS] -= 1
+        if grant[v, SHOTS] <= 0:
+            grant[v, SHOTS], grant[v, SKIPS], shot = draw_shots(random, constants), 1, True
+    if fits and not shot:
         return
-    when_next, band = select_resource(v, subframe, length, memory.sensed, memory.reserved, random, constants)
-    grant[v, BAND], grant[v, NEXT], grant[v, _LENGTH] = band, when_next, length
-    grant[v, _COUNTER] = 1 if constants.one_shot else _draw_counter(random, constants)
-    grant[v, _UNUSED] = 0
+    if wish == _ANY and constants.grant_by_next and not shot:
+        shot = not is_foreseen(grant, v, subframe + constants.first, constants)
+        if shot:
+            grant[v, BAND] = grant[v, BAND + 1] = -1
+    if shot:
+        grant[v, VIA] = SHOT
+        if not _fits(v, SHOT, subframe, length, grant, constants):
+            _choose(v, SHOT, subframe, length, 0, memory, random, constants)
+            grant[v, SHOT_LENGTH] = length
+        return
+    interval = interval_for(grant, v, subframe + constants.first, constants)
+    _choose(v, RESERVED, subframe, length, interval, memory, random, constants)
+    grant[v, LENGTH], grant[v, COUNTER], grant[v, UNUSED] = length, draw_counter(random, constants), 0
+    grant[v, INTERVAL] = interval
+    if constants.interleaved and grant[v, SHOTS] <= 0:
+        grant[v, SHOTS] = draw_shots(random, constants)
+
+
+@kernel(inlined=True)
+def _pass_by(v: int, which: int, grant: IntMatrix, constants: SidelinkConstants) -> None:
+    """Let a reserved turn pass without a message."""
+    grant[v, NEXT + which] += grant[v, INTERVAL]
+    if which != RESERVED:
+        return
+    if grant[v, SKIPS] > 0:
+        grant[v, SKIPS] = 0
+        grant[v, COUNTER] = max(grant[v, COUNTER] - 1, 1)
+        return
+    grant[v, UNUSED] += 1
+    if grant[v, UNUSED] >= constants.reselect_after:
+        grant[v, BAND] = grant[v, BAND + 1] = -1
+
+
+@kernel(inlined=True)
+def _goes_on(
+    v: int, subframe: int, memory: Memory, random: UInt64Vector, constants: SidelinkConstants
+) -> bool:
+    """Whether a resource that is used now comes back; its interval is written."""
+    grant = memory.grant
+    grant[v, UNUSED] = 0
+    if grant[v, COUNTER] > 1:
+        grant[v, COUNTER] -= 1
+    elif uniform(random) < constants.keep_ratio:
+        grant[v, COUNTER] = draw_counter(random, constants)
+    else:
+        return False
+    if not constants.interval_by_next and not constants.grant_by_next:
+        return True
+    if grant[v, WISH] == _ANY and constants.grant_by_next and not is_foreseen(grant, v, subframe, constants):
+        return False
+    grant[v, INTERVAL] = interval_for(grant, v, subframe, constants)
+    for s in range(grant[v, BAND], grant[v, BAND] + grant[v, LENGTH]):
+        if memory.reserved[v, (subframe + grant[v, INTERVAL]) % constants.horizon, s] > constants.reserved_mw:
+            return False  # another will be there
+    return True
 
 
 @kernel(inlined=True)
 def _take_turns(
     subframe: int,
-    grant: IntMatrix,
+    memory: Memory,
     position_m: FloatMatrix,
     turns: Turns,
     air: Air,
@@ -255,41 +374,54 @@ def _take_turns(
     constants: SidelinkConstants,
 ) -> int:
     """Write who sends in this subframe; return how many."""
-    count = 0
+    count, grant = 0, memory.grant
     for v in range(grant.shape[0]):
-        if grant[v, BAND] < 0 or grant[v, NEXT] != subframe:
-            continue
-        grant[v, NEXT] += constants.interval
-        if grant[v, MESSAGE] < 0 or not np.isfinite(position_m[v, 0]):
-            grant[v, _UNUSED] += 1
-            if grant[v, _UNUSED] >= constants.reselect_after:
-                grant[v, BAND] = -1
-            continue
-        grant[v, _UNUSED] = 0
-        turns.vehicle[count] = v
-        turns.place[count, 0], turns.place[count, 1] = position_m[v, 0], position_m[v, 1]
-        turns.seed[count] = np.int64(next_word(random) >> np.uint64(1))
-        count += 1
-        air.sends[v] = True
-        air.reserves[v] = True
-        if grant[v, _COUNTER] > 1:
-            grant[v, _COUNTER] -= 1
-        elif not constants.one_shot and uniform(random) < constants.keep_ratio:
-            grant[v, _COUNTER] = _draw_counter(random, constants)
-        else:
-            air.reserves[v] = False
+        for which in range(TURNS if constants.copies > 1 else TURNS - 1):
+            if grant[v, NEXT + which] != subframe or grant[v, BAND + which] < 0:
+                continue
+            kind = which & SHOT
+            due = grant[v, MESSAGE] >= 0 and grant[v, VIA] == kind and grant[v, SENT] == which - kind
+            if not due or not np.isfinite(position_m[v, 0]):
+                if kind == RESERVED:
+                    _pass_by(v, which, grant, constants)
+                continue
+            turns.vehicle[count], turns.which[count], turns.band[count] = v, which, grant[v, BAND + which]
+            turns.place[count, 0], turns.place[count, 1] = position_m[v, 0], position_m[v, 1]
+            turns.seed[count] = np.int64(next_word(random) >> np.uint64(1))
+            count += 1
+            air.sends[v] = True
+            if which == RESERVED:
+                air.reserves[v] = _goes_on(v, subframe, memory, random, constants)
+            else:
+                air.reserves[v] = kind == RESERVED and grant[v, BAND] >= 0
+            if kind == RESERVED:
+                grant[v, NEXT + which] += grant[v, INTERVAL]
     return count
 
 
 @kernel(inlined=True)
 def _remember(subframe: int, memory: Memory, air: Air, constants: SidelinkConstants) -> None:
     """Keep what everybody sensed; what was reserved in this phase has come."""
-    slot, phase = subframe % MEMORY, subframe % constants.interval
+    slot, phase = subframe % MEMORY, subframe % constants.horizon
     for v in range(memory.grant.shape[0]):
         for s in range(constants.sub_channels):
-            sensed_mw = np.inf if air.sends[v] else air.power[v, s] + constants.noise_mw
+            sensed_mw = air.power[v, s] + constants.noise_mw
+            if not constants.noise_counts:
+                sensed_mw = air.power[v, s] if air.power[v, s] >= constants.noise_mw else 0.0
+            sensed_mw = np.inf if air.sends[v] else sensed_mw
             memory.sensed[v, slot, s] = sensed_mw
             memory.reserved[v, phase, s] = 0.0
+
+
+@kernel(inlined=True)
+def _announce(
+    j: int, subframe: int, interval: int, band: int, length: int, rsrp_mw: float, reserved: Float32Cube
+) -> None:
+    """Let a vehicle know that a resource comes back, short intervals as often as 100 ms hold."""
+    horizon = reserved.shape[1]
+    for later in range(subframe + interval, subframe + max(interval, _ALTERNATIVES_MS) + 1, interval):
+        for s in range(band, band + length):
+            reserved[j, later % horizon, s] = max(reserved[j, later % horizon, s], rsrp_mw)
 
 
 @kernel(inlined=True)
@@ -302,39 +434,58 @@ def _finish_frame(
     links: Links,
     heard: Heard,
     received: int,
+    waiting: int,
     hazard: FloatVector,
     constants: SidelinkConstants,
-) -> int:
-    """Say what becomes of a frame at every receiver; return the number of receptions."""
-    v, phase = turns.vehicle[turn], subframe % constants.interval
-    band, size = memory.grant[v, BAND], int(memory.grant[v, _BYTES])
+) -> tuple[int, int]:
+    """Say what becomes of a frame at every receiver; return how many receptions and waiting pairs."""
+    v, which, band = turns.vehicle[turn], turns.which[turn], turns.band[turn]
+    grant, size = memory.grant, int(memory.grant[v, BYTES])
     used_blocks = _used(size, constants)
-    length = (used_blocks + constants.blocks - 1) // constants.blocks
+    length = _length_of(used_blocks, constants)
+    more = constants.copies > 1 and which & 1 == 0 and grant[v, BAND + which + 1] >= 0
+    gap = grant[v, NEXT + which + 1] - subframe if more else 0
+    alone = not more and memory.copies.span[v, 1] == 0
+    if more:
+        memory.copies.span[v, 0] = waiting
+    else:
+        seek_pairs(memory.copies, v)
     for k in range(turns.first_link[turn], turns.first_link[turn + 1]):
         j = int(links.receiver[k])
         if air.sends[j]:
             outcome = _HALF_DUPLEX
+        elif links.mw[k] == 0.0:
+            outcome = _WEAK
         else:
             outcome, ratio = _judge(j, links.mw[k], band, turn, size, turns, air, hazard, constants)
-            if air.reserves[v] and ratio >= constants.control_ratio:
+            if ratio >= constants.control_ratio and (air.reserves[v] or more):
                 rsrp_mw = links.mw[k] / (used_blocks * constants.elements)
-                for s in range(band, band + length):
-                    memory.reserved[j, phase, s] = max(memory.reserved[j, phase, s], rsrp_mw)
-        if links.bin[k] < constants.bins:
+                if air.reserves[v]:
+                    _announce(j, subframe, grant[v, INTERVAL], band, length, rsrp_mw, memory.reserved)
+                if more:
+                    again = grant[v, BAND + which + 1]
+                    _announce(j, subframe, gap, again, length, rsrp_mw, memory.reserved)
+        new = outcome == _RECEIVED
+        if not alone:
+            new, waiting = tell(memory.copies, v, j, outcome, links.bin[k], waiting, more, heard.outcomes)
+        elif links.bin[k] < constants.bins:
             heard.outcomes[links.bin[k], outcome] += 1
-        if outcome == _RECEIVED:
+        if new:
             who, when = heard.who, heard.when
-            who[received, 0], who[received, 1], who[received, 2] = memory.grant[v, MESSAGE], v, j
+            who[received, 0], who[received, 1], who[received, 2] = grant[v, MESSAGE], v, j
             when[received, 0], when[received, 1] = (subframe + 1) * 1e-3, links.mw[k]
             received += 1
-    return received
+    if not more:
+        settle(memory.copies, v, heard.outcomes)
+    return received, waiting
 
 
 @kernel(inlined=True)
 def _clear(
-    count: int, used: int, turns: Turns, links: Links, grant: IntMatrix, air: Air, channels: int
+    count: int, used: int, turns: Turns, links: Links, memory: Memory, air: Air, channels: int
 ) -> None:
     """Make the air silent again; messages sent are gone, and resources that were not reserved."""
+    grant = memory.grant
     for k in range(used):
         j = links.receiver[k]
         for s in range(channels):
@@ -342,11 +493,13 @@ def _clear(
             air.top_mw[j, s, 0], air.top_mw[j, s, 1] = 0.0, 0.0
             air.top_turn[j, s, 0], air.top_turn[j, s, 1] = -1, -1
     for turn in range(count):
-        v = turns.vehicle[turn]
+        v, which = turns.vehicle[turn], turns.which[turn]
         air.sends[v] = False
-        grant[v, MESSAGE] = -1
+        grant[v, SENT] += 1
+        if which & 1 == 1 or grant[v, BAND + which + 1] < 0:
+            grant[v, MESSAGE] = -1
         if not air.reserves[v]:
-            grant[v, BAND] = -1
+            grant[v, BAND + which] = -1
 
 
 @kernel(inlined=True)
@@ -387,6 +540,8 @@ def _silent_air(vehicles: int, channels: int) -> tuple[Air, Turns]:
     )
     turns = Turns(
         np.empty(vehicles, dtype=np.int64),
+        np.empty(vehicles, dtype=np.int64),
+        np.empty(vehicles, dtype=np.int64),
         np.empty((vehicles, 2)),
         np.empty(vehicles, dtype=np.int64),
         np.empty(vehicles + 1, dtype=np.int64),
@@ -407,8 +562,11 @@ def advance(
     leak: FloatCube,
     tables: PropagationTables,
     constants: SidelinkConstants,
-) -> Heard:
-    """Carry the subframes ``now`` to ``until``, the end excluded; the state's arrays are written into."""
+) -> tuple[Heard, IntMatrix, IntMatrix]:
+    """Carry the subframes ``now`` to ``until``, the end excluded; the state's arrays are written into.
+
+    What waits for a copy, and whose it is, comes beside what is heard.
+    """
     grant, sender = memory.grant, asked.sender
     vehicles, channels = grant.shape[0], constants.sub_channels
     ready_subframe = np.floor(asked.ready_s * 1e3 + 1e-6).astype(np.int64)
@@ -419,20 +577,10 @@ def advance(
     heard, received, lapsed = nothing_heard(constants.bins, sender.size + vehicles), 0, 0
     air, turns = _silent_air(vehicles, channels)
     links = Links(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64))
-    arrival = 0
+    arrival, waiting = 0, memory.copies.pair.shape[0]
 
     for subframe in range(now, until):
-        # Messages that became ready before this subframe choose their resource.
-        while arrival < sender.size and ready_subframe[arrival] <= subframe:
-            v, n = sender[arrival], arrival
-            arrival += 1
-            absent = not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]))
-            if absent or grant[v, MESSAGE] >= 0:
-                heard.expired[lapsed] = asked.message_id[n] if absent else grant[v, MESSAGE]
-                lapsed += 1
-            if not absent:
-                _take_in(n, subframe, memory, asked, random, constants)
-        count, used = _take_turns(subframe, grant, position_m, turns, air, random, constants), 0
+        count, used = _take_turns(subframe, memory, position_m, turns, air, random, constants), 0
         for turn in range(count):
             links = _links_room(links, used, present)
             turns.first_link[turn] = used
@@ -442,13 +590,31 @@ def advance(
         turns.first_link[count] = used
         _remember(subframe, memory, air, constants)
         heard = heard_room(heard, received, used)
-        for turn in range(count):
-            received = _finish_frame(
-                turn, subframe, turns, memory, air, links, heard, received, hazard, constants
+        if constants.copies > 1:
+            copies = copies_room(memory.copies, waiting, used)
+            memory = Memory(
+                grant, memory.power_dbm, memory.sensed, memory.reserved, memory.busy_ratio, copies
             )
-        _clear(count, used, turns, links, grant, air, channels)
+        for turn in range(count):
+            received, waiting = _finish_frame(
+                turn, subframe, turns, memory, air, links, heard, received, waiting, hazard, constants
+            )
+        _clear(count, used, turns, links, memory, air, channels)
+        # Messages that became ready in this subframe choose their resource once it is over: whose turn it
+        # was has sent, and what it brought is known.
+        while arrival < sender.size and ready_subframe[arrival] <= subframe:
+            v, n = sender[arrival], arrival
+            arrival += 1
+            absent = not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]))
+            if absent or (grant[v, MESSAGE] >= 0 and grant[v, SENT] == 0):
+                heard.expired[lapsed] = asked.message_id[n] if absent else grant[v, MESSAGE]
+                lapsed += 1
+            if not absent:
+                settle(memory.copies, v, heard.outcomes)  # no copy of the message before is to come
+                _take_in(n, subframe, memory, asked, random, constants)
         if (subframe + 1) % constants.window == 0:
             _measure_busy(subframe, memory, constants)
 
     who, when = heard.who[:received].copy(), heard.when[:received].copy()
-    return Heard(who, when, heard.outcomes, heard.expired[:lapsed].copy())
+    pair, span = kept_copies(memory.copies)
+    return Heard(who, when, heard.outcomes, heard.expired[:lapsed].copy()), pair, span

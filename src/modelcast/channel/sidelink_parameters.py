@@ -1,10 +1,10 @@
-"""Constants of LTE-V2X mode 4, by document: sizes, windows, thresholds, leakage between sub-channels."""
+"""Constants of LTE-V2X mode 4, by document: sizes, windows, thresholds."""
 
 from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import IntArray
 
 __all__ = [
     "BITS_PER_BLOCK",
@@ -13,7 +13,8 @@ __all__ = [
     "COUNTER",
     "COUNTERS",
     "SidelinkParameters",
-    "in_band_emission",
+    "j3161_sidelink_parameters",
+    "wilab_sidelink_parameters",
 ]
 
 BITS_PER_BLOCK: dict[int, float] = {
@@ -54,6 +55,8 @@ class SidelinkParameters:
         Sub-channels of the pool, and resource-block pairs in each; 10 MHz has 50 pairs.
     control_blocks
         Pairs for the control part, adjacent to the data: 2.
+    least_sub_channels
+        A message takes at least so many sub-channels, whether it fills them or not.
     overlapping
         Whether a resource may begin at every sub-channel (TS 36.213); else only at multiples of its length.
     interval_ms
@@ -63,14 +66,46 @@ class SidelinkParameters:
     keep_ratio
         Chance to keep the resource when the counter runs out; 0, .2, .4, .6 or .8.
     one_shot
-        Choose a resource for every message and reserve nothing.
+        Choose a resource for every message and reserve nothing; a message that asks for a `Grant` gets it.
+    transmissions
+        1, or 2 for a blind retransmission of every message, at most 15 subframes from the first copy. Copies
+        are not combined: a receiver holds the message where it receives any of them.
+    interleaved
+        Send a message now and then by a one-shot though its reserved turn fits, so that those who share a
+        resource do not collide for ever; the turn passes unused, and the reservation stays (SAE J3161/1).
+    one_shot_least, one_shot_most
+        Bounds of the counter of messages up to such a one-shot, drawn anew after each: 2 and 6 (A. Fouda, R.
+        Berry, I. Vukovic, arXiv:2110.00056; from memory).
+    interval_by_next
+        Announce with each message the interval with which the resource comes back for the next one: the
+        shortest, from `interval_ms` on, that is not over before that message is ready, by `Transmissions`'
+        ``next_s``; it is given up where another announced the place it would come back to. A message without
+        ``next_s`` has `interval_ms`.
+    grant_by_next
+        Reserve only where the next message is expected within the longest interval announced; else a
+        message is a one-shot, and the resource it was sent in is not kept. For messages that ask for no
+        `Grant`.
+    longest_interval_ms
+        Longest interval where it is chosen by the next message, a multiple of 100 up to 1000 [ms].
     reselect_after
         A resource is given up after so many turns in a row without a message (sl-ReselectAfter, 1..9).
     best_ratio
         Share of the resources among which chance decides: 0.2.
+    best_of_possible
+        Whether the share is of the resources the vehicle could sense; TS 36.213 counts those too in whose
+        subframes it was sending, 14.1.1.6.
+    first_by_chance
+        Whether a vehicle's first resource is chosen without sensing.
+    noise_counts
+        Whether noise is part of the power sensed, as in TS 36.214, 5.1.28. Else what is below the noise reads
+        zero, and such resources are equally good.
     reserved_dbm
         A reservation counts where its reference signal is stronger, an element; raised by 3 dB until enough
         resources are left [dBm].
+    reserved_by_mean
+        Whether that compares the mean power sensed there in the last second, over ten times a hundred
+        subframes, in place of the reservation's reference signal. A resource reserved of late then counts by
+        a tenth.
     control_db
         Least SINR at which a reservation is understood; common in simulators, from memory [dB].
     noise_figure_db
@@ -98,15 +133,27 @@ class SidelinkParameters:
     _: KW_ONLY
     blocks: int = 10
     control_blocks: int = 2
+    least_sub_channels: int = 1
     overlapping: bool = True
     interval_ms: int = 100
     first_ms: int = 1
     last_ms: int = 100
     keep_ratio: float = 0.8
     one_shot: bool = False
+    transmissions: int = 1
+    interleaved: bool = False
+    one_shot_least: int = 2
+    one_shot_most: int = 6
+    interval_by_next: bool = False
+    grant_by_next: bool = False
+    longest_interval_ms: int = 1000
     reselect_after: int = 1
     best_ratio: float = 0.2
+    best_of_possible: bool = False
+    first_by_chance: bool = False
+    noise_counts: bool = True
     reserved_dbm: float = -110.0
+    reserved_by_mean: bool = False
     control_db: float = 0.0
     noise_figure_db: float = 9.0
     sensitivity_dbm: float = -105.0
@@ -135,6 +182,37 @@ class SidelinkParameters:
                 raise ValueError(f"{name} must lie within 0..1, got {getattr(self, name)}")
         if not self.bin_m > 0:
             raise ValueError(f"bin_m must be positive, got {self.bin_m}")
+        self._check_sizes()
+        self._check_grants()
+
+    def _check_sizes(self) -> None:
+        if self.control_blocks < 0:
+            raise ValueError(f"control_blocks must not be negative, got {self.control_blocks}")
+        if not 1 <= self.least_sub_channels <= self.sub_channels:
+            raise ValueError(
+                f"least_sub_channels must lie within 1..{self.sub_channels}, got {self.least_sub_channels}"
+            )
+
+    def _check_grants(self) -> None:
+        if self.transmissions not in (1, 2):
+            raise ValueError(f"transmissions must be 1 or 2, got {self.transmissions}")
+        if not 1 <= self.one_shot_least <= self.one_shot_most:
+            raise ValueError(
+                f"one_shot_least must lie within 1..one_shot_most, got {self.one_shot_least} and "
+                f"{self.one_shot_most}"
+            )
+        longest_ms = self.longest_interval_ms
+        if longest_ms not in range(100, 1001, 100) or longest_ms < self.interval_ms:
+            raise ValueError(
+                f"longest_interval_ms must be 100, 200, ... 1000 and at least interval_ms, got {longest_ms}"
+            )
+        if self.interleaved and self.one_shot:
+            raise ValueError("interleaved one-shots need reservations: one_shot must be False")
+
+    @property
+    def horizon_ms(self) -> int:
+        """Longest interval that is announced [ms]."""
+        return self.longest_interval_ms if self.interval_by_next else self.interval_ms
 
     @property
     def sub_channel_hz(self) -> float:
@@ -156,39 +234,69 @@ class SidelinkParameters:
         [1, 2, 3]
         """
         data = np.ceil(8.0 * np.asarray(size_bytes) / BITS_PER_BLOCK[self.mcs]).astype(np.int64)
-        return -(-(data + self.control_blocks) // self.blocks)
+        return np.maximum(-(-(data + self.control_blocks) // self.blocks), self.least_sub_channels)
 
 
-def in_band_emission(sub_channels: int, blocks: int) -> FloatArray:
-    """Power that a sender leaks into each sub-channel, over its own there, (lengths, firsts, sub-channels).
-
-    Parameters
-    ----------
-    sub_channels
-        Sub-channels of the pool; row k is for messages of k + 1 of them.
-    blocks
-        Resource-block pairs in each.
+def wilab_sidelink_parameters() -> SidelinkParameters:
+    """Mode 4 as WiLabV2Xsim 6.1 has it, at MCS 7, 300 bytes and 10 MHz.
 
     Notes
     -----
-    The mask of 3GPP TS 36.101, table 6.5.2A.3.1-1, for QPSK (EVM 17.5 %) with {W, X, Y, Z} = {3, 6, 3, 3} dB
-    (TR 36.885): the larger of -25 - 10 log(N/L) - X and 20 log EVM - 3 - 5(d - 1)/L - W for a block d blocks
-    away, and -25 - Y more on the image of the used blocks. Carrier leakage (-25 - Z) falls on the two middle
-    blocks. Averaged over the blocks of a sub-channel.
+    Facts of that simulator's public code and of its output: a message has its whole power on its data, 20 of
+    50 pairs, and takes three of five sub-channels, so one fits a subframe; sensed power below the noise is
+    set to zero; a reservation is compared by the mean power of a second; the first resource is chosen by
+    chance; the best fifth is of the resources sensed. The range up to which it counts pairs, 1.41 times the
+    distance at which the median SNR meets the threshold, tells the pairs that bear the power. Its packet
+    error is a step at 8.47 dB (`ThresholdErrorModel`).
     """
-    total = sub_channels * blocks
-    block = np.arange(total)
-    table = np.zeros((sub_channels, sub_channels, sub_channels))
-    for length in range(1, sub_channels + 1):
-        for first in range(sub_channels - length + 1):
-            start, stop, width = first * blocks, (first + length) * blocks - 1, length * blocks
-            away = np.maximum(start - block, block - stop)
-            general = -25.0 - 10.0 * np.log10(total / width) - 6.0
-            slope = 20.0 * np.log10(0.175) - 3.0 - 5.0 * (away - 1) / width - 3.0
-            leak = 10.0 ** (0.1 * np.maximum(general, slope))
-            image = total - 1 - block
-            leak = leak + np.where((image >= start) & (image <= stop), 10.0**-2.8, 0.0)
-            middle = (block == (total - 1) // 2) | (block == total // 2)
-            leak = np.where(away <= 0, 1.0, leak + np.where(middle, 10.0**-2.8, 0.0))
-            table[length - 1, first] = leak.reshape(sub_channels, blocks).mean(axis=1)
-    return table
+    return SidelinkParameters(
+        7,
+        5,
+        control_blocks=0,
+        least_sub_channels=3,
+        overlapping=False,
+        keep_ratio=0.4,
+        best_of_possible=True,
+        first_by_chance=True,
+        noise_counts=False,
+        reserved_by_mean=True,
+        noise_figure_db=6.0,
+        antenna_gain_db=3.0,
+        sensitivity_dbm=-120.0,
+    )
+
+
+def j3161_sidelink_parameters() -> SidelinkParameters:
+    """Return LTE-V2X as deployed in the United States: SAE J3161/1 over 20 MHz (channel 183).
+
+    100 resource blocks in ten sub-channels, every message sent twice, one-shots interleaved with
+    reservations, an interval that follows the timers of congestion control, 20 dBm at most.
+
+    Notes
+    -----
+    The standard is not public. That it interleaves one-shots and retransmits blindly is published; the ten
+    sub-channels, the bounds of the counter and MCS 5 are ours, from memory of what its studies simulate. A
+    reservation survives eight turns without a message: congestion control may send every sixth only.
+
+    References
+    ----------
+    SAE J3161/1, "On-Board System Requirements for LTE-V2X V2V Safety Communications". A. Fouda, R. Berry, I.
+    Vukovic, "Interleaved One-shot Semi-Persistent Scheduling for BSM Transmissions in C-V2X Networks",
+    arXiv:2110.00056, and "Study of BSM Inter-Packet Gap Tails in C-V2X Networks", arXiv:2311.16904.
+
+    Examples
+    --------
+    >>> deployed = j3161_sidelink_parameters()
+    >>> deployed.sub_channels * deployed.blocks, deployed.transmissions, deployed.interleaved
+    (100, 2, True)
+    """
+    return SidelinkParameters(
+        5,
+        10,
+        transmissions=2,
+        interleaved=True,
+        interval_by_next=True,
+        longest_interval_ms=600,
+        reselect_after=9,
+        max_power_dbm=20.0,
+    )

@@ -6,7 +6,7 @@ import numpy as np
 
 from modelcast.channel.random_kernels import uniform
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import Float32Cube, UInt64Vector
+from modelcast.core.kernel_types import Float32Cube, IntVector, UInt64Vector
 
 __all__ = ["MEMORY", "SidelinkConstants", "select_resource"]
 
@@ -15,6 +15,9 @@ MEMORY = 1000
 
 _STEP = 100
 """Power is averaged over subframes at this distance; the same clause."""
+
+_COPY_GAP = 15
+"""Most subframes between the two copies of a message; TS 36.213, 14.1.1.4C and 14.1.1.7."""
 
 
 class SidelinkConstants(NamedTuple):
@@ -25,12 +28,24 @@ class SidelinkConstants(NamedTuple):
     first: int
     last: int
     interval: int
+    longest: int
+    horizon: int
+    copies: int
     one_shot: bool
+    interleaved: bool
+    interval_by_next: bool
+    grant_by_next: bool
+    shots_low: int
+    shots_high: int
     counter_low: int
     counter_high: int
     keep_ratio: float
     reselect_after: int
     best_ratio: float
+    best_of_possible: bool
+    reserved_by_mean: bool
+    first_by_chance: bool
+    noise_counts: bool
     reserved_mw: float
     elements: float
     noise_mw: float
@@ -45,6 +60,7 @@ class SidelinkConstants(NamedTuple):
     bin_m: float
     bins: int
     blocks: int
+    least_sub_channels: int
     bits_per_block: float
     control_blocks: int
     units_fixed: float
@@ -52,17 +68,52 @@ class SidelinkConstants(NamedTuple):
     shadowed: bool
 
 
+@kernel(inlined=True)
+def _strongest(v: int, subframe: int, s: int, interval: int, reserved: Float32Cube) -> float:
+    """Return the strongest reservation of a sub-channel that a resource and its returns would meet."""
+    horizon = reserved.shape[1]
+    rsrp = reserved[v, subframe % horizon, s]
+    if interval > 0:
+        for later in range(subframe + interval, subframe + horizon, interval):
+            rsrp = max(rsrp, reserved[v, later % horizon, s])
+    return rsrp
+
+
+@kernel(inlined=True)
+def _second(chosen: IntVector, first: int, bands: int, random: UInt64Vector) -> int:
+    """Return a second resource for the same message, within `_COPY_GAP` subframes; -1 for none."""
+    near = 0
+    for one in chosen:
+        near += 1 <= abs(one // bands - first // bands) <= _COPY_GAP
+    if near == 0:
+        return -1
+    left = int(uniform(random) * near)
+    for one in chosen:
+        if 1 <= abs(one // bands - first // bands) <= _COPY_GAP:
+            if left == 0:
+                return int(one)
+            left -= 1
+    return -1
+
+
 @kernel
 def select_resource(
     v: int,
     now: int,
     length: int,
+    interval: int,
+    blind: bool,
     sensed: Float32Cube,
     reserved: Float32Cube,
     random: UInt64Vector,
     constants: SidelinkConstants,
-) -> tuple[int, int]:
-    """Return subframe and first sub-channel of a resource chosen by sensing (TS 36.213, 14.1.1.6)."""
+) -> tuple[int, int, int, int]:
+    """Return subframe and first sub-channel of a resource chosen by sensing (TS 36.213, 14.1.1.6).
+
+    It comes back after ``interval``; 0 is for one message alone. ``blind`` leaves all to chance. Behind it
+    stand subframe and sub-channel of the second copy's, the later one of the two; -1 where there is one copy,
+    or no room for a second.
+    """
     step = 1 if constants.overlapping else length
     bands = (constants.sub_channels - length) // step + 1
     subframes = constants.last - constants.first + 1
@@ -76,30 +127,39 @@ def select_resource(
                 past[n, s] += sensed[v, at, s]
     mean = np.empty(total)
     strongest = np.empty(total)
+    share = 1.0 / (MEMORY // _STEP * constants.blocks * constants.elements)
     for n in range(subframes):
-        phase = (now + constants.first + n) % constants.interval
         for b in range(bands):
-            power = 0.0
-            rsrp = 0.0
+            power, rsrp, loudest = 0.0, 0.0, 0.0
             for s in range(b * step, b * step + length):
-                rsrp = max(rsrp, reserved[v, phase, s])
+                rsrp = max(rsrp, _strongest(v, now + constants.first + n, s, interval, reserved))
+                loudest = max(loudest, past[n, s] * share)
                 power += past[n, s]
             # A part in a million of chance decides between resources that are equally quiet.
-            mean[n * bands + b] = power * (1.0 + 1e-6 * uniform(random))
-            strongest[n * bands + b] = rsrp
-    wanted = int(np.ceil(constants.best_ratio * total))
+            mean[n * bands + b] = power + (power + constants.noise_mw) * 1e-6 * uniform(random)
+            by_mean = constants.reserved_by_mean and rsrp > 0.0
+            strongest[n * bands + b] = loudest if by_mean else rsrp
     possible = np.isfinite(mean).sum()
+    wanted = int(np.ceil(constants.best_ratio * (possible if constants.best_of_possible else total)))
     wanted = max(min(wanted, possible), 1)
     limit = constants.reserved_mw
     free = np.isfinite(mean) & (strongest <= limit)
     while free.sum() < wanted and limit < 1e6:
         limit *= 2.0
         free = np.isfinite(mean) & (strongest <= limit)
-    chosen = np.flatnonzero(free)
+    chosen = np.arange(total) if blind else np.flatnonzero(free)
+    second = -1
     if chosen.size == 0:
         pick = int(uniform(random) * total)
     else:
-        if chosen.size > wanted:
+        if chosen.size > wanted and not blind:
             chosen = chosen[np.argsort(mean[chosen])[:wanted]]
         pick = chosen[int(uniform(random) * chosen.size)]
-    return now + constants.first + pick // bands, (pick % bands) * step
+        if constants.copies > 1:
+            second = _second(chosen, pick, bands, random)
+    begin = now + constants.first
+    if second < 0:
+        return begin + pick // bands, (pick % bands) * step, -1, -1
+    if second < pick:
+        pick, second = second, pick
+    return begin + pick // bands, (pick % bands) * step, begin + second // bands, (second % bands) * step
