@@ -227,19 +227,21 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
         )
         sweep = lay_out(reach_m2, position_m, fitted.weak, self.constants.range_m)
         pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
-        heard, air = advance(
-            state.t_s,
-            until_t_s,
-            state.random,
-            state.station,
-            state.message,
-            Links(state.air_receiver, state.air_mw, state.air_flag),
-            sent,
-            sweep,
-            fitted,
-            self.hazard,
-            self.tables,
-            self.constants,
+        heard, air = parts.beside(
+            lambda: advance(
+                state.t_s,
+                until_t_s,
+                state.random,
+                state.station,
+                state.message,
+                Links(state.air_receiver, state.air_mw, state.air_flag),
+                sent,
+                sweep,
+                fitted,
+                self.hazard,
+                self.tables,
+                self.constants,
+            )
         )
         after = replace(
             state,

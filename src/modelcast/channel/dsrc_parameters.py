@@ -112,7 +112,8 @@ class DsrcParameters:
     decodable_dbm
         A frame that is being received holds the medium busy from this power on; 17.3.10.6: -85 dBm [dBm].
     energy_dbm
-        Power of any kind that holds the medium busy; 17.3.10.6: 20 dB above, -65 dBm [dBm].
+        Power of any kind, all together, that holds the medium busy; 17.3.10.6: 20 dB above, -65 dBm. ns-3
+        3.44 asks for -82 dBm where a frame begins that is not received (CcaSensitivity) [dBm].
     load_dbm
         The channel busy ratio counts the time with this power or more, and that of own frames; TS 102 687:
         -85 dBm [dBm].

@@ -54,8 +54,10 @@ def network(
         List the settings and presets of the radios that --radio names, and run nothing.
     policy
         bsm-10hz, baseline, free, mbc, j2945, j2945-filtered, j2945-free, j2945-free-relaxed,
-        j2945-free-relaxed-5, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5, cam, or several after one
-        another. The free ones send plain messages that receivers coast by the profile's best free sub-model.
+        j2945-free-relaxed-5, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5, cam (adaptive congestion
+        control), cam-reactive, cam-uncontrolled, cam-road (intervals and sizes as cars had them), or several
+        after one another. The free ones send plain messages that receivers coast by the profile's best free
+        sub-model.
     bank
         Sub-models of mbc and the j2945-mbc ones, several banks after one another, each as for evaluate. The
         other policies send no model and are run once, not once a bank.
