@@ -13,7 +13,9 @@ from modelcast.cli.fleet_options import FleetOptions
 from modelcast.cli.network_case import run_case
 from modelcast.cli.network_loaded import ANTENNA_GAIN_DB, loaded_radio
 from modelcast.cli.network_plan import NetworkPlan
+from modelcast.cli.network_senders import sender_rows
 from modelcast.cli.options import SensorOptions
+from modelcast.core.exceptions import ConfigError
 from modelcast.messages.airtime import Stack
 from modelcast.study.network.rows import NO_BANK, NetworkCase
 
@@ -40,6 +42,19 @@ def test_other_bytes_stand_beside_the_rest_signed_or_not() -> None:
         assert more.tolist() == [82, 82]
     with pytest.raises(ValueError, match="other_bytes must not be negative, got -1"):
         Stack(other_bytes=-1)
+
+
+def test_more_bytes_come_to_those_of_the_scenario_and_are_part_of_what_a_run_depends_on() -> None:
+    for scenario in ("highway", "loaded"):
+        without, given = plan(scenario), replace(plan(scenario), more_bytes=50)
+        assert given.stack.other_bytes == without.stack.other_bytes + 50
+        assert given.as_plain()["more_bytes"] == 50
+        assert "more_bytes" not in without.as_plain()
+
+
+def test_fewer_bytes_than_none_are_refused_in_one_line() -> None:
+    with pytest.raises(ConfigError, match="other_bytes must not be negative, got -1"):
+        sender_rows(replace(plan("highway"), more_bytes=-1), ["cam"])
 
 
 def test_it_has_ten_lanes_unless_told_and_more_where_they_are_full() -> None:

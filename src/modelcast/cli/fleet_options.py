@@ -60,6 +60,9 @@ class FleetOptions:
         What SUMO drives of a .sumocfg before the run begins, so that its roads are not empty [s].
     certificates
         Which messages carry the certificate: gap, timer, always, digest, unsigned.
+    more_bytes
+        Bytes of every message beside what it is known to hold: Part II, or what another stack adds. Frames of
+        cam-road have sizes of their own.
     profile
         File of the profile in use, as for evaluate.
     start
@@ -116,6 +119,7 @@ class FleetOptions:
     persons: bool = False
     lead_in: float = 0.0
     certificates: CertificateRule = "gap"
+    more_bytes: int = 0
     profile: str | None = None
     start: StartRule | None = None
     identify: IdentifyRule | None = None
@@ -167,6 +171,7 @@ class FleetOptions:
             lead_in_s=self.lead_in,
             seed=self.seed,
             certificates=self.certificates,
+            more_bytes=self.more_bytes,
             banks=banks,
             profile=self.profile,
             start=self.start,

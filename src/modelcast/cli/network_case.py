@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from modelcast.channel.radio import AbstractRadio
-from modelcast.channel.registry import get_radio
+from modelcast.channel.radio_words import get_radio
 from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_loaded import loaded_radio
 from modelcast.cli.network_plan import NetworkPlan

@@ -72,6 +72,8 @@ class NetworkPlan:
         Driven by a configuration of SUMO before the run begins [s].
     certificates
         Rule of the certificates.
+    more_bytes
+        Of every message of a vehicle, beside what it is known to hold.
     banks, profile, start, identify, cost
         Of senders of models, as users name them.
     threads
@@ -136,6 +138,7 @@ class NetworkPlan:
     algorithm: str | None = None
     roadside: RoadsidePlan | None = None
     people: PeoplePlan | None = None
+    more_bytes: int = 0
 
     def as_plain(self) -> dict[str, Any]:
         """What every run depends on, as plain values; files by their names, the sensor with its figures.
@@ -160,6 +163,7 @@ class NetworkPlan:
             "algorithm",
             "roadside",
             "people",
+            "more_bytes",
         ):
             if not found[name]:
                 del found[name]
@@ -309,7 +313,8 @@ class NetworkPlan:
     @property
     def stack(self) -> Stack:
         """What goes round every payload."""
-        return Stack(self.certificates, other_bytes=OTHER_BYTES if self.is_loaded else 0)
+        other_bytes = self.more_bytes + (OTHER_BYTES if self.is_loaded else 0)
+        return Stack(self.certificates, other_bytes=other_bytes)
 
     def check_traffic(self) -> None:
         """Refuse traffic that cannot be had, before anything runs.

@@ -40,6 +40,9 @@ SENDERS = (
     "j2945-mbc-relaxed",
     "j2945-mbc-relaxed-5",
     "cam",
+    "cam-reactive",
+    "cam-uncontrolled",
+    "cam-road",
 )
 """Names of ours, as `modelcast.station.sender.sender.named_sender` makes them."""
 
