@@ -4,7 +4,11 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any, NamedTuple
 
-from modelcast.channel.sidelink_parameters import SidelinkParameters, wilab_sidelink_parameters
+from modelcast.channel.sidelink_parameters import (
+    SidelinkParameters,
+    j3161_sidelink_parameters,
+    wilab_sidelink_parameters,
+)
 
 __all__ = ["PRESETS", "Preset"]
 
