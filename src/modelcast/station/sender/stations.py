@@ -97,5 +97,6 @@ def sending_stations(
             plain=np.array(sender.plain, dtype=np.bool_),
             power_dbm=sender.power_dbm,
             jitter_s=sender.jitter_s,
+            grant=int(sender.grant),
         ),
     )
