@@ -59,7 +59,7 @@ POLICIES = ("mbc", ERRORS_ALONE, "j2945-mbc-relaxed")
 NEAR = slice(1, 3)
 """Bins of distance of the figures of frames: 50 m to 150 m, as in `modelcast.study.network.rows.RUNS`."""
 
-DEPLOYED = ("j2945", "j3161", "j3161-mbc", "j3161-mbc-relaxed", "mbc")
+DEPLOYED = ("j3161", "j3161-mbc", "j3161-mbc-relaxed", "mbc")
 FIGURES = ("message_rate_hz", "pte_p90_m", "busy_ratio", "delivery_ratio", "collision_ratio")
 """Columns of `RunRow`."""
 

@@ -16,7 +16,11 @@ __all__ = ["Road", "count_outcomes", "messages"]
 
 @dataclass(frozen=True, slots=True)
 class Road:
-    """One road and its senders."""
+    """One road and its senders.
+
+    Messages come at ``rate_hz``; where ``mean_extra_s`` is above 0 each gap is longer by an exponentially
+    distributed time of that mean.
+    """
 
     length_m: float
     vehicles: int
@@ -26,6 +30,7 @@ class Road:
     rate_hz: float
     size_bytes: int
     power_dbm: float
+    mean_extra_s: float = 0.0
 
 
 def messages(
@@ -39,17 +44,19 @@ def messages(
     speed = np.where(lane < road.lanes_each_way, road.speed_mps, -road.speed_mps)
     period_s = 1.0 / road.rate_hz
     phase_s = rng.uniform(0.0, period_s, vehicles)
-    sent = np.zeros(vehicles, dtype=np.int64)
+    sent, extra_s = np.zeros(vehicles, dtype=np.int64), np.zeros(vehicles)
     for k in range(round(duration_s / step_s)):
         until_s = (k + 1) * step_s
-        due_s = phase_s + sent * period_s
+        due_s = phase_s + sent * period_s + extra_s
         senders, times = [], []
         while (due := due_s < until_s).any():
             who = np.flatnonzero(due)
             senders.append(who)
             times.append(due_s[who])
             sent[who] += 1
-            due_s = phase_s + sent * period_s
+            if road.mean_extra_s > 0.0:
+                extra_s[who] += rng.exponential(road.mean_extra_s, who.size)
+            due_s = phase_s + sent * period_s + extra_s
         sender = np.concatenate(senders) if senders else np.empty(0, dtype=np.int64)
         ready_s = np.concatenate(times) if times else np.empty(0)
         order = np.argsort(ready_s, kind="stable")

@@ -21,16 +21,15 @@ from typing import NamedTuple
 import numpy as np
 
 from modelcast.channel.dsrc import Dsrc
-from modelcast.channel.dsrc_parameters import AccessCategory, DsrcParameters
-from modelcast.channel.path_loss import LogDistance
-from modelcast.channel.propagation import NakagamiFading, Propagation
 from modelcast.channel.radio import Transmissions
+from modelcast.channel.radio_words import get_radio
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "examples" / "ns3_radio" / "src"))
 
 from ns3_radio.program import build, environment
+from ns3_radio.radio import ERROR_MODELS
 
-LENGTH_M, SECONDS, PERIOD_S, PAYLOAD, BIN_M, BINS = 1000.0, 10.0, 0.1, 300, 50.0, 10
+LENGTH_M, PERIOD_S, BIN_M, BINS = 1000.0, 0.1, 50.0, 10
 OVERHEAD = 36  # MAC header 24, FCS 4, LLC and SNAP 8
 SEEDS = 3
 PAIRS = {50: 3, 100: 3, 200: 9}
@@ -38,6 +37,41 @@ PAIRS = {50: 3, 100: 3, 200: 9}
 TARGET = 0.05
 
 Places = tuple[np.ndarray, np.ndarray]
+
+
+class Air(NamedTuple):
+    """What is set alike in both simulators.
+
+    ``errors`` is the error model, a key of the example's `ERROR_MODELS`. Messages are sent for ``seconds``;
+    what is under way then has ``tail_s`` more.
+    """
+
+    rate_mbps: float = 6.0
+    payload: int = 300
+    exponent: float = 2.4
+    errors: str = "nist"
+    seconds: float = 10.0
+    tail_s: float = 0.0
+    energy_dbm: float = -82.0
+    """Of our radio alone: ns-3's is its default."""
+
+    @property
+    def turns(self) -> int:
+        """Messages of a node."""
+        return round(self.seconds / PERIOD_S)
+
+
+NIST = Air()
+"""As the tables of three numbers of nodes have it."""
+
+
+NOTHING = Transmissions(
+    np.empty(0, dtype=np.int64),
+    np.empty(0),
+    size_bytes=np.empty(0, dtype=np.int64),
+    power_dbm=np.empty(0),
+    message_id=np.empty(0, dtype=np.int64),
+)
 
 
 class Took(NamedTuple):
@@ -66,43 +100,60 @@ def places(nodes: int, seed: int) -> Places:
     return position_m, rng.uniform(0.0, PERIOD_S, nodes)
 
 
-def radio() -> Dsrc:
-    """IEEE 802.11p with ns-3's receiver: its defaults where validation/ns3_broadcast.cc does not set them."""
-    parameters = DsrcParameters(
-        access=AccessCategory(2, 15),  # DCF of a station without QoS
-        noise_figure_db=7.0,
-        sensitivity_dbm=-98.0,
-        decodable_dbm=-98.0,  # whoever receives holds the medium busy
-        energy_dbm=-62.0,
-        preamble_db=2.0,
-        capture_s=4e-6,  # the strongest frame of the preamble detection time
-        capture_db=2.0,
-        sensing_s=4e-6,
-        max_power_dbm=20.0,
-        bin_m=BIN_M,
-        bins=BINS,
-    )
-    return Dsrc(parameters, Propagation(LogDistance(2.4, 47.86), None, NakagamiFading()))
+def radio(air: Air = NIST) -> Dsrc:
+    """IEEE 802.11p as ns-3 has it; what is not its default validation/ns3_broadcast.cc sets too."""
+    settings = {
+        "preset": "ns3-default",
+        "rate_mbps": air.rate_mbps,
+        "error_model": air.errors,
+        "sensitivity_dbm": -98.0,
+        "decodable_dbm": -98.0,
+        "preamble_db": 2.0,
+        "capture_db": 2.0,
+        "energy_dbm": air.energy_dbm,
+        "exponent": air.exponent,
+        "reference_loss_db": 47.86,
+        "fading": "nakagami",
+        "max_power_dbm": 20.0,
+        "bin_m": BIN_M,
+        "bins": BINS,
+    }
+    word = ",".join(f"{key}={value}" for key, value in settings.items())
+    found = get_radio(f"dsrc:{word}")
+    assert isinstance(found, Dsrc)
+    return found
 
 
-def ours(position_m: np.ndarray, phase_s: np.ndarray, seed: int) -> tuple[np.ndarray, Took]:
-    """Outcomes (BINS, 5), and what it took."""
+class Ours(NamedTuple):
+    """Outcomes (BINS, 5), the mean busy ratio of all nodes after each period, and what it took."""
+
+    outcomes: np.ndarray
+    busy: float
+    took: Took
+
+
+def ours(position_m: np.ndarray, phase_s: np.ndarray, seed: int, air: Air = NIST) -> Ours:
+    """Run our radio once."""
     start = spent(resource.RUSAGE_SELF)
-    channel = radio()
+    channel = radio(air)
     state = channel.init(phase_s.size, np.random.default_rng(seed))
-    outcomes = np.zeros((BINS, 5), dtype=np.int64)
+    outcomes, busy = np.zeros((BINS, 5), dtype=np.int64), 0.0
     order = np.argsort(phase_s)
-    for k in range(round(SECONDS / PERIOD_S)):
+    for k in range(air.turns):
         batch = Transmissions(
             order,
             k * PERIOD_S + phase_s[order],
-            size_bytes=np.full(order.size, PAYLOAD + OVERHEAD),
+            size_bytes=np.full(order.size, air.payload + OVERHEAD),
             power_dbm=np.full(order.size, 20.0),
             message_id=order + k * order.size,
         )
         heard, state = channel.carry(state, batch, position_m, (k + 1) * PERIOD_S)
         outcomes += heard.outcomes
-    return outcomes, since(start, resource.RUSAGE_SELF)
+        busy += float(channel.channel_busy_ratio(state).mean()) / air.turns
+    if air.tail_s > 0.0:
+        heard, state = channel.carry(state, NOTHING, position_m, air.seconds + air.tail_s)
+        outcomes += heard.outcomes
+    return Ours(outcomes, busy, since(start, resource.RUSAGE_SELF))
 
 
 def folder_of(python: str) -> Path:
@@ -112,7 +163,9 @@ def folder_of(python: str) -> Path:
     return Path(asked.stdout.strip()) / "ns3"
 
 
-def theirs(program: Path, ns3: Path, where: Places, seed: int, folder: Path) -> tuple[np.ndarray, Took]:
+def theirs(
+    program: Path, ns3: Path, where: Places, seed: int, folder: Path, *, air: Air = NIST
+) -> tuple[np.ndarray, Took]:
     """Pairs and receptions by bin (BINS, 2), and what it took."""
     position_m, phase_s = where
     nodes = folder / "nodes.txt"
@@ -121,8 +174,12 @@ def theirs(program: Path, ns3: Path, where: Places, seed: int, folder: Path) -> 
     command = [
         str(program),
         f"--nodes={nodes}",
-        f"--seconds={SECONDS}",
-        f"--bytes={PAYLOAD}",
+        f"--seconds={air.seconds}",
+        f"--tail={air.tail_s}",
+        f"--bytes={air.payload}",
+        f"--mode=OfdmRate{air.rate_mbps:g}MbpsBW10MHz",
+        f"--exponent={air.exponent}",
+        f"--errors={ERROR_MODELS[air.errors]}",
         f"--seed={seed + 1}",
     ]
     run = subprocess.run(command, capture_output=True, text=True, check=True, env=environment(ns3))  # noqa: S603
@@ -131,7 +188,7 @@ def theirs(program: Path, ns3: Path, where: Places, seed: int, folder: Path) -> 
     group = (distance_m / BIN_M).astype(int)
     counts = np.zeros((BINS + 1, 2))
     off = ~np.eye(phase_s.size, dtype=bool)
-    np.add.at(counts[:, 0], np.minimum(group[off], BINS), round(SECONDS / PERIOD_S))
+    np.add.at(counts[:, 0], np.minimum(group[off], BINS), air.turns)
     for line in run.stdout.splitlines():
         sender, receiver, received = map(int, line.split())
         counts[min(group[sender, receiver], BINS), 1] += received
@@ -150,10 +207,10 @@ class Pair(NamedTuple):
 def pair(nodes: int, seed: int, run_theirs: Callable[[Places, int], tuple[np.ndarray, Took]]) -> Pair:
     """Run both; our times are the mean of the run before and the run after."""
     where = places(nodes, seed)
-    outcomes, before = ours(*where, seed)
+    before = ours(*where, seed)
     counts, took = run_theirs(where, seed)
-    _, after = ours(*where, seed)
-    return Pair(outcomes, counts, Took(*(0.5 * np.add(before, after))), took)
+    after = ours(*where, seed)
+    return Pair(before.outcomes, counts, Took(*(0.5 * np.add(before.took, after.took))), took)
 
 
 def spread(values: list[float], form: str) -> str:
@@ -174,7 +231,7 @@ def tables(nodes: int, pairs: list[Pair]) -> list[str]:
     worst = np.abs(own - ratio).max()
     lines += ["", f"Largest difference {worst:.3f}; target {TARGET}. Sum of {SEEDS} seeds.", ""]
     lines += [
-        f"| {SECONDS:.0f} s, {len(pairs)} pairs: min / median / max | ns-3 s | modelcast s | ratio |",
+        f"| {NIST.seconds:.0f} s, {len(pairs)} pairs: min / median / max | ns-3 s | modelcast s | ratio |",
         "|---|---|---|---|",
     ]
     for k, title in enumerate(("wall time", "processor time")):

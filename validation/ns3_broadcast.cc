@@ -1,4 +1,5 @@
-// Broadcast of a fixed set of IEEE 802.11p nodes, counted by pair: the reference run of validation/ns3.py.
+// Broadcast of a fixed set of IEEE 802.11p nodes, counted by pair: the reference run of validation/ns3.py and
+// validation/ns3_load.py.
 // Input file: one line a node, "x y phase_s". Output: sender receiver received, one line a pair that received.
 #include <fstream>
 #include <iostream>
@@ -23,18 +24,24 @@ static bool Heard(uint32_t receiver, Ptr<NetDevice>, Ptr<const Packet>, uint16_t
     return true;
 }
 
-static void Send(Ptr<NetDevice> device, uint32_t bytes, double period) {
+static void Send(Ptr<NetDevice> device, uint32_t bytes, double period, double until) {
     device->Send(Create<Packet>(bytes), Mac48Address::GetBroadcast(), 0x88dc);
-    Simulator::Schedule(Seconds(period), &Send, device, bytes, period);
+    if (Simulator::Now().GetSeconds() + period < until)
+        Simulator::Schedule(Seconds(period), &Send, device, bytes, period, until);
 }
 
 int main(int argc, char **argv) {
     std::string path;
-    double seconds = 10.0, period = 0.1;
+    std::string mode = "OfdmRate6MbpsBW10MHz", errors = "ns3::NistErrorRateModel";
+    double seconds = 10.0, period = 0.1, exponent = 2.4, tail = 0.0;
     uint32_t bytes = 300, seed = 1;
     CommandLine cmd;
     cmd.AddValue("nodes", "file of nodes", path);
-    cmd.AddValue("seconds", "duration", seconds);
+    cmd.AddValue("seconds", "how long messages are sent", seconds);
+    cmd.AddValue("tail", "how long to go on after that", tail);
+    cmd.AddValue("mode", "bit rate", mode);
+    cmd.AddValue("errors", "error model", errors);
+    cmd.AddValue("exponent", "of path loss", exponent);
     cmd.AddValue("bytes", "payload", bytes);
     cmd.AddValue("seed", "seed", seed);
     cmd.Parse(argc, argv);
@@ -54,7 +61,7 @@ int main(int argc, char **argv) {
 
     YansWifiChannelHelper channel;
     channel.SetPropagationDelay("ns3::ConstantSpeedPropagationDelayModel");
-    channel.AddPropagationLoss("ns3::LogDistancePropagationLossModel", "Exponent", DoubleValue(2.4),
+    channel.AddPropagationLoss("ns3::LogDistancePropagationLossModel", "Exponent", DoubleValue(exponent),
                                "ReferenceLoss", DoubleValue(47.86));
     channel.AddPropagationLoss("ns3::NakagamiPropagationLossModel", "m0", DoubleValue(3.0), "m1", DoubleValue(1.5),
                                "m2", DoubleValue(1.0), "Distance1", DoubleValue(50.0), "Distance2",
@@ -65,16 +72,15 @@ int main(int argc, char **argv) {
     phy.Set("TxPowerStart", DoubleValue(20.0));
     phy.Set("TxPowerEnd", DoubleValue(20.0));
     phy.Set("RxSensitivity", DoubleValue(-98.0));
-    phy.SetErrorRateModel("ns3::NistErrorRateModel");
+    phy.SetErrorRateModel(errors);
     phy.SetPreambleDetectionModel("ns3::ThresholdPreambleDetectionModel", "Threshold", DoubleValue(2.0),
                                   "MinimumRssi", DoubleValue(-98.0));
     WifiMacHelper mac;
     mac.SetType("ns3::AdhocWifiMac");
     WifiHelper wifi;
     wifi.SetStandard(WIFI_STANDARD_80211p);
-    wifi.SetRemoteStationManager("ns3::ConstantRateWifiManager", "DataMode", StringValue("OfdmRate6MbpsBW10MHz"),
-                                 "ControlMode", StringValue("OfdmRate6MbpsBW10MHz"), "NonUnicastMode",
-                                 StringValue("OfdmRate6MbpsBW10MHz"));
+    wifi.SetRemoteStationManager("ns3::ConstantRateWifiManager", "DataMode", StringValue(mode), "ControlMode",
+                                 StringValue(mode), "NonUnicastMode", StringValue(mode));
     NetDeviceContainer devices = wifi.Install(phy, mac, nodes);
     MobilityHelper mobility;
     mobility.SetPositionAllocator(places);
@@ -86,9 +92,9 @@ int main(int argc, char **argv) {
         address.CopyFrom(mine);
         devices.Get(k)->SetAddress(address);
         devices.Get(k)->SetReceiveCallback(MakeBoundCallback(&Heard, k));
-        Simulator::Schedule(Seconds(phases[k]), &Send, devices.Get(k), bytes, period);
+        Simulator::Schedule(Seconds(phases[k]), &Send, devices.Get(k), bytes, period, seconds);
     }
-    Simulator::Stop(Seconds(seconds));
+    Simulator::Stop(Seconds(seconds + tail));
     Simulator::Run();
     for (uint32_t i = 0; i < nodes.GetN(); ++i)
         for (uint32_t j = 0; j < nodes.GetN(); ++j)

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from modelcast.channel.external_radio import AbstractExternalRadio as AbstractExternalRadio
     from modelcast.channel.external_radio import AbstractRadioSimulator as AbstractRadioSimulator
     from modelcast.channel.external_radio import CarriedFrames as CarriedFrames
+    from modelcast.channel.nr import Nr as Nr
+    from modelcast.channel.nr_parameters import NrParameters as NrParameters
     from modelcast.channel.radio import OUTCOMES as OUTCOMES
     from modelcast.channel.radio import AbstractRadio as AbstractRadio
     from modelcast.channel.radio import Receptions as Receptions
@@ -77,6 +79,10 @@ if TYPE_CHECKING:
     from modelcast.messages.bsm import BsmCore as BsmCore
     from modelcast.messages.bsm import decode_bsm as decode_bsm
     from modelcast.messages.bsm import encode_bsm as encode_bsm
+    from modelcast.messages.cam import CamLowFrequency as CamLowFrequency
+    from modelcast.messages.cam import CooperativeAwarenessMessage as CooperativeAwarenessMessage
+    from modelcast.messages.cam import decode_cam as decode_cam
+    from modelcast.messages.cam import encode_cam as encode_cam
     from modelcast.messages.mbc import ModelUpdate as ModelUpdate
     from modelcast.messages.mbc import SubModelIdentification as SubModelIdentification
     from modelcast.messages.mbc_codec import UpdateCodec as UpdateCodec
@@ -183,6 +189,7 @@ _HOMES = {
     "Authority": "messages.security.authority",
     "Bank": "models.bank",
     "BsmCore": "messages.bsm",
+    "CamLowFrequency": "messages.cam",
     "CarriedFrames": "channel.external_radio",
     "Cause": "station.policy.j2945",
     "CodecError": "core.exceptions",
@@ -191,6 +198,7 @@ _HOMES = {
     "ConfigError": "core.exceptions",
     "ConstantTurnRateVelocity": "models.kinematic",
     "ConstantVelocity": "models.constant_velocity",
+    "CooperativeAwarenessMessage": "messages.cam",
     "CruiseControl": "runtime.platoon.control",
     "DataFormatError": "core.exceptions",
     "Decisions": "station.policy.base",
@@ -227,6 +235,8 @@ _HOMES = {
     "Motions": "apps.motions",
     "NetworkSettings": "runtime.fleet.settings",
     "NetworkSimulation": "interface.network",
+    "Nr": "channel.nr",
+    "NrParameters": "channel.nr_parameters",
     "OUTCOMES": "channel.radio",
     "PAPER_BANK": "station.banks",
     "PathCacc": "apps.cruise.path",
@@ -278,9 +288,11 @@ _HOMES = {
     "compare": "interface.comparison",
     "count_manoeuvres": "trips.manoeuvres.rank",
     "decode_bsm": "messages.bsm",
+    "decode_cam": "messages.cam",
     "decode_psm": "messages.psm",
     "default_profile": "models.profile",
     "encode_bsm": "messages.bsm",
+    "encode_cam": "messages.cam",
     "encode_psm": "messages.psm",
     "evaluate": "interface.evaluation",
     "evaluate_warnings": "interface.warnings",

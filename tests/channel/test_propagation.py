@@ -12,6 +12,7 @@ from modelcast.channel.path_loss import (
     LogDistance,
     ManhattanNlos,
     Tr37885,
+    TwoRay,
     WinnerB1,
 )
 from modelcast.channel.propagation import NakagamiFading, Propagation, Shadowing, StreetGrid
@@ -40,6 +41,23 @@ def test_loss_never_falls_by_more_than_the_step_at_a_break_point(model: Abstract
     loss_db = model.loss_db(np.arange(1.0, 2000.0))
     assert np.diff(loss_db).min() > -0.15
     assert loss_db[-1] > loss_db[0] + 40
+
+
+@given(st.floats(1.0, 6.0), st.floats(1.0, 6.0))
+def test_two_rays_become_the_fourth_power_of_distance_far_out(one_m: float, other_m: float) -> None:
+    at = np.array([2e4, 4e4])
+    far_db = 40 * np.log10(at) - 20 * np.log10(one_m * other_m)
+    loss_db = TwoRay(antenna_m=one_m, other_antenna_m=other_m).loss_db(at)
+    assert loss_db == pytest.approx(far_db, abs=0.15)
+    assert TwoRay(antenna_m=other_m, other_antenna_m=one_m).loss_db(at) == pytest.approx(loss_db)
+
+
+def test_two_rays_swing_around_free_space_near_by_at_most_6_db_above() -> None:
+    at = np.arange(5.0, 100.0, 0.1)
+    above_db = LogDistance(2.0).loss_db(at) - TwoRay().loss_db(at)
+    assert above_db.max() < 6.02
+    assert above_db.max() > 3.0
+    assert above_db.min() < -6.0
 
 
 def test_the_formulas_give_their_values_by_hand() -> None:

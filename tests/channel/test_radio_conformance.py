@@ -16,6 +16,8 @@ from modelcast.channel.erasure_radio import ErasureRadio
 from modelcast.channel.error_models import ThresholdErrorModel
 from modelcast.channel.external_radio import AbstractExternalRadio, AbstractRadioSimulator, CarriedFrames
 from modelcast.channel.frame_radio import AbstractFrameRadio
+from modelcast.channel.nr import Nr
+from modelcast.channel.nr_parameters import NrParameters
 from modelcast.channel.path_loss import LogDistance
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import ORDINARY, OUTCOMES, AbstractRadio, Grant, Receptions, Transmissions
@@ -92,14 +94,30 @@ def sidelink(*heeds: str, **changes: Any) -> FrameCase:
     )
 
 
+def nr(**changes: Any) -> FrameCase:
+    """One that heeds which grant is asked for, since its own settings say another."""
+    parameters = replace(NrParameters(bins=80), **changes)
+    radio = Nr(parameters)
+
+    def clear(sensitivity_dbm: float) -> Nr:
+        deaf = replace(parameters, sensitivity_dbm=sensitivity_dbm, bins=10)
+        return Nr(deaf, CLEAR, ThresholdErrorModel(5.0))
+
+    return FrameCase(
+        radio,
+        lambda size_bytes: np.full(size_bytes.shape, 1e-3 / parameters.slots_a_ms),
+        radio.range_m,
+        largest_bytes=min(parameters.largest_bytes, 400),
+        heeds=() if parameters.dynamic else ("grant",),
+        sensitivity_dbm=parameters.sensitivity_dbm,
+        clear=clear,
+    )
+
+
 def tabulated() -> Case:
     table = measured_table()
     radio = TabulatedRadio(table)
-    return Case(
-        radio,
-        lambda size_bytes: radio.preamble_s + 8e-6 * size_bytes / radio.rate_mbps,
-        table.bin_m * table.reception_ratios.shape[1],
-    )
+    return Case(radio, radio.airtime_s, table.bin_m * table.reception_ratios.shape[1])
 
 
 def erasure(channel: IndependentErasure | GilbertElliott) -> Case:
@@ -163,6 +181,9 @@ FRAME_RADIOS = {
     "sidelink-one-shot": sidelink(one_shot=True),
     "sidelink-deployed": sidelink("next_s", transmissions=2, interleaved=True, interval_by_next=True),
     "sidelink-by-next": sidelink("next_s", interval_by_next=True, grant_by_next=True),
+    "nr": nr(),
+    "nr-dynamic": nr(dynamic=True),
+    "nr-copies": nr(transmissions=3, spacing_khz=30, bandwidth_mhz=20),
 }
 RADIOS: dict[str, Case] = {
     **FRAME_RADIOS,
@@ -547,7 +568,7 @@ def test_what_a_sender_leaves_out_radios_see_in_full() -> None:
 @every_radio
 def test_what_a_radio_does_not_heed_changes_nothing(case: Case) -> None:
     """Priority, next message and kind of grant, save those that a case names."""
-    traffic, place_m = random_traffic(4, 40, 200)
+    traffic, place_m = random_traffic(4, 40, 200, largest=case.largest_bytes)
     said = {
         "priority": np.arange(200) % 8,
         "next_s": traffic.ready_s + 0.1,

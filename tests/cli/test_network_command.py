@@ -103,6 +103,7 @@ def test_mistakes_are_told(option: str, value: str, tmp_path: Path) -> None:
         {"scenario": "crossing", "blocks": "2"},
         {"scenario": "braking"},
         {"scenario": "cut-in"},
+        {"scenario": "loaded"},
         {"radio": "abstract"},
     ],
 )

@@ -3,7 +3,7 @@
 `NistErrorModel` knows coded bit errors in white noise; every stretch of the frame counts by its own SINR. Use
 it where fading is drawn apart (`NakagamiFading`); ns-3 does the same. `TabulatedErrorModel` is a curve for
 whole frames, fading included: use it with propagation that has no fast fading. `ThresholdErrorModel` receives
-above a SINR and loses below, as some simulators do.
+above a SINR and loses below, as some simulators do. `modelcast.channel.table_error_model` has ns-3's default.
 
 The common form: a frame has a number of units (bits, or reference frames). Success is exp(-units·h), where h
 is a table over SINR, the hazard of a unit.
@@ -23,6 +23,7 @@ __all__ = [
     "HAZARD_PER_DB",
     "HAZARD_SIZE",
     "MOST_HAZARD",
+    "SINR_DB",
     "AbstractErrorModel",
     "NistErrorModel",
     "TabulatedErrorModel",
@@ -41,7 +42,8 @@ MOST_HAZARD = 60.0
 NO_HAZARD = 1e-22
 """A hazard that all units of a frame together survive, however chance falls: it has 53 bits."""
 
-_SINR_DB = HAZARD_MIN_DB + np.arange(HAZARD_SIZE) / HAZARD_PER_DB
+SINR_DB = HAZARD_MIN_DB + np.arange(HAZARD_SIZE) / HAZARD_PER_DB
+"""Where the table of hazards has its values, (HAZARD_SIZE,) [dB]."""
 
 _HIGHWAY_LOS = {0: 0.766, 1: 0.508, 2: 0.264, 3: 0.111, 4: 0.040, 5: 0.013, 6: 0.003, 7: 0.001}
 _HIGHWAY_NLOS = {1: 0.996, 2: 0.971, 3: 0.893, 4: 0.689, 5: 0.433, 6: 0.201, 7: 0.071}
@@ -57,6 +59,11 @@ class AbstractErrorModel(abc.ABC):
     @abc.abstractmethod
     def by_stretch(self) -> bool:
         """Whether every stretch of a frame counts by its own SINR (else: the mean interference counts)."""
+
+    @property
+    def holds_fading(self) -> bool:
+        """Whether the chance is over fast fading already: none is to be drawn beside."""
+        return False
 
     @abc.abstractmethod
     def hazards(self) -> FloatArray:
@@ -76,7 +83,7 @@ class AbstractErrorModel(abc.ABC):
         size_bytes
             Size of the frame.
         """
-        hazard = np.interp(sinr_db, _SINR_DB, self.hazards())
+        hazard = np.interp(sinr_db, SINR_DB, self.hazards())
         return -np.expm1(-hazard * self.units(np.array([float(size_bytes)])))
 
 
@@ -89,7 +96,7 @@ def safe_ratio(hazards: FloatArray) -> float:
         As `AbstractErrorModel.hazards` gives them, (HAZARD_SIZE,).
     """
     at = int(np.max(np.flatnonzero(hazards > NO_HAZARD), initial=-1)) + 1
-    return 10.0 ** (0.1 * float(_SINR_DB[at])) if at < HAZARD_SIZE else float("inf")
+    return 10.0 ** (0.1 * float(SINR_DB[at])) if at < HAZARD_SIZE else float("inf")
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +150,7 @@ class NistErrorModel(AbstractErrorModel):
 
     def hazards(self) -> FloatArray:
         """Hazard of a bit, (HAZARD_SIZE,)."""
-        snr = 10.0 ** (0.1 * (_SINR_DB - self.loss_db))
+        snr = 10.0 ** (0.1 * (SINR_DB - self.loss_db))
         side = 2.0 ** (self.bits_per_symbol / 2.0)
         if self.bits_per_symbol <= 2:
             scale, argument = 0.5, np.sqrt(snr / self.bits_per_symbol)
@@ -183,6 +190,8 @@ class TabulatedErrorModel(AbstractErrorModel):
         The curve; SINR rising, ratio falling within 0..1.
     reference_bytes
         Size of the frames it was made with. A frame of n bytes counts as n/reference of them.
+    faded
+        Whether the curve was made over a channel that fades, as the named ones were.
 
     Notes
     -----
@@ -199,6 +208,7 @@ class TabulatedErrorModel(AbstractErrorModel):
     packet_errors: tuple[float, ...]
     _: KW_ONLY
     reference_bytes: int = 350
+    faded: bool = True
 
     def __post_init__(self) -> None:
         if len(self.sinr_db) != len(self.packet_errors) or len(self.sinr_db) < 2:
@@ -244,14 +254,19 @@ class TabulatedErrorModel(AbstractErrorModel):
         """No: the curve knows whole frames."""
         return False
 
+    @property
+    def holds_fading(self) -> bool:
+        """As the curve was made."""
+        return self.faded
+
     def hazards(self) -> FloatArray:
         """Hazard of a reference frame, (HAZARD_SIZE,)."""
         ln = np.log(-np.log1p(-np.asarray(self.packet_errors)))
         at = np.asarray(self.sinr_db)
-        inner = np.interp(_SINR_DB, at, ln)
-        low = ln[0] + (ln[1] - ln[0]) / (at[1] - at[0]) * (_SINR_DB - at[0])
-        high = ln[-1] + (ln[-1] - ln[-2]) / (at[-1] - at[-2]) * (_SINR_DB - at[-1])
-        whole = np.where(at[0] > _SINR_DB, low, np.where(at[-1] < _SINR_DB, high, inner))
+        inner = np.interp(SINR_DB, at, ln)
+        low = ln[0] + (ln[1] - ln[0]) / (at[1] - at[0]) * (SINR_DB - at[0])
+        high = ln[-1] + (ln[-1] - ln[-2]) / (at[-1] - at[-2]) * (SINR_DB - at[-1])
+        whole = np.where(at[0] > SINR_DB, low, np.where(at[-1] < SINR_DB, high, inner))
         return np.minimum(np.exp(np.minimum(whole, np.log(MOST_HAZARD))), MOST_HAZARD)
 
     def units(self, size_bytes: FloatArray) -> FloatArray:
@@ -282,7 +297,7 @@ class ThresholdErrorModel(AbstractErrorModel):
 
     def hazards(self) -> FloatArray:
         """Nothing above the bound, certain loss below, (HAZARD_SIZE,)."""
-        return np.where(self.threshold_db - 1e-9 <= _SINR_DB, 0.0, MOST_HAZARD)
+        return np.where(self.threshold_db - 1e-9 <= SINR_DB, 0.0, MOST_HAZARD)
 
     def units(self, size_bytes: FloatArray) -> FloatArray:
         """One, whatever the size, (N,)."""

@@ -1,4 +1,4 @@
-"""The radios by name, as a command line asks for them.
+"""The radios by name; `modelcast.channel.radio_words` sets them.
 
 Other packages add theirs through the entry-point group ``modelcast.radios``: each entry point loads a class
 derived from `modelcast.channel.radio.AbstractRadio` whose arguments all have defaults.
@@ -6,11 +6,10 @@ derived from `modelcast.channel.radio.AbstractRadio` whose arguments all have de
 
 from typing import Any
 
-from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import AbstractRadio
 from modelcast.core.open_group import OpenGroup
 
-__all__ = ["RADIOS", "get_radio"]
+__all__ = ["RADIOS"]
 
 RADIOS: OpenGroup[AbstractRadio[Any]] = OpenGroup(
     "modelcast.radios",
@@ -19,32 +18,10 @@ RADIOS: OpenGroup[AbstractRadio[Any]] = OpenGroup(
     own={
         "dsrc": "modelcast.channel.dsrc:Dsrc",
         "sidelink": "modelcast.channel.sidelink:Sidelink",
+        "nr": "modelcast.channel.nr:Nr",
         "abstract": "modelcast.channel.tabulated:TabulatedRadio",
         "ideal": "modelcast.channel.erasure_radio:ErasureRadio",
     },
 )
-"""IEEE 802.11p, LTE-V2X sidelink, a table of losses, no loss within a range; and those of other packages."""
-
-
-def get_radio(text: str, propagation: Propagation | None = None) -> AbstractRadio[Any]:
-    """Return a radio by its name.
-
-    Parameters
-    ----------
-    text
-        ``NAME``, or ``NAME:KEY=VALUE,KEY=VALUE`` with settings of its own.
-    propagation
-        How waves get from vehicle to vehicle; None for the radio's own.
-
-    Raises
-    ------
-    ConfigError
-        Where there is none of that name, or it refuses its settings.
-
-    Examples
-    --------
-    >>> get_radio("ideal:range_m=300").range_m
-    300
-    """
-    found = RADIOS.made_from(text)
-    return found if propagation is None else found.within(propagation)
+"""IEEE 802.11p, LTE-V2X and NR-V2X sidelink, a table of losses, no loss within a range; and those of other
+packages."""

@@ -17,7 +17,15 @@ from modelcast.channel.copies_kernels import PAIR_COLUMNS, Copies
 from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
 from modelcast.channel.error_models import AbstractErrorModel, TabulatedErrorModel
 from modelcast.channel.frame_kernels import Heard
-from modelcast.channel.frame_radio import AbstractFrameRadio, asked, error_units, has_shadowing
+from modelcast.channel.frame_radio import (
+    AbstractFrameRadio,
+    asked,
+    error_units,
+    has_shadowing,
+    told_of_fading_twice,
+    without_second_fading,
+)
+from modelcast.channel.in_band_emission import in_band_emission
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
@@ -32,7 +40,6 @@ from modelcast.channel.sidelink_parameters import (
     COUNTER,
     COUNTERS,
     SidelinkParameters,
-    in_band_emission,
 )
 from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
@@ -105,12 +112,12 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
 
     Notes
     -----
-    Time runs in subframes of 1 ms; steps must end on one. A message ready in subframe n is looked at in n
-    and sent in n + T1 to n + T2. ``grant`` of a transmission is heeded, ``next_s`` where the parameters say
-    so (`SidelinkParameters.interval_by_next`, ``grant_by_next``), ``priority`` not at all. Of lost frames,
-    ``concurrent`` means that the strongest interferer was near enough to hear the sender's reservations
-    (median power), ``hidden`` that it was not. Of a message sent twice a pair counts once, when the second
-    copy has gone out: as received, or by what became of that one.
+    Time runs in subframes of 1 ms; steps must end on one. A message ready in subframe n is looked at when n
+    is over and sent in n + T1 to n + T2. ``grant`` of a transmission is heeded, ``next_s`` where the
+    parameters say so (`SidelinkParameters.interval_by_next`, ``grant_by_next``), ``priority`` not at all. Of
+    lost frames, ``concurrent`` means that the strongest interferer was near enough to hear the sender's
+    reservations (median power), ``hidden`` that it was not. Of a message sent twice a pair counts once, when
+    the second copy has gone out: as received, or by what became of that one.
 
     Examples
     --------
@@ -138,6 +145,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
     tables: PropagationTables = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        told_of_fading_twice(self.propagation, self.error_model)
         constants = self._constants()
         object.__setattr__(self, "constants", constants)
         object.__setattr__(self, "hazard", np.ascontiguousarray(self.error_model.hazards()))
@@ -179,6 +187,10 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             keep_ratio=p.keep_ratio,
             reselect_after=p.reselect_after,
             best_ratio=p.best_ratio,
+            best_of_possible=p.best_of_possible,
+            reserved_by_mean=p.reserved_by_mean,
+            first_by_chance=p.first_by_chance,
+            noise_counts=p.noise_counts,
             reserved_mw=power_ratio(p.reserved_dbm),
             elements=float(BLOCK_ELEMENTS),
             noise_mw=power_ratio(noise_dbm),
@@ -193,6 +205,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             bin_m=p.bin_m,
             bins=p.bins,
             blocks=p.blocks,
+            least_sub_channels=p.least_sub_channels,
             bits_per_block=BITS_PER_BLOCK[p.mcs],
             control_blocks=p.control_blocks,
             units_fixed=units_fixed,
@@ -206,8 +219,8 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
         return self.parameters.bin_m
 
     def within(self, propagation: Propagation) -> Self:
-        """The radio with this propagation."""
-        return replace(self, propagation=propagation)
+        """The radio with this propagation, without fast fading where the error model holds it."""
+        return replace(self, propagation=without_second_fading(propagation, self.error_model))
 
     def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> SidelinkState:
         """State at time 0 of V vehicles."""
@@ -216,12 +229,13 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
         grant[:, BAND : BAND + TURNS] = -1
         grant[:, MESSAGE] = -1
         pairs = empty_pairs(vehicles, 16)
+        quiet_mw = self.constants.noise_mw if p.noise_counts else 0.0
         return SidelinkState(
             0.0,
             random,
             grant=grant,
             power_dbm=np.zeros(vehicles),
-            sensed=np.full((vehicles, MEMORY, p.sub_channels), self.constants.noise_mw, dtype=np.float32),
+            sensed=np.full((vehicles, MEMORY, p.sub_channels), quiet_mw, dtype=np.float32),
             reserved=np.zeros((vehicles, p.horizon_ms, p.sub_channels), dtype=np.float32),
             busy_ratio=np.zeros(vehicles),
             pairs=pairs.held,

@@ -1,7 +1,8 @@
 """Compiled LTE-V2X mode 4: one interval of sensing-based semi-persistent scheduling, subframe by subframe.
 
-In every subframe of 1 ms: messages become ready and choose a resource if they have none; vehicles whose turn
-it is send; everybody else adds up the power in each sub-channel, decodes what it can, and remembers both.
+In every subframe of 1 ms: vehicles whose turn it is send; everybody else adds up the power in each
+sub-channel, decodes what it can, and remembers both; messages that became ready choose a resource if they
+have none that fits.
 """
 
 from typing import NamedTuple
@@ -127,6 +128,18 @@ def _used(size_bytes: int, constants: SidelinkConstants) -> int:
 
 
 @kernel(inlined=True)
+def _length_of(used_blocks: int, constants: SidelinkConstants) -> int:
+    """Return the sub-channels that a message of so many resource-block pairs takes."""
+    return max((used_blocks + constants.blocks - 1) // constants.blocks, constants.least_sub_channels)
+
+
+@kernel(inlined=True)
+def _filled(used_blocks: int, place: int, constants: SidelinkConstants) -> float:
+    """Return how much a message fills the ``place``-th sub-channel that it takes, 0..1."""
+    return min(max(used_blocks - place * constants.blocks, 0), constants.blocks) / constants.blocks
+
+
+@kernel(inlined=True)
 def _receive_powers(
     turn: int,
     turns: Turns,
@@ -146,7 +159,7 @@ def _receive_powers(
     band, used_blocks = int(turns.band[turn]), _used(int(memory.grant[v, BYTES]), constants)
     position_m, cells, near = around.position_m, around.cells, around.near
     power, top_mw, top_turn = air.power, air.top_mw, air.top_turn
-    length = (used_blocks + constants.blocks - 1) // constants.blocks
+    length = _length_of(used_blocks, constants)
     east, north = position_m[v, 0], position_m[v, 1]
     for n in range(find_in_range(v, position_m, cells, constants.range_m, near)):
         k = near[n, 0]
@@ -175,9 +188,7 @@ def _receive_powers(
         for s in range(constants.sub_channels):
             share_mw = density_mw * leak[length - 1, band, s]
             if band <= s < band + length:
-                share_mw *= (
-                    min(used_blocks - (s - band) * constants.blocks, constants.blocks) / constants.blocks
-                )
+                share_mw *= _filled(used_blocks, s - band, constants)
             power[j, s] += share_mw
             if share_mw > top_mw[j, s, 0]:
                 top_mw[j, s, 1], top_turn[j, s, 1] = top_mw[j, s, 0], top_turn[j, s, 0]
@@ -204,14 +215,13 @@ def _judge(
     """Return what became of a frame at a listening receiver, and its SINR."""
     place, power, top_mw, top_turn = turns.place, air.power, air.top_mw, air.top_turn
     used_blocks = _used(size_bytes, constants)
-    length = (used_blocks + constants.blocks - 1) // constants.blocks
+    length = _length_of(used_blocks, constants)
     noise_mw = constants.noise_mw * used_blocks / constants.blocks
     density_mw = power_mw * constants.blocks / used_blocks
     other_mw = 0.0
     worst_mw, worst = 0.0, -1
     for s in range(band, band + length):
-        share = min(used_blocks - (s - band) * constants.blocks, constants.blocks) / constants.blocks
-        other_mw += max(power[j, s] - density_mw * share, 0.0)
+        other_mw += max(power[j, s] - density_mw * _filled(used_blocks, s - band, constants), 0.0)
         rank = 1 if top_turn[j, s, 0] == turn else 0
         if top_mw[j, s, rank] > worst_mw:
             worst_mw, worst = top_mw[j, s, rank], top_turn[j, s, rank]
@@ -267,10 +277,11 @@ def _choose(
     random: UInt64Vector,
     constants: SidelinkConstants,
 ) -> None:
-    """Choose the turns of a kind by sensing."""
+    """Choose the turns of a kind by sensing, or by chance where it is the first and the parameters say so."""
     grant = memory.grant
+    blind = constants.first_by_chance and grant[v, LENGTH] == 0 and grant[v, SHOT_LENGTH] == 0
     when, band, when_again, band_again = select_resource(
-        v, subframe, length, interval, memory.sensed, memory.reserved, random, constants
+        v, subframe, length, interval, blind, memory.sensed, memory.reserved, random, constants
     )
     grant[v, BAND + kind], grant[v, NEXT + kind] = band, when
     grant[v, BAND + kind + 1], grant[v, NEXT + kind + 1] = band_again, when_again
@@ -282,7 +293,7 @@ def _take_in(
 ) -> None:
     """Let a message wait for the vehicle's resource; choose one where it has none that fits."""
     grant, v, size_bytes, wish = memory.grant, asked.sender[n], asked.size_bytes[n], asked.grant[n]
-    length = (_used(size_bytes, constants) + constants.blocks - 1) // constants.blocks
+    length = _length_of(_used(size_bytes, constants), constants)
     grant[v, MESSAGE], grant[v, BYTES], grant[v, WISH] = asked.message_id[n], size_bytes, wish
     grant[v, AHEAD] = int(np.floor(asked.next_s[n] * 1e3 + 1e-6)) if asked.next_s[n] < 1e12 else -1
     grant[v, VIA], grant[v, SENT], grant[v, SKIPS] = RESERVED, 0, 0
@@ -394,7 +405,10 @@ def _remember(subframe: int, memory: Memory, air: Air, constants: SidelinkConsta
     slot, phase = subframe % MEMORY, subframe % constants.horizon
     for v in range(memory.grant.shape[0]):
         for s in range(constants.sub_channels):
-            sensed_mw = np.inf if air.sends[v] else air.power[v, s] + constants.noise_mw
+            sensed_mw = air.power[v, s] + constants.noise_mw
+            if not constants.noise_counts:
+                sensed_mw = air.power[v, s] if air.power[v, s] >= constants.noise_mw else 0.0
+            sensed_mw = np.inf if air.sends[v] else sensed_mw
             memory.sensed[v, slot, s] = sensed_mw
             memory.reserved[v, phase, s] = 0.0
 
@@ -428,7 +442,7 @@ def _finish_frame(
     v, which, band = int(turns.vehicle[turn]), int(turns.which[turn]), int(turns.band[turn])
     grant, size = memory.grant, int(memory.grant[v, BYTES])
     used_blocks = _used(size, constants)
-    length = (used_blocks + constants.blocks - 1) // constants.blocks
+    length = _length_of(used_blocks, constants)
     more = bool(constants.copies > 1 and which & 1 == 0 and grant[v, BAND + which + 1] >= 0)
     gap = int(grant[v, NEXT + which + 1]) - subframe if more else 0
     alone = not more and memory.copies.span[v, 1] == 0
@@ -568,17 +582,6 @@ def advance(
     arrival, waiting = 0, memory.copies.pair.shape[0]
 
     for subframe in range(now, until):
-        # Messages that became ready before this subframe choose their resource.
-        while arrival < sender.size and ready_subframe[arrival] <= subframe:
-            v, n = sender[arrival], arrival
-            arrival += 1
-            absent = not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]))
-            if absent or (grant[v, MESSAGE] >= 0 and grant[v, SENT] == 0):
-                heard.expired[lapsed] = asked.message_id[n] if absent else grant[v, MESSAGE]
-                lapsed += 1
-            if not absent:
-                settle(memory.copies, v, heard.outcomes)  # no copy of the message before is to come
-                _take_in(n, subframe, memory, asked, random, constants)
         count, used = _take_turns(subframe, memory, position_m, turns, air, random, constants), 0
         for turn in range(count):
             links = _links_room(links, used, present)
@@ -599,6 +602,18 @@ def advance(
                 turn, subframe, turns, memory, air, links, heard, received, waiting, hazard, constants
             )
         _clear(count, used, turns, links, memory, air, channels)
+        # Messages that became ready in this subframe choose their resource once it is over: whose turn it
+        # was has sent, and what it brought is known.
+        while arrival < sender.size and ready_subframe[arrival] <= subframe:
+            v, n = sender[arrival], arrival
+            arrival += 1
+            absent = not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]))
+            if absent or (grant[v, MESSAGE] >= 0 and grant[v, SENT] == 0):
+                heard.expired[lapsed] = asked.message_id[n] if absent else grant[v, MESSAGE]
+                lapsed += 1
+            if not absent:
+                settle(memory.copies, v, heard.outcomes)  # no copy of the message before is to come
+                _take_in(n, subframe, memory, asked, random, constants)
         if (subframe + 1) % constants.window == 0:
             _measure_busy(subframe, memory, constants)
 

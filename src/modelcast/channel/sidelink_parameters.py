@@ -1,10 +1,10 @@
-"""Constants of LTE-V2X mode 4, by document: sizes, windows, thresholds, leakage between sub-channels."""
+"""Constants of LTE-V2X mode 4, by document: sizes, windows, thresholds."""
 
 from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray, IntArray
+from modelcast.core.arrays import IntArray
 
 __all__ = [
     "BITS_PER_BLOCK",
@@ -13,8 +13,8 @@ __all__ = [
     "COUNTER",
     "COUNTERS",
     "SidelinkParameters",
-    "in_band_emission",
     "j3161_sidelink_parameters",
+    "wilab_sidelink_parameters",
 ]
 
 BITS_PER_BLOCK: dict[int, float] = {
@@ -55,6 +55,8 @@ class SidelinkParameters:
         Sub-channels of the pool, and resource-block pairs in each; 10 MHz has 50 pairs.
     control_blocks
         Pairs for the control part, adjacent to the data: 2.
+    least_sub_channels
+        A message takes at least so many sub-channels, whether it fills them or not.
     overlapping
         Whether a resource may begin at every sub-channel (TS 36.213); else only at multiples of its length.
     interval_ms
@@ -89,9 +91,21 @@ class SidelinkParameters:
         A resource is given up after so many turns in a row without a message (sl-ReselectAfter, 1..9).
     best_ratio
         Share of the resources among which chance decides: 0.2.
+    best_of_possible
+        Whether the share is of the resources the vehicle could sense; TS 36.213 counts those too in whose
+        subframes it was sending, 14.1.1.6.
+    first_by_chance
+        Whether a vehicle's first resource is chosen without sensing.
+    noise_counts
+        Whether noise is part of the power sensed, as in TS 36.214, 5.1.28. Else what is below the noise reads
+        zero, and such resources are equally good.
     reserved_dbm
         A reservation counts where its reference signal is stronger, an element; raised by 3 dB until enough
         resources are left [dBm].
+    reserved_by_mean
+        Whether that compares the mean power sensed there in the last second, over ten times a hundred
+        subframes, in place of the reservation's reference signal. A resource reserved of late then counts by
+        a tenth.
     control_db
         Least SINR at which a reservation is understood; common in simulators, from memory [dB].
     noise_figure_db
@@ -119,6 +133,7 @@ class SidelinkParameters:
     _: KW_ONLY
     blocks: int = 10
     control_blocks: int = 2
+    least_sub_channels: int = 1
     overlapping: bool = True
     interval_ms: int = 100
     first_ms: int = 1
@@ -134,7 +149,11 @@ class SidelinkParameters:
     longest_interval_ms: int = 1000
     reselect_after: int = 1
     best_ratio: float = 0.2
+    best_of_possible: bool = False
+    first_by_chance: bool = False
+    noise_counts: bool = True
     reserved_dbm: float = -110.0
+    reserved_by_mean: bool = False
     control_db: float = 0.0
     noise_figure_db: float = 9.0
     sensitivity_dbm: float = -105.0
@@ -163,7 +182,16 @@ class SidelinkParameters:
                 raise ValueError(f"{name} must lie within 0..1, got {getattr(self, name)}")
         if not self.bin_m > 0:
             raise ValueError(f"bin_m must be positive, got {self.bin_m}")
+        self._check_sizes()
         self._check_grants()
+
+    def _check_sizes(self) -> None:
+        if self.control_blocks < 0:
+            raise ValueError(f"control_blocks must not be negative, got {self.control_blocks}")
+        if not 1 <= self.least_sub_channels <= self.sub_channels:
+            raise ValueError(
+                f"least_sub_channels must lie within 1..{self.sub_channels}, got {self.least_sub_channels}"
+            )
 
     def _check_grants(self) -> None:
         if self.transmissions not in (1, 2):
@@ -206,7 +234,36 @@ class SidelinkParameters:
         [1, 2, 3]
         """
         data = np.ceil(8.0 * np.asarray(size_bytes) / BITS_PER_BLOCK[self.mcs]).astype(np.int64)
-        return -(-(data + self.control_blocks) // self.blocks)
+        return np.maximum(-(-(data + self.control_blocks) // self.blocks), self.least_sub_channels)
+
+
+def wilab_sidelink_parameters() -> SidelinkParameters:
+    """Mode 4 as WiLabV2Xsim 6.1 has it, at MCS 7, 300 bytes and 10 MHz.
+
+    Notes
+    -----
+    Facts of that simulator's public code and of its output: a message has its whole power on its data, 20 of
+    50 pairs, and takes three of five sub-channels, so one fits a subframe; sensed power below the noise is
+    set to zero; a reservation is compared by the mean power of a second; the first resource is chosen by
+    chance; the best fifth is of the resources sensed. The range up to which it counts pairs, 1.41 times the
+    distance at which the median SNR meets the threshold, tells the pairs that bear the power. Its packet
+    error is a step at 8.47 dB (`ThresholdErrorModel`).
+    """
+    return SidelinkParameters(
+        7,
+        5,
+        control_blocks=0,
+        least_sub_channels=3,
+        overlapping=False,
+        keep_ratio=0.4,
+        best_of_possible=True,
+        first_by_chance=True,
+        noise_counts=False,
+        reserved_by_mean=True,
+        noise_figure_db=6.0,
+        antenna_gain_db=3.0,
+        sensitivity_dbm=-120.0,
+    )
 
 
 def j3161_sidelink_parameters() -> SidelinkParameters:
@@ -243,38 +300,3 @@ def j3161_sidelink_parameters() -> SidelinkParameters:
         reselect_after=9,
         max_power_dbm=20.0,
     )
-
-
-def in_band_emission(sub_channels: int, blocks: int) -> FloatArray:
-    """Power that a sender leaks into each sub-channel, over its own there, (lengths, firsts, sub-channels).
-
-    Parameters
-    ----------
-    sub_channels
-        Sub-channels of the pool; row k is for messages of k + 1 of them.
-    blocks
-        Resource-block pairs in each.
-
-    Notes
-    -----
-    The mask of 3GPP TS 36.101, table 6.5.2A.3.1-1, for QPSK (EVM 17.5 %) with {W, X, Y, Z} = {3, 6, 3, 3} dB
-    (TR 36.885): the larger of -25 - 10 log(N/L) - X and 20 log EVM - 3 - 5(d - 1)/L - W for a block d blocks
-    away, and -25 - Y more on the image of the used blocks. Carrier leakage (-25 - Z) falls on the two middle
-    blocks. Averaged over the blocks of a sub-channel.
-    """
-    total = sub_channels * blocks
-    block = np.arange(total)
-    table = np.zeros((sub_channels, sub_channels, sub_channels))
-    for length in range(1, sub_channels + 1):
-        for first in range(sub_channels - length + 1):
-            start, stop, width = first * blocks, (first + length) * blocks - 1, length * blocks
-            away = np.maximum(start - block, block - stop)
-            general = -25.0 - 10.0 * np.log10(total / width) - 6.0
-            slope = 20.0 * np.log10(0.175) - 3.0 - 5.0 * (away - 1) / width - 3.0
-            leak = 10.0 ** (0.1 * np.maximum(general, slope))
-            image = total - 1 - block
-            leak = leak + np.where((image >= start) & (image <= stop), 10.0**-2.8, 0.0)
-            middle = (block == (total - 1) // 2) | (block == total // 2)
-            leak = np.where(away <= 0, 1.0, leak + np.where(middle, 10.0**-2.8, 0.0))
-            table[length - 1, first] = leak.reshape(sub_channels, blocks).mean(axis=1)
-    return table

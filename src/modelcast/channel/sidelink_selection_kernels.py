@@ -42,6 +42,10 @@ class SidelinkConstants(NamedTuple):
     keep_ratio: float
     reselect_after: int
     best_ratio: float
+    best_of_possible: bool
+    reserved_by_mean: bool
+    first_by_chance: bool
+    noise_counts: bool
     reserved_mw: float
     elements: float
     noise_mw: float
@@ -56,6 +60,7 @@ class SidelinkConstants(NamedTuple):
     bin_m: float
     bins: int
     blocks: int
+    least_sub_channels: int
     bits_per_block: float
     control_blocks: int
     units_fixed: float
@@ -97,6 +102,7 @@ def select_resource(
     now: int,
     length: int,
     interval: int,
+    blind: bool,
     sensed: Float32Cube,
     reserved: Float32Cube,
     random: UInt64Vector,
@@ -104,8 +110,9 @@ def select_resource(
 ) -> tuple[int, int, int, int]:
     """Return subframe and first sub-channel of a resource chosen by sensing (TS 36.213, 14.1.1.6).
 
-    It comes back after ``interval``; 0 is for one message alone. Behind it stand subframe and sub-channel of
-    the second copy's, the later one of the two; -1 where there is one copy, or no room for a second.
+    It comes back after ``interval``; 0 is for one message alone. ``blind`` leaves all to chance. Behind it
+    stand subframe and sub-channel of the second copy's, the later one of the two; -1 where there is one copy,
+    or no room for a second.
     """
     step = 1 if constants.overlapping else length
     bands = (constants.sub_channels - length) // step + 1
@@ -120,30 +127,32 @@ def select_resource(
                 past[n, s] += sensed[v, at, s]
     mean = np.empty(total)
     strongest = np.empty(total)
+    share = 1.0 / (MEMORY // _STEP * constants.blocks * constants.elements)
     for n in range(subframes):
         for b in range(bands):
-            power = 0.0
-            rsrp = 0.0
+            power, rsrp, loudest = 0.0, 0.0, 0.0
             for s in range(b * step, b * step + length):
                 rsrp = max(rsrp, _strongest(v, now + constants.first + n, s, interval, reserved))
+                loudest = max(loudest, past[n, s] * share)
                 power += past[n, s]
             # A part in a million of chance decides between resources that are equally quiet.
-            mean[n * bands + b] = power * (1.0 + 1e-6 * uniform(random))
-            strongest[n * bands + b] = rsrp
-    wanted = int(np.ceil(constants.best_ratio * total))
+            mean[n * bands + b] = power + (power + constants.noise_mw) * 1e-6 * uniform(random)
+            by_mean = constants.reserved_by_mean and rsrp > 0.0
+            strongest[n * bands + b] = loudest if by_mean else rsrp
     possible = np.isfinite(mean).sum()
+    wanted = int(np.ceil(constants.best_ratio * (possible if constants.best_of_possible else total)))
     wanted = max(min(wanted, possible), 1)
     limit = constants.reserved_mw
     free = np.isfinite(mean) & (strongest <= limit)
     while free.sum() < wanted and limit < 1e6:
         limit *= 2.0
         free = np.isfinite(mean) & (strongest <= limit)
-    chosen = np.flatnonzero(free)
+    chosen = np.arange(total) if blind else np.flatnonzero(free)
     second = -1
     if chosen.size == 0:
         pick = int(uniform(random) * total)
     else:
-        if chosen.size > wanted:
+        if chosen.size > wanted and not blind:
             chosen = chosen[np.argsort(mean[chosen])[:wanted]]
         pick = chosen[int(uniform(random) * chosen.size)]
         if constants.copies > 1:

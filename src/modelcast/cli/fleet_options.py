@@ -24,11 +24,12 @@ class FleetOptions:
     ----------
     scenario
         highway; braking: streams whose leaders brake hard now and then; cut-in: streams in which vehicles
-        cut in; grid: streets with signals and buildings; crossing: the same with priority instead of signals,
-        and drivers who misjudge gaps; sumo-highway, sumo-grid, sumo-junction (extra sumo); platoon: the cars
-        of an OpenACC file on their one clock, as long as it lasts; trips: recorded trips laid on a straight
-        road; or a file: floating-car data (CSV, Parquet or SUMO XML), or any .sumocfg, which SUMO drives
-        (extra sumo). Platoon, junction and files have their own density.
+        cut in; loaded: a highway of ten lanes, messages of 250 bytes and antennas of 3 dB; grid: streets
+        with signals and buildings; crossing: the same with priority instead of signals, and drivers who
+        misjudge gaps; sumo-highway, sumo-grid, sumo-junction (extra sumo); platoon: the cars of an OpenACC
+        file on their one clock, as long as it lasts; trips: recorded trips laid on a straight road; or a
+        file: floating-car data (CSV, Parquet or SUMO XML), or any .sumocfg, which SUMO drives (extra sumo).
+        Platoon, junction and files have their own density.
     trips
         Recorded trips of platoon and trips: files or folders, several after one another. Of several platoons
         seeds take one each in turn.
@@ -59,6 +60,9 @@ class FleetOptions:
         What SUMO drives of a .sumocfg before the run begins, so that its roads are not empty [s].
     certificates
         Which messages carry the certificate: gap, timer, always, digest, unsigned.
+    more_bytes
+        Bytes of every message beside what it is known to hold: Part II, or what another stack adds. Frames of
+        cam-road have sizes of their own.
     profile
         File of the profile in use, as for evaluate.
     start
@@ -115,6 +119,7 @@ class FleetOptions:
     persons: bool = False
     lead_in: float = 0.0
     certificates: CertificateRule = "gap"
+    more_bytes: int = 0
     profile: str | None = None
     start: StartRule | None = None
     identify: IdentifyRule | None = None
@@ -166,6 +171,7 @@ class FleetOptions:
             lead_in_s=self.lead_in,
             seed=self.seed,
             certificates=self.certificates,
+            more_bytes=self.more_bytes,
             banks=banks,
             profile=self.profile,
             start=self.start,

@@ -20,6 +20,7 @@ def network(
     *,
     density: Numbers = (25.0, 100.0, 400.0),
     radio: Words = ("dsrc",),
+    radio_settings: bool = False,
     policy: Words = ("bsm-10hz", "j2945", "j2945-mbc", "mbc", "cam"),
     bank: Words = ("default",),
     threshold: Numbers = (0.2,),
@@ -47,13 +48,17 @@ def network(
     density
         Vehicles a kilometre of road, both directions, several after one another.
     radio
-        dsrc, sidelink, abstract (a table of losses), ideal (no loss), or several after one another.
+        dsrc, sidelink, abstract (a table of losses), ideal (no loss), or several after one another; each with
+        settings of its own as dsrc:preset=deployed-obu,noise_figure_db=8.
+    radio_settings
+        List the settings and presets of the radios that --radio names, and run nothing.
     policy
         bsm-10hz, baseline, free, mbc, j2945, j2945-filtered, j2945-free, j2945-free-relaxed,
         j2945-free-relaxed-5, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5, j3161, j3161-mbc,
-        j3161-mbc-relaxed, cam, or several after one another. The free ones send plain messages that receivers
-        coast by the profile's best free sub-model. NAME:grant=one-shot (or periodic) asks for such resources
-        of every radio that reserves any; the j3161 ones take power_control=yes and
+        j3161-mbc-relaxed, cam (adaptive congestion control), cam-reactive, cam-uncontrolled, cam-road
+        (intervals and sizes as cars had them), or several after one another. The free ones send plain
+        messages that receivers coast by the profile's best free sub-model. NAME:grant=one-shot (or periodic)
+        asks for such resources of every radio that reserves any; the j3161 ones take power_control=yes and
         tracking_error_trigger=yes (or no) too.
     bank
         Sub-models of mbc and those with mbc in their name, several banks after one another, each as for
@@ -90,6 +95,11 @@ def network(
     """
     from dataclasses import replace
 
+    if radio_settings:
+        from modelcast.cli.radio_list import list_settings
+
+        list_settings(radio, json=json)
+        return 0
     from modelcast.cli.network_cases import Varied, network_cases, rival_of
     from modelcast.cli.network_senders import sender_rows
     from modelcast.cli.network_sweep import Sweep, sweep

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from modelcast.channel.radio import AbstractRadio
-from modelcast.channel.registry import get_radio
+from modelcast.channel.radio_words import get_radio
 from modelcast.cli.banks import bank_in_use, profile_in_use
+from modelcast.cli.network_loaded import loaded_radio
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import named_banks, sender_of
 from modelcast.cli.network_traffic import BLOCK_M, traffic
@@ -82,7 +83,8 @@ def _radio(plan: NetworkPlan, text: str) -> AbstractRadio[Any]:
     propagation = propagation_of(plan)
     if plan.roadside is not None:
         propagation = plan.roadside.raise_antennas(propagation)
-    return get_radio(text, propagation)
+    radio = get_radio(text, propagation)
+    return loaded_radio(radio, text) if plan.is_loaded else radio
 
 
 def run_case(

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 from itertools import product
 from math import inf, isfinite, nan
 
+from modelcast.channel.radio_words import get_radio
 from modelcast.channel.registry import RADIOS
 from modelcast.cli.named_words import check_word
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.named_settings import named_settings
 from modelcast.station.sender.names import POLICIES, check_sender, sends_models
 from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import NO_BANK, NetworkCase
@@ -53,7 +55,7 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
         Where a name is unknown, a number is out of its range, or the traffic cannot be had.
     """
     for name, given, group, check in (
-        ("radio", varied.radios, RADIOS, RADIOS.made_from),
+        ("radio", varied.radios, RADIOS, get_radio),
         ("policy", varied.policies, POLICIES, check_sender),
     ):
         if not given:
@@ -89,11 +91,15 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
     ]
 
 
+_RESERVING = ("sidelink", "nr")
+"""Radios whose stations hold one message until its reserved time."""
+
+
 def _check_roadside(roadside: RoadsidePlan, varied: Varied) -> None:
     """Refuse units that cannot be had, before anything runs."""
     if any(mixed_of(name).is_mixed for name in varied.policies):
         raise ConfigError("--roadside goes with one sender a fleet: units read messages of one bank")
-    if roadside.relay is not None and "sidelink" in varied.radios:
+    if roadside.relay is not None and any(named_settings(word)[0] in _RESERVING for word in varied.radios):
         raise ConfigError(
             "--relay goes with --radio dsrc, abstract or ideal: a sidelink station holds one message at a "
             "time and sends it at its reserved time, so a relay there would lose most of what it repeats"

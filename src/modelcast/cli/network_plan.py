@@ -9,12 +9,14 @@ from math import ceil, inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from modelcast.cli.network_loaded import LANES, OTHER_BYTES
 from modelcast.cli.options import SensorOptions
 from modelcast.cli.people_plan import PeoplePlan
 from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.network_runs import RunKey
 from modelcast.io.sumo_config import SUMO_CONFIG
+from modelcast.messages.airtime import Stack
 from modelcast.messages.rules import CertificateRule
 from modelcast.models.shipped import bank_name, names_profile, profile_path
 from modelcast.runtime.fleet.settings import NetworkSettings
@@ -34,7 +36,7 @@ _FULL_LANE_PER_KM = 100.0
 _MOST_LANES = 32
 """In each direction: a road that is wider is none."""
 
-BUILT_IN = ("highway", "braking", "cut-in", "grid", "crossing")
+BUILT_IN = ("highway", "braking", "cut-in", "loaded", "grid", "crossing")
 SUMO = ("sumo-highway", "sumo-grid", "sumo-junction")
 PEOPLED = ("grid", "crossing")
 """Scenarios in which people walk and ride."""
@@ -70,6 +72,8 @@ class NetworkPlan:
         Driven by a configuration of SUMO before the run begins [s].
     certificates
         Rule of the certificates.
+    more_bytes
+        Of every message of a vehicle, beside what it is known to hold.
     banks, profile, start, identify, cost
         Of senders of models, as users name them.
     threads
@@ -134,6 +138,7 @@ class NetworkPlan:
     algorithm: str | None = None
     roadside: RoadsidePlan | None = None
     people: PeoplePlan | None = None
+    more_bytes: int = 0
 
     def as_plain(self) -> dict[str, Any]:
         """What every run depends on, as plain values; files by their names, the sensor with its figures.
@@ -158,6 +163,7 @@ class NetworkPlan:
             "algorithm",
             "roadside",
             "people",
+            "more_bytes",
         ):
             if not found[name]:
                 del found[name]
@@ -299,6 +305,17 @@ class NetworkPlan:
         """Whether buildings stand along the streets."""
         return self.scenario in {"grid", "crossing", "sumo-grid"}
 
+    @property
+    def is_loaded(self) -> bool:
+        """Whether messages and antennas are those of the loaded highway."""
+        return self.scenario == "loaded"
+
+    @property
+    def stack(self) -> Stack:
+        """What goes round every payload."""
+        other_bytes = self.more_bytes + (OTHER_BYTES if self.is_loaded else 0)
+        return Stack(self.certificates, other_bytes=other_bytes)
+
     def check_traffic(self) -> None:
         """Refuse traffic that cannot be had, before anything runs.
 
@@ -379,8 +396,13 @@ class NetworkPlan:
         return NetworkSettings(warm_up_s=self.warm_up_s, counted_m=counted_m)
 
     def lanes_for(self, density_per_km: float) -> int:
-        """Lanes in each direction: as given, or one more for each density that fills the last."""
+        """Lanes in each direction: as given, or one more for each density that fills the last.
+
+        The loaded highway has `modelcast.cli.network_loaded.LANES` at least.
+        """
         if self.lanes:
             return self.lanes
         usual = 3 + sum(density_per_km > full for full in (200.0, 400.0, 800.0))
+        if self.is_loaded:
+            usual = LANES
         return min(max(usual, ceil(density_per_km / (2.0 * _FULL_LANE_PER_KM))), _MOST_LANES)

@@ -8,7 +8,6 @@ from modelcast.cli.banks import bank_in_use, profile_in_use
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.kinds import Kind
-from modelcast.messages.airtime import Stack
 from modelcast.station.banks import NamedBank
 from modelcast.station.sender.in_use import in_use
 from modelcast.station.sender.names import sends_models
@@ -94,7 +93,7 @@ def sender_of(
             legacy_threshold_m=plan.legacy_threshold_m or inf,
             relaxed_error_m=plan.relaxed_error_m,
             motion=motion,
-            stack=Stack(plan.certificates),
+            stack=plan.stack,
         ).of_kind(kind)
     except ValueError as error:
         what = f"--policy {policy}" + ("" if named is None else f" --bank {bank}")

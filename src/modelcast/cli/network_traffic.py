@@ -105,7 +105,7 @@ def traffic(
 def _built_in(plan: NetworkPlan, density_per_km: float) -> AbstractScenario[Any]:
     """The scenario of a name of `BUILT_IN`."""
     lanes = plan.lanes_for(density_per_km)
-    if plan.scenario == "highway":
+    if plan.scenario in {"highway", "loaded"}:
         return Highway(plan.length_m, density_per_km, lanes=lanes)
     if plan.scenario == "braking":
         return BrakingStreams(plan.length_m, density_per_km, lanes=lanes)

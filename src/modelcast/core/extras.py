@@ -47,6 +47,10 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
             MappingProxyType({"jax": "jax", "optax": "optax"}),
             "modelcast train; modelcast compare --bank trained",
         ),
+        "etsi": Extra(
+            MappingProxyType({"pycrate": "pycrate_asn1rt"}),
+            "cooperative awareness messages as octets (modelcast.encode_cam, modelcast.decode_cam)",
+        ),
         "sumo": Extra(
             MappingProxyType({"eclipse-sumo": "sumo", "libsumo": "libsumo"}),
             "modelcast network --scenario sumo-highway, sumo-grid, sumo-junction, FILE.sumocfg",

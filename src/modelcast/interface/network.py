@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 import polars as pl
 
 from modelcast.channel.radio import AbstractRadio
-from modelcast.channel.registry import get_radio
+from modelcast.channel.radio_words import get_radio
 from modelcast.core.argument_types import require_several, require_type
 from modelcast.core.version import package_version
 from modelcast.interface.result import AbstractFrames

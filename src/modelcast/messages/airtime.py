@@ -46,6 +46,9 @@ class Stack:
     certificate_bytes
         The same with an implicit pseudonym certificate of 77 bytes in place of the digest: counted likewise
         (80 for 9). Field reports of 180 and 250 bytes for a message without and with it differ by 70.
+    other_bytes
+        Bytes that every message carries and its content does not count, signed or not: of a basic safety
+        message path history and path prediction.
     preamble_s, symbol_s
         Preamble and signal field of 32 and 8 µs; an OFDM symbol (IEEE 802.11, clause 17, 10 MHz).
     service_tail_bits, bits_per_symbol
@@ -76,6 +79,7 @@ class Stack:
     wsmp_bytes: int = 5
     digest_bytes: int = 93
     certificate_bytes: int = 164
+    other_bytes: int = 0
     preamble_s: float = 40e-6
     symbol_s: float = 8e-6
     service_tail_bits: int = 22
@@ -88,7 +92,8 @@ class Stack:
         for name in ("certificate_interval_s", "symbol_s", "bits_per_symbol"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
-        for name in ("mac_bytes", "fcs_bytes", "llc_bytes", "wsmp_bytes", "digest_bytes", "preamble_s"):
+        counted = ("mac_bytes", "fcs_bytes", "llc_bytes", "wsmp_bytes", "digest_bytes", "other_bytes")
+        for name in (*counted, "preamble_s"):
             if not getattr(self, name) >= 0:
                 raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
         if not self.certificate_bytes >= self.digest_bytes:
@@ -98,7 +103,7 @@ class Stack:
     def numbers(self) -> kernels.StackNumbers:
         """The stack as kernels take it."""
         signed = self.certificates != "unsigned"
-        around = self.mac_bytes + self.fcs_bytes + self.llc_bytes + self.wsmp_bytes
+        around = self.mac_bytes + self.fcs_bytes + self.llc_bytes + self.wsmp_bytes + self.other_bytes
         return kernels.StackNumbers(
             kernels.RULES.index(self.certificates),
             float(self.certificate_interval_s),

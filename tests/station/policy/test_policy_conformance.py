@@ -25,6 +25,7 @@ from modelcast.station.policy.j2945_parameters import (
     j2945_relaxed_parameters,
     j3161_parameters,
 )
+from modelcast.station.policy.measured_cam import MeasuredCam
 from modelcast.station.policy.periodic import Periodic
 
 VEHICLES, STEPS = 6, 80
@@ -51,6 +52,8 @@ POLICIES: dict[str, AbstractTransmitPolicy[Any]] = {
     "cam-reactive": CooperativeAwareness(control=ReactiveDcc()),
     "cam-fast-control": CooperativeAwareness(control=AdaptiveDcc(gain=0.1, relaxation=0.5)),
     "cam-uncontrolled": CooperativeAwareness(CamTriggering(0.2), control=None),
+    "cam-road": MeasuredCam(),
+    "cam-road-uncontrolled": MeasuredCam(control=None),
 }
 
 

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from modelcast.messages.airtime import Stack
+from modelcast.messages.cam_sizes import measured_cam_sizes
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.gp import GaussianProcess
@@ -16,9 +18,11 @@ from modelcast.models.profile import default_profile
 from modelcast.station.banks import BASELINE_BANK, free_bank
 from modelcast.station.policy.cam import CooperativeAwareness
 from modelcast.station.policy.costs import CostTable
+from modelcast.station.policy.dcc import AdaptiveDcc, ReactiveDcc
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.policy.j2945_parameters import J2945Parameters
+from modelcast.station.policy.measured_cam import MeasuredCam
 from modelcast.station.policy.periodic import Periodic
 from modelcast.station.sender import message_arrays as at
 from modelcast.station.sender.bank import SenderBank
@@ -87,7 +91,10 @@ def test_engines_extrapolate_at_any_age_and_a_fifth_of_a_second_at_most() -> Non
 
 def test_plain_senders_have_the_policy_of_their_name() -> None:
     assert named_sender("bsm-10hz").policy == Periodic(10.0)
-    assert named_sender("cam").policy == CooperativeAwareness()
+    assert named_sender("cam").policy == CooperativeAwareness(control=AdaptiveDcc())
+    assert named_sender("cam-reactive").policy == CooperativeAwareness(control=ReactiveDcc())
+    assert named_sender("cam-uncontrolled").policy == CooperativeAwareness(control=None)
+    assert named_sender("cam-road").policy == MeasuredCam(control=AdaptiveDcc())
     assert named_sender("baseline", threshold_m=0.4, keep_alive_s=3.0).policy == ErrorDriven(
         0.4, "order", "never", 3.0, approach_m=20.0
     )
@@ -95,6 +102,13 @@ def test_plain_senders_have_the_policy_of_their_name() -> None:
     for name in ("bsm-10hz", "cam", "baseline", "mbc"):
         assert named_sender(name).within_m == 0.0112
         assert named_sender(name).start == "order"
+
+
+def test_cars_frames_are_those_of_cam_road_alone_and_need_no_certificates() -> None:
+    assert named_sender("cam-road").frames == measured_cam_sizes()
+    assert named_sender("cam-road", stack=Stack("always", other_bytes=9)).stack == Stack("unsigned")
+    assert named_sender("cam", stack=Stack("always")).stack == Stack("always")
+    assert all(named_sender(name).frames is None for name in SENDERS if name != "cam-road")
 
 
 def test_only_senders_named_for_it_filter_their_motion() -> None:
@@ -303,7 +317,7 @@ def test_messages_hold_all_parameters_or_those_of_the_largest_member() -> None:
 
 
 def test_stations_that_sent_nothing_have_no_update_and_nothing_that_waits() -> None:
-    own = at.senders(3)
+    own = at.senders(np.zeros(3))
     assert own.vehicle.tolist() == own.update.tolist() == [-1, -1, -1]
     assert own.number.tolist() == [0, 0, 0]
     assert own.sent_s.tolist() == own.certified_s.tolist() == [-np.inf] * 3

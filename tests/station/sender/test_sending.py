@@ -2,12 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from modelcast.core.arrays import BoolArray, FloatArray
+from modelcast.core.kinds import Kind
+from modelcast.core.markov import MarkovChain
 from modelcast.messages.airtime import Stack
+from modelcast.messages.cam_sizes import FrameSizes, measured_cam_sizes
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
 from modelcast.models.kinematic import ConstantAcceleration, ConstantTurnRateAcceleration
@@ -458,3 +462,50 @@ def test_some_slots_alone_decide() -> None:
         road.measure(0.0, turns()[0])
         posted = road.step(0.0, drawn(1)[0], started=np.ones(3, dtype=np.bool_), slots=slots)
         assert [one.slot for one in posted] == expected
+
+
+def framed(sizes: FrameSizes) -> Sender:
+    return Sender("sized", Periodic(10.0), PLAIN, stack=Stack("unsigned"), frames=sizes)
+
+
+def test_frames_of_a_chain_are_as_long_as_it_says_whatever_they_hold() -> None:
+    """Two sizes in turn, of every station for itself; a payload is what 35 bytes of headers leave."""
+    road = Road(framed(FrameSizes((100, 200), MarkovChain(((0.0, 1.0), (1.0, 0.0))))))
+    steps = driven(road, turns(12), np.random.default_rng(3).random((12, 3, 4)))
+    for slot in range(3):
+        sent = [one for step in steps for one in step if one.slot == slot]
+        assert len(sent) >= 10
+        sizes = [one.size_bytes for one in sent]
+        assert set(map(frozenset, pairwise(sizes))) == {frozenset((100, 200))}
+        assert [one.row[at.CONTENT_BYTES] for one in sent] == [one - 35 for one in sizes]
+    total = road.tally.total
+    assert total[at.FRAME_BYTES] == total[at.PAYLOAD_BYTES] + 35 * total[at.MESSAGES]
+    assert total[at.CERTIFICATES] == 0.0
+
+
+def test_sizes_drawn_do_not_depend_on_who_is_worked_on_together() -> None:
+    seen, uniforms = turns(30), np.random.default_rng(4).random((30, 3, 4))
+    together, apart = Road(framed(measured_cam_sizes())), Road(framed(measured_cam_sizes()))
+    whole, parts = list[tuple[int, int]](), list[tuple[int, int]]()
+    for k, measured in enumerate(seen):
+        started = np.full(3, k == 0)
+        for road, cuts, found in ((together, [(0, 3)], whole), (apart, [(2, 3), (0, 2)], parts)):
+            road.measure(round(DT_S * k, 6), measured)
+            for slots in cuts:
+                posted = road.step(round(DT_S * k, 6), uniforms[k], started=started, slots=slots)
+                found += [(one.slot, one.size_bytes) for one in posted]
+    for slot in range(3):
+        sizes = [size for one, size in whole if one == slot]
+        assert sizes == [size for one, size in parts if one == slot]
+        assert len(set(sizes)) > 1
+    assert len({tuple(size for one, size in whole if one == slot) for slot in range(3)}) == 3
+
+
+def test_sizes_of_cars_are_refused_where_they_mean_nothing() -> None:
+    sized = framed(measured_cam_sizes())
+    with pytest.raises(ValueError, match="must be unsigned"):
+        replace(sized, stack=Stack())
+    with pytest.raises(ValueError, match="as long as cars'"):
+        sized.of_kind(Kind.PEDESTRIAN)
+    with pytest.raises(ValueError, match="longer than what goes round"):
+        framed(FrameSizes((35,), MarkovChain(((1.0,),))))

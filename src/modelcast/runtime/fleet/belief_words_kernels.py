@@ -13,7 +13,17 @@ from modelcast.models.member_kernels import Members
 from modelcast.runtime.fleet.bins_kernels import bin_of
 from modelcast.station.sender.message_arrays import CONTENT_EAST_M, CONTENT_FIT_S, CONTENT_NORTH_M
 
-__all__ = ["Tracking", "bins_of", "error_word", "found_bins", "gone_words", "relative_bin", "word_of"]
+__all__ = [
+    "Tracking",
+    "bins_of",
+    "error_units",
+    "error_word",
+    "found_bins",
+    "gone_words",
+    "relative_bin",
+    "units_bin",
+    "word_of",
+]
 
 _BIN_BITS = 10
 _BIN_MASK = (1 << _BIN_BITS) - 1
@@ -78,11 +88,25 @@ def error_word(x: Tracking, sender: int, row: FloatVector, displaced: FloatVecto
 
 
 @kernel(inlined=True)
-def relative_bin(word: int, own_east_m: float, own_north_m: float) -> int:
+def error_units(word: int) -> tuple[float, float]:
+    """East and north of the error that a word says, in its units."""
+    return float(((word >> _AXIS_BITS) & _AXIS_MASK) - _AXIS_MIDDLE), float(
+        (word & _AXIS_MASK) - _AXIS_MIDDLE
+    )
+
+
+@kernel(inlined=True)
+def units_bin(east: float, north: float, own_east_m: float, own_north_m: float) -> int:
     """Bin of a remote's error as its host sees it, which is wrong about its own place by so much [m]."""
-    east = float(((word >> _AXIS_BITS) & _AXIS_MASK) - _AXIS_MIDDLE) / _A_METRE - own_east_m
-    north = float((word & _AXIS_MASK) - _AXIS_MIDDLE) / _A_METRE - own_north_m
-    return bin_of(sqrt(east * east + north * north))
+    away_east, away_north = east / _A_METRE - own_east_m, north / _A_METRE - own_north_m
+    return bin_of(sqrt(away_east * away_east + away_north * away_north))
+
+
+@kernel(inlined=True)
+def relative_bin(word: int, own_east_m: float, own_north_m: float) -> int:
+    """Bin of what a word says, for a host that is wrong about its own place by so much [m]."""
+    east, north = error_units(word)
+    return units_bin(east, north, own_east_m, own_north_m)
 
 
 @kernel(inlined=True)

@@ -134,7 +134,7 @@ def sample_mixed(
     Remotes that have left are passed over.
     """
     slots = tracks.shape[1] + 1
-    near = Near(np.empty(slots, dtype=np.int64), np.empty(slots, dtype=np.int64), np.empty(slots))
+    near = Near(np.empty(slots, dtype=np.int64), np.empty(slots, dtype=np.int64))
     scratch = np.empty(2 + MOST_PARAMETERS)
     _sample_each(x, readers, hosts, contents, tracks, tally, (first, end), near, scratch)
 

@@ -17,10 +17,11 @@ from modelcast.runtime.fleet.arrays import (
 from modelcast.runtime.fleet.belief_words_kernels import (
     Tracking,
     bins_of,
+    error_units,
     error_word,
     found_bins,
     gone_words,
-    relative_bin,
+    units_bin,
     word_of,
 )
 from modelcast.runtime.fleet.believed_kernels import own_span
@@ -42,11 +43,28 @@ __all__ = ["Near", "count_pairs", "most_in_reach", "near_tracks", "sample_tracks
 
 
 class Near(NamedTuple):
-    """Tracks of one host: slots, bins of distance, and what was touched; (C + 1,) each, and overwritten."""
+    """Tracks of one host: slots and bins of distance; (C + 1,) each, and overwritten."""
 
     slot: IntVector
     distance: IntVector
-    touched: FloatVector
+
+
+class _Found(NamedTuple):
+    """What is found out about the tracks near a host, one loop after another; (C + 1,) each, and overwritten.
+
+    The ``message`` that each holds and the two words of it, ``belief`` and ``error``; the tracks whose words
+    wait to be worked out, ``due``; the remote's error in units of a word, ``east`` and ``north``, and then
+    the bin of it ``relative`` to the host's own. Loops that touch few arrays run several at a time, and none
+    has a branch that is guessed wrongly for every other track.
+    """
+
+    message: IntVector
+    belief: IntVector
+    error: IntVector
+    due: IntVector
+    east: FloatVector
+    north: FloatVector
+    relative: IntVector
 
 
 @kernel(inlined=True)
@@ -70,20 +88,6 @@ def work_out(x: Tracking, message: int, contents: Contents, scratch: FloatVector
     contents.beliefs[sender, ring, BELIEF_ERROR] = error
     contents.beliefs[sender, ring, BELIEF] = found
     return found
-
-
-@kernel(inlined=True)
-def _count(x: Tracking, host: int, belief: int, error: int, distance: int, tally: Tally) -> None:
-    """Count one track at a distance; that of a remote that has left is passed over."""
-    at, age = bins_of(belief)
-    if at < 0:
-        return
-    tally.held[distance] += 1
-    tally.error[distance, at] += 1
-    tally.relative[distance, relative_bin(error, x.own_error_m[host, 0], x.own_error_m[host, 1])] += 1
-    tally.age[distance, age] += 1
-    if x.middle[0] <= distance < x.middle[1]:
-        tally.recent[at] += 1
 
 
 @kernel(inlined=True)
@@ -112,35 +116,70 @@ def near_tracks(
 
 
 @kernel(inlined=True)
-def _sample_host(
-    x: Tracking, host: int, beliefs: IntCube, tracks: FloatCube, tally: Tally, near: Near, found: int
+def _read_words(
+    x: Tracking, host: int, beliefs: IntCube, tracks: FloatCube, near: Near, found: _Found, count: int
 ) -> int:
-    """Count the tracks found of one host; those whose belief is not worked out yet are listed instead."""
+    """Write the words of the tracks near a host; returns how many are not worked out yet, which are listed.
+
+    Those whose message its sender's ring holds no more are read as of one who has left.
+    """
     mask = (1 << SENDER_BITS) - 1
-    count = 0
-    for k in range(found):
-        message = int(tracks[host, near.slot[k], TRACK_MESSAGE])
-        sender, number = message & mask, message >> SENDER_BITS
+    gone, _ = gone_words(x)
+    due = 0
+    for k in range(count):
+        found.message[k] = int(tracks[host, near.slot[k], TRACK_MESSAGE])
+    for k in range(count):
+        sender, number = found.message[k] & mask, found.message[k] >> SENDER_BITS
         ring = number % MESSAGES_KEPT
-        belief = beliefs[sender, ring, BELIEF]
-        if beliefs[sender, ring, BELIEF_NUMBER] != number:
-            continue
-        error = beliefs[sender, ring, BELIEF_ERROR]
-        if not found_bins(x, belief, error):
-            near.slot[count], near.distance[count] = near.slot[k], near.distance[k]
-            count += 1
-            continue
-        _count(x, host, belief, error, near.distance[k], tally)
-    return count
+        belief, error = beliefs[sender, ring, BELIEF], beliefs[sender, ring, BELIEF_ERROR]
+        is_held = beliefs[sender, ring, BELIEF_NUMBER] == number
+        found.belief[k], found.error[k] = belief if is_held else gone, error
+        found.due[due] = k
+        due += int(is_held & (not found_bins(x, belief, error)))
+    return due
 
 
 @kernel(inlined=True)
-def _touch_contents(host: int, count: int, near: Near, tracks: FloatCube, rows: FloatCube) -> None:
-    """Touch the contents of all messages that wait to be worked out, so that their cache misses overlap."""
+def _work_out_due(x: Tracking, contents: Contents, found: _Found, due: int, scratch: FloatVector) -> None:
+    """Work out the words of the tracks listed; ``scratch`` (2,) is overwritten."""
+    mask, touched = (1 << SENDER_BITS) - 1, 0.0
+    # First touch the contents of all, so that their cache misses overlap.
+    for n in range(due):
+        message = found.message[found.due[n]]
+        sender, ring = message & mask, (message >> SENDER_BITS) % MESSAGES_KEPT
+        touched += contents.rows[sender, ring, CONTENT_FIT_S] + contents.rows[sender, ring, CONTENT_HEAD]
+    found.east[0] = touched
+    for n in range(due):
+        k = found.due[n]
+        message = found.message[k]
+        sender, ring = message & mask, (message >> SENDER_BITS) % MESSAGES_KEPT
+        found.belief[k] = work_out(x, message, contents, scratch)
+        found.error[k] = contents.beliefs[sender, ring, BELIEF_ERROR]
+
+
+@kernel(inlined=True)
+def _count_words(
+    x: Tracking, host: int, tally: Tally, distance: IntVector, found: _Found, count: int
+) -> None:
+    """Count the tracks near a host from their words; those of remotes that have left are passed over."""
+    left = 0
     for k in range(count):
-        message = int(tracks[host, near.slot[k], TRACK_MESSAGE])
-        sender, ring = message & ((1 << SENDER_BITS) - 1), (message >> SENDER_BITS) % MESSAGES_KEPT
-        near.touched[k] = rows[sender, ring, CONTENT_FIT_S] + rows[sender, ring, CONTENT_HEAD]
+        at, _ = bins_of(found.belief[k])
+        found.belief[left], found.error[left], distance[left] = found.belief[k], found.error[k], distance[k]
+        left += int(at >= 0)
+    for k in range(left):
+        found.east[k], found.north[k] = error_units(found.error[k])
+    own_east_m, own_north_m = x.own_error_m[host, 0], x.own_error_m[host, 1]
+    for k in range(left):
+        found.relative[k] = units_bin(found.east[k], found.north[k], own_east_m, own_north_m)
+    for k in range(left):
+        far = distance[k]
+        at, age = bins_of(found.belief[k])
+        tally.held[far] += 1
+        tally.error[far, at] += 1
+        tally.relative[far, found.relative[k]] += 1
+        tally.age[far, age] += 1
+        tally.recent[at] += int((x.middle[0] <= far) & (far < x.middle[1]))
 
 
 @kernel(inlined=True)
@@ -153,21 +192,18 @@ def _sample_each(
     first: int,
     end: int,
     near: Near,
+    words: _Found,
     scratch: FloatVector,
 ) -> None:
-    """Count the tracks of some hosts; the last two are overwritten."""
-    bins, mask = tally.held.size, (1 << SENDER_BITS) - 1
+    """Count the tracks of some hosts; the last three are overwritten."""
+    bins = tally.held.size
     for host in range(first, end):
         if x.vehicle[host] < 0 or not x.counted[host]:
             continue
-        found = near_tracks(x, host, hosts[host].used, tracks, bins, near.slot, near.distance)
-        count = _sample_host(x, host, contents.beliefs, tracks, tally, near, found)
-        _touch_contents(host, count, near, tracks, contents.rows)
-        for k in range(count):
-            message = int(tracks[host, near.slot[k], TRACK_MESSAGE])
-            belief = work_out(x, message, contents, scratch)
-            error = contents.beliefs[message & mask, (message >> SENDER_BITS) % MESSAGES_KEPT, BELIEF_ERROR]
-            _count(x, host, belief, error, near.distance[k], tally)
+        count = near_tracks(x, host, hosts[host].used, tracks, bins, near.slot, near.distance)
+        due = _read_words(x, host, contents.beliefs, tracks, near, words, count)
+        _work_out_due(x, contents, words, due, scratch)
+        _count_words(x, host, tally, near.distance, words, count)
 
 
 @kernel
@@ -180,8 +216,12 @@ def sample_tracks(
     Remotes that have left are passed over.
     """
     slots = tracks.shape[1] + 1
-    near = Near(np.empty(slots, dtype=np.int64), np.empty(slots, dtype=np.int64), np.empty(slots))
-    _sample_each(x, hosts, contents, tracks, tally, first, end, near, np.empty(2))
+    near = Near(np.empty(slots, dtype=np.int64), np.empty(slots, dtype=np.int64))
+    words = _Found(
+        np.empty(slots, dtype=np.int64), np.empty(slots, dtype=np.int64), np.empty(slots, dtype=np.int64),
+        np.empty(slots, dtype=np.int64), np.empty(slots), np.empty(slots), np.empty(slots, dtype=np.int64),
+    )  # fmt: skip
+    _sample_each(x, hosts, contents, tracks, tally, first, end, near, words, np.empty(2))
 
 
 @kernel(inlined=True)

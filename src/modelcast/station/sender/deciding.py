@@ -70,8 +70,9 @@ class Deciding:
         if not rows.size:
             return
         self._asking.begin(np.flatnonzero(known.begins))
-        stack = stations.numbers.stack
-        longest_s = airtime(frame_bytes(int(stations.models.sizes.max()), True, stack), stack)
+        stack, drawn = stations.numbers.stack, stations.numbers.frames
+        longest = frame_bytes(int(stations.models.sizes.max()), True, stack)
+        longest_s = airtime(drawn.mean_bytes if drawn.size_bytes.size else longest, stack)
         air = Air(
             given.busy_ratio[rows],
             known.neighbours[rows],

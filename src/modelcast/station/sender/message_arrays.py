@@ -16,6 +16,7 @@ from modelcast.core.kernel_types import (
     IntCube,
     IntVector,
 )
+from modelcast.messages.cam_sizes import FrameSizeNumbers
 from modelcast.messages.stack_kernels import StackNumbers
 from modelcast.station.sender.motion_kernels import MOTION
 
@@ -142,7 +143,9 @@ class Senders(NamedTuple):
 
     ``vehicle`` (V,) who is in the slot, -1 for nobody; ``number`` (V,) of the next message; ``update`` (V,)
     of the update that the remotes are believed to hold, and ``stated`` (V, MOTION) what its Part I states;
-    ``sent_s`` and ``certified_s`` (V,) when the last message, and the last with a certificate, went out.
+    ``sent_s`` and ``certified_s`` (V,) when the last message, and the last with a certificate, went out;
+    ``size_state`` (V,) of the last frame where sizes follow a chain, -1 before the first, and ``word`` (V,)
+    what its numbers are drawn by.
     """
 
     vehicle: IntVector
@@ -151,6 +154,8 @@ class Senders(NamedTuple):
     stated: FloatMatrix
     sent_s: FloatVector
     certified_s: FloatVector
+    size_state: IntVector
+    word: IntVector
 
 
 class FleetNumbers(NamedTuple):
@@ -159,7 +164,8 @@ class FleetNumbers(NamedTuple):
     ``stack`` what goes round a payload; ``identification_bytes``; ``carries_all`` whether updates hold the
     parameters of all members; ``first_member`` where the bank begins among the members of all senders;
     ``plain`` (M,) with which the message is a plain one; ``power_dbm`` where the policy leaves it open;
-    ``jitter_s`` by which messages that leave at once are spread; ``grant`` that each asks for.
+    ``jitter_s`` by which messages that leave at once are spread; ``grant`` that each asks for; ``frames``
+    sizes of frames that follow a chain.
     """
 
     stack: StackNumbers
@@ -170,6 +176,7 @@ class FleetNumbers(NamedTuple):
     power_dbm: float
     jitter_s: float
     grant: int
+    frames: FrameSizeNumbers
 
 
 class Contents(NamedTuple):
@@ -196,8 +203,9 @@ class Outbox(NamedTuple):
     filled: IntVector
 
 
-def senders(vehicles: int) -> Senders:
-    """Return V stations that have sent nothing."""
+def senders(phase: FloatVector) -> Senders:
+    """Return V stations that have sent nothing, one a phase (V,), by whose bits sizes are drawn."""
+    vehicles = phase.size
     return Senders(
         vehicle=np.full(vehicles, -1, dtype=np.int64),
         number=np.zeros(vehicles, dtype=np.int64),
@@ -205,6 +213,8 @@ def senders(vehicles: int) -> Senders:
         stated=np.zeros((vehicles, MOTION)),
         sent_s=np.full(vehicles, -np.inf),
         certified_s=np.full(vehicles, -np.inf),
+        size_state=np.full(vehicles, -1, dtype=np.int64),
+        word=np.array(phase, dtype=np.float64).view(np.int64) ^ np.arange(vehicles) << SENDER_BITS,
     )
 
 

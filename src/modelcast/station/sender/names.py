@@ -50,6 +50,9 @@ SENDERS = (
     "j3161-mbc",
     "j3161-mbc-relaxed",
     "cam",
+    "cam-reactive",
+    "cam-uncontrolled",
+    "cam-road",
 )
 """Names of ours, as `modelcast.station.sender.sender.named_sender` makes them."""
 

@@ -4,8 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from modelcast.channel.random_kernels import uniform_of
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import BoolVector, FloatMatrix, FloatVector
+from modelcast.core.markov_kernels import next_state
 from modelcast.messages.stack_kernels import airtime, carries_certificate, frame_bytes
 from modelcast.station.arrays import Fits, LaneRules, Lanes, Sensed
 from modelcast.station.policy.error_driven_kernels import IDENTIFICATION, UPDATE
@@ -151,6 +153,10 @@ def post(
     ring = number % MESSAGES_KEPT
     row = contents.rows[v, ring]
     _write(f, v, b, kind, member, sent_s, row, number)
+    frames = f.numbers.frames
+    if frames.size_bytes.size:
+        s.size_state[v] = next_state(s.size_state[v], uniform_of(s.word[v], number), frames.up_to)
+        row[CONTENT_BYTES] = frames.size_bytes[s.size_state[v]] - stack.around_bytes
     contents.beliefs[v, ring, BELIEF_NUMBER], contents.beliefs[v, ring, BELIEF] = number, -1
     certificate = carries_certificate(stack.rule, stack.interval_s, sent_s, s.sent_s[v], s.certified_s[v])
     frame = frame_bytes(int(row[CONTENT_BYTES]), certificate, stack)
@@ -227,6 +233,7 @@ def begin(f: SendingStations, v: int, t_s: float) -> None:
         forget_lane(f.lanes, b)
     f.senders.update[v] = -1
     f.senders.sent_s[v] = f.senders.certified_s[v] = -np.inf
+    f.senders.size_state[v] = -1
     start(f.timers, f.policy, v, t_s)
 
 

@@ -13,20 +13,26 @@
 | `j2945-free`, `j2945-free-relaxed`, `j2945-free-relaxed-5` | as the three before | as `free`, filtered |
 | `j3161`, `j3161-mbc`, `j3161-mbc-relaxed` | `J2945` as SAE J3161/1 has it | as the `j2945` ones |
 | `cam` | `CooperativeAwareness` under adaptive control | basic safety message, coasting |
+| `cam-reactive`, `cam-uncontrolled` | the same under reactive control, and under none | the same |
+| `cam-road` | `MeasuredCam` under adaptive control | the same in frames as long as cars' were |
 
 Filtered motion is what `MotionFilter` makes of a vehicle's samples. `j2945-filtered` is there to tell what
 the filter does from what the models do, and the free ones to tell what models do that cost bytes: their
-messages are plain (`modelcast.station.banks.free_bank`).
+messages are plain (`modelcast.station.banks.free_bank`). Frames of `cam-road` are 200 to 455 bytes with all
+that goes round a message (`modelcast.messages.cam_sizes`): rules of certificates do not change them.
 """
 
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field, replace
 from math import inf
+from types import MappingProxyType
 from typing import Any
 
 from modelcast.channel.radio import Grant
 from modelcast.core.arrays import IntArray
 from modelcast.core.kinds import Kind
 from modelcast.messages.airtime import Stack
+from modelcast.messages.cam_sizes import FrameSizes, measured_cam_sizes
 from modelcast.messages.mbc_profile import carries_all, plain_members
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
@@ -36,6 +42,7 @@ from modelcast.station.banks import BASELINE_BANK, believe_of, free_bank, rules_
 from modelcast.station.policy.base import AbstractTransmitPolicy
 from modelcast.station.policy.cam import CooperativeAwareness
 from modelcast.station.policy.costs import CostTable
+from modelcast.station.policy.dcc import AdaptiveDcc, ReactiveDcc
 from modelcast.station.policy.error_driven import APPROACH_M, LOSS_BUDGET, ErrorDriven
 from modelcast.station.policy.guard import unguarded
 from modelcast.station.policy.j2945 import J2945
@@ -45,6 +52,7 @@ from modelcast.station.policy.j2945_parameters import (
     j2945_relaxed_parameters,
     j3161_parameters,
 )
+from modelcast.station.policy.measured_cam import MeasuredCam
 from modelcast.station.policy.periodic import Periodic
 from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
 from modelcast.station.sender.lane_rules import check_rules
@@ -80,6 +88,17 @@ _RELAXED_S = {
     for ending, longest_s in (("", 2.0), ("-5", 5.0))
 } | {"j3161-mbc-relaxed": 2.0}
 _GRANTS = {"any": Grant.ANY, "periodic": Grant.PERIODIC, "one-shot": Grant.ONE_SHOT}
+_WHATEVER_IS_SENT: Mapping[str, AbstractTransmitPolicy[Any]] = MappingProxyType(
+    {
+        "bsm-10hz": Periodic(10.0),
+        "cam": CooperativeAwareness(control=AdaptiveDcc()),
+        "cam-reactive": CooperativeAwareness(control=ReactiveDcc()),
+        "cam-uncontrolled": CooperativeAwareness(control=None),
+        "cam-road": MeasuredCam(),
+    }
+)
+"""Rules that no option changes."""
+
 _JITTER_S = 0.005
 _WITHIN_M = 0.0112
 """Of paths that are the same to a receiver: a code of latitude is worth 1.11 to 1.12 cm."""
@@ -126,6 +145,8 @@ class Sender:
         Predicts which sub-model lasts, for start ``predicted``.
     grant
         Which kind of resource every message asks for, where a radio reserves resources.
+    frames
+        Sizes of whole frames, where they do not follow from what is sent; of vehicles alone.
 
     Raises
     ------
@@ -154,6 +175,7 @@ class Sender:
     motion: MotionFilter | None = None
     selector: Selector | None = None
     grant: Grant = Grant.ANY
+    frames: FrameSizes | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.jitter_s < 0.1:
@@ -164,6 +186,13 @@ class Sender:
             raise ValueError(
                 f"start must be one of {', '.join(TIMED_STARTS)} under timers, got {self.start!r}"
             )
+        if self.frames is not None:
+            if self.kind != Kind.VEHICLE:
+                raise ValueError(f"{self.name} sends frames as long as cars': {self.kind} is none")
+            if self.stack.certificates != "unsigned":
+                raise ValueError(f"frames hold their signature: stack must be unsigned, got {self.stack}")
+            if min(self.frames.size_bytes) <= self.stack.numbers.around_bytes:
+                raise ValueError(f"frames must be longer than what goes round them, got {self.frames}")
         check_rules(self.lanes, self.bank, self.selector)
 
     @property
@@ -368,10 +397,8 @@ def named_sender(
         within_m = min(within_m, _PLAIN_SHARE * error_m)
     policy: AbstractTransmitPolicy[Any] = J2945(timers)
     first: StartRule = "order"
-    if name == "bsm-10hz":
-        policy = Periodic(10.0)
-    elif name == "cam":
-        policy = CooperativeAwareness()
+    if name in _WHATEVER_IS_SENT:
+        policy = _WHATEVER_IS_SENT[name]
     elif name in {"baseline", "free"}:
         policy = ErrorDriven(
             threshold_m,
@@ -403,11 +430,14 @@ def named_sender(
             raise ValueError(
                 f"{name} fits all anew whenever a timer calls: identify must be never, got {identify!r}"
             )
+    around = Stack() if stack is None else stack
+    frames = measured_cam_sizes() if name == "cam-road" else None
     return Sender(
         word,
         policy,
         chosen,
-        stack=Stack() if stack is None else stack,
+        stack=around if frames is None else replace(around, certificates="unsigned", other_bytes=0),
+        frames=frames,
         start=first,
         within_m=within_m,
         threshold_m=threshold_m,

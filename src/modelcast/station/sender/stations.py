@@ -3,6 +3,7 @@
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.messages.cam_sizes import no_sizes
 from modelcast.station.arrays import fits, lanes, sensed
 from modelcast.station.policy.believed_loss_kernels import DEPTH
 from modelcast.station.policy.hindsight_kernels import LAGS_S
@@ -88,7 +89,7 @@ def sending_stations(
         ),
         policy=sender.policy.numbers,
         timers=timers(phase),
-        senders=senders(vehicles),
+        senders=senders(phase),
         numbers=FleetNumbers(
             stack=sender.stack.numbers,
             identification_bytes=sender.sizes.identification_bytes,
@@ -98,5 +99,6 @@ def sending_stations(
             power_dbm=sender.power_dbm,
             jitter_s=sender.jitter_s,
             grant=int(sender.grant),
+            frames=no_sizes() if sender.frames is None else sender.frames.numbers,
         ),
     )

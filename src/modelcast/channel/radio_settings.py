@@ -1,0 +1,371 @@
+"""Settings of a radio as flat keys: every simple field of its dataclass and of the parts it is made of.
+
+A radio's form has fields and families. A field is a number, a word or a switch of the radio or of its
+``parameters``. A family is a part that comes in kinds, as the path loss does: its selector names the kind,
+and each kind has fields of its own. So a radio with a new field has a new key, and nothing is listed twice.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import KW_ONLY, dataclass, field, fields, is_dataclass, replace
+from difflib import get_close_matches
+from types import MappingProxyType, NoneType, UnionType
+from typing import Any, Literal, NamedTuple, Union, cast, get_args, get_origin, get_type_hints
+
+from modelcast.core.exceptions import ConfigError
+
+__all__ = ["Family", "Kind", "RadioForm", "Setting", "listed", "near", "shown", "simple_fields"]
+
+_PLAIN = (bool, int, float, str, NoneType)
+_NONE = "none"
+
+
+class Setting(NamedTuple):
+    """One key that a user may set.
+
+    ``place`` is the field it fills, and the place in it where that is a tuple; ``kinds`` are the types its
+    value may have, or for a word the words there are; ``default`` is what it is where it is not set.
+    """
+
+    key: str
+    place: tuple[str, int | None]
+    kinds: tuple[Any, ...]
+    default: Any
+
+    def checked(self, value: Any) -> Any:
+        """The value as the field takes it.
+
+        Raises
+        ------
+        ConfigError
+            Where it is of another type.
+        """
+        words = [one for one in self.kinds if not isinstance(one, type)]
+        if words:
+            if value in words and not isinstance(value, bool):
+                return value
+        elif type(value) in self.kinds and not (isinstance(value, float) and not math.isfinite(value)):
+            return value
+        elif type(value) is int and float in self.kinds:
+            return float(value)
+        raise ConfigError(f"{self.key} must be {self.wanted}, got {shown(value)}")
+
+    @property
+    def wanted(self) -> str:
+        """What its value must be, in words."""
+        names = {
+            bool: "true or false",
+            int: "a whole number",
+            float: "a number",
+            str: "a word",
+            NoneType: _NONE,
+        }
+        kinds = [one for one in self.kinds if not (one is int and float in self.kinds)]
+        return " or ".join(names[one] if isinstance(one, type) else str(one) for one in kinds)
+
+
+def shown(value: Any) -> str:
+    """A value as a user writes it.
+
+    Parameters
+    ----------
+    value
+        A number, a text, a truth value or nothing.
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return f"{value:g}".replace("e+0", "e").replace("e+", "e")
+    return _NONE if value is None else str(value)
+
+
+def _kinds(hint: Any) -> tuple[Any, ...]:
+    """Types that a simple field's value may have, words of a `Literal`; none where it is not simple."""
+    if get_origin(hint) is Literal:
+        return get_args(hint)
+    parts = get_args(hint) if get_origin(hint) in {UnionType, Union} else (hint,)
+    return tuple(parts) if parts and all(one in _PLAIN for one in parts) else ()
+
+
+def simple_fields(
+    thing: Any, *, called: Mapping[str, str] = MappingProxyType({}), hidden: tuple[str, ...] = ()
+) -> Iterator[Setting]:
+    """Yield the settings of a dataclass instance, whose values are the defaults.
+
+    Parameters
+    ----------
+    thing
+        The instance.
+    called
+        Keys of fields that have another name than the field; of a tuple's places, ``field.0`` and so on,
+        which have a key only where they are listed here.
+    hidden
+        Fields without a key.
+    """
+    hints: dict[str, Any] = get_type_hints(cast("Any", type(thing)))
+    for one in fields(thing):
+        if not one.init or one.name in hidden:
+            continue
+        value = getattr(thing, one.name)
+        if kinds := _kinds(hints[one.name]):
+            yield Setting(called.get(one.name, one.name), (one.name, None), kinds, value)
+        elif isinstance(value, tuple):
+            for k, part in enumerate(cast("tuple[Any, ...]", value)):
+                if key := called.get(f"{one.name}.{k}"):
+                    yield Setting(key, (one.name, k), (float,), part)
+
+
+def _with_settings(thing: Any, settings: Mapping[Setting, Any]) -> Any:
+    """The instance with these fields set."""
+    changes: dict[str, Any] = {}
+    for setting, value in settings.items():
+        name, at = setting.place
+        held = changes.get(name, getattr(thing, name))
+        changes[name] = value if at is None else (*held[:at], value, *held[at + 1 :])
+    return replace(thing, **changes) if changes else thing
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """One kind of a family's part.
+
+    Parameters
+    ----------
+    base
+        Gives the part with its defaults, from the radio's parameters; None where there is no part.
+    called, hidden
+        As for `simple_fields`.
+    needed
+        Keys that have no default.
+    """
+
+    base: Callable[[Any], Any]
+    _: KW_ONLY
+    called: Mapping[str, str] = field(default_factory=dict[str, str])
+    hidden: tuple[str, ...] = ()
+    needed: tuple[str, ...] = ()
+
+    def settings(self, parameters: Any, instance: Any = None) -> tuple[Setting, ...]:
+        """The settings of this kind; ``instance`` has the defaults where it is given."""
+        made = self.base(parameters) if instance is None else instance
+        if made is None:
+            return ()
+        return tuple(simple_fields(made, called=self.called, hidden=self.hidden))
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """A part that comes in kinds.
+
+    Parameters
+    ----------
+    selector
+        The key that names the kind.
+    kinds
+        By name.
+    default
+        Name of the kind where none is named; None where the radio has one without a name.
+    held
+        The part that the radio has where nothing is set.
+    """
+
+    selector: str
+    kinds: Mapping[str, Kind]
+    default: str | None
+    held: Any
+
+    def settings_of(self, name: str | None, parameters: Any) -> tuple[Setting, ...]:
+        """Settings of a kind."""
+        if name is None:
+            return ()
+        return self.kinds[name].settings(parameters, self.held if name == self.default else None)
+
+    def keys(self, parameters: Any) -> dict[str, list[str]]:
+        """Names of the kinds that have a key, by key."""
+        found: dict[str, list[str]] = {}
+        for name in self.kinds:
+            for setting in self.settings_of(name, parameters):
+                found.setdefault(setting.key, []).append(name)
+        return found
+
+    def chosen(self, given: Mapping[str, Any], parameters: Any) -> str | None:
+        """The kind that settings mean: the named one, the default, or the only one that has their keys.
+
+        Raises
+        ------
+        ConfigError
+            Where the selector names none, or a key belongs to another kind.
+        """
+        own = {key: names for key, names in self.keys(parameters).items() if key in given}
+        if self.selector in given:
+            word = given[self.selector]
+            name = _NONE if word is None or word is False else str(word)
+            if name not in self.kinds:
+                meant = near(name, self.kinds)
+                raise ConfigError(f"{self.selector} must be {listed(self.kinds)}, got {shown(word)}{meant}")
+        else:
+            name = self.default
+            if any(name not in names for names in own.values()):
+                common = [one for one in self.kinds if all(one in names for names in own.values())]
+                name = common[0] if len(common) == 1 else name
+        for key, names in own.items():
+            if name not in names:
+                raise ConfigError(f"{key} goes with {self.selector}={' or '.join(names)}")
+        return name
+
+    def made(self, given: Mapping[str, Any], parameters: Any, held: Any) -> Any:
+        """The part with these settings; ``held`` where they change nothing of it.
+
+        Raises
+        ------
+        ConfigError
+            As `chosen`; where a value is of another type, or one is missing.
+        """
+        name = self.chosen(given, parameters)
+        if name is None or (self.selector not in given and not self.keys(parameters).keys() & given.keys()):
+            return held
+        kind = self.kinds[name]
+        if missing := [key for key in kind.needed if key not in given]:
+            raise ConfigError(f"{self.selector}={name} needs {' and '.join(missing)}")
+        # A part of the kind that is held already keeps what is not set.
+        keeps = name == self.default and self.selector not in given
+        base = held if keeps and held is not None else kind.base(parameters)
+        settings = {one.key: one for one in kind.settings(parameters)}
+        return _with_settings(
+            base, {settings[key]: settings[key].checked(given[key]) for key in settings.keys() & given.keys()}
+        )
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names in a sentence.
+
+    Parameters
+    ----------
+    names
+        At least one.
+
+    Examples
+    --------
+    >>> listed(["one", "two", "three"])
+    'one, two or three'
+    """
+    *first, last = names
+    return f"{', '.join(first)} or {last}" if first else last
+
+
+def near(name: str, known: Iterable[str]) -> str:
+    """A question for the name that was meant, where one is near; else nothing.
+
+    Parameters
+    ----------
+    name
+        What was given.
+    known
+        What there is.
+
+    Examples
+    --------
+    >>> near("gian", ["gain", "loss"])
+    ' (is gain meant?)'
+    """
+    close = get_close_matches(name, list(known), n=3, cutoff=0.6)
+    return f" (is {listed(close)} meant?)" if close else ""
+
+
+@dataclass(frozen=True, slots=True)
+class RadioForm:
+    """All keys of a radio, and what they fill.
+
+    Parameters
+    ----------
+    radio
+        With its defaults.
+    families
+        By the field of the radio they are in, and the field of that: ``propagation``, ``path_loss``; the
+        second is empty where the field itself is the part.
+    follow
+        What else changes in a field of the radio with its families: from the field before and after.
+    """
+
+    radio: Any
+    families: Mapping[tuple[str, str], Family]
+    follow: Mapping[str, Callable[[Any, Any], Any]]
+
+    @property
+    def parameters(self) -> Any:
+        """The radio's parameters, None where it has none."""
+        return getattr(self.radio, "parameters", None)
+
+    def fields(self) -> dict[str, tuple[str, Setting]]:
+        """Settings outside families, by key, with the part of the radio they are in (empty for its own)."""
+        found = {one.key: ("", one) for one in simple_fields(self.radio)}
+        if is_dataclass(self.parameters):
+            found |= {one.key: ("parameters", one) for one in simple_fields(self.parameters)}
+        return found
+
+    def keys(self) -> tuple[str, ...]:
+        """All keys: selectors with those of their kinds, then the others."""
+        found: dict[str, None] = {}
+        for family in self.families.values():
+            found |= dict.fromkeys((family.selector, *family.keys(self.parameters)))
+        return (*self.fields(), *found)
+
+    def check_keys(self, given: Mapping[str, Any]) -> None:
+        """Refuse keys that there are none of.
+
+        Raises
+        ------
+        ConfigError
+            With the nearest keys, and all.
+        """
+        known = self.keys()
+        for key in given:
+            if key not in known:
+                meant = near(key, known)
+                raise ConfigError(f"there is no setting {key!r}{meant}. Settings: {', '.join(sorted(known))}")
+
+    def made(self, given: Mapping[str, Any], propagation: Any = None) -> Any:
+        """The radio with these settings.
+
+        Parameters
+        ----------
+        given
+            Values by key.
+        propagation
+            What the settings of propagation begin with; None for the radio's own.
+
+        Raises
+        ------
+        ConfigError
+            Where a key is unknown, does not go with another, or a value is of another type.
+        ValueError
+            Where a value is out of its range.
+        """
+        self.check_keys(given)
+        radio = self.radio if propagation is None else self.radio.within(propagation)
+        changes: dict[str, Any] = {}
+        own: dict[str, dict[Setting, Any]] = {"": {}, "parameters": {}}
+        for key, (part, setting) in self.fields().items():
+            if key in given:
+                own[part][setting] = setting.checked(given[key])
+        parameters = self.parameters
+        if is_dataclass(parameters):
+            parameters = _with_settings(parameters, own["parameters"])
+            inner = {name: family for (part, name), family in self.families.items() if part == "parameters"}
+            made = {
+                name: family.made(given, parameters, getattr(parameters, name))
+                for name, family in inner.items()
+            }
+            changes["parameters"] = replace(parameters, **made) if made else parameters
+        for (part, name), family in self.families.items():
+            if part == "parameters":
+                continue
+            whole = changes.get(part, getattr(radio, part))
+            if name:
+                changes[part] = replace(whole, **{name: family.made(given, parameters, getattr(whole, name))})
+            else:
+                changes[part] = family.made(given, parameters, whole)
+        for part, follow in self.follow.items():
+            if part in changes:
+                changes[part] = follow(getattr(radio, part), changes[part])
+        return _with_settings(replace(radio, **changes), own[""])

@@ -1,0 +1,190 @@
+"""Claims about the words that name and set a radio."""
+
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from modelcast.channel.dsrc import Dsrc
+from modelcast.channel.dsrc_parameters import DsrcParameters
+from modelcast.channel.error_models import NistErrorModel, ThresholdErrorModel
+from modelcast.channel.path_loss import LogDistance, ManhattanNlos, TwoRay, WinnerB1
+from modelcast.channel.propagation import NakagamiFading, Propagation, Shadowing, StreetGrid
+from modelcast.channel.radio import Transmissions
+from modelcast.channel.radio_parts import radio_form
+from modelcast.channel.radio_presets import PRESETS
+from modelcast.channel.radio_words import get_radio, radio_keys
+from modelcast.channel.registry import RADIOS
+from modelcast.channel.table_error_model import TableErrorModel
+from modelcast.core.exceptions import ConfigError
+
+OWN = tuple(RADIOS.own)
+every_radio = pytest.mark.parametrize("name", OWN)
+
+
+def refusal(word: str) -> str:
+    with pytest.raises(ConfigError) as refused:
+        get_radio(word)
+    return str(refused.value)
+
+
+@every_radio
+def test_a_bare_name_is_the_radio_with_its_defaults(name: str) -> None:
+    plain = get_radio(name)
+    assert type(plain) is type(RADIOS.made(name))
+    if name == "dsrc":
+        assert plain == Dsrc()
+
+
+@every_radio
+def test_each_key_is_listed_once(name: str) -> None:
+    keys = [one.key for one in radio_keys(name)]
+    assert len(keys) == len(set(keys))
+
+
+@every_radio
+def test_every_field_of_the_parameters_has_a_key(name: str) -> None:
+    parameters: Any = getattr(RADIOS.made(name), "parameters", None)
+    if parameters is not None:
+        assert {one.name for one in fields(parameters)} <= set(radio_form(RADIOS.made(name)).keys())
+
+
+@every_radio
+def test_setting_a_default_changes_nothing(name: str) -> None:
+    for one in radio_keys(name):
+        if one.default in {"needed", "the radio's own"} or one.goes_with or one.key == "preset":
+            continue
+        same = get_radio(f"{name}:{one.key}={one.default}")
+        assert getattr(same, "parameters", None) == getattr(get_radio(name), "parameters", None)
+        assert getattr(same, "propagation", None) == getattr(get_radio(name), "propagation", None)
+
+
+@settings(max_examples=15)
+@given(st.floats(0.0, 20.0), st.floats(-100.0, -60.0), st.floats(1.5, 4.0))
+def test_settings_arrive_in_parameters_propagation_and_error_model(
+    figure_db: float, sensitivity_dbm: float, exponent: float
+) -> None:
+    word = (
+        f"dsrc:noise_figure_db={figure_db!r},sensitivity_dbm={sensitivity_dbm!r},path_loss=log-distance,"
+        f"exponent={exponent!r},error_model=table,rate_mbps=12,shadowing=none,fading_far_shape=2,aifsn=3"
+    )
+    radio = get_radio(word)
+    assert isinstance(radio, Dsrc)
+    expected = DsrcParameters(12.0, noise_figure_db=figure_db, sensitivity_dbm=sensitivity_dbm)
+    assert radio.parameters == replace(expected, access=replace(expected.access, aifsn=3))
+    fading = NakagamiFading((3.0, 1.5, 2.0))
+    assert radio.propagation == Propagation(LogDistance(exponent), None, fading)
+    assert radio.error_model == TableErrorModel(12.0)
+
+
+def test_error_models_follow_the_bit_rate() -> None:
+    found = get_radio("dsrc:rate_mbps=12,implementation_loss_db=5")
+    assert isinstance(found, Dsrc)
+    assert found.error_model == NistErrorModel(4, 0.5, loss_db=5.0)
+
+
+def test_a_key_of_one_kind_alone_names_it() -> None:
+    found = get_radio("dsrc:threshold_db=6.5")
+    assert isinstance(found, Dsrc)
+    assert found.error_model == ThresholdErrorModel(6.5)
+    found = get_radio("dsrc:antenna_m=1.8")
+    assert isinstance(found, Dsrc)
+    assert found.propagation.path_loss == WinnerB1(antenna_m=1.8)
+
+
+def test_a_radio_without_powers_takes_its_own_settings() -> None:
+    assert get_radio("ideal:channel=independent,ratio=0.1,range_m=300") != get_radio("ideal:range_m=300")
+    assert "goes with channel=independent or bursts" in refusal("ideal:ratio=0.1")
+
+
+def test_settings_change_the_propagation_of_a_town_and_leave_its_streets() -> None:
+    town = Propagation(
+        shadowing=Shadowing(decorrelation_m=10.0), streets=StreetGrid(200.0), nlos=ManhattanNlos()
+    )
+    found = get_radio("dsrc:path_loss=two-ray,shadowing_db=5", town)
+    assert isinstance(found, Dsrc)
+    assert found.propagation == replace(
+        town, path_loss=TwoRay(), shadowing=Shadowing(5.0, decorrelation_m=10.0), nlos=ManhattanNlos(TwoRay())
+    )
+    assert get_radio("dsrc:noise_figure_db=6", town) == get_radio("dsrc", town)
+
+
+PRESET_WORDS = [(name, preset) for name, presets in PRESETS.items() for preset in presets]
+
+
+@pytest.mark.parametrize(("name", "preset"), PRESET_WORDS)
+def test_a_preset_is_its_settings_written_out(name: str, preset: str) -> None:
+    settings = PRESETS[name][preset].settings
+    written = ",".join(f"{key}={str(value).lower()}" for key, value in settings.items())
+    assert get_radio(f"{name}:preset={preset}") == get_radio(f"{name}:{written}")
+    assert get_radio(f"{name}:preset={preset}") != get_radio(name)
+
+
+def test_settings_change_a_preset_whatever_their_order() -> None:
+    first = get_radio("dsrc:preset=wilab,capture_db=3")
+    assert get_radio("dsrc:capture_db=3,preset=wilab") == first
+    assert isinstance(first, Dsrc)
+    assert (first.parameters.capture_db, first.parameters.preamble_db) == (3.0, 6.5)
+
+
+def test_another_kind_of_a_part_leaves_the_presets_settings_of_it() -> None:
+    found = get_radio("dsrc:preset=ns3-default,path_loss=winner-b1,error_model=nist")
+    assert isinstance(found, Dsrc)
+    assert found.propagation == Propagation(WinnerB1(), None, None)
+    assert found.error_model == NistErrorModel()
+    assert found.parameters.energy_dbm == -82.0
+
+
+@pytest.mark.parametrize(
+    ("word", "told"),
+    [
+        (
+            "dsrc:noise_figure=3",
+            "no setting 'noise_figure' (is noise_figure_db meant?). Settings: access, aifs_on_arrival,",
+        ),
+        ("dsrc:zzz=3", "there is no setting 'zzz'. Settings: access"),
+        ("dsrc:noise_figure_db=loud", "noise_figure_db must be a number, got loud"),
+        ("dsrc:noise_figure_db=nan", "noise_figure_db must be a number, got nan"),
+        ("dsrc:noise_figure_db=true", "noise_figure_db must be a number, got true"),
+        ("dsrc:immediate_access=1", "immediate_access must be true or false, got 1"),
+        ("dsrc:bins=2.5", "bins must be a whole number, got 2.5"),
+        ("dsrc:rate_mbps=5", "rate_mbps must be one of"),
+        ("dsrc:rate_mbps=4.5,error_model=table", "there are tables of"),
+        ("dsrc:error_model=tabel", "got tabel (is table meant?)"),
+        ("dsrc:error_model=threshold", "error_model=threshold needs threshold_db"),
+        ("dsrc:path_loss=winner-b1,exponent=3", "exponent goes with path_loss=log-distance"),
+        ("dsrc:antenna_m=0.5", "effective_height_m must be positive"),
+        ("dsrc:preset=wilub", "no preset 'wilub' (is wilab meant?): it has ns3-default"),
+        ("ideal:preset=wilab", "no preset 'wilab': it has none"),
+        ("sidelink:error_model=nist", "error_model must be threshold,"),
+        ("dsrc:rate_mbps=6,rate_mbps=3", "sets rate_mbps twice"),
+    ],
+)
+def test_what_does_not_go_is_told(word: str, told: str) -> None:
+    assert told in refusal(word)
+
+
+def test_loss_and_luck_of_a_set_radio_are_those_of_the_same_radio_made_by_hand() -> None:
+    """A word and a constructor give one radio: one seed, the same receptions."""
+    by_word = get_radio("dsrc:path_loss=two-ray,error_model=table,antenna_gain_db=3")
+    by_hand = Dsrc(DsrcParameters(antenna_gain_db=3.0), Propagation(TwoRay()), TableErrorModel())
+    assert by_word == by_hand
+    rng = np.random.default_rng(5)
+    position_m = np.column_stack([rng.uniform(0.0, 2000.0, 40), np.zeros(40)])
+    one = Transmissions(
+        np.arange(40),
+        np.sort(rng.uniform(0.0, 0.1, 40)),
+        size_bytes=np.full(40, 300),
+        power_dbm=np.full(40, 20.0),
+        message_id=np.arange(40),
+    )
+    found = [
+        radio.step(radio.init(40, np.random.default_rng(2)), one, position_m, 0.2)[0]
+        for radio in (by_word, by_hand)
+    ]
+    assert found[0].size > 500
+    assert found[0].t_s.tolist() == found[1].t_s.tolist()
+    assert found[0].outcomes.tolist() == found[1].outcomes.tolist()

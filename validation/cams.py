@@ -1,0 +1,121 @@
+"""Cooperative awareness messages in traffic, by congestion control, and as cars sent them on roads.
+
+``cams.py FOLDER [--write | --check]`` calls ``modelcast network``, which keeps the runs that are done in the
+folder, and makes the tables of `docs/cam.md`: what messages are as octets, and what traffic makes of them. On
+20 lanes traffic flows freely at all densities. Every message is as long as one with `POINTS` points of the
+path behind, but for `cam-road`, which draws the sizes of its frames.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from modelcast import BsmCore, UpdateCodec, UpdateMessage, WireProfile, bank_from_text, decode_bsm, encode_bsm
+from modelcast.core.version import package_version
+from modelcast.messages.cam import CamLowFrequency, CooperativeAwarenessMessage, encode_cam, path_point
+from page_blocks import put
+
+PAGE = Path(__file__).parents[1] / "docs" / "cam.md"
+DENSITIES_PER_KM = (100, 300, 600)
+POLICIES = ("cam", "cam-reactive", "cam-uncontrolled", "cam-road")
+POINTS, SEEDS = 23, 4
+FIGURES = {
+    "message_rate_hz": (1.0, ".2f"),
+    "frame_bytes": (1.0, ".0f"),
+    "busy_ratio": (1.0, ".3f"),
+    "delivery_ratio": (1.0, ".3f"),
+    "pte_p50_m": (100.0, ".1f"),
+    "pte_p90_m": (100.0, ".1f"),
+}
+"""Factor and format of each figure."""
+
+HEAD = (
+    "| vehicles/km | policy | messages/s | bytes a frame | busy | delivered | p50 cm | p90 cm |",
+    "|---|---|---|---|---|---|---|---|",
+)
+
+
+def model_octets() -> bytes:
+    """The model of an update by the sub-model ``learned``, as a regional extension has it."""
+    wire = WireProfile.of(bank_from_text("learned+cv"), 1)
+    core = BsmCore.from_values({"message_count": 7, "temporary_id": 1, "yaw_rate_radps": 0.0})
+    codes = (0,) * len(wire.layouts[0].fields)
+    update = UpdateMessage(core, 0, carries_all=False, codes=(codes,))
+    return decode_bsm(UpdateCodec(wire).encode(update)).regional[0][1]
+
+
+def cam_octets(points: int | None, model: bytes | None = None) -> int:
+    """Octets of a message with so many points of the path; None without the low-frequency container."""
+    point = path_point({"delta_latitude_deg": 1e-4, "delta_longitude_deg": 0.0, "age_s": 0.5})
+    low = None if points is None else CamLowFrequency(path=(point,) * points)
+    values = {"station_id": 1, "generation_s": 0.0, "station_type": 5, "speed_mps": 12.3}
+    return len(encode_cam(CooperativeAwarenessMessage.from_values(values, low_frequency=low, model=model)))
+
+
+def bsm_octets(model: bytes | None = None) -> int:
+    """Octets of a basic safety message."""
+    core = BsmCore.from_values({"message_count": 7, "temporary_id": 1, "yaw_rate_radps": 0.0})
+    return len(encode_bsm(core, regional=() if model is None else ((128, model),)))
+
+
+def sizes() -> list[str]:
+    """What messages take as octets, before anything goes round them."""
+    model = model_octets()
+    rows = [
+        ("high-frequency container alone", cam_octets(None), cam_octets(None, model)),
+        ("with the low-frequency container", cam_octets(0), cam_octets(0, model)),
+        (f"with {POINTS} points of the path", cam_octets(POINTS), cam_octets(POINTS, model)),
+        ("basic safety message, Part I", bsm_octets(), bsm_octets(model)),
+    ]
+    lines = [f"| message | octets | with a model of {len(model)} octets |", "|---|---|---|"]
+    return lines + [f"| {name} | {bare} | {carrying} |" for name, bare, carrying in rows]
+
+
+def driven(folder: Path) -> list[dict[str, Any]]:
+    """Rows of all runs; those that are done are kept."""
+    more = cam_octets(POINTS) - bsm_octets()
+    words = ["network", "--density", *map(str, DENSITIES_PER_KM), "--policy", *POLICIES]
+    words += ["--lanes", "10", "--length", "1200", "--duration", "16", "--warm-up", "8"]
+    words += ["--seeds", str(SEEDS), "--certificates", "digest", "--more-bytes", str(more)]
+    words += ["--jobs", "1", "--quiet", "--out", str(folder)]
+    subprocess.run([sys.executable, "-m", "modelcast", *words], check=True)  # noqa: S603 - ourselves
+    return json.loads((folder / "summary.json").read_text(encoding="utf-8"))["runs"]
+
+
+def table(runs: list[dict[str, Any]]) -> list[str]:
+    """Means of all seeds."""
+    lines = list(HEAD)
+    for density in DENSITIES_PER_KM:
+        for policy in POLICIES:
+            own = [one for one in runs if one["density_per_km"] == density and one["policy"] == policy]
+            if len(own) != SEEDS:
+                raise SystemExit(f"{len(own)} runs of {policy} at {density}, not {SEEDS}")
+            means = (
+                f"{factor * np.mean([one[name] for one in own]):{form}}"
+                for name, (factor, form) in FIGURES.items()
+            )
+            lines.append(f"| {density} | `{policy}` | {' | '.join(means)} |")
+    said = f"Means of {SEEDS} seeds; pairs 50 m to 150 m apart, but for messages, bytes and busy ratio."
+    return [*lines, "", f"{said} modelcast {package_version()}."]
+
+
+def main() -> int:
+    """Run what is missing, print the tables, and write or check the page where asked."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    asked = parser.add_mutually_exclusive_group()
+    asked.add_argument("--write", action="store_true", help="put the tables into docs/cam.md")
+    asked.add_argument("--check", action="store_true", help="tell whether docs/cam.md has them")
+    given = parser.parse_args()
+    blocks = {"cam-octets": sizes(), "cam-traffic": table(driven(given.folder))}
+    print("\n".join(line for lines in blocks.values() for line in [*lines, ""]))
+    return put({PAGE: blocks}, check=given.check) if given.write or given.check else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
