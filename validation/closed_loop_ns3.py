@@ -1,14 +1,15 @@
 """Drive one fleet over ns-3's IEEE 802.11p and over ours: what vehicles send, and what others hold of them.
 
-Usage: python validation/closed_loop_ns3.py FOLDER [--python NS3_PYTHON] [--seeds N] [--processes N]
-       [--write | --check]
+Usage: python validation/closed_loop_ns3.py FOLDER [--python NS3_PYTHON] [--error-model nist|table]
+       [--seeds N] [--processes N] [--write | --check]
 NS3_PYTHON is the interpreter of a virtual environment with pip's ``ns3`` 3.44; where it is left out the
 environment variable MODELCAST_NS3_PYTHON names it. Needs g++. FOLDER keeps what is done, so it can be called
 again; give each version of modelcast its own.
 
 The same traffic, sensors and stations meet both radios, which are set alike as in ``validation/ns3.py``; only
-what the radios draw differs. Each figure is compared seed by seed. ``--write`` puts the tables into
-``docs/channel.md``, ``--check`` tells by its exit code whether that page has them.
+what the radios draw differs. Each figure is compared seed by seed. ``--error-model`` is that of both radios;
+``table`` is ns-3's default. ``--write`` puts the tables into ``docs/channel.md`` (those of NIST errors), and
+``--check`` tells by its exit code whether that page has them.
 """
 
 import argparse
@@ -36,8 +37,9 @@ from modelcast.world.scenario.base import run_scenario
 from modelcast.world.scenario.highway import Highway
 from modelcast.world.scenario.sensed import FleetSensor
 from modelcast.world.sensors import filter_for
-from ns3 import BIN_M, BINS, folder_of, radio  # puts the example on the path
+from ns3 import BIN_M, BINS, Air, folder_of, radio  # puts the example on the path
 from ns3_radio import Ns3Radio
+from ns3_radio.radio import ERROR_MODELS
 from page_blocks import put
 
 PAGE = Path(__file__).parents[1] / "docs" / "channel.md"
@@ -59,6 +61,7 @@ class Case(NamedTuple):
     policy: str
     over: str
     seed: int
+    errors: str
 
 
 class Run(NamedTuple):
@@ -74,7 +77,9 @@ def drive(case: Case, ns3: str) -> Run:
     start = time.perf_counter()
     model = named_sensor("default")
     sender = named_sender(case.policy, threshold_m=THRESHOLD_M, motion=filter_for(model))
-    theirs = Ns3Radio(max_power_dbm=20.0, distance_bin_m=BIN_M, bins=BINS, folder=ns3)
+    theirs = Ns3Radio(
+        max_power_dbm=20.0, distance_bin_m=BIN_M, bins=BINS, error_model=case.errors, folder=ns3
+    )
     frames = run_scenario(
         Highway(LENGTH_M, case.density_per_km),
         np.random.default_rng([case.seed, 17]),
@@ -83,7 +88,7 @@ def drive(case: Case, ns3: str) -> Run:
     found = run_network(
         frames,
         sender,
-        theirs if case.over == "ns-3" else radio(),
+        theirs if case.over == "ns-3" else radio(Air(errors=case.errors)),
         SETTINGS,
         seed=case.seed,
         sensor=FleetSensor(model),
@@ -96,7 +101,8 @@ def drive(case: Case, ns3: str) -> Run:
 
 def kept(case: Case, ns3: str, folder: str) -> Run:
     """What the folder has of a case, made where it has nothing."""
-    path = Path(folder) / f"{case.density_per_km:g}-{case.policy}-{case.over}-{case.seed}.json"
+    name = f"{case.density_per_km:g}-{case.policy}-{case.over}-{case.errors}-{case.seed}.json"
+    path = Path(folder) / name
     if not path.exists():
         done = drive(case, ns3)
         path.write_text(json.dumps(done._asdict()), encoding="utf-8")
@@ -174,6 +180,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--python", default=os.environ.get("MODELCAST_NS3_PYTHON", ""))
+    parser.add_argument("--error-model", choices=list(ERROR_MODELS), default="nist", help="of both radios")
     parser.add_argument("--seeds", type=int, default=4, help="runs of each policy over each radio")
     parser.add_argument("--processes", type=int, default=1, help="runs at a time")
     asked = parser.add_mutually_exclusive_group()
@@ -182,10 +189,12 @@ def main() -> int:
     given = parser.parse_args()
     if not given.python:
         parser.error("name the interpreter that has ns3, with --python or in MODELCAST_NS3_PYTHON")
+    if given.error_model != "nist" and (given.write or given.check):
+        parser.error("the page has the tables of NIST errors: --write and --check go with --error-model nist")
     given.folder.mkdir(parents=True, exist_ok=True)
     ns3 = str(folder_of(given.python))
     cases = [
-        Case(density, policy, over, seed)
+        Case(density, policy, over, seed, given.error_model)
         for seed, density, policy, over in product(range(given.seeds), DENSITIES_PER_KM, POLICIES, RADIOS)
     ]
     found: Found = {}

@@ -1,10 +1,11 @@
 """Make the published network table: every sender at every density, by receiver, radio and load.
 
 Usage: python validation/network_table.py [--keep FOLDER] [--only CALL ...] [--seeds N] [--minutes M]
-       [--quick] [--anew] [--no-runs] [--write | --check]
+       [--quick] [--anew] [--again N] [--no-runs] [--write | --check]
 CALL is of headline, receivers, loaded, coverage, radios, cams. FOLDER keeps every run in a file of its
 own, so that the script can be stopped and called again. What is there is not run again; with ``--anew`` it is
-where other sources made it. ``--quick`` runs the first density and two seeds of each call, and only prints.
+where other sources made it. ``--again N`` runs N of those once more and tells whether they still come out the
+same, to the last digit. ``--quick`` runs the first density and two seeds of each call, and only prints.
 
 Every run is one of ``modelcast network`` with the options in `plan`. ``--write`` puts tables and sentences
 into ``docs/network-table.md``, ``--check`` tells by its exit code whether that page has them: all numbers
@@ -17,11 +18,14 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 import modelcast
 from modelcast.cli.fleet_options import FleetOptions
 from modelcast.cli.network_case import run_case
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.options import SensorOptions
+from modelcast.core.arrays import IntArray
 from modelcast.core.version import package_version
 from modelcast.station.sender.names import has_threshold, sends_models
 from modelcast.study.network.rows import NO_BANK, NO_THRESHOLD, NetworkCase
@@ -74,6 +78,22 @@ def run_all(cells: Sequence[Cell], folder: Path, *, minutes: float, anew: bool) 
         print(f"{number}/{len(cells)} {cell.stem} {done.processor_s:.1f} s", file=sys.stderr, flush=True)
 
 
+def run_again(cells: Sequence[Cell], folder: Path, count: int) -> int:
+    """Run some kept runs of other sources once more, drawn at random; 1 where a figure differs."""
+    state = sources(Path(modelcast.__file__).parent)
+    held = [(cell, done) for cell in cells if (done := kept(folder, cell)) is not None]
+    older = [(cell, done) for cell, done in held if done.sources != state]
+    differ = 0
+    order: IntArray = np.random.default_rng(0).permutation(len(older))
+    for at in order[:count]:
+        cell, done = older[int(at)]
+        now = run(cell, state)
+        moved = [name for name in FIGURES if repr(now.figures[name]) != repr(done.figures[name])]
+        differ += bool(moved)
+        print(f"{cell.stem}: {', '.join(moved) if moved else 'the same'}", flush=True)
+    return int(differ > 0)
+
+
 def main() -> int:
     """Run what is asked for, print the tables, and write or check the page where asked."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -84,6 +104,7 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no run after so long")
     parser.add_argument("--quick", action="store_true", help="first densities, two seeds; prints alone")
     parser.add_argument("--anew", action="store_true", help="run again what other sources have made")
+    parser.add_argument("--again", type=int, default=0, help="compare so many runs of other sources")
     parser.add_argument("--no-runs", action="store_true", help="take what the folder has")
     asked = parser.add_mutually_exclusive_group()
     asked.add_argument("--write", action="store_true", help="put tables and sentences into the page")
@@ -92,8 +113,10 @@ def main() -> int:
     if given.quick and (given.write or given.check):
         parser.error("--quick only prints")
     given.keep.mkdir(parents=True, exist_ok=True)
+    cells = cells_of(CALLS, given.only, most_seeds=given.seeds, quick=given.quick)
+    if given.again:
+        return run_again(cells, given.keep, given.again)
     if not given.no_runs:
-        cells = cells_of(CALLS, given.only, most_seeds=given.seeds, quick=given.quick)
         run_all(cells, given.keep, minutes=given.minutes, anew=given.anew)
     found: Found = {
         cell: done for cell in cells_of(CALLS, ()) if (done := kept(given.keep, cell)) is not None

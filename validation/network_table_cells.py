@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
 
-from modelcast.channel.registry import RADIOS
+from modelcast.channel.radio_words import get_radio
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.version import package_version
 from modelcast.station.sender.names import SENDERS
@@ -57,6 +57,8 @@ FIGURES = (
 FREE_FLOW = (25.0, 100.0, 200.0, 400.0)
 CORE = ("j2945", "j2945-filtered", "j2945-free", "j2945-mbc", "mbc")
 RELAXED = ("j2945-mbc-relaxed", "j2945-free-relaxed", "j2945-mbc-relaxed-5", "j2945-free-relaxed-5")
+OTHERS = ("bsm-10hz", "baseline", "free", *RELAXED)
+MANY = ("bsm-10hz", *CORE, "baseline", "free", *RELAXED[:2])
 LOADING = ("bsm-10hz", "j2945", "j2945-mbc", "mbc", RELAXED[0], "cam")
 CAMS = tuple(name for name in SENDERS if name.startswith("cam"))
 J3161 = ("j3161", "j3161-mbc", "j3161-mbc-relaxed")
@@ -68,7 +70,7 @@ MOST_QUICK_PER_KM = 400.0
 def _is_known(radio: str) -> bool:
     """Whether this version has a radio of that word."""
     try:
-        _ = RADIOS.made_from(radio)
+        _ = get_radio(radio)
     except ConfigError:
         return False
     return True
@@ -130,21 +132,21 @@ CALLS = (
     Call("receivers", "highway", [25.0, 100.0], ["dsrc"], [*CORE, RELAXED[0]], WANDERING, 3),
     Call("loaded", "loaded", [700.0], ["dsrc"], LOADING, ["default"], 2),
     Call("receivers", "highway", [400.0], ["dsrc"], [*CORE, RELAXED[0]], WANDERING, 3),
-    Call("headline", "highway", [25.0, 100.0], ["dsrc"], ["bsm-10hz", *RELAXED], ["default"], 10),
+    Call("headline", "highway", [25.0, 100.0], ["dsrc"], OTHERS, ["default"], 10),
     Call("coverage", "highway", [25.0, 100.0], ["dsrc"], ["j2945", "j2945-mbc", "mbc"], ["default"], 60),
     Call("headline", "highway", [400.0], ["dsrc"], CORE, ["default"], 10),
-    Call("radios", "highway", [25.0, 100.0], RADIO_WORDS, [*CORE, *RELAXED[:2], *J3161], ["default"], 3),
+    Call(
+        "radios", "highway", [25.0, 100.0], RADIO_WORDS, [*CORE, "free", *RELAXED[:2], *J3161], ["default"], 3
+    ),
     Call("cams", "highway", [25.0, 100.0, 400.0], ["dsrc"], CAMS, ["default"], 10),
-    Call("headline", "highway", [200.0, 400.0], ["dsrc"], ["bsm-10hz", *RELAXED], ["default"], 10),
+    Call("headline", "highway", [200.0, 400.0], ["dsrc"], OTHERS, ["default"], 10),
     Call("receivers", "highway", FREE_FLOW, ["dsrc"], [*CORE, RELAXED[0]], WANDERING, 10),
-    Call("radios", "highway", [400.0], RADIO_WORDS, [*CORE, *RELAXED[:2], *J3161], ["default"], 3),
-    Call("headline", "highway", [50.0], ["dsrc"], ["bsm-10hz", *CORE, *RELAXED], ["default"], 10),
-    Call("headline", "highway", [800.0, 1200.0], ["dsrc"], ["bsm-10hz", *CORE, *RELAXED[:2]], ["default"], 3),
+    Call("radios", "highway", [400.0], RADIO_WORDS, [*CORE, "free", *RELAXED[:2], *J3161], ["default"], 3),
+    Call("headline", "highway", [50.0], ["dsrc"], [*CORE, *OTHERS], ["default"], 10),
+    Call("headline", "highway", [800.0, 1200.0], ["dsrc"], MANY, ["default"], 3),
     Call("loaded", "loaded", [400.0, 700.0, 1000.0], ["dsrc"], LOADING, ["default"], 3),
     Call("loaded", "loaded", [700.0, 1000.0], ["dsrc:path_loss=dual-slope"], LOADING, ["default"], 3),
-    Call(
-        "headline", "highway", [800.0, 1200.0], ["dsrc"], ["bsm-10hz", *CORE, *RELAXED[:2]], ["default"], 10
-    ),
+    Call("headline", "highway", [800.0, 1200.0], ["dsrc"], MANY, ["default"], 10),
 )
 """What the page is made of, what matters most first."""
 

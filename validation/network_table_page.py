@@ -100,15 +100,15 @@ def run_block(found: Found, rows: Rows) -> list[str]:
         for radio in dict.fromkeys(one.radio for one in own):
             held = [one for one in own if one.radio == radio]
             lines.append([kind, f"`{radio}`", *_run_cells(rows, held)])
-    hours = sum(done.processor_s for done in found.values()) / 3600.0
+    minutes = sum(done.processor_s for done in found.values()) / 60.0
     states = len({done.sources for done in found.values()})
     of = "one state of the sources" if states == 1 else f"{states} states of the sources"
-    return [
-        *_table(("call", "radio", "senders", "receivers", "seeds at vehicles/km", "runs"), lines),
-        "",
-        f"{len(found):,} runs, {hours:.1f} hours of processor time, modelcast {package_version()}, {of}.",
-        f"{MACHINE}. A run that two calls ask for was made once, and counts in both lines.",
-    ]
+    note = (
+        f"{len(found):,} runs, {minutes:,.0f} minutes of processor time, modelcast {package_version()}, {of}."
+        f" {MACHINE}. A run that two calls ask for was made once, and counts in both lines."
+    )
+    heads = ("call", "radio", "senders", "receivers", "seeds at vehicles/km", "runs")
+    return [*_table(heads, lines), "", note]
 
 
 def _run_cells(rows: Rows, held: Sequence[Setting]) -> list[str]:

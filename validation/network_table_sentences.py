@@ -6,12 +6,13 @@ All sentences are made of the runs that there are, and say of no density that wa
 from collections.abc import Mapping
 
 from network_table_cells import RECEIVERS
-from network_table_rows import Mean, Rows, density_said, listed, spans, verdict
+from network_table_rows import Mean, Rows, density_said, listed, mean_of, spans, verdict
 
 __all__ = ["headline_block", "verdicts"]
 
 PLAIN, FILTERED, FREE, MODELS = "j2945", "j2945-filtered", "j2945-free", "j2945-mbc"
-RELAXED, RELAXED_FREE, ERROR_DRIVEN = "j2945-mbc-relaxed", "j2945-free-relaxed", "mbc"
+RELAXED, RELAXED_FREE = "j2945-mbc-relaxed", "j2945-free-relaxed"
+ERROR_DRIVEN, ERROR_FREE = "mbc", "free"
 SMALL_CUT = 0.05
 """Less is said to be little [of p90]."""
 
@@ -41,7 +42,7 @@ def headline_block(rows: Rows) -> list[str]:
     lines: list[str] = []
     for receiver in RECEIVERS:
         of = _Receiver(rows, receiver)
-        said = [line for line in (of.timers(), of.cut(), of.models(), *of.fewer(), of.rivals()) if line]
+        said = [line for line in (of.timers(), of.cut(), of.models(), *of.fewer(), *of.rivals()) if line]
         if said:
             lines += [f"- **Receiver {RECEIVERS[receiver]}.** {said[0]}", *(f"  {line}" for line in said[1:])]
     return lines or ["Not run."]
@@ -91,8 +92,13 @@ class _Receiver:
     def models(self) -> str:
         """What models add to the free sub-model under the same timers."""
         ratios = self.ratios(MODELS, "pte_p90_m", FREE)
+        if not ratios:
+            return ""
+        own = [one for one in self.settings if one.policy == MODELS]
+        shares = [100.0 * mean_of(self.rows.values(one, "model_ratio")).value for one in own]
         return (
-            f"Its p90 over that of `{FREE}`, which sends no model, is {verdicts(ratios)}." if ratios else ""
+            f"Its p90 over that of `{FREE}`, which sends no model, is {verdicts(ratios)}. Of its messages "
+            f"{spans(shares, '.1f')} % carry a model."
         )
 
     def fewer(self) -> list[str]:
@@ -101,21 +107,23 @@ class _Receiver:
         for policy in (RELAXED, ERROR_DRIVEN):
             messages = self.ratios(policy, "message_rate_hz", PLAIN)
             p90 = self.ratios(policy, "pte_p90_m", PLAIN)
-            if messages:
-                each = listed(
-                    f"{messages[at].value:.2f} at {p90[at].value:.2f} ({density_said(at)})"
-                    for at in sorted(messages)
-                )
-                lines.append(f"`{policy}`, share of the messages and share of p90: {each}.")
+            each = [
+                f"{messages[at].value:.2f} of the messages and {one.value:.2f} of p90 at {density_said(at)}"
+                for at, one in sorted(p90.items())
+            ]
+            if each:
+                lines.append(f"`{policy}` over `{PLAIN}`: {listed(each)}.")
         return lines
 
-    def rivals(self) -> str:
-        """What models add to the free sub-model under relaxed timers."""
-        messages = self.ratios(RELAXED, "message_rate_hz", RELAXED_FREE)
-        p90 = self.ratios(RELAXED, "pte_p90_m", RELAXED_FREE)
-        if not messages:
-            return ""
-        return (
-            f"`{RELAXED}` over `{RELAXED_FREE}`, which sends no model: messages are {verdicts(messages)}; "
-            f"p90 is {verdicts(p90)}."
-        )
+    def rivals(self) -> list[str]:
+        """What models add to the free sub-model where errors call for messages."""
+        lines: list[str] = []
+        for policy, rival in ((RELAXED, RELAXED_FREE), (ERROR_DRIVEN, ERROR_FREE)):
+            messages = self.ratios(policy, "message_rate_hz", rival)
+            p90 = self.ratios(policy, "pte_p90_m", rival)
+            if messages:
+                lines.append(
+                    f"`{policy}` over `{rival}`, which sends no model: messages are {verdicts(messages)}; "
+                    f"p90 is {verdicts(p90)}."
+                )
+        return lines

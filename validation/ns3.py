@@ -27,11 +27,12 @@ from modelcast.channel.radio_words import get_radio
 sys.path.insert(0, str(Path(__file__).parents[1] / "examples" / "ns3_radio" / "src"))
 
 from ns3_radio.program import build, environment
+from ns3_radio.radio import ERROR_MODELS
 
 LENGTH_M, PERIOD_S, BIN_M, BINS = 1000.0, 0.1, 50.0, 10
 OVERHEAD = 36  # MAC header 24, FCS 4, LLC and SNAP 8
 SEEDS = 3
-PAIRS = {50: 3, 100: 3, 200: 3}
+PAIRS = {50: 3, 100: 3, 200: 9}
 """Timed pairs of runs by number of nodes: each seed as often as the next."""
 TARGET = 0.05
 
@@ -41,8 +42,8 @@ Places = tuple[np.ndarray, np.ndarray]
 class Air(NamedTuple):
     """What is set alike in both simulators.
 
-    ``errors`` is the error model, a key of `ERROR_MODELS`. Messages are sent for ``seconds``; what is under
-    way then has ``tail_s`` more.
+    ``errors`` is the error model, a key of the example's `ERROR_MODELS`. Messages are sent for ``seconds``;
+    what is under way then has ``tail_s`` more.
     """
 
     rate_mbps: float = 6.0
@@ -51,15 +52,14 @@ class Air(NamedTuple):
     errors: str = "nist"
     seconds: float = 10.0
     tail_s: float = 0.0
+    energy_dbm: float = -82.0
+    """Of our radio alone: ns-3's is its default."""
 
     @property
     def turns(self) -> int:
         """Messages of a node."""
         return round(self.seconds / PERIOD_S)
 
-
-ERROR_MODELS = {"nist": "ns3::NistErrorRateModel", "table": "ns3::TableBasedErrorRateModel"}
-"""Of both simulators, with ns-3's names for them; the second is its default."""
 
 NIST = Air()
 """As the tables of three numbers of nodes have it."""
@@ -110,6 +110,7 @@ def radio(air: Air = NIST) -> Dsrc:
         "decodable_dbm": -98.0,
         "preamble_db": 2.0,
         "capture_db": 2.0,
+        "energy_dbm": air.energy_dbm,
         "exponent": air.exponent,
         "reference_loss_db": 47.86,
         "fading": "nakagami",

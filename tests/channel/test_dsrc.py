@@ -1,6 +1,7 @@
 """Claims about IEEE 802.11p broadcast alone; what holds of every radio is in `test_radio_conformance.py`."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,10 +9,12 @@ import pytest
 from modelcast.channel.dsrc import Dsrc, DsrcState
 from modelcast.channel.dsrc_parameters import BIT_RATES, AccessCategory, DsrcParameters
 from modelcast.channel.dsrc_station_kernels import AIR, MESSAGE
-from modelcast.channel.error_models import ThresholdErrorModel
+from modelcast.channel.error_models import TabulatedErrorModel, ThresholdErrorModel
 from modelcast.channel.path_loss import LogDistance
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import Receptions, Transmissions
+from modelcast.channel.sidelink import Sidelink
+from modelcast.core.exceptions import ModelcastWarning
 
 CLEAR = Propagation(LogDistance(2.0), None, None)
 """Free space, no luck: 300 m lose 97.4 dB."""
@@ -20,8 +23,8 @@ AIRTIME_S = 448e-6
 """300 bytes at 6 Mb/s."""
 
 
-def plain(**changes: float) -> Dsrc:
-    parameters = replace(DsrcParameters(margin_db=10.0), **changes)  # type: ignore[arg-type]
+def plain(**changes: Any) -> Dsrc:
+    parameters = replace(DsrcParameters(margin_db=10.0), **changes)
     return Dsrc(parameters, CLEAR, ThresholdErrorModel(6.0))
 
 
@@ -169,3 +172,46 @@ def test_all_at_once_ends_with_every_message_sent_or_on_its_way() -> None:
 def test_impossible_parameters_are_refused(change: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="must"):
         replace(DsrcParameters(), **change)  # type: ignore[arg-type]
+
+
+def test_frames_that_begin_at_once_spoil_each_other_where_that_is_asked_for() -> None:
+    """The listener is at 20 m from one sender, 380 m from the other, 25 dB weaker: ties alone decide.
+
+    Whoever begins second takes the near listener over if it is near itself: it is heard all the same.
+    """
+    place_m = line(0.0, 400.0, 20.0)
+    for spoil in (False, True):
+        radio = plain(ties_spoil=spoil)
+        for first, second in ((0, 1), (1, 0)):
+            for apart_s in (0.0, 1e-9):
+                heard, _ = run(radio, batch([first, second], [0.01, 0.01 + apart_s]), place_m)
+                lost = spoil and first == 0 and apart_s == 0.0
+                assert (0 in heard.sender[heard.receiver == 2]) != lost
+
+
+def test_a_message_waits_for_aifs_from_its_arrival_where_that_is_asked_for() -> None:
+    """On an idle medium: 0 to 3 slots, behind AIFS or not."""
+    for waits, least_s in ((False, 0.0), (True, 110e-6)):
+        radio = plain(immediate_access=False, aifs_on_arrival=waits, access=AccessCategory(6, 3))
+        slots = set()
+        for seed in range(40):
+            heard, _ = run(radio, batch([0], [0.01]), line(0.0, 50.0), seed)
+            slots.add(round(float((heard.t_s[0] - 0.01 - AIRTIME_S - least_s) / 13e-6), 3))
+        assert slots == {0.0, 1.0, 2.0, 3.0}
+
+
+def test_waiting_from_arrival_needs_a_countdown() -> None:
+    with pytest.raises(ValueError, match="immediate_access"):
+        DsrcParameters(aifs_on_arrival=True)
+
+
+@pytest.mark.parametrize("radio", [Dsrc, Sidelink])
+def test_fading_is_not_drawn_beside_a_curve_that_holds_it(radio: type[Dsrc] | type[Sidelink]) -> None:
+    """`within` leaves it away, with a curve made without fading it stays; who gives both is told."""
+    curve = TabulatedErrorModel.highway_los()
+    quiet = radio(propagation=Propagation(fading=None), error_model=curve)
+    assert quiet.within(Propagation()).propagation == Propagation(fading=None)
+    assert replace(quiet, error_model=replace(curve, faded=False)).within(Propagation()).propagation.fading
+    assert replace(quiet, error_model=ThresholdErrorModel(6.0)).within(Propagation()).propagation.fading
+    with pytest.warns(ModelcastWarning, match="twice"):
+        radio(propagation=Propagation(), error_model=curve)

@@ -567,15 +567,15 @@ def test_what_a_sender_leaves_out_radios_see_in_full() -> None:
 
 @every_radio
 def test_what_a_radio_does_not_heed_changes_nothing(case: Case) -> None:
-    """Priority, next message and kind of grant."""
+    """Priority, next message and kind of grant, save those that a case names."""
     traffic, place_m = random_traffic(4, 40, 200, largest=case.largest_bytes)
     said = {
         "priority": np.arange(200) % 8,
         "next_s": traffic.ready_s + 0.1,
         "grant": np.full(200, int(Grant.ONE_SHOT)),
     }
-    said = replace(traffic, **{name: held for name, held in said.items() if name not in case.heeds})
-    assert_same(run(case.radio, traffic, place_m), run(case.radio, said, place_m))
+    unheeded = {name: column for name, column in said.items() if name not in case.heeds}
+    assert_same(run(case.radio, traffic, place_m), run(case.radio, replace(traffic, **unheeded), place_m))
 
 
 def test_every_radio_of_the_package_has_a_case(

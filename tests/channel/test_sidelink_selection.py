@@ -129,7 +129,7 @@ def test_the_share_of_possible_resources_is_smaller_where_the_vehicle_was_sendin
 
 
 def test_a_reservation_made_of_late_counts_by_a_tenth_where_the_mean_decides() -> None:
-    """All but resources 1 and 2 are reserved at 8 dB above the bound, heard once: their mean is 2 dB below."""
+    """All but two resources are reserved 8 dB above the bound, heard once: their mean is 2 dB below."""
     once_mw = 10 ** (0.1 * (-110.0 + 8.0)) * 120
     sensed = np.zeros((1, MEMORY, 1), dtype=np.float32)
     sensed[0, MEMORY - 100 + 3 : MEMORY - 100 + 21] = once_mw
@@ -211,7 +211,7 @@ def test_a_message_takes_sub_channels_that_it_does_not_fill() -> None:
 
 def test_a_message_that_becomes_ready_in_its_own_subframe_does_not_push_the_last_one_out() -> None:
     """Of 400 vehicles four or so choose the last subframe of the window: the one of the next message."""
-    place_m = np.column_stack([40_000.0 * np.arange(400), np.zeros(400)])
+    place_m = np.column_stack([np.linspace(0.0, 16e6, 400), np.zeros(400)])
     radio = radio_of()
     state = radio.init(400, np.random.default_rng(3))
     expired, waited = 0, 0

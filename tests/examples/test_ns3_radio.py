@@ -126,6 +126,11 @@ def test_a_frame_smaller_than_its_headers_is_refused(ns3_radio: ModuleType, tmp_
         radio.step(state, batch([0], [0.01], size=35), PLACES_M, 0.1)
 
 
+def test_an_error_model_that_ns3_has_not_is_refused(ns3_radio: ModuleType) -> None:
+    with pytest.raises(ValueError, match="error_model must be one of nist, table, got 'yans'"):
+        ns3_radio.Ns3Radio(error_model="yans").init(3, np.random.default_rng(0))
+
+
 def test_a_folder_without_ns3_is_refused(ns3_radio: ModuleType, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"is not the folder of pip's ns3"):
         ns3_radio.Ns3Radio(folder=str(tmp_path)).init(2, np.random.default_rng(0))

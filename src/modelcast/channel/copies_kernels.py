@@ -12,7 +12,17 @@ import numpy as np
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import IntMatrix, IntVector
 
-__all__ = ["PAIR_COLUMNS", "Copies", "copies_room", "kept_copies", "seek_pairs", "settle", "tell"]
+__all__ = [
+    "PAIR_COLUMNS",
+    "Copies",
+    "copies_room",
+    "forget_pairs",
+    "kept_copies",
+    "move_last",
+    "seek_pairs",
+    "settle",
+    "tell",
+]
 
 _RECEIVER, _OUTCOME, _BIN = 0, 1, 2
 PAIR_COLUMNS = 3
@@ -60,6 +70,27 @@ def seek_pairs(copies: Copies, v: int) -> None:
     """Let receivers find the row of their pair with a sender's message, until it is settled."""
     for row in range(copies.span[v, 0], copies.span[v, 0] + copies.span[v, 1]):
         copies.place[copies.pair[row, _RECEIVER]] = row
+
+
+@kernel(inlined=True)
+def forget_pairs(copies: Copies, v: int) -> None:
+    """Let no receiver find the row of its pair with a sender's message any more; the pairs wait on."""
+    for row in range(copies.span[v, 0], copies.span[v, 0] + copies.span[v, 1]):
+        copies.place[copies.pair[row, _RECEIVER]] = -1
+
+
+@kernel(inlined=True)
+def move_last(copies: Copies, v: int, used: int) -> int:
+    """Make the rows of a sender's message the last ones used, so that more can follow; return rows used.
+
+    There must be room for them once more.
+    """
+    first, count = copies.span[v, 0], copies.span[v, 1]
+    copies.span[v, 0] = used
+    for row in range(count):
+        for column in range(PAIR_COLUMNS):
+            copies.pair[used + row, column] = copies.pair[first + row, column]
+    return used + count
 
 
 @kernel(inlined=True)

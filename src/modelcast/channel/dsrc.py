@@ -17,7 +17,14 @@ from modelcast.channel.dsrc_parameters import DsrcParameters, power_ratio
 from modelcast.channel.dsrc_station_kernels import BUSY_RATIO, DsrcConstants, silent_station
 from modelcast.channel.error_models import AbstractErrorModel, NistErrorModel, safe_ratio
 from modelcast.channel.frame_kernels import Heard
-from modelcast.channel.frame_radio import AbstractFrameRadio, asked, error_units, has_shadowing
+from modelcast.channel.frame_radio import (
+    AbstractFrameRadio,
+    asked,
+    error_units,
+    has_shadowing,
+    told_of_fading_twice,
+    without_second_fading,
+)
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
@@ -123,6 +130,7 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
         if error_model is None:
             rate = self.parameters.bit_rate
             error_model = NistErrorModel(rate.bits_per_subcarrier, rate.code_rate)
+        told_of_fading_twice(self.propagation, error_model)
         constants = self._constants(error_model)
         object.__setattr__(self, "constants", constants)
         object.__setattr__(self, "hazard", np.ascontiguousarray(error_model.hazards()))
@@ -145,11 +153,13 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
             window=p.access.window,
             sensing_s=p.sensing_s,
             immediate=p.immediate_access,
+            arrival_aifs_s=p.aifs_s if p.aifs_on_arrival else 0.0,
             preamble_s=p.preamble_s,
             symbol_s=p.symbol_s,
             bits_per_symbol=p.bit_rate.bits_per_symbol,
             capture_s=p.capture_s,
             capture_ratio=power_ratio(p.capture_db),
+            ties_spoil=p.ties_spoil,
             preamble_ratio=power_ratio(p.preamble_db),
             noise_mw=power_ratio(p.noise_dbm),
             sensitivity_mw=power_ratio(p.sensitivity_dbm),
@@ -176,8 +186,9 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
         return self.parameters.bin_m
 
     def within(self, propagation: Propagation) -> Self:
-        """The radio with this propagation."""
-        return replace(self, propagation=propagation)
+        """The radio with this propagation, without fast fading where the error model holds it."""
+        model = self.error_model
+        return replace(self, propagation=without_second_fading(propagation, model) if model else propagation)
 
     def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> DsrcState:
         """State at time 0 of V vehicles."""
@@ -216,19 +227,21 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
         )
         sweep = lay_out(reach_m2, position_m, fitted.weak, self.constants.range_m)
         pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
-        heard, air = advance(
-            state.t_s,
-            until_t_s,
-            state.random,
-            state.station,
-            state.message,
-            Links(state.air_receiver, state.air_mw, state.air_flag),
-            sent,
-            sweep,
-            fitted,
-            self.hazard,
-            self.tables,
-            self.constants,
+        heard, air = parts.beside(
+            lambda: advance(
+                state.t_s,
+                until_t_s,
+                state.random,
+                state.station,
+                state.message,
+                Links(state.air_receiver, state.air_mw, state.air_flag),
+                sent,
+                sweep,
+                fitted,
+                self.hazard,
+                self.tables,
+                self.constants,
+            )
         )
         after = replace(
             state,

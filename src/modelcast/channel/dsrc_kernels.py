@@ -140,7 +140,7 @@ def _contend(
     if over or not constants.immediate:
         station[v, BACKOFF] = draw_backoff(random, constants.window)
         if station[v, BUSY] == 0.0:
-            station[v, IDLE_S] = max(station[v, IDLE_S], t_s - constants.aifs_s)
+            station[v, IDLE_S] = max(station[v, IDLE_S], t_s + constants.arrival_aifs_s - constants.aifs_s)
     if station[v, BUSY] == 1.0:
         return False
     station[v, ACCESS_S] = _access_s(station, v, constants)

@@ -98,6 +98,9 @@ class DsrcParameters:
     immediate_access
         Whether a message that finds the medium idle for AIFS goes out at once (10.23.2.4); else every message
         counts down first.
+    aifs_on_arrival
+        Whether a message that counts down first waits for AIFS from when it became ready; else idle time
+        before counts. Only without ``immediate_access``.
     extended_s
         After a frame it could not decode, a vehicle waits this long more before it counts (EIFS, 10.3.2.3.7):
         SIFS and an acknowledgement at 3 Mb/s, 32 + 88 us [s].
@@ -109,7 +112,8 @@ class DsrcParameters:
     decodable_dbm
         A frame that is being received holds the medium busy from this power on; 17.3.10.6: -85 dBm [dBm].
     energy_dbm
-        Power of any kind that holds the medium busy; 17.3.10.6: 20 dB above, -65 dBm [dBm].
+        Power of any kind, all together, that holds the medium busy; 17.3.10.6: 20 dB above, -65 dBm. ns-3
+        3.44 asks for -82 dBm where a frame begins that is not received (CcaSensitivity) [dBm].
     load_dbm
         The channel busy ratio counts the time with this power or more, and that of own frames; TS 102 687:
         -85 dBm [dBm].
@@ -121,6 +125,10 @@ class DsrcParameters:
         A frame that begins within ``capture_s`` after the one a receiver is locked on to, and is stronger
         than everything else by ``capture_db``, takes the receiver over; later ones never do. The preamble
         and 4 dB, as in the extension of ns-2 [s], [dB].
+    ties_spoil
+        Whether a frame is lost wherever another begins in the same instant and does not take the receiver
+        over, however weak that is. So it is in WiLabV2Xsim: its mean over no time at all is not a number. No
+        receiver does so.
     antenna_gain_db
         Of either end [dB].
     max_power_dbm
@@ -148,6 +156,7 @@ class DsrcParameters:
     symbol_s: float = 8e-6
     sensing_s: float = 8e-6
     immediate_access: bool = True
+    aifs_on_arrival: bool = False
     extended_s: float = 120e-6
     noise_figure_db: float = 6.0
     bandwidth_hz: float = 10e6
@@ -159,6 +168,7 @@ class DsrcParameters:
     preamble_db: float = 4.0
     capture_s: float = 32e-6
     capture_db: float = 4.0
+    ties_spoil: bool = False
     antenna_gain_db: float = 0.0
     max_power_dbm: float = 23.0
     margin_db: float = 10.0
@@ -175,6 +185,8 @@ class DsrcParameters:
                 raise ValueError(f"{name} must be positive and finite, got {value}")
         if not 0 <= self.sensing_s <= self.slot_s:
             raise ValueError(f"sensing_s must lie within 0..{self.slot_s} (a slot), got {self.sensing_s}")
+        if self.aifs_on_arrival and self.immediate_access:
+            raise ValueError("aifs_on_arrival needs immediate_access=False: else a message goes out at once")
         if not self.extended_s >= 0:
             raise ValueError(f"extended_s must not be negative, got {self.extended_s}")
         if self.bins < 1:

@@ -80,6 +80,11 @@ MESSAGE, AIR, SEED = 0, 1, 2
 LOCKED, HALF_DUPLEX, WEAK, IS_HIDDEN, IS_CONCURRENT = 0, 1, 2, 3, 4
 RECEIVED = 0
 NEVER = -1e9
+_SPOILT = 1e30
+"""Exposure that no frame survives."""
+
+_TIE_S = 1e-10
+"""Frames that begin within this begin at once."""
 
 
 class DsrcConstants(NamedTuple):
@@ -91,11 +96,13 @@ class DsrcConstants(NamedTuple):
     window: int
     sensing_s: float
     immediate: bool
+    arrival_aifs_s: float
     preamble_s: float
     symbol_s: float
     bits_per_symbol: int
     capture_s: float
     capture_ratio: float
+    ties_spoil: bool
     preamble_ratio: float
     noise_mw: float
     sensitivity_mw: float
@@ -277,6 +284,8 @@ def begin_reception(
             station[j, CONCURRENT] += power_mw * overlap_s
         else:
             station[j, HIDDEN] += power_mw * overlap_s
+        if constants.ties_spoil and t_s - station[j, LOCK_S] < _TIE_S:
+            station[j, EXPOSURE] = _SPOILT
     station[j, SIGNAL] = before_mw + power_mw
     station[j, SIGNALS] += 1.0
     station[j, RECENT_S], station[j, RECENT_MW] = t_s, power_mw

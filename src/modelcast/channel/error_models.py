@@ -60,6 +60,11 @@ class AbstractErrorModel(abc.ABC):
     def by_stretch(self) -> bool:
         """Whether every stretch of a frame counts by its own SINR (else: the mean interference counts)."""
 
+    @property
+    def holds_fading(self) -> bool:
+        """Whether the chance is over fast fading already: none is to be drawn beside."""
+        return False
+
     @abc.abstractmethod
     def hazards(self) -> FloatArray:
         """Hazard of a unit at -30 dB, -29.95 dB, ... 50 dB, (HAZARD_SIZE,)."""
@@ -185,6 +190,8 @@ class TabulatedErrorModel(AbstractErrorModel):
         The curve; SINR rising, ratio falling within 0..1.
     reference_bytes
         Size of the frames it was made with. A frame of n bytes counts as n/reference of them.
+    faded
+        Whether the curve was made over a channel that fades, as the named ones were.
 
     Notes
     -----
@@ -201,6 +208,7 @@ class TabulatedErrorModel(AbstractErrorModel):
     packet_errors: tuple[float, ...]
     _: KW_ONLY
     reference_bytes: int = 350
+    faded: bool = True
 
     def __post_init__(self) -> None:
         if len(self.sinr_db) != len(self.packet_errors) or len(self.sinr_db) < 2:
@@ -245,6 +253,11 @@ class TabulatedErrorModel(AbstractErrorModel):
     def by_stretch(self) -> bool:
         """No: the curve knows whole frames."""
         return False
+
+    @property
+    def holds_fading(self) -> bool:
+        """As the curve was made."""
+        return self.faded
 
     def hazards(self) -> FloatArray:
         """Hazard of a reference frame, (HAZARD_SIZE,)."""

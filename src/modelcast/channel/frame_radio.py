@@ -5,6 +5,7 @@ itself.
 """
 
 import abc
+import warnings
 from dataclasses import fields, replace
 from typing import Any, TypeVar
 
@@ -15,9 +16,18 @@ from modelcast.channel.frame_kernels import Asked, Heard
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
 from modelcast.core.arrays import FloatArray
+from modelcast.core.exceptions import ModelcastWarning
 from modelcast.core.parts import WHOLE, Parts
 
-__all__ = ["AbstractFrameRadio", "asked", "copied", "error_units", "has_shadowing"]
+__all__ = [
+    "AbstractFrameRadio",
+    "asked",
+    "copied",
+    "error_units",
+    "has_shadowing",
+    "told_of_fading_twice",
+    "without_second_fading",
+]
 
 State = TypeVar("State")
 
@@ -51,6 +61,28 @@ def has_shadowing(propagation: Propagation) -> bool:
     """Whether pairs have shadowing that must be kept."""
     shadowing = propagation.shadowing
     return shadowing is not None and (shadowing.los_db > 0 or shadowing.nlos_db > 0)
+
+
+def without_second_fading(propagation: Propagation, error_model: AbstractErrorModel) -> Propagation:
+    """The propagation beside an error model: without fast fading where the model's curve holds it already."""
+    return replace(propagation, fading=None) if error_model.holds_fading else propagation
+
+
+def told_of_fading_twice(propagation: Propagation, error_model: AbstractErrorModel) -> None:
+    """Warn where fast fading is drawn beside a curve that holds it.
+
+    Warns
+    -----
+    ModelcastWarning
+        Then frames are lost to it twice.
+    """
+    if error_model.holds_fading and propagation.fading is not None:
+        warnings.warn(
+            "Fast fading is drawn beside an error model whose curve holds it already, so frames are lost to "
+            "it twice: give the propagation no fading (fading=none), or a curve made without (faded=False)",
+            ModelcastWarning,
+            stacklevel=4,
+        )
 
 
 class AbstractFrameRadio(AbstractRadio[State]):

@@ -11,12 +11,20 @@ from typing import Self
 import numpy as np
 
 from modelcast.channel.antennas import antennas, checked_gains
+from modelcast.channel.copies_kernels import PAIR_COLUMNS, Copies
 from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
-from modelcast.channel.error_models import AbstractErrorModel, ThresholdErrorModel
+from modelcast.channel.error_models import (
+    HAZARD_MIN_DB,
+    HAZARD_PER_DB,
+    AbstractErrorModel,
+    ThresholdErrorModel,
+    safe_ratio,
+)
 from modelcast.channel.frame_kernels import Heard
-from modelcast.channel.frame_radio import AbstractFrameRadio, asked, error_units, has_shadowing
+from modelcast.channel.frame_radio import AbstractFrameRadio, asked, has_shadowing
 from modelcast.channel.in_band_emission import in_band_emission
-from modelcast.channel.nr_kernels import COPIES, GRANT_COLUMNS, MESSAGE, Sizes, SlotMemory, advance
+from modelcast.channel.nr_air_kernels import HOPELESS, Errors
+from modelcast.channel.nr_kernels import COPIES, GRANT_COLUMNS, MESSAGE, SlotMemory, advance, find_reach
 from modelcast.channel.nr_parameters import ELEMENT_HZ, RESERVED_SPAN, NrParameters
 from modelcast.channel.nr_selection_kernels import NrConstants
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
@@ -24,7 +32,7 @@ from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import Transmissions
 from modelcast.channel.shadow_sweep import renew_pairs
-from modelcast.channel.shadowing_kernels import SILENT, lay_out
+from modelcast.channel.shadowing_kernels import lay_out
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
 from modelcast.core.parts import Parts
 
@@ -50,9 +58,8 @@ class NrState:
     reserved
         What each vehicle knows of coming slots, by slot modulo their number: power of 15 kHz of the strongest
         reservation, infinite where it cannot know, (ahead, V, sub-channels) [mW].
-    fate
-        What became so far of messages of which copies are still to come, by sender and receiver, (V, V); no
-        columns where messages are sent once.
+    copy_pair, copy_span
+        What became so far of messages of which copies are still to come, as `Copies` has it, (P, 3), (V, 2).
     busy
         Busy sub-channels and own transmissions since the window began, (V, 2).
     busy_ratio
@@ -71,7 +78,8 @@ class NrState:
     bands: IntArray
     power_dbm: FloatArray
     reserved: SingleArray
-    fate: np.ndarray[tuple[int, int], np.dtype[np.int16]]
+    copy_pair: IntArray
+    copy_span: IntArray
     busy: IntArray
     busy_ratio: FloatArray
     pairs: SingleArray
@@ -130,21 +138,19 @@ class Nr(AbstractFrameRadio[NrState]):
     propagation: Propagation = field(default_factory=lambda: Propagation(fading=None))
     error_model: AbstractErrorModel | None = None
     constants: NrConstants = field(init=False, repr=False, compare=False)
-    sizes: Sizes = field(init=False, repr=False, compare=False)
-    hazard: FloatArray = field(init=False, repr=False, compare=False)
+    lengths: IntArray = field(init=False, repr=False, compare=False)
+    errors: Errors = field(init=False, repr=False, compare=False)
     leak: FloatArray = field(init=False, repr=False, compare=False)
     tables: PropagationTables = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         p = self.parameters
         constants = self._constants()
-        errors = self.error_model or ThresholdErrorModel(0.0)
         size_bytes = np.maximum(np.arange(p.largest_bytes + 1), 1)
-        needed_db = np.zeros(size_bytes.size) if self.error_model else p.threshold_db(size_bytes)
         leak = in_band_emission(p.sub_channels, p.blocks, mask=p.emission, total_blocks=p.channel_blocks)
         object.__setattr__(self, "constants", constants)
-        object.__setattr__(self, "sizes", Sizes(p.length(size_bytes), 10.0 ** (0.1 * needed_db)))
-        object.__setattr__(self, "hazard", np.ascontiguousarray(errors.hazards()))
+        object.__setattr__(self, "lengths", p.length(size_bytes))
+        object.__setattr__(self, "errors", self._errors(size_bytes))
         object.__setattr__(self, "leak", leak)
         object.__setattr__(self, "tables", self.propagation.tables(constants.range_m))
 
@@ -159,7 +165,6 @@ class Nr(AbstractFrameRadio[NrState]):
         loudest_dbm = p.max_power_dbm + 2.0 * p.antenna_gain_db
         elements = p.sub_channel_hz / ELEMENT_HZ
         reserved_dbm = p.reserved_dbm + 10.0 * np.log10(elements)  # over one sub-channel
-        units_fixed, units_per_byte = error_units(self.error_model or ThresholdErrorModel(0.0))
         slots = p.slots_a_ms
         last = int(p.last_ms * slots)
         return NrConstants(
@@ -190,10 +195,21 @@ class Nr(AbstractFrameRadio[NrState]):
             sensing_range_m=self.propagation.range_m(loudest_dbm - reserved_dbm),
             bin_m=p.bin_m,
             bins=p.bins,
-            units_fixed=units_fixed,
-            units_per_byte=units_per_byte,
             shadowed=has_shadowing(self.propagation),
         )
+
+    def _errors(self, size_bytes: IntArray) -> Errors:
+        model = self.error_model or ThresholdErrorModel(0.0)
+        needed_db = np.zeros(size_bytes.size)
+        if self.error_model is None:
+            needed_db = self.parameters.threshold_db(size_bytes)
+        hazard = np.ascontiguousarray(model.hazards(), dtype=np.float64)
+        units = np.asarray(model.units(size_bytes.astype(np.float64)), dtype=np.float64)
+        # Entries from the low end on that no luck survives.
+        lost = np.searchsorted(-np.minimum.accumulate(hazard), -HOPELESS / units, side="right")
+        hopeless_db = np.where(lost > 0, HAZARD_MIN_DB + (lost - 1) / HAZARD_PER_DB, -np.inf)
+        needed_ratio, hopeless_ratio = (10.0 ** (0.1 * one_db) for one_db in (needed_db, hopeless_db))
+        return Errors(hazard, units, needed_ratio, hopeless_ratio, safe_ratio(hazard))
 
     @property
     def bin_m(self) -> float:
@@ -218,7 +234,8 @@ class Nr(AbstractFrameRadio[NrState]):
             bands=np.zeros((vehicles, copies), dtype=np.int64),
             power_dbm=np.zeros(vehicles),
             reserved=np.zeros((self.constants.ahead, vehicles, p.sub_channels), dtype=np.float32),
-            fate=np.zeros((vehicles, vehicles if copies > 1 else 0), dtype=np.int16),
+            copy_pair=np.empty((0, PAIR_COLUMNS), dtype=np.int64),
+            copy_span=np.zeros((vehicles, 2), dtype=np.int64),
             busy=np.zeros((vehicles, 2), dtype=np.int64),
             busy_ratio=np.zeros(vehicles),
             pairs=pairs.held,
@@ -240,34 +257,44 @@ class Nr(AbstractFrameRadio[NrState]):
     ) -> tuple[Heard, NrState]:
         """Check what is asked for and carry one interval; the state is used up."""
         self._check(state, transmissions, position_m, until_t_s)
-        fitted, slots_a_s = antennas(state.gain_db), 1e3 * self.parameters.slots_a_ms
-        reach_m2 = self._reach(state, transmissions.sender, position_m)
+        sent, fitted = asked(transmissions), antennas(state.gain_db)
+        slots_a_s = 1e3 * self.parameters.slots_a_ms
+        memory = SlotMemory(
+            state.grant,
+            state.slots,
+            state.bands,
+            state.power_dbm,
+            state.reserved,
+            Copies(state.copy_pair, state.copy_span, np.full(state.vehicles, -1, dtype=np.int64)),
+            state.busy,
+            state.busy_ratio,
+        )
+        reach_m2 = find_reach(memory, sent, self.lengths, position_m, fitted, self.tables, self.constants)
         sweep = lay_out(reach_m2, position_m, fitted.weak, self.range_m)
         pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
-        heard = advance(
+        heard, copy_pair, copy_span = advance(
             round(state.t_s * slots_a_s),
             round(until_t_s * slots_a_s),
             state.random,
-            SlotMemory(*(getattr(state, name) for name in SlotMemory._fields)),
-            asked(transmissions),
-            self.sizes,
+            memory,
+            sent,
+            self.lengths,
             sweep,
             fitted,
-            self.hazard,
+            self.errors,
             self.leak,
             self.tables,
             self.constants,
         )
-        return heard, replace(state, t_s=until_t_s, pairs=pairs.held, pair_count=pairs.owned)
-
-    def _reach(self, state: NrState, sender: IntArray, position_m: FloatArray) -> FloatArray:
-        """Squared reach of what vehicles may send in this interval, as `lay_out` has it, (V, 2) [m²]."""
-        reach_m2 = np.full((state.vehicles, 2), SILENT)
-        if self.constants.shadowed:
-            may_send = state.grant[:, MESSAGE] >= 0
-            may_send[sender] = True
-            reach_m2[may_send & np.isfinite(position_m).all(axis=1)] = self.range_m**2
-        return reach_m2
+        after = replace(
+            state,
+            t_s=until_t_s,
+            copy_pair=copy_pair,
+            copy_span=copy_span,
+            pairs=pairs.held,
+            pair_count=pairs.owned,
+        )
+        return heard, after
 
     def channel_busy_ratio(self, state: NrState) -> FloatArray:
         """Share of sub-channels above the threshold in the last full window of every vehicle, 0..1, (V,)."""
@@ -283,7 +310,7 @@ class Nr(AbstractFrameRadio[NrState]):
                 f"got {until_t_s} s"
             )
         transmissions.check(state.t_s, until_t_s, position_m, state.vehicles, self.parameters.max_power_dbm)
-        most = self.sizes.length.size - 1
+        most = self.lengths.size - 1
         if transmissions.size > 0 and int(transmissions.size_bytes.max()) > most:
             raise ValueError(
                 f"size_bytes must fit into {self.parameters.sub_channels} sub-channels, "

@@ -7,12 +7,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from modelcast.channel.cells_kernels import Cells, find_in_range
+from modelcast.channel.antennas import Antennas
+from modelcast.channel.cells_kernels import Cells, cell_span, row_span
+from modelcast.channel.dsrc_link_kernels import heard_within_m
 from modelcast.channel.error_kernels import hazard_at
 from modelcast.channel.nr_selection_kernels import NrConstants
-from modelcast.channel.propagation_kernels import PropagationTables, fading_factor, is_raised, median_ln
+from modelcast.channel.propagation_kernels import (
+    PropagationTables,
+    fading_factor,
+    is_raised,
+    looked_up,
+    median_ln,
+)
 from modelcast.channel.random_kernels import LUCK, uniform_of, word_of
-from modelcast.channel.shadowing_kernels import ShadowRows, shadow_of
+from modelcast.channel.shadowing_kernels import ShadowRows
 from modelcast.core.exponential_kernels import fast_exp
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
@@ -20,7 +28,6 @@ from modelcast.core.kernel_types import (
     FloatCube,
     FloatMatrix,
     FloatVector,
-    IntCube,
     IntMatrix,
     IntVector,
 )
@@ -33,11 +40,15 @@ __all__ = [
     "WEAK",
     "Air",
     "Around",
+    "Errors",
     "Links",
     "Turns",
+    "air_room",
     "judge",
     "links_room",
     "no_links",
+    "other_power",
+    "reach_m",
     "receive_powers",
     "silence",
     "silent_air",
@@ -46,19 +57,37 @@ __all__ = [
 RECEIVED, HALF_DUPLEX, WEAK, HIDDEN, CONCURRENT = 0, 1, 2, 3, 4
 """As `OUTCOMES` has them."""
 
+HOPELESS = 40.0
+"""Units of hazard beyond any luck: chance has 53 bits."""
+
 _LN_PER_DB = np.log(10.0) / 10.0
+_VEHICLE, _BAND, _LENGTH, _BYTES = 0, 1, 2, 3
+_POWER_MW, _DISTANCE_M = 0, 1
+
+
+class Errors(NamedTuple):
+    """The error model, and what it says of messages of 0, 1, 2, ... bytes.
+
+    ``hazard`` (HAZARD_SIZE,) is that of the SINR over ``needed_ratio``; ``units`` of hazard a message has.
+    Such a ratio below ``hopeless_ratio`` is lost, one from ``safe_ratio`` on received, whatever the luck.
+    """
+
+    hazard: FloatVector
+    units: FloatVector
+    needed_ratio: FloatVector
+    hopeless_ratio: FloatVector
+    safe_ratio: float
 
 
 class Air(NamedTuple):
     """One slot at V vehicles and in C sub-channels.
 
-    ``power`` (V, C) [mW]; the two strongest senders, ``top_mw`` and ``top_turn`` (V, C, 2); who ``sends``
-    and who hears anything, (V,).
+    ``power`` (V, C) [mW] in all, ``each`` (turns, V) [mW] from each sender, 0 where too weak to matter; who
+    ``sends`` and who ``hears`` anything, (V,).
     """
 
     power: FloatMatrix
-    top_mw: FloatCube
-    top_turn: IntCube
+    each: FloatMatrix
     sends: BoolVector
     hears: BoolVector
 
@@ -78,7 +107,10 @@ class Turns(NamedTuple):
 
 
 class Links(NamedTuple):
-    """Frames at their receivers, frame after frame: who, power [mW], distance bin."""
+    """Frames at their receivers, frame after frame: who, power [mW], distance bin.
+
+    The power is 0 where it is too weak to matter to anybody.
+    """
 
     receiver: IntVector
     mw: FloatVector
@@ -86,13 +118,15 @@ class Links(NamedTuple):
 
 
 class Around(NamedTuple):
-    """Where everybody is in this interval, and the antennas; ``near`` is scratch."""
+    """Where everybody is in this interval, and the antennas; the rest is scratch."""
 
     position_m: FloatMatrix
-    gain_ln: FloatVector
+    antennas: Antennas
     cells: Cells
     rows: ShadowRows
-    near: IntMatrix
+    who: IntVector
+    place: IntVector
+    work: FloatMatrix
 
 
 @kernel
@@ -100,8 +134,7 @@ def silent_air(vehicles: int, channels: int) -> tuple[Air, Turns]:
     """Return a slot without power, and room for everybody's turn."""
     air = Air(
         np.zeros((vehicles, channels)),
-        np.zeros((vehicles, channels, 2)),
-        np.full((vehicles, channels, 2), -1, dtype=np.int64),
+        np.zeros((8, vehicles)),
         np.zeros(vehicles, dtype=np.bool_),
         np.zeros(vehicles, dtype=np.bool_),
     )
@@ -113,6 +146,14 @@ def silent_air(vehicles: int, channels: int) -> tuple[Air, Turns]:
         np.empty(vehicles + 1, dtype=np.int64),
     )
     return air, turns
+
+
+@kernel
+def air_room(air: Air, count: int) -> Air:
+    """Return the same silent air with room for so many senders."""
+    if count <= air.each.shape[0]:
+        return air
+    return Air(air.power, np.zeros((2 * count, air.each.shape[1])), air.sends, air.hears)
 
 
 @kernel
@@ -134,6 +175,58 @@ def links_room(links: Links, used: int, more: int) -> Links:
 
 
 @kernel(inlined=True)
+def reach_m(
+    power_dbm: float, gain_ln: float, length: int, tables: PropagationTables, constants: NrConstants
+) -> float:
+    """Return how far a frame over so many sub-channels matters to anybody: by its median power [m]."""
+    sent_ln = (constants.gain_db + power_dbm) * _LN_PER_DB + gain_ln
+    return heard_within_m(sent_ln, tables, constants.quiet_mw * length, constants.range_m)
+
+
+@kernel(inlined=True)
+def _find_near(
+    v: int, reached_m: float, around: Around, tables: PropagationTables, constants: NrConstants
+) -> int:
+    """Write who is within a distance of ``v``, how far away, and logarithms of the gains; return how many.
+
+    Loops that touch few arrays run several at a time, so there are many of them. Every place is written, and
+    the next overwrites it unless it is near: a branch would be guessed wrongly too often.
+    """
+    position_m, cells, rows, work = around.position_m, around.cells, around.rows, around.work
+    east, north = position_m[v, 0], position_m[v, 1]
+    left, right, row_from, row_to = cell_span(cells, east, north, reached_m)
+    most_m2, count = reached_m * reached_m, 0
+    for row in range(row_from, row_to + 1):
+        low, high = row_span(cells, row, left, right)
+        begin, end = np.uint64(low), np.uint64(high)
+        start = np.uint64(rows.start[rows.first[v] + row]) if constants.shadowed else np.uint64(0)
+        for k in range(begin, end):
+            away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
+            square, j = away_east * away_east + away_north * away_north, cells.order[k]
+            around.who[count], around.place[count] = j, np.int64(start + k)
+            work[_DISTANCE_M, count] = square
+            count += int((square <= most_m2) & (j != v))
+    for n in range(count):
+        work[_DISTANCE_M, n] = np.sqrt(work[_DISTANCE_M, n])
+    if tables.nlos_kind == 0 and tables.raised == 0:
+        for n in range(count):
+            work[_POWER_MW, n] = looked_up(tables.los_ln, work[_DISTANCE_M, n] * tables.per_m)
+        if constants.shadowed:
+            for n in range(count):
+                work[_POWER_MW, n] += tables.shadowing_los_ln * np.float64(rows.value[around.place[n]])
+        return count
+    for n in range(count):
+        j, distance_m = around.who[n], work[_DISTANCE_M, n]
+        raised = is_raised(v, j, position_m.shape[0], tables.raised)
+        ln, los = median_ln(east, north, position_m[j, 0], position_m[j, 1], distance_m, raised, tables)
+        if constants.shadowed:
+            sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
+            ln += sigma * np.float64(rows.value[around.place[n]])
+        work[_POWER_MW, n] = ln
+    return count
+
+
+@kernel(inlined=True)
 def receive_powers(
     turn: int,
     turns: Turns,
@@ -145,92 +238,116 @@ def receive_powers(
     tables: PropagationTables,
     constants: NrConstants,
 ) -> int:
-    """Add the power of one sender to the vehicles in range; return how many links there are.
+    """Add the power of one sender to the vehicles in reach; return how many links there are.
 
-    A link too weak to matter to anybody else has no power, its own included.
+    Who is beyond its reach has a link if it counts among the outcomes.
     """
-    v, band, length = int(turns.who[turn, 0]), int(turns.who[turn, 1]), int(turns.who[turn, 2])
-    seed = int(turns.seed[turn])
-    sent_ln = (constants.gain_db + turns.power_dbm[turn]) * _LN_PER_DB + around.gain_ln[v]
-    position_m, cells, near = around.position_m, around.cells, around.near
-    power, top_mw, top_turn = air.power, air.top_mw, air.top_turn
-    east, north = position_m[v, 0], position_m[v, 1]
-    for n in range(find_in_range(v, position_m, cells, constants.range_m, near)):
-        k = near[n, 0]
-        away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
-        j = int(cells.order[k])
-        distance_m = np.sqrt(away_east * away_east + away_north * away_north)
-        raised = is_raised(v, j, position_m.shape[0], tables.raised)
-        ln, los = median_ln(east, north, cells.place[k, 0], cells.place[k, 1], distance_m, raised, tables)
-        if constants.shadowed:
-            sigma = tables.shadowing_los_ln if los else tables.shadowing_nlos_ln
-            ln += sigma * shadow_of(v, near[n, 1], k, around.rows)
-        power_mw = fast_exp(sent_ln + min(ln, 0.0) + around.gain_ln[j]) * fading_factor(
-            distance_m, word_of(seed, j), tables.fading, tables.fading_near_m, tables.fading_far_m
-        )
-        links.receiver[used], links.bin[used] = j, min(int(distance_m / constants.bin_m), constants.bins)
-        links.mw[used] = power_mw if power_mw >= constants.quiet_mw else 0.0
-        used += 1
-        if power_mw < constants.quiet_mw:
+    v, band, length = (
+        int(turns.who[turn, _VEHICLE]),
+        int(turns.who[turn, _BAND]),
+        int(turns.who[turn, _LENGTH]),
+    )
+    seed, gain_ln, who, work = int(turns.seed[turn]), around.antennas.gain_ln, around.who, around.work
+    sent_ln = (constants.gain_db + turns.power_dbm[turn]) * _LN_PER_DB + gain_ln[v]
+    heard_m = reach_m(turns.power_dbm[turn], gain_ln[v], length, tables, constants)
+    counted_m = min(constants.bins * constants.bin_m, constants.range_m)
+    count = _find_near(v, max(heard_m, counted_m), around, tables, constants)
+    for n in range(count):
+        work[_POWER_MW, n] = fast_exp(sent_ln + min(work[_POWER_MW, n], 0.0) + gain_ln[who[n]])
+    if tables.fading.shape[1] > 1:
+        for n in range(count):
+            work[_POWER_MW, n] *= fading_factor(
+                work[_DISTANCE_M, n],
+                word_of(seed, who[n]),
+                tables.fading,
+                tables.fading_near_m,
+                tables.fading_far_m,
+            )
+    quiet_mw, each, power = constants.quiet_mw * length, air.each, air.power
+    for n in range(count):
+        j, power_mw = who[n], work[_POWER_MW, n]
+        group = min(int(work[_DISTANCE_M, n] / constants.bin_m), constants.bins)
+        if power_mw < quiet_mw or work[_DISTANCE_M, n] > heard_m:
+            if group < constants.bins:
+                links.receiver[used], links.mw[used], links.bin[used] = j, 0.0, group
+                used += 1
             continue
+        links.receiver[used], links.mw[used], links.bin[used] = j, power_mw, group
+        used += 1
         air.hears[j] = True
+        each[turn, j] = power_mw
+        share_mw = power_mw / length
         for s in range(constants.sub_channels):
-            share_mw = power_mw / length * leak[length - 1, band, s]
-            power[j, s] += share_mw
-            if share_mw > top_mw[j, s, 0]:
-                top_mw[j, s, 1], top_turn[j, s, 1] = top_mw[j, s, 0], top_turn[j, s, 0]
-                top_mw[j, s, 0], top_turn[j, s, 0] = share_mw, turn
-            elif share_mw > top_mw[j, s, 1]:
-                top_mw[j, s, 1], top_turn[j, s, 1] = share_mw, turn
+            power[j, s] += share_mw * leak[length - 1, band, s]
     return used
+
+
+@kernel(inlined=True)
+def other_power(j: int, power_mw: float, turn: int, turns: Turns, air: Air) -> float:
+    """Return the power of others over the sub-channels of a frame [mW]; 0 where there is none."""
+    band, length = turns.who[turn, _BAND], turns.who[turn, _LENGTH]
+    share_mw, other_mw = power_mw / length, 0.0
+    for s in range(band, band + length):
+        other_mw += max(air.power[j, s] - share_mw, 0.0)
+    return other_mw
+
+
+@kernel(inlined=True)
+def _strongest_other(j: int, turn: int, count: int, turns: Turns, air: Air, leak: FloatCube) -> int:
+    """Return whose turn disturbs a frame most at a receiver."""
+    band, length = turns.who[turn, _BAND], turns.who[turn, _LENGTH]
+    worst_mw, worst = 0.0, turn
+    for other in range(count):
+        power_mw = air.each[other, j]
+        if other == turn or power_mw == 0.0:
+            continue
+        theirs = turns.who[other, _LENGTH]
+        total = 0.0
+        for s in range(band, band + length):
+            total += leak[theirs - 1, turns.who[other, _BAND], s]
+        if power_mw / theirs * total > worst_mw:
+            worst_mw, worst = power_mw / theirs * total, other
+    return worst
 
 
 @kernel(inlined=True)
 def judge(
     j: int,
     power_mw: float,
+    other_mw: float,
     turn: int,
+    count: int,
     turns: Turns,
     air: Air,
-    hazard: FloatVector,
-    needed_ratio: float,
+    leak: FloatCube,
+    errors: Errors,
     constants: NrConstants,
-) -> tuple[int, float]:
-    """Return what became of a frame at a listening receiver, and its SINR.
-
-    The hazard is that of the SINR over ``needed_ratio``.
-    """
-    power, top_mw, top_turn = air.power, air.top_mw, air.top_turn
-    band, length = int(turns.who[turn, 1]), int(turns.who[turn, 2])
-    noise_mw = constants.noise_mw * length
-    other_mw = 0.0
-    worst_mw, worst = 0.0, -1
-    for s in range(band, band + length):
-        other_mw += max(power[j, s] - power_mw / length, 0.0)
-        rank = 1 if top_turn[j, s, 0] == turn else 0
-        if top_mw[j, s, rank] > worst_mw:
-            worst_mw, worst = top_mw[j, s, rank], top_turn[j, s, rank]
-    if worst < 0:
-        other_mw = 0.0
-    ratio = power_mw / (noise_mw + other_mw)
-    if power_mw < constants.sensitivity_mw:
-        return WEAK, ratio
-    units = constants.units_fixed + constants.units_per_byte * turns.who[turn, 3]
+) -> int:
+    """Return what became of a frame at a listening receiver."""
+    size_bytes, noise_mw = turns.who[turn, _BYTES], constants.noise_mw * turns.who[turn, _LENGTH]
+    hopeless_ratio = errors.hopeless_ratio[size_bytes]
+    counted_mw = power_mw / errors.needed_ratio[size_bytes]
+    clear_ratio, ratio = counted_mw / noise_mw, counted_mw / (noise_mw + other_mw)
+    if power_mw < constants.sensitivity_mw or clear_ratio < hopeless_ratio:
+        return WEAK
+    if ratio >= errors.safe_ratio:
+        return RECEIVED
+    units = errors.units[size_bytes]
     luck = -np.log(1.0 - uniform_of(int(turns.seed[turn]), j + LUCK))
-    if units * hazard_at(ratio / needed_ratio, hazard) <= luck:
-        return RECEIVED, ratio
-    if worst < 0 or units * hazard_at(power_mw / noise_mw / needed_ratio, hazard) > luck:
-        return WEAK, ratio
+    if ratio >= hopeless_ratio and units * hazard_at(ratio, errors.hazard) <= luck:
+        return RECEIVED
+    if other_mw == 0.0 or units * hazard_at(clear_ratio, errors.hazard) > luck:
+        return WEAK
+    worst = _strongest_other(j, turn, count, turns, air, leak)
     east = turns.place[turn, 0] - turns.place[worst, 0]
     north = turns.place[turn, 1] - turns.place[worst, 1]
-    reach_m = constants.sensing_range_m
-    return (CONCURRENT if east * east + north * north <= reach_m * reach_m else HIDDEN), ratio
+    sensed_m = constants.sensing_range_m
+    return CONCURRENT if east * east + north * north <= sensed_m * sensed_m else HIDDEN
 
 
 @kernel(inlined=True)
 def silence(
     count: int,
-    used: int,
     turns: Turns,
     links: Links,
     air: Air,
@@ -238,16 +355,17 @@ def silence(
     constants: NrConstants,
 ) -> None:
     """Count the busy sub-channels at everybody who listens, (V, 2), and make the air silent again."""
-    for k in range(used):
-        j = links.receiver[k]
-        if air.hears[j]:
-            air.hears[j] = False
-            for s in range(constants.sub_channels):
-                loud = air.power[j, s] + constants.noise_mw > constants.load_mw
-                busy[j, 0] += int(loud and not air.sends[j])
-                air.power[j, s] = 0.0
-                air.top_mw[j, s, 0], air.top_mw[j, s, 1] = 0.0, 0.0
-                air.top_turn[j, s, 0], air.top_turn[j, s, 1] = -1, -1
     for turn in range(count):
-        busy[turns.who[turn, 0], 1] += 1
-        air.sends[turns.who[turn, 0]] = False
+        for k in range(turns.first_link[turn], turns.first_link[turn + 1]):
+            j = links.receiver[k]
+            air.each[turn, j] = 0.0
+            if air.hears[j]:
+                air.hears[j] = False
+                loud = 0
+                for s in range(constants.sub_channels):
+                    loud += int(air.power[j, s] + constants.noise_mw > constants.load_mw)
+                    air.power[j, s] = 0.0
+                busy[j, 0] += 0 if air.sends[j] else loud
+    for turn in range(count):
+        busy[turns.who[turn, _VEHICLE], 1] += 1
+        air.sends[turns.who[turn, _VEHICLE]] = False

@@ -9,6 +9,16 @@ from typing import NamedTuple
 import numpy as np
 
 from modelcast.channel.antennas import Antennas
+from modelcast.channel.copies_kernels import (
+    Copies,
+    copies_room,
+    forget_pairs,
+    kept_copies,
+    move_last,
+    seek_pairs,
+    settle,
+    tell,
+)
 from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_heard
 from modelcast.channel.nr_air_kernels import (
     HALF_DUPLEX,
@@ -16,11 +26,15 @@ from modelcast.channel.nr_air_kernels import (
     WEAK,
     Air,
     Around,
+    Errors,
     Links,
     Turns,
+    air_room,
     judge,
     links_room,
     no_links,
+    other_power,
+    reach_m,
     receive_powers,
     silence,
     silent_air,
@@ -28,25 +42,24 @@ from modelcast.channel.nr_air_kernels import (
 from modelcast.channel.nr_selection_kernels import NrConstants, select_resources
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.random_kernels import next_word, uniform
-from modelcast.channel.shadowing_kernels import Sweep
+from modelcast.channel.shadowing_kernels import SILENT, Sweep
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
     Float32Cube,
     FloatCube,
+    FloatMatrix,
     FloatVector,
-    Int16Matrix,
     IntMatrix,
     IntVector,
     UInt64Vector,
 )
 
-__all__ = ["COPIES", "GRANT_COLUMNS", "MESSAGE", "Sizes", "SlotMemory", "advance"]
+__all__ = ["COPIES", "GRANT_COLUMNS", "MESSAGE", "SlotMemory", "advance", "find_reach"]
 
 # Columns of ``grant`` (V, GRANT_COLUMNS): integers.
 MESSAGE, _BYTES, _SENT, COPIES, _LENGTH, _COUNTER, _UNUSED, _INTERVAL, _AGAIN = 0, 1, 2, 3, 4, 5, 6, 7, 8
 GRANT_COLUMNS = 9
 _PERIODIC, _ONE_SHOT = 1, 2
-_NOT_YET = 0
 
 
 class SlotMemory(NamedTuple):
@@ -57,16 +70,9 @@ class SlotMemory(NamedTuple):
     bands: IntMatrix
     power_dbm: FloatVector
     reserved: Float32Cube
-    fate: Int16Matrix
+    copies: Copies
     busy: IntMatrix
     busy_ratio: FloatVector
-
-
-class Sizes(NamedTuple):
-    """Of messages of 0, 1, ... bytes: sub-channels, and the SINR ratio that the error model counts from."""
-
-    length: IntVector
-    needed_ratio: FloatVector
 
 
 @kernel(inlined=True)
@@ -99,18 +105,34 @@ def _wanted_interval(n: int, asked: Asked, constants: NrConstants) -> int:
 
 
 @kernel
-def _settle(v: int, memory: SlotMemory, outcomes: IntMatrix, constants: NrConstants) -> None:
-    """Count what became of the copies of a message, once for each vehicle that was in reach."""
-    for j in range(memory.fate.shape[1]):
-        if memory.fate[v, j] != _NOT_YET:
-            outcome, group = (memory.fate[v, j] - 1) % 5, (memory.fate[v, j] - 1) // 5
-            if group < constants.bins:
-                outcomes[group, outcome] += 1
-            memory.fate[v, j] = _NOT_YET
+def find_reach(
+    memory: SlotMemory,
+    asked: Asked,
+    lengths: IntVector,
+    position_m: FloatMatrix,
+    antennas: Antennas,
+    tables: PropagationTables,
+    constants: NrConstants,
+) -> FloatMatrix:
+    """Return the squared reach of what vehicles may send in this interval, as `lay_out` has it."""
+    vehicles, number = memory.grant.shape[0], asked.sender.size
+    reach_m2 = np.full((vehicles, 2), SILENT)
+    if not constants.shadowed:
+        return reach_m2
+    for n in range(number + vehicles):
+        v = int(asked.sender[n]) if n < number else n - number
+        if n >= number and memory.grant[v, MESSAGE] < 0:
+            continue
+        if np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]):
+            dbm = asked.power_dbm[n] if n < number else memory.power_dbm[v]
+            length = int(lengths[asked.size_bytes[n]]) if n < number else int(memory.grant[v, _LENGTH])
+            heard_m = reach_m(dbm, antennas.gain_ln[v], length, tables, constants)
+            reach_m2[v] = max(reach_m2[v, 0], heard_m * heard_m)
+    return reach_m2
 
 
 @kernel
-def _let_go(v: int, lapsed: int, memory: SlotMemory, heard: Heard, constants: NrConstants) -> int:
+def _let_go(v: int, lapsed: int, memory: SlotMemory, heard: Heard) -> int:
     """Give up the message that waits: expired, or settled where copies were sent; return how many lapsed."""
     grant = memory.grant
     if grant[v, MESSAGE] >= 0:
@@ -118,7 +140,7 @@ def _let_go(v: int, lapsed: int, memory: SlotMemory, heard: Heard, constants: Nr
             heard.expired[lapsed] = grant[v, MESSAGE]
             lapsed += 1
         else:
-            _settle(v, memory, heard.outcomes, constants)
+            settle(memory.copies, v, heard.outcomes)
     grant[v, MESSAGE], grant[v, _SENT] = -1, 0
     return lapsed
 
@@ -129,7 +151,7 @@ def _take_in(
     slot: int,
     memory: SlotMemory,
     asked: Asked,
-    sizes: Sizes,
+    lengths: IntVector,
     random: UInt64Vector,
     constants: NrConstants,
 ) -> None:
@@ -137,7 +159,7 @@ def _take_in(
     grant, v, size_bytes = memory.grant, asked.sender[n], asked.size_bytes[n]
     grant[v, MESSAGE], grant[v, _BYTES], grant[v, _SENT] = asked.message_id[n], size_bytes, 0
     memory.power_dbm[v] = asked.power_dbm[n]
-    length, interval = sizes.length[size_bytes], _wanted_interval(n, asked, constants)
+    length, interval = int(lengths[size_bytes]), _wanted_interval(n, asked, constants)
     fits = grant[v, COPIES] > 0 and grant[v, _LENGTH] >= length
     fits = fits and (grant[v, _INTERVAL] > 0) == (interval > 0)
     before = slot + constants.first - 1
@@ -196,7 +218,7 @@ def _take_turns(
                         _drop_resources(v, memory)
                 continue
             if not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1])):
-                lapsed = _let_go(v, lapsed, memory, heard, constants)
+                lapsed = _let_go(v, lapsed, memory, heard)
                 _drop_resources(v, memory)
                 continue
             if k == 0:
@@ -230,52 +252,63 @@ def _reserve(v: int, j: int, copy: int, rsrp_mw: float, memory: SlotMemory, cons
 def _finish_frame(
     turn: int,
     slot: int,
+    count: int,
     turns: Turns,
     memory: SlotMemory,
     air: Air,
     links: Links,
     heard: Heard,
     received: int,
-    hazard: FloatVector,
-    sizes: Sizes,
+    waiting: int,
+    leak: FloatCube,
+    errors: Errors,
     constants: NrConstants,
-) -> int:
-    """Say what becomes of a frame at every receiver; return the number of receptions."""
-    v, grant, fate = int(turns.who[turn, 0]), memory.grant, memory.fate
+) -> tuple[int, int]:
+    """Say what becomes of a frame at every receiver; return how many receptions and waiting pairs."""
+    v, grant, copies = int(turns.who[turn, 0]), memory.grant, memory.copies
     length, copy = int(turns.who[turn, 2]), int(grant[v, _SENT]) - 1
-    needed_ratio = sizes.needed_ratio[turns.who[turn, 3]]
+    more = copy + 1 < int(grant[v, COPIES])
+    lone = copy == 0 and not more
+    if not lone:
+        if copy == 0:
+            copies.span[v, 0], copies.span[v, 1] = waiting, 0
+        elif more:
+            waiting = move_last(copies, v, waiting)
+        seek_pairs(copies, v)
+    tells = more or int(grant[v, _AGAIN]) == 1
+    end_s = (slot + 1) * 1e-3 / constants.slots_a_ms
     for k in range(turns.first_link[turn], turns.first_link[turn + 1]):
-        j = int(links.receiver[k])
-        outcome, ratio = WEAK, 0.0
+        j, power_mw, group, outcome = int(links.receiver[k]), float(links.mw[k]), int(links.bin[k]), WEAK
         if air.sends[j]:
             outcome = HALF_DUPLEX
-        elif links.mw[k] > 0.0:
-            outcome, ratio = judge(j, links.mw[k], turn, turns, air, hazard, needed_ratio, constants)
-            if ratio >= constants.control_ratio:
-                _reserve(v, j, copy, links.mw[k] / (length * constants.elements), memory, constants)
-        group = links.bin[k]
-        if constants.copies == 1:
-            if group < constants.bins:
-                heard.outcomes[group, outcome] += 1
-        else:
-            if fate[v, j] != _NOT_YET:
-                group = (fate[v, j] - 1) // 5
-                if (fate[v, j] - 1) % 5 == RECEIVED:
-                    continue
-            fate[v, j] = 1 + outcome + 5 * group
-        if outcome == RECEIVED:
+        elif power_mw > 0.0:
+            other_mw = other_power(j, power_mw, turn, turns, air)
+            outcome = judge(j, power_mw, other_mw, turn, count, turns, air, leak, errors, constants)
+            rsrp_mw = power_mw / (length * constants.elements)
+            # What is weaker excludes nothing.
+            if tells and rsrp_mw > constants.reserved_mw:
+                ratio = power_mw / (constants.noise_mw * length + other_mw)
+                if ratio >= constants.control_ratio:
+                    _reserve(v, j, copy, rsrp_mw, memory, constants)
+        new = outcome == RECEIVED
+        if not lone:
+            new, waiting = tell(copies, v, j, outcome, group, waiting, more, heard.outcomes)
+        elif group < constants.bins:
+            heard.outcomes[group, outcome] += 1
+        if new:
             who, when = heard.who, heard.when
             who[received, 0], who[received, 1], who[received, 2] = grant[v, MESSAGE], v, j
-            when[received, 0] = (slot + 1) * 1e-3 / constants.slots_a_ms
-            when[received, 1] = links.mw[k]
+            when[received, 0], when[received, 1] = end_s, power_mw
             received += 1
-    return received
+    if more:
+        forget_pairs(copies, v)
+    elif not lone:
+        settle(copies, v, heard.outcomes)
+    return received, waiting
 
 
 @kernel
-def _end_turns(
-    count: int, slot: int, turns: Turns, memory: SlotMemory, outcomes: IntMatrix, constants: NrConstants
-) -> None:
+def _end_turns(count: int, slot: int, turns: Turns, memory: SlotMemory, constants: NrConstants) -> None:
     """Who sent heard nothing of what is reserved; messages sent in full are gone, and resources not kept."""
     grant = memory.grant
     row = (slot + constants.interval) % constants.ahead
@@ -283,11 +316,24 @@ def _end_turns(
         v = turns.who[turn, 0]
         memory.reserved[row, v, :] = np.inf
         if grant[v, _SENT] == grant[v, COPIES]:
-            if constants.copies > 1:
-                _settle(v, memory, outcomes, constants)
             grant[v, MESSAGE], grant[v, _SENT] = -1, 0
             if grant[v, _AGAIN] == 0:
                 _drop_resources(v, memory)
+
+
+@kernel
+def _with_room(memory: SlotMemory, waiting: int, more: int) -> SlotMemory:
+    """Return the same with room for more pairs that wait."""
+    return SlotMemory(
+        memory.grant,
+        memory.slots,
+        memory.bands,
+        memory.power_dbm,
+        memory.reserved,
+        copies_room(memory.copies, waiting, more),
+        memory.busy,
+        memory.busy_ratio,
+    )
 
 
 @kernel(inlined=True)
@@ -306,28 +352,32 @@ def advance(
     random: UInt64Vector,
     memory: SlotMemory,
     asked: Asked,
-    sizes: Sizes,
+    lengths: IntVector,
     sweep: Sweep,
     antennas: Antennas,
-    hazard: FloatVector,
+    errors: Errors,
     leak: FloatCube,
     tables: PropagationTables,
     constants: NrConstants,
-) -> Heard:
-    """Carry the slots ``now`` to ``until``, the end excluded; the state's arrays are written into."""
-    sender, position_m = asked.sender, sweep.position_m
-    vehicles, channels = memory.grant.shape[0], constants.sub_channels
+) -> tuple[Heard, IntMatrix, IntMatrix]:
+    """Carry the slots ``now`` to ``until``, the end excluded; the state's arrays are written into.
+
+    ``lengths`` are sub-channels of messages of 0, 1, ... bytes. Returns the pairs that wait for another copy,
+    and their spans, too.
+    """
+    sender, position_m, cells = asked.sender, sweep.position_m, sweep.cells
+    vehicles, channels, present = memory.grant.shape[0], constants.sub_channels, sweep.cells.order.size
     ready_slot = np.floor(asked.ready_s * 1e3 * constants.slots_a_ms + 1e-6).astype(np.int64)
-    present = sweep.cells.order.size
-    around = Around(
-        position_m, antennas.gain_ln, sweep.cells, sweep.rows, np.empty((present, 2), dtype=np.int64)
-    )
+    who, place = np.empty(present + 1, dtype=np.int64), np.empty(present + 1, dtype=np.int64)
+    around = Around(position_m, antennas, cells, sweep.rows, who, place, np.empty((2, present + 1)))
     heard, received, lapsed = nothing_heard(constants.bins, sender.size + vehicles), 0, 0
+    waiting = memory.copies.span[:, 1].sum()
     air, turns = silent_air(vehicles, channels)
     links = no_links()
     arrival = 0
     for slot in range(now, until):
         count, lapsed = _take_turns(slot, lapsed, memory, around, turns, air, heard, random, constants)
+        air = air_room(air, count)
         used = 0
         for turn in range(count):
             links = links_room(links, used, present)
@@ -337,23 +387,38 @@ def advance(
         memory.reserved[slot % constants.ahead] = 0.0  # what was reserved for this slot has come
         heard = heard_room(heard, received, used)
         for turn in range(count):
-            received = _finish_frame(
-                turn, slot, turns, memory, air, links, heard, received, hazard, sizes, constants
+            if constants.copies > 1:
+                memory = _with_room(memory, waiting, 2 * present)
+            received, waiting = _finish_frame(
+                turn,
+                slot,
+                count,
+                turns,
+                memory,
+                air,
+                links,
+                heard,
+                received,
+                waiting,
+                leak,
+                errors,
+                constants,
             )
-        _end_turns(count, slot, turns, memory, heard.outcomes, constants)
-        silence(count, used, turns, links, air, memory.busy, constants)
+        _end_turns(count, slot, turns, memory, constants)
+        silence(count, turns, links, air, memory.busy, constants)
         if (slot + 1) % constants.window == 0:
             _measure_busy(memory, constants)
         # Messages that became ready in this slot find their resources in later ones.
         while arrival < sender.size and ready_slot[arrival] <= slot:
             v, n = sender[arrival], arrival
             arrival += 1
-            lapsed = _let_go(v, lapsed, memory, heard, constants)
+            lapsed = _let_go(v, lapsed, memory, heard)
             if np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]):
-                _take_in(n, slot, memory, asked, sizes, random, constants)
+                _take_in(n, slot, memory, asked, lengths, random, constants)
             else:
                 heard.expired[lapsed] = asked.message_id[n]
                 lapsed += 1
 
-    who, when = heard.who[:received].copy(), heard.when[:received].copy()
-    return Heard(who, when, heard.outcomes, heard.expired[:lapsed].copy())
+    pair, span = kept_copies(memory.copies)
+    found, when = heard.who[:received].copy(), heard.when[:received].copy()
+    return Heard(found, when, heard.outcomes, heard.expired[:lapsed].copy()), pair, span

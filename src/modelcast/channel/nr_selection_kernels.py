@@ -46,8 +46,6 @@ class NrConstants(NamedTuple):
     sensing_range_m: float
     bin_m: float
     bins: int
-    units_fixed: float
-    units_per_byte: float
     shadowed: bool
 
 

@@ -139,8 +139,10 @@ def radio_form(radio: AbstractRadio[Any]) -> RadioForm:
 
 
 def _error_family(held: AbstractErrorModel | None, parameters: Any) -> Family:
-    """Error models of a radio; one that has none of its own takes that of its bit rate."""
-    kinds = {**_RATED_MODELS, **ERROR_MODELS} if hasattr(parameters, "bit_rate") else ERROR_MODELS
-    if held is None:
-        return Family("error_model", kinds, "nist", kinds["nist"].base(parameters))
+    """Error models of a radio; where it holds none, it takes that of its bit rate, or its ``own``."""
+    if hasattr(parameters, "bit_rate"):
+        kinds = {**_RATED_MODELS, **ERROR_MODELS}
+        held = _nist(parameters) if held is None else held
+    else:
+        kinds = {"own": Kind(_always(lambda: None)), **ERROR_MODELS} if held is None else ERROR_MODELS
     return _family("error_model", kinds, held, parameters)

@@ -1,7 +1,10 @@
 """Named settings of radios: ``--radio dsrc:preset=wilab`` sets all of one at once."""
 
 from collections.abc import Mapping
+from dataclasses import fields
 from typing import Any, NamedTuple
+
+from modelcast.channel.sidelink_parameters import SidelinkParameters, wilab_sidelink_parameters
 
 __all__ = ["PRESETS", "Preset"]
 
@@ -37,10 +40,21 @@ _NS3 = Preset(
     },
 )
 
+
+def _settings_of(parameters: SidelinkParameters) -> dict[str, Any]:
+    """What parameters have other than by default, by key."""
+    plain = SidelinkParameters()
+    given = {one.name: getattr(parameters, one.name) for one in fields(parameters) if one.init}
+    return {name: value for name, value in given.items() if name != "_" and value != getattr(plain, name)}
+
+
 _WILAB_DSRC = Preset(
     "WiLabV2Xsim 6.1 at 6 Mb/s, its highway: 3 dB antennas, noise figure 6 dB, a step at 6.5 dB of mean "
-    "SINR, capture at any time, WINNER+ B1, 3 dB of shadowing",
+    "SINR, capture at any time, frames that begin at once spoil each other, AIFS and 1 to 15 slots before "
+    "every message, WINNER+ B1, 3 dB of shadowing",
     {
+        "aifsn": 7,
+        "window": 14,
         "noise_figure_db": 6.0,
         "antenna_gain_db": 3.0,
         "sensitivity_dbm": -100.0,
@@ -50,6 +64,9 @@ _WILAB_DSRC = Preset(
         "capture_db": 6.5,
         "sensing_s": 13e-6,
         "immediate_access": False,
+        "aifs_on_arrival": True,
+        "ties_spoil": True,
+        "margin_db": 20.0,
         "extended_s": 0.0,
         "error_model": "threshold",
         "threshold_db": 6.5,
@@ -63,18 +80,12 @@ _WILAB_DSRC = Preset(
 
 _WILAB_SIDELINK = Preset(
     "WiLabV2Xsim 6.1, LTE-V2X mode 4 at MCS 7, its highway: 3 dB antennas, noise figure 6 dB, a step at "
-    "8.46 dB of mean SINR, one message of 300 bytes a subframe, keep ratio 0.4, WINNER+ B1, 3 dB of "
+    "8.47 dB of mean SINR, one message of 300 bytes a subframe, keep ratio 0.4, WINNER+ B1, 3 dB of "
     "shadowing",
     {
-        "mcs": 7,
-        "sub_channels": 3,
-        "overlapping": False,
-        "keep_ratio": 0.4,
-        "noise_figure_db": 6.0,
-        "antenna_gain_db": 3.0,
-        "sensitivity_dbm": -120.0,
+        **_settings_of(wilab_sidelink_parameters()),
         "error_model": "threshold",
-        "threshold_db": 8.46,
+        "threshold_db": 8.47,
         "path_loss": "winner-b1",
         "shadowing_db": 3.0,
         "shadowing_nlos_db": 4.0,

@@ -17,7 +17,14 @@ from modelcast.channel.copies_kernels import PAIR_COLUMNS, Copies
 from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
 from modelcast.channel.error_models import AbstractErrorModel, TabulatedErrorModel
 from modelcast.channel.frame_kernels import Heard
-from modelcast.channel.frame_radio import AbstractFrameRadio, asked, error_units, has_shadowing
+from modelcast.channel.frame_radio import (
+    AbstractFrameRadio,
+    asked,
+    error_units,
+    has_shadowing,
+    told_of_fading_twice,
+    without_second_fading,
+)
 from modelcast.channel.in_band_emission import in_band_emission
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
@@ -138,6 +145,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
     tables: PropagationTables = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        told_of_fading_twice(self.propagation, self.error_model)
         constants = self._constants()
         object.__setattr__(self, "constants", constants)
         object.__setattr__(self, "hazard", np.ascontiguousarray(self.error_model.hazards()))
@@ -211,8 +219,8 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
         return self.parameters.bin_m
 
     def within(self, propagation: Propagation) -> Self:
-        """The radio with this propagation."""
-        return replace(self, propagation=propagation)
+        """The radio with this propagation, without fast fading where the error model holds it."""
+        return replace(self, propagation=without_second_fading(propagation, self.error_model))
 
     def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> SidelinkState:
         """State at time 0 of V vehicles."""

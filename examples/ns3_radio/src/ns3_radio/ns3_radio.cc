@@ -261,6 +261,7 @@ int main(int argc, char **argv) {
     uint32_t count = 0, seed = 1, window = 15, aifsn = 2;
     double exponent = 2.0, referenceLossDb = 47.86, noiseFigureDb = 7.0, sensitivityDbm = -98.0, preambleDb = 2.0;
     double energyDbm = -62.0, loadDbm = -85.0;
+    std::string errors = "ns3::NistErrorRateModel";
     CommandLine cmd;
     cmd.AddValue("stations", "number of stations", count);
     cmd.AddValue("seed", "of all random numbers", seed);
@@ -270,6 +271,7 @@ int main(int argc, char **argv) {
     cmd.AddValue("sensitivity", "weakest frame, dBm", sensitivityDbm);
     cmd.AddValue("preamble", "least ratio at which a preamble is found, dB", preambleDb);
     cmd.AddValue("energy", "power of any kind that holds the medium busy, dBm", energyDbm);
+    cmd.AddValue("errors", "class of the error model", errors);
     cmd.AddValue("load", "power that the busy ratio counts, dBm", loadDbm);
     cmd.AddValue("aifsn", "slots of the interframe space beyond SIFS", aifsn);
     cmd.AddValue("window", "largest countdown, slots", window);
@@ -306,7 +308,7 @@ int main(int argc, char **argv) {
     phy.Set("RxNoiseFigure", DoubleValue(noiseFigureDb));
     phy.Set("RxSensitivity", DoubleValue(sensitivityDbm));
     phy.Set("CcaEdThreshold", DoubleValue(energyDbm));
-    phy.SetErrorRateModel("ns3::NistErrorRateModel");
+    phy.SetErrorRateModel(errors);
     phy.SetPreambleDetectionModel("ns3::ThresholdPreambleDetectionModel", "Threshold", DoubleValue(preambleDb),
                                   "MinimumRssi", DoubleValue(sensitivityDbm));
     WifiMacHelper mac;

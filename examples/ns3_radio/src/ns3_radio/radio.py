@@ -18,11 +18,14 @@ from modelcast import (
 )
 from ns3_radio.program import build, environment, installed_ns3
 
-__all__ = ["Ns3Radio", "Ns3Simulator"]
+__all__ = ["ERROR_MODELS", "Ns3Radio", "Ns3Simulator"]
 
 SOURCE = Path(__file__).with_name("ns3_radio.cc")
 OVERHEAD_BYTES = 36
 """MAC header 24, frame check sequence 4, LLC and SNAP 8: ns-3 puts them before and after what it is given."""
+
+ERROR_MODELS = {"nist": "ns3::NistErrorRateModel", "table": "ns3::TableBasedErrorRateModel"}
+"""ns-3's names of its error models."""
 
 _MESSAGE = np.dtype(
     [("ready_s", "<f8"), ("power_dbm", "<f8"), ("id", "<i8"), ("sender", "<i4"), ("bytes", "<i4")]
@@ -119,7 +122,7 @@ def _end(process: subprocess.Popen[bytes], errors: IO[bytes]) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Ns3Radio(AbstractExternalRadio):
-    """IEEE 802.11p of ns-3: ad hoc, 10 MHz, 6 Mb/s, NIST errors, log-distance loss and Nakagami fading.
+    """IEEE 802.11p of ns-3: ad hoc, 10 MHz, 6 Mb/s, log-distance loss and Nakagami fading.
 
     Parameters
     ----------
@@ -134,7 +137,10 @@ class Ns3Radio(AbstractExternalRadio):
         The weakest frame that is noticed [dBm], and the least ratio to noise and interference at which its
         preamble is found [dB].
     energy_dbm
-        power of any kind that holds the medium busy [dBm].
+        Power of any kind that holds the medium busy [dBm]. Where a frame begins that is not received, ns-3
+        asks for -82 dBm of all power together, whatever this is.
+    error_model
+        A key of `ERROR_MODELS`: ``nist``, or ns-3's default, ``table``.
     load_dbm
         The busy ratio counts time with this power or more, and that of own frames [dBm].
     aifsn, window
@@ -158,6 +164,7 @@ class Ns3Radio(AbstractExternalRadio):
     sensitivity_dbm: float = -98.0
     preamble_db: float = 2.0
     energy_dbm: float = -62.0
+    error_model: str = "nist"
     load_dbm: float = -85.0
     aifsn: int = 2
     window: int = 15
@@ -165,6 +172,9 @@ class Ns3Radio(AbstractExternalRadio):
 
     def start(self, stations: int, seed: int) -> AbstractRadioSimulator:
         """Compile the program where it is not yet, and start it."""
+        if self.error_model not in ERROR_MODELS:
+            known = ", ".join(ERROR_MODELS)
+            raise ValueError(f"error_model must be one of {known}, got {self.error_model!r}")
         ns3 = Path(self.folder) if self.folder else installed_ns3()
         options = {
             "stations": stations,
@@ -175,6 +185,7 @@ class Ns3Radio(AbstractExternalRadio):
             "sensitivity": self.sensitivity_dbm,
             "preamble": self.preamble_db,
             "energy": self.energy_dbm,
+            "errors": ERROR_MODELS[self.error_model],
             "load": self.load_dbm,
             "aifsn": self.aifsn,
             "window": self.window,

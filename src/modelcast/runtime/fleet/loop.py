@@ -88,6 +88,9 @@ _UNIT = 2**31 - 1
 _STEP_SLACK_S = 1e-6
 _SPARE_SLOTS = 64
 
+_RING_STEPS = MESSAGES_KEPT // 2 - 1
+"""Steps within which no ring of messages comes round: a station sends two in a step at most."""
+
 _SUB_INTERVAL_S = 1.0
 """Of the neighbour tables: vPERSubInterval of SAE J2945/1 [s]."""
 
@@ -283,6 +286,7 @@ class FleetLoop:
             self._track_units(self.units, truth_m, t_s)
         self._send(started, t_s, busy_ratio)
         received = self._carry(truth_m, (now_s, until_s), now_s - t_s, busy_ratio)
+        self._work.finish()
         self._hear(received, truth_m)
         self.number += 1
         self._last_s = t_s
@@ -349,22 +353,26 @@ class FleetLoop:
                 *self._parts[part],
             )
 
-        self._work.each(sample)
         if self.devices is not None:
+            self._work.each(sample)
             self.devices.count_pairs(truth_m, self._counted, self._tallies, self._work)
             return
-        cells = build_cells(truth_m, settings.distance_bin_m * self._tallies[0].pairs.size)
+        cells, counted = (
+            build_cells(truth_m, settings.distance_bin_m * self._tallies[0].pairs.size),
+            self._counted,
+        )
 
-        def count(part: int) -> None:
+        def sample_and_count(part: int) -> None:
+            sample(part)
             tracking_kernels.count_pairs(
-                cells,
-                (part, self._work.number),
-                settings.distance_bin_m,
-                self._counted,
-                self._tallies[part].pairs,
+                cells, (part, self._work.number), settings.distance_bin_m, counted, self._tallies[part].pairs
             )
 
-        self._work.each(count)
+        # Beside the radio, unless what is sent may take the place of a message that somebody still holds.
+        if self.units is None and self.expiry_s < _RING_STEPS * settings.dt_s:
+            self._work.put_off(sample_and_count)
+        else:
+            self._work.each(sample_and_count)
 
     def _tracking(self, truth_m: FloatArray, now_s: float) -> Tracking:
         return Tracking(
