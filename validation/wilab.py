@@ -135,7 +135,8 @@ def delivered(outcomes: np.ndarray) -> np.ndarray:
 def spread(outcomes: np.ndarray) -> np.ndarray:
     """Standard deviation of one seed by bin, (bins,)."""
     each = outcomes[:, :, 0] / np.maximum(outcomes.sum(axis=2), 1)
-    return np.asarray(np.std(each, axis=0, ddof=1)) if each.shape[0] > 1 else np.zeros(each.shape[1])
+    apart = each - each.mean(axis=0)
+    return np.sqrt((apart**2).sum(axis=0) / max(each.shape[0] - 1, 1))
 
 
 def span(k: int) -> str:
