@@ -4,7 +4,11 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any, NamedTuple
 
-from modelcast.channel.sidelink_parameters import SidelinkParameters, wilab_sidelink_parameters
+from modelcast.channel.sidelink_parameters import (
+    SidelinkParameters,
+    j3161_sidelink_parameters,
+    wilab_sidelink_parameters,
+)
 
 __all__ = ["PRESETS", "Preset"]
 
@@ -109,8 +113,14 @@ _DEPLOYED = Preset(
     },
 )
 
+_J3161 = Preset(
+    "LTE-V2X as deployed (SAE J3161/1): 20 MHz in ten sub-channels, every message twice, one-shots "
+    "interleaved with reservations, intervals by the sender's next message, 20 dBm",
+    _settings_of(j3161_sidelink_parameters()),
+)
+
 PRESETS: Mapping[str, Mapping[str, Preset]] = {
     "dsrc": {"ns3-default": _NS3, "wilab": _WILAB_DSRC, "deployed-obu": _DEPLOYED},
-    "sidelink": {"wilab": _WILAB_SIDELINK},
+    "sidelink": {"wilab": _WILAB_SIDELINK, "j3161": _J3161},
 }
 """Presets by radio and name."""
