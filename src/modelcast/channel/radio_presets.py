@@ -98,6 +98,12 @@ _WILAB_SIDELINK = Preset(
     },
 )
 
+_J3161 = Preset(
+    "LTE-V2X as deployed in the United States, SAE J3161/1: 20 MHz, every message twice, one-shots between "
+    "reservations, intervals that follow the sender; parts are from memory (`j3161_sidelink_parameters`)",
+    _settings_of(j3161_sidelink_parameters()),
+)
+
 _DEPLOYED = Preset(
     "an on-board unit on an open road: 3 dB antennas 1.5 m high, two rays, errors 5 dB above the NIST model "
     "(as hardware was measured, second-hand), 3.95 dB of shadowing (Abbas et al., highway, second-hand), "
@@ -111,12 +117,6 @@ _DEPLOYED = Preset(
         "shadowing_db": 3.95,
         "fading": "nakagami",
     },
-)
-
-_J3161 = Preset(
-    "LTE-V2X as deployed (SAE J3161/1): 20 MHz in ten sub-channels, every message twice, one-shots "
-    "interleaved with reservations, intervals by the sender's next message, 20 dBm",
-    _settings_of(j3161_sidelink_parameters()),
 )
 
 PRESETS: Mapping[str, Mapping[str, Preset]] = {
