@@ -2,8 +2,8 @@
 
 ``cams.py FOLDER [--write | --check]`` calls ``modelcast network``, which keeps the runs that are done in the
 folder, and makes the tables of `docs/cam.md`: what messages are as octets, and what traffic makes of them.
-Every message is as long as one with `POINTS` points of the
-path behind, but for `cam-road`, which draws the sizes of its frames.
+Every message is as long as one with `POINTS` points of the path behind, but for `cam-road`, which draws the
+sizes of its frames.
 """
 
 import argparse
