@@ -169,8 +169,10 @@ def _take_in(
     if fits:
         return
     _drop_resources(v, memory)
+    # All copies before the first comes back.
+    span = min(constants.span, interval) if interval > 0 else constants.span
     grant[v, COPIES] = select_resources(
-        v, slot, length, memory.reserved, random, memory.slots[v], memory.bands[v], constants
+        v, slot, length, span, memory.reserved, random, memory.slots[v], memory.bands[v], constants
     )
     grant[v, _LENGTH], grant[v, _INTERVAL], grant[v, _UNUSED] = length, interval, 0
     grant[v, _COUNTER] = _draw_counter(interval, random, constants) if interval > 0 else 1
@@ -211,7 +213,7 @@ def _take_turns(
                 continue
             interval = grant[v, _INTERVAL]
             slots[v, k] = slot + interval if interval > 0 else -1
-            if grant[v, MESSAGE] < 0 or k != grant[v, _SENT]:
+            if grant[v, MESSAGE] < 0:
                 if k == 0:
                     grant[v, _UNUSED] += 1
                     if 0 < constants.reselect_after <= grant[v, _UNUSED]:

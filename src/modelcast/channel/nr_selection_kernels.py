@@ -63,6 +63,7 @@ def select_resources(
     v: int,
     now: int,
     length: int,
+    span: int,
     reserved: Float32Cube,
     random: UInt64Vector,
     slots: IntVector,
@@ -96,7 +97,7 @@ def select_resources(
     while count < constants.copies:
         low, high = now, now + constants.last
         if count > 0:  # they are in order of time
-            low, high = slots[count - 1] - constants.span + 1, slots[0] + constants.span - 1
+            low, high = slots[count - 1] - span + 1, slots[0] + span - 1
         number = 0
         pick = -1
         for turn in range(2):

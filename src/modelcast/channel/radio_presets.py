@@ -4,7 +4,11 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any, NamedTuple
 
-from modelcast.channel.sidelink_parameters import SidelinkParameters, wilab_sidelink_parameters
+from modelcast.channel.sidelink_parameters import (
+    SidelinkParameters,
+    j3161_sidelink_parameters,
+    wilab_sidelink_parameters,
+)
 
 __all__ = ["PRESETS", "Preset"]
 
@@ -94,6 +98,12 @@ _WILAB_SIDELINK = Preset(
     },
 )
 
+_J3161 = Preset(
+    "LTE-V2X as deployed in the United States, SAE J3161/1: 20 MHz, every message twice, one-shots between "
+    "reservations, intervals that follow the sender; parts are from memory (`j3161_sidelink_parameters`)",
+    _settings_of(j3161_sidelink_parameters()),
+)
+
 _DEPLOYED = Preset(
     "an on-board unit on an open road: 3 dB antennas 1.5 m high, two rays, errors 5 dB above the NIST model "
     "(as hardware was measured, second-hand), 3.95 dB of shadowing (Abbas et al., highway, second-hand), "
@@ -111,6 +121,6 @@ _DEPLOYED = Preset(
 
 PRESETS: Mapping[str, Mapping[str, Preset]] = {
     "dsrc": {"ns3-default": _NS3, "wilab": _WILAB_DSRC, "deployed-obu": _DEPLOYED},
-    "sidelink": {"wilab": _WILAB_SIDELINK},
+    "sidelink": {"wilab": _WILAB_SIDELINK, "j3161": _J3161},
 }
 """Presets by radio and name."""
