@@ -19,49 +19,32 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from highway import Road, messages
-from modelcast.channel.nr import Nr
-from modelcast.channel.nr_parameters import NrParameters
-from modelcast.channel.propagation import Propagation, Shadowing
+from modelcast.channel.radio_words import get_radio
 from modelcast.core.version import package_version
 from page_blocks import put
 from wilab import COARSE, FINE_M, ROAD, SECONDS, published
 
 PAGE = Path(__file__).parent / "README.md"
-TARGET = 0.03
-BINS = 60
-NR = NrParameters(
-    11,
-    overlapping=False,
-    keep_ratio=0.4,
-    noise_figure_db=6.0,
-    antenna_gain_db=3.0,
-    sensitivity_dbm=-120.0,
-    bin_m=FINE_M,
-    bins=BINS,
-)
-"""10 MHz, 15 kHz, five sub-channels of 10 blocks; resources begin at multiples of their length."""
+TARGET, BINS = 0.03, 60
+WORD = f"nr:preset=wilab,bin_m={FINE_M:g},bins={BINS}"
+APERIODIC = replace(ROAD, rate_hz=20.0, mean_extra_s=0.05)
 
 
 class Case(NamedTuple):
-    """A file of the reference, the radio and the traffic that it is of."""
+    """A file of the reference, the radio as ``--radio`` takes it and the traffic that it is of."""
 
     file: str
     title: str
-    parameters: NrParameters
+    word: str
     road: Road
 
 
 CASES = (
-    Case("wilab_nr_mcs11_100_k04", "MCS 11, keep 0.4", NR, ROAD),
-    Case("wilab_nr_mcs11_100_k08", "MCS 11, keep 0.8", replace(NR, keep_ratio=0.8), ROAD),
-    Case(
-        "wilab_nr_mcs11_100_k04_aper",
-        "MCS 11, keep 0.4, aperiodic",
-        NR,
-        replace(ROAD, rate_hz=20.0, mean_extra_s=0.05),
-    ),
-    Case("wilab_nr_mcs11_100_dyn", "MCS 11, dynamic grants", replace(NR, dynamic=True), ROAD),
-    Case("wilab_nr_mcs7_100_k04", "MCS 7, keep 0.4", replace(NR, mcs=7), ROAD),
+    Case("wilab_nr_mcs11_100_k04", "MCS 11, keep 0.4", WORD, ROAD),
+    Case("wilab_nr_mcs11_100_k08", "MCS 11, keep 0.8", f"{WORD},keep_ratio=0.8", ROAD),
+    Case("wilab_nr_mcs11_100_k04_aper", "MCS 11, keep 0.4, aperiodic", WORD, APERIODIC),
+    Case("wilab_nr_mcs11_100_dyn", "MCS 11, dynamic grants", f"{WORD},dynamic=true", ROAD),
+    Case("wilab_nr_mcs7_100_k04", "MCS 7, keep 0.4", f"{WORD},mcs=7", ROAD),
 )
 
 
@@ -81,7 +64,7 @@ class Counts(NamedTuple):
 
 def run(case: Case, seed: int) -> Counts:
     """One drive of the fleet."""
-    radio = Nr(case.parameters, Propagation(shadowing=Shadowing(3.0, 4.0), fading=None))
+    radio = get_radio(case.word)
     state: Any = radio.init(case.road.vehicles, np.random.default_rng([seed, 1]))
     outcomes: Any = 0
     dropped = np.zeros(BINS, dtype=np.int64)

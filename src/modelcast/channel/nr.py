@@ -183,6 +183,7 @@ class Nr(AbstractFrameRadio[NrState]):
             reselect_after=p.reselect_after,
             free_ratio=p.free_ratio,
             reserved_mw=power_ratio(p.reserved_dbm),
+            reserved_by_total=p.reserved_by_total,
             elements=elements,
             noise_mw=power_ratio(noise_dbm),
             sensitivity_mw=power_ratio(p.sensitivity_dbm),
