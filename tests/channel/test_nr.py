@@ -179,7 +179,7 @@ def test_sensing_keeps_neighbours_apart_and_dynamic_grants_do_not() -> None:
 
 
 def test_uneven_traffic_does_worse_than_even_traffic_on_reserved_resources() -> None:
-    """A message is ready long before its resource comes, and the next one often before that: 18 % are lost."""
+    """A message waits long for its resource, and the next one often comes before it: 18 % are lost."""
     even, uneven = (drive(plain(), ROW, 8.0, 20, uneven=uneven)[0] for uneven in (False, True))
     lapsed = sum(one.expired.size for one in uneven) / (20 * 80)
     assert sum(one.expired.size for one in even) == 0
