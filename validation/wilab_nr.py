@@ -1,9 +1,9 @@
 """Compare NR-V2X mode 2 with the figures of WiLabV2Xsim 6.2, per 50 m of distance.
 
-Usage: python validation/wilab_nr.py [FOLDER] [--seeds N] [--write | --check]
+Usage: python validation/wilab_nr.py [FOLDER] [--seeds N] [--keep RUNS] [--write | --check]
 FOLDER holds the reference's ``wilab_nr_*.tsv``; left out, the environment variable MODELCAST_REFERENCE names
-it. ``--write`` puts the table into ``validation/README.md``, ``--check`` tells by its exit code whether that
-page has it.
+it. RUNS is a folder where runs are kept, so that an interruption costs one. ``--write`` puts the table into
+``validation/README.md``, ``--check`` tells by its exit code whether that page has it.
 
 A message that was dropped at its sender counts as not received by all who were in reach then, as the
 reference counts it.
@@ -83,20 +83,35 @@ def run(case: Case, seed: int) -> Counts:
     return Counts(outcomes[:, 0], outcomes[:, 1:].sum(axis=1), dropped, float(np.mean(ratios)))
 
 
-def shares(folder: Path, case: Case, seeds: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+def kept(case: Case, seed: int, folder: Path | None) -> Counts:
+    """What the folder has of a run, made where it has nothing."""
+    path = folder / f"{case.file}-{seed}.npz" if folder is not None else None
+    if path is not None and path.exists():
+        with np.load(path) as held:
+            return Counts(held["received"], held["lost"], held["dropped"], float(held["busy"]))
+    found = run(case, seed)
+    if path is not None:
+        np.savez(path, **found._asdict())
+        print(path.stem, file=sys.stderr, flush=True)
+    return found
+
+
+def shares(
+    folder: Path, case: Case, seeds: int, keep: Path | None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Theirs, ours seed by seed (seeds, bins), share dropped at the sender (seeds,), mean busy ratio."""
     reference = published(folder / f"{case.file}.tsv")
     theirs = reference[:, 1] / reference[:, 0]
-    counts = [run(case, seed) for seed in range(seeds)]
+    counts = [kept(case, seed, keep) for seed in range(seeds)]
     pairs = np.stack([one.coarse() for one in counts])[:, : theirs.size]
     whole = [one.dropped.sum() / (one.received + one.lost + one.dropped).sum() for one in counts]
     ours = pairs[:, :, 0] / pairs[:, :, 1]
     return theirs, ours, np.array(whole), float(np.mean([one.busy for one in counts]))
 
 
-def table(folder: Path, seeds: int) -> list[str]:
+def table(folder: Path, seeds: int, keep: Path | None) -> list[str]:
     """Lines of Markdown."""
-    found = {case.title: shares(folder, case, seeds) for case in CASES}
+    found = {case.title: shares(folder, case, seeds, keep) for case in CASES}
     bins = max(theirs.size for theirs, *_ in found.values())
     heads = [f"{k * 50}-{k * 50 + 50}" for k in range(bins)]
     lines = [f"| distance m | {' | '.join(heads)} |", "|" + "---|" * (bins + 1)]
@@ -127,12 +142,15 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", nargs="?", default=os.environ.get("MODELCAST_REFERENCE", ""))
     parser.add_argument("--seeds", type=int, default=10, help="runs of each case")
+    parser.add_argument("--keep", type=Path, help="folder of runs")
     parser.add_argument("--write", action="store_true", help="put the table into validation/README.md")
     parser.add_argument("--check", action="store_true", help="tell whether validation/README.md has it")
     given = parser.parse_args()
     if not given.folder:
         parser.error("name the folder of the reference figures, or set MODELCAST_REFERENCE")
-    lines = table(Path(given.folder), given.seeds)
+    if given.keep is not None:
+        given.keep.mkdir(parents=True, exist_ok=True)
+    lines = table(Path(given.folder), given.seeds, given.keep)
     print("\n".join(lines))
     if given.write or given.check:
         return put({PAGE: {"wilab-nr": lines}}, check=given.check)
