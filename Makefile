@@ -55,6 +55,8 @@ validate: setup-dev
 	$(if $(MODELCAST_REFERENCE),$(BIN)/python validation/wilab_nr.py)
 	$(BIN)/python validation/mode4_published.py
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3.py)
+	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3_error_tables.py $(MODELCAST_NS3_PYTHON))
+	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3_load.py $(MODELCAST_NS3_PYTHON) --keep out/ns3-load)
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/closed_loop_ns3.py out/closed-loop-ns3)
 
 # docs/paper.md, and the paper's blocks of README.md and docs/results.md; needs MODELCAST_DATA.

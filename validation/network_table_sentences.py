@@ -45,7 +45,26 @@ def headline_block(rows: Rows) -> list[str]:
         said = [line for line in (of.timers(), of.cut(), of.models(), *of.fewer(), *of.rivals()) if line]
         if said:
             lines += [f"- **Receiver {RECEIVERS[receiver]}.** {said[0]}", *(f"  {line}" for line in said[1:])]
-    return lines or ["Not run."]
+    return [*_summary({name: _Receiver(rows, name) for name in RECEIVERS}), *lines] if lines else ["Not run."]
+
+
+def _summary(receivers: Mapping[str, "_Receiver"]) -> list[str]:
+    """Over all receivers: what is taken off p90, and where models have a part in it."""
+    cuts: list[str] = []
+    lower: list[str] = []
+    for name, of in receivers.items():
+        gains = [100.0 * (1.0 - one.value) for one in of.ratios(MODELS, "pte_p90_m", PLAIN).values()]
+        if gains:
+            cuts.append(f"{spans(gains, '.0f')} % ({RECEIVERS[name]})")
+        against = of.ratios(MODELS, "pte_p90_m", FREE)
+        at = [density_said(density) for density, one in sorted(against.items()) if verdict(one) == "lower"]
+        if at:
+            lower.append(f"at {listed(at)} ({RECEIVERS[name]})")
+    if not cuts:
+        return []
+    where = listed(lower) if lower else "at no density of these runs"
+    short = f"- **In short.** `{MODELS}` takes off the p90 of `{PLAIN}`: {', '.join(cuts)}."
+    return [f"{short} It is below `{FREE}`, which sends no model, {where}."]
 
 
 class _Receiver:
@@ -73,7 +92,10 @@ class _Receiver:
         if not parts:
             return ""
         at = listed(density_said(value) for value in sorted(densities))
-        return f"p90 over that of `{PLAIN}` under the same timers, at {at} vehicles/km: {listed(parts)}."
+        own = [one for one in self.settings if one.policy == PLAIN and one.density_per_km in densities]
+        counts = [len(self.rows.by[one]) for one in own]
+        of = f"p90 over that of `{PLAIN}` under the same timers, at {at} vehicles/km"
+        return f"{of} ({spans(counts, 'd')} seeds): {listed(parts)}."
 
     def cut(self) -> str:
         """What is taken off p90 at each density, and whether that is much."""
@@ -85,7 +107,7 @@ class _Receiver:
         little = [density_said(density) for density, cut in cuts.items() if abs(cut) < SMALL_CUT]
         rest = ""
         if little:
-            where = "everywhere" if len(little) == len(cuts) else f"at {listed(little)}"
+            where = "at all of these" if len(little) == len(cuts) else f"at {listed(little)}"
             rest = f" Less than {100.0 * SMALL_CUT:.0f} % remains of it {where}."
         return f"`{MODELS}` takes off p90: {each}.{rest}"
 

@@ -95,15 +95,15 @@ struct Sent {
     std::vector<std::int64_t> message;                                              // i8[M]
     std::vector<std::uint32_t> vehicle, frame_bytes, length;                        // u4[M]
     std::vector<double> send_s, power_dbm, next_s;                                  // f8[M]
-    std::vector<std::uint8_t> priority, kind;                                       // u1[M]
+    std::vector<std::uint8_t> priority, grant, kind;                                // u1[M]
     Octets octets;                                                                  // octets
     std::vector<std::uint8_t> receipt;                                              // u1[K]
     std::vector<std::uint32_t> left;                                                // u4[L]
     template <class F> void each(F&& f) {
         f("t_s", t_s), f("message", message), f("vehicle", vehicle), f("send_s", send_s);
         f("frame_bytes", frame_bytes), f("power_dbm", power_dbm), f("priority", priority);
-        f("next_s", next_s), f("kind", kind), f("length", length), f.alone("octets", octets);
-        f.alone("receipt", receipt), f.alone("left", left);
+        f("next_s", next_s), f("grant", grant), f("kind", kind), f("length", length);
+        f.alone("octets", octets), f.alone("receipt", receipt), f.alone("left", left);
     }
     // Octets of each message.
     std::vector<Octets> frames() const {

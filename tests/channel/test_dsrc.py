@@ -95,6 +95,17 @@ def test_a_countdown_freezes_while_another_sends_and_resumes() -> None:
         assert round(slots) <= 15
 
 
+@pytest.mark.parametrize(("senders", "waits"), [([0], False), ([2], False), ([0, 2], True)])
+def test_the_power_of_all_frames_together_holds_the_medium_busy(senders: list[int], *, waits: bool) -> None:
+    """One weak frame is at -71.4 dBm, two are at -68.4 dBm; the bound is -70 dBm and nothing is decoded."""
+    radio = plain(sensitivity_dbm=-50.0, decodable_dbm=-50.0, energy_dbm=-70.0)
+    case = batch([*senders, 1], [*(0.01 + 1e-6 * k for k in range(len(senders))), 0.0101])
+    heard, _ = run(radio, case, line(0.0, 150.0, 300.0, 151.0))
+    own = heard.t_s[(heard.sender == 1) & (heard.receiver == 3)]
+    began_s = float(own[0]) - AIRTIME_S
+    assert (began_s >= 0.01 + AIRTIME_S + 110e-6) if waits else (began_s == pytest.approx(0.0101))
+
+
 def test_two_that_begin_within_the_sensing_time_are_concurrent() -> None:
     """Neither hears the other, and a third hears at most the stronger."""
     heard, _ = run(plain(), batch([0, 1], [0.01, 0.010004]), line(0.0, 400.0, 40.0))

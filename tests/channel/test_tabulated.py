@@ -63,6 +63,7 @@ def test_a_table_made_of_counts_is_their_ratio() -> None:
         lambda: ReceptionTable(np.array([0.5]), np.ones((1, 2)), busy_ratios=np.ones(2)),
         lambda: ReceptionTable(np.array([0.1, 0.5]), np.ones((2, 2)), busy_ratios=np.array([0.4, 0.1])),
         lambda: TabulatedRadio(TABLE, load_dbm=np.nan),
+        lambda: TabulatedRadio(TABLE, antenna_gain_db=np.inf),
         lambda: TabulatedRadio(TABLE, rate_mbps=0.0),
         lambda: TabulatedRadio(TABLE, rate_mbps=0.01),
         lambda: TabulatedRadio(TABLE, preamble_s=-1e-6),
@@ -74,6 +75,14 @@ def test_a_table_made_of_counts_is_their_ratio() -> None:
 def test_impossible_settings_are_refused(wrong: object) -> None:
     with pytest.raises(ValueError, match="must"):
         wrong()  # type: ignore[operator]
+
+
+def test_antennas_at_both_ends_count_as_so_much_power() -> None:
+    """3 dB at either end against 6 dBm more."""
+    fitted = TabulatedRadio(TABLE, antenna_gain_db=3.0)
+    gained = load_at(fitted, 100.0, 180.0, power_dbm=14.0)
+    assert gained.tolist() == pytest.approx(load_at(TabulatedRadio(TABLE), 100.0, 180.0).tolist())
+    assert gained[2] > load_at(TabulatedRadio(TABLE), 180.0, power_dbm=14.0)[1]
 
 
 def load_at(radio: TabulatedRadio, *distance_m: float, power_dbm: float = 20.0) -> np.ndarray:

@@ -9,6 +9,7 @@ from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.dsrc_parameters import DsrcParameters
 from modelcast.channel.erasure_radio import ErasureRadio
 from modelcast.channel.sidelink import Sidelink
+from modelcast.channel.tabulated import TabulatedRadio
 from modelcast.cli.fleet_options import FleetOptions
 from modelcast.cli.network_case import run_case
 from modelcast.cli.network_loaded import ANTENNA_GAIN_DB, loaded_radio
@@ -76,6 +77,9 @@ def test_a_word_that_sets_the_gain_or_a_preset_holds_and_a_radio_without_antenna
     own = Dsrc(DsrcParameters(antenna_gain_db=1.0))
     assert loaded_radio(own, "dsrc:antenna_gain_db=1") is own
     assert loaded_radio(own, "dsrc:preset=ns3-default") is own
+    abstract = TabulatedRadio()
+    assert loaded_radio(abstract, "abstract") == replace(abstract, antenna_gain_db=ANTENNA_GAIN_DB)
+    assert loaded_radio(abstract, "abstract:antenna_gain_db=0") is abstract
     ideal = ErasureRadio()
     assert loaded_radio(ideal, "ideal") is ideal
 

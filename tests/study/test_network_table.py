@@ -133,19 +133,22 @@ def test_sides_without_any_are_equal_and_one_without_is_no_number(table) -> None
 def test_sentences_say_where_models_add_to_the_free_sender_and_where_not(table) -> None:
     block = table["sentences"].headline_block
     same = block(table["rows"].Rows(found(table, {"j2945": 4.0, "j2945-free": 2.0, "j2945-mbc": 2.0})))
-    assert "at 100 vehicles/km: `j2945-free` 0.50 and `j2945-mbc` 0.50" in same[0]
-    assert "takes off p90: 50." in same[1] or "takes off p90: 49." in same[1]
-    assert "is not shown to differ at 100" in same[2]
+    assert same[0].endswith("which sends no model, at no density of these runs.")
+    assert "at 100 vehicles/km (10 seeds): `j2945-free` 0.50 and `j2945-mbc` 0.50" in same[1]
+    assert "takes off p90: 50." in same[2] or "takes off p90: 49." in same[2]
+    assert "is not shown to differ at 100" in same[3]
     less = block(table["rows"].Rows(found(table, {"j2945": 4.0, "j2945-free": 3.0, "j2945-mbc": 2.0})))
-    assert "is lower at 100 (0.66" in less[2] or "is lower at 100 (0.67" in less[2]
+    assert "is lower at 100 (0.66" in less[3] or "is lower at 100 (0.67" in less[3]
+    assert less[0].endswith("which sends no model, at 100 (1 cm).")
 
 
 def test_a_small_gain_is_called_small_and_its_receiver_named(table) -> None:
     lines = table["sentences"].headline_block(
         table["rows"].Rows(found(table, {"j2945": 4.0, "j2945-mbc": 3.92}, receiver="gnss"))
     )
-    assert lines[0].startswith("- **Receiver `gnss`.**")
-    assert "Less than 5 % remains of it everywhere." in lines[1]
+    assert "takes off the p90 of `j2945`: 2 % (`gnss`)." in lines[0]
+    assert lines[1].startswith("- **Receiver `gnss`.**")
+    assert "Less than 5 % remains of it at all of these." in lines[2]
 
 
 def test_nothing_that_was_not_run_is_said(table) -> None:

@@ -36,7 +36,7 @@ VALUES: dict[str, dict[str, Any]] = {
         "octets": b"abcdef",
         "receipt": np.array([0]),
         "left": np.array([5]),
-        **{name: np.array([1, 2]) for name in ("message", "frame_bytes", "priority", "kind")},
+        **{name: np.array([1, 2]) for name in ("message", "frame_bytes", "priority", "grant", "kind")},
         **{name: np.array([0.01, 0.02]) for name in ("send_s", "power_dbm", "next_s")},
         "vehicle": np.array([3, 8]),
         "length": np.array([4, 2]),

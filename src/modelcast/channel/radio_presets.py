@@ -5,7 +5,11 @@ from dataclasses import fields
 from typing import Any, NamedTuple
 
 from modelcast.channel.nr_parameters import NrParameters, wilab_nr_parameters
-from modelcast.channel.sidelink_parameters import SidelinkParameters, wilab_sidelink_parameters
+from modelcast.channel.sidelink_parameters import (
+    SidelinkParameters,
+    j3161_sidelink_parameters,
+    wilab_sidelink_parameters,
+)
 
 __all__ = ["PRESETS", "Preset"]
 
@@ -110,6 +114,12 @@ _WILAB_NR = Preset(
     },
 )
 
+_J3161 = Preset(
+    "LTE-V2X as deployed in the United States, SAE J3161/1: 20 MHz, every message twice, one-shots between "
+    "reservations, intervals that follow the sender; parts are from memory (`j3161_sidelink_parameters`)",
+    _settings_of(j3161_sidelink_parameters()),
+)
+
 _DEPLOYED = Preset(
     "an on-board unit on an open road: 3 dB antennas 1.5 m high, two rays, errors 5 dB above the NIST model "
     "(as hardware was measured, second-hand), 3.95 dB of shadowing (Abbas et al., highway, second-hand), "
@@ -127,7 +137,7 @@ _DEPLOYED = Preset(
 
 PRESETS: Mapping[str, Mapping[str, Preset]] = {
     "dsrc": {"ns3-default": _NS3, "wilab": _WILAB_DSRC, "deployed-obu": _DEPLOYED},
-    "sidelink": {"wilab": _WILAB_SIDELINK},
+    "sidelink": {"wilab": _WILAB_SIDELINK, "j3161": _J3161},
     "nr": {"wilab": _WILAB_NR},
 }
 """Presets by radio and name."""

@@ -439,12 +439,12 @@ def _finish_frame(
     constants: SidelinkConstants,
 ) -> tuple[int, int]:
     """Say what becomes of a frame at every receiver; return how many receptions and waiting pairs."""
-    v, which, band = turns.vehicle[turn], turns.which[turn], turns.band[turn]
+    v, which, band = int(turns.vehicle[turn]), int(turns.which[turn]), int(turns.band[turn])
     grant, size = memory.grant, int(memory.grant[v, BYTES])
     used_blocks = _used(size, constants)
     length = _length_of(used_blocks, constants)
-    more = constants.copies > 1 and which & 1 == 0 and grant[v, BAND + which + 1] >= 0
-    gap = grant[v, NEXT + which + 1] - subframe if more else 0
+    more = bool(constants.copies > 1 and which & 1 == 0 and grant[v, BAND + which + 1] >= 0)
+    gap = int(grant[v, NEXT + which + 1]) - subframe if more else 0
     alone = not more and memory.copies.span[v, 1] == 0
     if more:
         memory.copies.span[v, 0] = waiting
@@ -461,13 +461,15 @@ def _finish_frame(
             if ratio >= constants.control_ratio and (air.reserves[v] or more):
                 rsrp_mw = links.mw[k] / (used_blocks * constants.elements)
                 if air.reserves[v]:
-                    _announce(j, subframe, grant[v, INTERVAL], band, length, rsrp_mw, memory.reserved)
+                    _announce(j, subframe, int(grant[v, INTERVAL]), band, length, rsrp_mw, memory.reserved)
                 if more:
-                    again = grant[v, BAND + which + 1]
+                    again = int(grant[v, BAND + which + 1])
                     _announce(j, subframe, gap, again, length, rsrp_mw, memory.reserved)
         new = outcome == _RECEIVED
         if not alone:
-            new, waiting = tell(memory.copies, v, j, outcome, links.bin[k], waiting, more, heard.outcomes)
+            new, waiting = tell(
+                memory.copies, v, j, outcome, int(links.bin[k]), waiting, more, heard.outcomes
+            )
         elif links.bin[k] < constants.bins:
             heard.outcomes[links.bin[k], outcome] += 1
         if new:

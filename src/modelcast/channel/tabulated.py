@@ -187,6 +187,8 @@ class TabulatedRadio(AbstractRadio[TabulatedState]):
         What frames are sensed by. It changes the load, and reception by it alone: the table knows no walls.
     load_dbm
         A frame counts to the load of those who get it with this power or more; TS 102 687: -85 dBm [dBm].
+    antenna_gain_db
+        Of either end, in the power that frames arrive with [dB].
     preamble_s, rate_mbps, symbol_s
         Airtime of a message: preamble, then whole symbols as of IEEE 802.11 at 10 MHz [s], [Mb/s], [s].
 
@@ -221,6 +223,7 @@ class TabulatedRadio(AbstractRadio[TabulatedState]):
     propagation: Propagation = field(default_factory=Propagation)
     _: KW_ONLY
     load_dbm: float = -85.0
+    antenna_gain_db: float = 0.0
     preamble_s: float = 40e-6
     rate_mbps: float = 6.0
     symbol_s: float = 8e-6
@@ -235,8 +238,9 @@ class TabulatedRadio(AbstractRadio[TabulatedState]):
             raise ValueError(f"a symbol must hold a bit, got {self.rate_mbps} Mb/s and {self.symbol_s} s")
         if not self.preamble_s >= 0:
             raise ValueError(f"preamble_s must not be negative, got {self.preamble_s}")
-        if not np.isfinite(self.load_dbm):
-            raise ValueError(f"load_dbm must be finite, got {self.load_dbm}")
+        for name in ("load_dbm", "antenna_gain_db"):
+            if not np.isfinite(getattr(self, name)):
+                raise ValueError(f"{name} must be finite, got {getattr(self, name)}")
         object.__setattr__(self, "tables", self.propagation.tables(self._sensed_m(_LOUDEST_DBM)))
         object.__setattr__(self, "shares", sensed_shares(self.propagation))
 
@@ -246,7 +250,13 @@ class TabulatedRadio(AbstractRadio[TabulatedState]):
 
     def _sensed_m(self, power_dbm: float) -> float:
         """How far a frame of that power is sensed [m]."""
-        return self.propagation.range_m(min(power_dbm, _LOUDEST_DBM) - self.load_dbm + _UNSENSED_DB)
+        over_db = min(power_dbm, _LOUDEST_DBM) - self._least_dbm
+        return self.propagation.range_m(over_db + _UNSENSED_DB)
+
+    @property
+    def _least_dbm(self) -> float:
+        """Power less path loss from which a frame counts [dBm]."""
+        return self.load_dbm - 2.0 * self.antenna_gain_db
 
     @property
     def bin_m(self) -> float:
@@ -294,7 +304,7 @@ class TabulatedRadio(AbstractRadio[TabulatedState]):
             np.ascontiguousarray(position_m, dtype=np.float64),
             until_t_s - state.t_s,
             Sensed(
-                owned(transmissions.power_dbm - self.load_dbm),
+                owned(transmissions.power_dbm - self._least_dbm),
                 self._sensed_m(loudest_dbm) if transmissions.size else 0.0,
                 MARGIN_DB,
                 self.shares,

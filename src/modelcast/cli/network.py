@@ -54,13 +54,15 @@ def network(
         List the settings and presets of the radios that --radio names, and run nothing.
     policy
         bsm-10hz, baseline, free, mbc, j2945, j2945-filtered, j2945-free, j2945-free-relaxed,
-        j2945-free-relaxed-5, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5, cam (adaptive congestion
-        control), cam-reactive, cam-uncontrolled, cam-road (intervals and sizes as cars had them), or several
-        after one another. The free ones send plain messages that receivers coast by the profile's best free
-        sub-model.
+        j2945-free-relaxed-5, j2945-mbc, j2945-mbc-relaxed, j2945-mbc-relaxed-5, j3161, j3161-mbc,
+        j3161-mbc-relaxed, cam (adaptive congestion control), cam-reactive, cam-uncontrolled, cam-road
+        (intervals and sizes as cars had them), or several after one another. The free ones send plain
+        messages that receivers coast by the profile's best free sub-model. NAME:grant=one-shot (or periodic)
+        asks for such resources of every radio that reserves any; the j3161 ones take power_control=yes and
+        tracking_error_trigger=yes (or no) too.
     bank
-        Sub-models of mbc and the j2945-mbc ones, several banks after one another, each as for evaluate. The
-        other policies send no model and are run once, not once a bank.
+        Sub-models of mbc and those with mbc in their name, several banks after one another, each as for
+        evaluate. The other policies send no model and are run once, not once a bank.
     threshold
         Tracking-error thresholds of baseline, free and mbc, several after one another; what timers call for
         is run once, not once a threshold [m].

@@ -42,12 +42,13 @@ def loaded_radio(radio: AbstractRadio[Any], text: str) -> AbstractRadio[Any]:
     >>> loaded_radio(Dsrc(), "dsrc").parameters.antenna_gain_db
     3.0
     """
-    parameters: Any = getattr(radio, "parameters", None)
-    if not is_dataclass(parameters) or isinstance(parameters, type):
+    held: Any = radio
+    holder: Any = getattr(radio, "parameters", radio)
+    if not is_dataclass(holder) or isinstance(holder, type):
         return radio
-    if "antenna_gain_db" not in {one.name for one in fields(parameters)}:
+    if "antenna_gain_db" not in {one.name for one in fields(holder)}:
         return radio
     if _OWN_GAIN & named_settings(text)[1].keys():
         return radio
-    held: Any = radio
-    return replace(held, parameters=replace(parameters, antenna_gain_db=ANTENNA_GAIN_DB))
+    fitted = replace(holder, antenna_gain_db=ANTENNA_GAIN_DB)
+    return fitted if holder is radio else replace(held, parameters=fitted)

@@ -85,7 +85,8 @@ class Lanes(NamedTuple):
     what guarded lanes know of their guards. ``loss`` (L,) is the share of messages believed lost; ``older``
     (L, D, 4 + P) what the messages before the newest one gave remotes to hold, newest first, where the rules
     ask for it: member, instant [s], position [m] and the member's parameters; ``olders`` (L,) how many there
-    are. ``errors`` (L, M), ``chances`` (L, M) and ``available`` (L, M) are overwritten.
+    are. ``life_s`` (L,) is how long the newest message is expected to hold, by how long the one before did
+    [s]. ``errors`` (L, M), ``chances`` (L, M) and ``available`` (L, M) are overwritten.
     """
 
     update: IntVector
@@ -105,6 +106,7 @@ class Lanes(NamedTuple):
     loss: FloatVector
     older: FloatCube
     olders: IntVector
+    life_s: FloatVector
     errors: FloatMatrix
     chances: FloatMatrix
     available: BoolMatrix
@@ -216,6 +218,7 @@ def lanes(count: int, *, members: int, parameters: int, older: int = 0) -> Lanes
         loss=np.zeros(count),
         older=np.zeros((count, older, OLDER_HEAD + parameters)),
         olders=np.zeros(count, dtype=np.int64),
+        life_s=np.full(count, np.inf),
         errors=np.zeros((count, members)),
         chances=np.zeros((count, members)),
         available=np.zeros((count, members), dtype=np.bool_),

@@ -65,6 +65,8 @@ class Sending:
         `modelcast.station.policy.base.MessageKind`.
     next_s
         When the sender expects its next message, infinite where it does not know [s].
+    grant
+        Which `modelcast.channel.radio.Grant` it asks for.
     """
 
     vehicle: int
@@ -74,6 +76,7 @@ class Sending:
     power_dbm: float
     kind: int
     next_s: float
+    grant: int
 
 
 class Fleet:
@@ -559,10 +562,13 @@ class Fleet:
         )
         columns = (messages.vehicle, box.ready_s[order], box.size_bytes[order], box.power_dbm[order])
         return [
-            Sending(vehicle, octets, send_s, frame_bytes, power_dbm, kind, next_s)
-            for octets, vehicle, send_s, frame_bytes, power_dbm, kind, next_s in zip(
+            Sending(vehicle, octets, send_s, frame_bytes, power_dbm, kind, next_s, grant)
+            for octets, vehicle, send_s, frame_bytes, power_dbm, kind, next_s, grant in zip(
                 self._writer.encode(messages),
-                *(column.tolist() for column in (*columns, messages.kind, box.next_s[order])),
+                *(
+                    column.tolist()
+                    for column in (*columns, messages.kind, box.next_s[order], box.grant[order])
+                ),
                 strict=True,
             )
         ]

@@ -156,7 +156,7 @@ def test_identifications_reach_the_hosts(ring: list[FleetFrame]) -> None:
     assert lossy.tally.heard[tracks.UNKNOWN] > 0
 
 
-@pytest.mark.parametrize("name", ["mbc", "j2945-mbc", "cam"])
+@pytest.mark.parametrize("name", ["mbc", "j2945-mbc", "cam", "cam-road"])
 def test_the_number_of_threads_changes_nothing(frames: list[FleetFrame], name: str) -> None:
     counted: list[FloatArray] = []
     for threads in (1, 2, 3):

@@ -112,7 +112,8 @@ def test_an_error_driven_rule_in_numpy_sends_the_octets_of_the_compiled_one(long
     assert in_numpy.policy.numbers.rule == RULE_PLAIN
     sent = drive(compiled)
     assert {one.kind for one in sent} == {MessageKind.UPDATE, MessageKind.KEEP_ALIVE}
-    assert drive(in_numpy) == sent
+    silent = [replace(one, next_s=np.inf) for one in sent]  # a rule in NumPy does not say when it sends next
+    assert drive(in_numpy) == silent
 
 
 def test_a_timer_in_numpy_sends_as_often_as_the_compiled_one() -> None:

@@ -179,7 +179,9 @@ def test_a_periodic_sender_posts_what_its_policy_calls_for_with_its_own_phase_an
         for one in posted:
             ask_s = t_s + PHASE[one.slot] * (DT_S - 0.005)
             assert one.ready_s == pytest.approx(ask_s + 0.005 * uniforms[k, one.slot, 1])
-            assert (one.power_dbm, one.next_s, one.number) == (17.0, np.inf, numbers[one.slot])
+            ask_next_s = ask_s + DT_S * np.ceil((due[one.slot] - ask_s) / DT_S - 1e-6)
+            assert one.next_s == pytest.approx(ask_next_s + 0.005)
+            assert (one.power_dbm, one.number) == (17.0, numbers[one.slot])
             numbers[one.slot] += 1
             times[one.slot].append(one.ready_s)
             wanted = np.empty(at.CONTENT_HEAD + 2)

@@ -44,9 +44,12 @@ _COLOURS = {
     "j2945-mbc": "#009e73",
     "j2945-mbc-relaxed": "#56b4e9",
     "j2945-mbc-relaxed-5": "#332288",
+    "j3161": "#aa3377",
+    "j3161-mbc": "#44bb99",
+    "j3161-mbc-relaxed": "#6699cc",
     "cam": "#cc79a7",
 }
-_MARKERS = dict(zip(_COLOURS, "XDpos*hHdv^P<", strict=True))
+_MARKERS = dict(zip(_COLOURS, "XDpos*hHdv^P183<", strict=True))
 _LINES = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (5, 1.2, 1, 1.2)), (0, (5, 1.2, 1, 1.2, 1, 1.2)))
 _DARKER = 0.6
 """Share of its policy's colour that the next lines keep, and of that those after as many more."""

@@ -207,6 +207,8 @@ class Sent:
     next_s
         When the sender expects its next message, infinite where it does not know: the hint for a radio that
         reserves resources, (M,) [s].
+    grant
+        Which `modelcast.channel.radio.Grant` it asks for, (M,).
     kind
         `modelcast.station.policy.base.MessageKind`, (M,).
     length
@@ -229,6 +231,7 @@ class Sent:
     power_dbm: FloatArray
     priority: IntArray
     next_s: FloatArray
+    grant: IntArray
     kind: IntArray
     length: IntArray
     octets: bytes

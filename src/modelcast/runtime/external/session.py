@@ -347,6 +347,7 @@ class Session:
             power_dbm=real("power_dbm"),
             priority=np.full(len(sent), ORDINARY),
             next_s=real("next_s"),
+            grant=whole("grant"),
             kind=whole("kind"),
             length=np.array([len(one.octets) for one in sent], dtype=np.int64),
             octets=b"".join(one.octets for one in sent),

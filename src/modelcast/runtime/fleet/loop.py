@@ -486,6 +486,7 @@ class FleetLoop:
             power_dbm=every.power_dbm[order],
             message_id=every.message_id[order],
             next_s=every.next_s[order] + shift_s,
+            grant=every.grant[order],
         )
         if self.units is not None:
             batch = self.units.add(batch, truth_m, now_s, until_s)

@@ -9,7 +9,7 @@ from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 
-from modelcast.channel.radio import Receptions, Transmissions
+from modelcast.channel.radio import Grant, Receptions, Transmissions
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.kinds import Kind
 from modelcast.runtime.fleet.arrays import Tally, tally
@@ -200,6 +200,7 @@ class RoadsideUnits:
             power_dbm=np.concatenate([batch.power_dbm, power_dbm])[order],
             message_id=np.concatenate([batch.message_id, repeats.key])[order],
             next_s=np.concatenate([batch.next_s, np.full(repeats.key.size, np.inf)])[order],
+            grant=np.concatenate([batch.grant, np.full(repeats.key.size, int(Grant.ANY))])[order],
         )
 
     def hear(self, received: Receptions, busy_ratio: FloatArray) -> Receptions:

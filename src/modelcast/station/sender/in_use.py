@@ -9,7 +9,7 @@ from modelcast.models.profile import Profile
 from modelcast.station.banks import NamedBank, free_bank
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.rules import CostUnit, IdentifyRule, StartRule
-from modelcast.station.sender.names import FREE_SENDERS
+from modelcast.station.sender.names import own_sender, sends_free
 
 __all__ = ["InUse", "in_use"]
 
@@ -57,9 +57,9 @@ def in_use(
     ['free', 'stop-and-go']
     """
     if named is None:
-        bank = free_bank(profile, kind) if policy in FREE_SENDERS else None
+        bank = free_bank(profile, kind) if sends_free(policy) else None
         return InUse(bank=bank, start=None, identify=None, costs=None, selector=None)
-    failing = policy == "mbc"
+    failing = own_sender(policy) == "mbc"
     start = start or (named.start if failing else None)
     identify = identify or named.identify if failing else None
     return InUse(

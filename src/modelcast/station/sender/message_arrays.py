@@ -164,8 +164,8 @@ class FleetNumbers(NamedTuple):
     ``stack`` what goes round a payload; ``identification_bytes``; ``carries_all`` whether updates hold the
     parameters of all members; ``first_member`` where the bank begins among the members of all senders;
     ``plain`` (M,) with which the message is a plain one; ``power_dbm`` where the policy leaves it open;
-    ``jitter_s`` by which messages that leave at once are spread; ``frames`` sizes of frames that follow a
-    chain.
+    ``jitter_s`` by which messages that leave at once are spread; ``grant`` that each asks for; ``frames``
+    sizes of frames that follow a chain.
     """
 
     stack: StackNumbers
@@ -175,6 +175,7 @@ class FleetNumbers(NamedTuple):
     plain: BoolVector
     power_dbm: float
     jitter_s: float
+    grant: int
     frames: FrameSizeNumbers
 
 
@@ -190,7 +191,7 @@ class Contents(NamedTuple):
 
 
 class Outbox(NamedTuple):
-    """Messages of one step: sender, ready [s], bytes, power [dBm], id, when the next is due; count, (1,)."""
+    """Messages of one step: sender, ready [s], bytes, power [dBm], id, next one [s], grant; count, (1,)."""
 
     sender: IntVector
     ready_s: FloatVector
@@ -198,6 +199,7 @@ class Outbox(NamedTuple):
     power_dbm: FloatVector
     message_id: IntVector
     next_s: FloatVector
+    grant: IntVector
     filled: IntVector
 
 
@@ -235,6 +237,7 @@ def outbox(vehicles: int) -> Outbox:
         power_dbm=np.zeros(most),
         message_id=np.zeros(most, dtype=np.int64),
         next_s=np.full(most, np.inf),
+        grant=np.zeros(most, dtype=np.int64),
         filled=np.zeros(1, dtype=np.int64),
     )
 

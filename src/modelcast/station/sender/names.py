@@ -5,6 +5,8 @@ class derived from `modelcast.station.policy.base.AbstractTransmitPolicy` whose 
 It sends the models of whatever bank is named, as ``mbc`` does.
 """
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from modelcast.core.exceptions import ConfigError
@@ -18,10 +20,15 @@ __all__ = [
     "MODEL_SENDERS",
     "POLICIES",
     "SENDERS",
+    "SWITCHES",
+    "OwnSettings",
     "check_sender",
     "foreign_policy",
     "has_threshold",
+    "own_sender",
+    "own_settings",
     "plain_policy",
+    "sends_free",
     "sends_models",
     "sets_threshold",
 ]
@@ -39,6 +46,9 @@ SENDERS = (
     "j2945-mbc",
     "j2945-mbc-relaxed",
     "j2945-mbc-relaxed-5",
+    "j3161",
+    "j3161-mbc",
+    "j3161-mbc-relaxed",
     "cam",
     "cam-reactive",
     "cam-uncontrolled",
@@ -52,6 +62,12 @@ MODEL_SENDERS = tuple(name for name in SENDERS if "mbc" in name)
 FREE_SENDERS = tuple(name for name in SENDERS if "free" in name)
 """Those whose plain messages are coasted by the best free sub-model, whatever the bank of the others."""
 
+SWITCHES = ("power_control", "tracking_error_trigger")
+"""Settings of the senders under SAE J3161/1, on which sources disagree."""
+
+_GRANTS = ("any", "periodic", "one-shot")
+_BOTH = {True: True, "yes": True, False: False, "no": False}
+
 ERROR_SENDERS = ("baseline", "free", "mbc")
 """Those that a tracking error over a threshold calls; timers call the others."""
 
@@ -64,23 +80,104 @@ POLICIES: OpenGroup[AbstractTransmitPolicy[Any]] = OpenGroup(
 """Our senders, behind whose names stands what makes the whole sender, and policies of other packages."""
 
 
+def own_sender(text: str) -> str | None:
+    """Return which of `SENDERS` a word stands for; None for none of ours.
+
+    Parameters
+    ----------
+    text
+        As for `check_sender`.
+
+    Examples
+    --------
+    >>> own_sender("j3161:power_control=true"), own_sender("another")
+    ('j3161', None)
+    """
+    name = text.partition(":")[0]
+    return name if name in SENDERS else None
+
+
+def sends_free(text: str) -> bool:
+    """Whether a sender's plain messages are coasted by the best free sub-model, as those of `FREE_SENDERS`.
+
+    Parameters
+    ----------
+    text
+        As for `check_sender`.
+    """
+    return own_sender(text) in FREE_SENDERS
+
+
 def check_sender(text: str) -> None:
     """Refuse what names no sender.
 
     Parameters
     ----------
     text
-        One of `SENDERS`, or another package's policy as ``NAME`` or ``NAME:KEY=VALUE,KEY=VALUE``.
+        One of `SENDERS`, or another package's policy; either as ``NAME`` or ``NAME:KEY=VALUE,KEY=VALUE``.
 
     Raises
     ------
     ConfigError
         Where nothing of that name is known, or it refuses its settings.
     """
-    if text in SENDERS:
-        POLICIES.loaded(text)
-    else:
+    name = own_sender(text)
+    if name is None:
         foreign_policy(text)
+        return
+    POLICIES.loaded(name)
+    own_settings(text)
+
+
+@dataclass(frozen=True, slots=True)
+class OwnSettings:
+    """What the word of one of our senders sets.
+
+    Parameters
+    ----------
+    grant
+        Which `modelcast.channel.radio.Grant` each message asks for: ``any``, ``periodic`` or ``one-shot``.
+    switches
+        Of SAE J3161/1, for the senders under it: `power_control`, `tracking_error_trigger`.
+    """
+
+    grant: str = "any"
+    switches: Mapping[str, bool] = field(default_factory=dict[str, bool])
+
+
+def own_settings(text: str) -> OwnSettings:
+    """Return what the word of one of our senders sets.
+
+    Parameters
+    ----------
+    text
+        One of `SENDERS`, or ``NAME:KEY=VALUE,KEY=VALUE``. All take ``grant``: ``any``, ``periodic`` or
+        ``one-shot``. Those under SAE J3161/1 take its switches: ``true`` or ``yes``, ``false`` or ``no``.
+
+    Raises
+    ------
+    ConfigError
+        Where the word has another form, a setting is not known, or its value is none of these.
+
+    Examples
+    --------
+    >>> own_settings("j3161:power_control=yes,grant=one-shot").switches
+    {'power_control': True}
+    """
+    name, given = named_settings(text)
+    known = ("grant", *(SWITCHES if name.startswith("j3161") else ()))
+    for key in given:
+        if key not in known:
+            raise ConfigError(f"{text!r}: {name} has no setting {key!r}; it takes {', '.join(known)}")
+    grant = str(given.pop("grant", "any"))
+    if grant not in _GRANTS:
+        raise ConfigError(f"{text!r}: grant must be one of {', '.join(_GRANTS)}, got {grant!r}")
+    switches: dict[str, bool] = {}
+    for key, value in given.items():
+        if value not in _BOTH:
+            raise ConfigError(f"{text!r}: {key} must be yes or no, got {value!r}")
+        switches[key] = _BOTH[value]
+    return OwnSettings(grant, switches)
 
 
 def sends_models(text: str) -> bool:
@@ -91,7 +188,8 @@ def sends_models(text: str) -> bool:
     text
         As for `check_sender`.
     """
-    return text in MODEL_SENDERS or text not in SENDERS
+    name = own_sender(text)
+    return name is None or name in MODEL_SENDERS
 
 
 def sets_threshold(text: str) -> bool:
@@ -114,8 +212,9 @@ def has_threshold(text: str) -> bool:
         As for `check_sender`. Another package's policy has one where a setting of it is `threshold_m`, and
         its word does not set it.
     """
-    if text in SENDERS:
-        return text in ERROR_SENDERS
+    name = own_sender(text)
+    if name is not None:
+        return name in ERROR_SENDERS
     return not sets_threshold(text) and takes_threshold(foreign_policy(text))
 
 
@@ -132,7 +231,7 @@ def foreign_policy(text: str) -> AbstractTransmitPolicy[Any]:
     ConfigError
         Where it is one of ours, nothing of that name is known, or it refuses its settings.
     """
-    if named_settings(text)[0] in SENDERS:
+    if own_sender(text) is not None:
         raise ConfigError(f"{text!r} is a sender of modelcast: name a policy of another package")
     return POLICIES.made_from(text)
 

@@ -11,8 +11,9 @@ from modelcast.core.markov_kernels import next_state
 from modelcast.messages.stack_kernels import airtime, carries_certificate, frame_bytes
 from modelcast.station.arrays import Fits, LaneRules, Lanes, Sensed
 from modelcast.station.policy.error_driven_kernels import IDENTIFICATION, UPDATE
-from modelcast.station.policy.j2945_kernels import NEXT_S
+from modelcast.station.policy.j2945_kernels import LAST_S, NEXT_S
 from modelcast.station.policy.policy_numbers import RULE_J2945, PolicyNumbers
+from modelcast.station.sender.expecting_kernels import calls_at_once, error_that_calls, steps_on
 from modelcast.station.sender.fitting_kernels import SenderModels
 from modelcast.station.sender.message_arrays import (
     AIRTIME_S,
@@ -48,7 +49,7 @@ from modelcast.station.sender.message_arrays import (
     SentTally,
 )
 from modelcast.station.sender.motion_kernels import MOTION, state_motion
-from modelcast.station.sender.speaking_kernels import compose, followed, forget_lane, hold
+from modelcast.station.sender.speaking_kernels import compose, expect, followed, forget_lane, hold
 from modelcast.station.sender.timed_kernels import (
     Timers,
     start,
@@ -162,6 +163,7 @@ def post(
     k = out.filled[0]
     out.sender[k], out.ready_s[k], out.size_bytes[k] = v, sent_s, frame
     out.power_dbm[k], out.message_id[k], out.next_s[k] = power_dbm, (number << SENDER_BITS) | v, next_s
+    out.grant[k] = f.numbers.grant
     out.filled[0] = k + 1
     if believed and kind != IDENTIFICATION:
         s.update[v] = number
@@ -184,22 +186,42 @@ def post(
 
 
 @kernel(inlined=True)
+def _next_j2945(f: SendingStations, v: int, b: int, number: int, dt_s: float, scratch: FloatVector) -> float:
+    """When a station under SAE J2945/1 sends next: by its timer, or before that by its error."""
+    row, c = f.timers.rows[v], f.policy.constants
+    due_s = float(row[NEXT_S])
+    if not calls_at_once(c) or f.lanes.update[b] < 0:
+        return due_s
+    ring = f.sensed.stated_m.shape[1]
+    at = number % ring + ring
+    expect(f.models, f.sensed, f.rules, f.lanes, b, at, error_that_calls(row, c), scratch)
+    # Rate control runs once a step; what an error calls for leaves within its jitter.
+    return min(due_s, steps_on(row[LAST_S], f.lanes.life_s[b], dt_s))
+
+
+@kernel(inlined=True)
 def post_timed(
     f: SendingStations,
     v: int,
     b: int,
     how: tuple[float, float, bool, int],
+    next_s: float,
+    dt_s: float,
     contents: Contents,
     out: Outbox,
     tally: SentTally,
     scratch: FloatVector,
 ) -> None:
-    """Compose a message of the newest sample that a timer called for, and post it."""
+    """Compose a message of the newest sample that a timer called for, and post it.
+
+    ``next_s`` is when the next is expected; the rules of SAE J2945/1 say so themselves.
+    """
     number = f.sensed.taken[v] - 1
+    if f.policy.rule == RULE_J2945:
+        next_s = _next_j2945(f, v, b, number, dt_s, scratch)
     member = compose(f.models, f.sensed, f.fits, f.rules, f.lanes, b, number, scratch)
     if how[2]:
         hold(f.models, f.sensed, f.fits, f.rules, f.lanes, b, number, member)
-    next_s = f.timers.rows[v, NEXT_S] if f.policy.rule == RULE_J2945 else np.inf
     post(f, v, b, (UPDATE, member), how, next_s, contents, out, tally)
 
 

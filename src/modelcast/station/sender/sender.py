@@ -11,6 +11,7 @@
 | `j2945-mbc` | the same, same timers | the model, of the filtered motion |
 | `j2945-mbc-relaxed`, `j2945-mbc-relaxed-5` | small errors, or 2 s or 5 s of silence | the same |
 | `j2945-free`, `j2945-free-relaxed`, `j2945-free-relaxed-5` | as the three before | as `free`, filtered |
+| `j3161`, `j3161-mbc`, `j3161-mbc-relaxed` | `J2945` as SAE J3161/1 has it | as the `j2945` ones |
 | `cam` | `CooperativeAwareness` under adaptive control | basic safety message, coasting |
 | `cam-reactive`, `cam-uncontrolled` | the same under reactive control, and under none | the same |
 | `cam-road` | `MeasuredCam` under adaptive control | the same in frames as long as cars' were |
@@ -27,6 +28,7 @@ from math import inf
 from types import MappingProxyType
 from typing import Any
 
+from modelcast.channel.radio import Grant
 from modelcast.core.arrays import IntArray
 from modelcast.core.kinds import Kind
 from modelcast.messages.airtime import Stack
@@ -48,12 +50,22 @@ from modelcast.station.policy.j2945_parameters import (
     RELAXED_ERROR_M,
     J2945Parameters,
     j2945_relaxed_parameters,
+    j3161_parameters,
 )
 from modelcast.station.policy.measured_cam import MeasuredCam
 from modelcast.station.policy.periodic import Periodic
 from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
 from modelcast.station.sender.lane_rules import check_rules
-from modelcast.station.sender.names import FREE_SENDERS, SENDERS, check_sender, plain_policy, sends_models
+from modelcast.station.sender.names import (
+    SENDERS,
+    OwnSettings,
+    check_sender,
+    own_sender,
+    own_settings,
+    plain_policy,
+    sends_free,
+    sends_models,
+)
 from modelcast.station.sensing.motion_filter import MotionFilter
 
 __all__ = [
@@ -74,7 +86,8 @@ _RELAXED_S = {
     f"j2945-{content}-relaxed{ending}": longest_s
     for content in ("free", "mbc")
     for ending, longest_s in (("", 2.0), ("-5", 5.0))
-}
+} | {"j3161-mbc-relaxed": 2.0}
+_GRANTS = {"any": Grant.ANY, "periodic": Grant.PERIODIC, "one-shot": Grant.ONE_SHOT}
 _WHATEVER_IS_SENT: Mapping[str, AbstractTransmitPolicy[Any]] = MappingProxyType(
     {
         "bsm-10hz": Periodic(10.0),
@@ -130,6 +143,8 @@ class Sender:
         as a basic safety message does.
     selector
         Predicts which sub-model lasts, for start ``predicted``.
+    grant
+        Which kind of resource every message asks for, where a radio reserves resources.
     frames
         Sizes of whole frames, where they do not follow from what is sent; of vehicles alone.
 
@@ -159,6 +174,7 @@ class Sender:
     threshold_m: float = 0.2
     motion: MotionFilter | None = None
     selector: Selector | None = None
+    grant: Grant = Grant.ANY
     frames: FrameSizes | None = None
 
     def __post_init__(self) -> None:
@@ -273,9 +289,27 @@ def engine_parameters(parameters: J2945Parameters | None = None) -> J2945Paramet
     return replace(given, local_as_is_age_s=0.0, local_max_age_s=0.2, remote_as_is_age_s=0.0)
 
 
+def _timers_of(name: str, given: J2945Parameters, said: OwnSettings) -> J2945Parameters:
+    """Constants of J2945/1 with what J3161/1 has otherwise; relaxed senders go by their error whatever."""
+    switches = said.switches
+    if not name.startswith("j3161"):
+        return given
+    if name not in _RELAXED_S:
+        theirs = j3161_parameters(**switches)
+    elif switches.get("tracking_error_trigger", True):
+        theirs = j3161_parameters(**{**switches, "tracking_error_trigger": True})
+    else:
+        raise ValueError(f"{name} sends by its tracking error: tracking_error_trigger must be yes")
+    return replace(
+        given,
+        power_control=theirs.power_control,
+        tracking_error_trigger=theirs.tracking_error_trigger,
+    )
+
+
 def _bank_of(name: str, bank: Bank | None) -> Bank:
     """Sub-models of the sender of that name."""
-    if name in FREE_SENDERS:
+    if sends_free(name):
         chosen = free_bank() if bank is None else bank
         if len(chosen.members) > 1 or chosen.plain_place < 0:
             raise ValueError(
@@ -311,7 +345,8 @@ def named_sender(
     Parameters
     ----------
     name
-        One of `modelcast.station.sender.names.SENDERS`, or a policy of another package, as
+        One of `modelcast.station.sender.names.SENDERS`, with settings or without
+        (`modelcast.station.sender.names.own_settings`), or a policy of another package, as
         `modelcast.station.sender.names.check_sender` takes it; what it sends is fitted as under timers.
     bank
         Sub-models of those that send models; None for the shipped profile's. Of the free ones, a bank of one
@@ -353,7 +388,9 @@ def named_sender(
     own = MotionFilter() if motion is None else motion
     chosen = _bank_of(name, bank)
     within_m = _WITHIN_M
-    timers = engine_parameters() if parameters is None else parameters
+    word, name = name, own_sender(name) or name
+    said = own_settings(word) if name in SENDERS else OwnSettings()
+    timers = _timers_of(name, engine_parameters() if parameters is None else parameters, said)
     if name in _RELAXED_S:
         error_m = max(RELAXED_ERROR_M, own.position_m) if relaxed_error_m is None else relaxed_error_m
         timers = j2945_relaxed_parameters(_RELAXED_S[name], timers, error_m=error_m)
@@ -387,7 +424,7 @@ def named_sender(
         )
     elif sends_models(name):
         if name not in SENDERS:
-            policy = plain_policy(name, threshold_m)
+            policy = plain_policy(word, threshold_m)
         first = unguarded(start or "recent")
         if identify not in {None, "never"}:
             raise ValueError(
@@ -396,7 +433,7 @@ def named_sender(
     around = Stack() if stack is None else stack
     frames = measured_cam_sizes() if name == "cam-road" else None
     return Sender(
-        name,
+        word,
         policy,
         chosen,
         stack=around if frames is None else replace(around, certificates="unsigned", other_bytes=0),
@@ -404,6 +441,7 @@ def named_sender(
         start=first,
         within_m=within_m,
         threshold_m=threshold_m,
-        motion=own if isinstance(policy, J2945) and name != "j2945" else None,
+        motion=own if isinstance(policy, J2945) and name not in {"j2945", "j3161"} else None,
         selector=selector,
+        grant=_GRANTS[said.grant],
     )

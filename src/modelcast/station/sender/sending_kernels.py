@@ -9,13 +9,14 @@ from modelcast.station.policy.error_driven_kernels import NOTHING
 from modelcast.station.policy.j2945_kernels import CAUSE_NOTHING, CAUSE_TIME
 from modelcast.station.policy.neighbours_kernels import NeighbourTables
 from modelcast.station.policy.policy_numbers import RULE_CAM, RULE_ERROR_DRIVEN, RULE_J2945
+from modelcast.station.sender.expecting_kernels import steps_on, until_cam
 from modelcast.station.sender.message_arrays import (
     Contents,
     Outbox,
     SentTally,
 )
 from modelcast.station.sender.posting_kernels import SendingStations, StepInputs, has_begun, post, post_timed
-from modelcast.station.sender.speaking_kernels import SCRATCH, speak
+from modelcast.station.sender.speaking_kernels import SCRATCH, longest_s, speak
 from modelcast.station.sender.timed_kernels import (
     LOCAL,
     ask_cam,
@@ -43,7 +44,7 @@ def _send_j2945(
     waits, until_s = f.timers.pending[v], x.t_s + x.dt_s
     if waits[0] < until_s:
         how = (max(waits[0], x.t_s), waits[1], waits[2] > 0.0, int(waits[3]))
-        post_timed(f, v, b, how, contents, out, tally, scratch)
+        post_timed(f, v, b, how, np.inf, x.dt_s, contents, out, tally, scratch)
         waits[0] = np.inf
     ask_s = x.t_s + f.timers.phase[v] * x.dt_s
     cause, sent_s, power_dbm, believed = ask_j2945(
@@ -53,7 +54,8 @@ def _send_j2945(
     if cause == CAUSE_NOTHING:
         return
     if sent_s < until_s:
-        post_timed(f, v, b, (sent_s, power_dbm, believed, cause), contents, out, tally, scratch)
+        how = (sent_s, power_dbm, believed, cause)
+        post_timed(f, v, b, how, np.inf, x.dt_s, contents, out, tally, scratch)
     else:
         waits[0], waits[1], waits[2], waits[3] = sent_s, power_dbm, 1.0 if believed else 0.0, float(cause)
 
@@ -84,17 +86,24 @@ def _send_otherwise(
             kind = speak(f.models, f.sensed, f.fits, f.rules, f.lanes, lane, number, scratch)
             f.lanes.kind[lane] = kind
         if kind != NOTHING:
-            post(f, v, b, (kind, f.lanes.in_use[b]), how, np.inf, contents, out, tally)
+            ring = f.sensed.stated_m.shape[1]
+            life_s = min(f.lanes.life_s[b], longest_s(f.sensed, f.rules, b, number % ring + ring))
+            next_s = steps_on(ask_s, life_s, x.dt_s) + n.jitter_s
+            post(f, v, b, (kind, f.lanes.in_use[b]), how, next_s, contents, out, tally)
         return
-    sends = False
+    sends, next_s = False, np.inf
     if f.policy.rule == RULE_CAM:
         largest = f.models.sizes[f.models.sizes.size - 1]
         airtime_s = airtime(frame_bytes(largest, True, n.stack), n.stack)
         sends = ask_cam(f.sensed, f.timers, f.policy, v, ask_s, x.busy_ratio[v], airtime_s)
+        sample = f.sensed.samples[v, (f.sensed.taken[v] - 1) % f.sensed.stated_m.shape[1]]
+        wait_s = until_cam(f.timers.rows[v], sample, f.policy.interval_s, f.policy.constants)
+        next_s = steps_on(ask_s, wait_s, x.dt_s) + n.jitter_s
     else:
         sends = ask_periodic(f.timers, f.policy, v, ask_s, x.uniforms[v, 0])
+        next_s = steps_on(ask_s, f.timers.due_s[v] - ask_s, x.dt_s) + n.jitter_s
     if sends:
-        post_timed(f, v, b, how, contents, out, tally, scratch)
+        post_timed(f, v, b, how, next_s, x.dt_s, contents, out, tally, scratch)
 
 
 @kernel(inlined=True)

@@ -26,11 +26,23 @@ from modelcast.station.policy.error_driven_kernels import (
     step,
 )
 from modelcast.station.policy.guard_kernels import BANK, forget_guard, steer
+from modelcast.station.sender.expecting_kernels import life_of
 from modelcast.station.sender.fitting_kernels import SenderModels, distance_to, fit
 from modelcast.station.sender.motion_kernels import displace_straight, state_motion
 from modelcast.station.sender.starting_kernels import available, chosen
 
-__all__ = ["SCRATCH", "compose", "followed", "forget_lane", "hold", "member_error", "speak", "speak_through"]
+__all__ = [
+    "SCRATCH",
+    "compose",
+    "expect",
+    "followed",
+    "forget_lane",
+    "hold",
+    "longest_s",
+    "member_error",
+    "speak",
+    "speak_through",
+]
 
 SCRATCH = 5
 """Numbers that these steps overwrite."""
@@ -45,7 +57,7 @@ def forget_lane(lanes: Lanes, b: int) -> None:
     lanes.message_s[b] = -np.inf
     lanes.kind[b] = NOTHING
     forget_guard(lanes.guarded, b)
-    lanes.loss[b], lanes.olders[b] = 0.0, 0
+    lanes.loss[b], lanes.olders[b], lanes.life_s[b] = 0.0, 0, np.inf
     for m in range(lanes.usable.shape[1]):
         lanes.usable[b, m] = lanes.last_usable[b, m] = False
         lanes.failed_s[b, m] = np.inf
@@ -69,6 +81,25 @@ def member_error(
     v, offsets = rules.vehicle[b], models.members.offsets
     own = lanes.held[b, offsets[m] : offsets[m + 1]]
     return distance_to(models, m, own, lanes.origin[b], s.t_s[v, at], s.samples[v, at], scratch)
+
+
+@kernel(inlined=True)
+def expect(
+    models: SenderModels,
+    s: Sensed,
+    rules: LaneRules,
+    lanes: Lanes,
+    b: int,
+    at: int,
+    threshold_m: float,
+    scratch: FloatVector,
+) -> None:
+    """Write how long the message that a lane is about to send will hold, by how long the one before did."""
+    lanes.life_s[b] = np.inf
+    if lanes.update[b] >= 0:
+        error_m = member_error(models, s, rules, lanes, b, at, lanes.in_use[b], scratch)
+        age_s = s.t_s[rules.vehicle[b], at] - lanes.origin[b, 0]
+        lanes.life_s[b] = life_of(age_s, error_m, threshold_m)
 
 
 @kernel(inlined=True)
@@ -101,7 +132,7 @@ def _legacy_error(s: Sensed, rules: LaneRules, lanes: Lanes, b: int, at: int, sc
 
 
 @kernel(inlined=True)
-def _longest_s(s: Sensed, rules: LaneRules, b: int, at: int) -> float:
+def longest_s(s: Sensed, rules: LaneRules, b: int, at: int) -> float:
     """Longest silence of a lane at its speed."""
     if rules.approach_m[b] == np.inf:
         return float(rules.silence_s[b])
@@ -122,7 +153,7 @@ def _ask(
         error_m = _expected_error(models, s, rules, lanes, b, at, scratch)
         if not error_m < growth * rules.threshold_m[b]:
             return UPDATE
-        silent = t_s - lanes.message_s[b] >= _longest_s(s, rules, b, at) - _TIME_SLACK_S
+        silent = t_s - lanes.message_s[b] >= longest_s(s, rules, b, at) - _TIME_SLACK_S
         return KEEP_ALIVE if silent else NOTHING
     for m in range(models.members.windows.size):
         lanes.errors[b, m] = member_error(models, s, rules, lanes, b, at, m, scratch)
@@ -133,7 +164,7 @@ def _ask(
         t_s - lanes.origin[b, 0],
         t_s - lanes.message_s[b],
         rules.threshold_m[b],
-        _longest_s(s, rules, b, at),
+        longest_s(s, rules, b, at),
         rules.identify[b],
         rules.costs[b],
     )
@@ -314,6 +345,7 @@ def speak(
         whom = followed(rules, lanes, b)
         kind = int(lanes.kind[whom])
         lanes.update[b], lanes.in_use[b] = lanes.update[whom], lanes.in_use[whom]
+        lanes.life_s[b] = lanes.life_s[whom]
     else:
         if lanes.update[b] >= 0:
             before = lanes.in_use[b]
@@ -324,6 +356,7 @@ def speak(
         if rules.speaker[b] >= 0:
             kind = _steered(rules, lanes, b, kind)
         if kind in (UPDATE, KEEP_ALIVE):
+            expect(models, s, rules, lanes, b, at, rules.threshold_m[b], scratch)
             member = compose(models, s, fits, rules, lanes, b, number, scratch)
             if rules.speaker[b] >= 0 and lanes.guarded.stand_in[rules.speaker[b]] != BANK:
                 member = _stand_in(models, s, fits, rules, lanes, b, number, member)

@@ -98,6 +98,7 @@ def sending_stations(
             plain=np.array(sender.plain, dtype=np.bool_),
             power_dbm=sender.power_dbm,
             jitter_s=sender.jitter_s,
+            grant=int(sender.grant),
             frames=no_sizes() if sender.frames is None else sender.frames.numbers,
         ),
     )
