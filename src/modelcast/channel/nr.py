@@ -283,19 +283,21 @@ class Nr(AbstractFrameRadio[NrState]):
         reach_m2 = find_reach(memory, sent, self.lengths, position_m, fitted, self.tables, self.constants)
         sweep = lay_out(reach_m2, position_m, fitted.weak, self.range_m)
         pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
-        heard, copy_pair, copy_span = advance(
-            round(state.t_s * slots_a_s),
-            round(until_t_s * slots_a_s),
-            state.random,
-            memory,
-            sent,
-            self.lengths,
-            sweep,
-            fitted,
-            self.errors,
-            self.leak,
-            self.tables,
-            self.constants,
+        heard, copy_pair, copy_span = parts.beside(
+            lambda: advance(
+                round(state.t_s * slots_a_s),
+                round(until_t_s * slots_a_s),
+                state.random,
+                memory,
+                sent,
+                self.lengths,
+                sweep,
+                fitted,
+                self.errors,
+                self.leak,
+                self.tables,
+                self.constants,
+            )
         )
         after = replace(
             state,

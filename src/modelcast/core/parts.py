@@ -30,7 +30,9 @@ class Parts:
 
     number: int
     pool: ThreadPoolExecutor | None = None
-    _off: deque[Callable[[], object]] = field(default_factory=deque, init=False, repr=False, compare=False)
+    _off: deque[Callable[[], object]] = field(
+        default_factory=lambda: deque[Callable[[], object]](), init=False, repr=False, compare=False
+    )
 
     def each(self, work: Callable[[int], Result]) -> list[Result]:
         """Do the same work on every part, which it is given the number of; what it returned, in order.
