@@ -146,14 +146,15 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=6, help="of four processes each")
     parser.add_argument("--limit", type=float, default=0.95, help="least ratio of base over head")
     parser.add_argument("--json", action="store_true", help="one JSON object a scenario")
+    parser.add_argument("--caches", type=Path, help="keep compiled code here, for the next run")
     given = parser.parse_args()
     slower = 0
     with tempfile.TemporaryDirectory() as name, contextlib.ExitStack() as kept:
         folder = Path(name)
         sides: list[tuple[Path, Path]] = []
         for side, named in (("base", given.base), ("head", given.head)):
-            cache = folder / f"{side}-cache"
-            cache.mkdir()
+            cache = (folder if given.caches is None else given.caches.resolve()) / f"{side}-cache"
+            cache.mkdir(parents=True, exist_ok=True)
             sides.append((kept.enter_context(checkout(named, folder / side)), cache))
         if not given.json:
             print(

@@ -20,7 +20,7 @@ __all__ = ["PAGE", "blocks"]
 
 PAGE = Path(__file__).parents[1] / "docs" / "network-table.md"
 MACHINE = "2-core virtual machine, shared with other work, 2026-11-29"
-PLAIN = "j2945"
+PLAIN, RELAXED = "j2945", "j2945-mbc-relaxed"
 AIM_BUSY_RATIO = 0.7
 COVERED = {"messages": "message_rate_hz", "PTE p90": "pte_p90_m", "PTE p99": "pte_p99_m"}
 
@@ -123,6 +123,21 @@ def _run_cells(rows: Rows, held: Sequence[Setting]) -> list[str]:
     return [", ".join(policies), ", ".join(receivers), said, str(sum(len(rows.by[one]) for one in held))]
 
 
+def radios_block(rows: Rows, settings: Sequence[Setting]) -> list[str]:
+    """Every radio but 802.11p: what collides of even and of uneven messages, and the ratios."""
+    lines: list[str] = []
+    for radio in dict.fromkeys(one.radio for one in settings):
+        said: list[str] = []
+        for policy in (PLAIN, RELAXED):
+            own = [one for one in settings if one.radio == radio and one.policy == policy]
+            shares = {one: 100.0 * mean_of(rows.values(one, "collision_ratio")).value for one in own}
+            each = [f"{share:.1f} % at {density_said(one.density_per_km)}" for one, share in shares.items()]
+            said += [f"of `{policy}` {listed(each)}"] if each else []
+        if said:
+            lines.append(f"- `{radio}`, frames that collide: {'; '.join(said)}.")
+    return [*lines, "", *ratio_table(rows, settings)] if lines else ["Not run."]
+
+
 def loaded_block(rows: Rows) -> list[str]:
     """How busy the channel gets, and where power is lowered."""
     settings = rows.settings("loaded", lambda _: True, tuple(RECEIVERS))
@@ -197,7 +212,7 @@ def blocks(found: Found) -> dict[str, list[str]]:
         "network-table-headline": headline_block(rows),
         "network-table-against": ratio_table(rows, plain),
         "network-table-receivers": ratio_table(rows, others),
-        "network-table-radios": ratio_table(rows, radios),
+        "network-table-radios": radios_block(rows, radios),
         "network-table-loaded": loaded_block(rows),
         "network-table-coverage": coverage_block(rows),
         "network-table-all": absolute_table(rows, [*plain, *others, *radios]),

@@ -10,6 +10,7 @@ from modelcast.channel.pair_kernels import (
     VALUE,
     Pairs,
     empty_pairs,
+    first_slot,
     grow_pairs,
     kept_share,
     mixed,
@@ -167,3 +168,14 @@ def test_the_store_of_pairs_keeps_who_is_in_range_and_forgets_the_others() -> No
         owner = pair_owner(one, other)
         assert grown.held[owner, pair_slot(owner, one + other - owner, grown), VALUE] == values[one, other]
     assert grown.owned.sum() == len(in_range)
+
+
+def test_a_pair_is_found_at_once_or_by_the_search() -> None:
+    """The quick look and the search never differ; where the first finds nothing the pair lies farther on."""
+    pairs = empty_pairs(1, 64)
+    others = np.random.default_rng(0).permutation(np.arange(1, 400))[:48]
+    slots = [pair_slot(0, int(other), pairs) for other in others]
+    quick = [first_slot(0, int(other), pairs.held) for other in others]
+    assert all(one in (-1, slot) for one, slot in zip(quick, slots, strict=True))
+    assert 0 < quick.count(-1) < len(quick)
+    assert first_slot(0, 500, pairs.held) == -1

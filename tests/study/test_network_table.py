@@ -151,6 +151,29 @@ def test_a_small_gain_is_called_small_and_its_receiver_named(table) -> None:
     assert "Less than 5 % remains of it at all of these." in lines[2]
 
 
+def test_other_radios_tell_what_collides_of_even_and_uneven_messages(table) -> None:
+    held = found(table, {"j2945": 4.0, "j2945-mbc-relaxed": 4.0}, seeds=2)
+    for cell, one in held.items():
+        one.figures["collision_ratio"] = 0.012 if cell.policy == "j2945" else 0.08
+    moved = {cell._replace(radio="sidelink"): one for cell, one in held.items()}
+    lines = table["page"].blocks(moved)["network-table-radios"]
+    assert lines[0] == (
+        "- `sidelink`, frames that collide: of `j2945` 1.2 % at 100; of `j2945-mbc-relaxed` 8.0 % at 100."
+    )
+    assert sum("`j2945-mbc-relaxed` | 2 |" in line for line in lines) == 1
+
+
+def test_loaded_runs_tell_the_greatest_busy_ratio_and_who_lowers_power(table) -> None:
+    held = found(table, {"j2945": 4.0, "bsm-10hz": 4.0}, seeds=3)
+    for cell, one in held.items():
+        one.figures["busy_ratio"] = 0.55 if cell.policy == "j2945" else 0.72
+        one.figures["power_dbm"] = 17.6 if cell.policy == "j2945" else 20.0
+    moved = {cell._replace(scenario="loaded"): one for cell, one in held.items()}
+    lines = table["page"].blocks(moved)["network-table-loaded"]
+    assert "is 0.72 ± 0.00, of `bsm-10hz` at 100 vehicles/km; 0.7 is reached." in lines[0]
+    assert "`j2945` holds itself to a busy ratio and a power of 0.55 and 17.6 dBm at 100." in lines[1]
+
+
 def test_nothing_that_was_not_run_is_said(table) -> None:
     made = table["page"].blocks({})
     assert {name: lines for name, lines in made.items() if lines != ["Not run."]}.keys() == {

@@ -7,7 +7,7 @@ import numpy as np
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import FloatMatrix, FloatVector, IntMatrix, IntVector
 
-__all__ = ["Asked", "Heard", "heard_room", "nothing_heard"]
+__all__ = ["Asked", "Heard", "are_in_order", "heard_room", "nothing_heard"]
 
 
 class Asked(NamedTuple):
@@ -57,3 +57,21 @@ def heard_room(heard: Heard, received: int, more: int) -> Heard:
     who, when = np.empty((size, 3), dtype=np.int64), np.empty((size, 2))
     who[:received], when[:received] = heard.who[:received], heard.when[:received]
     return Heard(who, when, heard.outcomes, heard.expired)
+
+
+@kernel
+def are_in_order(
+    message_id: IntVector,
+    sender: IntVector,
+    receiver: IntVector,
+    t_s: FloatVector,
+    vehicles: int,
+    since_s: float,
+) -> bool:
+    """Return whether receptions, (R,) each, are as a fleet of so many can take them (`Receptions.check`)."""
+    good, before_s = True, since_s
+    for k in range(t_s.size):
+        good &= (sender[k] >= 0) & (sender[k] < vehicles) & (receiver[k] >= 0) & (receiver[k] < vehicles)
+        good &= (message_id[k] >= 0) & (sender[k] != receiver[k]) & (t_s[k] >= before_s)
+        before_s = t_s[k]
+    return good

@@ -1,4 +1,4 @@
-"""Radios that simulate every frame at every receiver: what `Dsrc` and `Sidelink` have in common.
+"""Radios that simulate every frame at every receiver: what `Dsrc`, `Sidelink` and `Nr` have in common.
 
 Their states hold arrays that a compiled loop writes into. `step` gives the loop a copy, `carry` the state
 itself.
@@ -128,12 +128,14 @@ class AbstractFrameRadio(AbstractRadio[State]):
         """Carry one interval and use the given state up: faster than `step`."""
         place_m = np.ascontiguousarray(position_m, dtype=np.float64)
         heard, after = self.advance(state, transmissions, place_m, until_t_s, parts)
+        message_id, sender, receiver = np.ascontiguousarray(heard.who.T)
+        t_s, power_mw = np.ascontiguousarray(heard.when.T)
         receptions = Receptions(
-            heard.who[:, 0],
-            heard.who[:, 1],
-            receiver=heard.who[:, 2],
-            t_s=heard.when[:, 0],
-            rssi_dbm=10.0 * np.log10(heard.when[:, 1]),
+            message_id,
+            sender,
+            receiver=receiver,
+            t_s=t_s,
+            rssi_dbm=10.0 * np.log10(power_mw),
             outcomes=heard.outcomes,
             expired=heard.expired,
         )

@@ -16,6 +16,7 @@ from modelcast.core.kernel_types import Float32Cube, Float32Vector, FloatMatrix,
 __all__ = [
     "Pairs",
     "empty_pairs",
+    "first_slot",
     "grow_pairs",
     "kept_share",
     "mixed",
@@ -67,6 +68,16 @@ def pair_owner(one: int, other: int) -> int:
 def home_slot(other: int, held: Float32Cube) -> int:
     """Return the first of the `_BUCKET` slots where the search for a pair begins."""
     return ((other * 0x9E3779B1) >> 11) & (held.shape[1] - _BUCKET)
+
+
+@kernel(inlined=True)
+def first_slot(owner: int, other: int, held: Float32Cube) -> int:
+    """Return the slot of a pair if it is where the search for it begins; else -1."""
+    tag, at = np.float32(other), home_slot(other, held)
+    slot = -1
+    for n in range(_BUCKET):
+        slot = at + n if held[owner, at + n, OTHER] == tag else slot
+    return slot
 
 
 @kernel(inlined=True)

@@ -13,8 +13,9 @@ from typing import Generic, Self, TypeVar
 import numpy as np
 
 from modelcast.channel.antennas import checked_gains
+from modelcast.channel.frame_kernels import are_in_order
 from modelcast.channel.propagation import Propagation
-from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.arrays import BoolArray, FloatArray, IntArray, owned
 from modelcast.core.parts import WHOLE, Parts
 
 __all__ = ["ORDINARY", "OUTCOMES", "AbstractRadio", "Grant", "Receptions", "Transmissions"]
@@ -88,7 +89,7 @@ class Transmissions:
     Notes
     -----
     Radios see ``priority``, ``next_s`` and ``grant`` as full columns, whether left out or not. Each says
-    which of them it heeds; `Sidelink` heeds the last two.
+    which of them it heeds; `Sidelink` and `Nr` heed the last two.
     """
 
     sender: IntArray
@@ -294,7 +295,7 @@ class Receptions:
             raise ValueError(f"receptions must have columns of one length, got {sorted(shapes)}")
         if self.outcomes.ndim != 2 or self.outcomes.shape[1] != len(OUTCOMES):
             raise ValueError(f"outcomes must be (bins, {len(OUTCOMES)}), got {self.outcomes.shape}")
-        if not self.size:
+        if self._are_in_order(vehicles, since_s):
             return
         for name in ("sender", "receiver"):
             low, high = int(getattr(self, name).min()), int(getattr(self, name).max())
@@ -309,6 +310,11 @@ class Receptions:
         own = self.sender == self.receiver
         if own.any():
             raise ValueError(f"vehicle {int(self.sender[own][0])} must not receive what it sends itself")
+
+    def _are_in_order(self, vehicles: int, since_s: float) -> bool:
+        """Whether nothing is wrong with any row, found out in one go; what is wrong, `check` says."""
+        whole = (owned(one, np.int64) for one in (self.message_id, self.sender, self.receiver))
+        return bool(are_in_order(*whole, owned(self.t_s), vehicles, since_s - _SLACK_S))
 
 
 class AbstractRadio(abc.ABC, Generic[State]):

@@ -14,6 +14,7 @@ from modelcast.channel.pair_kernels import (
     OTHER,
     VALUE,
     Pairs,
+    first_slot,
     home_slot,
     kept_share,
     mixed,
@@ -201,10 +202,14 @@ def _find_owned(
 @kernel(inlined=True)
 def _find_slots(owner: int, count: int, found: IntMatrix, pairs: Pairs) -> bool:
     """Write the slots of an owner's pairs with those found; return whether there was room for all."""
-    # First look at every pair once, without a branch: so all cache misses overlap.
+    # First look at the slots where each pair begins, without a branch: so all cache misses overlap.
+    missed = 0
     for n in range(count):
-        found[_SLOT, n] = np.int64(pairs.held[owner, home_slot(found[_OTHER, n], pairs.held), OTHER])
-    for n in range(count):
+        found[_SLOT, n] = first_slot(owner, found[_OTHER, n], pairs.held)
+        found[_WORD, missed] = n
+        missed += int(found[_SLOT, n] < 0)
+    for m in range(missed):
+        n = found[_WORD, m]
         found[_SLOT, n] = pair_slot(owner, found[_OTHER, n], pairs)
         if found[_SLOT, n] < 0:
             return False

@@ -265,18 +265,20 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
         sweep = lay_out(reach_m2, position_m, fitted.weak, self.constants.range_m)
         pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
         copies = Copies(state.copy_pair, state.copy_span, np.full(state.vehicles, -1, dtype=np.int64))
-        heard, copy_pair, copy_span = advance(
-            round(state.t_s * 1e3),
-            round(until_t_s * 1e3),
-            state.random,
-            Memory(state.grant, state.power_dbm, state.sensed, state.reserved, state.busy_ratio, copies),
-            sent,
-            sweep,
-            fitted,
-            self.hazard,
-            self.leak,
-            self.tables,
-            self.constants,
+        heard, copy_pair, copy_span = parts.beside(
+            lambda: advance(
+                round(state.t_s * 1e3),
+                round(until_t_s * 1e3),
+                state.random,
+                Memory(state.grant, state.power_dbm, state.sensed, state.reserved, state.busy_ratio, copies),
+                sent,
+                sweep,
+                fitted,
+                self.hazard,
+                self.leak,
+                self.tables,
+                self.constants,
+            )
         )
         after = replace(
             state,

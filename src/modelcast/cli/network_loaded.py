@@ -4,7 +4,7 @@ Published traffic seldom loads the channel so far that J2945/1 lowers its power.
 messages over good antennas. Where the user's radio word sets a gain or names a preset, that holds.
 """
 
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from modelcast.channel.radio import AbstractRadio
@@ -44,11 +44,9 @@ def loaded_radio(radio: AbstractRadio[Any], text: str) -> AbstractRadio[Any]:
     """
     held: Any = radio
     holder: Any = getattr(radio, "parameters", radio)
-    if not is_dataclass(holder) or isinstance(holder, type):
-        return radio
-    if "antenna_gain_db" not in {one.name for one in fields(holder)}:
+    if "antenna_gain_db" not in getattr(holder, "__dataclass_fields__", ()):
         return radio
     if _OWN_GAIN & named_settings(text)[1].keys():
         return radio
-    fitted = replace(holder, antenna_gain_db=ANTENNA_GAIN_DB)
-    return fitted if holder is radio else replace(held, parameters=fitted)
+    fitted: Any = replace(holder, antenna_gain_db=ANTENNA_GAIN_DB)
+    return fitted if holder is held else replace(held, parameters=fitted)

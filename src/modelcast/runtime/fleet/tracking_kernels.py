@@ -151,7 +151,7 @@ def _work_out_due(x: Tracking, contents: Contents, found: _Found, due: int, scra
     found.east[0] = touched
     for n in range(due):
         k = found.due[n]
-        message = found.message[k]
+        message = int(found.message[k])
         sender, ring = message & mask, (message >> SENDER_BITS) % MESSAGES_KEPT
         found.belief[k] = work_out(x, message, contents, scratch)
         found.error[k] = contents.beliefs[sender, ring, BELIEF_ERROR]
