@@ -52,6 +52,7 @@ fuzz: setup
 # pip's ns3 3.44; what is not named is skipped.
 validate: setup-dev
 	$(if $(MODELCAST_REFERENCE),$(BIN)/python validation/wilab.py)
+	$(if $(MODELCAST_REFERENCE),$(BIN)/python validation/wilab_nr.py)
 	$(BIN)/python validation/mode4_published.py
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3.py)
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3_error_tables.py $(MODELCAST_NS3_PYTHON))

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from modelcast.channel.dsrc import Dsrc
+from modelcast.channel.nr import Nr
 from modelcast.channel.radio import AbstractRadio, Transmissions
 from modelcast.channel.sidelink import Sidelink
 
@@ -69,7 +70,7 @@ def main() -> None:
             program, environment = comparison.build(python, Path(name))
             took_s = comparison.theirs(program, environment, where, 0, Path(name))[1].processor_s
         print(f"  ns-3: {took_s:.2f} s, {took_s / own_s:.0f} times as long")
-    for title, radio in (("802.11p", Dsrc()), ("mode 4", Sidelink())):
+    for title, radio in (("802.11p", Dsrc()), ("mode 4", Sidelink()), ("NR mode 2", Nr())):
         fleet_s(radio, 20, 5.0)  # compiles
         for vehicles, rate_hz in ((1000, 2.0), (1000, 5.0), (1000, 10.0), (5000, 5.0)):
             spent_s, ratio = fleet_s(radio, vehicles, rate_hz)

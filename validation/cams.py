@@ -1,9 +1,9 @@
 """Cooperative awareness messages in traffic, by congestion control, and as cars sent them on roads.
 
 ``cams.py FOLDER [--write | --check]`` calls ``modelcast network``, which keeps the runs that are done in the
-folder, and makes the tables of `docs/cam.md`: what messages are as octets, and what traffic makes of them. On
-20 lanes traffic flows freely at all densities. Every message is as long as one with `POINTS` points of the
-path behind, but for `cam-road`, which draws the sizes of its frames.
+folder, and makes the tables of `docs/cam.md`: what messages are as octets, and what traffic makes of them.
+Every message is as long as one with `POINTS` points of the path behind, but for `cam-road`, which draws the
+sizes of its frames.
 """
 
 import argparse
@@ -21,7 +21,15 @@ from modelcast.messages.cam import CamLowFrequency, CooperativeAwarenessMessage,
 from page_blocks import put
 
 PAGE = Path(__file__).parents[1] / "docs" / "cam.md"
-DENSITIES_PER_KM = (100, 300, 600)
+CALLS = {
+    "plain": ("--density 100 300 600 --lanes 10 --length 1200 --duration 14 --warm-up 8", "0 dB"),
+    "dense": (
+        "--density 800 --lanes 16 --length 1000 --duration 10 --warm-up 5 --radio dsrc:antenna_gain_db=3",
+        "3 dB",
+    ),
+}
+"""What is driven, and the antennas at either end."""
+
 POLICIES = ("cam", "cam-reactive", "cam-uncontrolled", "cam-road")
 POINTS, SEEDS = 23, 3
 FIGURES = {
@@ -35,8 +43,8 @@ FIGURES = {
 """Factor and format of each figure."""
 
 HEAD = (
-    "| vehicles/km | policy | messages/s | bytes a frame | busy | delivered | p50 cm | p90 cm |",
-    "|---|---|---|---|---|---|---|---|",
+    "| vehicles/km | antennas | policy | messages/s | bytes a frame | busy | delivered | p50 cm | p90 cm |",
+    "|---|---|---|---|---|---|---|---|---|",
 )
 
 
@@ -76,21 +84,19 @@ def sizes() -> list[str]:
     return lines + [f"| {name} | {bare} | {carrying} |" for name, bare, carrying in rows]
 
 
-def driven(folder: Path) -> list[dict[str, Any]]:
-    """Rows of all runs; those that are done are kept."""
+def driven(folder: Path, words: str) -> list[dict[str, Any]]:
+    """Rows of all runs of a call; those that are done are kept."""
     more = cam_octets(POINTS) - bsm_octets()
-    words = ["network", "--density", *map(str, DENSITIES_PER_KM), "--policy", *POLICIES]
-    words += ["--lanes", "10", "--length", "1200", "--duration", "14", "--warm-up", "8"]
-    words += ["--seeds", str(SEEDS), "--certificates", "digest", "--more-bytes", str(more)]
-    words += ["--jobs", "1", "--quiet", "--out", str(folder)]
-    subprocess.run([sys.executable, "-m", "modelcast", *words], check=True)  # noqa: S603 - ourselves
+    call = ["network", *words.split(), "--policy", *POLICIES, "--seeds", str(SEEDS), "--jobs", "1", "--quiet"]
+    call += ["--certificates", "digest", "--more-bytes", str(more), "--out", str(folder)]
+    subprocess.run([sys.executable, "-m", "modelcast", *call], check=True)  # noqa: S603 - ourselves
     return json.loads((folder / "summary.json").read_text(encoding="utf-8"))["runs"]
 
 
-def table(runs: list[dict[str, Any]]) -> list[str]:
-    """Means of all seeds."""
-    lines = list(HEAD)
-    for density in DENSITIES_PER_KM:
+def rows(runs: list[dict[str, Any]], antennas: str) -> list[str]:
+    """Means of all seeds, a row a density and policy."""
+    lines: list[str] = []
+    for density in sorted({one["density_per_km"] for one in runs}):
         for policy in POLICIES:
             own = [one for one in runs if one["density_per_km"] == density and one["policy"] == policy]
             if len(own) != SEEDS:
@@ -99,9 +105,15 @@ def table(runs: list[dict[str, Any]]) -> list[str]:
                 f"{factor * np.mean([one[name] for one in own]):{form}}"
                 for name, (factor, form) in FIGURES.items()
             )
-            lines.append(f"| {density} | `{policy}` | {' | '.join(means)} |")
-    said = f"Means of {SEEDS} seeds; pairs 50 m to 150 m apart, but for messages, bytes and busy ratio."
-    return [*lines, "", f"{said} modelcast {package_version()}."]
+            lines.append(f"| {density:g} | {antennas} | `{policy}` | {' | '.join(means)} |")
+    return lines
+
+
+def table(folder: Path) -> list[str]:
+    """Rows of all calls, and what they are."""
+    made = [rows(driven(folder / name, words), antennas) for name, (words, antennas) in CALLS.items()]
+    said = f"Means of {SEEDS} seeds; delivered and errors are those of pairs 50 m to 150 m apart."
+    return [*HEAD, *(line for one in made for line in one), "", f"{said} modelcast {package_version()}."]
 
 
 def main() -> int:
@@ -112,7 +124,7 @@ def main() -> int:
     asked.add_argument("--write", action="store_true", help="put the tables into docs/cam.md")
     asked.add_argument("--check", action="store_true", help="tell whether docs/cam.md has them")
     given = parser.parse_args()
-    blocks = {"cam-octets": sizes(), "cam-traffic": table(driven(given.folder))}
+    blocks = {"cam-octets": sizes(), "cam-traffic": table(given.folder)}
     print("\n".join(line for lines in blocks.values() for line in [*lines, ""]))
     return put({PAGE: blocks}, check=given.check) if given.write or given.check else 0
 

@@ -135,7 +135,8 @@ def delivered(outcomes: np.ndarray) -> np.ndarray:
 def spread(outcomes: np.ndarray) -> np.ndarray:
     """Standard deviation of one seed by bin, (bins,)."""
     each = outcomes[:, :, 0] / np.maximum(outcomes.sum(axis=2), 1)
-    return each.std(axis=0, ddof=1) if each.shape[0] > 1 else np.zeros(each.shape[1])
+    apart = each - each.mean(axis=0)
+    return np.sqrt((apart**2).sum(axis=0) / max(each.shape[0] - 1, 1))
 
 
 def span(k: int) -> str:
@@ -169,6 +170,16 @@ def compared(radio: Radio, folder: Path, runs: Runs) -> Iterator[str]:
     yield f"Largest difference {worst:.3f}; target {TARGET}. {runs.seeds} seeds; the reference is one run."
 
 
+def _without(radio: Radio) -> dict[str, str]:
+    """Settings that replace all ways of that simulator."""
+    return {key: value for instead in radio.ways.values() for key, value in instead.items()}
+
+
+def _settings(settings: Mapping[str, str]) -> str:
+    """Settings as a radio's word takes them."""
+    return ",".join(f"{key}={value}" for key, value in settings.items())
+
+
 def ways(radio: Radio, folder: Path, runs: Runs) -> Iterator[str]:
     """Lines that say what each way of that simulator moves: the preset less the preset without it."""
     counts = published(folder / radio.file)
@@ -180,17 +191,14 @@ def ways(radio: Radio, folder: Path, runs: Runs) -> Iterator[str]:
         + " | largest difference without |"
     )
     yield "|---|" + "---|" * (theirs.size + 1)
-    without_all: dict[str, str] = {}
     for name, instead in radio.ways.items():
-        without_all |= instead
         yield _moved(name, radio.word, instead, whole, theirs, runs)
-    yield _moved("all of these", radio.word, without_all, whole, theirs, runs)
+    yield _moved("all of these", radio.word, _without(radio), whole, theirs, runs)
 
 
 def _moved(name: str, word: str, instead: Mapping[str, str], whole: np.ndarray, *rest: Any) -> str:
     theirs, runs = rest
-    settings = ",".join(f"{key}={value}" for key, value in instead.items())
-    without = delivered(runs.of(f"{word},{settings}")[0])[: theirs.size]
+    without = delivered(runs.of(f"{word},{_settings(instead)}")[0])[: theirs.size]
     moved = " | ".join(f"{share:+.3f}" for share in whole - without)
     return f"| {name} | {moved} | {np.abs(without - theirs).max():.3f} |"
 
@@ -210,11 +218,14 @@ def predicted(densities: list[int], runs: Runs) -> Iterator[str]:
     """Lines of what is expected at other densities, for comparison by whoever has figures."""
     yield "| radio, vehicles a km | busy | " + " | ".join(span(k) for k in range(BINS)) + " | one seed ± |"
     yield "|---|" + "---|" * (BINS + 2)
-    for radio in RADIOS.values():
+    standard = RADIOS["mode4"]
+    words = {radio.title: radio.word for radio in RADIOS.values()}
+    words[f"{standard.title} without these ways"] = f"{standard.word},{_settings(_without(standard))}"
+    for title, word in words.items():
         for per_km in densities:
-            outcomes, ratio = runs.of(radio.word, per_km)
+            outcomes, ratio = runs.of(word, per_km)
             cells = " | ".join(f"{share:.3f}" for share in delivered(outcomes))
-            yield f"| {radio.title}, {per_km} | {ratio:.3f} | {cells} | {spread(outcomes).max():.3f} |"
+            yield f"| {title}, {per_km} | {ratio:.3f} | {cells} | {spread(outcomes).max():.3f} |"
     yield ""
     yield f"{runs.seeds} seeds; the last column is the largest standard deviation of one seed in a bin."
 

@@ -1,9 +1,9 @@
 """Compare NR-V2X mode 2 with the figures of WiLabV2Xsim 6.2, per 50 m of distance.
 
-Usage: python validation/wilab_nr.py [FOLDER] [--seeds N] [--write | --check]
+Usage: python validation/wilab_nr.py [FOLDER] [--seeds N] [--keep RUNS] [--write | --check]
 FOLDER holds the reference's ``wilab_nr_*.tsv``; left out, the environment variable MODELCAST_REFERENCE names
-it. ``--write`` puts the table into ``validation/README.md``, ``--check`` tells by its exit code whether that
-page has it.
+it. RUNS is a folder where runs are kept, so that an interruption costs one. ``--write`` puts the table into
+``validation/README.md``, ``--check`` tells by its exit code whether that page has it.
 
 A message that was dropped at its sender counts as not received by all who were in reach then, as the
 reference counts it.
@@ -19,49 +19,32 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from highway import Road, messages
-from modelcast.channel.nr import Nr
-from modelcast.channel.nr_parameters import NrParameters
-from modelcast.channel.propagation import Propagation, Shadowing
+from modelcast.channel.radio_words import get_radio
 from modelcast.core.version import package_version
 from page_blocks import put
 from wilab import COARSE, FINE_M, ROAD, SECONDS, published
 
 PAGE = Path(__file__).parent / "README.md"
-TARGET = 0.03
-BINS = 60
-NR = NrParameters(
-    11,
-    overlapping=False,
-    keep_ratio=0.4,
-    noise_figure_db=6.0,
-    antenna_gain_db=3.0,
-    sensitivity_dbm=-120.0,
-    bin_m=FINE_M,
-    bins=BINS,
-)
-"""10 MHz, 15 kHz, five sub-channels of 10 blocks; resources begin at multiples of their length."""
+TARGET, BINS = 0.03, 60
+WORD = f"nr:preset=wilab,bin_m={FINE_M:g},bins={BINS}"
+APERIODIC = replace(ROAD, rate_hz=20.0, mean_extra_s=0.05)
 
 
 class Case(NamedTuple):
-    """A file of the reference, the radio and the traffic that it is of."""
+    """A file of the reference, the radio as ``--radio`` takes it and the traffic that it is of."""
 
     file: str
     title: str
-    parameters: NrParameters
+    word: str
     road: Road
 
 
 CASES = (
-    Case("wilab_nr_mcs11_100_k04", "MCS 11, keep 0.4", NR, ROAD),
-    Case("wilab_nr_mcs11_100_k08", "MCS 11, keep 0.8", replace(NR, keep_ratio=0.8), ROAD),
-    Case(
-        "wilab_nr_mcs11_100_k04_aper",
-        "MCS 11, keep 0.4, aperiodic",
-        NR,
-        replace(ROAD, rate_hz=20.0, mean_extra_s=0.05),
-    ),
-    Case("wilab_nr_mcs11_100_dyn", "MCS 11, dynamic grants", replace(NR, dynamic=True), ROAD),
-    Case("wilab_nr_mcs7_100_k04", "MCS 7, keep 0.4", replace(NR, mcs=7), ROAD),
+    Case("wilab_nr_mcs11_100_k04", "MCS 11, keep 0.4", WORD, ROAD),
+    Case("wilab_nr_mcs11_100_k08", "MCS 11, keep 0.8", f"{WORD},keep_ratio=0.8", ROAD),
+    Case("wilab_nr_mcs11_100_k04_aper", "MCS 11, keep 0.4, aperiodic", WORD, APERIODIC),
+    Case("wilab_nr_mcs11_100_dyn", "MCS 11, dynamic grants", f"{WORD},dynamic=true", ROAD),
+    Case("wilab_nr_mcs7_100_k04", "MCS 7, keep 0.4", f"{WORD},mcs=7", ROAD),
 )
 
 
@@ -81,7 +64,7 @@ class Counts(NamedTuple):
 
 def run(case: Case, seed: int) -> Counts:
     """One drive of the fleet."""
-    radio = Nr(case.parameters, Propagation(shadowing=Shadowing(3.0, 4.0), fading=None))
+    radio = get_radio(case.word)
     state: Any = radio.init(case.road.vehicles, np.random.default_rng([seed, 1]))
     outcomes: Any = 0
     dropped = np.zeros(BINS, dtype=np.int64)
@@ -100,20 +83,35 @@ def run(case: Case, seed: int) -> Counts:
     return Counts(outcomes[:, 0], outcomes[:, 1:].sum(axis=1), dropped, float(np.mean(ratios)))
 
 
-def shares(folder: Path, case: Case, seeds: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+def kept(case: Case, seed: int, folder: Path | None) -> Counts:
+    """What the folder has of a run, made where it has nothing."""
+    path = folder / f"{case.file}-{seed}.npz" if folder is not None else None
+    if path is not None and path.exists():
+        with np.load(path) as held:
+            return Counts(held["received"], held["lost"], held["dropped"], float(held["busy"]))
+    found = run(case, seed)
+    if path is not None:
+        np.savez(path, **found._asdict())
+        print(path.stem, file=sys.stderr, flush=True)
+    return found
+
+
+def shares(
+    folder: Path, case: Case, seeds: int, keep: Path | None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Theirs, ours seed by seed (seeds, bins), share dropped at the sender (seeds,), mean busy ratio."""
     reference = published(folder / f"{case.file}.tsv")
     theirs = reference[:, 1] / reference[:, 0]
-    counts = [run(case, seed) for seed in range(seeds)]
+    counts = [kept(case, seed, keep) for seed in range(seeds)]
     pairs = np.stack([one.coarse() for one in counts])[:, : theirs.size]
     whole = [one.dropped.sum() / (one.received + one.lost + one.dropped).sum() for one in counts]
     ours = pairs[:, :, 0] / pairs[:, :, 1]
     return theirs, ours, np.array(whole), float(np.mean([one.busy for one in counts]))
 
 
-def table(folder: Path, seeds: int) -> list[str]:
+def table(folder: Path, seeds: int, keep: Path | None) -> list[str]:
     """Lines of Markdown."""
-    found = {case.title: shares(folder, case, seeds) for case in CASES}
+    found = {case.title: shares(folder, case, seeds, keep) for case in CASES}
     bins = max(theirs.size for theirs, *_ in found.values())
     heads = [f"{k * 50}-{k * 50 + 50}" for k in range(bins)]
     lines = [f"| distance m | {' | '.join(heads)} |", "|" + "---|" * (bins + 1)]
@@ -144,12 +142,15 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", nargs="?", default=os.environ.get("MODELCAST_REFERENCE", ""))
     parser.add_argument("--seeds", type=int, default=10, help="runs of each case")
+    parser.add_argument("--keep", type=Path, help="folder of runs")
     parser.add_argument("--write", action="store_true", help="put the table into validation/README.md")
     parser.add_argument("--check", action="store_true", help="tell whether validation/README.md has it")
     given = parser.parse_args()
     if not given.folder:
         parser.error("name the folder of the reference figures, or set MODELCAST_REFERENCE")
-    lines = table(Path(given.folder), given.seeds)
+    if given.keep is not None:
+        given.keep.mkdir(parents=True, exist_ok=True)
+    lines = table(Path(given.folder), given.seeds, given.keep)
     print("\n".join(lines))
     if given.write or given.check:
         return put({PAGE: {"wilab-nr": lines}}, check=given.check)

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
+from modelcast.channel.dsrc_link_kernels import heard_within_m
 from modelcast.channel.path_loss import (
     AbstractPathLoss,
     DualSlope,
@@ -58,6 +59,16 @@ def test_two_rays_swing_around_free_space_near_by_at_most_6_db_above() -> None:
     assert above_db.max() < 6.02
     assert above_db.max() > 3.0
     assert above_db.min() < -6.0
+
+
+@given(st.floats(-90.0, -60.0))
+def test_the_reach_of_two_rays_is_where_the_last_of_their_peaks_falls_below(gain_db: float) -> None:
+    """The gain swings near the sender: a search by halves needs a table that never rises."""
+    tables = Propagation(TwoRay(), None, None).tables(3000.0)
+    assert np.all(np.diff(tables.reach_ln) <= 0.0)
+    last_m = np.flatnonzero(tables.los_ln >= gain_db * np.log(10.0) / 10.0)[-1] / tables.per_m
+    found_m = heard_within_m(0.0, tables, 10.0 ** (0.1 * gain_db), 3000.0)
+    assert found_m == pytest.approx(last_m, abs=1.0 / tables.per_m)
 
 
 def test_the_formulas_give_their_values_by_hand() -> None:

@@ -18,6 +18,7 @@ from modelcast.channel.radio_parts import radio_form
 from modelcast.channel.radio_presets import PRESETS
 from modelcast.channel.radio_words import get_radio, radio_keys
 from modelcast.channel.registry import RADIOS
+from modelcast.channel.sidelink_parameters import wilab_sidelink_parameters
 from modelcast.channel.table_error_model import TableErrorModel
 from modelcast.core.exceptions import ConfigError
 
@@ -188,3 +189,7 @@ def test_loss_and_luck_of_a_set_radio_are_those_of_the_same_radio_made_by_hand()
     assert found[0].size > 500
     assert found[0].t_s.tolist() == found[1].t_s.tolist()
     assert found[0].outcomes.tolist() == found[1].outcomes.tolist()
+
+
+def test_the_preset_of_mode_4_is_the_set_of_parameters() -> None:
+    assert get_radio("sidelink:preset=wilab").parameters == wilab_sidelink_parameters()  # type: ignore[attr-defined]

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from modelcast.channel.dsrc import Dsrc
+from modelcast.channel.nr import Nr
 from modelcast.channel.radio import AbstractRadio, Transmissions
 from modelcast.channel.sidelink import Sidelink
 from modelcast.channel.tabulated import ReceptionTable, TabulatedRadio
@@ -32,7 +33,12 @@ from modelcast.world.scenario.base import FleetFrame
 
 CARS, STEPS, DT_S = 4, 100, 0.1
 LOSSLESS = TabulatedRadio(ReceptionTable(np.array([0.0, 1.0]), np.ones((2, 4)), bin_m=50.0))
-RADIOS: dict[str, AbstractRadio[Any]] = {"dsrc": Dsrc(), "sidelink": Sidelink(), "abstract": LOSSLESS}
+RADIOS: dict[str, AbstractRadio[Any]] = {
+    "dsrc": Dsrc(),
+    "sidelink": Sidelink(),
+    "nr": Nr(),
+    "abstract": LOSSLESS,
+}
 
 Arrived = list[tuple[int, bytes, float]]
 """Host, octets, time of arrival."""

@@ -10,6 +10,7 @@ import pytest
 from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.erasure import Ideal
 from modelcast.channel.erasure_radio import ErasureRadio
+from modelcast.channel.nr import Nr
 from modelcast.channel.radio import AbstractRadio
 from modelcast.channel.sidelink import Sidelink
 from modelcast.core.kinds import Kind
@@ -53,7 +54,7 @@ def traced(
     return run, tables
 
 
-RADIOS = {"dsrc": Dsrc(), "sidelink": Sidelink()}
+RADIOS = {"dsrc": Dsrc(), "sidelink": Sidelink(), "nr": Nr()}
 
 
 @pytest.fixture(scope="module", params=RADIOS)

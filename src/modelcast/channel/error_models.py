@@ -49,6 +49,25 @@ _HIGHWAY_LOS = {0: 0.766, 1: 0.508, 2: 0.264, 3: 0.111, 4: 0.040, 5: 0.013, 6: 0
 _HIGHWAY_NLOS = {1: 0.996, 2: 0.971, 3: 0.893, 4: 0.689, 5: 0.433, 6: 0.201, 7: 0.071}
 _URBAN_LOS = {0: 0.919, 1: 0.726, 2: 0.460, 3: 0.220, 4: 0.080, 5: 0.029, 6: 0.005, 7: 0.002}
 _CROSSING_NLOS = {1: 0.990, 2: 0.933, 3: 0.766, 4: 0.501, 5: 0.241, 6: 0.087, 7: 0.024}
+_NR_MCS7 = {3: 0.951, 5: 0.878, 7: 0.748, 9: 0.522, 11: 0.289, 13: 0.130, 15: 0.042, 17: 0.011, 19: 0.0022}
+_NR_MCS21 = {
+    11: 0.990,
+    13: 0.941,
+    15: 0.818,
+    17: 0.663,
+    19: 0.511,
+    21: 0.371,
+    23: 0.259,
+    25: 0.192,
+    27: 0.138,
+    29: 0.098,
+    31: 0.076,
+    35: 0.038,
+    37: 0.027,
+    39: 0.020,
+    41: 0.016,
+    43: 0.013,
+}
 _MODE4_MCS5 = {-2: 0.860, -1: 0.596, 0: 0.314, 1: 0.121, 2: 0.035, 3: 0.008}
 
 
@@ -200,8 +219,8 @@ class TabulatedErrorModel(AbstractErrorModel):
 
     References
     ----------
-    The named curves are those of ETSI TR 103 257-1 channels at 5.9 GHz, 350 bytes, as published with
-    WiLabV2Xsim (second-hand).
+    The named curves are those of ETSI TR 103 257-1 channels at 5.9 GHz, 350 bytes (NR: 100 bytes), as
+    published with WiLabV2Xsim (second-hand).
     """
 
     sinr_db: tuple[float, ...]
@@ -221,8 +240,9 @@ class TabulatedErrorModel(AbstractErrorModel):
             raise ValueError(f"reference_bytes must be at least 1, got {self.reference_bytes}")
 
     @classmethod
-    def _of(cls, curve: dict[int, float]) -> Self:
-        return cls(tuple(float(at) for at in curve), tuple(curve.values()))
+    def _of(cls, curve: dict[int, float], reference_bytes: int = 350) -> Self:
+        at = tuple(float(sinr_db) for sinr_db in curve)
+        return cls(at, tuple(curve.values()), reference_bytes=reference_bytes)
 
     @classmethod
     def highway_los(cls) -> Self:
@@ -248,6 +268,16 @@ class TabulatedErrorModel(AbstractErrorModel):
     def sidelink_mcs5(cls) -> Self:
         """LTE-V2X, MCS 5, highway with line of sight."""
         return cls._of(_MODE4_MCS5)
+
+    @classmethod
+    def nr_mcs7(cls) -> Self:
+        """NR-V2X, MCS 7, street behind buildings, 100 bytes."""
+        return cls._of(_NR_MCS7, 100)
+
+    @classmethod
+    def nr_mcs21(cls) -> Self:
+        """NR-V2X, MCS 21, street behind buildings, 100 bytes."""
+        return cls._of(_NR_MCS21, 100)
 
     @property
     def by_stretch(self) -> bool:

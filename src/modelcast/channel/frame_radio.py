@@ -1,4 +1,4 @@
-"""Radios that simulate every frame at every receiver: what `Dsrc` and `Sidelink` have in common.
+"""Radios that simulate every frame at every receiver: what `Dsrc`, `Sidelink` and `Nr` have in common.
 
 Their states hold arrays that a compiled loop writes into. `step` gives the loop a copy, `carry` the state
 itself.

@@ -21,7 +21,13 @@ from modelcast.channel.error_models import (
     safe_ratio,
 )
 from modelcast.channel.frame_kernels import Heard
-from modelcast.channel.frame_radio import AbstractFrameRadio, asked, has_shadowing
+from modelcast.channel.frame_radio import (
+    AbstractFrameRadio,
+    asked,
+    has_shadowing,
+    told_of_fading_twice,
+    without_second_fading,
+)
 from modelcast.channel.in_band_emission import in_band_emission
 from modelcast.channel.nr_air_kernels import HOPELESS, Errors
 from modelcast.channel.nr_kernels import COPIES, GRANT_COLUMNS, MESSAGE, SlotMemory, advance, find_reach
@@ -145,6 +151,8 @@ class Nr(AbstractFrameRadio[NrState]):
 
     def __post_init__(self) -> None:
         p = self.parameters
+        if self.error_model is not None:
+            told_of_fading_twice(self.propagation, self.error_model)
         constants = self._constants()
         size_bytes = np.maximum(np.arange(p.largest_bytes + 1), 1)
         leak = in_band_emission(p.sub_channels, p.blocks, mask=p.emission, total_blocks=p.channel_blocks)
@@ -183,6 +191,7 @@ class Nr(AbstractFrameRadio[NrState]):
             reselect_after=p.reselect_after,
             free_ratio=p.free_ratio,
             reserved_mw=power_ratio(p.reserved_dbm),
+            reserved_by_total=p.reserved_by_total,
             elements=elements,
             noise_mw=power_ratio(noise_dbm),
             sensitivity_mw=power_ratio(p.sensitivity_dbm),
@@ -217,8 +226,10 @@ class Nr(AbstractFrameRadio[NrState]):
         return self.parameters.bin_m
 
     def within(self, propagation: Propagation) -> Self:
-        """The radio with this propagation."""
-        return replace(self, propagation=propagation)
+        """The radio with this propagation, without fast fading where the errors hold it: the steps do."""
+        if self.error_model is None:
+            return replace(self, propagation=replace(propagation, fading=None))
+        return replace(self, propagation=without_second_fading(propagation, self.error_model))
 
     def silent(self, vehicles: int, random: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> NrState:
         """State at time 0 of V vehicles."""

@@ -286,7 +286,8 @@ def _finish_frame(
         elif power_mw > 0.0:
             other_mw = other_power(j, power_mw, turn, turns, air)
             outcome = judge(j, power_mw, other_mw, turn, count, turns, air, leak, errors, constants)
-            rsrp_mw = power_mw / (length * constants.elements)
+            counted_mw = power_mw + other_mw if constants.reserved_by_total else power_mw
+            rsrp_mw = counted_mw / (length * constants.elements)
             # What is weaker excludes nothing.
             if tells and rsrp_mw > constants.reserved_mw:
                 ratio = power_mw / (constants.noise_mw * length + other_mw)

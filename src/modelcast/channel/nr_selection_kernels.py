@@ -34,6 +34,7 @@ class NrConstants(NamedTuple):
     reselect_after: int
     free_ratio: float
     reserved_mw: float
+    reserved_by_total: bool
     elements: float
     noise_mw: float
     sensitivity_mw: float

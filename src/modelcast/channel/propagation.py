@@ -313,7 +313,7 @@ class Propagation:
             raised=0 if self.raised is None else self.raised.stations,
             raised_los_ln=raised_los_ln,
             raised_nlos_ln=raised_nlos_ln,
-            reach_ln=np.maximum(los_ln, raised_los_ln),
+            reach_ln=np.maximum.accumulate(np.maximum(los_ln, raised_los_ln)[::-1])[::-1].copy(),
         )
 
     def draw_gains(

@@ -45,7 +45,7 @@ class PropagationTables(NamedTuple):
     metres; ``normal`` (CELLS,) and ``fading`` (3, CELLS) or (3, 1) are equally probable values, in single
     precision, so that a row of them stays at hand. The last ``raised`` stations have antennas above the road:
     ``raised_los_ln`` and ``raised_nlos_ln`` are for links of which one end is raised. ``reach_ln`` is the
-    greater of both on a line of sight.
+    greatest of both on a line of sight from there on, so it never rises.
     """
 
     los_ln: FloatVector

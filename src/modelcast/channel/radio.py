@@ -89,7 +89,7 @@ class Transmissions:
     Notes
     -----
     Radios see ``priority``, ``next_s`` and ``grant`` as full columns, whether left out or not. Each says
-    which of them it heeds; `Sidelink` heeds the last two.
+    which of them it heeds; `Sidelink` and `Nr` heed the last two.
     """
 
     sender: IntArray

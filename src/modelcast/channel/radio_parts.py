@@ -83,6 +83,8 @@ ERROR_MODELS: Mapping[str, Kind] = {
     "urban-los": Kind(_always(TabulatedErrorModel.urban_los)),
     "crossing-nlos": Kind(_always(TabulatedErrorModel.crossing_nlos)),
     "sidelink-mcs5": Kind(_always(TabulatedErrorModel.sidelink_mcs5)),
+    "nr-mcs7": Kind(_always(TabulatedErrorModel.nr_mcs7)),
+    "nr-mcs21": Kind(_always(TabulatedErrorModel.nr_mcs21)),
 }
 """Error models that any radio of frames can have."""
 

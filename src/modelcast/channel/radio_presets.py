@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any, NamedTuple
 
+from modelcast.channel.nr_parameters import NrParameters, wilab_nr_parameters
 from modelcast.channel.sidelink_parameters import (
     SidelinkParameters,
     j3161_sidelink_parameters,
@@ -45,9 +46,9 @@ _NS3 = Preset(
 )
 
 
-def _settings_of(parameters: SidelinkParameters) -> dict[str, Any]:
+def _settings_of(parameters: SidelinkParameters | NrParameters) -> dict[str, Any]:
     """What parameters have other than by default, by key."""
-    plain = SidelinkParameters()
+    plain = type(parameters)()
     given = {one.name: getattr(parameters, one.name) for one in fields(parameters) if one.init}
     return {name: value for name, value in given.items() if name != "_" and value != getattr(plain, name)}
 
@@ -98,6 +99,21 @@ _WILAB_SIDELINK = Preset(
     },
 )
 
+_WILAB_NR = Preset(
+    "WiLabV2Xsim 6.2, NR-V2X mode 2 at MCS 11, its highway: 3 dB antennas, noise figure 6 dB, a step at the "
+    "mean SINR that the rate needs (9.99 dB), two messages of 300 bytes a slot, keep ratio 0.4, WINNER+ B1, "
+    "3 dB of shadowing",
+    {
+        **_settings_of(wilab_nr_parameters()),
+        "error_model": "own",
+        "path_loss": "winner-b1",
+        "shadowing_db": 3.0,
+        "shadowing_nlos_db": 4.0,
+        "decorrelation_m": 25.0,
+        "fading": "none",
+    },
+)
+
 _J3161 = Preset(
     "LTE-V2X as deployed in the United States, SAE J3161/1: 20 MHz, every message twice, one-shots between "
     "reservations, intervals that follow the sender; parts are from memory (`j3161_sidelink_parameters`)",
@@ -122,5 +138,6 @@ _DEPLOYED = Preset(
 PRESETS: Mapping[str, Mapping[str, Preset]] = {
     "dsrc": {"ns3-default": _NS3, "wilab": _WILAB_DSRC, "deployed-obu": _DEPLOYED},
     "sidelink": {"wilab": _WILAB_SIDELINK, "j3161": _J3161},
+    "nr": {"wilab": _WILAB_NR},
 }
 """Presets by radio and name."""

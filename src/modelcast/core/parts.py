@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TypeVar
 
 __all__ = ["WHOLE", "Parts"]
@@ -31,7 +32,7 @@ class Parts:
     number: int
     pool: ThreadPoolExecutor | None = None
     _off: deque[Callable[[], object]] = field(
-        default_factory=lambda: deque[Callable[[], object]](), init=False, repr=False, compare=False
+        default_factory=deque[Callable[[], object]], init=False, repr=False, compare=False
     )
 
     def each(self, work: Callable[[int], Result]) -> list[Result]:
@@ -57,7 +58,7 @@ class Parts:
             self.each(work)
             return
         for part in range(self.number):
-            self._off.append(lambda part=part: work(part))
+            self._off.append(partial(work, part))
 
     def beside(self, work: Callable[[], Result]) -> Result:
         """Do one thing in this thread, and what was put off in one other; what the first returned."""
