@@ -67,9 +67,9 @@ def main() -> None:
     python = os.environ.get("MODELCAST_NS3_PYTHON", "")
     if python:
         with tempfile.TemporaryDirectory() as name:
-            folder = comparison.folder_of(python)
-            program = comparison.build(VALIDATION / "ns3_broadcast.cc", folder)
-            took_s = comparison.theirs(program, folder, where, 0, Path(name))[1].processor_s
+            wheel = comparison.folder_of(python)
+            program = comparison.build(VALIDATION / "ns3_broadcast.cc", wheel)
+            took_s = comparison.theirs(program, wheel, where, 0, Path(name))[1].processor_s
         print(f"  ns-3: {took_s:.2f} s, {took_s / own_s:.0f} times as long")
     for title, radio in (("802.11p", Dsrc()), ("mode 4", Sidelink()), ("NR mode 2", Nr())):
         fleet_s(radio, 20, 5.0)  # compiles
