@@ -41,6 +41,7 @@ PAGE = Path(__file__).resolve().parents[1] / "docs" / "network.md"
 DENSITY_PER_KM = 200.0
 RADIOS: dict[str, type[AbstractRadio[Any]]] = {"802.11p": Dsrc, "mode 4": Sidelink, "NR": Nr}
 METHODS = ("_sense", "_track", "_send", "_carry", "_hear", "step")
+BLOCKS = ("fleet-stages", "fleet-sizes", "fleet-paired")
 PAIRS = ("find_reach", "lay_out", "renew_pairs")
 """What a radio calls before its events, by their names in its module."""
 
@@ -137,16 +138,23 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--seconds", type=float, default=3.0, help="simulated")
     parser.add_argument("--paired", type=Path, help="what paired.py --json has printed")
+    parser.add_argument("--only", nargs="+", choices=BLOCKS, help="blocks to make; all by default")
     parser.add_argument("--write", action="store_true", help="put the tables into docs/network.md")
     given = parser.parse_args()
-    few = frames_of(40, 2.0)
-    for radio in RADIOS.values():
-        least_s(few, radio(), 1, 1)  # compiles
-    blocks = {"fleet-stages": stage_lines(given.seconds), "fleet-sizes": size_lines(given.seconds)}
+    if given.only != ["fleet-paired"]:
+        few = frames_of(40, 2.0)
+        for radio in RADIOS.values():
+            least_s(few, radio(), 1, 1)  # compiles
+    made: dict[str, Callable[[], list[str]]] = {
+        "fleet-stages": lambda: stage_lines(given.seconds),
+        "fleet-sizes": lambda: size_lines(given.seconds),
+    }
     if given.paired is not None:
-        blocks["fleet-paired"] = paired_lines(given.paired)
-    for lines in blocks.values():
-        print("\n".join([*lines, ""]), flush=True)
+        made["fleet-paired"] = lambda: paired_lines(given.paired)
+    blocks: dict[str, list[str]] = {}
+    for name in given.only or made:
+        blocks[name] = made[name]()
+        print("\n".join([*blocks[name], ""]), flush=True)
     return put({PAGE: blocks}, check=False) if given.write else 0
 
 

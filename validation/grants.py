@@ -16,6 +16,7 @@ import argparse
 import json
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -42,6 +43,7 @@ from modelcast.world.sensors import filter_for
 from page_blocks import put
 
 PAGE = Path(__file__).parents[1] / "docs" / "grants.md"
+STEP_S = 0.1
 LENGTH_M, DURATION_S = 1000.0, 8.0
 DENSITIES_PER_KM = (25.0, 100.0, 200.0, 400.0)
 THRESHOLD_M = 0.2
@@ -135,8 +137,26 @@ def known(steps: list[tuple[Transmissions, FloatArray, float]], seed: int) -> di
     return {"delivery_ratio": float(near[0]), "collision_ratio": float(near[3] + near[4])}
 
 
+def announced(steps: list[tuple[Transmissions, FloatArray, float]]) -> dict[str, float]:
+    """Shares of the messages that came in the step in which they were expected, before and after it."""
+    sender, ready_s, said_s = (
+        np.concatenate([getattr(one, name) for one, _, _ in steps])
+        for name in ("sender", "ready_s", "next_s")
+    )
+    order = np.lexsort((ready_s, sender))
+    same = sender[order][1:] == sender[order][:-1]
+    late_s = (ready_s[order][1:] - said_s[order][:-1])[same]
+    late, early = float((late_s > 0.5 * STEP_S).mean()), float((late_s < -0.5 * STEP_S).mean())
+    return {"in_step": 1.0 - early - late, "early": early, "late": late}
+
+
+def heard_of(radio: Overheard, seed: int) -> dict[str, float]:
+    """What an overheard run says beside its own figures."""
+    return {**known(radio.steps, seed), **announced(radio.steps)}
+
+
 def drive(case: Case) -> dict[str, float]:
-    """Drive the fleet once: `FIGURES`, and what it took [s]."""
+    """Drive the fleet once: `FIGURES`, and what it took [s]; where it is overheard, what was announced."""
     start = time.perf_counter()
     model = named_sensor("default")
     alone = {"approach_m": np.inf, "keep_alive_s": 5.0} if case.policy == ERRORS_ALONE else {}
@@ -154,7 +174,7 @@ def drive(case: Case) -> dict[str, float]:
     row = measure(found, named, SETTINGS, outcome_bin_m=own.bin_m).run
     return {
         **{name: float(getattr(row, name)) for name in FIGURES},
-        **(known(radio.steps, case.seed) if isinstance(radio, Overheard) else {}),
+        **(heard_of(radio, case.seed) if isinstance(radio, Overheard) else {}),
         "wall_s": time.perf_counter() - start,
     }
 
@@ -184,7 +204,7 @@ def _figure(found: Found, key: tuple[float, str, str], name: str) -> np.ndarray:
     return np.array([one[name] for one in found[key]])
 
 
-def _rows(found: Found, keys: list[tuple[float, str, str]]) -> list[str]:
+def _rows(found: Found, keys: Sequence[tuple[float, str, str]]) -> list[str]:
     """A row a setting: messages, delivery, collisions, p90 and busy ratio."""
     heads = ("vehicles/km", "policy", "grant", "messages/s", "received %", "collided %", "p90 cm", "busy %")
     lines = [f"| {' | '.join(heads)} |", "|---:|---|---|" + "---:|" * 5]
@@ -222,6 +242,20 @@ def _gains(found: Found, densities: list[float]) -> list[str]:
     return lines
 
 
+def _announced(found: Found, densities: list[float]) -> list[str]:
+    """How often the next message came when its sender expected it, of runs that say so."""
+    heads = ("vehicles/km", "policy", "runs", "in its step %", "earlier %", "later %")
+    lines = [f"| {' | '.join(heads)} |", "|---:|---|" + "---:|" * 4]
+    for density, policy in product(densities, POLICIES):
+        runs = [one for one in found[density, policy, KNOWN] if "in_step" in one]
+        if runs:
+            means = (100 * np.mean([one[name] for one in runs]) for name in ("in_step", "early", "late"))
+            lines.append(
+                f"| {density:g} | `{policy}` | {len(runs)} | {' | '.join(f'{one:.1f}' for one in means)} |"
+            )
+    return lines
+
+
 def tables(found: Found) -> dict[str, list[str]]:
     """Lines of Markdown by block of the page."""
     densities = sorted({density for density, _, _ in found})
@@ -236,6 +270,7 @@ def tables(found: Found) -> dict[str, list[str]]:
     return {
         "grants": [*_rows(found, chosen), "", note],
         "grants-gain": _gains(found, densities),
+        "grants-announced": _announced(found, densities),
         "grants-deployed": [*_rows(found, deployed), "", note],
     }
 
