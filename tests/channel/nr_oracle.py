@@ -256,6 +256,8 @@ class Oracle:
         if plan.length < length or (plan.interval > 0) != (interval > 0):
             return False
         times = [resource[0] for resource in plan.copies if resource is not None]
+        if len(times) < len(plan.copies):  # some of it is spent
+            return False
         first = slot + self.p.first_ms * self.p.slots_a_ms
         last = slot + self.p.last_ms * self.p.slots_a_ms
         rises = all(a < b for a, b in itertools.pairwise(times))
