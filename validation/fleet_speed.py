@@ -2,8 +2,9 @@
 
 Highway of 200 vehicles/km, J2945/1 with models, default bank, filter and sensors, every live track within
 300 m set against the truth at 10 Hz. The first seconds, in which all send at 10 Hz, are counted; traffic is
-made beforehand and is not. Stages are processor times of one thread; by the clock on the wall are runs in
-which threads share the work, so other work on the machine shows there. Each is the least of some runs.
+made beforehand and is not. Times are processor times of one thread, the least of some runs. With
+``--threads`` the runs of many sizes are timed by the clock on the wall: on a machine with other work they say
+little.
 
 ``--paired FILE`` puts in what ``benchmarks/paired.py --json`` has printed into that file.
 """
@@ -109,14 +110,15 @@ def stage_lines(seconds: float) -> list[str]:
     ]
 
 
-def size_lines(seconds: float) -> list[str]:
-    """Table of runs by radio and size, on one thread and on two."""
-    lines = ["| radio | vehicles | times real time, one thread | two threads |", "|---|---|---|---|"]
-    for vehicles, repeats in ((1000, 4), (5000, 2)):
-        frames = frames_of(vehicles, seconds)
-        for name, radio in RADIOS.items():
-            one, two = (seconds / least_s(frames, radio(), threads, repeats) for threads in (1, 2))
-            lines.append(f"| {name} | {vehicles:,} | {one:.2f} | {two:.2f} |")
+def size_lines(seconds: float, threads: int) -> list[str]:
+    """Table of runs by radio and size."""
+    sizes = {1000: 4, 5000: 2}
+    head = " | ".join(f"{vehicles:,} vehicles" for vehicles in sizes)
+    lines = [f"| times real time, threads: {threads} | {head} |", "|---|" + "---|" * len(sizes)]
+    frames = {vehicles: frames_of(vehicles, seconds) for vehicles in sizes}
+    for name, radio in RADIOS.items():
+        took_s = [least_s(frames[vehicles], radio(), threads, repeats) for vehicles, repeats in sizes.items()]
+        lines.append(f"| {name} | {' | '.join(f'{seconds / one:.2f}' for one in took_s)} |")
     return lines
 
 
@@ -137,6 +139,7 @@ def main() -> int:
     """Measure, print, and write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--seconds", type=float, default=3.0, help="simulated")
+    parser.add_argument("--threads", type=int, default=1, help="of the runs of many sizes")
     parser.add_argument("--paired", type=Path, help="what paired.py --json has printed")
     parser.add_argument("--only", nargs="+", choices=BLOCKS, help="blocks to make; all by default")
     parser.add_argument("--write", action="store_true", help="put the tables into docs/network.md")
@@ -147,7 +150,7 @@ def main() -> int:
             least_s(few, radio(), 1, 1)  # compiles
     made: dict[str, Callable[[], list[str]]] = {
         "fleet-stages": lambda: stage_lines(given.seconds),
-        "fleet-sizes": lambda: size_lines(given.seconds),
+        "fleet-sizes": lambda: size_lines(given.seconds, given.threads),
     }
     if given.paired is not None:
         made["fleet-paired"] = lambda: paired_lines(given.paired)
