@@ -313,8 +313,10 @@ class Receptions:
 
     def _are_in_order(self, vehicles: int, since_s: float) -> bool:
         """Whether nothing is wrong with any row, found out in one go; what is wrong, `check` says."""
-        whole = (owned(one, np.int64) for one in (self.message_id, self.sender, self.receiver))
-        return bool(are_in_order(*whole, owned(self.t_s), vehicles, since_s - _SLACK_S))
+        message, sender, receiver = (
+            owned(one, np.int64) for one in (self.message_id, self.sender, self.receiver)
+        )
+        return bool(are_in_order(message, sender, receiver, owned(self.t_s), vehicles, since_s - _SLACK_S))
 
 
 class AbstractRadio(abc.ABC, Generic[State]):
