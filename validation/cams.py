@@ -4,6 +4,7 @@
 folder, and makes the tables of `docs/cam.md`: what messages are as octets, and what traffic makes of them.
 Every message is as long as one with `POINTS` points of the path behind, but for `cam-road`, which draws the
 sizes of its frames.
+How far stations speak in step is read from a trace of the dense call's first seed.
 """
 
 import argparse
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pyarrow import parquet
 
 from modelcast import BsmCore, UpdateCodec, UpdateMessage, WireProfile, bank_from_text, decode_bsm, encode_bsm
 from modelcast.core.version import package_version
@@ -84,12 +86,17 @@ def sizes() -> list[str]:
     return lines + [f"| {name} | {bare} | {carrying} |" for name, bare, carrying in rows]
 
 
+def drive(folder: Path, words: str, *more: str, seeds: int) -> None:
+    """Call the product; runs that are done in the folder are kept."""
+    longer = cam_octets(POINTS) - bsm_octets()
+    call = ["network", *words.split(), "--policy", *POLICIES, "--seeds", str(seeds), "--jobs", "1", "--quiet"]
+    call += ["--certificates", "digest", "--more-bytes", str(longer), "--out", str(folder), *more]
+    subprocess.run([sys.executable, "-m", "modelcast", *call], check=True)  # noqa: S603 - ourselves
+
+
 def driven(folder: Path, words: str) -> list[dict[str, Any]]:
     """Rows of all runs of a call; those that are done are kept."""
-    more = cam_octets(POINTS) - bsm_octets()
-    call = ["network", *words.split(), "--policy", *POLICIES, "--seeds", str(SEEDS), "--jobs", "1", "--quiet"]
-    call += ["--certificates", "digest", "--more-bytes", str(more), "--out", str(folder)]
-    subprocess.run([sys.executable, "-m", "modelcast", *call], check=True)  # noqa: S603 - ourselves
+    drive(folder, words, seeds=SEEDS)
     return json.loads((folder / "summary.json").read_text(encoding="utf-8"))["runs"]
 
 
@@ -116,6 +123,21 @@ def table(folder: Path) -> list[str]:
     return [*HEAD, *(line for one in made for line in one), "", f"{said} modelcast {package_version()}."]
 
 
+def together(folder: Path) -> list[str]:
+    """How unevenly the messages of the dense call fall on every other 100 ms, once it has settled."""
+    folder.mkdir(parents=True, exist_ok=True)
+    words, from_s = CALLS["dense"][0], 5.0
+    drive(folder / "run", words, "--trace", str(folder / "trace"), seeds=1)
+    lines = ["| policy | messages in the fuller half of the tenths of a second, % |", "|---|---|"]
+    for policy in POLICIES:
+        (path,) = (folder / "trace").glob(f"*_{policy}_*/transmissions.parquet")
+        t_s = parquet.read_table(path, columns=["t_s"])["t_s"].to_numpy()
+        tenth = np.floor(10.0 * t_s[t_s >= from_s]).astype(np.int64)
+        odd = float(np.mean(tenth % 2))
+        lines.append(f"| `{policy}` | {100.0 * max(odd, 1.0 - odd):.1f} |")
+    return [*lines, "", f"800 vehicles/km as above, seed 0, from {from_s:g} s on."]
+
+
 def main() -> int:
     """Run what is missing, print the tables, and write or check the page where asked."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -125,6 +147,7 @@ def main() -> int:
     asked.add_argument("--check", action="store_true", help="tell whether docs/cam.md has them")
     given = parser.parse_args()
     blocks = {"cam-octets": sizes(), "cam-traffic": table(given.folder)}
+    blocks["cam-together"] = together(given.folder / "together")
     print("\n".join(line for lines in blocks.values() for line in [*lines, ""]))
     return put({PAGE: blocks}, check=given.check) if given.write or given.check else 0
 
