@@ -325,8 +325,12 @@ def _end_turns(count: int, slot: int, turns: Turns, memory: SlotMemory, constant
 
 
 @kernel
-def _with_room(memory: SlotMemory, waiting: int, more: int) -> SlotMemory:
-    """Return the same with room for more pairs that wait."""
+def _with_room(memory: SlotMemory, v: int, waiting: int, present: int) -> SlotMemory:
+    """Return the same with room for the pairs of a frame that wait: those there are once more, and new ones.
+
+    There may be more than vehicles ``present``: some heard an earlier copy and left.
+    """
+    more = int(memory.copies.span[v, 1]) + present
     return SlotMemory(
         memory.grant,
         memory.slots,
@@ -391,7 +395,7 @@ def advance(
         heard = heard_room(heard, received, used)
         for turn in range(count):
             if constants.copies > 1:
-                memory = _with_room(memory, waiting, 2 * present)
+                memory = _with_room(memory, int(turns.who[turn, 0]), waiting, present)
             received, waiting = _finish_frame(
                 turn,
                 slot,
