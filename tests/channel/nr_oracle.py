@@ -42,7 +42,7 @@ class Waiting:
     size_bytes: int
     power_dbm: float
     sent: int = 0
-    fate: dict[int, str] = field(default_factory=dict)
+    fate: dict[int, str] = field(default_factory=dict[int, str])
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ class Oracle:
         """What arrives of a frame; nothing where it is far below the noise of its sub-channels."""
         if j == frame.sender:
             return 0.0
-        gains_db = 2.0 * self.p.antenna_gain_db + self.gain_db[frame.sender, j]
+        gains_db = 2.0 * self.p.antenna_gain_db + float(self.gain_db[frame.sender, j])
         power_mw = 10.0 ** (0.1 * (frame.message.power_dbm + gains_db))
         least_mw = self.noise_mw * frame.length * 10.0 ** (-0.1 * self.p.margin_db)
         return float(power_mw) if power_mw >= least_mw else 0.0
@@ -202,10 +202,13 @@ class Oracle:
         plan = self.plans[frame.sender]
         rsrp_mw = power_mw / (frame.length * self.p.sub_channel_hz / 15e3)
         for copy, resource in enumerate(plan.copies):
-            if resource is not None and (copy > frame.copy or (copy == frame.copy and plan.comes_back)):
-                slot, band = resource
-                used = range(band, band + frame.length)
-                self.reserved.setdefault((j, slot), []).append((used, rsrp_mw))
+            if resource is None or copy < frame.copy or (copy == frame.copy and not plan.comes_back):
+                continue
+            slot, band = resource
+            used = range(band, band + frame.length)
+            uses = math.ceil(self.p.last_ms * self.p.slots_a_ms / plan.interval) if copy == frame.copy else 1
+            for use in range(uses):
+                self.reserved.setdefault((j, slot + use * plan.interval), []).append((used, rsrp_mw))
 
     def _finish(self, slot: int, frame: Frame) -> None:
         v = frame.sender

@@ -174,6 +174,19 @@ def test_a_reservation_keeps_others_off() -> None:
         assert not phase[0] & phase[1]
 
 
+@pytest.mark.parametrize(("interval_ms", "uses"), [(20, 5), (30, 4), (99, 2), (100, 1)])
+def test_an_interval_below_t2_reserves_all_its_uses_up_to_t2(interval_ms: int, uses: int) -> None:
+    """TS 38.214, 8.1.4: the ceiling of T2 = 100 ms over the interval."""
+    radio = plain(interval_ms=interval_ms, keep_ratio=1.0)
+    for seed in range(10):
+        state = radio.init(2, np.random.default_rng(seed))
+        heard, after = radio.step(state, batch([0], [0.0]), PAIR, 0.101)
+        sent_in = round(1e3 * float(heard.t_s[0])) - 1
+        to_come = [sent_in + use * interval_ms for use in range(1, uses + 1)]
+        known = np.flatnonzero(after.reserved[:, 1].any(axis=1)).tolist()
+        assert known == sorted(one % radio.constants.ahead for one in to_come if one > 100)
+
+
 def test_sensing_keeps_neighbours_apart_and_dynamic_grants_do_not() -> None:
     """Twenty with 400 resources: once settled, hardly anything collides."""
     sensed, blind = (shares(drive(plain(dynamic=dynamic), ROW, 8.0, 20)[0]) for dynamic in (False, True))

@@ -31,7 +31,7 @@ from modelcast.channel.frame_radio import (
 from modelcast.channel.in_band_emission import in_band_emission
 from modelcast.channel.nr_air_kernels import HOPELESS, Errors
 from modelcast.channel.nr_kernels import COPIES, GRANT_COLUMNS, MESSAGE, SlotMemory, advance, find_reach
-from modelcast.channel.nr_parameters import ELEMENT_HZ, RESERVED_SPAN, NrParameters
+from modelcast.channel.nr_parameters import ELEMENT_HZ, INTERVALS_MS, RESERVED_SPAN, NrParameters
 from modelcast.channel.nr_selection_kernels import NrConstants
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
@@ -183,7 +183,7 @@ class Nr(AbstractFrameRadio[NrState]):
             last=last,
             interval=p.interval_ms * slots,
             longest=p.longest_ms * slots,
-            ahead=max(p.longest_ms * slots, last),
+            ahead=max(-(-last // (ms * slots)) * ms * slots for ms in INTERVALS_MS if ms <= p.longest_ms),
             span=RESERVED_SPAN,
             copies=p.transmissions,
             dynamic=p.dynamic,

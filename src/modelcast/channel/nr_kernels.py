@@ -239,15 +239,20 @@ def _take_turns(
 
 @kernel(inlined=True)
 def _reserve(v: int, j: int, copy: int, rsrp_mw: float, memory: SlotMemory, constants: NrConstants) -> None:
-    """Remember at ``j`` what the control information of a copy reserves: copies to come, and itself again."""
+    """Remember at ``j`` what the control information of a copy reserves: copies to come, and itself again.
+
+    Itself for every interval that begins within T2: Q times in TS 38.214, 8.1.4.
+    """
     grant, slots, bands, reserved = memory.grant, memory.slots, memory.bands, memory.reserved
-    length = grant[v, _LENGTH]
+    length, interval = grant[v, _LENGTH], grant[v, _INTERVAL]
     for k in range(copy, grant[v, COPIES]):
-        if k == copy and grant[v, _AGAIN] == 0:
-            continue
-        row = slots[v, k] % constants.ahead
-        for s in range(bands[v, k], bands[v, k] + length):
-            reserved[row, j, s] = max(reserved[row, j, s], np.float32(rsrp_mw))
+        uses = 1
+        if k == copy:
+            uses = (constants.last + interval - 1) // interval if grant[v, _AGAIN] == 1 else 0
+        for use in range(uses):
+            row = (slots[v, k] + use * interval) % constants.ahead
+            for s in range(bands[v, k], bands[v, k] + length):
+                reserved[row, j, s] = max(reserved[row, j, s], np.float32(rsrp_mw))
 
 
 @kernel(inlined=True)

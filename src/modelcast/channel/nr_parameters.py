@@ -8,7 +8,14 @@ from modelcast.channel.in_band_emission import EmissionMask
 from modelcast.channel.nr_transport_block import MCS_TABLE, SlotShape
 from modelcast.core.arrays import FloatArray, IntArray
 
-__all__ = ["ELEMENT_HZ", "MOST_COPIES", "RESERVED_SPAN", "NrParameters", "wilab_nr_parameters"]
+__all__ = [
+    "ELEMENT_HZ",
+    "INTERVALS_MS",
+    "MOST_COPIES",
+    "RESERVED_SPAN",
+    "NrParameters",
+    "wilab_nr_parameters",
+]
 
 _BLOCKS = {15: {10: 52, 20: 106, 30: 160, 40: 216}, 30: {10: 24, 20: 51, 30: 78, 40: 106}}
 """Resource blocks of a channel by subcarrier spacing [kHz] and width [MHz]; TS 38.101-1, table 5.3.2-1."""
@@ -27,6 +34,9 @@ ELEMENT_HZ = 15e3
 
 RESERVED_SPAN = 32
 """Slots within which one message's control information can point at its copies; TS 38.214, 8.1.5."""
+
+INTERVALS_MS = (*range(1, 100), *range(100, 1001, 100))
+"""Resource reservation intervals there are; TS 38.331, SL-ResourceReservePeriod [ms]."""
 
 MOST_COPIES = 3
 """Resources that it can point at, its own included; the same clause."""
@@ -90,8 +100,9 @@ class NrParameters:
     Notes
     -----
     The selection is that of TS 38.214, 8.1.4, for one interval: what was reserved excludes, and chance
-    decides among the rest. There is no ranking by power. A slot in which the vehicle sent is excluded one
-    interval later, since it heard nothing then.
+    decides among the rest. There is no ranking by power. A reservation with an interval below T2 excludes all
+    its uses up to T2, and these stay excluded where the sender leaves the resource before. A slot in which
+    the vehicle sent is excluded one ``interval_ms`` later only, since it heard nothing then.
 
     References
     ----------
@@ -160,7 +171,7 @@ class NrParameters:
 
     def _check_selection(self) -> None:
         for name in ("interval_ms", "longest_ms"):
-            if getattr(self, name) not in (*range(1, 100), *range(100, 1001, 100)):
+            if getattr(self, name) not in INTERVALS_MS:
                 raise ValueError(f"{name} must be 1..99 or 100, 200, ... 1000, got {getattr(self, name)}")
         if not self.interval_ms <= self.longest_ms:
             raise ValueError(f"longest_ms must be at least interval_ms, got {self.longest_ms}")
