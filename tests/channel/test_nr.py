@@ -161,6 +161,43 @@ def test_a_periodic_grant_comes_back_when_the_next_message_is_ready(gap_s: float
     assert max(101, sent_in + 1) <= due_in < 101 + interval_ms
 
 
+def test_a_held_resource_takes_the_interval_of_each_message() -> None:
+    """Announced and kept: 100 ms, then 500, then 40."""
+    radio = plain(longest_ms=1000, keep_ratio=1.0)
+    state, start_s, due_in = radio.init(2, np.random.default_rng(1)), 0.0, -1
+    for interval_ms in (100, 500, 40):
+        case = batch([0], [start_s], grant=Grant.PERIODIC, gap_s=1e-3 * interval_ms)
+        heard, state = radio.step(state, case, PAIR, round(start_s + 0.101, 3))
+        sent_in = round(1e3 * float(heard.t_s[0])) - 1
+        assert due_in in (-1, sent_in)
+        due_in = sent_in + interval_ms
+        uses = {(due_in + more) % radio.constants.ahead for more in range(0, 100, interval_ms)}
+        known = set(np.flatnonzero(state.reserved[:, 1].any(axis=1)).tolist())
+        assert known == {one for one in uses if one > round(1e3 * start_s) + 100}
+        start_s = round(1e-3 * (due_in - 50), 3)
+
+
+def test_a_new_interval_does_not_lead_onto_what_others_reserved() -> None:
+    """Vehicle 1 holds the slot that the new interval of vehicle 0 leads to, and all of it."""
+    radio = plain(keep_ratio=1.0, blocks=50, longest_ms=300)
+    met = 0
+    for seed in range(20):
+        state = radio.init(3, np.random.default_rng(seed))
+        place_m = np.vstack([PAIR, [[100.0, 0.0]]])
+        first = batch([0, 1], [0.0, 0.0], grant=Grant.PERIODIC, gap_s=0.2)
+        _, state = radio.step(state, first, place_m, 0.150)
+        zero, one = state.slots[:2, 0].tolist()
+        if one <= zero:
+            continue
+        met += 1
+        again = batch([0], [1e-3 * (zero - 50)], grant=Grant.PERIODIC, gap_s=1e-3 * (one - zero))
+        _, before = radio.step(state, batch([], []), place_m, round(1e-3 * (zero - 50), 3))
+        _, after = radio.step(before, again, place_m, round(1e-3 * (zero + 1), 3))
+        assert after.slots[0, 0] == -1
+        assert after.slots[1, 0] == one
+    assert met >= 3
+
+
 def test_a_reservation_keeps_others_off() -> None:
     """Who hears it and has all other resources too does not choose it; who does not hear it may."""
     radio = plain(keep_ratio=1.0, bandwidth_mhz=10, blocks=50, last_ms=20.0, interval_ms=20)

@@ -118,10 +118,11 @@ class Nr(AbstractFrameRadio[NrState]):
     Steps must end on whole slots. A message that becomes ready in a slot goes out T1 to T2 later. Of a
     transmission ``grant`` is heeded: `Grant.ONE_SHOT` chooses resources for this message alone, whatever the
     vehicle holds; `Grant.PERIODIC` ones that come back, and if ``next_s`` is known, after the shortest
-    interval for which the next message is ready, `NrParameters.longest_ms` at most. ``priority`` is not
-    heeded. A receiver has a message if it decodes any of its copies; copies are not added up. Of lost frames,
-    ``concurrent`` means that the strongest interferer was near enough to hear the sender's reservations
-    (median power), ``hidden`` that it was not; of lost copies the last one counts.
+    interval for which the next message is ready, `NrParameters.longest_ms` at most. A held resource takes the
+    interval of each message that it carries, and is left after it where the vehicle knows of others then.
+    ``priority`` is not heeded. A receiver has a message if it decodes any of its copies; copies are not added
+    up. Of lost frames, ``concurrent`` means that the strongest interferer was near enough to hear the
+    sender's reservations (median power), ``hidden`` that it was not; of lost copies the last one counts.
 
     Examples
     --------
