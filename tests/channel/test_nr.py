@@ -323,6 +323,15 @@ def test_busy_ratio_counts_sub_channels_above_the_threshold() -> None:
     assert ratio[0] == ratio[2] == 0.0
 
 
+def test_noise_above_the_threshold_is_busy_for_everybody() -> None:
+    """Also for who hears nothing: noise of a sub-channel is -102.4 dBm."""
+    far = np.array([[0.0, 0.0], [50.0, 0.0], [90000.0, 0.0]])
+    for load_dbm, heard_of, silent in ((-103.0, 1.0, 1.0), (-102.0, 5 / 500, 0.0)):
+        radio = plain(load_dbm=load_dbm)
+        _, state = drive(radio, far, 3.0, 1)
+        assert radio.channel_busy_ratio(state)[1:] == pytest.approx([heard_of, silent])
+
+
 def test_sizes_decide_the_sub_channels_as_in_the_reference() -> None:
     """300 bytes: 23 blocks and 6.39 dB at MCS 7, 17 and 9.99 dB at MCS 11."""
     for mcs, blocks, sub_channels, needed_db in ((7, 23, 3, 6.39), (11, 17, 2, 9.99)):
@@ -414,12 +423,30 @@ def test_steps_that_do_not_fit_are_refused() -> None:
         {"first_ms": 0.5},
         {"last_ms": 0.9},
         {"last_ms": 1001.0},
+        {"first_ms": 2.6, "last_ms": 2.9},
+        {"first_ms": 1.5},
+        {"last_ms": 20.25, "spacing_khz": 30},
         {"keep_ratio": 1.5},
         {"free_ratio": -0.1},
         {"transmissions": 4},
         {"reselect_after": -1},
         {"busy_window_ms": 0},
+        {"busy_window_ms": 10**30},
+        {"reselect_after": 10**30},
+        {"bins": 100_001},
         {"bin_m": 0.0},
+        {"bin_m": 1e-9},
+        {"bin_m": np.inf},
+        {"bin_m": np.nan},
+        {"sensitivity_dbm": np.nan},
+        {"reserved_dbm": -np.inf},
+        {"control_db": 301.0},
+        {"noise_figure_db": 1e6},
+        {"load_dbm": -1e9},
+        {"antenna_gain_db": 1e6},
+        {"max_power_dbm": np.inf},
+        {"margin_db": -0.1},
+        {"margin_db": 1e6},
     ],
 )
 def test_impossible_parameters_are_refused(change: dict[str, Any]) -> None:

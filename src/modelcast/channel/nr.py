@@ -175,12 +175,12 @@ class Nr(AbstractFrameRadio[NrState]):
         elements = p.sub_channel_hz / ELEMENT_HZ
         reserved_dbm = p.reserved_dbm + 10.0 * np.log10(elements)  # over one sub-channel
         slots = p.slots_a_ms
-        last = int(p.last_ms * slots)
+        last = round(p.last_ms * slots)
         return NrConstants(
             sub_channels=p.sub_channels,
             overlapping=p.overlapping,
             slots_a_ms=slots,
-            first=max(round(p.first_ms * slots), 1),
+            first=round(p.first_ms * slots),
             last=last,
             interval=p.interval_ms * slots,
             longest=p.longest_ms * slots,

@@ -376,7 +376,9 @@ def _measure_busy(memory: SlotMemory, constants: NrConstants) -> None:
     """Work out the busy ratios of the window that ends."""
     for v in range(memory.grant.shape[0]):
         listened = (constants.window - memory.busy[v, 1]) * constants.sub_channels
-        memory.busy_ratio[v] = memory.busy[v, 0] / max(listened, 1)
+        # Silent slots are not visited: there, noise alone decides.
+        busy = listened if constants.noise_mw > constants.load_mw else memory.busy[v, 0]
+        memory.busy_ratio[v] = busy / max(listened, 1)
         memory.busy[v, 0], memory.busy[v, 1] = 0, 0
 
 
