@@ -65,6 +65,17 @@ def one_by_one(
     return heard, states
 
 
+def send(who: list[int], ready_s: float, message_id: int = 7) -> Transmissions:
+    """One short message of each, ready at the same time."""
+    return Transmissions(
+        np.array(who, dtype=np.int64),
+        np.full(len(who), ready_s),
+        size_bytes=np.full(len(who), 80),
+        power_dbm=np.full(len(who), 20.0),
+        message_id=message_id + np.arange(len(who)),
+    )
+
+
 def every_step(steps: int, grant: Grant = Grant.ANY) -> dict[int, tuple[float, float, Grant]]:
     return {k: (0.0, (k + 1) * STEP_S, grant) for k in range(steps)}
 
@@ -149,6 +160,21 @@ def test_a_step_that_ends_between_two_copies_loses_nothing() -> None:
         outcomes = outcomes + one.outcomes
     assert times == whole.t_s.tolist()
     assert np.array_equal(outcomes, whole.outcomes)
+
+
+@pytest.mark.parametrize("one_shot", [True, False])
+def test_the_first_copy_announces_the_second_alone(one_shot: bool) -> None:
+    """A receiver holds one subframe for it, and none once it is over; a reservation has its own beside."""
+    radio = plain(transmissions=2, one_shot=one_shot, last_ms=20)
+    state, held = radio.init(2, np.random.default_rng(3)), list[list[int]]()
+    for k in range(60):
+        _, state = radio.step(state, send([0] if k == 0 else [], 0.0), PAIR, round((k + 1) * 1e-3, 3))
+        held.append(np.flatnonzero(state.reserved[1].any(axis=1)).tolist())
+    first, second = sent_ms([state])
+    again = [] if one_shot else [first]
+    assert held[first - 1] == []
+    assert held[first : second - 1] == [sorted([*again, second])] * (second - 1 - first)
+    assert held[second] == ([] if one_shot else [first, second])
 
 
 def test_every_second_to_sixth_message_is_a_one_shot_and_the_reservation_stays() -> None:

@@ -414,14 +414,20 @@ def _remember(subframe: int, memory: Memory, air: Air, constants: SidelinkConsta
 
 
 @kernel(inlined=True)
+def _mark(j: int, subframe: int, band: int, length: int, rsrp_mw: float, reserved: Float32Cube) -> None:
+    """Let a vehicle know that a resource is taken in one subframe to come."""
+    phase = subframe % reserved.shape[1]
+    for s in range(band, band + length):
+        reserved[j, phase, s] = max(reserved[j, phase, s], rsrp_mw)
+
+
+@kernel(inlined=True)
 def _announce(
     j: int, subframe: int, interval: int, band: int, length: int, rsrp_mw: float, reserved: Float32Cube
 ) -> None:
     """Let a vehicle know that a resource comes back, short intervals as often as 100 ms hold."""
-    horizon = reserved.shape[1]
     for later in range(subframe + interval, subframe + max(interval, _ALTERNATIVES_MS) + 1, interval):
-        for s in range(band, band + length):
-            reserved[j, later % horizon, s] = max(reserved[j, later % horizon, s], rsrp_mw)
+        _mark(j, later, band, length, rsrp_mw, reserved)
 
 
 @kernel(inlined=True)
@@ -464,7 +470,7 @@ def _finish_frame(
                     _announce(j, subframe, int(grant[v, INTERVAL]), band, length, rsrp_mw, memory.reserved)
                 if more:
                     again = int(grant[v, BAND + which + 1])
-                    _announce(j, subframe, gap, again, length, rsrp_mw, memory.reserved)
+                    _mark(j, subframe + gap, again, length, rsrp_mw, memory.reserved)
         new = outcome == _RECEIVED
         if not alone:
             new, waiting = tell(
