@@ -177,6 +177,49 @@ def test_the_first_copy_announces_the_second_alone(one_shot: bool) -> None:
     assert held[second] == ([] if one_shot else [first, second])
 
 
+AWAY = np.array([[np.nan, np.nan], [50.0, 0.0]])
+NORTHLESS = np.array([[0.0, np.nan], [50.0, 0.0]])
+
+
+@pytest.mark.parametrize("gone", [AWAY, NORTHLESS])
+@pytest.mark.parametrize("one_shot", [False, True])
+def test_who_leaves_between_two_copies_leaves_its_message_counted(gone: np.ndarray, one_shot: bool) -> None:
+    radio = plain(transmissions=2, one_shot=one_shot)
+    state, place_m, received, counted = radio.init(2, np.random.default_rng(1)), PAIR, 0, 0
+    for k in range(130):
+        case = send([0] if k == 0 else [], 0.0)
+        one, state = radio.step(state, case, place_m, round((k + 1) * 1e-3, 3))
+        received, counted = received + one.size, counted + int(one.outcomes.sum())
+        place_m = gone if received else place_m
+        assert one.expired.size == 0
+    assert (received, counted, state.copy_pair.shape[0]) == (1, 1, 0)
+    assert len(sent_ms([state])) == 1
+
+
+@pytest.mark.parametrize("gone", [AWAY, NORTHLESS])
+@pytest.mark.parametrize("one_shot", [False, True])
+def test_a_message_whose_turn_comes_while_its_sender_is_away_expires(
+    gone: np.ndarray, one_shot: bool
+) -> None:
+    """And is not sent when the sender is back."""
+    radio = plain(reselect_after=9, one_shot=one_shot)
+    _, state = radio.step(radio.init(2, np.random.default_rng(1)), send([0], 0.0), PAIR, 0.001)
+    away, state = radio.step(state, send([], 0.0), gone, 0.15)
+    back, state = radio.step(state, send([], 0.0), PAIR, 0.6)
+    assert (away.size, away.expired.tolist()) == (0, [7])
+    assert (back.size, back.expired.size, int(back.outcomes.sum())) == (0, 0, 0)
+
+
+def test_a_message_ready_while_its_sender_is_away_takes_the_waiting_one_along() -> None:
+    radio = plain()
+    _, state = radio.step(radio.init(2, np.random.default_rng(1)), send([0], 0.0), PAIR, 0.001)
+    assert state.grant[0, NEXT] > 2
+    away, state = radio.step(state, send([0], 0.001, 8), AWAY, 0.002)
+    back, _ = radio.step(state, send([], 0.0), PAIR, 0.6)
+    assert away.expired.tolist() == [7, 8]
+    assert (back.size, back.expired.size) == (0, 0)
+
+
 def test_every_second_to_sixth_message_is_a_one_shot_and_the_reservation_stays() -> None:
     heard, _ = one_by_one(plain(interleaved=True, keep_ratio=1.0), PAIR, 120, every_step(120))
     phase = np.array([round(1e3 * one.t_s[0]) % 100 for one in heard if one.size])

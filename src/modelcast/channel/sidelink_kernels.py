@@ -241,6 +241,12 @@ def _judge(
     return (_CONCURRENT if east * east + north * north <= reach_m * reach_m else _HIDDEN), ratio
 
 
+@kernel(inlined=True)
+def _is_there(v: int, position_m: FloatMatrix) -> bool:
+    """Whether a vehicle is anywhere."""
+    return bool(np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]))
+
+
 @kernel
 def find_reach(
     grant: IntMatrix, sender: IntVector, position_m: FloatMatrix, constants: SidelinkConstants
@@ -250,8 +256,7 @@ def find_reach(
     if constants.shadowed:
         for n in range(sender.size + grant.shape[0]):
             v = int(sender[n]) if n < sender.size else n - sender.size
-            here = np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1])
-            if here and (n < sender.size or grant[v, MESSAGE] >= 0):
+            if _is_there(v, position_m) and (n < sender.size or grant[v, MESSAGE] >= 0):
                 reach_m2[v] = constants.range_m * constants.range_m
     return reach_m2
 
@@ -364,16 +369,35 @@ def _goes_on(
 
 
 @kernel(inlined=True)
+def _let_go(v: int, lapsed: int, memory: Memory, heard: Heard) -> int:
+    """Give up the message that waits: expired, or settled where a copy was sent; return how many lapsed."""
+    grant = memory.grant
+    if grant[v, MESSAGE] >= 0:
+        if grant[v, SENT] == 0:
+            heard.expired[lapsed] = grant[v, MESSAGE]
+            lapsed += 1
+        else:
+            settle(memory.copies, v, heard.outcomes)  # no other copy is to come
+    grant[v, MESSAGE] = -1
+    return lapsed
+
+
+@kernel(inlined=True)
 def _take_turns(
     subframe: int,
+    lapsed: int,
     memory: Memory,
     position_m: FloatMatrix,
     turns: Turns,
     air: Air,
+    heard: Heard,
     random: UInt64Vector,
     constants: SidelinkConstants,
-) -> int:
-    """Write who sends in this subframe; return how many."""
+) -> tuple[int, int]:
+    """Write who sends in this subframe; return how many, and how many messages have lapsed.
+
+    Who is not there lets its message go.
+    """
     count, grant = 0, memory.grant
     for v in range(grant.shape[0]):
         for which in range(TURNS if constants.copies > 1 else TURNS - 1):
@@ -381,7 +405,9 @@ def _take_turns(
                 continue
             kind = which & SHOT
             due = grant[v, MESSAGE] >= 0 and grant[v, VIA] == kind and grant[v, SENT] == which - kind
-            if not due or not np.isfinite(position_m[v, 0]):
+            if due and not _is_there(v, position_m):
+                lapsed, due = _let_go(v, lapsed, memory, heard), False
+            if not due:
                 if kind == RESERVED:
                     _pass_by(v, which, grant, constants)
                 continue
@@ -396,7 +422,7 @@ def _take_turns(
                 air.reserves[v] = kind == RESERVED and grant[v, BAND] >= 0
             if kind == RESERVED:
                 grant[v, NEXT + which] += grant[v, INTERVAL]
-    return count
+    return count, lapsed
 
 
 @kernel(inlined=True)
@@ -588,7 +614,10 @@ def advance(
     arrival, waiting = 0, memory.copies.pair.shape[0]
 
     for subframe in range(now, until):
-        count, used = _take_turns(subframe, memory, position_m, turns, air, random, constants), 0
+        count, lapsed = _take_turns(
+            subframe, lapsed, memory, position_m, turns, air, heard, random, constants
+        )
+        used = 0
         for turn in range(count):
             links = _links_room(links, used, present)
             turns.first_link[turn] = used
@@ -613,13 +642,12 @@ def advance(
         while arrival < sender.size and ready_subframe[arrival] <= subframe:
             v, n = sender[arrival], arrival
             arrival += 1
-            absent = not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]))
-            if absent or (grant[v, MESSAGE] >= 0 and grant[v, SENT] == 0):
-                heard.expired[lapsed] = asked.message_id[n] if absent else grant[v, MESSAGE]
-                lapsed += 1
-            if not absent:
-                settle(memory.copies, v, heard.outcomes)  # no copy of the message before is to come
+            lapsed = _let_go(v, lapsed, memory, heard)
+            if _is_there(v, position_m):
                 _take_in(n, subframe, memory, asked, random, constants)
+            else:
+                heard.expired[lapsed] = asked.message_id[n]
+                lapsed += 1
         if (subframe + 1) % constants.window == 0:
             _measure_busy(subframe, memory, constants)
 
