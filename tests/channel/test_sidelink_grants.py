@@ -326,6 +326,21 @@ def test_a_place_that_another_announced_is_not_announced_again() -> None:
     assert not after.reserved[1].any()
 
 
+@pytest.mark.parametrize("longest_ms", [100, 600])
+def test_what_another_announced_for_now_keeps_nobody_from_coming_back(longest_ms: int) -> None:
+    """It is over by then, also where the longest interval leads back to its phase."""
+    radio = plain(interval_by_next=True, longest_interval_ms=longest_ms, keep_ratio=1.0)
+    state = radio.init(2, np.random.default_rng(3))
+    case = replace(send([0], 0.0), next_s=np.array([0.001 * longest_ms]))
+    _, state = radio.step(state, case, PAIR, 0.001)
+    turn, band = int(state.grant[0, NEXT]), int(state.grant[0, BAND])
+    state.reserved[0, turn % longest_ms, band] = 1.0
+    _, state = radio.step(state, send([], 0.0), PAIR, round((turn + 1) * 1e-3, 3))
+    assert state.grant[0, BAND] == band
+    assert state.grant[0, NEXT] == turn + state.grant[0, INTERVAL]
+    assert not state.reserved[0].any()
+
+
 def test_deployed_radios_have_20_mhz_two_copies_and_interleaved_one_shots() -> None:
     deployed = j3161_sidelink_parameters()
     assert deployed.sub_channels * deployed.blocks == 100

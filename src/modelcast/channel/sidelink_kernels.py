@@ -362,6 +362,8 @@ def _goes_on(
     if grant[v, WISH] == _ANY and constants.grant_by_next and not is_foreseen(grant, v, subframe, constants):
         return False
     grant[v, INTERVAL] = interval_for(grant, v, subframe, constants)
+    if grant[v, INTERVAL] == constants.horizon:
+        return True  # nobody can have announced anything so far ahead; its phase is still that of now
     for s in range(grant[v, BAND], grant[v, BAND] + grant[v, LENGTH]):
         if memory.reserved[v, (subframe + grant[v, INTERVAL]) % constants.horizon, s] > constants.reserved_mw:
             return False  # another will be there
