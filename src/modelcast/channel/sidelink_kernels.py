@@ -42,7 +42,8 @@ from modelcast.channel.sidelink_grant_kernels import (
     is_foreseen,
     wants_one_shot,
 )
-from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants, select_resource
+from modelcast.channel.sidelink_parameters import MEMORY
+from modelcast.channel.sidelink_selection_kernels import SidelinkConstants, select_resource
 from modelcast.core.exponential_kernels import fast_exp
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
