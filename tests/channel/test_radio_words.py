@@ -9,9 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from modelcast.channel.dsrc import Dsrc
-from modelcast.channel.dsrc_parameters import DsrcParameters
+from modelcast.channel.dsrc_parameters import BIT_RATES, DsrcParameters
 from modelcast.channel.error_models import NistErrorModel, ThresholdErrorModel
-from modelcast.channel.path_loss import LogDistance, ManhattanNlos, TwoRay, WinnerB1
+from modelcast.channel.path_loss import (
+    AbstractPathLoss,
+    DualSlope,
+    LogDistance,
+    ManhattanNlos,
+    TwoRay,
+    WinnerB1,
+)
 from modelcast.channel.propagation import NakagamiFading, Propagation, Shadowing, StreetGrid
 from modelcast.channel.radio import Transmissions
 from modelcast.channel.radio_parts import radio_form
@@ -20,10 +27,19 @@ from modelcast.channel.radio_words import get_radio, radio_keys
 from modelcast.channel.registry import RADIOS
 from modelcast.channel.sidelink_parameters import wilab_sidelink_parameters
 from modelcast.channel.table_error_model import TableErrorModel
+from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import ConfigError
 
 OWN = tuple(RADIOS.own)
 every_radio = pytest.mark.parametrize("name", OWN)
+
+
+class _Flat(AbstractPathLoss):
+    """A path loss that has no name."""
+
+    def loss_db(self, distance_m: FloatArray) -> FloatArray:
+        """The same anywhere, any shape [dB]."""
+        return np.full_like(distance_m, 80.0)
 
 
 def refusal(word: str) -> str:
@@ -87,6 +103,29 @@ def test_error_models_follow_the_bit_rate() -> None:
     assert found.error_model == NistErrorModel(4, 0.5, loss_db=5.0)
 
 
+@pytest.mark.parametrize("rate_mbps", sorted(BIT_RATES))
+def test_every_bit_rate_can_be_set_whatever_tables_there_are(rate_mbps: float) -> None:
+    found = get_radio(f"dsrc:rate_mbps={rate_mbps:g}")
+    assert found == Dsrc(DsrcParameters(rate_mbps))
+
+
+def test_settings_change_the_part_that_is_held_and_leave_the_rest_of_it() -> None:
+    near = Propagation(LogDistance(2.2, 50.0), None)
+    found = get_radio("dsrc:exponent=2.5", near)
+    assert isinstance(found, Dsrc)
+    assert found.propagation == replace(near, path_loss=LogDistance(2.5, 50.0))
+    fitted = replace(DualSlope.urban_los(), break_m=80.0)
+    found = get_radio("dsrc:far_exponent=3", Propagation(fitted))
+    assert isinstance(found, Dsrc)
+    assert found.propagation.path_loss == replace(fitted, far_exponent=3.0)
+
+
+@pytest.mark.parametrize("held", [DualSlope.highway_los(), _Flat()])
+def test_a_key_that_the_held_part_has_not_is_refused(held: AbstractPathLoss) -> None:
+    with pytest.raises(ConfigError, match="antenna_m goes with path_loss=winner-b1 or two-ray"):
+        get_radio("dsrc:antenna_m=2", Propagation(held))
+
+
 def test_a_key_of_one_kind_alone_names_it() -> None:
     found = get_radio("dsrc:threshold_db=6.5")
     assert isinstance(found, Dsrc)
@@ -137,6 +176,16 @@ def test_another_kind_of_a_part_leaves_the_presets_settings_of_it() -> None:
     assert found.propagation == Propagation(WinnerB1(), None, None)
     assert found.error_model == NistErrorModel()
     assert found.parameters.energy_dbm == -82.0
+
+
+def test_naming_the_kind_that_a_preset_has_changes_nothing() -> None:
+    for name, preset in PRESET_WORDS:
+        found = get_radio(f"{name}:preset={preset}")
+        for family in radio_form(RADIOS.made(name)).families.values():
+            meant = family.chosen(PRESETS[name][preset].settings, family.default)
+            assert get_radio(f"{name}:preset={preset},{family.selector}={meant}") == found
+    shadowing = get_radio("dsrc:preset=deployed-obu,shadowing=log-normal").propagation.shadowing  # type: ignore[attr-defined]
+    assert shadowing == Shadowing(3.95)
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ _CHANNELS: Mapping[str, Kind] = {
 def _family(selector: str, kinds: Mapping[str, Kind], held: Any, parameters: Any = None) -> Family:
     """A family whose default is the kind that is held already."""
     default = next((name for name, kind in kinds.items() if kind.base(parameters) == held), None)
-    return Family(selector, kinds, default, held)
+    return Family(selector, kinds, default, held, parameters)
 
 
 def _round_corners(before: Propagation, after: Propagation) -> Propagation:

@@ -167,28 +167,40 @@ class Family:
         Name of the kind where none is named; None where the radio has one without a name.
     held
         The part that the radio has where nothing is set.
+    parameters
+        Those of the radio where nothing is set: the keys that a kind has do not depend on what is set.
     """
 
     selector: str
     kinds: Mapping[str, Kind]
     default: str | None
     held: Any
+    parameters: Any = None
 
-    def settings_of(self, name: str | None, parameters: Any) -> tuple[Setting, ...]:
+    def settings_of(self, name: str | None) -> tuple[Setting, ...]:
         """Settings of a kind."""
         if name is None:
             return ()
-        return self.kinds[name].settings(parameters, self.held if name == self.default else None)
+        return self.kinds[name].settings(self.parameters, self.held if name == self.default else None)
 
-    def keys(self, parameters: Any) -> dict[str, list[str]]:
+    def keys(self) -> dict[str, list[str]]:
         """Names of the kinds that have a key, by key."""
         found: dict[str, list[str]] = {}
         for name in self.kinds:
-            for setting in self.settings_of(name, parameters):
+            for setting in self.settings_of(name):
                 found.setdefault(setting.key, []).append(name)
         return found
 
-    def chosen(self, given: Mapping[str, Any], parameters: Any) -> str | None:
+    def kind_of(self, part: Any) -> str | None:
+        """Name of the kind that a part is of, None where it is of none; None is the radio's own part."""
+        if part == self.held:
+            return self.default
+        bases = {name: kind.base(self.parameters) for name, kind in self.kinds.items()}
+        same = [name for name, base in bases.items() if base == part]
+        alike = [name for name, base in bases.items() if type(base) is type(part)]
+        return next(iter((*same, *alike)), self.default if part is None else None)
+
+    def chosen(self, given: Mapping[str, Any], default: str | None) -> str | None:
         """The kind that settings mean: the named one, the default, or the only one that has their keys.
 
         Raises
@@ -196,7 +208,7 @@ class Family:
         ConfigError
             Where the selector names none, or a key belongs to another kind.
         """
-        own = {key: names for key, names in self.keys(parameters).items() if key in given}
+        own = {key: names for key, names in self.keys().items() if key in given}
         if self.selector in given:
             word = given[self.selector]
             name = _NONE if word is None or word is False else str(word)
@@ -204,7 +216,7 @@ class Family:
                 meant = near(name, self.kinds)
                 raise ConfigError(f"{self.selector} must be {listed(self.kinds)}, got {shown(word)}{meant}")
         else:
-            name = self.default
+            name = default
             if any(name not in names for names in own.values()):
                 common = [one for one in self.kinds if all(one in names for names in own.values())]
                 name = common[0] if len(common) == 1 else name
@@ -221,14 +233,17 @@ class Family:
         ConfigError
             As `chosen`; where a value is of another type, or one is missing.
         """
-        name = self.chosen(given, parameters)
-        if name is None or (self.selector not in given and not self.keys(parameters).keys() & given.keys()):
+        if self.selector not in given and not self.keys().keys() & given.keys():
+            return held
+        held_kind = self.kind_of(held)
+        name = self.chosen(given, held_kind)
+        if name is None:
             return held
         kind = self.kinds[name]
         if missing := [key for key in kind.needed if key not in given]:
             raise ConfigError(f"{self.selector}={name} needs {' and '.join(missing)}")
         # A part of the kind that is held already keeps what is not set.
-        keeps = name == self.default and self.selector not in given
+        keeps = name == held_kind and self.selector not in given
         base = held if keeps and held is not None else kind.base(parameters)
         settings = {one.key: one for one in kind.settings(parameters)}
         return _with_settings(
@@ -307,7 +322,7 @@ class RadioForm:
         """All keys: selectors with those of their kinds, then the others."""
         found: dict[str, None] = {}
         for family in self.families.values():
-            found |= dict.fromkeys((family.selector, *family.keys(self.parameters)))
+            found |= dict.fromkeys((family.selector, *family.keys()))
         return (*self.fields(), *found)
 
     def check_keys(self, given: Mapping[str, Any]) -> None:
