@@ -19,7 +19,7 @@ from modelcast.channel.path_loss import (
     TwoRay,
     WinnerB1,
 )
-from modelcast.channel.propagation import NakagamiFading, Propagation, Shadowing, StreetGrid
+from modelcast.channel.propagation import NakagamiFading, Propagation, RaisedAntennas, Shadowing, StreetGrid
 from modelcast.channel.radio import Transmissions
 from modelcast.channel.radio_parts import radio_form
 from modelcast.channel.radio_presets import PRESETS
@@ -28,7 +28,7 @@ from modelcast.channel.registry import RADIOS
 from modelcast.channel.sidelink_parameters import wilab_sidelink_parameters
 from modelcast.channel.table_error_model import TableErrorModel
 from modelcast.core.arrays import FloatArray
-from modelcast.core.exceptions import ConfigError
+from modelcast.core.exceptions import ConfigError, ModelcastWarning
 
 OWN = tuple(RADIOS.own)
 every_radio = pytest.mark.parametrize("name", OWN)
@@ -150,6 +150,40 @@ def test_settings_change_the_propagation_of_a_town_and_leave_its_streets() -> No
         town, path_loss=TwoRay(), shadowing=Shadowing(5.0, decorrelation_m=10.0), nlos=ManhattanNlos(TwoRay())
     )
     assert get_radio("dsrc:noise_figure_db=6", town) == get_radio("dsrc", town)
+
+
+@pytest.mark.parametrize(
+    ("word", "path_loss"),
+    [
+        ("dsrc:frequency_ghz=5.8", WinnerB1(5.8)),
+        ("sidelink:path_loss=two-ray,antenna_m=1.6", TwoRay(5.9, 1.6)),
+    ],
+)
+def test_links_of_roadside_units_have_the_path_loss_that_is_set(
+    word: str, path_loss: WinnerB1 | TwoRay
+) -> None:
+    units = RaisedAntennas(2, WinnerB1(other_antenna_m=6.0), 4.0)
+    found: Any = get_radio(word, Propagation(raised=units))
+    assert found.propagation.path_loss == path_loss
+    assert found.propagation.raised == replace(units, path_loss=replace(path_loss, other_antenna_m=6.0))
+
+
+def test_a_path_loss_without_heights_is_refused_beside_roadside_units() -> None:
+    raised = Propagation(raised=RaisedAntennas(1, WinnerB1(other_antenna_m=6.0)))
+    with pytest.raises(ConfigError, match="path_loss must be winner-b1 or two-ray"):
+        get_radio("dsrc:preset=ns3-default", raised)
+
+
+@pytest.mark.parametrize("name", ["dsrc", "sidelink", "nr"])
+@pytest.mark.parametrize("errors", ["threshold,threshold_db=8", "highway-los"])
+def test_fading_goes_where_the_error_model_of_the_word_asks(name: str, errors: str) -> None:
+    """As `within` of the same radio made by hand; nobody is warned."""
+    radio: Any = get_radio(f"{name}:error_model={errors}", Propagation())
+    assert radio.propagation.fading == (None if errors == "highway-los" else NakagamiFading())
+    assert radio == get_radio(f"{name}:error_model={errors}").within(Propagation())
+    with pytest.warns(ModelcastWarning, match="lost to it twice"):
+        again: Any = get_radio(f"{name}:error_model=highway-los,fading=nakagami", Propagation())
+    assert again.propagation.fading == NakagamiFading()
 
 
 PRESET_WORDS = [(name, preset) for name, presets in PRESETS.items() for preset in presets]

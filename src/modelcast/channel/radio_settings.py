@@ -298,12 +298,15 @@ class RadioForm:
     families
         By the field of the radio they are in, and the field of that: ``propagation``, ``path_loss``; the
         second is empty where the field itself is the part.
+    placed
+        Gives the radio with changed fields where waves get about as told (None: as in the radio itself).
     follow
-        What else changes in a field of the radio with its families: from the field before and after.
+        What else changes with the families of a field of the radio: from the field before and after.
     """
 
     radio: Any
     families: Mapping[tuple[str, str], Family]
+    placed: Callable[[Any, Mapping[str, Any], Any], Any]
     follow: Mapping[str, Callable[[Any, Any], Any]]
 
     @property
@@ -357,30 +360,33 @@ class RadioForm:
             Where a value is out of its range.
         """
         self.check_keys(given)
-        radio = self.radio if propagation is None else self.radio.within(propagation)
-        changes: dict[str, Any] = {}
         own: dict[str, dict[Setting, Any]] = {"": {}, "parameters": {}}
         for key, (part, setting) in self.fields().items():
             if key in given:
                 own[part][setting] = setting.checked(given[key])
-        parameters = self.parameters
-        if is_dataclass(parameters):
-            parameters = _with_settings(parameters, own["parameters"])
-            inner = {name: family for (part, name), family in self.families.items() if part == "parameters"}
-            made = {
-                name: family.made(given, parameters, getattr(parameters, name))
-                for name, family in inner.items()
-            }
-            changes["parameters"] = replace(parameters, **made) if made else parameters
+        parameters = self._parameters(given, own["parameters"])
+        changes = {} if parameters is None else {"parameters": parameters}
         for (part, name), family in self.families.items():
-            if part == "parameters":
-                continue
-            whole = changes.get(part, getattr(radio, part))
-            if name:
-                changes[part] = replace(whole, **{name: family.made(given, parameters, getattr(whole, name))})
-            else:
-                changes[part] = family.made(given, parameters, whole)
-        for part, follow in self.follow.items():
-            if part in changes:
-                changes[part] = follow(getattr(radio, part), changes[part])
-        return _with_settings(replace(radio, **changes), own[""])
+            if not name:
+                changes[part] = family.made(given, parameters, getattr(self.radio, part))
+        radio = self.placed(_with_settings(self.radio, own[""]), changes, propagation)
+        parts: dict[str, Any] = {}
+        for (part, name), family in self.families.items():
+            if name and part != "parameters":
+                whole = parts.get(part, getattr(radio, part))
+                parts[part] = replace(whole, **{name: family.made(given, parameters, getattr(whole, name))})
+        for part, whole in parts.items():
+            parts[part] = self.follow[part](getattr(radio, part), whole)
+        return replace(radio, **parts) if parts else radio
+
+    def _parameters(self, given: Mapping[str, Any], own: Mapping[Setting, Any]) -> Any:
+        """The parameters with these settings, None where the radio has none."""
+        if not is_dataclass(self.parameters):
+            return None
+        parameters = _with_settings(self.parameters, own)
+        made = {
+            name: family.made(given, parameters, getattr(parameters, name))
+            for (part, name), family in self.families.items()
+            if part == "parameters"
+        }
+        return replace(parameters, **made) if made else parameters
