@@ -18,6 +18,8 @@ __all__ = ["Family", "Kind", "RadioForm", "Setting", "listed", "near", "shown", 
 
 _PLAIN = (bool, int, float, str, NoneType)
 _NONE = "none"
+_BEYOND = 2**63
+"""Compiled loops hold whole numbers below this."""
 
 
 class Setting(NamedTuple):
@@ -40,6 +42,8 @@ class Setting(NamedTuple):
         ConfigError
             Where it is of another type.
         """
+        if type(value) is int and abs(value) >= _BEYOND:
+            raise ConfigError(f"{self.key} must be {self.wanted} within 64 bits, got {value}")
         words = [one for one in self.kinds if not isinstance(one, type)]
         if words:
             if value in words and not isinstance(value, bool):

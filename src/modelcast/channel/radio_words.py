@@ -61,7 +61,7 @@ def get_radio(text: str, propagation: Propagation | None = None) -> AbstractRadi
     form = radio_form(RADIOS.made(name))
     try:
         return form.made(_with_preset(name, given, form), propagation)
-    except (ConfigError, ValueError) as error:
+    except (ConfigError, ValueError, ArithmeticError, MemoryError) as error:
         raise ConfigError(f"The radio {name!r} refuses its settings: {error}") from error
 
 
