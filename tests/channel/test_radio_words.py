@@ -257,6 +257,8 @@ def test_naming_the_kind_that_a_preset_has_changes_nothing() -> None:
         ("dsrc:aifsn=16", "aifsn must be at most 15"),
         ("dsrc:slot_s=1e300", "slot_s must lie within 0..10 s"),
         ("dsrc:bandwidth_hz=1e-300", "bandwidth_hz must lie within"),
+        ("nr:sensitivity_dbm=1e5", "The radio 'nr' refuses its settings"),
+        ("sidelink:noise_figure_db=1e6", "The radio 'sidelink' refuses its settings"),
         ("sidelink:control_blocks=-9223372036854775808", "within 64 bits"),
         ("ideal:range_m=1" + 400 * "0", "range_m must be a number within 64 bits"),
         ("abstract:rate_mbps=1e300", "rate_mbps must be positive, at most 1e+06, got 1e+300"),
