@@ -256,6 +256,7 @@ def test_naming_the_kind_that_a_preset_has_changes_nothing() -> None:
         ("dsrc:window=32768", "window 32767, got"),
         ("dsrc:aifsn=16", "aifsn must be at most 15"),
         ("dsrc:slot_s=1e300", "slot_s must lie within 0..10 s"),
+        ("dsrc:busy_window_s=1e-300", "busy_window_s must be at least 0.001 s, got 1e-300"),
         ("dsrc:bandwidth_hz=1e-300", "bandwidth_hz must lie within"),
         ("nr:sensitivity_dbm=1e5", "The radio 'nr' refuses its settings"),
         ("sidelink:noise_figure_db=1e6", "The radio 'sidelink' refuses its settings"),

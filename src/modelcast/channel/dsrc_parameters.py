@@ -22,6 +22,9 @@ __all__ = [
 _MOST_AIFSN, _MOST_WINDOW = 15, 32_767
 """AIFSN has four bits, and so has the exponent of CWmin (from memory)."""
 
+_LEAST_WINDOW_S = 1e-3
+"""Every window of the busy ratio costs a turn of the compiled loop."""
+
 _LONGEST_S = 10.0
 """Spaces and windows of time are at most this long."""
 
@@ -208,6 +211,10 @@ class DsrcParameters:
         ):
             if not 0 <= getattr(self, name) <= _LONGEST_S:
                 raise ValueError(f"{name} must lie within 0..{_LONGEST_S:g} s, got {getattr(self, name)}")
+        if self.busy_window_s < _LEAST_WINDOW_S:
+            raise ValueError(
+                f"busy_window_s must be at least {_LEAST_WINDOW_S:g} s, got {self.busy_window_s}"
+            )
         check_decibels(self)
         if not self.margin_db >= 0:
             raise ValueError(f"margin_db must not be negative, got {self.margin_db}")
