@@ -16,7 +16,10 @@ from modelcast.station.sender.names import POLICIES, check_sender, sends_models
 from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import NO_BANK, NetworkCase
 
-__all__ = ["Varied", "network_cases", "rival_of", "told"]
+__all__ = ["MOST_MORE_BYTES", "Varied", "network_cases", "rival_of", "told"]
+
+MOST_MORE_BYTES = 1400
+"""What a WAVE short message carries at most unless a station is set to more (IEEE 1609.3, WsmMaxLength)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +73,8 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
         raise ConfigError(
             f"--seeds and --density must be positive, got {varied.seeds} and {varied.densities_per_km}"
         )
+    if not 0 <= plan.more_bytes <= MOST_MORE_BYTES:
+        raise ConfigError(f"--more-bytes must lie within 0..{MOST_MORE_BYTES}, got {plan.more_bytes}")
     if not plan.thresholds_m or not all(0 < value < inf for value in plan.thresholds_m):
         raise ConfigError(f"--threshold must be positive, got {plan.thresholds_m or 'none'}")
     if not 0 <= plan.warm_up_s < plan.duration_s:
