@@ -26,9 +26,10 @@ class FleetOptions:
         highway; braking: streams whose leaders brake hard now and then; cut-in: streams in which vehicles
         cut in; loaded: a highway of ten lanes unless --lanes, messages of 250 bytes and antennas of 3 dB;
         grid: streets with signals and buildings; crossing: the same with priority instead of signals, and
-        drivers who misjudge gaps; sumo-highway, sumo-grid, sumo-junction (extra sumo); platoon: the cars of an OpenACC
-        file on their one clock, as long as it lasts; trips: recorded trips laid on a straight road; or a
-        file: floating-car data (CSV, Parquet or SUMO XML), or any .sumocfg, which SUMO drives (extra sumo).
+        drivers who misjudge gaps; sumo-highway, sumo-grid, sumo-junction (extra sumo); platoon: the cars of
+        an OpenACC file on their one clock, as long as it lasts; trips: recorded trips laid on a straight
+        road; or a file: floating-car data (CSV, Parquet or SUMO XML), or any .sumocfg, which SUMO drives
+        (extra sumo).
         Platoon, junction and files have their own density.
     trips
         Recorded trips of platoon and trips: files or folders, several after one another. Of several platoons
