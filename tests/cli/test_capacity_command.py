@@ -114,6 +114,7 @@ def test_a_margin_at_both_ends_of_the_road_is_left_out() -> None:
         return plan.settings.counted_m
 
     assert counted(margin_of("highway", 2000.0, None)) == (500.0, 1500.0)
+    assert counted(margin_of("loaded", 2000.0, None)) == (500.0, 1500.0)
     assert counted(margin_of("highway", 2000.0, 0.0)) is None
     assert counted(margin_of("grid", 2000.0, None)) is None
 
@@ -126,7 +127,7 @@ def test_a_margin_at_both_ends_of_the_road_is_left_out() -> None:
         ({"position": "polar"}, "--position must be of absolute, relative, got polar"),
         ({"highest": "60", "lowest": "100"}, "--lowest and --highest"),
         ({"ratio": "1"}, "--ratio"),
-        ({"scenario": "platoon"}, "--scenario must be highway, braking, cut-in, grid"),
+        ({"scenario": "platoon"}, "--scenario must be highway, braking, cut-in, loaded, grid"),
         ({"margin": "200"}, "--margin 200 at both ends leaves nothing of --length 400"),
         ({"scenario": "grid", "margin": "5"}, "--margin goes with"),
         ({"policy": "loud"}, "--policy"),

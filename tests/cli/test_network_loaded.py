@@ -14,6 +14,7 @@ from modelcast.channel.sidelink import Sidelink
 from modelcast.channel.tabulated import TabulatedRadio
 from modelcast.cli.fleet_options import FleetOptions
 from modelcast.cli.network_case import run_case
+from modelcast.cli.network_cases import MOST_MORE_BYTES, Varied, network_cases
 from modelcast.cli.network_loaded import ANTENNA_GAIN_DB, loaded_radio
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import sender_rows
@@ -58,6 +59,23 @@ def test_more_bytes_come_to_those_of_the_scenario_and_are_part_of_what_a_run_dep
 def test_fewer_bytes_than_none_are_refused_in_one_line() -> None:
     with pytest.raises(ConfigError, match="other_bytes must not be negative, got -1"):
         sender_rows(replace(plan("highway"), more_bytes=-1), ["cam"])
+
+
+@pytest.mark.parametrize("more_bytes", [-1, MOST_MORE_BYTES + 1, 10**30])
+def test_bytes_out_of_range_are_refused_by_the_option_s_name(more_bytes: int) -> None:
+    varied = Varied((25.0,), ("dsrc",), ("cam",), 1)
+    assert network_cases(replace(plan("highway"), more_bytes=MOST_MORE_BYTES), varied)
+    with pytest.raises(ConfigError, match=f"--more-bytes must lie within 0..1400, got {more_bytes}"):
+        network_cases(replace(plan("highway"), more_bytes=more_bytes), varied)
+
+
+@pytest.mark.parametrize("radio", ["sidelink", "nr"])
+def test_a_message_too_long_for_its_radio_says_what_helps(radio: str) -> None:
+    case = NetworkCase(25.0, radio, "bsm-10hz", NO_BANK, 0)
+    with pytest.raises(
+        ConfigError, match=f"--radio {radio}: size_bytes must fit.*; lower --more-bytes, or take"
+    ):
+        run_case(replace(plan("highway"), more_bytes=MOST_MORE_BYTES), case)
 
 
 def test_it_has_ten_lanes_unless_told_and_more_where_they_are_full() -> None:

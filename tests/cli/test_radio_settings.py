@@ -35,10 +35,18 @@ def test_a_setting_that_does_not_exist_ends_before_anything_runs(
     assert not out.exists()
 
 
-def test_a_relay_is_refused_on_a_sidelink_with_settings_too(capsys: pytest.CaptureFixture[str]) -> None:
-    more = ["--roadside", "50,0", "--relay", "--radio", "sidelink:keep_ratio=0.4", "--density", "5"]
+@pytest.mark.parametrize("radio", ["sidelink:keep_ratio=0.4", "nr"])
+def test_a_relay_is_refused_on_a_radio_that_reserves_with_settings_too(
+    radio: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    more = ["--roadside", "50,0", "--relay", "--radio", "dsrc", radio, "--density", "5"]
     assert run([*SMALL.split(), *more]) == USAGE
-    assert "--relay" in capsys.readouterr().err
+    assert f"a station of --radio {radio} holds one" in " ".join(capsys.readouterr().err.split())
+
+
+def test_two_words_for_one_policy_end_before_anything_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["network", "--policy", "j3161:power_control=yes", "j3161:power_control=true"]) == USAGE
+    assert "is 'j3161:power_control=yes': name it once" in " ".join(capsys.readouterr().err.split())
 
 
 def test_a_path_loss_without_heights_is_refused_beside_units_before_anything_runs(

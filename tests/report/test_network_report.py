@@ -6,14 +6,16 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.markers import MarkerStyle
 from rich.console import Console
 
 from made_rows import filled
 from modelcast.report.figures.files import drawn
 from modelcast.report.figures.network import NETWORK_FIGURES
-from modelcast.report.figures.senders import Curve, sender_curves
+from modelcast.report.figures.senders import Curve, sender_curves, sender_look
 from modelcast.report.network import network_console, network_markdown
 from modelcast.report.style import style
+from modelcast.station.sender.names import SENDERS as SENDER_NAMES
 from modelcast.study.network.pool import gather
 from modelcast.study.network.rows import (
     DISTANCES,
@@ -162,3 +164,45 @@ def test_thresholds_are_told_apart_in_words_and_curves() -> None:
 def test_no_two_lines_of_a_policy_look_alike() -> None:
     looks = [Curve("mbc", "paper", 0.2, "", place).plain for place in range(12)]
     assert len({(str(look["color"]), str(look["linestyle"])) for look in looks}) == 12
+
+
+UNUSUAL = (
+    "another-package",
+    "cam-road",
+    "mbc",
+    "j3161:power_control=no",
+    "j3161:power_control=yes",
+    "j3161",
+    "third:edge=2",
+    "baseline+mbc@25",
+)
+
+
+def unusual_result() -> NetworkResult:
+    """Senders with settings, of other packages, and of a mixed fleet."""
+    found = [
+        CaseResult(row(RUNS, case), [row(DISTANCES, case, low_m=0.0, high_m=25.0)], outcomes=[], seconds=[])
+        for density, policy in product((25.0, 100.0), UNUSUAL)
+        for case in (NetworkCase(density, "dsrc", policy, "none", 0),)
+    ]
+    return gather(found)
+
+
+def test_every_policy_of_a_result_has_a_curve_of_its_own() -> None:
+    every = unusual_result()
+    curves = sender_curves(every)
+    assert [curve.policy for curve in curves[:3]] == ["mbc", "j3161", "cam-road"]
+    assert sorted(curve.policy for curve in curves) == sorted(UNUSUAL)
+    assert [sum(map(curve.drew, every.runs)) for curve in curves] == [2] * len(UNUSUAL)
+    looks = [(curve.colour, str(curve.plain["linestyle"])) for curve in curves]
+    assert len(set(looks)) == len(UNUSUAL)
+    with style():
+        figure = NETWORK_FIGURES["load"][1](every)
+    assert {str(line.get_label()) for line in figure.axes[0].get_lines()} == set(UNUSUAL)
+
+
+def test_all_senders_of_ours_have_a_look_of_their_own() -> None:
+    looks = [sender_look(name) for name in SENDER_NAMES]
+    assert len(looks) == len({colour for colour, _ in looks}) == len({marker for _, marker in looks})
+    assert all(MarkerStyle(marker).is_filled() for _, marker in looks)
+    assert sender_look("no-such")[0] not in {colour for colour, _ in looks}

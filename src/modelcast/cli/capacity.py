@@ -28,6 +28,7 @@ def capacity(
     margin: float | None = None,
     lanes: int = 0,
     certificates: CertificateRule = "gap",
+    more_bytes: int = 0,
     bank: str = "default",
     profile: str | None = None,
     threshold: Numbers = (0.5,),
@@ -69,7 +70,7 @@ def capacity(
     ratio
         How far apart, as a ratio, the two densities may be between which it is found.
     scenario
-        highway, braking, cut-in, grid or crossing, as for network.
+        highway, braking, cut-in, loaded, grid or crossing, as for network.
     duration
         Time simulated [s].
     warm_up
@@ -87,6 +88,8 @@ def capacity(
         Lanes in each direction; 0 for as many as the density needs.
     certificates
         Which messages carry the certificate: always loads the channel most.
+    more_bytes
+        Bytes of every message beside what it is known to hold, as for network.
     bank
         Sub-models of mbc and the j2945-mbc ones, as for network.
     profile
@@ -130,6 +133,7 @@ def capacity(
         length=length,
         lanes=lanes,
         certificates=certificates,
+        more_bytes=more_bytes,
         profile=profile,
         keep_alive=keep_alive,
         believe=believe,

@@ -15,7 +15,7 @@ __all__ = ["CapacitySearch", "limits_of", "margin_of"]
 
 _USUAL_M = (0.5, 1.0)
 _USUAL_MARGIN_M = 500.0
-_STRAIGHT = ("highway", "braking", "cut-in")
+_STRAIGHT = ("highway", "braking", "cut-in", "loaded")
 _TOWNS = ("grid", "crossing")
 _POSITIONS: dict[str, Quantity] = {"absolute": "absolute", "relative": "relative"}
 

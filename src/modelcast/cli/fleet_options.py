@@ -24,11 +24,12 @@ class FleetOptions:
     ----------
     scenario
         highway; braking: streams whose leaders brake hard now and then; cut-in: streams in which vehicles
-        cut in; loaded: a highway of ten lanes, messages of 250 bytes and antennas of 3 dB; grid: streets
-        with signals and buildings; crossing: the same with priority instead of signals, and drivers who
-        misjudge gaps; sumo-highway, sumo-grid, sumo-junction (extra sumo); platoon: the cars of an OpenACC
-        file on their one clock, as long as it lasts; trips: recorded trips laid on a straight road; or a
-        file: floating-car data (CSV, Parquet or SUMO XML), or any .sumocfg, which SUMO drives (extra sumo).
+        cut in; loaded: a highway of ten lanes unless --lanes, messages of 250 bytes and antennas of 3 dB;
+        grid: streets with signals and buildings; crossing: the same with priority instead of signals, and
+        drivers who misjudge gaps; sumo-highway, sumo-grid, sumo-junction (extra sumo); platoon: the cars of
+        an OpenACC file on their one clock, as long as it lasts; trips: recorded trips laid on a straight
+        road; or a file: floating-car data (CSV, Parquet or SUMO XML), or any .sumocfg, which SUMO drives
+        (extra sumo).
         Platoon, junction and files have their own density.
     trips
         Recorded trips of platoon and trips: files or folders, several after one another. Of several platoons
@@ -61,8 +62,8 @@ class FleetOptions:
     certificates
         Which messages carry the certificate: gap, timer, always, digest, unsigned.
     more_bytes
-        Bytes of every message beside what it is known to hold: Part II, or what another stack adds. Frames of
-        cam-road have sizes of their own.
+        Bytes of every message beside what it is known to hold, 0 to 1400: Part II, or what another stack
+        adds. Frames of cam-road have sizes of their own.
     profile
         File of the profile in use, as for evaluate.
     start

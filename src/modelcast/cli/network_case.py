@@ -44,6 +44,9 @@ __all__ = ["TraceFiles", "propagation_of", "run_case", "simulated"]
 
 _STREET_M = 30.0
 
+_TOO_LONG = "size_bytes must fit"
+"""How radios with sub-channels refuse a message."""
+
 
 @dataclass(frozen=True, slots=True)
 class TraceFiles:
@@ -175,8 +178,15 @@ def simulated(
                 people=_devices(plan, case, filter_for(model)),
             )
     except ValueError as error:
-        raise ConfigError(str(error)) from error
+        raise ConfigError(_told(error, case.radio)) from error
     return run, radio.bin_m
+
+
+def _told(error: ValueError, radio: str) -> str:
+    """What is wrong with a run; where a message is too long for its radio, with what helps."""
+    if not str(error).startswith(_TOO_LONG):
+        return str(error)
+    return f"--radio {radio}: {error}; lower --more-bytes, or take more sub-channels or a higher mcs"
 
 
 def _tracer(trace: TraceFiles, case: NetworkCase, stack: ExitStack) -> AbstractObserver:

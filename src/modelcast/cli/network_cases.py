@@ -14,11 +14,14 @@ from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.named_settings import named_settings
-from modelcast.station.sender.names import POLICIES, check_sender, sends_models
+from modelcast.station.sender.names import POLICIES, check_one_word_each, check_sender, sends_models
 from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import NO_BANK, NetworkCase
 
-__all__ = ["Varied", "network_cases", "rival_of", "told"]
+__all__ = ["MOST_MORE_BYTES", "Varied", "network_cases", "rival_of", "told"]
+
+MOST_MORE_BYTES = 1400
+"""What a WAVE short message carries at most unless a station is set to more (IEEE 1609.3, WsmMaxLength)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,16 +57,10 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
     Raises
     ------
     ModelcastError
-        Where a name is unknown, a number is out of its range, or the traffic cannot be had.
+        Where a name is unknown, two words name one policy, a number is out of its range, or the traffic
+        cannot be had.
     """
-    for name, given, group, check in (
-        ("radio", varied.radios, RADIOS, get_radio),
-        ("policy", varied.policies, POLICIES, check_sender),
-    ):
-        if not given:
-            raise ConfigError(f"--{name} must be of {', '.join(group.names())}, got none")
-        for word in given:
-            check_word(f"--{name}", check, word)
+    _check_names(varied)
     plan.check_traffic()
     if plan.roadside is not None:
         _check_roadside(plan.roadside, varied)
@@ -72,6 +69,8 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
         raise ConfigError(
             f"--seeds and --density must be positive, got {varied.seeds} and {varied.densities_per_km}"
         )
+    if not 0 <= plan.more_bytes <= MOST_MORE_BYTES:
+        raise ConfigError(f"--more-bytes must lie within 0..{MOST_MORE_BYTES}, got {plan.more_bytes}")
     if not plan.thresholds_m or not all(0 < value < inf for value in plan.thresholds_m):
         raise ConfigError(f"--threshold must be positive, got {plan.thresholds_m or 'none'}")
     if not 0 <= plan.warm_up_s < plan.duration_s:
@@ -93,6 +92,22 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
     ]
 
 
+def _check_names(varied: Varied) -> None:
+    """Refuse radios and policies that there are not, and two words for one policy."""
+    for name, given, group, check in (
+        ("radio", varied.radios, RADIOS, get_radio),
+        ("policy", varied.policies, POLICIES, check_sender),
+    ):
+        if not given:
+            raise ConfigError(f"--{name} must be of {', '.join(group.names())}, got none")
+        for word in given:
+            check_word(f"--{name}", check, word)
+    try:
+        check_one_word_each(varied.policies)
+    except ConfigError as error:
+        raise ConfigError(f"--policy: {error}") from error
+
+
 _RESERVING = ("sidelink", "nr")
 """Radios whose stations hold one message until its reserved time."""
 
@@ -101,10 +116,12 @@ def _check_roadside(roadside: RoadsidePlan, varied: Varied) -> None:
     """Refuse units that cannot be had, before anything runs."""
     if any(mixed_of(name).is_mixed for name in varied.policies):
         raise ConfigError("--roadside goes with one sender a fleet: units read messages of one bank")
-    if roadside.relay is not None and any(named_settings(word)[0] in _RESERVING for word in varied.radios):
+    holding = next((word for word in varied.radios if named_settings(word)[0] in _RESERVING), None)
+    if roadside.relay is not None and holding is not None:
         raise ConfigError(
-            "--relay goes with --radio dsrc, abstract or ideal: a sidelink station holds one message at a "
-            "time and sends it at its reserved time, so a relay there would lose most of what it repeats"
+            f"--relay goes with --radio dsrc, abstract or ideal: a station of --radio {holding} holds one "
+            "message at a time and sends it at its reserved time, so a relay there would lose most of what "
+            "it repeats"
         )
     try:
         _ = roadside.units()

@@ -29,7 +29,14 @@ from modelcast.station.sender.expecting_kernels import (
     steps_on,
     until_cam,
 )
-from modelcast.station.sender.names import SENDERS, check_sender, has_threshold, own_settings, sends_models
+from modelcast.station.sender.names import (
+    SENDERS,
+    check_one_word_each,
+    check_sender,
+    has_threshold,
+    own_settings,
+    sends_models,
+)
 from modelcast.station.sender.sender import Sender, engine_parameters, named_sender
 from modelcast.station.sensing.motion_filter import MotionFilter
 
@@ -160,12 +167,28 @@ def test_senders_under_j3161_are_those_under_j2945_with_its_switches() -> None:
         ("j2945:power_control=no", "no setting 'power_control'; it takes grant"),
         ("mbc:grant=sometimes", "grant must be one of any, periodic, one-shot"),
         ("j3161:power_control=3", "power_control must be yes or no, got 3"),
+        ("j3161:power_control=1", "power_control must be yes or no, got 1"),
+        ("j3161:power_control=0.0", "power_control must be yes or no, got 0.0"),
         ("j3161:power_control", "is not KEY=VALUE"),
     ],
 )
 def test_a_word_that_sets_what_is_not_there_is_refused(word: str, told: str) -> None:
     with pytest.raises(ConfigError, match=told):
         check_sender(word)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("j3161:power_control=no", "j3161:power_control=false"),
+        ("j3161:power_control=yes,grant=periodic", "j3161:grant=periodic,power_control=yes"),
+        ("mbc", "mbc:grant=any"),
+    ],
+)
+def test_two_words_for_one_sender_are_refused(one: str, other: str) -> None:
+    check_one_word_each([one, "j3161", "j3161:power_control=yes", "j3161:grant=periodic", one])
+    with pytest.raises(ConfigError, match=f"{other}' is '{one}': name it once"):
+        check_one_word_each([one, "j3161", other])
 
 
 def test_a_relaxed_sender_without_its_trigger_is_refused() -> None:

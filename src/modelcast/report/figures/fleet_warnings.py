@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from modelcast.core.arrays import FloatArray
 from modelcast.report.figures.maps import draw_map
 from modelcast.report.figures.panels import drawable, empty_figure, top_legend
-from modelcast.report.figures.senders import sender_look, threshold_text
+from modelcast.report.figures.senders import Marker, sender_look, threshold_text
 from modelcast.report.style import PAGE_IN, new_figure
 from modelcast.station.receiver.reading import Reading
 from modelcast.study.network.mixed import mixed_of
@@ -66,7 +66,7 @@ def plot_warnings(result: NetworkResult) -> Figure:
     return figure
 
 
-def _draw_shares(axes: Axes, own: Sequence[Row], field: str, how: tuple[str, str, str]) -> None:
+def _draw_shares(axes: Axes, own: Sequence[Row], field: str, how: tuple[str, str, Marker]) -> None:
     """Draw a policy's shares with their intervals; banks and thresholds are written beside."""
     name, colour, marker = how
     rate = [row.message_rate_hz for row in own]

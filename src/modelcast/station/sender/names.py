@@ -5,7 +5,7 @@ class derived from `modelcast.station.policy.base.AbstractTransmitPolicy` whose 
 It sends the models of whatever bank is named, as ``mbc`` does.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,6 +22,7 @@ __all__ = [
     "SENDERS",
     "SWITCHES",
     "OwnSettings",
+    "check_one_word_each",
     "check_sender",
     "foreign_policy",
     "has_threshold",
@@ -66,7 +67,7 @@ SWITCHES = ("power_control", "tracking_error_trigger")
 """Settings of the senders under SAE J3161/1, on which sources disagree."""
 
 _GRANTS = ("any", "periodic", "one-shot")
-_BOTH = {True: True, "yes": True, False: False, "no": False}
+_BOTH = {"True": True, "yes": True, "False": False, "no": False}
 
 ERROR_SENDERS = ("baseline", "free", "mbc")
 """Those that a tracking error over a threshold calls; timers call the others."""
@@ -129,6 +130,37 @@ def check_sender(text: str) -> None:
     own_settings(text)
 
 
+def check_one_word_each(texts: Iterable[str]) -> None:
+    """Refuse two words for one sender, which would be run as two.
+
+    Parameters
+    ----------
+    texts
+        Each as for `check_sender`; the same word may come again.
+
+    Raises
+    ------
+    ConfigError
+        Where two set the same, in another spelling or order.
+
+    Examples
+    --------
+    >>> check_one_word_each(["j3161", "j3161:power_control=yes", "j3161"])
+    >>> check_one_word_each(["mbc", "mbc:grant=any"])
+    Traceback (most recent call last):
+    modelcast.core.exceptions.ConfigError: 'mbc:grant=any' is 'mbc': name it once
+    """
+    found: dict[str, str] = {}
+    for text in texts:
+        name, given = named_settings(text)
+        if own_sender(text) is not None:
+            said = own_settings(text)
+            given = {"grant": said.grant, **said.switches}
+        first = found.setdefault(repr((name, sorted(given.items()))), text)
+        if first != text:
+            raise ConfigError(f"{text!r} is {first!r}: name it once")
+
+
 @dataclass(frozen=True, slots=True)
 class OwnSettings:
     """What the word of one of our senders sets.
@@ -174,9 +206,9 @@ def own_settings(text: str) -> OwnSettings:
         raise ConfigError(f"{text!r}: grant must be one of {', '.join(_GRANTS)}, got {grant!r}")
     switches: dict[str, bool] = {}
     for key, value in given.items():
-        if value not in _BOTH:
+        if str(value) not in _BOTH:
             raise ConfigError(f"{text!r}: {key} must be yes or no, got {value!r}")
-        switches[key] = _BOTH[value]
+        switches[key] = _BOTH[str(value)]
     return OwnSettings(grant, switches)
 
 

@@ -1,0 +1,49 @@
+"""Claims about tables in a terminal: places take lines of their own, and cost no column its numbers."""
+
+import pytest
+from rich.console import Console
+
+from modelcast.core.cells import Cells
+from modelcast.report.console_table import placed_table
+
+LONG = "dsrc:path_loss=two-ray,antenna_m=1.5,shadowing=none, 25/km"
+HEADS = ["policy", "messages [1/s]", "bytes/s", "CBR [%]", "PTE p90 [m]", "PTE p99 [m]", "late"]
+
+
+def shown(places: list[str], names: list[str]) -> str:
+    rows = [[name, *(f"{n}.{at}25" for n in range(1, 7))] for at, name in enumerate(names)]
+    console = Console(width=80, color_system=None)
+    with console.capture() as captured:
+        console.print(
+            placed_table(Cells(HEADS, rows, 1), places, "A title", padding=(0, 0, 0, 0), min_width=8)
+        )
+    return captured.get()
+
+
+@pytest.mark.parametrize("place", ["dsrc, 25/km", LONG, f"{LONG},noise_figure_db=8,antenna_gain_db=3"])
+def test_a_place_of_any_length_leaves_every_number_in_80_columns(place: str) -> None:
+    text = shown([place, place, "ideal"], ["bsm-10hz", "j2945", "cam"])
+    lines = text.splitlines()
+    assert max(map(len, lines)) <= 80
+    for at in range(3):
+        assert all(f"{n}.{at}25" in text for n in range(1, 7))
+    told, place = "".join(text.split()), place.replace(" ", "")
+    assert told.count(place) == 1
+    assert told.index(place) < told.index("bsm-10hz") < told.index("ideal") < told.index("cam")
+
+
+def test_a_place_has_no_say_in_the_widths_of_columns() -> None:
+    rest = [shown([place], ["cam"]).splitlines() for place in ("ideal", LONG)]
+    assert [line for line in rest[0] if "ideal" not in line] == [line for line in rest[1] if LONG not in line]
+
+
+def test_a_name_beyond_24_letters_is_folded_and_the_numbers_stay() -> None:
+    name = "j3161-mbc-relaxed:power_control=yes,grant=one-shot"
+    text = shown(["dsrc"], [name])
+    assert max(map(len, text.splitlines())) <= 80
+    assert all(f"{n}.025" in text for n in range(1, 7))
+    assert name in "".join(line[1:25].strip() for line in text.splitlines())
+
+
+def test_a_place_is_no_markup() -> None:
+    assert "[red]x\\x07" in shown(["[red]x\x07"], ["cam"])
