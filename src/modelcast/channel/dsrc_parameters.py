@@ -5,7 +5,7 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 
 from modelcast.channel.airtime_kernels import SERVICE_TAIL_BITS, frame_airtimes
-from modelcast.channel.parameter_bounds import check_bins, check_decibels
+from modelcast.channel.parameter_bounds import check_bounds
 from modelcast.core.arrays import FloatArray, IntArray, owned
 
 __all__ = [
@@ -192,14 +192,20 @@ class DsrcParameters:
     def __post_init__(self) -> None:
         if self.rate_mbps not in BIT_RATES:
             raise ValueError(f"rate_mbps must be one of {sorted(BIT_RATES)}, got {self.rate_mbps}")
-        for name in ("slot_s", "sifs_s", "preamble_s", "symbol_s", "bandwidth_hz", "busy_window_s", "bin_m"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise ValueError(f"{name} must be positive and finite, got {value}")
+        check_bounds(self)
+        self._check_times()
         if not 0 <= self.sensing_s <= self.slot_s:
             raise ValueError(f"sensing_s must lie within 0..{self.slot_s} (a slot), got {self.sensing_s}")
         if self.aifs_on_arrival and self.immediate_access:
             raise ValueError("aifs_on_arrival needs immediate_access=False: else a message goes out at once")
+        if not 1e3 <= self.bandwidth_hz <= 1e12:
+            raise ValueError(f"bandwidth_hz must lie within 1e3..1e12, got {self.bandwidth_hz}")
+
+    def _check_times(self) -> None:
+        for name in ("slot_s", "sifs_s", "preamble_s", "symbol_s", "busy_window_s"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0):
+                raise ValueError(f"{name} must be positive and finite, got {value}")
         for name in (
             "slot_s",
             "sifs_s",
@@ -215,12 +221,6 @@ class DsrcParameters:
             raise ValueError(
                 f"busy_window_s must be at least {_LEAST_WINDOW_S:g} s, got {self.busy_window_s}"
             )
-        check_decibels(self)
-        if not self.margin_db >= 0:
-            raise ValueError(f"margin_db must not be negative, got {self.margin_db}")
-        check_bins(self.bins, self.bin_m)
-        if not 1e3 <= self.bandwidth_hz <= 1e12:
-            raise ValueError(f"bandwidth_hz must lie within 1e3..1e12, got {self.bandwidth_hz}")
 
     @property
     def bit_rate(self) -> BitRate:

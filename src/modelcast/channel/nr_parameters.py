@@ -6,6 +6,7 @@ import numpy as np
 
 from modelcast.channel.in_band_emission import EmissionMask
 from modelcast.channel.nr_transport_block import MCS_TABLE, SlotShape
+from modelcast.channel.parameter_bounds import check_bounds
 from modelcast.core.arrays import FloatArray, IntArray
 
 __all__ = [
@@ -29,20 +30,8 @@ _ERROR_VECTORS = {2: 0.175, 4: 0.125, 6: 0.08}
 _EFFICIENCY = 0.4
 """Share of the capacity of a channel that a sidelink reaches; TR 36.942, A.2."""
 
-_LEVELS = (
-    "reserved_dbm",
-    "control_db",
-    "noise_figure_db",
-    "sensitivity_dbm",
-    "load_dbm",
-    "antenna_gain_db",
-    "max_power_dbm",
-)
-_MOST_DB = 300.0
-"""Larger levels are slips: their powers are no longer good numbers."""
-
 _MOST = 100_000
-"""Of bins, of turns without a message, and of milliseconds of a window."""
+"""Of turns without a message, and of milliseconds of a window."""
 
 ELEMENT_HZ = 15e3
 """Bandwidth that the threshold for reservations is for."""
@@ -172,19 +161,9 @@ class NrParameters:
             )
         self._check_slot()
         self._check_selection()
-        self._check_levels()
-
-    def _check_levels(self) -> None:
-        for name in ("busy_window_ms", "bins"):
-            if not 1 <= getattr(self, name) <= _MOST:
-                raise ValueError(f"{name} must lie within 1..{_MOST}, got {getattr(self, name)}")
-        if not 0.1 <= self.bin_m < np.inf:
-            raise ValueError(f"bin_m must be finite and at least 0.1, got {self.bin_m}")
-        for name in _LEVELS:
-            if not abs(getattr(self, name)) <= _MOST_DB:
-                raise ValueError(f"{name} must lie within -{_MOST_DB}..{_MOST_DB}, got {getattr(self, name)}")
-        if not 0 <= self.margin_db <= _MOST_DB:
-            raise ValueError(f"margin_db must lie within 0..{_MOST_DB}, got {self.margin_db}")
+        check_bounds(self)
+        if not 1 <= self.busy_window_ms <= _MOST:
+            raise ValueError(f"busy_window_ms must lie within 1..{_MOST}, got {self.busy_window_ms}")
 
     def _check_slot(self) -> None:
         if self.control_symbols not in (2, 3):

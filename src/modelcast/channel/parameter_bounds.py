@@ -4,7 +4,7 @@ from dataclasses import fields
 from math import inf
 from typing import Any
 
-__all__ = ["check_bins", "check_decibels"]
+__all__ = ["check_bounds"]
 
 _DECIBELS = 300.0
 """Beyond, floats cannot hold ratios of powers and their products."""
@@ -13,42 +13,28 @@ _MOST_BINS = 100_000
 _LEAST_BIN_M = 0.1
 
 
-def check_decibels(holder: Any) -> None:
-    """Refuse gains, ratios and powers that are beyond plus or minus 300 dB or dBm.
+def check_bounds(holder: Any) -> None:
+    """Refuse levels beyond plus or minus 300 dB, and bins of distance that are too many or too narrow.
 
     Parameters
     ----------
     holder
-        A dataclass. Its fields in decibels have names that end in ``_db`` or ``_dbm``.
+        A dataclass. Its fields in decibels end in ``_db`` or ``_dbm``; `margin_db`, `bins` and
+        `bin_m` are looked at where it has them.
 
     Raises
     ------
     ValueError
-        Where one is beyond, or not a number.
+        Where a level is beyond, a margin negative, or bins are none, over 100 000, narrower than 0.1 m or
+        without end.
     """
-    for one in fields(holder):
-        if one.init and one.name.endswith(("_db", "_dbm")):
-            value = getattr(holder, one.name)
-            if not abs(value) <= _DECIBELS:
-                raise ValueError(f"{one.name} must lie within {-_DECIBELS:g}..{_DECIBELS:g}, got {value}")
-
-
-def check_bins(bins: int, bin_m: float) -> None:
-    """Refuse bins of distance that are too many or too narrow.
-
-    Parameters
-    ----------
-    bins
-        How many.
-    bin_m
-        Width of one [m].
-
-    Raises
-    ------
-    ValueError
-        Where there is none, more than 100 000, or one is below 0.1 m wide or without end.
-    """
-    if not 1 <= bins <= _MOST_BINS:
-        raise ValueError(f"bins must lie within 1..{_MOST_BINS}, got {bins}")
-    if not _LEAST_BIN_M <= bin_m < inf:
-        raise ValueError(f"bin_m must be finite and at least {_LEAST_BIN_M}, got {bin_m}")
+    held = {one.name: getattr(holder, one.name) for one in fields(holder) if one.init}
+    for name, value in held.items():
+        if name.endswith(("_db", "_dbm")) and not abs(value) <= _DECIBELS:
+            raise ValueError(f"{name} must lie within {-_DECIBELS:g}..{_DECIBELS:g}, got {value}")
+    if not held.get("margin_db", 0.0) >= 0.0:
+        raise ValueError(f"margin_db must not be negative, got {held['margin_db']}")
+    if not 1 <= held.get("bins", 1) <= _MOST_BINS:
+        raise ValueError(f"bins must lie within 1..{_MOST_BINS}, got {held['bins']}")
+    if not _LEAST_BIN_M <= held.get("bin_m", 1.0) < inf:
+        raise ValueError(f"bin_m must be finite and at least {_LEAST_BIN_M}, got {held['bin_m']}")

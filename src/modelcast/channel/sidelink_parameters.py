@@ -4,6 +4,7 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
+from modelcast.channel.parameter_bounds import check_bounds
 from modelcast.core.arrays import IntArray
 
 __all__ = [
@@ -56,21 +57,8 @@ _WHOLE = {
     "reselect_after": (1, 9),
     "one_shot_most": (1, 1000),
     "busy_window_ms": (1, MEMORY),
-    "bins": (1, 100_000),
 }
 """Bounds of whole numbers."""
-
-_LOUDEST_DB = 300.0
-_LEVELS = (
-    "reserved_dbm",
-    "control_db",
-    "noise_figure_db",
-    "sensitivity_dbm",
-    "load_dbm",
-    "antenna_gain_db",
-    "max_power_dbm",
-)
-_NARROWEST_M = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,7 +189,7 @@ class SidelinkParameters:
         if self.mcs not in BITS_PER_BLOCK:
             raise ValueError(f"mcs must be one of {sorted(BITS_PER_BLOCK)}, got {self.mcs}")
         self._check_sizes()
-        self._check_levels()
+        check_bounds(self)
         if self.interval_ms not in (20, 50, *range(100, 1001, 100)):
             raise ValueError(f"interval_ms must be 20, 50 or 100, 200, ... 1000, got {self.interval_ms}")
         if not 1 <= self.first_ms <= 4 or not 20 <= self.last_ms <= 100:
@@ -226,17 +214,6 @@ class SidelinkParameters:
             raise ValueError(
                 f"least_sub_channels must lie within 1..{self.sub_channels}, got {self.least_sub_channels}"
             )
-
-    def _check_levels(self) -> None:
-        for name in _LEVELS:
-            if not -_LOUDEST_DB <= getattr(self, name) <= _LOUDEST_DB:
-                raise ValueError(
-                    f"{name} must lie within {-_LOUDEST_DB:g}..{_LOUDEST_DB:g}, got {getattr(self, name)}"
-                )
-        if not 0 <= self.margin_db <= _LOUDEST_DB:
-            raise ValueError(f"margin_db must lie within 0..{_LOUDEST_DB:g}, got {self.margin_db}")
-        if not _NARROWEST_M <= self.bin_m < np.inf:
-            raise ValueError(f"bin_m must be finite and at least {_NARROWEST_M}, got {self.bin_m}")
 
     def _check_grants(self) -> None:
         if self.transmissions not in (1, 2):

@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 
 from modelcast.channel.airtime_kernels import SERVICE_TAIL_BITS, frame_airtimes
-from modelcast.channel.parameter_bounds import check_decibels
+from modelcast.channel.parameter_bounds import check_bounds
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
@@ -245,7 +245,7 @@ class TabulatedRadio(AbstractRadio[TabulatedState]):
             raise ValueError(
                 f"preamble_s must not be negative, at most {_LONGEST_S:g}, got {self.preamble_s}"
             )
-        check_decibels(self)
+        check_bounds(self)
         object.__setattr__(self, "tables", self.propagation.tables(self._sensed_m(_LOUDEST_DBM)))
         object.__setattr__(self, "shares", sensed_shares(self.propagation))
 
