@@ -16,6 +16,7 @@ from modelcast.channel.in_band_emission import in_band_emission
 from modelcast.channel.nr import Nr
 from modelcast.channel.radio import OUTCOMES, Grant, Transmissions
 from modelcast.channel.random_kernels import LUCK, next_word, uniform, uniform_of
+from modelcast.core.arrays import FloatArray
 
 __all__ = ["Oracle"]
 
@@ -30,6 +31,7 @@ class Plan:
     length: int
     interval: int
     counter: int
+    wish: int
     unused: int = 0
     comes_back: bool = False
 
@@ -42,7 +44,7 @@ class Waiting:
     size_bytes: int
     power_dbm: float
     sent: int = 0
-    fate: dict[int, str] = field(default_factory=dict)
+    fate: dict[int, str] = field(default_factory=dict[int, str])
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,9 @@ class Oracle:
         self.vehicles = range(len(place_m))
         self.apart_m = np.hypot(*(place_m[:, None] - place_m[None]).transpose(2, 0, 1))
         los_ln = radio.propagation.tables(radio.range_m).los_ln
-        self.gain_db = np.interp(self.apart_m, 0.5 * np.arange(los_ln.size), los_ln) * 10.0 / np.log(10.0)
+        self.gain_db: FloatArray = (
+            np.interp(self.apart_m, 0.5 * np.arange(los_ln.size), los_ln) * 10.0 / np.log(10.0)
+        )
         self.range_m, self.sensed_m = radio.range_m, radio.constants.sensing_range_m
         self.hazard = radio.errors.hazard
         p = self.p
@@ -115,31 +119,35 @@ class Oracle:
             for copy, resource in enumerate(plan.copies):
                 if resource is None or resource[0] != slot:
                     continue
-                back = (slot + plan.interval, resource[1]) if plan.interval else None
-                plan.copies[copy] = back
                 message = self.waiting.get(v)
+                if message is not None and copy == 0:
+                    plan.unused, plan.comes_back = 0, self._comes_back(v, plan)
+                plan.copies[copy] = (slot + plan.interval, resource[1]) if plan.interval else None
                 if message is None:
                     plan.unused += copy == 0
                     if 0 < self.p.reselect_after <= plan.unused:
                         del self.plans[v]
                         break
                     continue
-                if copy == 0:
-                    plan.unused, plan.comes_back = 0, self._comes_back(plan)
                 seed = int(next_word(self.random)) >> 1
                 frames.append(Frame(v, resource[1], plan.length, message, copy, seed))
         return frames
 
-    def _comes_back(self, plan: Plan) -> bool:
+    def _comes_back(self, v: int, plan: Plan) -> bool:
+        held, plan.interval = plan.interval, plan.wish
         if not plan.interval:
             return False
         if plan.counter > 1:
             plan.counter -= 1
-            return True
-        if uniform(self.random) < self.p.keep_ratio:
+        elif uniform(self.random) < self.p.keep_ratio:
             plan.counter = self._counter(plan.interval)
+        else:
+            return False
+        if plan.interval == held:
             return True
-        return False
+        back = [(one[0] + plan.interval, one[1]) for one in plan.copies if one is not None]
+        known = [self._known_mw(v, at, range(band, band + plan.length)) for at, band in back]
+        return max(known) <= 10.0 ** (0.1 * self.p.reserved_dbm)
 
     def _counter(self, interval: int) -> int:
         times = math.ceil(100.0 / min(max(interval / self.p.slots_a_ms, 20.0), 100.0))
@@ -202,10 +210,13 @@ class Oracle:
         plan = self.plans[frame.sender]
         rsrp_mw = power_mw / (frame.length * self.p.sub_channel_hz / 15e3)
         for copy, resource in enumerate(plan.copies):
-            if resource is not None and (copy > frame.copy or (copy == frame.copy and plan.comes_back)):
-                slot, band = resource
-                used = range(band, band + frame.length)
-                self.reserved.setdefault((j, slot), []).append((used, rsrp_mw))
+            if resource is None or copy < frame.copy or (copy == frame.copy and not plan.comes_back):
+                continue
+            slot, band = resource
+            used = range(band, band + frame.length)
+            uses = math.ceil(self.p.last_ms * self.p.slots_a_ms / plan.interval) if copy == frame.copy else 1
+            for use in range(uses):
+                self.reserved.setdefault((j, slot + use * plan.interval), []).append((used, rsrp_mw))
 
     def _finish(self, slot: int, frame: Frame) -> None:
         v = frame.sender
@@ -235,9 +246,10 @@ class Oracle:
         self.waiting[v] = Waiting(int(sent.message_id[n]), size_bytes, float(sent.power_dbm[n]))
         length, interval = int(self.p.length(np.array([size_bytes]))[0]), self._interval(sent, n)
         if v in self.plans and self._fits(slot, self.plans[v], length, interval):
+            self.plans[v].wish = interval
             return
         copies = self._choose(v, slot, length, interval)
-        self.plans[v] = Plan(copies, length, interval, 1)
+        self.plans[v] = Plan(copies, length, interval, 1, interval)
         if interval:
             self.plans[v].counter = self._counter(interval)
 
@@ -261,6 +273,8 @@ class Oracle:
         first = slot + self.p.first_ms * self.p.slots_a_ms
         last = slot + self.p.last_ms * self.p.slots_a_ms
         rises = all(a < b for a, b in itertools.pairwise(times))
+        if interval and times[-1] - times[0] >= interval:
+            return False
         return rises and times[0] >= first and times[-1] <= last
 
     def _known_mw(self, v: int, slot: int, used: range) -> float:

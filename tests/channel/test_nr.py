@@ -1,5 +1,9 @@
 """Claims about NR-V2X mode 2 alone; what holds of every radio is in `test_radio_conformance.py`."""
 
+import os
+import subprocess
+import sys
+import textwrap
 from dataclasses import replace
 from typing import Any
 
@@ -157,6 +161,43 @@ def test_a_periodic_grant_comes_back_when_the_next_message_is_ready(gap_s: float
     assert max(101, sent_in + 1) <= due_in < 101 + interval_ms
 
 
+def test_a_held_resource_takes_the_interval_of_each_message() -> None:
+    """Announced and kept: 100 ms, then 500, then 40."""
+    radio = plain(longest_ms=1000, keep_ratio=1.0)
+    state, start_s, due_in = radio.init(2, np.random.default_rng(1)), 0.0, -1
+    for interval_ms in (100, 500, 40):
+        case = batch([0], [start_s], grant=Grant.PERIODIC, gap_s=1e-3 * interval_ms)
+        heard, state = radio.step(state, case, PAIR, round(start_s + 0.101, 3))
+        sent_in = round(1e3 * float(heard.t_s[0])) - 1
+        assert due_in in (-1, sent_in)
+        due_in = sent_in + interval_ms
+        uses = {(due_in + more) % radio.constants.ahead for more in range(0, 100, interval_ms)}
+        known = set(np.flatnonzero(state.reserved[:, 1].any(axis=1)).tolist())
+        assert known == {one for one in uses if one > round(1e3 * start_s) + 100}
+        start_s = round(1e-3 * (due_in - 50), 3)
+
+
+def test_a_new_interval_does_not_lead_onto_what_others_reserved() -> None:
+    """Vehicle 1 holds the slot that the new interval of vehicle 0 leads to, and all of it."""
+    radio = plain(keep_ratio=1.0, blocks=50, longest_ms=300)
+    met = 0
+    for seed in range(20):
+        state = radio.init(3, np.random.default_rng(seed))
+        place_m = np.vstack([PAIR, [[100.0, 0.0]]])
+        first = batch([0, 1], [0.0, 0.0], grant=Grant.PERIODIC, gap_s=0.2)
+        _, state = radio.step(state, first, place_m, 0.150)
+        zero, one = state.slots[:2, 0].tolist()
+        if one <= zero:
+            continue
+        met += 1
+        again = batch([0], [1e-3 * (zero - 50)], grant=Grant.PERIODIC, gap_s=1e-3 * (one - zero))
+        _, before = radio.step(state, batch([], []), place_m, round(1e-3 * (zero - 50), 3))
+        _, after = radio.step(before, again, place_m, round(1e-3 * (zero + 1), 3))
+        assert after.slots[0, 0] == -1
+        assert after.slots[1, 0] == one
+    assert met >= 3
+
+
 def test_a_reservation_keeps_others_off() -> None:
     """Who hears it and has all other resources too does not choose it; who does not hear it may."""
     radio = plain(keep_ratio=1.0, bandwidth_mhz=10, blocks=50, last_ms=20.0, interval_ms=20)
@@ -168,6 +209,19 @@ def test_a_reservation_keeps_others_off() -> None:
         phase = {one: {ms % 20 for sender, ms in sent if sender == one} for one in (0, 1)}
         assert len(phase[0]) == 1
         assert not phase[0] & phase[1]
+
+
+@pytest.mark.parametrize(("interval_ms", "uses"), [(20, 5), (30, 4), (99, 2), (100, 1)])
+def test_an_interval_below_t2_reserves_all_its_uses_up_to_t2(interval_ms: int, uses: int) -> None:
+    """TS 38.214, 8.1.4: the ceiling of T2 = 100 ms over the interval."""
+    radio = plain(interval_ms=interval_ms, keep_ratio=1.0)
+    for seed in range(10):
+        state = radio.init(2, np.random.default_rng(seed))
+        heard, after = radio.step(state, batch([0], [0.0]), PAIR, 0.101)
+        sent_in = round(1e3 * float(heard.t_s[0])) - 1
+        to_come = [sent_in + use * interval_ms for use in range(1, uses + 1)]
+        known = np.flatnonzero(after.reserved[:, 1].any(axis=1)).tolist()
+        assert known == sorted(one % radio.constants.ahead for one in to_come if one > 100)
 
 
 def test_sensing_keeps_neighbours_apart_and_dynamic_grants_do_not() -> None:
@@ -207,6 +261,47 @@ def test_a_second_copy_reaches_some_that_the_first_did_not() -> None:
     assert total == pytest.approx(1.0, abs=0.02)  # what waits at the end
 
 
+def test_who_leaves_between_copies_leaves_room_for_the_others() -> None:
+    """Without the compiler, which does not see a row beyond an array: more heard a copy than are left."""
+    program = """
+    import warnings
+    import numpy as np
+    from modelcast.channel.nr import Nr
+    from modelcast.channel.nr_parameters import NrParameters
+    from modelcast.channel.propagation import Propagation
+    from modelcast.channel.radio import Transmissions
+
+    warnings.simplefilter("ignore")  # words of chance overflow
+    radio = Nr(NrParameters(transmissions=3, last_ms=40.0), Propagation(shadowing=None, fading=None))
+    place_m = np.column_stack([np.linspace(0.0, 100.0, 30), np.zeros(30)])
+    left_m = place_m.copy()
+    left_m[6:] = np.nan
+
+    def batch(number):
+        return Transmissions(
+            np.arange(number),
+            np.full(number, 0.001),
+            size_bytes=np.full(number, 60),
+            power_dbm=np.full(number, 20.0),
+            message_id=np.arange(number),
+        )
+
+    for seed in (14, 16, 27):
+        _, state = radio.step(radio.init(30, np.random.default_rng(seed)), batch(6), place_m, 0.015)
+        print(state.copy_span[:, 1].max() > 2 * 6)
+        radio.step(state, batch(0), left_m, 0.14)
+    """
+    found = subprocess.run(  # noqa: S603 - our own interpreter
+        [sys.executable, "-c", textwrap.dedent(program)],
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert found.stderr == ""
+    assert found.stdout == 3 * "True\n"
+
+
 @given(seed=st.integers(0, 10_000), copies=st.integers(2, 3), spacing_khz=st.sampled_from((15, 30)))
 def test_copies_are_in_order_in_slots_of_their_own_within_reach_of_one_control_message(
     seed: int, copies: int, spacing_khz: int
@@ -226,6 +321,15 @@ def test_busy_ratio_counts_sub_channels_above_the_threshold() -> None:
     ratio = radio.channel_busy_ratio(state)
     assert ratio[1] == pytest.approx(1 / 500)
     assert ratio[0] == ratio[2] == 0.0
+
+
+def test_noise_above_the_threshold_is_busy_for_everybody() -> None:
+    """Also for who hears nothing: noise of a sub-channel is -102.4 dBm."""
+    far = np.array([[0.0, 0.0], [50.0, 0.0], [90000.0, 0.0]])
+    for load_dbm, heard_of, silent in ((-103.0, 1.0, 1.0), (-102.0, 5 / 500, 0.0)):
+        radio = plain(load_dbm=load_dbm)
+        _, state = drive(radio, far, 3.0, 1)
+        assert radio.channel_busy_ratio(state)[1:] == pytest.approx([heard_of, silent])
 
 
 def test_sizes_decide_the_sub_channels_as_in_the_reference() -> None:
@@ -287,7 +391,9 @@ def test_the_preset_is_the_radio_of_the_reference() -> None:
     assert isinstance(radio, Nr)
     assert radio.error_model is None
     assert radio.constants.noise_mw / 1.8 == pytest.approx(10**-10.8, rel=0.01)  # -108 dBm in 1 MHz
-    assert get_radio("nr:mcs=7,error_model=nr-mcs7").error_model == TabulatedErrorModel.nr_mcs7()
+    curved = get_radio("nr:mcs=7,error_model=nr-mcs7")
+    assert isinstance(curved, Nr)
+    assert curved.error_model == TabulatedErrorModel.nr_mcs7()
 
 
 def test_steps_that_do_not_fit_are_refused() -> None:
@@ -317,12 +423,30 @@ def test_steps_that_do_not_fit_are_refused() -> None:
         {"first_ms": 0.5},
         {"last_ms": 0.9},
         {"last_ms": 1001.0},
+        {"first_ms": 2.6, "last_ms": 2.9},
+        {"first_ms": 1.5},
+        {"last_ms": 20.25, "spacing_khz": 30},
         {"keep_ratio": 1.5},
         {"free_ratio": -0.1},
         {"transmissions": 4},
         {"reselect_after": -1},
         {"busy_window_ms": 0},
+        {"busy_window_ms": 10**30},
+        {"reselect_after": 10**30},
+        {"bins": 100_001},
         {"bin_m": 0.0},
+        {"bin_m": 1e-9},
+        {"bin_m": np.inf},
+        {"bin_m": np.nan},
+        {"sensitivity_dbm": np.nan},
+        {"reserved_dbm": -np.inf},
+        {"control_db": 301.0},
+        {"noise_figure_db": 1e6},
+        {"load_dbm": -1e9},
+        {"antenna_gain_db": 1e6},
+        {"max_power_dbm": np.inf},
+        {"margin_db": -0.1},
+        {"margin_db": 1e6},
     ],
 )
 def test_impossible_parameters_are_refused(change: dict[str, Any]) -> None:

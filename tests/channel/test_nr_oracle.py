@@ -28,6 +28,7 @@ RADIOS: dict[str, dict[str, Any]] = {
     "apart": {"overlapping": False, "keep_ratio": 0.0, "reselect_after": 2, "antenna_gain_db": 3.0},
     "twice": {"transmissions": 2, "keep_ratio": 0.2},
     "thrice": {"transmissions": 3, "spacing_khz": 30, "bandwidth_mhz": 20, "longest_ms": 300},
+    "often": {"interval_ms": 20, "last_ms": 90.0, "keep_ratio": 0.4},
     "short": {"spacing_khz": 30, "interval_ms": 50, "last_ms": 20.0, "mcs": 16, "longest_ms": 100},
 }
 

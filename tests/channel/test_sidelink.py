@@ -111,6 +111,15 @@ def test_busy_ratio_counts_sub_channels_above_the_threshold() -> None:
     assert ratio[0] == ratio[2] == 0.0
 
 
+def test_the_longest_busy_window_is_what_a_vehicle_remembers() -> None:
+    """Ten messages in a second of 5000 sub-channels; nobody remembers more."""
+    radio = plain(busy_window_ms=1000)
+    _, state = periodic(radio, line(0.0, 1500.0), 3.0, 1)
+    assert radio.channel_busy_ratio(state)[1] == pytest.approx(10 / 5000)
+    with pytest.raises(ValueError, match=r"busy_window_ms must lie within 1\.\.1000, got 1001"):
+        plain(busy_window_ms=1001)
+
+
 def test_leakage_is_all_inside_and_weak_outside() -> None:
     leak = in_band_emission(5, 10)
     for length in range(1, 6):
@@ -181,7 +190,31 @@ def test_steps_that_do_not_fit_are_refused() -> None:
         {"last_ms": 10},
         {"keep_ratio": 1.5},
         {"sub_channels": 0},
+        {"sub_channels": 21, "blocks": 4},
+        {"sub_channels": 11},
+        {"blocks": 0},
+        {"control_blocks": -1},
+        {"control_blocks": 101},
+        {"least_sub_channels": 6},
+        {"reselect_after": 0},
+        {"reselect_after": 10},
+        {"one_shot_most": 2**70},
+        {"busy_window_ms": 0},
+        {"busy_window_ms": 1001},
+        {"bins": 0},
+        {"bins": 100_001},
         {"bin_m": 0.0},
+        {"bin_m": 0.05},
+        {"bin_m": np.inf},
+        {"margin_db": -1.0},
+        {"margin_db": np.inf},
+        {"reserved_dbm": np.nan},
+        {"control_db": -301.0},
+        {"noise_figure_db": 1e6},
+        {"sensitivity_dbm": -np.inf},
+        {"load_dbm": 301.0},
+        {"antenna_gain_db": np.inf},
+        {"max_power_dbm": 1e300},
     ],
 )
 def test_impossible_parameters_are_refused(change: dict[str, float]) -> None:

@@ -65,6 +65,17 @@ def one_by_one(
     return heard, states
 
 
+def send(who: list[int], ready_s: float, message_id: int = 7) -> Transmissions:
+    """One short message of each, ready at the same time."""
+    return Transmissions(
+        np.array(who, dtype=np.int64),
+        np.full(len(who), ready_s),
+        size_bytes=np.full(len(who), 80),
+        power_dbm=np.full(len(who), 20.0),
+        message_id=message_id + np.arange(len(who)),
+    )
+
+
 def every_step(steps: int, grant: Grant = Grant.ANY) -> dict[int, tuple[float, float, Grant]]:
     return {k: (0.0, (k + 1) * STEP_S, grant) for k in range(steps)}
 
@@ -149,6 +160,64 @@ def test_a_step_that_ends_between_two_copies_loses_nothing() -> None:
         outcomes = outcomes + one.outcomes
     assert times == whole.t_s.tolist()
     assert np.array_equal(outcomes, whole.outcomes)
+
+
+@pytest.mark.parametrize("one_shot", [True, False])
+def test_the_first_copy_announces_the_second_alone(one_shot: bool) -> None:
+    """A receiver holds one subframe for it, and none once it is over; a reservation has its own beside."""
+    radio = plain(transmissions=2, one_shot=one_shot, last_ms=20)
+    state, held = radio.init(2, np.random.default_rng(3)), list[list[int]]()
+    for k in range(60):
+        _, state = radio.step(state, send([0] if k == 0 else [], 0.0), PAIR, round((k + 1) * 1e-3, 3))
+        held.append(np.flatnonzero(state.reserved[1].any(axis=1)).tolist())
+    first, second = sent_ms([state])
+    again = [] if one_shot else [first]
+    assert held[first - 1] == []
+    assert held[first : second - 1] == [sorted([*again, second])] * (second - 1 - first)
+    assert held[second] == ([] if one_shot else [first, second])
+
+
+AWAY = np.array([[np.nan, np.nan], [50.0, 0.0]])
+NORTHLESS = np.array([[0.0, np.nan], [50.0, 0.0]])
+
+
+@pytest.mark.parametrize("gone", [AWAY, NORTHLESS])
+@pytest.mark.parametrize("one_shot", [False, True])
+def test_who_leaves_between_two_copies_leaves_its_message_counted(gone: np.ndarray, one_shot: bool) -> None:
+    radio = plain(transmissions=2, one_shot=one_shot)
+    state, place_m, received, counted = radio.init(2, np.random.default_rng(1)), PAIR, 0, 0
+    for k in range(130):
+        case = send([0] if k == 0 else [], 0.0)
+        one, state = radio.step(state, case, place_m, round((k + 1) * 1e-3, 3))
+        received, counted = received + one.size, counted + int(one.outcomes.sum())
+        place_m = gone if received else place_m
+        assert one.expired.size == 0
+    assert (received, counted, state.copy_pair.shape[0]) == (1, 1, 0)
+    assert len(sent_ms([state])) == 1
+
+
+@pytest.mark.parametrize("gone", [AWAY, NORTHLESS])
+@pytest.mark.parametrize("one_shot", [False, True])
+def test_a_message_whose_turn_comes_while_its_sender_is_away_expires(
+    gone: np.ndarray, one_shot: bool
+) -> None:
+    """And is not sent when the sender is back."""
+    radio = plain(reselect_after=9, one_shot=one_shot)
+    _, state = radio.step(radio.init(2, np.random.default_rng(1)), send([0], 0.0), PAIR, 0.001)
+    away, state = radio.step(state, send([], 0.0), gone, 0.15)
+    back, state = radio.step(state, send([], 0.0), PAIR, 0.6)
+    assert (away.size, away.expired.tolist()) == (0, [7])
+    assert (back.size, back.expired.size, int(back.outcomes.sum())) == (0, 0, 0)
+
+
+def test_a_message_ready_while_its_sender_is_away_takes_the_waiting_one_along() -> None:
+    radio = plain()
+    _, state = radio.step(radio.init(2, np.random.default_rng(1)), send([0], 0.0), PAIR, 0.001)
+    assert state.grant[0, NEXT] > 2
+    away, state = radio.step(state, send([0], 0.001, 8), AWAY, 0.002)
+    back, _ = radio.step(state, send([], 0.0), PAIR, 0.6)
+    assert away.expired.tolist() == [7, 8]
+    assert (back.size, back.expired.size) == (0, 0)
 
 
 def test_every_second_to_sixth_message_is_a_one_shot_and_the_reservation_stays() -> None:
@@ -255,6 +324,21 @@ def test_a_place_that_another_announced_is_not_announced_again() -> None:
     _, after = radio.step(state, case, PAIR, 0.101)
     assert after.grant[0, BAND] == -1
     assert not after.reserved[1].any()
+
+
+@pytest.mark.parametrize("longest_ms", [100, 600])
+def test_what_another_announced_for_now_keeps_nobody_from_coming_back(longest_ms: int) -> None:
+    """It is over by then, also where the longest interval leads back to its phase."""
+    radio = plain(interval_by_next=True, longest_interval_ms=longest_ms, keep_ratio=1.0)
+    state = radio.init(2, np.random.default_rng(3))
+    case = replace(send([0], 0.0), next_s=np.array([0.001 * longest_ms]))
+    _, state = radio.step(state, case, PAIR, 0.001)
+    turn, band = int(state.grant[0, NEXT]), int(state.grant[0, BAND])
+    state.reserved[0, turn % longest_ms, band] = 1.0
+    _, state = radio.step(state, send([], 0.0), PAIR, round((turn + 1) * 1e-3, 3))
+    assert state.grant[0, BAND] == band
+    assert state.grant[0, NEXT] == turn + state.grant[0, INTERVAL]
+    assert not state.reserved[0].any()
 
 
 def test_deployed_radios_have_20_mhz_two_copies_and_interleaved_one_shots() -> None:

@@ -14,8 +14,8 @@ from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import Transmissions
 from modelcast.channel.sidelink import Sidelink
 from modelcast.channel.sidelink_grant_kernels import BAND, NEXT
-from modelcast.channel.sidelink_parameters import SidelinkParameters, wilab_sidelink_parameters
-from modelcast.channel.sidelink_selection_kernels import MEMORY, select_resource
+from modelcast.channel.sidelink_parameters import MEMORY, SidelinkParameters, wilab_sidelink_parameters
+from modelcast.channel.sidelink_selection_kernels import select_resource
 
 CLEAR = Propagation(LogDistance(2.0), None, None)
 DRAWS = 400

@@ -1,6 +1,7 @@
 """The loaded highway: what its messages, lanes and antennas are, and that the channel feels them."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.dsrc_parameters import DsrcParameters
 from modelcast.channel.erasure_radio import ErasureRadio
+from modelcast.channel.radio_words import get_radio
 from modelcast.channel.sidelink import Sidelink
 from modelcast.channel.tabulated import TabulatedRadio
 from modelcast.cli.fleet_options import FleetOptions
@@ -91,10 +93,13 @@ def test_a_radio_with_antennas_gets_its_gain_and_nothing_else(radio: Dsrc | Side
     assert replace(found, parameters=replace(found.parameters, antenna_gain_db=own)) == radio
 
 
-def test_a_word_that_sets_the_gain_or_a_preset_holds_and_a_radio_without_antennas_stays() -> None:
+def test_a_gain_that_the_word_or_its_preset_sets_holds_and_a_radio_without_antennas_stays() -> None:
     own = Dsrc(DsrcParameters(antenna_gain_db=1.0))
     assert loaded_radio(own, "dsrc:antenna_gain_db=1") is own
-    assert loaded_radio(own, "dsrc:preset=ns3-default") is own
+    assert loaded_radio(own, "dsrc:preset=deployed-obu") is own
+    for word in ("dsrc:preset=ns3-default", "sidelink:preset=j3161"):
+        found: Any = loaded_radio(get_radio(word), word)
+        assert found.parameters.antenna_gain_db == ANTENNA_GAIN_DB
     abstract = TabulatedRadio()
     assert loaded_radio(abstract, "abstract") == replace(abstract, antenna_gain_db=ANTENNA_GAIN_DB)
     assert loaded_radio(abstract, "abstract:antenna_gain_db=0") is abstract

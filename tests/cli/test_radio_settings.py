@@ -49,6 +49,16 @@ def test_two_words_for_one_policy_end_before_anything_runs(capsys: pytest.Captur
     assert "is 'j3161:power_control=yes': name it once" in " ".join(capsys.readouterr().err.split())
 
 
+def test_a_path_loss_without_heights_is_refused_beside_units_before_anything_runs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    more = ["--roadside", "50,0", "--radio", "dsrc", "dsrc:path_loss=log-distance", "--out", str(out)]
+    assert run([*SMALL.split(), *more]) == USAGE
+    assert "--radio: The radio 'dsrc' refuses its settings: antennas are raised" in capsys.readouterr().err
+    assert not out.exists()
+
+
 def test_all_settings_and_presets_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["network", "--radio-settings", "--radio", "dsrc", "ideal"]) == 0
     told = capsys.readouterr().out

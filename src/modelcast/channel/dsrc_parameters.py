@@ -5,6 +5,7 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 
 from modelcast.channel.airtime_kernels import SERVICE_TAIL_BITS, frame_airtimes
+from modelcast.channel.parameter_bounds import check_bins, check_decibels
 from modelcast.core.arrays import FloatArray, IntArray, owned
 
 __all__ = [
@@ -16,6 +17,16 @@ __all__ = [
     "power_ratio",
     "thermal_noise_dbm",
 ]
+
+
+_MOST_AIFSN, _MOST_WINDOW = 15, 32_767
+"""AIFSN has four bits, and so has the exponent of CWmin (from memory)."""
+
+_LEAST_WINDOW_S = 1e-3
+"""Every window of the busy ratio costs a turn of the compiled loop."""
+
+_LONGEST_S = 10.0
+"""Spaces and windows of time are at most this long."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +79,8 @@ class AccessCategory:
     def __post_init__(self) -> None:
         if self.aifsn < 1 or self.window < 0:
             raise ValueError(f"aifsn must be at least 1 and window not negative, got {self}")
+        if self.aifsn > _MOST_AIFSN or self.window > _MOST_WINDOW:
+            raise ValueError(f"aifsn must be at most {_MOST_AIFSN}, window {_MOST_WINDOW}, got {self}")
 
 
 ACCESS_CATEGORIES: dict[str, AccessCategory] = {
@@ -187,10 +200,27 @@ class DsrcParameters:
             raise ValueError(f"sensing_s must lie within 0..{self.slot_s} (a slot), got {self.sensing_s}")
         if self.aifs_on_arrival and self.immediate_access:
             raise ValueError("aifs_on_arrival needs immediate_access=False: else a message goes out at once")
-        if not self.extended_s >= 0:
-            raise ValueError(f"extended_s must not be negative, got {self.extended_s}")
-        if self.bins < 1:
-            raise ValueError(f"bins must be at least 1, got {self.bins}")
+        for name in (
+            "slot_s",
+            "sifs_s",
+            "preamble_s",
+            "symbol_s",
+            "busy_window_s",
+            "extended_s",
+            "capture_s",
+        ):
+            if not 0 <= getattr(self, name) <= _LONGEST_S:
+                raise ValueError(f"{name} must lie within 0..{_LONGEST_S:g} s, got {getattr(self, name)}")
+        if self.busy_window_s < _LEAST_WINDOW_S:
+            raise ValueError(
+                f"busy_window_s must be at least {_LEAST_WINDOW_S:g} s, got {self.busy_window_s}"
+            )
+        check_decibels(self)
+        if not self.margin_db >= 0:
+            raise ValueError(f"margin_db must not be negative, got {self.margin_db}")
+        check_bins(self.bins, self.bin_m)
+        if not 1e3 <= self.bandwidth_hz <= 1e12:
+            raise ValueError(f"bandwidth_hz must lie within 1e3..1e12, got {self.bandwidth_hz}")
 
     @property
     def bit_rate(self) -> BitRate:

@@ -31,7 +31,7 @@ from modelcast.channel.frame_radio import (
 from modelcast.channel.in_band_emission import in_band_emission
 from modelcast.channel.nr_air_kernels import HOPELESS, Errors
 from modelcast.channel.nr_kernels import COPIES, GRANT_COLUMNS, MESSAGE, SlotMemory, advance, find_reach
-from modelcast.channel.nr_parameters import ELEMENT_HZ, RESERVED_SPAN, NrParameters
+from modelcast.channel.nr_parameters import ELEMENT_HZ, INTERVALS_MS, RESERVED_SPAN, NrParameters
 from modelcast.channel.nr_selection_kernels import NrConstants
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
@@ -118,10 +118,11 @@ class Nr(AbstractFrameRadio[NrState]):
     Steps must end on whole slots. A message that becomes ready in a slot goes out T1 to T2 later. Of a
     transmission ``grant`` is heeded: `Grant.ONE_SHOT` chooses resources for this message alone, whatever the
     vehicle holds; `Grant.PERIODIC` ones that come back, and if ``next_s`` is known, after the shortest
-    interval for which the next message is ready, `NrParameters.longest_ms` at most. ``priority`` is not
-    heeded. A receiver has a message if it decodes any of its copies; copies are not added up. Of lost frames,
-    ``concurrent`` means that the strongest interferer was near enough to hear the sender's reservations
-    (median power), ``hidden`` that it was not; of lost copies the last one counts.
+    interval for which the next message is ready, `NrParameters.longest_ms` at most. A held resource takes the
+    interval of each message that it carries, and is left after it where the vehicle knows of others then.
+    ``priority`` is not heeded. A receiver has a message if it decodes any of its copies; copies are not added
+    up. Of lost frames, ``concurrent`` means that the strongest interferer was near enough to hear the
+    sender's reservations (median power), ``hidden`` that it was not; of lost copies the last one counts.
 
     Examples
     --------
@@ -174,16 +175,16 @@ class Nr(AbstractFrameRadio[NrState]):
         elements = p.sub_channel_hz / ELEMENT_HZ
         reserved_dbm = p.reserved_dbm + 10.0 * np.log10(elements)  # over one sub-channel
         slots = p.slots_a_ms
-        last = int(p.last_ms * slots)
+        last = round(p.last_ms * slots)
         return NrConstants(
             sub_channels=p.sub_channels,
             overlapping=p.overlapping,
             slots_a_ms=slots,
-            first=max(round(p.first_ms * slots), 1),
+            first=round(p.first_ms * slots),
             last=last,
             interval=p.interval_ms * slots,
             longest=p.longest_ms * slots,
-            ahead=max(p.longest_ms * slots, last),
+            ahead=max(-(-last // (ms * slots)) * ms * slots for ms in INTERVALS_MS if ms <= p.longest_ms),
             span=RESERVED_SPAN,
             copies=p.transmissions,
             dynamic=p.dynamic,

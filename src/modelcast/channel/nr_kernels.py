@@ -58,7 +58,8 @@ __all__ = ["COPIES", "GRANT_COLUMNS", "MESSAGE", "SlotMemory", "advance", "find_
 
 # Columns of ``grant`` (V, GRANT_COLUMNS): integers.
 MESSAGE, _BYTES, _SENT, COPIES, _LENGTH, _COUNTER, _UNUSED, _INTERVAL, _AGAIN = 0, 1, 2, 3, 4, 5, 6, 7, 8
-GRANT_COLUMNS = 9
+_WISH = 9  # the interval that the message that waits wants
+GRANT_COLUMNS = 10
 _PERIODIC, _ONE_SHOT = 1, 2
 
 
@@ -162,6 +163,10 @@ def _take_in(
     length, interval = int(lengths[size_bytes]), _wanted_interval(n, asked, constants)
     fits = grant[v, COPIES] > 0 and grant[v, _LENGTH] >= length
     fits = fits and (grant[v, _INTERVAL] > 0) == (interval > 0)
+    grant[v, _WISH] = interval
+    # All copies before the first comes back.
+    if fits and interval > 0:
+        fits = memory.slots[v, grant[v, COPIES] - 1] - memory.slots[v, 0] < interval
     before = slot + constants.first - 1
     for k in range(grant[v, COPIES]):
         fits = fits and before < memory.slots[v, k] <= slot + constants.last
@@ -169,7 +174,6 @@ def _take_in(
     if fits:
         return
     _drop_resources(v, memory)
-    # All copies before the first comes back.
     span = min(constants.span, interval) if interval > 0 else constants.span
     grant[v, COPIES] = select_resources(
         v, slot, length, span, memory.reserved, random, memory.slots[v], memory.bands[v], constants
@@ -179,17 +183,35 @@ def _take_in(
 
 
 @kernel(inlined=True)
-def _announces(v: int, grant: IntMatrix, random: UInt64Vector, constants: NrConstants) -> bool:
-    """Count a use of the resources; return whether they are reserved again."""
-    if grant[v, _INTERVAL] == 0:
+def _are_reserved(v: int, slot: int, interval: int, memory: SlotMemory, constants: NrConstants) -> bool:
+    """Return whether others are known to be where a vehicle's resources come back."""
+    loudest_mw = np.float32(0.0)
+    for k in range(memory.grant[v, COPIES]):
+        at, band = memory.slots[v, k] + interval, memory.bands[v, k]
+        if at - slot < constants.ahead:
+            for s in range(band, band + memory.grant[v, _LENGTH]):
+                loudest_mw = max(loudest_mw, memory.reserved[at % constants.ahead, v, s])
+    return bool(loudest_mw > constants.reserved_mw)
+
+
+@kernel(inlined=True)
+def _announces(v: int, slot: int, memory: SlotMemory, random: UInt64Vector, constants: NrConstants) -> bool:
+    """Count a use of the resources; return whether they are reserved again, after the interval wished for.
+
+    It is the new one from this use on; the counter goes on. Where others reserved then, they are not.
+    """
+    grant = memory.grant
+    wish, held = grant[v, _WISH], grant[v, _INTERVAL]
+    grant[v, _INTERVAL] = wish
+    if wish == 0:
         return False
     if grant[v, _COUNTER] > 1:
         grant[v, _COUNTER] -= 1
-        return True
-    if uniform(random) < constants.keep_ratio:
-        grant[v, _COUNTER] = _draw_counter(grant[v, _INTERVAL], random, constants)
-        return True
-    return False
+    elif uniform(random) < constants.keep_ratio:
+        grant[v, _COUNTER] = _draw_counter(wish, random, constants)
+    else:
+        return False
+    return wish == held or not _are_reserved(v, slot, wish, memory, constants)
 
 
 @kernel
@@ -211,21 +233,22 @@ def _take_turns(
         for k in range(constants.copies):
             if slots[v, k] != slot:
                 continue
+            waits = grant[v, MESSAGE] >= 0
+            if waits and not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1])):
+                lapsed = _let_go(v, lapsed, memory, heard)
+                _drop_resources(v, memory)
+                continue
+            if waits and k == 0:
+                grant[v, _UNUSED] = 0
+                grant[v, _AGAIN] = int(_announces(v, slot, memory, random, constants))
             interval = grant[v, _INTERVAL]
             slots[v, k] = slot + interval if interval > 0 else -1
-            if grant[v, MESSAGE] < 0:
+            if not waits:
                 if k == 0:
                     grant[v, _UNUSED] += 1
                     if 0 < constants.reselect_after <= grant[v, _UNUSED]:
                         _drop_resources(v, memory)
                 continue
-            if not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1])):
-                lapsed = _let_go(v, lapsed, memory, heard)
-                _drop_resources(v, memory)
-                continue
-            if k == 0:
-                grant[v, _UNUSED] = 0
-                grant[v, _AGAIN] = int(_announces(v, grant, random, constants))
             grant[v, _SENT] += 1
             turns.who[count, 0], turns.who[count, 1] = v, memory.bands[v, k]
             turns.who[count, 2], turns.who[count, 3] = grant[v, _LENGTH], grant[v, _BYTES]
@@ -239,15 +262,20 @@ def _take_turns(
 
 @kernel(inlined=True)
 def _reserve(v: int, j: int, copy: int, rsrp_mw: float, memory: SlotMemory, constants: NrConstants) -> None:
-    """Remember at ``j`` what the control information of a copy reserves: copies to come, and itself again."""
+    """Remember at ``j`` what the control information of a copy reserves: copies to come, and itself again.
+
+    Itself for every interval that begins within T2: Q times in TS 38.214, 8.1.4.
+    """
     grant, slots, bands, reserved = memory.grant, memory.slots, memory.bands, memory.reserved
-    length = grant[v, _LENGTH]
+    length, interval = grant[v, _LENGTH], grant[v, _INTERVAL]
     for k in range(copy, grant[v, COPIES]):
-        if k == copy and grant[v, _AGAIN] == 0:
-            continue
-        row = slots[v, k] % constants.ahead
-        for s in range(bands[v, k], bands[v, k] + length):
-            reserved[row, j, s] = max(reserved[row, j, s], np.float32(rsrp_mw))
+        uses = 1
+        if k == copy:
+            uses = (constants.last + interval - 1) // interval if grant[v, _AGAIN] == 1 else 0
+        for use in range(uses):
+            row = (slots[v, k] + use * interval) % constants.ahead
+            for s in range(bands[v, k], bands[v, k] + length):
+                reserved[row, j, s] = max(reserved[row, j, s], np.float32(rsrp_mw))
 
 
 @kernel(inlined=True)
@@ -325,8 +353,12 @@ def _end_turns(count: int, slot: int, turns: Turns, memory: SlotMemory, constant
 
 
 @kernel
-def _with_room(memory: SlotMemory, waiting: int, more: int) -> SlotMemory:
-    """Return the same with room for more pairs that wait."""
+def _with_room(memory: SlotMemory, v: int, waiting: int, present: int) -> SlotMemory:
+    """Return the same with room for the pairs of a frame that wait: those there are once more, and new ones.
+
+    There may be more than vehicles ``present``: some heard an earlier copy and left.
+    """
+    more = int(memory.copies.span[v, 1]) + present
     return SlotMemory(
         memory.grant,
         memory.slots,
@@ -344,7 +376,9 @@ def _measure_busy(memory: SlotMemory, constants: NrConstants) -> None:
     """Work out the busy ratios of the window that ends."""
     for v in range(memory.grant.shape[0]):
         listened = (constants.window - memory.busy[v, 1]) * constants.sub_channels
-        memory.busy_ratio[v] = memory.busy[v, 0] / max(listened, 1)
+        # Silent slots are not visited: there, noise alone decides.
+        busy = listened if constants.noise_mw > constants.load_mw else memory.busy[v, 0]
+        memory.busy_ratio[v] = busy / max(listened, 1)
         memory.busy[v, 0], memory.busy[v, 1] = 0, 0
 
 
@@ -391,7 +425,7 @@ def advance(
         heard = heard_room(heard, received, used)
         for turn in range(count):
             if constants.copies > 1:
-                memory = _with_room(memory, waiting, 2 * present)
+                memory = _with_room(memory, int(turns.who[turn, 0]), waiting, present)
             received, waiting = _finish_frame(
                 turn,
                 slot,

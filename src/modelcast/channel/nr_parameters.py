@@ -8,7 +8,14 @@ from modelcast.channel.in_band_emission import EmissionMask
 from modelcast.channel.nr_transport_block import MCS_TABLE, SlotShape
 from modelcast.core.arrays import FloatArray, IntArray
 
-__all__ = ["ELEMENT_HZ", "MOST_COPIES", "RESERVED_SPAN", "NrParameters", "wilab_nr_parameters"]
+__all__ = [
+    "ELEMENT_HZ",
+    "INTERVALS_MS",
+    "MOST_COPIES",
+    "RESERVED_SPAN",
+    "NrParameters",
+    "wilab_nr_parameters",
+]
 
 _BLOCKS = {15: {10: 52, 20: 106, 30: 160, 40: 216}, 30: {10: 24, 20: 51, 30: 78, 40: 106}}
 """Resource blocks of a channel by subcarrier spacing [kHz] and width [MHz]; TS 38.101-1, table 5.3.2-1."""
@@ -22,11 +29,29 @@ _ERROR_VECTORS = {2: 0.175, 4: 0.125, 6: 0.08}
 _EFFICIENCY = 0.4
 """Share of the capacity of a channel that a sidelink reaches; TR 36.942, A.2."""
 
+_LEVELS = (
+    "reserved_dbm",
+    "control_db",
+    "noise_figure_db",
+    "sensitivity_dbm",
+    "load_dbm",
+    "antenna_gain_db",
+    "max_power_dbm",
+)
+_MOST_DB = 300.0
+"""Larger levels are slips: their powers are no longer good numbers."""
+
+_MOST = 100_000
+"""Of bins, of turns without a message, and of milliseconds of a window."""
+
 ELEMENT_HZ = 15e3
 """Bandwidth that the threshold for reservations is for."""
 
 RESERVED_SPAN = 32
 """Slots within which one message's control information can point at its copies; TS 38.214, 8.1.5."""
+
+INTERVALS_MS = (*range(1, 100), *range(100, 1001, 100))
+"""Resource reservation intervals there are; TS 38.331, SL-ResourceReservePeriod [ms]."""
 
 MOST_COPIES = 3
 """Resources that it can point at, its own included; the same clause."""
@@ -55,7 +80,7 @@ class NrParameters:
     longest_ms
         Longest interval that a sender may have by saying when its next message comes; it costs memory [ms].
     first_ms, last_ms
-        T1 and T2: a message goes out so long after it is ready, whole slots, at least one [ms].
+        T1 and T2: a message goes out so long after it is ready; whole slots, at least one [ms].
     keep_ratio
         Chance to keep the resource when the counter runs out; 0, .2, .4, .6 or .8.
     dynamic
@@ -65,7 +90,9 @@ class NrParameters:
     reselect_after
         A resource is given up after so many turns in a row without a message; 0 for never.
     free_ratio
-        Share of the resources that must be left by exclusion: 0.2 (sl-TxPercentageList: .2, .35, .5).
+        Share of the resources that must be left by exclusion: 0.2 (sl-TxPercentageList: .2, .35, .5). Of
+        those that the vehicle could know of, as with ``best_of_possible`` of `SidelinkParameters`; TS 38.214,
+        8.1.4, step 7, takes it of all.
     reserved_dbm
         A reservation excludes where it was received stronger, over 15 kHz; raised by 3 dB until enough are
         left [dBm].
@@ -79,7 +106,7 @@ class NrParameters:
     sensitivity_dbm
         Weakest frame that is received [dBm]. The error model decides before that.
     load_dbm
-        The channel busy ratio counts sub-channels with more [dBm].
+        The channel busy ratio counts sub-channels with more, noise included [dBm].
     busy_window_ms
         100 ms (sl-TimeWindowSizeCBR).
     antenna_gain_db
@@ -90,8 +117,9 @@ class NrParameters:
     Notes
     -----
     The selection is that of TS 38.214, 8.1.4, for one interval: what was reserved excludes, and chance
-    decides among the rest. There is no ranking by power. A slot in which the vehicle sent is excluded one
-    interval later, since it heard nothing then.
+    decides among the rest. There is no ranking by power. A reservation with an interval below T2 excludes all
+    its uses up to T2, and these stay excluded where the sender leaves the resource before. A slot in which
+    the vehicle sent is excluded one ``interval_ms`` later only, since it heard nothing then.
 
     References
     ----------
@@ -144,11 +172,19 @@ class NrParameters:
             )
         self._check_slot()
         self._check_selection()
+        self._check_levels()
+
+    def _check_levels(self) -> None:
         for name in ("busy_window_ms", "bins"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")
-        if not self.bin_m > 0:
-            raise ValueError(f"bin_m must be positive, got {self.bin_m}")
+            if not 1 <= getattr(self, name) <= _MOST:
+                raise ValueError(f"{name} must lie within 1..{_MOST}, got {getattr(self, name)}")
+        if not 0.1 <= self.bin_m < np.inf:
+            raise ValueError(f"bin_m must be finite and at least 0.1, got {self.bin_m}")
+        for name in _LEVELS:
+            if not abs(getattr(self, name)) <= _MOST_DB:
+                raise ValueError(f"{name} must lie within -{_MOST_DB}..{_MOST_DB}, got {getattr(self, name)}")
+        if not 0 <= self.margin_db <= _MOST_DB:
+            raise ValueError(f"margin_db must lie within 0..{_MOST_DB}, got {self.margin_db}")
 
     def _check_slot(self) -> None:
         if self.control_symbols not in (2, 3):
@@ -160,23 +196,31 @@ class NrParameters:
 
     def _check_selection(self) -> None:
         for name in ("interval_ms", "longest_ms"):
-            if getattr(self, name) not in (*range(1, 100), *range(100, 1001, 100)):
+            if getattr(self, name) not in INTERVALS_MS:
                 raise ValueError(f"{name} must be 1..99 or 100, 200, ... 1000, got {getattr(self, name)}")
         if not self.interval_ms <= self.longest_ms:
             raise ValueError(f"longest_ms must be at least interval_ms, got {self.longest_ms}")
+        self._check_window()
+        for name in ("keep_ratio", "free_ratio"):
+            if not 0 <= getattr(self, name) <= 1:
+                raise ValueError(f"{name} must lie within 0..1, got {getattr(self, name)}")
+        if not 1 <= self.transmissions <= MOST_COPIES:
+            raise ValueError(f"transmissions must lie within 1..{MOST_COPIES}, got {self.transmissions}")
+        if not 0 <= self.reselect_after <= _MOST:
+            raise ValueError(f"reselect_after must lie within 0..{_MOST}, got {self.reselect_after}")
+
+    def _check_window(self) -> None:
         shortest_ms = 1.0 / self.slots_a_ms
         if not shortest_ms <= self.first_ms <= self.last_ms <= 1000.0:
             raise ValueError(
                 f"first_ms and last_ms must rise within {shortest_ms}..1000, "
                 f"got {self.first_ms} and {self.last_ms}"
             )
-        for name in ("keep_ratio", "free_ratio"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise ValueError(f"{name} must lie within 0..1, got {getattr(self, name)}")
-        if not 1 <= self.transmissions <= MOST_COPIES:
-            raise ValueError(f"transmissions must lie within 1..{MOST_COPIES}, got {self.transmissions}")
-        if self.reselect_after < 0:
-            raise ValueError(f"reselect_after must not be negative, got {self.reselect_after}")
+        for name in ("first_ms", "last_ms"):
+            if getattr(self, name) % shortest_ms != 0:
+                raise ValueError(
+                    f"{name} must be a whole number of slots of {shortest_ms} ms, got {getattr(self, name)}"
+                )
 
     @property
     def slots_a_ms(self) -> int:

@@ -17,6 +17,7 @@ from modelcast.channel.propagation import NakagamiFading, Propagation, Shadowing
 from modelcast.channel.radio import AbstractRadio
 from modelcast.channel.radio_settings import Family, Kind, RadioForm
 from modelcast.channel.table_error_model import TableErrorModel
+from modelcast.core.exceptions import ConfigError
 
 __all__ = ["ERROR_MODELS", "PATH_LOSSES", "radio_form"]
 
@@ -102,14 +103,42 @@ _CHANNELS: Mapping[str, Kind] = {
 def _family(selector: str, kinds: Mapping[str, Kind], held: Any, parameters: Any = None) -> Family:
     """A family whose default is the kind that is held already."""
     default = next((name for name, kind in kinds.items() if kind.base(parameters) == held), None)
-    return Family(selector, kinds, default, held)
+    return Family(selector, kinds, default, held, parameters)
 
 
-def _round_corners(before: Propagation, after: Propagation) -> Propagation:
-    """The loss round a corner goes with that along the first street."""
-    if isinstance(after.nlos, ManhattanNlos) and after.path_loss != before.path_loss:
-        return replace(after, nlos=replace(after.nlos, los=after.path_loss))
-    return after
+def _placed(radio: Any, changes: Mapping[str, Any], propagation: Propagation | None) -> Any:
+    """The radio with these changes, in its own propagation or that given: fading as its error model asks."""
+    held: Propagation | None = getattr(radio, "propagation", None)
+    if held is None:
+        changed = replace(radio, **changes)
+        return changed if propagation is None else changed.within(propagation)
+    bare = replace(radio, **changes, propagation=replace(held, fading=None))
+    return bare.within(held if propagation is None else propagation)
+
+
+def _with_path_loss(before: Propagation, after: Propagation) -> Propagation:
+    """The loss round a corner goes with that along the first street, and so does that of raised antennas.
+
+    Raises
+    ------
+    ConfigError
+        Where antennas are raised and the path loss does not know the heights of both ends.
+    """
+    path_loss = after.path_loss
+    if path_loss == before.path_loss:
+        return after
+    if isinstance(after.nlos, ManhattanNlos):
+        after = replace(after, nlos=replace(after.nlos, los=path_loss))
+    if after.raised is None:
+        return after
+    high = after.raised.path_loss
+    if not (isinstance(high, WinnerB1 | TwoRay) and isinstance(path_loss, WinnerB1 | TwoRay)):
+        raise ConfigError(
+            "antennas are raised (as roadside units' are), so path_loss must be winner-b1 or two-ray: the "
+            "others do not know the heights of both ends"
+        )
+    over_road = replace(path_loss, other_antenna_m=high.other_antenna_m)
+    return replace(after, raised=replace(after.raised, path_loss=over_road))
 
 
 def radio_form(radio: AbstractRadio[Any]) -> RadioForm:
@@ -135,9 +164,7 @@ def radio_form(radio: AbstractRadio[Any]) -> RadioForm:
             families[one.name, ""] = _family(one.name, _CHANNELS, held)
         elif one.name == "error_model":
             families[one.name, ""] = _error_family(held, parameters)
-    return RadioForm(
-        radio, families, {"propagation": _round_corners} if hasattr(radio, "propagation") else {}
-    )
+    return RadioForm(radio, families, _placed, {"propagation": _with_path_loss})
 
 
 def _error_family(held: AbstractErrorModel | None, parameters: Any) -> Family:

@@ -18,6 +18,8 @@ __all__ = ["Family", "Kind", "RadioForm", "Setting", "listed", "near", "shown", 
 
 _PLAIN = (bool, int, float, str, NoneType)
 _NONE = "none"
+_BEYOND = 2**63
+"""Compiled loops hold whole numbers below this."""
 
 
 class Setting(NamedTuple):
@@ -40,6 +42,8 @@ class Setting(NamedTuple):
         ConfigError
             Where it is of another type.
         """
+        if type(value) is int and abs(value) >= _BEYOND:
+            raise ConfigError(f"{self.key} must be {self.wanted} within 64 bits, got {value}")
         words = [one for one in self.kinds if not isinstance(one, type)]
         if words:
             if value in words and not isinstance(value, bool):
@@ -167,28 +171,40 @@ class Family:
         Name of the kind where none is named; None where the radio has one without a name.
     held
         The part that the radio has where nothing is set.
+    parameters
+        Those of the radio where nothing is set: the keys that a kind has do not depend on what is set.
     """
 
     selector: str
     kinds: Mapping[str, Kind]
     default: str | None
     held: Any
+    parameters: Any = None
 
-    def settings_of(self, name: str | None, parameters: Any) -> tuple[Setting, ...]:
+    def settings_of(self, name: str | None) -> tuple[Setting, ...]:
         """Settings of a kind."""
         if name is None:
             return ()
-        return self.kinds[name].settings(parameters, self.held if name == self.default else None)
+        return self.kinds[name].settings(self.parameters, self.held if name == self.default else None)
 
-    def keys(self, parameters: Any) -> dict[str, list[str]]:
+    def keys(self) -> dict[str, list[str]]:
         """Names of the kinds that have a key, by key."""
         found: dict[str, list[str]] = {}
         for name in self.kinds:
-            for setting in self.settings_of(name, parameters):
+            for setting in self.settings_of(name):
                 found.setdefault(setting.key, []).append(name)
         return found
 
-    def chosen(self, given: Mapping[str, Any], parameters: Any) -> str | None:
+    def kind_of(self, part: Any) -> str | None:
+        """Name of the kind that a part is of, None where it is of none; None is the radio's own part."""
+        if part == self.held:
+            return self.default
+        bases = {name: kind.base(self.parameters) for name, kind in self.kinds.items()}
+        same = [name for name, base in bases.items() if base == part]
+        alike = [name for name, base in bases.items() if type(base) is type(part)]
+        return next(iter((*same, *alike)), self.default if part is None else None)
+
+    def chosen(self, given: Mapping[str, Any], default: str | None) -> str | None:
         """The kind that settings mean: the named one, the default, or the only one that has their keys.
 
         Raises
@@ -196,7 +212,7 @@ class Family:
         ConfigError
             Where the selector names none, or a key belongs to another kind.
         """
-        own = {key: names for key, names in self.keys(parameters).items() if key in given}
+        own = {key: names for key, names in self.keys().items() if key in given}
         if self.selector in given:
             word = given[self.selector]
             name = _NONE if word is None or word is False else str(word)
@@ -204,7 +220,7 @@ class Family:
                 meant = near(name, self.kinds)
                 raise ConfigError(f"{self.selector} must be {listed(self.kinds)}, got {shown(word)}{meant}")
         else:
-            name = self.default
+            name = default
             if any(name not in names for names in own.values()):
                 common = [one for one in self.kinds if all(one in names for names in own.values())]
                 name = common[0] if len(common) == 1 else name
@@ -221,14 +237,17 @@ class Family:
         ConfigError
             As `chosen`; where a value is of another type, or one is missing.
         """
-        name = self.chosen(given, parameters)
-        if name is None or (self.selector not in given and not self.keys(parameters).keys() & given.keys()):
+        if self.selector not in given and not self.keys().keys() & given.keys():
+            return held
+        held_kind = self.kind_of(held)
+        name = self.chosen(given, held_kind)
+        if name is None:
             return held
         kind = self.kinds[name]
         if missing := [key for key in kind.needed if key not in given]:
             raise ConfigError(f"{self.selector}={name} needs {' and '.join(missing)}")
         # A part of the kind that is held already keeps what is not set.
-        keeps = name == self.default and self.selector not in given
+        keeps = name == held_kind and self.selector not in given
         base = held if keeps and held is not None else kind.base(parameters)
         settings = {one.key: one for one in kind.settings(parameters)}
         return _with_settings(
@@ -283,12 +302,15 @@ class RadioForm:
     families
         By the field of the radio they are in, and the field of that: ``propagation``, ``path_loss``; the
         second is empty where the field itself is the part.
+    placed
+        Gives the radio with changed fields where waves get about as told (None: as in the radio itself).
     follow
-        What else changes in a field of the radio with its families: from the field before and after.
+        What else changes with the families of a field of the radio: from the field before and after.
     """
 
     radio: Any
     families: Mapping[tuple[str, str], Family]
+    placed: Callable[[Any, Mapping[str, Any], Any], Any]
     follow: Mapping[str, Callable[[Any, Any], Any]]
 
     @property
@@ -307,7 +329,7 @@ class RadioForm:
         """All keys: selectors with those of their kinds, then the others."""
         found: dict[str, None] = {}
         for family in self.families.values():
-            found |= dict.fromkeys((family.selector, *family.keys(self.parameters)))
+            found |= dict.fromkeys((family.selector, *family.keys()))
         return (*self.fields(), *found)
 
     def check_keys(self, given: Mapping[str, Any]) -> None:
@@ -342,30 +364,33 @@ class RadioForm:
             Where a value is out of its range.
         """
         self.check_keys(given)
-        radio = self.radio if propagation is None else self.radio.within(propagation)
-        changes: dict[str, Any] = {}
         own: dict[str, dict[Setting, Any]] = {"": {}, "parameters": {}}
         for key, (part, setting) in self.fields().items():
             if key in given:
                 own[part][setting] = setting.checked(given[key])
-        parameters = self.parameters
-        if is_dataclass(parameters):
-            parameters = _with_settings(parameters, own["parameters"])
-            inner = {name: family for (part, name), family in self.families.items() if part == "parameters"}
-            made = {
-                name: family.made(given, parameters, getattr(parameters, name))
-                for name, family in inner.items()
-            }
-            changes["parameters"] = replace(parameters, **made) if made else parameters
+        parameters = self._parameters(given, own["parameters"])
+        changes = {} if parameters is None else {"parameters": parameters}
         for (part, name), family in self.families.items():
-            if part == "parameters":
-                continue
-            whole = changes.get(part, getattr(radio, part))
-            if name:
-                changes[part] = replace(whole, **{name: family.made(given, parameters, getattr(whole, name))})
-            else:
-                changes[part] = family.made(given, parameters, whole)
-        for part, follow in self.follow.items():
-            if part in changes:
-                changes[part] = follow(getattr(radio, part), changes[part])
-        return _with_settings(replace(radio, **changes), own[""])
+            if not name:
+                changes[part] = family.made(given, parameters, getattr(self.radio, part))
+        radio = self.placed(_with_settings(self.radio, own[""]), changes, propagation)
+        parts: dict[str, Any] = {}
+        for (part, name), family in self.families.items():
+            if name and part != "parameters":
+                whole = parts.get(part, getattr(radio, part))
+                parts[part] = replace(whole, **{name: family.made(given, parameters, getattr(whole, name))})
+        for part, whole in parts.items():
+            parts[part] = self.follow[part](getattr(radio, part), whole)
+        return replace(radio, **parts) if parts else radio
+
+    def _parameters(self, given: Mapping[str, Any], own: Mapping[Setting, Any]) -> Any:
+        """The parameters with these settings, None where the radio has none."""
+        if not is_dataclass(self.parameters):
+            return None
+        parameters = _with_settings(self.parameters, own)
+        made = {
+            name: family.made(given, parameters, getattr(parameters, name))
+            for (part, name), family in self.families.items()
+            if part == "parameters"
+        }
+        return replace(parameters, **made) if made else parameters

@@ -61,7 +61,7 @@ def get_radio(text: str, propagation: Propagation | None = None) -> AbstractRadi
     form = radio_form(RADIOS.made(name))
     try:
         return form.made(_with_preset(name, given, form), propagation)
-    except (ConfigError, ValueError) as error:
+    except (ConfigError, ValueError, ArithmeticError, MemoryError) as error:
         raise ConfigError(f"The radio {name!r} refuses its settings: {error}") from error
 
 
@@ -78,8 +78,10 @@ def _with_preset(name: str, given: Mapping[str, Any], form: RadioForm) -> dict[s
     preset = dict(known[word].settings)
     for family in form.families.values():
         selector = family.selector
-        if selector in settings and settings[selector] != preset.get(selector):
-            own = family.keys(form.parameters)
+        named = {key: value for key, value in settings.items() if key == selector}
+        meant = family.chosen(preset, family.default)
+        if family.chosen(named, meant) != meant:
+            own = family.keys()
             preset = {key: value for key, value in preset.items() if key != selector and key not in own}
     return {**preset, **settings}
 
@@ -114,9 +116,9 @@ def radio_keys(name: str) -> tuple[RadioKey, ...]:
     ]
     for family in form.families.values():
         rows.append(RadioKey(family.selector, "", listed(family.kinds), family.default or "the radio's own"))
-        for key, kinds in family.keys(form.parameters).items():
+        for key, kinds in family.keys().items():
             kind = family.default if family.default in kinds else kinds[0]
-            first = {one.key: one for one in family.settings_of(kind, form.parameters)}[key]
+            first = {one.key: one for one in family.settings_of(kind)}[key]
             goes_with = "" if len(kinds) == len(family.kinds) else f"{family.selector}={' or '.join(kinds)}"
             needed = key in family.kinds[kind].needed
             rows.append(RadioKey(key, goes_with, first.wanted, "needed" if needed else shown(first.default)))

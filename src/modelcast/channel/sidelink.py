@@ -39,9 +39,10 @@ from modelcast.channel.sidelink_parameters import (
     BLOCK_ELEMENTS,
     COUNTER,
     COUNTERS,
+    MEMORY,
     SidelinkParameters,
 )
-from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants
+from modelcast.channel.sidelink_selection_kernels import SidelinkConstants
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
 from modelcast.core.parts import Parts
 

@@ -42,7 +42,8 @@ from modelcast.channel.sidelink_grant_kernels import (
     is_foreseen,
     wants_one_shot,
 )
-from modelcast.channel.sidelink_selection_kernels import MEMORY, SidelinkConstants, select_resource
+from modelcast.channel.sidelink_parameters import MEMORY
+from modelcast.channel.sidelink_selection_kernels import SidelinkConstants, select_resource
 from modelcast.core.exponential_kernels import fast_exp
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
@@ -241,6 +242,12 @@ def _judge(
     return (_CONCURRENT if east * east + north * north <= reach_m * reach_m else _HIDDEN), ratio
 
 
+@kernel(inlined=True)
+def _is_there(v: int, position_m: FloatMatrix) -> bool:
+    """Whether a vehicle is anywhere."""
+    return bool(np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]))
+
+
 @kernel
 def find_reach(
     grant: IntMatrix, sender: IntVector, position_m: FloatMatrix, constants: SidelinkConstants
@@ -250,8 +257,7 @@ def find_reach(
     if constants.shadowed:
         for n in range(sender.size + grant.shape[0]):
             v = int(sender[n]) if n < sender.size else n - sender.size
-            here = np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1])
-            if here and (n < sender.size or grant[v, MESSAGE] >= 0):
+            if _is_there(v, position_m) and (n < sender.size or grant[v, MESSAGE] >= 0):
                 reach_m2[v] = constants.range_m * constants.range_m
     return reach_m2
 
@@ -357,6 +363,8 @@ def _goes_on(
     if grant[v, WISH] == _ANY and constants.grant_by_next and not is_foreseen(grant, v, subframe, constants):
         return False
     grant[v, INTERVAL] = interval_for(grant, v, subframe, constants)
+    if grant[v, INTERVAL] == constants.horizon:
+        return True  # nobody can have announced anything so far ahead; its phase is still that of now
     for s in range(grant[v, BAND], grant[v, BAND] + grant[v, LENGTH]):
         if memory.reserved[v, (subframe + grant[v, INTERVAL]) % constants.horizon, s] > constants.reserved_mw:
             return False  # another will be there
@@ -364,16 +372,35 @@ def _goes_on(
 
 
 @kernel(inlined=True)
+def _let_go(v: int, lapsed: int, memory: Memory, heard: Heard) -> int:
+    """Give up the message that waits: expired, or settled where a copy was sent; return how many lapsed."""
+    grant = memory.grant
+    if grant[v, MESSAGE] >= 0:
+        if grant[v, SENT] == 0:
+            heard.expired[lapsed] = grant[v, MESSAGE]
+            lapsed += 1
+        else:
+            settle(memory.copies, v, heard.outcomes)  # no other copy is to come
+    grant[v, MESSAGE] = -1
+    return lapsed
+
+
+@kernel(inlined=True)
 def _take_turns(
     subframe: int,
+    lapsed: int,
     memory: Memory,
     position_m: FloatMatrix,
     turns: Turns,
     air: Air,
+    heard: Heard,
     random: UInt64Vector,
     constants: SidelinkConstants,
-) -> int:
-    """Write who sends in this subframe; return how many."""
+) -> tuple[int, int]:
+    """Write who sends in this subframe; return how many, and how many messages have lapsed.
+
+    Who is not there lets its message go.
+    """
     count, grant = 0, memory.grant
     for v in range(grant.shape[0]):
         for which in range(TURNS if constants.copies > 1 else TURNS - 1):
@@ -381,7 +408,9 @@ def _take_turns(
                 continue
             kind = which & SHOT
             due = grant[v, MESSAGE] >= 0 and grant[v, VIA] == kind and grant[v, SENT] == which - kind
-            if not due or not np.isfinite(position_m[v, 0]):
+            if due and not _is_there(v, position_m):
+                lapsed, due = _let_go(v, lapsed, memory, heard), False
+            if not due:
                 if kind == RESERVED:
                     _pass_by(v, which, grant, constants)
                 continue
@@ -396,7 +425,7 @@ def _take_turns(
                 air.reserves[v] = kind == RESERVED and grant[v, BAND] >= 0
             if kind == RESERVED:
                 grant[v, NEXT + which] += grant[v, INTERVAL]
-    return count
+    return count, lapsed
 
 
 @kernel(inlined=True)
@@ -414,14 +443,20 @@ def _remember(subframe: int, memory: Memory, air: Air, constants: SidelinkConsta
 
 
 @kernel(inlined=True)
+def _mark(j: int, subframe: int, band: int, length: int, rsrp_mw: float, reserved: Float32Cube) -> None:
+    """Let a vehicle know that a resource is taken in one subframe to come."""
+    phase = subframe % reserved.shape[1]
+    for s in range(band, band + length):
+        reserved[j, phase, s] = max(reserved[j, phase, s], rsrp_mw)
+
+
+@kernel(inlined=True)
 def _announce(
     j: int, subframe: int, interval: int, band: int, length: int, rsrp_mw: float, reserved: Float32Cube
 ) -> None:
     """Let a vehicle know that a resource comes back, short intervals as often as 100 ms hold."""
-    horizon = reserved.shape[1]
     for later in range(subframe + interval, subframe + max(interval, _ALTERNATIVES_MS) + 1, interval):
-        for s in range(band, band + length):
-            reserved[j, later % horizon, s] = max(reserved[j, later % horizon, s], rsrp_mw)
+        _mark(j, later, band, length, rsrp_mw, reserved)
 
 
 @kernel(inlined=True)
@@ -464,7 +499,7 @@ def _finish_frame(
                     _announce(j, subframe, int(grant[v, INTERVAL]), band, length, rsrp_mw, memory.reserved)
                 if more:
                     again = int(grant[v, BAND + which + 1])
-                    _announce(j, subframe, gap, again, length, rsrp_mw, memory.reserved)
+                    _mark(j, subframe + gap, again, length, rsrp_mw, memory.reserved)
         new = outcome == _RECEIVED
         if not alone:
             new, waiting = tell(
@@ -582,7 +617,10 @@ def advance(
     arrival, waiting = 0, memory.copies.pair.shape[0]
 
     for subframe in range(now, until):
-        count, used = _take_turns(subframe, memory, position_m, turns, air, random, constants), 0
+        count, lapsed = _take_turns(
+            subframe, lapsed, memory, position_m, turns, air, heard, random, constants
+        )
+        used = 0
         for turn in range(count):
             links = _links_room(links, used, present)
             turns.first_link[turn] = used
@@ -607,13 +645,12 @@ def advance(
         while arrival < sender.size and ready_subframe[arrival] <= subframe:
             v, n = sender[arrival], arrival
             arrival += 1
-            absent = not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]))
-            if absent or (grant[v, MESSAGE] >= 0 and grant[v, SENT] == 0):
-                heard.expired[lapsed] = asked.message_id[n] if absent else grant[v, MESSAGE]
-                lapsed += 1
-            if not absent:
-                settle(memory.copies, v, heard.outcomes)  # no copy of the message before is to come
+            lapsed = _let_go(v, lapsed, memory, heard)
+            if _is_there(v, position_m):
                 _take_in(n, subframe, memory, asked, random, constants)
+            else:
+                heard.expired[lapsed] = asked.message_id[n]
+                lapsed += 1
         if (subframe + 1) % constants.window == 0:
             _measure_busy(subframe, memory, constants)
 

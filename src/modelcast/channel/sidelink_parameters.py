@@ -12,6 +12,7 @@ __all__ = [
     "BLOCK_HZ",
     "COUNTER",
     "COUNTERS",
+    "MEMORY",
     "SidelinkParameters",
     "j3161_sidelink_parameters",
     "wilab_sidelink_parameters",
@@ -42,6 +43,35 @@ COUNTERS = {20: (25, 75), 50: (10, 30)}
 COUNTER = (5, 15)
 """Bounds of the reselection counter by reservation interval [ms], and from 100 ms on; TS 36.321, 5.14.1.1."""
 
+MEMORY = 1000
+"""Subframes of the sensing window; TS 36.213, 14.1.1.6."""
+
+_MOST_SUB_CHANNELS, _MOST_BLOCKS = 20, 100
+"""Largest numSubchannel of TS 36.331, from memory, and the resource-block pairs of 20 MHz."""
+
+_WHOLE = {
+    "sub_channels": (1, _MOST_SUB_CHANNELS),
+    "blocks": (1, _MOST_BLOCKS),
+    "control_blocks": (0, _MOST_BLOCKS),
+    "reselect_after": (1, 9),
+    "one_shot_most": (1, 1000),
+    "busy_window_ms": (1, MEMORY),
+    "bins": (1, 100_000),
+}
+"""Bounds of whole numbers."""
+
+_LOUDEST_DB = 300.0
+_LEVELS = (
+    "reserved_dbm",
+    "control_db",
+    "noise_figure_db",
+    "sensitivity_dbm",
+    "load_dbm",
+    "antenna_gain_db",
+    "max_power_dbm",
+)
+_NARROWEST_M = 0.1
+
 
 @dataclass(frozen=True, slots=True)
 class SidelinkParameters:
@@ -52,7 +82,8 @@ class SidelinkParameters:
     mcs
         A key of `BITS_PER_BLOCK`. The error model must be for it.
     sub_channels, blocks
-        Sub-channels of the pool, and resource-block pairs in each; 10 MHz has 50 pairs.
+        Sub-channels of the pool, 20 at most, and resource-block pairs in each; 10 MHz has 50 pairs, 20 MHz
+        100, and no pool has more.
     control_blocks
         Pairs for the control part, adjacent to the data: 2.
     least_sub_channels
@@ -116,11 +147,12 @@ class SidelinkParameters:
         The channel busy ratio counts sub-channels with more; TS 36.214, 5.1.30, with the -94 dBm of ETSI TS
         103 574 [dBm].
     busy_window_ms
-        100 subframes.
+        100 subframes; at most the 1000 that a vehicle remembers.
     antenna_gain_db
         Of either end [dB].
     max_power_dbm, margin_db, bin_m, bins
-        As in `DsrcParameters`.
+        As in `DsrcParameters`; powers and ratios lie within -300..300 dB, the margin within 0..300 dB, a bin
+        is at least 0.1 m wide, and there are at most 100 000.
 
     References
     ----------
@@ -168,9 +200,8 @@ class SidelinkParameters:
     def __post_init__(self) -> None:
         if self.mcs not in BITS_PER_BLOCK:
             raise ValueError(f"mcs must be one of {sorted(BITS_PER_BLOCK)}, got {self.mcs}")
-        for name in ("sub_channels", "blocks", "reselect_after", "busy_window_ms", "bins"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")
+        self._check_sizes()
+        self._check_levels()
         if self.interval_ms not in (20, 50, *range(100, 1001, 100)):
             raise ValueError(f"interval_ms must be 20, 50 or 100, 200, ... 1000, got {self.interval_ms}")
         if not 1 <= self.first_ms <= 4 or not 20 <= self.last_ms <= 100:
@@ -180,18 +211,32 @@ class SidelinkParameters:
         for name in ("keep_ratio", "best_ratio"):
             if not 0 <= getattr(self, name) <= 1:
                 raise ValueError(f"{name} must lie within 0..1, got {getattr(self, name)}")
-        if not self.bin_m > 0:
-            raise ValueError(f"bin_m must be positive, got {self.bin_m}")
-        self._check_sizes()
         self._check_grants()
 
     def _check_sizes(self) -> None:
-        if self.control_blocks < 0:
-            raise ValueError(f"control_blocks must not be negative, got {self.control_blocks}")
+        for name, (least, most) in _WHOLE.items():
+            if not least <= getattr(self, name) <= most:
+                raise ValueError(f"{name} must lie within {least}..{most}, got {getattr(self, name)}")
+        if self.sub_channels * self.blocks > _MOST_BLOCKS:
+            raise ValueError(
+                f"sub_channels times blocks must be {_MOST_BLOCKS} at most, "
+                f"got {self.sub_channels} times {self.blocks}"
+            )
         if not 1 <= self.least_sub_channels <= self.sub_channels:
             raise ValueError(
                 f"least_sub_channels must lie within 1..{self.sub_channels}, got {self.least_sub_channels}"
             )
+
+    def _check_levels(self) -> None:
+        for name in _LEVELS:
+            if not -_LOUDEST_DB <= getattr(self, name) <= _LOUDEST_DB:
+                raise ValueError(
+                    f"{name} must lie within {-_LOUDEST_DB:g}..{_LOUDEST_DB:g}, got {getattr(self, name)}"
+                )
+        if not 0 <= self.margin_db <= _LOUDEST_DB:
+            raise ValueError(f"margin_db must lie within 0..{_LOUDEST_DB:g}, got {self.margin_db}")
+        if not _NARROWEST_M <= self.bin_m < np.inf:
+            raise ValueError(f"bin_m must be finite and at least {_NARROWEST_M}, got {self.bin_m}")
 
     def _check_grants(self) -> None:
         if self.transmissions not in (1, 2):

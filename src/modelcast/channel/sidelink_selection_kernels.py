@@ -5,16 +5,14 @@ from typing import NamedTuple
 import numpy as np
 
 from modelcast.channel.random_kernels import uniform
+from modelcast.channel.sidelink_parameters import MEMORY
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import Float32Cube, IntVector, UInt64Vector
 
-__all__ = ["MEMORY", "SidelinkConstants", "select_resource"]
-
-MEMORY = 1000
-"""Subframes of the sensing window; TS 36.213, 14.1.1.6."""
+__all__ = ["SidelinkConstants", "select_resource"]
 
 _STEP = 100
-"""Power is averaged over subframes at this distance; the same clause."""
+"""Power is averaged over subframes at this distance; TS 36.213, 14.1.1.6."""
 
 _COPY_GAP = 15
 """Most subframes between the two copies of a message; TS 36.213, 14.1.1.4C and 14.1.1.7."""

@@ -14,6 +14,7 @@ from typing import Self
 import numpy as np
 
 from modelcast.channel.airtime_kernels import SERVICE_TAIL_BITS, frame_airtimes
+from modelcast.channel.parameter_bounds import check_decibels
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import AbstractRadio, Receptions, Transmissions
@@ -22,6 +23,10 @@ from modelcast.channel.tabulated_kernels import Sensed, advance
 from modelcast.core.arrays import FloatArray, IntArray, owned
 
 __all__ = ["ReceptionTable", "TabulatedRadio", "TabulatedState", "measured_table"]
+
+_FASTEST_MBPS = 1e6
+_LONGEST_S = 1.0
+"""Bounds of what an airtime is made of; beyond them the bits of a symbol are no whole number of 64 bits."""
 
 _LOUDEST_DBM = 33.0
 """Powers above this are sensed no farther than this one."""
@@ -231,16 +236,16 @@ class TabulatedRadio(AbstractRadio[TabulatedState]):
     shares: FloatArray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        for name in ("rate_mbps", "symbol_s"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        for name, most in (("rate_mbps", _FASTEST_MBPS), ("symbol_s", _LONGEST_S)):
+            if not 0 < getattr(self, name) <= most:
+                raise ValueError(f"{name} must be positive, at most {most:g}, got {getattr(self, name)}")
         if not self._bits_per_symbol >= 1:
             raise ValueError(f"a symbol must hold a bit, got {self.rate_mbps} Mb/s and {self.symbol_s} s")
-        if not self.preamble_s >= 0:
-            raise ValueError(f"preamble_s must not be negative, got {self.preamble_s}")
-        for name in ("load_dbm", "antenna_gain_db"):
-            if not np.isfinite(getattr(self, name)):
-                raise ValueError(f"{name} must be finite, got {getattr(self, name)}")
+        if not 0 <= self.preamble_s <= _LONGEST_S:
+            raise ValueError(
+                f"preamble_s must not be negative, at most {_LONGEST_S:g}, got {self.preamble_s}"
+            )
+        check_decibels(self)
         object.__setattr__(self, "tables", self.propagation.tables(self._sensed_m(_LOUDEST_DBM)))
         object.__setattr__(self, "shares", sensed_shares(self.propagation))
 

@@ -51,7 +51,7 @@ def capacity(
     Parameters
     ----------
     radio
-        dsrc, sidelink, abstract, ideal, or several after one another.
+        dsrc, sidelink, nr, abstract, ideal, or several after one another.
     policy
         As for network, several after one another.
     limit

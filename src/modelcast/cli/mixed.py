@@ -37,7 +37,7 @@ def mixed(
     density
         Vehicles a kilometre of road, both directions, several after one another.
     radio
-        dsrc, sidelink, abstract, ideal, or several after one another.
+        dsrc, sidelink, nr, abstract, ideal, or several after one another.
     policy
         Two policies of network or more: the last is the new one, the others share the rest of the vehicles
         evenly.

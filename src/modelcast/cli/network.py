@@ -48,8 +48,8 @@ def network(
     density
         Vehicles a kilometre of road, both directions, several after one another.
     radio
-        dsrc, sidelink, abstract (a table of losses), ideal (no loss), or several after one another; each with
-        settings of its own as dsrc:preset=deployed-obu,noise_figure_db=8.
+        dsrc, sidelink (LTE-V2X), nr (NR-V2X), abstract (a table of losses), ideal (no loss), or several after
+        one another; each with settings of its own as dsrc:preset=deployed-obu,noise_figure_db=8.
     radio_settings
         List the settings and presets of the radios that --radio names, and run nothing.
     policy

@@ -2,9 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from math import inf, isfinite, nan
 
+from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio_words import get_radio
 from modelcast.channel.registry import RADIOS
 from modelcast.cli.named_words import check_word
@@ -127,6 +129,9 @@ def _check_roadside(roadside: RoadsidePlan, varied: Varied) -> None:
         raise ConfigError(f"--roadside: {error}") from error
     if not roadside.height_m > 1.0:
         raise ConfigError(f"--roadside-height must be above 1 m, got {roadside.height_m}")
+    raised = roadside.raise_antennas(Propagation())
+    for word in varied.radios:
+        check_word("--radio", partial(get_radio, propagation=raised), word)
 
 
 def rival_of(against: str | None, cases: Sequence[NetworkCase]) -> str:

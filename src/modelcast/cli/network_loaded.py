@@ -1,13 +1,14 @@
 """The scenario ``loaded`` of ``modelcast network``: a busy channel, by roads, messages and antennas at once.
 
 Published traffic seldom loads the channel so far that J2945/1 lowers its power. Here ten lanes carry long
-messages over good antennas. Where the user's radio word sets a gain or names a preset, that holds.
+messages over good antennas. Where the user's radio word sets a gain, itself or by its preset, that holds.
 """
 
 from dataclasses import replace
 from typing import Any
 
 from modelcast.channel.radio import AbstractRadio
+from modelcast.channel.radio_presets import PRESETS
 from modelcast.core.named_settings import named_settings
 
 __all__ = ["ANTENNA_GAIN_DB", "LANES", "OTHER_BYTES", "loaded_radio"]
@@ -23,7 +24,7 @@ senders of models carry them too."""
 ANTENNA_GAIN_DB = 3.0
 """Of either end [dB]."""
 
-_OWN_GAIN = frozenset({"antenna_gain_db", "preset"})
+_GAIN = "antenna_gain_db"
 
 
 def loaded_radio(radio: AbstractRadio[Any], text: str) -> AbstractRadio[Any]:
@@ -44,9 +45,11 @@ def loaded_radio(radio: AbstractRadio[Any], text: str) -> AbstractRadio[Any]:
     """
     held: Any = radio
     holder: Any = getattr(radio, "parameters", radio)
-    if "antenna_gain_db" not in getattr(holder, "__dataclass_fields__", ()):
+    if _GAIN not in getattr(holder, "__dataclass_fields__", ()):
         return radio
-    if _OWN_GAIN & named_settings(text)[1].keys():
+    name, given = named_settings(text)
+    preset = PRESETS.get(name, {}).get(str(given.get("preset")))
+    if _GAIN in given or (preset is not None and _GAIN in preset.settings):
         return radio
     fitted: Any = replace(holder, antenna_gain_db=ANTENNA_GAIN_DB)
     return fitted if holder is held else replace(held, parameters=fitted)

@@ -90,7 +90,7 @@ class MeasuredCam(AbstractTransmitPolicy[MeasuredCamState]):
     Examples
     --------
     >>> round(MeasuredCam().mean_interval_s, 2)
-    0.38
+    0.34
     """
 
     chain: MarkovChain = field(default_factory=measured_cam_intervals)
