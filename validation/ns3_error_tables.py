@@ -5,6 +5,7 @@ NS3_PYTHON is the interpreter of a virtual environment with pip's ``ns3`` 3.44. 
 as `modelcast.channel.table_error_model` has them, and ends with 1 where they are others.
 """
 
+import argparse
 import subprocess
 import sys
 from pathlib import Path
@@ -32,10 +33,9 @@ def measured(python: str) -> dict[tuple[float, int], Table]:
 
 def main() -> int:
     """Print what was measured and say whether ours is the same."""
-    if len(sys.argv) != 2:
-        print("name the interpreter that has ns3")
-        return 2
-    found = measured(sys.argv[1])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("python", metavar="NS3_PYTHON")
+    found = measured(parser.parse_args().python)
     for key, table in found.items():
         print(f"    {key}: {table},")
     same = found == ERROR_TABLES

@@ -2,6 +2,7 @@
 
 import sys
 from threading import Thread
+from typing import Any
 
 import numpy as np
 import pytest
@@ -159,6 +160,16 @@ def test_hostile_octets_are_a_message_or_a_codec_error(octets: bytes) -> None:
 def test_impossible_messages_are_refused(wrong: object) -> None:
     with pytest.raises(ValueError, match=r"must|not known|outside|codes"):
         wrong()  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("wrong", [BARE, 3, None, bytearray.fromhex(BARE)])
+def test_what_is_no_bytes_or_no_message_is_told_by_the_argument_s_name(wrong: Any) -> None:
+    with pytest.raises(
+        TypeError, match=f"data must be of bytes, not {type(wrong).__name__}: give the octets"
+    ):
+        decode_cam(wrong)
+    with pytest.raises(TypeError, match=f"message must be of .*, not {type(wrong).__name__}"):
+        encode_cam(wrong)
 
 
 def test_threads_do_not_mix_their_messages() -> None:

@@ -1,6 +1,9 @@
 """Claims about the table of capacities: what it says of seeds, tracks, thresholds and limits."""
 
-from modelcast.report.capacity import capacity_markdown
+from dataclasses import replace
+
+from modelcast.report.capacity import capacity_markdown, plot_capacity
+from modelcast.report.style import style
 from modelcast.study.network.capacity import CapacityFound, bisected
 from modelcast.study.network.capacity_limits import Limit, Probe
 from modelcast.study.network.rows import NO_THRESHOLD
@@ -24,6 +27,13 @@ def found(limit: Limit, held_ratio: float = 1.0, *, threshold_m: float = NO_THRE
 
     capacity = bisected(probe, (100.0, 400.0), ratio=2.0)
     return CapacityFound("dsrc", "mbc", threshold_m=threshold_m, limit=limit, capacity=capacity)
+
+
+def test_radios_that_differ_in_one_setting_have_other_titles() -> None:
+    words = [f"dsrc:path_loss=two-ray,antenna_m={height_m},shadowing=log-normal" for height_m in (1.5, 2.5)]
+    with style():
+        figure = plot_capacity([replace(found(Limit("absolute", 0.5)), radio=word) for word in words])
+    assert [axes.get_title() for axes in figure.axes] == words
 
 
 def rows(*every: CapacityFound) -> list[list[str]]:

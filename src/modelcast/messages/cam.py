@@ -14,6 +14,7 @@ from functools import cache
 from threading import Lock
 from typing import Any, Final
 
+from modelcast.core.argument_types import require_type
 from modelcast.core.exceptions import CodecError, MissingExtraError
 from modelcast.messages.bits import MAX_OCTETS
 from modelcast.messages.cam_fields import CAM_FIELDS, CAM_INDEX, CAM_ROLES, MAX_PATH_POINTS, PATH_FIELDS
@@ -179,7 +180,10 @@ def encode_cam(message: CooperativeAwarenessMessage) -> bytes:
     ------
     MissingExtraError
         Where pycrate is not installed.
+    TypeError
+        Where it is no such message.
     """
+    require_type("message", message, CooperativeAwarenessMessage)
     codec, _ = _library()
     with _ONE_AT_A_TIME:
         codec.set_val(_value(message))
@@ -200,7 +204,10 @@ def decode_cam(data: bytes) -> CooperativeAwarenessMessage:
         Where they are no message, it is not of a vehicle, or octets are left.
     MissingExtraError
         Where pycrate is not installed.
+    TypeError
+        Where they are no bytes.
     """
+    require_type("data", data, bytes, remedy="give the octets, as bytes.fromhex makes them of a text")
     codec, reader = _library()
     bits = reader(data)
     with _ONE_AT_A_TIME:

@@ -29,6 +29,9 @@ _HEADS = (
 _TEXTS = 4
 """Columns of text, on the left."""
 
+_LONGEST = 100
+"""Letters of a radio's word over its panel, as many as fit."""
+
 
 def _value(limit: Limit, probe: Probe | None) -> str:
     """What a limit is on at one density, its spread over the seeds, and where too few pairs are tracked."""
@@ -162,7 +165,7 @@ def plot_capacity(found: Sequence[CapacityFound]) -> Figure:
                     axes.plot(capacity.holds_per_km, at, ">", color=colours[limit.text])
         axes.set_yticks(range(len(senders)), [drawable(names[sender], 30) for sender in senders])
         axes.invert_yaxis()
-        axes.set_title(drawable(radio, 20))
+        axes.set_title(drawable(radio, _LONGEST))
         axes.set_xlim(left=0.0)
         axes.grid(visible=False, axis="y")
     panels[-1].set_xlabel("Vehicles a kilometre; arrow: no limit was found")
