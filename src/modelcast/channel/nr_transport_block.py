@@ -87,7 +87,7 @@ def transport_block_bits(information_bits: float, code_rate: float) -> int:
     Examples
     --------
     >>> transport_block_bits(2384.4, 526 / 1024), transport_block_bits(5000.0, 0.5)
-    (2408, 5000)
+    (2408, 4992)
     """
     if information_bits < _TABLE[0]:
         return 0

@@ -132,7 +132,7 @@ class TableErrorModel(AbstractErrorModel):
     --------
     >>> import numpy as np
     >>> TableErrorModel().packet_error_ratio(np.array([2.0, 3.0, 4.0]), 300).round(2).tolist()
-    [0.97, 0.3, 0.01]
+    [0.97, 0.3, 0.02]
     """
 
     rate_mbps: float = 6.0
