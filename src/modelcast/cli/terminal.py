@@ -24,14 +24,14 @@ def complain(problem: object) -> None:
 
 
 def say(line: str) -> None:
-    """Print a line that is not wrapped.
+    """Print a line that is not wrapped, at once: a program that reads it through a pipe may wait for it.
 
     Parameters
     ----------
     line
         Any text; what is not printable in it is escaped.
     """
-    print(printable(line))
+    print(printable(line), flush=True)
 
 
 def say_json(document: object, *, sort: bool = True) -> None:

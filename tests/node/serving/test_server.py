@@ -1,5 +1,6 @@
 """Claims about the server: over a socket it is the session, and no client hurts another."""
 
+import os
 import signal
 import socket
 import subprocess
@@ -230,8 +231,9 @@ def test_bad_options_are_told(words: str, capsys: pytest.CaptureFixture[str]) ->
 def test_the_command_serves_and_ends_cleanly(how: str, tmp_path: Path) -> None:
     words = [sys.executable, "-m", "modelcast", "serve", "--port", "0", "--profile", "default"]
     words += ["--once"] if how == "once" else []
+    buffered = {name: held for name, held in os.environ.items() if name != "PYTHONUNBUFFERED"}
     with subprocess.Popen(  # noqa: S603 - our own interpreter
-        words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+        words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=buffered
     ) as server:
         assert server.stdout is not None
         assert server.stderr is not None
