@@ -11,6 +11,7 @@ from modelcast.channel.antennas import Antennas
 from modelcast.channel.cells_kernels import Cells, cell_span, row_span
 from modelcast.channel.dsrc_link_kernels import heard_within_m
 from modelcast.channel.error_kernels import hazard_at
+from modelcast.channel.frame_link_kernels import Links
 from modelcast.channel.nr_selection_kernels import NrConstants
 from modelcast.channel.propagation_kernels import (
     PropagationTables,
@@ -41,12 +42,9 @@ __all__ = [
     "Air",
     "Around",
     "Errors",
-    "Links",
     "Turns",
     "air_room",
     "judge",
-    "links_room",
-    "no_links",
     "other_power",
     "reach_m",
     "receive_powers",
@@ -106,17 +104,6 @@ class Turns(NamedTuple):
     first_link: IntVector
 
 
-class Links(NamedTuple):
-    """Frames at their receivers, frame after frame: who, power [mW], distance bin.
-
-    The power is 0 where it is too weak to matter to anybody.
-    """
-
-    receiver: IntVector
-    mw: FloatVector
-    bin: IntVector
-
-
 class Around(NamedTuple):
     """Where everybody is in this interval, and the antennas; the rest is scratch."""
 
@@ -154,24 +141,6 @@ def air_room(air: Air, count: int) -> Air:
     if count <= air.each.shape[0]:
         return air
     return Air(air.power, np.zeros((2 * count, air.each.shape[1])), air.sends, air.hears)
-
-
-@kernel
-def no_links() -> Links:
-    """Return links without room."""
-    return Links(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64))
-
-
-@kernel
-def links_room(links: Links, used: int, more: int) -> Links:
-    """Return the same with room for more links."""
-    if used + more <= links.receiver.size:
-        return links
-    size = 2 * (used + more)
-    roomier = Links(np.empty(size, dtype=np.int64), np.empty(size), np.empty(size, dtype=np.int64))
-    roomier.receiver[:used], roomier.mw[:used] = links.receiver[:used], links.mw[:used]
-    roomier.bin[:used] = links.bin[:used]
-    return roomier
 
 
 @kernel(inlined=True)

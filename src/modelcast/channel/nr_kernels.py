@@ -20,6 +20,7 @@ from modelcast.channel.copies_kernels import (
     tell,
 )
 from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_heard
+from modelcast.channel.frame_link_kernels import Links, links_room, no_links
 from modelcast.channel.nr_air_kernels import (
     HALF_DUPLEX,
     RECEIVED,
@@ -27,12 +28,9 @@ from modelcast.channel.nr_air_kernels import (
     Air,
     Around,
     Errors,
-    Links,
     Turns,
     air_room,
     judge,
-    links_room,
-    no_links,
     other_power,
     reach_m,
     receive_powers,

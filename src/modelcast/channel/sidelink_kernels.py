@@ -14,6 +14,7 @@ from modelcast.channel.cells_kernels import Cells, find_in_range
 from modelcast.channel.copies_kernels import Copies, copies_room, kept_copies, seek_pairs, settle, tell
 from modelcast.channel.error_kernels import hazard_at
 from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_heard
+from modelcast.channel.frame_link_kernels import Links, links_room, no_links
 from modelcast.channel.propagation_kernels import PropagationTables, fading_factor, is_raised, median_ln
 from modelcast.channel.random_kernels import LUCK, next_word, uniform, uniform_of, word_of
 from modelcast.channel.shadowing_kernels import SILENT, ShadowRows, Sweep, shadow_of
@@ -102,14 +103,6 @@ class Turns(NamedTuple):
     place: FloatMatrix
     seed: IntVector
     first_link: IntVector
-
-
-class Links(NamedTuple):
-    """A frame at its receivers, frame after frame: who, power [mW], distance bin."""
-
-    receiver: IntVector
-    mw: FloatVector
-    bin: IntVector
 
 
 class Around(NamedTuple):
@@ -554,18 +547,6 @@ def _measure_busy(subframe: int, memory: Memory, constants: SidelinkConstants) -
 
 
 @kernel
-def _links_room(links: Links, used: int, more: int) -> Links:
-    """Return the same with room for more links."""
-    if used + more <= links.receiver.size:
-        return links
-    size = 2 * (used + more)
-    roomier = Links(np.empty(size, dtype=np.int64), np.empty(size), np.empty(size, dtype=np.int64))
-    roomier.receiver[:used], roomier.mw[:used] = links.receiver[:used], links.mw[:used]
-    roomier.bin[:used] = links.bin[:used]
-    return roomier
-
-
-@kernel
 def _silent_air(vehicles: int, channels: int) -> tuple[Air, Turns]:
     """Return a subframe without power, and room for everybody's turn."""
     air = Air(
@@ -613,7 +594,7 @@ def advance(
     )
     heard, received, lapsed = nothing_heard(constants.bins, sender.size + vehicles), 0, 0
     air, turns = _silent_air(vehicles, channels)
-    links = Links(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64))
+    links = no_links()
     arrival, waiting = 0, memory.copies.pair.shape[0]
 
     for subframe in range(now, until):
@@ -622,7 +603,7 @@ def advance(
         )
         used = 0
         for turn in range(count):
-            links = _links_room(links, used, present)
+            links = links_room(links, used, present)
             turns.first_link[turn] = used
             used = _receive_powers(
                 turn, turns, memory, air, links, used, around, leak, tables, heard.outcomes, constants
