@@ -137,8 +137,9 @@ class SidelinkParameters:
     antenna_gain_db
         Of either end [dB].
     max_power_dbm, margin_db, bin_m, bins
-        As in `DsrcParameters`, the margin below the noise of the pairs that a message fills; powers and ratios lie within -300..300 dB, the margin within 0..300 dB, a bin
-        is at least 0.1 m wide, and there are at most 100 000.
+        As in `DsrcParameters`, the margin below the noise of the pairs that a message fills; powers and
+        ratios lie within -300..300 dB, the margin within 0..300 dB, a bin is at least 0.1 m wide, and there
+        are at most 100 000.
 
     References
     ----------
