@@ -32,10 +32,11 @@ from modelcast.runtime.fleet.arrays import (
 from modelcast.runtime.fleet.belief_words_kernels import Tracking
 from modelcast.runtime.fleet.believed import Believed, believe, check_slots, pairs_of
 from modelcast.runtime.fleet.believed_kernels import Readers
+from modelcast.runtime.fleet.hearing import Hearing, check_receptions
 from modelcast.runtime.fleet.mix import Draw, Mix
 from modelcast.runtime.fleet.mixed import MixedTally, mixed_tally, pooled_mixed, within
 from modelcast.runtime.fleet.people import Devices, People, PeopleRun
-from modelcast.runtime.fleet.reception_kernels import Heard, HearingLimits
+from modelcast.runtime.fleet.reception_kernels import HearingLimits
 from modelcast.runtime.fleet.roadside import Roadside, RoadsideUnits, with_slots
 from modelcast.runtime.fleet.settings import NetworkSettings
 from modelcast.runtime.fleet.speakers import Hosts, Speakers
@@ -210,6 +211,11 @@ class FleetLoop:
         self.number, self._last_s, self._exchange = 0, -np.inf, None
 
     @property
+    def _hears_beside(self) -> bool:
+        """Whether hosts hear beside the radio; what units repeat and devices read is known after it."""
+        return self._work.pool is not None and self.units is None and self.devices is None
+
+    @property
     def stations(self) -> SendingStations:
         """All that the stations of the first sender hold."""
         return self.speakers[0].stations
@@ -287,7 +293,8 @@ class FleetLoop:
         self._send(started, t_s, busy_ratio)
         received = self._carry(truth_m, (now_s, until_s), now_s - t_s, busy_ratio)
         self._work.finish()
-        self._hear(received, truth_m)
+        if not self._hears_beside:
+            self._hear(received, truth_m)
         self.number += 1
         self._last_s = t_s
         return received, self._series_row(frame, busy_ratio, before, received)
@@ -490,13 +497,24 @@ class FleetLoop:
         )
         if self.units is not None:
             batch = self.units.add(batch, truth_m, now_s, until_s)
-        received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s, self._work)
-        _check_receptions(received, self.vehicle.size, now_s, self.radio)
+        given = (self._radio_state, batch, truth_m, until_s, self._work)
+        vehicles, name = self.vehicle.size, type(self.radio).__name__
+        if self._hears_beside:
+            hearing = self._hearing(truth_m)
+
+            def told(some: Receptions) -> None:
+                check_receptions(some, vehicles, now_s, name)
+                self._work.put_off(hearing.taking(_later(some, -shift_s), self._parts, self._tallies))
+
+            received, self._radio_state = self.radio.carry_and_tell(*given, told)
+        else:
+            received, self._radio_state = self.radio.carry(*given)
+            check_receptions(received, vehicles, now_s, name)
         if self.units is not None:
             received = self.units.hear(received, busy_ratio[self.units.slots])
         if shift_s != 0.0:
-            received = replace(received, t_s=received.t_s - shift_s)
             batch = replace(batch, ready_s=batch.ready_s - shift_s, next_s=batch.next_s - shift_s)
+        received = _later(received, -shift_s)
         self._exchange = Exchange(batch, received)
         return received
 
@@ -514,53 +532,32 @@ class FleetLoop:
         number = np.concatenate([box.message_id[:count] for box, count in each]) >> SENDER_BITS
         return messages_of(own.stations, self.contents, slot, number)
 
-    def _hear(self, received: Receptions, truth_m: FloatArray) -> None:
-        """Let hosts take in what they heard."""
-        vehicle, seen_m = self.vehicle, self._places(truth_m)
-        if self.devices is not None:
-            received = self.devices.read(received, seen_m, self.contents.rows)
-        receiver = owned(received.receiver, np.int64)
-        start, order = np.zeros(vehicle.size + 1, dtype=np.int64), np.empty(receiver.size, dtype=np.int64)
-        reception_kernels.by_host(receiver, start, order)
-        heard = Heard(
-            message_id=owned(received.message_id, np.int64),
-            received_s=owned(received.t_s),
-            order=order,
-            start=start,
-            vehicle=vehicle,
-            seen_m=seen_m,
+    def _hearing(self, truth_m: FloatArray) -> Hearing:
+        """The hosts of this step."""
+        return Hearing(
+            HearingLimits(
+                self.settings.reach_m, self.expiry_s, _SUB_INTERVAL_S, self.settings.distance_bin_m
+            ),
+            tables=self.tables,
+            tracks=self.tracks,
+            contents=self.contents,
+            vehicle=self.vehicle,
+            seen_m=self._places(truth_m),
             truth_m=truth_m,
             reading=self.reading,
             counted=self._counted,
-            is_copy=owned(received.sender >= self.vehicle.size - self._fixed, np.bool_),
-        )
-        limits = HearingLimits(
-            self.settings.reach_m, self.expiry_s, _SUB_INTERVAL_S, self.settings.distance_bin_m
+            first_unit=self.vehicle.size - self._fixed,
         )
 
-        def work(part: int) -> None:
-            reception_kernels.hear_messages(
-                heard,
-                limits,
-                self.tables,
-                self.contents.rows,
-                self.tracks,
-                self._tallies[part],
-                *self._parts[part],
-            )
-
-        self._work.each(work)
+    def _hear(self, received: Receptions, truth_m: FloatArray) -> None:
+        """Let hosts take in what they heard."""
+        hearing = self._hearing(truth_m)
+        if self.devices is not None:
+            received = self.devices.read(received, hearing.seen_m, self.contents.rows)
+        self._work.each(hearing.taking(received, self._parts, self._tallies))
         if self.units is not None:
-            reception_kernels.hear_messages(
-                heard,
-                limits,
-                self.tables,
-                self.contents.rows,
-                self.tracks,
-                self.units.tally,
-                self.units.slots.start,
-                self.units.slots.stop,
-            )
+            slots = self.units.slots
+            hearing.taking(received, [(slots.start, slots.stop)], [self.units.tally])(0)
 
     def believed(
         self,
@@ -745,14 +742,6 @@ def _busy_ratio(radio: AbstractRadio[Any], state: Any, vehicles: int) -> FloatAr
     return found
 
 
-def _check_receptions(received: Receptions, vehicles: int, since_s: float, radio: AbstractRadio[Any]) -> None:
-    """Refuse receptions that hosts cannot look up."""
-    try:
-        received.check(vehicles, since_s)
-    except ValueError as error:
-        raise ValueError(f"{type(radio).__name__}: {error}") from error
-    unknown = (received.message_id & ((1 << SENDER_BITS) - 1)) >= vehicles
-    if unknown.any():
-        raise ValueError(
-            f"{type(radio).__name__}: message {int(received.message_id[unknown][0])} was never sent"
-        )
+def _later(received: Receptions, shift_s: float) -> Receptions:
+    """The same so much later."""
+    return received if shift_s == 0.0 else replace(received, t_s=received.t_s + shift_s)
