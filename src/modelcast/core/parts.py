@@ -67,7 +67,7 @@ class Parts:
         self._off.extend((part, work) for part in range(self.number))
 
     def hand_over(self, work: Callable[[], object]) -> None:
-        """Put one thing off from within `beside`, and have the other thread go on if it has come to an end.
+        """Put one thing off; within `beside`, have the other thread go on if it has come to an end.
 
         Parameters
         ----------
@@ -78,7 +78,8 @@ class Parts:
             work()
             return
         self._off.append((_AS_ONE, lambda _: work()))
-        self._let_another()
+        if self._open.is_set():
+            self._let_another()
 
     def beside(self, work: Callable[[], Result]) -> Result:
         """Do one thing in this thread, and meanwhile what is put off in one other; what the first returned.
