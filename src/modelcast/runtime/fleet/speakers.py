@@ -164,6 +164,8 @@ class Speakers:
         first, end = self._parts[part]
         due = self.stations.senders.vehicle[first:end] >= 0
         here: IntArray = first + np.flatnonzero(due if taken is None else due & ~taken[first:end])
+        if here.size == 0:
+            return
         self._take(here, t_s, measured)
         if self._knowledge is not None:
             self._know(self._knowledge, here, t_s, hosts)
