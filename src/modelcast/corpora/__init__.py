@@ -1,1 +1,1 @@
-"""Whole data sets: corpora of trips in partitions, and jobs over them on all cores or on a cluster."""
+"""Whole data sets: many recordings as one corpus of Parquet files, partitioned by vehicle, and jobs over it."""
