@@ -15,7 +15,7 @@ A killed run leaves either the whole folder or none, so what is there counts onc
 
 import fnmatch
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from modelcast.core.printable import printable
 from modelcast.corpora.catalogue import CATALOGUE, catalogue_row
 from modelcast.corpora.partition_rows import SAMPLES
 from modelcast.corpora.sources import Source
+from modelcast.io.base import OnSkipped
 from modelcast.io.failure import failure_reason
 from modelcast.io.partial import clean_leftovers, partial_folder
 from modelcast.io.recordings import Recording
@@ -135,10 +136,10 @@ def stage(work: Staging) -> Staged:
         state = work.source.state
         try:
             staged = _read(work.source, folder, state)
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, it costs this source alone
+        except _UnreadableError as error:
             for name in (_SAMPLES, _TRIPS):
                 (folder / name).unlink(missing_ok=True)
-            staged = Staged(state, failure=printable(failure_reason(error)))
+            staged = Staged(state, failure=str(error))
         (folder / _DONE).write_text(json.dumps(asdict(staged)), encoding="utf-8")
         if work.place.exists():
             _remove(work.place)
@@ -169,6 +170,27 @@ def staged_samples(place: Path) -> Callable[[int], Any]:
     return batches.get_batch
 
 
+class _UnreadableError(Exception):
+    """A source's reader failed; the text is the reason."""
+
+
+def _trips(source: Source, on_skipped: OnSkipped) -> Iterator[Trajectory]:
+    """Yield the trips that are taken.
+
+    Raises
+    ------
+    _UnreadableError
+        Where the reader raises anything.
+    """
+    try:
+        for read in Recording(source.path, source.reader, on_skipped).trips():
+            trip = _named(read, printable(read.trip_id))
+            if fnmatch.fnmatch(trip.trip_id, source.pattern):
+                yield trip
+    except (Exception, SystemExit) as error:
+        raise _UnreadableError(printable(failure_reason(error))) from error
+
+
 def _read(source: Source, folder: Path, state: list[int]) -> Staged:
     """Write the trips of a source and return their counts."""
     skipped: dict[str, str] = {}
@@ -183,10 +205,7 @@ def _read(source: Source, folder: Path, state: list[int]) -> Staged:
         pa.ipc.new_file(file, SAMPLES) as batches,
         pq.ParquetWriter(folder / _TRIPS, CATALOGUE, compression="zstd") as catalogue,
     ):
-        for read in Recording(source.path, source.reader, note).trips():
-            trip = _named(read, printable(read.trip_id))
-            if not fnmatch.fnmatch(trip.trip_id, source.pattern):
-                continue
+        for trip in _trips(source, note):
             batches.write_batch(_batch(trip))
             held.append(catalogue_row(trip, source=source.label))
             trips, rows, samples = trips + 1, rows + trip.reading.rows, samples + len(trip)

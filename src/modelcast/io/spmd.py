@@ -308,7 +308,7 @@ def _trip(file: _SpmdRows, found: Gathered[Key], on_skipped: OnSkipped) -> Traje
         trip = make_trip(
             file.path, trip_id, rows, tally,
             count=count, source=layout.source, origin=origin,
-            vehicle=key[layout.vehicle],
+            vehicle=found.key[layout.vehicle],
             unix_offset_s=start * layout.time_unit_s if layout.start_unix else None,
         )  # fmt: skip
     if trip is None:
