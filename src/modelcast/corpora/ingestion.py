@@ -38,10 +38,10 @@ from modelcast.corpora.layout import (
 from modelcast.corpora.merging import merged_catalogue
 from modelcast.corpora.packing import Packing, pack, packed_already
 from modelcast.corpora.sources import FoundSources, Source
-from modelcast.corpora.staging import Staged, Staging, stage, staged_already
+from modelcast.corpora.staging import Staged, Staging, samples_under_way, stage, staged_already
 from modelcast.io.output import atomic_file
 
-__all__ = ["Watch", "ingest", "watch_nothing"]
+__all__ = ["Watch", "ingest", "rows_under_way", "watch_nothing"]
 
 _STAGING, _LOCK, _MERGED = "staging", "ingest.lock", "catalogue.parquet"
 
@@ -49,7 +49,7 @@ _SHOWN = 10
 _HERE = HereExecutor()
 
 Watch = Callable[[str, int, int, int], None]
-"""Called with a stage's name, steps done, steps to do, and rows done so far."""
+"""Called with a stage's name, octets (or samples) done, those to do, and rows done so far."""
 
 
 def watch_nothing(stage: str, done: int, steps: int, rows: int) -> None:
@@ -113,6 +113,17 @@ def ingest(
         return ingested
 
 
+def rows_under_way(out: str | Path) -> int:
+    """Return how many samples of sources that are being read are written; about.
+
+    Parameters
+    ----------
+    out
+        The corpus' folder.
+    """
+    return samples_under_way(Path(out) / _STAGING)
+
+
 def _plan(found: FoundSources) -> dict[str, Any]:
     """What an unfinished corpus must be of for an ingest to go on with it."""
     return {
@@ -168,14 +179,17 @@ def _staged(works: Sequence[Staging], crew: AbstractCrew, watch: Watch) -> tuple
     """Return what became of every source by its number, and how many an earlier run had read."""
     staged = {work.source.number: done for work in works if (done := staged_already(work)) is not None}
     kept = len(staged)
+    octets = {work.source.number: work.source.state[1] for work in works}
     waiting = [work for work in works if work.source.number not in staged]
-    rows = sum(one.rows for one in staged.values())
-    watch("reading", kept, len(works), rows)
+
+    def tell() -> None:
+        done = sum(octets[number] for number in staged)
+        watch("reading", done, sum(octets.values()), sum(one.rows for one in staged.values()))
+
+    tell()
     for work, answer in crew.as_done(stage, waiting):
-        done = _lost(work, answer) if isinstance(answer, Failed) else answer
-        staged[work.source.number] = done
-        rows += done.rows
-        watch("reading", len(staged), len(works), rows)
+        staged[work.source.number] = _lost(work, answer) if isinstance(answer, Failed) else answer
+        tell()
     return dict(sorted(staged.items())), kept
 
 
@@ -196,14 +210,14 @@ def _packed(
     works = [Packing(name, folder, folder / _STAGING, merged, group, key) for group, name in enumerate(names)]
     packed = {work.name: done for work in works if (done := packed_already(work)) is not None}
     waiting = [work for work in works if work.name not in packed]
-    rows = sum(one.rows for one in packed.values())
-    watch("packing", len(packed), len(works), rows)
+    rows, samples = sum(one.rows for one in packed.values()), sum(catalogue["samples"].to_pylist())
+    watch("packing", rows, samples, rows)
     for work, done in crew.as_done(pack, waiting):
         if isinstance(done, Failed):
             raise done.error
         packed[work.name] = done
         rows += done.rows
-        watch("packing", len(packed), len(works), rows)
+        watch("packing", rows, samples, rows)
     for stale in set((folder / ROWS_FOLDER).iterdir()) - {partition_folder(folder, name) for name in names}:
         shutil.rmtree(stale, ignore_errors=True)
     return tuple(packed[name] for name in names)

@@ -16,6 +16,7 @@ A killed run leaves either the whole folder or none, so what is there counts onc
 import fnmatch
 import json
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from modelcast.core.printable import printable
-from modelcast.corpora.catalogue import CATALOGUE, catalogue_row
+from modelcast.corpora.catalogue import CATALOGUE, SAMPLED, catalogue_row
 from modelcast.corpora.partition_rows import SAMPLES
 from modelcast.corpora.sources import Source
 from modelcast.io.base import OnSkipped
@@ -38,6 +39,7 @@ from modelcast.trips.trajectory import Trajectory
 __all__ = [
     "Staged",
     "Staging",
+    "samples_under_way",
     "source_folder",
     "stage",
     "staged_already",
@@ -47,6 +49,7 @@ __all__ = [
 
 _DONE, _SAMPLES, _TRIPS = "done.json", "samples.arrow", "trips.parquet"
 _HELD_TRIPS = 1000
+_SAMPLE_BYTES = 8 * len(SAMPLED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +95,21 @@ class Staged:
     samples: int = 0
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])
     failure: str = ""
+
+
+def samples_under_way(folder: Path) -> int:
+    """Return about how many samples of sources that are being read are written.
+
+    Parameters
+    ----------
+    folder
+        The folder of all staged sources.
+    """
+    found = 0
+    for file in folder.glob(f".*/{_SAMPLES}"):
+        with suppress(OSError):
+            found += file.stat().st_size // _SAMPLE_BYTES
+    return found
 
 
 def source_folder(folder: Path, number: int) -> Path:
