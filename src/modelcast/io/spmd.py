@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import polars as pl
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
-from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered
+from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered, numbered
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, located, make_trip, ordered, with_missing
 from modelcast.io.text_blocks import Block, number_column, read_blocks, text_column
@@ -144,10 +143,7 @@ class SpmdFile:
                     row=int(block.line[at]),
                     remedy="Every row needs it: it names the trip.",
                 )
-        frame = pl.DataFrame(columns)
-        unique = frame.unique(maintain_order=True).with_row_index("number")
-        number = frame.join(unique, on=list(self.layout.keys), how="left", maintain_order="left")["number"]
-        return [tuple(row[1:]) for row in unique.iter_rows()], number.to_numpy().astype(np.int64)
+        return numbered(columns)
 
 
 def _is_number(text: str) -> bool:
