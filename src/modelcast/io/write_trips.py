@@ -25,7 +25,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.io.output import atomic_file
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["GROUP_ROWS", "write_csv", "write_parquet"]
+__all__ = ["GROUP_ROWS", "TRIP_COLUMNS", "write_csv", "write_parquet"]
 
 GROUP_ROWS = 250_000
 """Least rows of a row group but the last: what a file says of its row groups is held until it is complete."""
@@ -119,6 +119,9 @@ _NUMBERS = (
     "start_unix_s",
 )
 _SCHEMA: dict[str, type[pl.DataType]] = {"trip": pl.String, **dict.fromkeys(_NUMBERS, pl.Float64)}
+
+TRIP_COLUMNS = tuple(_SCHEMA)
+"""The columns, in order; all but the first are float64."""
 
 
 def _table(trip: Trajectory) -> pl.DataFrame:
