@@ -10,6 +10,7 @@ from modelcast.cli.terminal import complain, say
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.core.printable import printable
 from modelcast.io.failure import failure_reason
+from modelcast.io.packed import is_archive, member_of
 from modelcast.io.recordings import Recording, Recordings
 from modelcast.io.skipped import free_name
 from modelcast.trips.trajectory import Trajectory
@@ -79,8 +80,9 @@ class TripSource:
 
     @property
     def files(self) -> int | None:
-        """Number of files, None where folders are among the paths."""
-        return None if any(path.is_dir() for path in self._paths) else len(self._paths)
+        """Number of files, None where folders or archives are among the paths."""
+        many = any(path.is_dir() or is_archive(path) for path in self._paths)
+        return None if many else len(self._paths)
 
     @property
     def exit_code(self) -> int:
@@ -128,7 +130,7 @@ class TripSource:
         complain(str(error) if isinstance(error, DataFormatError) else f"{path}: {failure_reason(error)}")
 
     def _skip(self, name: str, reason: str) -> None:
-        label = self._recordings.label(name) if os.path.lexists(name) else name
+        label = self._recordings.label(name) if os.path.lexists(name) or member_of(name) else name
         self.skipped[free_name(self.skipped, printable(label))] = printable(reason)
 
 

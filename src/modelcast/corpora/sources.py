@@ -9,6 +9,7 @@ from typing import Any
 from modelcast.core.printable import printable
 from modelcast.io.base import AbstractTripReader
 from modelcast.io.failure import failure_reason
+from modelcast.io.packed import member_of
 from modelcast.io.recordings import Recordings
 from modelcast.io.skipped import free_name
 
@@ -45,7 +46,8 @@ class Source:
     @property
     def state(self) -> list[int]:
         """Number of its files, their octets together, and when the last was changed [ns]."""
-        at = Path(self.path)
+        member = member_of(self.path)
+        at = Path(self.path if member is None else member.archive)
         files = [file for file in at.rglob("*") if file.is_file()] if at.is_dir() else [at]
         found = [file.stat() for file in files]
         return [
@@ -106,7 +108,7 @@ def find_sources(
     labels: dict[str, str] = {}
 
     def note(what: str, reason: str) -> None:
-        label = recordings.label(what) if os.path.lexists(what) else what
+        label = recordings.label(what) if os.path.lexists(what) or member_of(what) else what
         skipped[free_name(skipped, printable(label))] = printable(reason)
 
     recordings = Recordings(paths, format_name, columns=columns, on_skipped=note)
