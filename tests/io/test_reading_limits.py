@@ -6,7 +6,6 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.io import comma2k19, nmea, nyc_cvpd, openacc, smartloc
 from modelcast.io.registry import get_reader
 
-
 HELD_WHOLE = {
     case[0]: case[1:]
     for case in (
