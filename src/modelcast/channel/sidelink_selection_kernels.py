@@ -4,24 +4,22 @@ from typing import NamedTuple
 
 import numpy as np
 
+from modelcast.channel.pool_constants import PoolConstants
 from modelcast.channel.random_kernels import uniform
-from modelcast.channel.sidelink_parameters import MEMORY
+from modelcast.channel.sidelink_parameters import MEMORY, STEP
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import Float32Cube, IntVector, UInt64Vector
+from modelcast.core.kernel_types import Float32Cube, Float32Vector, FloatMatrix, IntVector, UInt64Vector
 
 __all__ = ["SidelinkConstants", "select_resource"]
-
-_STEP = 100
-"""Power is averaged over subframes at this distance; TS 36.213, 14.1.1.6."""
 
 _COPY_GAP = 15
 """Most subframes between the two copies of a message; TS 36.213, 14.1.1.4C and 14.1.1.7."""
 
 
 class SidelinkConstants(NamedTuple):
-    """Parameters as numbers; made by `Sidelink`. Powers are in mW."""
+    """Parameters as numbers, beside those of the ``pool``; made by `Sidelink`. Times are in subframes."""
 
-    sub_channels: int
+    pool: PoolConstants
     overlapping: bool
     first: int
     last: int
@@ -43,38 +41,31 @@ class SidelinkConstants(NamedTuple):
     best_of_possible: bool
     reserved_by_mean: bool
     first_by_chance: bool
-    noise_counts: bool
-    reserved_mw: float
-    elements: float
-    noise_mw: float
-    sensitivity_mw: float
-    quiet_mw: float
-    control_ratio: float
-    load_mw: float
-    window: int
-    gain_db: float
-    range_m: float
-    sensing_range_m: float
-    bin_m: float
-    bins: int
-    blocks: int
-    least_sub_channels: int
-    bits_per_block: float
-    control_blocks: int
-    units_fixed: float
-    units_per_byte: float
-    shadowed: bool
 
 
 @kernel(inlined=True)
-def _strongest(v: int, subframe: int, s: int, interval: int, reserved: Float32Cube) -> float:
-    """Return the strongest reservation of a sub-channel that a resource and its returns would meet."""
-    horizon = reserved.shape[1]
-    rsrp = reserved[v, subframe % horizon, s]
+def _add_past(v: int, begin: int, sensed: Float32Cube, past: FloatMatrix) -> None:
+    """Add up what a vehicle sensed in the phases of subframes, a second long, in each sub-channel."""
+    channels = past.shape[1]
+    for n in range(past.shape[0]):
+        phase = (begin + n) % sensed.shape[0]
+        for k in range(0, sensed.shape[2], channels):
+            for s in range(channels):
+                past[n, s] += sensed[phase, v, k + s]
+
+
+@kernel(inlined=True)
+def _find_strongest(v: int, at: int, interval: int, reserved: Float32Cube, strongest: Float32Vector) -> None:
+    """Write the strongest reservations that a subframe and its returns would meet, by sub-channel."""
+    horizon = reserved.shape[0]
+    phase = at % horizon
+    for s in range(strongest.size):
+        strongest[s] = reserved[phase, v, s]
     if interval > 0:
-        for later in range(subframe + interval, subframe + horizon, interval):
-            rsrp = max(rsrp, reserved[v, later % horizon, s])
-    return rsrp
+        for later in range(at + interval, at + horizon, interval):
+            phase = later % horizon
+            for s in range(strongest.size):
+                strongest[s] = max(strongest[s], reserved[phase, v, s])
 
 
 @kernel(inlined=True)
@@ -113,34 +104,30 @@ def select_resource(
     or no room for a second.
     """
     step = 1 if constants.overlapping else length
-    bands = (constants.sub_channels - length) // step + 1
+    channels, noise_mw = constants.pool.sub_channels, constants.pool.noise_mw
+    bands = (channels - length) // step + 1
     subframes = constants.last - constants.first + 1
     total = subframes * bands
-    channels = constants.sub_channels
-    past = np.zeros((subframes, channels))
-    for k in range(1, MEMORY // _STEP + 1):
-        for n in range(subframes):
-            at = (now + constants.first + n - _STEP * k) % MEMORY
-            for s in range(channels):
-                past[n, s] += sensed[v, at, s]
-    mean = np.empty(total)
-    strongest = np.empty(total)
-    share = 1.0 / (MEMORY // _STEP * constants.blocks * constants.elements)
+    past, taken = np.zeros((subframes, channels)), np.empty(channels, dtype=np.float32)
+    _add_past(v, now + constants.first, sensed, past)
+    mean, strongest = np.empty(total), np.empty(total)
+    share = 1.0 / (MEMORY // STEP * constants.pool.elements)
     for n in range(subframes):
+        _find_strongest(v, now + constants.first + n, interval, reserved, taken)
         for b in range(bands):
             power, rsrp, loudest = 0.0, 0.0, 0.0
             for s in range(b * step, b * step + length):
-                rsrp = max(rsrp, _strongest(v, now + constants.first + n, s, interval, reserved))
+                rsrp = max(rsrp, taken[s])
                 loudest = max(loudest, past[n, s] * share)
                 power += past[n, s]
             # A part in a million of chance decides between resources that are equally quiet.
-            mean[n * bands + b] = power + (power + constants.noise_mw) * 1e-6 * uniform(random)
+            mean[n * bands + b] = power + (power + noise_mw) * 1e-6 * uniform(random)
             by_mean = constants.reserved_by_mean and rsrp > 0.0
             strongest[n * bands + b] = loudest if by_mean else rsrp
     possible = np.isfinite(mean).sum()
     wanted = int(np.ceil(constants.best_ratio * (possible if constants.best_of_possible else total)))
     wanted = max(min(wanted, possible), 1)
-    limit = constants.reserved_mw
+    limit = constants.pool.reserved_mw
     free = np.isfinite(mean) & (strongest <= limit)
     while free.sum() < wanted and limit < 1e6:
         limit *= 2.0
@@ -151,7 +138,8 @@ def select_resource(
         pick = int(uniform(random) * total)
     else:
         if chosen.size > wanted and not blind:
-            chosen = chosen[np.argsort(mean[chosen])[:wanted]]
+            quietest = mean[chosen]
+            chosen = chosen[quietest <= np.partition(quietest, wanted - 1)[wanted - 1]]
         pick = chosen[int(uniform(random) * chosen.size)]
         if constants.copies > 1:
             second = _second(chosen, pick, bands, random)
