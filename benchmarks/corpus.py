@@ -1,11 +1,11 @@
 """How fast `modelcast ingest` is, whether it grows linearly, and what memory it takes.
 
 ``python benchmarks/corpus.py --work FOLDER``: makes 1, 2, 4 and 8 million rows (`corpus_rows`, kept in the
-folder), ingests them with one process and with two, and prints the table of docs/corpora.md. Rows a second and
-core are rows over processor time of all processes, start of the interpreters included. Memory is the most that
-the resident sets of all processes together held, looked at 20 times a second; pages that they share count for
-each. With ``--kill`` a run is killed when half its sources are read, resumed, and its octets are compared with
-those of a run in one go.
+folder), ingests them with one process and with two, and prints the table of docs/corpora.md. Rows a second
+and core are rows over processor time of all processes, start of the interpreters included. Memory is the most
+that the resident sets of all processes together held, looked at 20 times a second; pages that they share
+count for each. With ``--kill`` a run is killed when half its sources are read, resumed, and its octets are
+compared with those of a run in one go.
 """
 
 import argparse
