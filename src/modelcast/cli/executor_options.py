@@ -26,8 +26,8 @@ class ExecutorOptions:
         Processes at a time; 0 for one a processor.
     cluster
         Of a corpus, work on a cluster of dask.distributed instead: 'local:N' for N of its workers on this
-        machine, or the address of a scheduler, as 'tls://HOST:8786'. Needs the extra cluster. Trust it: whoever
-        reaches a scheduler can run any code on its workers.
+        machine, or the address of a scheduler, as 'tls://HOST:8786'. Needs the extra cluster. Trust it:
+        whoever reaches a scheduler can run any code on its workers.
     memory
         Of a corpus, what all processes on this machine together may take, as '2GiB' or '1500MB', shared out
         evenly. A partition that needs more fails and is named. No bound where not given.
@@ -73,7 +73,7 @@ class ExecutorOptions:
         for name, value in (("cluster", self.cluster), ("memory", self.memory)):
             if value is not None:
                 raise ConfigError(
-                    f"--{name} is for a corpus, a folder that modelcast ingest made: name one alone"
+                    f"--{name} is for a corpus, a folder that modelcast ingest made: name one, alone"
                 )
 
 
@@ -83,7 +83,7 @@ def parse_memory(text: str) -> int:
     Parameters
     ----------
     text
-        A number with B, kB, MB, GB, TB (powers of 1000) or KiB, MiB, GiB, TiB (of 1024); the B may be missing.
+        A number with B, kB, MB, GB, TB (powers of 1000) or KiB, MiB, GiB, TiB (of 1024); B may be missing.
 
     Raises
     ------
