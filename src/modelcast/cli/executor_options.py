@@ -1,6 +1,5 @@
 """The options that say where a corpus is worked on."""
 
-import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,10 +8,7 @@ from cyclopts import Parameter
 if TYPE_CHECKING:
     from modelcast.corpora.executors.base import AbstractExecutor
 
-__all__ = ["ExecutorOptions", "parse_memory"]
-
-_SIZE = re.compile(r"(\d{1,9}(?:\.\d{1,9})?)\s*([kmgt]?)(i?)b?", re.IGNORECASE)
-_POWERS = {"": 0, "k": 1, "m": 2, "g": 3, "t": 4}
+__all__ = ["ExecutorOptions"]
 
 
 @Parameter(name="*")
@@ -47,9 +43,10 @@ class ExecutorOptions:
         MissingExtraError
             Where a cluster is asked for and its extra is not installed.
         """
+        from modelcast.cli.octets import parse_octets
         from modelcast.core.exceptions import ConfigError
 
-        memory_bytes = None if self.memory is None else parse_memory(self.memory)
+        memory_bytes = None if self.memory is None else parse_octets(self.memory, "--memory")
         if self.cluster is not None:
             from modelcast.corpora.executors.cluster import ClusterExecutor
 
@@ -75,33 +72,3 @@ class ExecutorOptions:
                 raise ConfigError(
                     f"--{name} is for a corpus, a folder that modelcast ingest made: name one, alone"
                 )
-
-
-def parse_memory(text: str) -> int:
-    """Octets from a size with its unit.
-
-    Parameters
-    ----------
-    text
-        A number with B, kB, MB, GB, TB (powers of 1000) or KiB, MiB, GiB, TiB (of 1024); B may be missing.
-
-    Raises
-    ------
-    ConfigError
-        Where it is none.
-
-    Examples
-    --------
-    >>> parse_memory("1.5GiB"), parse_memory("500 MB")
-    (1610612736, 500000000)
-    """
-    from modelcast.core.exceptions import ConfigError
-
-    found = _SIZE.fullmatch(text.strip())
-    if found is None or (found[3] and not found[2]):
-        raise ConfigError(f"--memory must be a size as 2GiB or 1500MB, got {text!r}")
-    base = 1024 if found[3] else 1000
-    size = int(float(found[1]) * base ** _POWERS[found[2].lower()])
-    if size < 1:
-        raise ConfigError(f"--memory must be a size as 2GiB or 1500MB, got {text!r}")
-    return size
