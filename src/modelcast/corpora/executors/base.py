@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from modelcast.core.exceptions import ModelcastError
+from modelcast.core.printable import printable
 
 __all__ = ["TRIES", "AbstractCrew", "AbstractExecutor", "Failed", "LostWorkerError"]
 
@@ -55,6 +56,14 @@ class Failed:
     """
 
     error: Exception
+
+    @property
+    def reason(self) -> str:
+        """Why, in one line."""
+        text = str(self.error)
+        return printable(
+            text if isinstance(self.error, ModelcastError) else f"{type(self.error).__name__}: {text}"
+        )
 
 
 class AbstractCrew(ABC):
