@@ -14,7 +14,7 @@ import json
 import shutil
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -94,7 +94,7 @@ def ingest(
     with _claimed(folder, plan, shown=str(out)), executor.start() as crew:
         crew.require_shared([folder, *(Path(one.path).resolve().parent for one in found.sources[:1])])
         staging = folder / _STAGING
-        works = [Staging(source, staging) for source in found.sources]
+        works = [Staging(replace(one, path=_absolute(one.path)), staging) for one in found.sources]
         staged, kept = _staged(works, crew, watch)
         read = [work for work in works if not staged[work.source.number].failure]
         catalogue = merged_catalogue(read, partitions=partitions) if read else CATALOGUE.empty_table()
@@ -132,6 +132,11 @@ def _plan(found: FoundSources) -> dict[str, Any]:
         "settings": dict(found.settings),
         "sources": [[one.label, one.reader.name, str(Path(one.path).resolve())] for one in found.sources],
     }
+
+
+def _absolute(path: str) -> str:
+    """Return a path for processes with another working folder; links in it stay."""
+    return str(Path(path).absolute())
 
 
 def _require_apart(sources: Sequence[Source], folder: Path, *, shown: str) -> None:
