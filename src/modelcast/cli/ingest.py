@@ -22,6 +22,7 @@ def ingest(
     trip: str = "*",
     where: ExecutorOptions = _HERE,
     partitions: int | None = None,
+    inspect: bool = False,
     quiet: bool = False,
     json: bool = False,
 ) -> int:
@@ -46,6 +47,8 @@ def ingest(
         Where the sources are read.
     partitions
         Parts that vehicles are shared out to; where not given as many as give a million samples each.
+    inspect
+        Also measure the quality of every trip for the catalogue, as trips does; takes several times as long.
     quiet
         Print nothing but errors.
     json
@@ -61,6 +64,11 @@ def ingest(
 
     require_paths(paths, "ingest")
     executor = where.executor()
+    thresholds_m = None
+    if inspect:
+        from modelcast.study.settings import EvaluationSettings
+
+        thresholds_m = EvaluationSettings().thresholds_m
     found = find_sources(
         paths,
         format,
@@ -69,7 +77,9 @@ def ingest(
         memory_bytes=executor.worker_bytes,
     )
     with rated(quiet=quiet or json, under_way=lambda: rows_under_way(out)) as watch:
-        made = run(found, out, partitions=partitions, executor=executor, watch=watch)
+        made = run(
+            found, out, partitions=partitions, thresholds_m=thresholds_m, executor=executor, watch=watch
+        )
     for name, reason in made.failures.items():
         complain(f"{name}: {reason}")
     if json:
