@@ -49,7 +49,10 @@ from modelcast.io.rows import Rows, are_numbers, located, make_trip, ordered
 from modelcast.io.spmd import valid_position
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["Comma2k19Reader"]
+__all__ = ["MOST_BYTES", "Comma2k19Reader"]
+
+MOST_BYTES = 32 * 2**20
+"""Octets of one log of a segment; those of a minute have at most some hundred thousand."""
 
 _LOG = "processed_log"
 _GNSS, _SPEED, _GYRO = "GNSS/live_gnss_ublox", "CAN/speed", "IMU/gyro"
@@ -168,6 +171,8 @@ def _log(segment: Path, name: str, width: int) -> tuple[FloatArray, FloatArray]:
 
 def _array(path: Path) -> FloatArray:
     try:
+        if path.stat().st_size > MOST_BYTES:
+            raise DataFormatError(str(path), f"has over {MOST_BYTES:,} octets: a segment is a minute long")
         with path.open("rb") as file:
             loaded = cast("object", np.load(file, allow_pickle=False))
     except (ValueError, EOFError, OSError, SyntaxError, MemoryError, TokenError) as error:
