@@ -1,8 +1,9 @@
 """comma2k19 segments: one minute of a drive each, GNSS at 10 Hz with CAN and IMU.
 
 A recording is a segment folder (it holds ``processed_log``), or any folder above segments: those are found.
-The trip is ``<drive folder>/<segment number>``. Every log is a pair of NumPy arrays without a suffix:
-``t``, seconds since the device started, and ``value``.
+The trip is ``<drive folder>/<segment number>``, the vehicle the device that a drive folder's name begins with
+(``<device>|<start>``, the bar also written as an underscore). Every log is a pair of NumPy arrays without a
+suffix: ``t``, seconds since the device started, and ``value``.
 
 ==============================  ===============================  ==========================================
 Log                             Value                            Use
@@ -32,6 +33,7 @@ yet". Repaired: "out of time order". Missing epochs are missing. A missing CAN o
 out. Numbers that are not finite, and arrays of other shapes, are errors.
 """
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from tokenize import TokenError
@@ -56,6 +58,7 @@ _LOG = "processed_log"
 _GNSS, _SPEED, _GYRO = "GNSS/live_gnss_ublox", "CAN/speed", "IMU/gyro"
 _YAW_WINDOW_S = 0.1
 """The gyro is averaged over one GNSS step."""
+_DRIVE = re.compile(r"([0-9a-f]{16})[|_]\d{4}-\d\d-\d\d--")
 _DEPTH = 4
 """Levels of folders above a segment at which segments are looked for."""
 
@@ -88,6 +91,7 @@ class Comma2k19Reader(AbstractTripReader):
                 trip = make_trip(
                     str(segment), trip_id, rows, tally,
                     count=count, source=self.name, origin=origin, unix_offset_s=start_unix_s,
+                    vehicle=device[1] if (device := _DRIVE.match(whole.parent.name)) else "",
                 )  # fmt: skip
             if trip is None:
                 on_skipped(trip_id, tally.why_empty())
