@@ -52,7 +52,6 @@ def trips(
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import watched
     from modelcast.cli.reading import TripSource, require_paths
-    from modelcast.cli.terminal import say_json, show
     from modelcast.core.exceptions import ConfigError
 
     require_paths(paths, "trips")
@@ -67,24 +66,19 @@ def trips(
         return rank_source(
             source, paths, top=top, out=out, figures=figures, as_json=json, quiet=quiet or json
         )
-    from modelcast.report.inspection import Findings, inspection_document, inspection_report
+    from modelcast.cli.trip_notes import TripNotes
     from modelcast.station.receiver.plausibility import trip_findings
     from modelcast.study.settings import EvaluationSettings
-    from modelcast.trips.inspection import TripInspection, inspect
-    from modelcast.trips.manoeuvres.base import ManoeuvreCounts
+    from modelcast.trips.inspection import inspect
     from modelcast.trips.manoeuvres.rank import count_manoeuvres
 
-    found = list[tuple[TripInspection, Findings, ManoeuvreCounts]]()
-    with watched(source, quiet=quiet or json) as shown:
-        for one in shown:
-            quality = inspect(one)
-            found.append((quality, trip_findings(one), count_manoeuvres(one, quality)))
-    if not found:
-        raise ConfigError("no usable trip")
-    thresholds_m = EvaluationSettings().thresholds_m
-    if json:
-        document = inspection_document(found, source.failures, source.skipped, thresholds_m=thresholds_m)
-        say_json(document)
-    else:
-        show(inspection_report(found, source.failures, source.skipped, thresholds_m=thresholds_m))
+    with TripNotes() as notes:
+        with watched(source, quiet=quiet or json) as shown:
+            for one in shown:
+                quality = inspect(one)
+                notes.add(quality, trip_findings(one), count_manoeuvres(one, quality))
+        if not notes.count:
+            raise ConfigError("no usable trip")
+        tell = notes.say_json if json else notes.show
+        tell(source.failures, source.skipped, EvaluationSettings().thresholds_m)
     return source.exit_code
