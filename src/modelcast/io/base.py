@@ -99,6 +99,10 @@ class AbstractTripReader(ABC):
     name: ClassVar[str]
     """The name the reader is registered under."""
 
+    streams: ClassVar[bool] = False
+    """Whether `read` takes packed files and members of archives as they are, by `io.packed.open_octets`; else
+    it gets temporary copies."""
+
     @abstractmethod
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether this is a file (or folder) of the format.
@@ -140,6 +144,17 @@ class AbstractTripReader(ABC):
             f"The format {self.name} has fixed columns: the column map {dict(columns)} does not apply to it. "
             "Leave it out, or choose csv or parquet."
         )
+
+    def within(self, held_bytes: int) -> "AbstractTripReader":
+        """Return the reader that holds at most so many octets of numbers at a time; by default itself.
+
+        Parameters
+        ----------
+        held_bytes
+            The limit; a single trip over it is an error.
+        """
+        del held_bytes
+        return self
 
     def stands_for(self, path: Path) -> Path:
         """Return the one file that stands for a recording of several; the file itself by default."""

@@ -93,6 +93,8 @@ class Trajectory:
         None where it is not known that there is such a clock.
     source
         Name of the format it came from.
+    vehicle
+        Name of the vehicle where the format names the same vehicle in several trips; empty where it does not.
     resampled
         True where the recorded steps were too uneven and the samples were interpolated to ``dt_s``.
     reading
@@ -119,6 +121,7 @@ class Trajectory:
     start_unix_s: float | None = None
     clock_s: float | None = None
     source: str = ""
+    vehicle: str = ""
     resampled: bool = False
     reading: Reading = field(default_factory=Reading)
 
@@ -131,13 +134,13 @@ class Trajectory:
         for name, column in self.columns().items():
             if column.shape[0] != count:
                 raise ValueError(f"{self.trip_id}: {name} has {column.shape[0]} samples, t_s has {count}")
-            bad = ~np.isfinite(column.reshape(count, -1)).all(axis=1)
-            if bad.any():
-                at = int(np.argmax(bad))
+            finite = np.isfinite(column)
+            if not finite.all():
+                at = int(np.argmin(finite.reshape(count, -1).all(axis=1)))
                 raise ValueError(f"{self.trip_id}: {name} is not finite at sample {at}: {column[at]}")
-        steps = np.diff(self.t_s)
-        if (steps <= 0).any():
-            at = int(np.argmax(steps <= 0)) + 1
+        late = self.t_s[1:] <= self.t_s[:-1]
+        if late.any():
+            at = int(np.argmax(late)) + 1
             raise ValueError(
                 f"{self.trip_id}: time does not increase at sample {at}: "
                 f"{self.t_s[at]} after {self.t_s[at - 1]}"
@@ -212,6 +215,7 @@ def build_trajectory(
     start_unix_s: float | None = None,
     clock_s: float | None = None,
     source: str = "",
+    vehicle: str = "",
     reading: Reading | None = None,
 ) -> Trajectory:
     """Return the trip of these samples, split at gaps and resampled where its steps are too uneven.
@@ -225,7 +229,7 @@ def build_trajectory(
     ----------
     trip_id, t_s, position_m, speed_mps, heading_rad, acceleration_mps2, yaw_rate_radps, up_m
         As in `Trajectory`; times may start anywhere and are shifted to start at 0.
-    origin, start_unix_s, clock_s, source, reading
+    origin, start_unix_s, clock_s, source, vehicle, reading
         As in `Trajectory`.
 
     Raises
@@ -259,6 +263,7 @@ def build_trajectory(
         start_unix_s=start_unix_s,
         clock_s=clock_s,
         source=source,
+        vehicle=vehicle,
         reading=reading if reading is not None else Reading(rows=int(times.size)),
     )
     trip = _split(trip)
@@ -335,6 +340,7 @@ def _resampled(trip: Trajectory) -> Trajectory:
         start_unix_s=trip.start_unix_s,
         clock_s=trip.clock_s,
         source=trip.source,
+        vehicle=trip.vehicle,
         resampled=True,
         reading=trip.reading,
     )
