@@ -46,12 +46,12 @@ def compare(
     quiet
         Print nothing but errors.
     """
+    from modelcast.cli.all_trips import recorded_paths
     from modelcast.cli.comparison_run import Comparison, compared
     from modelcast.cli.progress import busy
     from modelcast.cli.reading import PARTLY_FAILED, require_paths
     from modelcast.cli.run_record import write_run
     from modelcast.cli.terminal import say, say_json, show
-    from modelcast.corpora.layout import CORPUS_FILE, is_corpus
     from modelcast.io.comparison import comparison_document, write_comparison
     from modelcast.io.manifest import require_replaceable
     from modelcast.io.output import atomic_folder
@@ -78,7 +78,7 @@ def compare(
             folder,
             "compare",
             asked,
-            (*(path / CORPUS_FILE if is_corpus(path) else path for path in paths), *options.files),
+            (*recorded_paths(paths), *options.files),
             training_trips=known,
             foreign=options.foreign,
         )
