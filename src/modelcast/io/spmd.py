@@ -74,6 +74,8 @@ class SpmdLayout:
         Its unit.
     duplicate
         Reason counted for rows that repeat a time.
+    vehicle
+        Which of the keys names the vehicle.
     start_unix
         Whether times are Unix times.
     """
@@ -88,6 +90,7 @@ class SpmdLayout:
     trip_name: Callable[[Key], str]
     usable: Callable[[Rows, Tally], Rows]
     duplicate: str = "duplicate time"
+    vehicle: int = 0
     start_unix: bool = False
 
 
@@ -348,6 +351,7 @@ def _trip(
         trip = make_trip(
             file.path, trip_id, rows, tally,
             count=count, source=layout.source, origin=origin,
+            vehicle=key[layout.vehicle],
             unix_offset_s=start * layout.time_unit_s if layout.start_unix else None,
         )  # fmt: skip
     if trip is None:

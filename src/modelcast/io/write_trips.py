@@ -25,7 +25,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.io.output import atomic_file
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["write_csv", "write_parquet"]
+__all__ = ["TRIP_COLUMNS", "write_csv", "write_parquet"]
 
 
 def write_csv(trips: Trajectory | Iterable[Trajectory], out: str | Path | BinaryIO) -> None:
@@ -109,6 +109,9 @@ _NUMBERS = (
     "start_unix_s",
 )
 _SCHEMA: dict[str, type[pl.DataType]] = {"trip": pl.String, **dict.fromkeys(_NUMBERS, pl.Float64)}
+
+TRIP_COLUMNS = tuple(_SCHEMA)
+"""The columns, in order; all but the first are float64."""
 
 
 def _table(trip: Trajectory) -> pl.DataFrame:

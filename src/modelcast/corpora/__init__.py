@@ -1,0 +1,1 @@
+"""Whole data sets: many recordings as one corpus of Parquet files, partitioned by vehicle."""
