@@ -135,6 +135,8 @@ def evaluate_trip(
     if settings.references:
         found.references += count_references(case, settings.thresholds_m)
     found.illustration = _illustrated(case, (mbc, baseline), counted[0][1], settings, sharper_than_mps2)
+    if not settings.packet_error_ratios:
+        return found
     for run in run_tracking(case, each, baseline, settings):
         block = sample_block(case, run, settings)
         if block is not None:
