@@ -1,1 +1,1 @@
-"""Whole data sets: many recordings as one corpus of Parquet files, partitioned by vehicle."""
+"""Whole data sets: recordings as one corpus of Parquet files, partitioned by vehicle, and jobs over it."""
