@@ -112,6 +112,18 @@ class Gathered:
         if self.sharpness < other.sharpness:
             self.illustration = other.illustration
 
+    def in_order(self) -> "Gathered":
+        """The same with all rows in order of the trips' names, whatever the order they were found in."""
+        return Gathered(
+            sorted(self.trips, key=lambda row: row.id),
+            sorted(self.counts, key=lambda one: one.trip),
+            sorted(self.references, key=lambda row: row.trip),
+            sorted(self.tracking, key=lambda row: row.trip),
+            self.pools,
+            dict(sorted(self.failures.items())),
+            self.illustration,
+        )
+
     @property
     def sharpness(self) -> float:
         """Acceleration of the sharpest manoeuvre so far [m/s²]; -1 where there is none."""
@@ -123,6 +135,7 @@ class Gathered:
         records: HeldRecords | None = None,
         *,
         skipped: Mapping[str, str] | None = None,
+        each_trip: bool = True,
     ) -> EvaluationResult:
         """All of it as a result.
 
@@ -134,6 +147,8 @@ class Gathered:
             Messages and samples, where they were kept.
         skipped
             Files and vehicles that held no trip, with the reason.
+        each_trip
+            Whether the tables hold the rows of single trips beside the pooled ones.
 
         Raises
         ------
@@ -147,14 +162,13 @@ class Gathered:
         if settings.map_at is not None and drawn.manoeuvre is None:
             raise ConfigError(f"no trip named {settings.map_at[0]} to draw the map of")
         held = HeldRecords() if records is None else records
-        rates = [rate_row(one.trip, one.count) for one in self.counts]
+        rates = [rate_row(one.trip, one.count) for one in self.counts] if each_trip else []
+        tracking, references = (self.tracking, self.references) if each_trip else ([], [])
         return EvaluationResult(
             settings.as_plain(),
             trips=tuple(self.trips),
             rates=RATES.table([*pooled_rates(one.count for one in self.counts), *rates]),
-            tracking=TRACKING.table(
-                [*(pool_row(POOLED, pool) for pool in self.pools.values()), *self.tracking]
-            ),
+            tracking=TRACKING.table([*(pool_row(POOLED, pool) for pool in self.pools.values()), *tracking]),
             ecdfs=tuple(pool_ecdf(pool) for pool in self.pools.values()),
             timeline=drawn.timeline,
             manoeuvre=drawn.manoeuvre,
@@ -162,5 +176,5 @@ class Gathered:
             samples=held.samples,
             failures=dict(self.failures),
             skipped=dict(skipped or {}),
-            references=REFERENCES.table([*pooled_references(self.references), *self.references]),
+            references=REFERENCES.table([*pooled_references(self.references), *references]),
         )
