@@ -2,7 +2,8 @@
 
 import hashlib
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import fields
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,9 @@ import polars as pl
 import pytest
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.corpora.executors.base import AbstractCrew, AbstractExecutor
+from modelcast.corpora.executors.here import HereCrew
+from modelcast.corpora.executors.processes import ProcessExecutor
 from modelcast.corpora.ingestion import ingest
 from modelcast.corpora.layout import open_corpus
 from modelcast.corpora.sources import find_sources
@@ -75,7 +79,7 @@ def test_what_failed_and_what_was_skipped_is_told(sources: Sources, tmp_path: Pa
     assert "row 301: 3 fields where the format has 27" in made.failures["data/broken.csv"]
     assert list(made.skipped) == ["data/notes.txt"]
     assert made.skipped_rows == {"no fix": 18, "position unavailable": 2}
-    assert made.rows == made.samples + 20 == pl.read_parquet(tmp_path / "c/catalogue.parquet")["rows"].sum()
+    assert made.rows == pl.read_parquet(tmp_path / "c/catalogue.parquet")["rows"].sum()
     table = pl.read_parquet(tmp_path / "c/skipped.parquet")
     assert table.filter(kind="skipped")["rows"].sum() == 20
     assert table.filter(kind="no trip").rows() == [
@@ -87,42 +91,56 @@ class KilledError(Exception):
     """A run that ends in the middle."""
 
 
-def killed_after(pieces: int):
-    """Do so many pieces of work of all, then end."""
-    left = pieces
+@dataclass(frozen=True)
+class Order(AbstractExecutor):
+    """Does pieces of work in this process, of all of them so many, then ends; or the last one first."""
 
-    def share(function: Callable, work: Iterable) -> Iterator[tuple]:
-        nonlocal left
-        for one in work:
-            if left == 0:
+    pieces: int = 1000
+    backwards: bool = False
+
+    @contextmanager
+    def start(self) -> Iterator[AbstractCrew]:
+        """In this process."""
+        yield OrderCrew(self.pieces, backwards=self.backwards)
+
+
+class OrderCrew(HereCrew):
+    """Work in the calling process."""
+
+    def __init__(self, pieces: int, *, backwards: bool) -> None:
+        self.left, self.backwards = pieces, backwards
+
+    def as_done(self, function: Callable, work: Iterable) -> Iterator[tuple]:
+        """In order, or against it."""
+        for one in reversed(list(work)) if self.backwards else work:
+            if self.left == 0:
                 raise KilledError
-            left -= 1
+            self.left -= 1
             yield one, function(one)
-
-    return share
-
-
-def backwards(function: Callable, work: Iterable) -> Iterator[tuple]:
-    """Do work in another order."""
-    for one in reversed(list(work)):
-        yield one, function(one)
 
 
 @pytest.mark.parametrize("pieces", [0, 2, 5, 7])
 def test_a_killed_run_goes_on_and_gives_the_same_octets(sources: Sources, tmp_path: Path, pieces: int):
     found = find_sources([sources()])
-    ingest(found, tmp_path / "whole", partitions=4, share=backwards)
+    ingest(found, tmp_path / "whole", partitions=4, executor=Order(backwards=True))
     with pytest.raises(KilledError):
-        ingest(found, tmp_path / "c", partitions=4, share=killed_after(pieces))
+        ingest(found, tmp_path / "c", partitions=4, executor=Order(pieces))
     made = ingest(found, tmp_path / "c", partitions=4)
     assert made.kept == min(pieces, 5)
     assert contents(tmp_path / "c") == contents(tmp_path / "whole")
 
 
+def test_processes_give_the_same_octets(sources: Sources, tmp_path: Path):
+    found = find_sources([sources()])
+    ingest(found, tmp_path / "one", partitions=4)
+    ingest(found, tmp_path / "two", partitions=4, executor=ProcessExecutor(2))
+    assert contents(tmp_path / "one") == contents(tmp_path / "two")
+
+
 def test_a_source_that_changed_meanwhile_is_read_again(sources: Sources, tmp_path: Path):
     folder = sources()
     with pytest.raises(KilledError):
-        ingest(find_sources([folder]), tmp_path / "c", share=killed_after(5))
+        ingest(find_sources([folder]), tmp_path / "c", executor=Order(5))
     text = (folder / "may.csv").read_text()
     (folder / "may.csv").write_text(text.replace(",3,", ",4,"))
     made = ingest(find_sources([folder]), tmp_path / "c")
@@ -165,7 +183,7 @@ def test_a_finished_corpus_is_never_changed(sources: Sources, tmp_path: Path):
 def test_an_unfinished_corpus_goes_on_with_its_own_sources_only(sources: Sources, tmp_path: Path):
     files = good(sources())
     with pytest.raises(KilledError):
-        ingest(find_sources(files), tmp_path / "c", share=killed_after(1))
+        ingest(find_sources(files), tmp_path / "c", executor=Order(1))
     for other in (find_sources(files[:1]), find_sources(files, pattern="a*")):
         with pytest.raises(ConfigError, match="other sources or settings"):
             ingest(other, tmp_path / "c")

@@ -82,7 +82,7 @@ def test_nan_is_an_error_with_its_row(made, kind):
 def test_text_in_a_number_column_is_an_error(made, kind):
     path = write(made, kind, {"t": ["0", "soon"], "x": ["0", "0"], "y": ["0", "0"]})
     with pytest.raises(
-        DataFormatError, match="'soon', not a finite number" if kind == "csv" else "'t' holds large_string"
+        DataFormatError, match="'soon', not a finite number" if kind == "csv" else "'x' holds large_string"
     ):
         list(read_trips(path))
 

@@ -12,16 +12,18 @@ and what comes out has the same octets whatever the number of processes and of i
 import hashlib
 import json
 import shutil
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 from filelock import FileLock, Timeout
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.catalogue import CATALOGUE
+from modelcast.corpora.executors.base import AbstractCrew, AbstractExecutor, Failed, LostWorkerError
+from modelcast.corpora.executors.here import HereExecutor
 from modelcast.corpora.finishing import Ingested, Made, failures_of, finish, skipped_of, write_grouped
 from modelcast.corpora.layout import (
     CORPUS_FILE,
@@ -36,38 +38,18 @@ from modelcast.corpora.layout import (
 from modelcast.corpora.merging import merged_catalogue
 from modelcast.corpora.packing import Packing, pack, packed_already
 from modelcast.corpora.sources import FoundSources, Source
-from modelcast.corpora.staging import Staged, Staging, stage, staged_already
+from modelcast.corpora.staging import Staged, Staging, samples_under_way, stage, staged_already
 from modelcast.io.output import atomic_file
 
-__all__ = ["Share", "Watch", "in_this_process", "ingest", "watch_nothing"]
+__all__ = ["Watch", "ingest", "rows_under_way", "watch_nothing"]
 
 _STAGING, _LOCK, _MERGED = "staging", "ingest.lock", "catalogue.parquet"
 
 _SHOWN = 10
-
-Work = TypeVar("Work")
-Found = TypeVar("Found")
+_HERE = HereExecutor()
 
 Watch = Callable[[str, int, int, int], None]
-"""Called with a stage's name, steps done, steps to do, and rows done so far."""
-
-
-class Share(Protocol):
-    """Yields each piece of work with what a function gives for it, as soon as it is done."""
-
-    def __call__(
-        self, function: Callable[[Work], Found], work: Iterable[Work], /
-    ) -> Iterator[tuple[Work, Found]]:
-        """Do it, in this process or in others."""
-        ...
-
-
-def in_this_process(
-    function: Callable[[Work], Found], work: Iterable[Work], /
-) -> Iterator[tuple[Work, Found]]:
-    """Do work one piece after another: a `Share` without processes."""
-    for one in work:
-        yield one, function(one)
+"""Called with a stage's name, octets (or samples) done, those to do, and rows done so far."""
 
 
 def watch_nothing(stage: str, done: int, steps: int, rows: int) -> None:
@@ -80,7 +62,7 @@ def ingest(
     out: str | Path,
     *,
     partitions: int | None = None,
-    share: Share = in_this_process,
+    executor: AbstractExecutor = _HERE,
     watch: Watch = watch_nothing,
 ) -> Ingested:
     """Make a corpus of recordings, or go on with one whose making was interrupted.
@@ -93,8 +75,8 @@ def ingest(
         The corpus' folder: new, empty, or an unfinished corpus of the same sources and settings.
     partitions
         How many; None for as many as give `modelcast.corpora.merging.PARTITION_ROWS` samples each.
-    share
-        Does the work, in processes or in this one.
+    executor
+        Where the sources are read and the partitions packed.
     watch
         Told of progress.
 
@@ -109,10 +91,11 @@ def ingest(
     folder = Path(out).resolve()
     _require_apart(found.sources, folder, shown=str(out))
     plan = _plan(found)
-    with _claimed(folder, plan, shown=str(out)):
+    with _claimed(folder, plan, shown=str(out)), executor.start() as crew:
+        crew.require_shared([folder, *(Path(one.path).resolve().parent for one in found.sources[:1])])
         staging = folder / _STAGING
         works = [Staging(source, staging) for source in found.sources]
-        staged, kept = _staged(works, share, watch)
+        staged, kept = _staged(works, crew, watch)
         read = [work for work in works if not staged[work.source.number].failure]
         catalogue = merged_catalogue(read, partitions=partitions) if read else CATALOGUE.empty_table()
         if not catalogue.num_rows:
@@ -123,11 +106,22 @@ def ingest(
         key = hashlib.sha256(
             json.dumps([plan, [asdict(one) for one in staged.values()], partitions]).encode()
         ).hexdigest()
-        packed = _packed(folder, catalogue, key, share, watch)
+        packed = _packed(folder, catalogue, key, crew, watch)
         made = Made(folder, found, staged, catalogue=catalogue, partitions=packed)
         ingested = finish(made, kept=kept)
         _clear(folder)
         return ingested
+
+
+def rows_under_way(out: str | Path) -> int:
+    """Return how many samples of sources that are being read are written; about.
+
+    Parameters
+    ----------
+    out
+        The corpus' folder.
+    """
+    return samples_under_way(Path(out) / _STAGING)
 
 
 def _plan(found: FoundSources) -> dict[str, Any]:
@@ -181,21 +175,34 @@ def _claimed(folder: Path, plan: Mapping[str, Any], *, shown: str) -> Generator[
         (folder / _LOCK).unlink(missing_ok=True)
 
 
-def _staged(works: Sequence[Staging], share: Share, watch: Watch) -> tuple[dict[int, Staged], int]:
+def _staged(works: Sequence[Staging], crew: AbstractCrew, watch: Watch) -> tuple[dict[int, Staged], int]:
     """Return what became of every source by its number, and how many an earlier run had read."""
     staged = {work.source.number: done for work in works if (done := staged_already(work)) is not None}
     kept = len(staged)
+    octets = {work.source.number: work.source.state[1] for work in works}
     waiting = [work for work in works if work.source.number not in staged]
-    rows = sum(one.rows for one in staged.values())
-    watch("reading", kept, len(works), rows)
-    for work, done in share(stage, waiting):
-        staged[work.source.number] = done
-        rows += done.rows
-        watch("reading", len(staged), len(works), rows)
+
+    def tell() -> None:
+        done = sum(octets[number] for number in staged)
+        watch("reading", done, sum(octets.values()), sum(one.rows for one in staged.values()))
+
+    tell()
+    for work, answer in crew.as_done(stage, waiting):
+        staged[work.source.number] = _lost(work, answer) if isinstance(answer, Failed) else answer
+        tell()
     return dict(sorted(staged.items())), kept
 
 
-def _packed(folder: Path, catalogue: Any, key: str, share: Share, watch: Watch) -> tuple[Partition, ...]:
+def _lost(work: Staging, failed: Failed) -> Staged:
+    """Return what becomes of a source whose worker was lost; a folder that cannot be written ends it all."""
+    if not isinstance(failed.error, LostWorkerError):
+        raise failed.error
+    return Staged(work.source.state, failure=str(failed.error))
+
+
+def _packed(
+    folder: Path, catalogue: Any, key: str, crew: AbstractCrew, watch: Watch
+) -> tuple[Partition, ...]:
     """Write the merged catalogue and the partitions, and return these by name."""
     merged = folder / _STAGING / _MERGED
     names = list(dict.fromkeys(catalogue["partition"].to_pylist()))
@@ -203,12 +210,14 @@ def _packed(folder: Path, catalogue: Any, key: str, share: Share, watch: Watch) 
     works = [Packing(name, folder, folder / _STAGING, merged, group, key) for group, name in enumerate(names)]
     packed = {work.name: done for work in works if (done := packed_already(work)) is not None}
     waiting = [work for work in works if work.name not in packed]
-    rows = sum(one.rows for one in packed.values())
-    watch("packing", len(packed), len(works), rows)
-    for work, done in share(pack, waiting):
+    rows, samples = sum(one.rows for one in packed.values()), sum(catalogue["samples"].to_pylist())
+    watch("packing", rows, samples, rows)
+    for work, done in crew.as_done(pack, waiting):
+        if isinstance(done, Failed):
+            raise done.error
         packed[work.name] = done
         rows += done.rows
-        watch("packing", len(packed), len(works), rows)
+        watch("packing", rows, samples, rows)
     for stale in set((folder / ROWS_FOLDER).iterdir()) - {partition_folder(folder, name) for name in names}:
         shutil.rmtree(stale, ignore_errors=True)
     return tuple(packed[name] for name in names)

@@ -14,6 +14,9 @@ from modelcast.io.skipped import free_name
 
 __all__ = ["FoundSources", "Source", "find_sources"]
 
+_HELD_SHARE, _LEAST_HELD_BYTES = 5, 8 * 2**20
+"""Share of a process' memory that rows being gathered may take: libraries, text and a trip take the rest."""
+
 
 @dataclass(frozen=True, slots=True)
 class Source:
@@ -42,7 +45,7 @@ class Source:
     @property
     def state(self) -> list[int]:
         """Number of its files, their octets together, and when the last was changed [ns]."""
-        at = self.reader.stands_for(Path(self.path))
+        at = Path(self.path)
         files = [file for file in at.rglob("*") if file.is_file()] if at.is_dir() else [at]
         found = [file.stat() for file in files]
         return [
@@ -80,6 +83,7 @@ def find_sources(
     *,
     columns: Mapping[str, str] | None = None,
     pattern: str = "*",
+    memory_bytes: int | None = None,
 ) -> FoundSources:
     """Return the recordings at and under paths; a path that cannot be told is a failure, not an end.
 
@@ -89,6 +93,8 @@ def find_sources(
         As for `modelcast.io.trips.read_trips`.
     pattern
         As in `Source`.
+    memory_bytes
+        What the process that reads one may take; None for the readers' own bounds.
 
     Raises
     ------
@@ -121,4 +127,7 @@ def find_sources(
             return FoundSources(tuple(sources), failures, skipped, settings)
         label = free_name(labels, printable(recordings.label(recording.path)))
         labels[label] = recording.path
-        sources.append(Source(len(sources), label, recording.path, recording.reader, pattern))
+        reader = recording.reader
+        if memory_bytes is not None:
+            reader = reader.within(max(memory_bytes // _HELD_SHARE, _LEAST_HELD_BYTES))
+        sources.append(Source(len(sources), label, recording.path, reader, pattern))

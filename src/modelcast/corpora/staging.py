@@ -15,7 +15,8 @@ A killed run leaves either the whole folder or none, so what is there counts onc
 
 import fnmatch
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -25,9 +26,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from modelcast.core.printable import printable
-from modelcast.corpora.catalogue import CATALOGUE, catalogue_row
+from modelcast.corpora.catalogue import CATALOGUE, SAMPLED, catalogue_row
 from modelcast.corpora.partition_rows import SAMPLES
 from modelcast.corpora.sources import Source
+from modelcast.io.base import OnSkipped
 from modelcast.io.failure import failure_reason
 from modelcast.io.partial import clean_leftovers, partial_folder
 from modelcast.io.recordings import Recording
@@ -37,6 +39,7 @@ from modelcast.trips.trajectory import Trajectory
 __all__ = [
     "Staged",
     "Staging",
+    "samples_under_way",
     "source_folder",
     "stage",
     "staged_already",
@@ -46,6 +49,7 @@ __all__ = [
 
 _DONE, _SAMPLES, _TRIPS = "done.json", "samples.arrow", "trips.parquet"
 _HELD_TRIPS = 1000
+_SAMPLE_BYTES = 8 * len(SAMPLED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +97,21 @@ class Staged:
     failure: str = ""
 
 
+def samples_under_way(folder: Path) -> int:
+    """Return about how many samples of sources that are being read are written.
+
+    Parameters
+    ----------
+    folder
+        The folder of all staged sources.
+    """
+    found = 0
+    for file in folder.glob(f".*/{_SAMPLES}"):
+        with suppress(OSError):
+            found += file.stat().st_size // _SAMPLE_BYTES
+    return found
+
+
 def source_folder(folder: Path, number: int) -> Path:
     """Return where a source's trips are until they are packed.
 
@@ -135,10 +154,10 @@ def stage(work: Staging) -> Staged:
         state = work.source.state
         try:
             staged = _read(work.source, folder, state)
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, it costs this source alone
+        except _UnreadableError as error:
             for name in (_SAMPLES, _TRIPS):
                 (folder / name).unlink(missing_ok=True)
-            staged = Staged(state, failure=printable(failure_reason(error)))
+            staged = Staged(state, failure=str(error))
         (folder / _DONE).write_text(json.dumps(asdict(staged)), encoding="utf-8")
         if work.place.exists():
             _remove(work.place)
@@ -169,6 +188,27 @@ def staged_samples(place: Path) -> Callable[[int], Any]:
     return batches.get_batch
 
 
+class _UnreadableError(Exception):
+    """A source's reader failed; the text is the reason."""
+
+
+def _trips(source: Source, on_skipped: OnSkipped) -> Iterator[Trajectory]:
+    """Yield the trips that are taken.
+
+    Raises
+    ------
+    _UnreadableError
+        Where the reader raises anything.
+    """
+    try:
+        for read in Recording(source.path, source.reader, on_skipped).trips():
+            trip = _named(read, printable(read.trip_id))
+            if fnmatch.fnmatch(trip.trip_id, source.pattern):
+                yield trip
+    except (Exception, SystemExit) as error:
+        raise _UnreadableError(printable(failure_reason(error))) from error
+
+
 def _read(source: Source, folder: Path, state: list[int]) -> Staged:
     """Write the trips of a source and return their counts."""
     skipped: dict[str, str] = {}
@@ -183,10 +223,7 @@ def _read(source: Source, folder: Path, state: list[int]) -> Staged:
         pa.ipc.new_file(file, SAMPLES) as batches,
         pq.ParquetWriter(folder / _TRIPS, CATALOGUE, compression="zstd") as catalogue,
     ):
-        for read in Recording(source.path, source.reader, note).trips():
-            trip = _named(read, printable(read.trip_id))
-            if not fnmatch.fnmatch(trip.trip_id, source.pattern):
-                continue
+        for trip in _trips(source, note):
             batches.write_batch(_batch(trip))
             held.append(catalogue_row(trip, source=source.label))
             trips, rows, samples = trips + 1, rows + trip.reading.rows, samples + len(trip)

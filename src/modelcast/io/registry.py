@@ -34,9 +34,12 @@ FORMATS: Mapping[str, str] = MappingProxyType(
         "csv": "modelcast.io.csv:CsvReader",
     }
 )
-"""The built-in formats and the class that reads each; csv is asked last, as the least specific."""
+"""The formats of recordings and the class that reads each; csv is asked last, as the least specific."""
 
-READERS = OpenGroup("modelcast.readers", AbstractTripReader, called="format", own=FORMATS)
+_CORPUS = {"corpus": "modelcast.corpora.reader:CorpusReader"}
+"""Trips of all formats in one folder; the layer above this one brings it, and nothing here knows of it."""
+
+READERS = OpenGroup("modelcast.readers", AbstractTripReader, called="format", own={**_CORPUS, **FORMATS})
 """All readers, ours and those of other packages."""
 
 _HEAD_BYTES = 16384
