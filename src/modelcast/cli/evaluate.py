@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from modelcast.cli.evaluate_options import EvaluateOptions
+from modelcast.cli.executor_options import ExecutorOptions
 from modelcast.cli.options import Columns, Format
 
 __all__ = ["evaluate"]
@@ -15,6 +16,7 @@ def evaluate(
     columns: Columns = None,
     trip: str = "*",
     options: EvaluateOptions = EvaluateOptions(),  # noqa: B008 - frozen
+    executor: ExecutorOptions = ExecutorOptions(),  # noqa: B008 - frozen
     trace: Path | None = None,
     rerun: Path | None = None,
     json: bool = False,
@@ -22,12 +24,14 @@ def evaluate(
 ) -> int:
     """Run hybrid bank and baseline over recorded trips: message rates, tracking under loss, figures.
 
-    Writes summary.json, events.parquet, samples.parquet, report.html, figures/ and run.json.
+    Writes summary.json, events.parquet, samples.parquet, report.html, figures/ and run.json. A corpus
+    ('modelcast ingest'), named alone, is shared out among processes; its tables are in parts/. A run of one
+    that was interrupted goes on where it stopped: give the same command again.
 
     Parameters
     ----------
     paths
-        Files or folders with recorded trips.
+        Files or folders with recorded trips, or one corpus.
     out
         Output folder; one that an earlier run of this command wrote is replaced.
     format
@@ -38,6 +42,8 @@ def evaluate(
         Take only trips whose identifier matches this shell pattern.
     options
         What changes the figures.
+    executor
+        Where a corpus is worked on.
     trace
         Also write the messages (time, vehicle, size, kind) to this .csv or .parquet, for other simulators.
     rerun
@@ -62,4 +68,14 @@ def evaluate(
     else:
         require_paths(paths, "evaluate")
         asked = EvaluationRun(paths, format, columns, trip, options)
+    if trace is None and asked.is_corpus:
+        from modelcast.cli.corpus_run import run_corpus_evaluation, shares_out
+
+        if shares_out(asked):
+            return run_corpus_evaluation(asked, out, executor.executor(), json=json, quiet=quiet)
+    executor.require_no_corpus()
+    if executor.jobs:
+        raise ConfigError(
+            "--jobs is for a corpus: make one of these files with modelcast ingest, name it alone"
+        )
     return run_evaluation(asked, out, trace=trace, json=json, quiet=quiet)

@@ -6,7 +6,6 @@ are put in order of the trips' names, and what is summed over trips is whole num
 """
 
 import hashlib
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import KW_ONLY, dataclass, replace
 from pathlib import Path
@@ -35,7 +34,6 @@ __all__ = [
     "EvaluateJob",
     "evaluate_corpus",
     "gather_parts",
-    "require_one_name",
 ]
 
 MOST_LISTED = 500
@@ -147,22 +145,21 @@ def evaluate_corpus(
     Raises
     ------
     ConfigError
-        As for `EvaluateJob` and `run_job`, and where two trips have one name or no trip could be evaluated.
+        As for `EvaluateJob` and `run_job`, and where no trip could be evaluated.
     DataFormatError
         Where the corpus or a part is damaged.
     """
     job = EvaluateJob(settings)
-    require_one_name(corpus)
     outcome = run_job(corpus, job, results, executor, watch=watch)
     gathered, each_trip = gather_parts(outcome)
     gathered.illustration = _drawn(corpus, gathered, settings)
-    result = gathered.result(settings, each_trip=each_trip)
     lost = {f"partition {name}": reason for name, reason in outcome.failures.items()}
-    return CorpusEvaluation(replace(result, failures={**lost, **result.failures}), outcome=outcome)
+    gathered.failures = {**lost, **gathered.failures}
+    return CorpusEvaluation(gathered.result(settings, each_trip=each_trip), outcome=outcome)
 
 
 def gather_parts(outcome: Outcome) -> tuple[Gathered, bool]:
-    """What the parts hold together, in order of the trips' names; and whether rows of single trips are listed.
+    """What the parts hold together, in order of the trips' names; and whether single trips are listed.
 
     Parameters
     ----------
@@ -185,38 +182,6 @@ def gather_parts(outcome: Outcome) -> tuple[Gathered, bool]:
         whole.merge(found)
     whole.illustration = min(sharpest, key=lambda one: (-one.acceleration_mps2, one.trip), default=None)
     return whole.in_order(), each_trip
-
-
-def require_one_name(corpus: Corpus) -> None:
-    """Refuse a corpus in which two trips have one name.
-
-    Parameters
-    ----------
-    corpus
-        The trips.
-
-    Raises
-    ------
-    ConfigError
-        Where that is so; names both sources.
-    """
-    sources: dict[str, list[str]] = {}
-    names: Counter[str] = Counter()
-    for partition in corpus.partitions:
-        rows = corpus.catalogue(partition).select(["trip", "source"]).to_pylist()
-        names.update(row["trip"] for row in rows)
-        sources |= {row["trip"]: [] for row in rows if names[row["trip"]] > 1}
-    if not sources:
-        return
-    for partition in corpus.partitions:
-        for row in corpus.catalogue(partition).select(["trip", "source"]).to_pylist():
-            if row["trip"] in sources:
-                sources[row["trip"]].append(row["source"])
-    trip, found = min(sources.items())
-    raise ConfigError(
-        f"{corpus.path}: two trips are named {trip}, of {' and '.join(sorted(found))}: rename one of these "
-        "files and ingest again"
-    )
 
 
 def _drawn(corpus: Corpus, gathered: Gathered, settings: EvaluationSettings) -> Illustration | None:

@@ -90,8 +90,9 @@ POOLS: Any = pa.schema(
 )
 """Columns of ``pools.parquet``: a row a histogram, its pool's own numbers on each (`TrackingPool`).
 
-``figure`` is ``error`` (one for each ``seed``), ``before``, ``along``, ``cross``, ``age`` or ``gaps``; ``weights``
-are those of the bins from ``first_bin`` on (`modelcast.study.histogram`), ``total`` is in millionths.
+``figure`` is ``error`` (one for each ``seed``), ``before``, ``along``, ``cross``, ``age`` or ``gaps``;
+``weights`` are those of the bins from ``first_bin`` on (`modelcast.study.histogram`), ``total`` is in
+millionths.
 """
 
 _BATCH_POOLS = 8
