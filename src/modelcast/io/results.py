@@ -16,6 +16,9 @@ a message trace (`write_message_trace`)
 The same result gives the same bytes: keys are sorted, and there is no time stamp and no absolute path.
 """
 
+# pyarrow has no type stubs: what comes out of it is unknown to pyright.
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
+
 from pathlib import Path
 from typing import Any
 
