@@ -18,6 +18,8 @@ from modelcast.corpora.ingestion import ingest
 from modelcast.corpora.layout import open_corpus
 from modelcast.corpora.sources import find_sources
 from modelcast.io.trips import read_trips
+from modelcast.trips.inspection import inspect
+from modelcast.trips.judgement import judge
 from modelcast.trips.trajectory import Trajectory
 
 Sources = Callable[[], Path]
@@ -207,3 +209,25 @@ def test_a_corpus_opens_where_it_was_moved_to(sources: Sources, tmp_path: Path):
     (tmp_path / "c").rename(tmp_path / "d")
     corpus = open_corpus(tmp_path / "d")
     assert sum(1 for one in corpus.partitions for _ in corpus.trips(one)) == 21
+
+
+def test_quality_is_what_trips_tells_where_it_is_asked_for(sources: Sources, tmp_path: Path):
+    files = good(sources())
+    ingest(find_sources(files), tmp_path / "plain")
+    assert pl.read_parquet(tmp_path / "plain/catalogue.parquet")["warnings"].is_null().all()
+    ingest(find_sources(files), tmp_path / "c", thresholds_m=(0.1, 0.2, 0.3, 0.5))
+    told = {row["trip"]: row for row in pl.read_parquet(tmp_path / "c/catalogue.parquet").to_dicts()}
+    for trip in read_trips(files):
+        found = inspect(trip)
+        row = told[trip.trip_id]
+        assert row["grid_m"] == found.grid_m
+        assert row["warnings"] == list(judge(found, (0.1, 0.2, 0.3, 0.5), smoothed=not found.is_clean))
+    assert "jump" not in told["odd/gap"]["warnings"]
+
+
+def test_an_ingest_that_inspects_does_not_go_on_with_one_that_does_not(sources: Sources, tmp_path: Path):
+    files = good(sources())
+    with pytest.raises(KilledError):
+        ingest(find_sources(files), tmp_path / "c", executor=Order(1))
+    with pytest.raises(ConfigError, match="other sources or settings"):
+        ingest(find_sources(files), tmp_path / "c", thresholds_m=(0.1, 0.2, 0.3, 0.5))

@@ -14,7 +14,7 @@ import json
 import shutil
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +62,7 @@ def ingest(
     out: str | Path,
     *,
     partitions: int | None = None,
+    thresholds_m: Sequence[float] | None = None,
     executor: AbstractExecutor = _HERE,
     watch: Watch = watch_nothing,
 ) -> Ingested:
@@ -75,6 +76,9 @@ def ingest(
         The corpus' folder: new, empty, or an unfinished corpus of the same sources and settings.
     partitions
         How many; None for as many as give `modelcast.corpora.merging.PARTITION_ROWS` samples each.
+    thresholds_m
+        What the noise of every trip is judged by, where its quality is to be measured for the catalogue [m];
+        None where not.
     executor
         Where the sources are read and the partitions packed.
     watch
@@ -90,11 +94,12 @@ def ingest(
         raise ConfigError(f"there must be at least 1 partition, got {partitions}")
     folder = Path(out).resolve()
     _require_apart(found.sources, folder, shown=str(out))
-    plan = _plan(found)
+    plan = _plan(found, thresholds_m=thresholds_m)
     with _claimed(folder, plan, shown=str(out)), executor.start() as crew:
         crew.require_shared([folder, *(Path(one.path).resolve().parent for one in found.sources[:1])])
         staging = folder / _STAGING
-        works = [Staging(source, staging) for source in found.sources]
+        judged = None if thresholds_m is None else tuple(thresholds_m)
+        works = [Staging(replace(one, path=_absolute(one.path)), staging, judged) for one in found.sources]
         staged, kept = _staged(works, crew, watch)
         read = [work for work in works if not staged[work.source.number].failure]
         catalogue = merged_catalogue(read, partitions=partitions) if read else CATALOGUE.empty_table()
@@ -107,7 +112,7 @@ def ingest(
             json.dumps([plan, [asdict(one) for one in staged.values()], partitions]).encode()
         ).hexdigest()
         packed = _packed(folder, catalogue, key, crew, watch)
-        made = Made(folder, found, staged, catalogue=catalogue, partitions=packed)
+        made = Made(folder, found, staged, settings=plan["settings"], catalogue=catalogue, partitions=packed)
         ingested = finish(made, kept=kept)
         _clear(folder)
         return ingested
@@ -124,14 +129,22 @@ def rows_under_way(out: str | Path) -> int:
     return samples_under_way(Path(out) / _STAGING)
 
 
-def _plan(found: FoundSources) -> dict[str, Any]:
+def _plan(found: FoundSources, *, thresholds_m: Sequence[float] | None) -> dict[str, Any]:
     """What an unfinished corpus must be of for an ingest to go on with it."""
     return {
         "format": FORMAT,
         "version": VERSION,
-        "settings": dict(found.settings),
+        "settings": {
+            **found.settings,
+            "inspected_by_m": None if thresholds_m is None else list(thresholds_m),
+        },
         "sources": [[one.label, one.reader.name, str(Path(one.path).resolve())] for one in found.sources],
     }
+
+
+def _absolute(path: str) -> str:
+    """Return a path for processes with another working folder; links in it stay."""
+    return str(Path(path).absolute())
 
 
 def _require_apart(sources: Sequence[Source], folder: Path, *, shown: str) -> None:

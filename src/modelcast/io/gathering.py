@@ -130,9 +130,17 @@ def numbered(columns: Sequence[pl.Series]) -> tuple[list[tuple[str, ...]], IntAr
     ([('b',), ('a',)], [0, 1, 0])
     """
     frame = pl.DataFrame(list(columns))
-    unique = frame.unique(maintain_order=True).with_row_index("number of the key")
-    number = frame.join(unique, on=frame.columns, how="left", maintain_order="left")["number of the key"]
-    return [tuple(row[1:]) for row in unique.iter_rows()], number.to_numpy().astype(np.int64)
+    begins = np.ones(frame.height, dtype=np.bool_)
+    if frame.height:
+        begins[1:] = np.any([(column[1:] != column[:-1]).to_numpy() for column in frame], axis=0)
+    first = np.flatnonzero(begins)  # mostly rows follow others of the same keys: one of them is enough
+    runs = frame[first]
+    unique = runs.unique(maintain_order=True).with_row_index("number of the key")
+    number = runs.join(unique, on=frame.columns, how="left", maintain_order="left")["number of the key"]
+    lengths = np.diff(first, append=frame.height)
+    return [tuple(row[1:]) for row in unique.iter_rows()], np.repeat(
+        number.to_numpy().astype(np.int64), lengths
+    )
 
 
 def gathered(file: AbstractKeyedRows[Key], held_bytes: int = HELD_BYTES) -> Iterator[Gathered[Key]]:

@@ -104,6 +104,11 @@ class AbstractCrew(ABC):
 class AbstractExecutor(ABC):
     """A place in which tasks run."""
 
+    @property
+    def worker_bytes(self) -> int | None:
+        """What one worker may take, so that tasks can make do with it; None where there is no bound."""
+        return None
+
     @abstractmethod
     def start(self) -> AbstractContextManager[AbstractCrew]:
         """Start workers that end with the block, whatever they are doing then.
