@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from modelcast.cli.app import run
-from modelcast.cli.corpus_run import unfinished_folder
 from modelcast.cli.reading import PARTLY_FAILED
 from modelcast.corpora.layout import open_corpus
 from modelcast.io.write_trips import write_parquet
@@ -40,6 +39,10 @@ def done(corpus: Path) -> Path:
     out = corpus.parent / "done"
     assert evaluated(corpus, out) == 0
     return out
+
+
+def unfinished_folder(out: Path) -> Path:
+    return out.with_name(f".{out.name}.parts")
 
 
 def test_a_corpus_gives_the_files_of_an_evaluation_and_its_parts(
@@ -77,19 +80,18 @@ def test_a_part_that_fails_is_named_and_the_rest_is_there(
     rows[0].write_bytes(b"PAR1 no more")
     out = tmp_path / "out"
     assert evaluated(damaged, out) == PARTLY_FAILED
-    assert "keeps what is done" in capsys.readouterr().err
+    assert "is left out" in capsys.readouterr().err
     summary = json.loads((out / "summary.json").read_text())
     assert len(summary["failures"]) == len(rows) - 1 == len(list((out / "parts").iterdir())) == 1
     kept = list((unfinished_folder(out) / "parts").iterdir())
     assert [path.name for path in kept] == [path.name for path in (out / "parts").iterdir()]
 
 
-def test_one_trip_of_a_corpus_is_evaluated_like_a_file(corpus: Path, tmp_path: Path) -> None:
+def test_some_trips_of_a_corpus(corpus: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    words = ["evaluate", str(corpus), "--trip", "drive/red", "--rates-only", "--out", str(out), "--quiet"]
-    assert run(words) == 0
-    assert len(json.loads((out / "summary.json").read_text())["trips"]) == 1
-    assert (out / "events.parquet").exists()
+    assert evaluated(corpus, out, "--trip", "drive/*re*") == 0
+    trips = json.loads((out / "summary.json").read_text())["trips"]
+    assert [trip["id"] for trip in trips] == ["drive/green", "drive/grey", "drive/red"]
 
 
 @pytest.mark.parametrize("option", [("--memory", "1GiB"), ("--cluster", "local:2"), ("--jobs", "2")])

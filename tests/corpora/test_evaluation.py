@@ -18,6 +18,7 @@ from modelcast.corpora.executors.here import HereExecutor
 from modelcast.corpora.executors.processes import ProcessExecutor
 from modelcast.corpora.ingestion import ingest
 from modelcast.corpora.layout import Corpus
+from modelcast.corpora.running import run_job
 from modelcast.corpora.sources import find_sources
 from modelcast.io.results import summary_document
 from modelcast.io.write_trips import write_parquet
@@ -95,10 +96,9 @@ def test_it_is_the_evaluation_of_the_trips_to_the_last_bit(
     corpus = corpora(partitions)
     assert len(corpus.partitions) > 1 or partitions == 1
     found = evaluate_corpus(corpus, SETTINGS, tmp_path / "work", executor)
-    assert summary_document(found.result) == summary_document(alone)
-    assert drawn(found.result) == drawn(alone)
-    assert list(found.result.failures) == [SHORT]
-    assert not found.outcome.failures
+    assert summary_document(found) == summary_document(alone)
+    assert drawn(found) == drawn(alone)
+    assert list(found.failures) == [SHORT]
 
 
 def test_its_tables_are_one_data_set(
@@ -124,7 +124,7 @@ def test_of_many_trips_only_pooled_rows_are_in_the_result(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(evaluation, "MOST_LISTED", 3)
-    result = evaluate_corpus(corpora(2), SETTINGS, tmp_path, HereExecutor()).result
+    result = evaluate_corpus(corpora(2), SETTINGS, tmp_path, HereExecutor())
     for name in ("rates", "references", "tracking"):
         pooled = [repr(row) for row in getattr(alone, name) if row.trip == "all"]
         assert [repr(row) for row in getattr(result, name)] == pooled
@@ -136,7 +136,7 @@ def test_parts_of_the_same_settings_are_kept_and_others_made_anew(
 ) -> None:
     rates = replace(SETTINGS, packet_error_ratios=())
     kept = [
-        evaluate_corpus(corpora(2), settings, tmp_path, HereExecutor()).outcome.kept
+        run_job(corpora(2), EvaluateJob(settings), tmp_path, HereExecutor()).kept
         for settings in (rates, rates, replace(rates, thresholds_m=(0.4,)))
     ]
     assert kept == [0, len(corpora(2).partitions), 0]
@@ -144,7 +144,7 @@ def test_parts_of_the_same_settings_are_kept_and_others_made_anew(
 
 def test_the_map_of_a_trip_asked_for(corpora: Callable[[int], Corpus], tmp_path: Path) -> None:
     asked = replace(SETTINGS, packet_error_ratios=(), map_at=("made/2", 40.0))
-    result = evaluate_corpus(corpora(2), asked, tmp_path, HereExecutor()).result
+    result = evaluate_corpus(corpora(2), asked, tmp_path, HereExecutor())
     assert result.manoeuvre is not None
     assert (result.manoeuvre.trip, result.manoeuvre.start_s) == (
         "made/2",
@@ -192,8 +192,9 @@ def test_every_setting_is_in_the_key() -> None:
         {"trained_on": frozenset({"a"})},
         {"bank": Bank((ConstantVelocity(),))},
     )
-    keys = {EvaluateJob(replace(SETTINGS, **one)).key for one in changed}
-    assert len(keys | {EvaluateJob(SETTINGS).key}) == 1 + len(changed)
+    jobs = [EvaluateJob(SETTINGS), *(EvaluateJob(replace(SETTINGS, **one)) for one in changed)]
+    jobs += [EvaluateJob(SETTINGS, pattern="a/*"), EvaluateJob(SETTINGS, asked="more")]
+    assert len({job.key for job in jobs}) == len(jobs)
 
 
 def test_a_bank_that_reads_context_is_not_shared_out() -> None:

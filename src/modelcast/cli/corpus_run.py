@@ -1,144 +1,105 @@
-"""``modelcast evaluate`` on a corpus: every partition as a task, then one result of all."""
+"""A command's job over a corpus: where its parts are until the output folder appears."""
 
-import os
+import hashlib
+import importlib.resources
+import json
 import shutil
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
-from modelcast.cli import terminal
-from modelcast.cli.evaluation_run import show
-from modelcast.cli.named_words import origins_in_use
-from modelcast.cli.progress import busy, rated
-from modelcast.cli.reading import PARTLY_FAILED
-from modelcast.cli.run_record import EvaluationRun, write_run
-from modelcast.corpora.evaluation import evaluate_corpus
-from modelcast.corpora.layout import open_corpus
-from modelcast.corpora.parts import PARTS_FOLDER
-from modelcast.corpora.running import Tally, Watch
-from modelcast.io.output import atomic_folder
-from modelcast.io.results import summary_document, write_summary
-from modelcast.report.html import write_report
-from modelcast.study.context import reads_context
+from modelcast.cli.progress import rated
+from modelcast.cli.terminal import complain
+from modelcast.corpora.executors.base import AbstractExecutor
+from modelcast.corpora.executors.versions import worker_versions
+from modelcast.corpora.job import AbstractJob
+from modelcast.corpora.layout import Corpus, is_corpus, open_corpus
+from modelcast.corpora.running import Outcome, Tally, claimed_results, run_job
+from modelcast.io.regular import sha256_of
 
-if TYPE_CHECKING:
-    from collections.abc import Generator
-
-    from modelcast.corpora.executors.base import AbstractExecutor
-
-__all__ = ["run_corpus_evaluation", "shares_out", "unfinished_folder", "watched_job"]
+__all__ = ["corpus_alone", "corpus_parts", "job_key"]
 
 
-def shares_out(asked: EvaluationRun) -> bool:
-    """Whether the trips are one corpus that is shared out, all of it.
-
-    Single trips of a corpus, and a bank that reads context, are evaluated like files: by one process.
+def corpus_alone(paths: Sequence[Path]) -> Corpus | None:
+    """Return the corpus that a command names, None where it names anything else, or more.
 
     Parameters
     ----------
-    asked
-        Trips and options.
+    paths
+        What it names.
+
+    Raises
+    ------
+    DataFormatError
+        Where it is unfinished, damaged or of another version.
     """
-    if not asked.is_corpus or (asked.format_name, asked.columns, asked.trip) != (None, None, "*"):
-        return False
-    if reads_context(asked.options.settings().bank):
-        terminal.complain(
-            f"the bank {asked.options.bank} reads context, so trips know of each other: one process evaluates"
-            " them all"
-        )
-        return False
-    return True
-
-
-def unfinished_folder(out: Path) -> Path:
-    """Where parts are until all is done: beside the output folder.
-
-    Parameters
-    ----------
-    out
-        The output folder.
-    """
-    return out.with_name(f"{out.name}.unfinished")
-
-
-def run_corpus_evaluation(
-    asked: EvaluationRun, out: Path, executor: "AbstractExecutor", *, json: bool, quiet: bool
-) -> int:
-    """Run what was asked for and return the exit code.
-
-    Parameters
-    ----------
-    asked
-        A corpus (`shares_out`), and options.
-    out
-        Output folder.
-    executor
-        Where the partitions are worked on.
-    json
-        Print the summary instead of tables.
-    quiet
-        Print nothing but errors.
-    """
-    settings = asked.options.settings()
-    corpus = open_corpus(asked.paths[0])
-    work = unfinished_folder(out)
-    with atomic_folder(out, command="evaluate", shown=f"--out {out}") as folder:
-        with watched_job("evaluate", quiet=quiet or json) as watch:
-            found = evaluate_corpus(corpus, settings, work, executor, watch=watch)
-        result = found.result
-        write_run(
-            folder,
-            "evaluate",
-            asked.arguments(),
-            asked.inputs,
-            training_trips=[trip.id for trip in result.trips if trip.in_training],
-            foreign=origins_in_use(asked.options.policy, [settings.bank]),
-        )
-        with busy("writing the report", quiet=quiet or json):
-            write_summary(result, folder)
-            write_report(result, folder)
-        _publish(work / PARTS_FOLDER, folder / PARTS_FOLDER, keep=bool(found.outcome.failures))
-    if found.outcome.failures:
-        terminal.complain(f"{work} keeps what is done: the same command tries the failed partitions again")
-    else:
-        shutil.rmtree(work, ignore_errors=True)
-    if json:
-        terminal.say_json(summary_document(result))
-    elif not quiet:
-        show(result, out)
-    return PARTLY_FAILED if result.failures else 0
+    return open_corpus(paths[0]) if len(paths) == 1 and is_corpus(paths[0]) else None
 
 
 @contextmanager
-def watched_job(stage: str, *, quiet: bool) -> "Generator[Watch]":
-    """Yield what is told how far a job is, and shows it.
+def corpus_parts(
+    corpus: Corpus, job: AbstractJob, out: Path, executor: AbstractExecutor, *, quiet: bool
+) -> Generator[Outcome]:
+    """Do a job with every partition and yield what was found; no other run works on the output meanwhile.
+
+    The parts are in ``.NAME.parts`` beside the output folder ``NAME``. They go when the block ends well and
+    no partition has failed; else they wait for the next run.
 
     Parameters
     ----------
-    stage
-        What is done.
+    corpus, job, executor
+        As for `modelcast.corpora.running.run_job`.
+    out
+        The output folder.
     quiet
-        Show nothing.
+        Show no progress.
+
+    Raises
+    ------
+    ConfigError
+        As `run_job` does.
     """
-    with rated(quiet=quiet) as tell:
+    target = out.resolve()
+    results = target.with_name(f".{target.name}.parts")
+    with claimed_results(results, job.name):
+        with rated(quiet=quiet) as show:
 
-        def watch(tally: Tally) -> None:
-            tell(stage, tally.done, tally.partitions, tally.rows)
+            def watch(tally: Tally) -> None:
+                show("partitions", tally.done, tally.partitions, tally.rows)
 
-        yield watch
-
-
-def _publish(parts: Path, place: Path, *, keep: bool) -> None:
-    """Move the parts, or where they are to stay, give their files a second name."""
-    if keep:
-        shutil.copytree(parts, place, copy_function=_linked)
-    else:
-        parts.rename(place)
+            outcome = run_job(corpus, job, results, executor, watch=watch)
+        for name, reason in outcome.failures.items():
+            complain(f"partition {name} is left out: {reason}")
+        yield outcome
+        if not outcome.failures:
+            shutil.rmtree(results, ignore_errors=True)
 
 
-def _linked(source: str, place: str) -> str:
-    try:
-        os.link(source, place)
-    except OSError:  # another kind of file system
-        shutil.copy2(source, place)
-    return place
+def job_key(options: Mapping[str, Any], files: Iterable[Path], foreign: Mapping[str, str]) -> str:
+    """Return the hash of all that a job's findings depend on beside the partition.
+
+    Parameters
+    ----------
+    options
+        Plain values.
+    files
+        Files that are read; their contents count.
+    foreign
+        Package and version of what other packages bring.
+
+    Raises
+    ------
+    ConfigError
+        Where a file cannot be read.
+    """
+    shipped = importlib.resources.files("modelcast") / "profiles" / "default.json"
+    document = {
+        "options": options,
+        "files": {str(path): sha256_of(path) for path in files},
+        "shipped": hashlib.sha256(shipped.read_bytes()).hexdigest(),
+        "foreign": dict(foreign),
+        "versions": worker_versions(),
+    }
+    text = json.dumps(document, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()

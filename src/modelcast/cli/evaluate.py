@@ -53,6 +53,7 @@ def evaluate(
     quiet
         Print nothing but errors.
     """
+    from modelcast.cli.evaluation_corpus import corpus_to_share, run_corpus_evaluation
     from modelcast.cli.evaluation_run import run_evaluation
     from modelcast.cli.reading import require_paths
     from modelcast.cli.run_record import EvaluationRun, load_run
@@ -68,14 +69,13 @@ def evaluate(
     else:
         require_paths(paths, "evaluate")
         asked = EvaluationRun(paths, format, columns, trip, options)
-    if trace is None and asked.is_corpus:
-        from modelcast.cli.corpus_run import run_corpus_evaluation, shares_out
-
-        if shares_out(asked):
-            return run_corpus_evaluation(asked, out, executor.executor(), json=json, quiet=quiet)
-    executor.require_no_corpus()
-    if executor.jobs:
+    corpus = corpus_to_share(asked, executor)
+    if corpus is not None:
+        if trace is not None:
+            raise ConfigError(f"--trace {trace}: of a corpus the messages are in parts/*/events.parquet")
+        return run_corpus_evaluation(asked, corpus, out, executor, json=json, quiet=quiet)
+    if executor.jobs > 1:
         raise ConfigError(
-            "--jobs is for a corpus: make one of these files with modelcast ingest, name it alone"
+            f"--jobs {executor.jobs} is for a corpus: modelcast ingest makes one of these files"
         )
     return run_evaluation(asked, out, trace=trace, json=json, quiet=quiet)

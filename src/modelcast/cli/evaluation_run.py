@@ -21,7 +21,7 @@ from modelcast.study.recording import AbstractRecordSink
 from modelcast.study.result import EvaluationResult
 from modelcast.study.settings import EvaluationSettings
 
-__all__ = ["evaluate_source", "publish", "run_evaluation", "show"]
+__all__ = ["evaluate_source", "finish", "publish", "record", "run_evaluation", "show", "tell"]
 
 
 def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json: bool, quiet: bool) -> int:
@@ -52,20 +52,66 @@ def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json:
     with atomic_folder(out, command="evaluate", shown=f"--out {out}") as folder:
         with RecordFiles(folder) as records:
             result = evaluate_source(source, settings, records, quiet=quiet or json)
-        known = [trip.id for trip in result.trips if trip.in_training]
-        write_run(
-            folder,
-            "evaluate",
-            asked.arguments(),
-            asked.inputs,
-            training_trips=known,
-            foreign=origins_in_use(asked.options.policy, [settings.bank]),
-        )
-        with busy("writing the report", quiet=quiet or json):
-            write_summary(result, folder)
-            write_report(result, folder)
+        record(asked, result, folder)
+        finish(result, folder, quiet=quiet or json)
         if trace is not None:
             write_message_trace(folder, trace, policy=settings.sender)
+    return tell(result, out, json=json, quiet=quiet)
+
+
+def record(asked: EvaluationRun, result: EvaluationResult, folder: Path) -> None:
+    """Write ``run.json``.
+
+    Parameters
+    ----------
+    asked
+        Trips and options.
+    result
+        What was found.
+    folder
+        An existing folder.
+    """
+    write_run(
+        folder,
+        "evaluate",
+        asked.arguments(),
+        asked.inputs,
+        training_trips=[trip.id for trip in result.trips if trip.in_training],
+        foreign=origins_in_use(asked.options.policy, [asked.options.settings().bank]),
+    )
+
+
+def finish(result: EvaluationResult, folder: Path, *, quiet: bool) -> None:
+    """Write summary and report, where messages and samples are written already.
+
+    Parameters
+    ----------
+    result
+        What was found.
+    folder
+        An existing folder.
+    quiet
+        Show no progress.
+    """
+    with busy("writing the report", quiet=quiet):
+        write_summary(result, folder)
+        write_report(result, folder)
+
+
+def tell(result: EvaluationResult, out: Path, *, json: bool, quiet: bool) -> int:
+    """Print what was found and return the exit code.
+
+    Parameters
+    ----------
+    result
+        What was found.
+    out
+        Output folder.
+    json
+        Print the summary instead of tables.
+    quiet
+        Print nothing.
+    """
     if json:
         terminal.say_json(summary_document(result))
     elif not quiet:

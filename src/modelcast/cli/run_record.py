@@ -79,11 +79,6 @@ class EvaluationRun:
         trips = (path / CORPUS_FILE if is_corpus(path) else path for path in self.paths)
         return (*trips, *self.options.files)
 
-    @property
-    def is_corpus(self) -> bool:
-        """Whether the trips are one corpus."""
-        return len(self.paths) == 1 and is_corpus(self.paths[0])
-
     def arguments(self) -> dict[str, Any]:
         """The arguments as plain values."""
         return {

@@ -5,16 +5,17 @@ are put in order of the trips' names, and what is summed over trips is whole num
 (`modelcast.study.histogram`, `modelcast.study.rate`).
 """
 
+import fnmatch
 import hashlib
 from collections.abc import Iterator
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.core.version import package_version
 from modelcast.corpora.evaluation_tables import read_tables, write_tables_of
 from modelcast.corpora.executors.base import AbstractExecutor
+from modelcast.corpora.executors.versions import worker_versions
 from modelcast.corpora.job import AbstractJob, TripFailures, read_failures
 from modelcast.corpora.layout import Corpus
 from modelcast.corpora.running import Outcome, Watch, run_job, watch_nothing
@@ -30,7 +31,6 @@ from modelcast.trips.trajectory import Trajectory
 
 __all__ = [
     "MOST_LISTED",
-    "CorpusEvaluation",
     "EvaluateJob",
     "evaluate_corpus",
     "gather_parts",
@@ -48,6 +48,10 @@ class EvaluateJob(AbstractJob):
     ----------
     settings
         What to do.
+    pattern
+        Trips whose identifier matches this shell pattern are taken.
+    asked
+        Hash of what else the findings depend on; empty where that is nothing.
 
     Raises
     ------
@@ -58,6 +62,8 @@ class EvaluateJob(AbstractJob):
     name: ClassVar[str] = "evaluate"
 
     settings: EvaluationSettings
+    pattern: str = "*"
+    asked: str = ""
 
     def __post_init__(self) -> None:
         """Refuse a bank that reads context."""
@@ -69,9 +75,11 @@ class EvaluateJob(AbstractJob):
 
     @property
     def key(self) -> str:
-        """Hash of the settings, the trips that the bank was trained on, and the version of modelcast."""
+        """Hash of the settings, the trips that the bank was trained on, the pattern and all versions."""
         depends = {
-            "modelcast": package_version(),
+            "versions": worker_versions(),
+            "asked": self.asked,
+            "pattern": self.pattern,
             "settings": plain_value(self.settings.as_plain()),
             "training_trips": sorted(self.settings.training_trips),
         }
@@ -92,31 +100,14 @@ class EvaluateJob(AbstractJob):
             def work(trip: Trajectory) -> Gathered:
                 return evaluate_trip(trip, settings, records=records)
 
-            for trip, found in failures.each(trips, work):
+            wanted = (trip for trip in trips if fnmatch.fnmatch(trip.trip_id, self.pattern))
+            for trip, found in failures.each(wanted, work):
                 gathered.merge(found)
                 if found.illustration is not None:
                     sharpest_mps2[trip.trip_id] = found.sharpness
         failures.reasons |= gathered.failures
         failures.write(folder)
         write_tables_of(gathered, sharpest_mps2, folder)
-
-
-@dataclass(frozen=True, slots=True)
-class CorpusEvaluation:
-    """An evaluation of a corpus.
-
-    Parameters
-    ----------
-    result
-        Of all trips. Messages and samples are in the parts; so are the rows of single trips, where there are
-        more than `MOST_LISTED`.
-    outcome
-        Where the parts are, and which partitions failed: they are among the result's failures.
-    """
-
-    result: EvaluationResult
-    _: KW_ONLY
-    outcome: Outcome
 
 
 def evaluate_corpus(
@@ -126,7 +117,7 @@ def evaluate_corpus(
     executor: AbstractExecutor,
     *,
     watch: Watch = watch_nothing,
-) -> CorpusEvaluation:
+) -> EvaluationResult:
     """Evaluate all trips of a corpus.
 
     Parameters
@@ -149,13 +140,37 @@ def evaluate_corpus(
     DataFormatError
         Where the corpus or a part is damaged.
     """
-    job = EvaluateJob(settings)
-    outcome = run_job(corpus, job, results, executor, watch=watch)
+    outcome = run_job(corpus, EvaluateJob(settings), results, executor, watch=watch)
+    return reduce_evaluation(corpus, settings, outcome)
+
+
+def reduce_evaluation(corpus: Corpus, settings: EvaluationSettings, outcome: Outcome) -> EvaluationResult:
+    """What the parts hold as one result.
+
+    Messages and samples stay in the parts; so do the rows of single trips, where there are more than
+    `MOST_LISTED`. Partitions that failed are among the result's failures.
+
+    Parameters
+    ----------
+    corpus
+        The trips: the one with the sharpest manoeuvre is read again, for its drawings.
+    settings
+        What was done.
+    outcome
+        Where the parts are.
+
+    Raises
+    ------
+    ConfigError
+        Where no trip could be evaluated, or none has the name to draw the map of.
+    DataFormatError
+        Where the corpus or a part is damaged.
+    """
     gathered, each_trip = gather_parts(outcome)
     gathered.illustration = _drawn(corpus, gathered, settings)
     lost = {f"partition {name}": reason for name, reason in outcome.failures.items()}
     gathered.failures = {**lost, **gathered.failures}
-    return CorpusEvaluation(gathered.result(settings, each_trip=each_trip), outcome=outcome)
+    return gathered.result(settings, each_trip=each_trip)
 
 
 def gather_parts(outcome: Outcome) -> tuple[Gathered, bool]:
