@@ -23,7 +23,7 @@ from pathlib import Path
 
 from corpus_rows import write_rows
 
-__all__ = ["Run", "digests", "ingest", "main"]
+__all__ = ["Run", "digests", "ingest", "main", "measured"]
 
 MILLION = 1_000_000
 COMMAND = (sys.executable, "-m", "modelcast", "ingest")
@@ -43,16 +43,20 @@ class Run:
 def ingest(source: Path, out: Path, jobs: int, more: tuple[str, ...] = ()) -> Run:
     """Ingest a folder and measure it."""
     shutil.rmtree(out, ignore_errors=True)
+    return measured([*COMMAND, str(source), "--out", str(out), "--jobs", str(jobs), "--quiet", *more])
+
+
+def measured(command: list[str]) -> Run:
+    """Run a command and measure it, with all processes that it starts."""
     before = _processor_s()
     begin = time.perf_counter()
-    command = [*COMMAND, str(source), "--out", str(out), "--jobs", str(jobs), "--quiet", *more]
     process = subprocess.Popen(command)  # noqa: S603 - our own command
     most = 0
     while process.poll() is None:
         most = max(most, _resident_bytes(process.pid))
         time.sleep(LOOK_S)
     if process.returncode:
-        raise SystemExit(f"ingest ended with {process.returncode}")
+        raise SystemExit(f"{command[3]} ended with {process.returncode}")
     return Run(time.perf_counter() - begin, _processor_s() - before, most)
 
 
