@@ -1,9 +1,9 @@
-"""How fast is `modelcast evaluate --rates-only` on a corpus, and what memory does it take?
+"""How fast `modelcast evaluate --rates-only` is on a corpus, and what memory it takes.
 
-``python benchmarks/corpus_evaluate.py --work FOLDER``: makes rows and corpora (`corpus_rows`, `corpus`; kept in
-the folder), evaluates them at the defaults (four thresholds, default bank, baseline and references) with one
-process and with two, and prints the table of docs/corpora.md. Rows a second and core are rows over processor
-time of all processes; memory is the most that their resident sets held together.
+``python benchmarks/corpus_evaluate.py --work FOLDER``: makes rows and corpora (`corpus_rows`, `corpus`;
+kept in the folder), evaluates them at the defaults (four thresholds, default bank, baseline and references)
+with one process and with two, and prints the table of docs/corpora.md. Rows a second and core are rows over
+processor time of all processes; memory is the most that their resident sets held together.
 """
 
 import argparse
@@ -41,9 +41,10 @@ def main() -> None:
             words = [str(corpus), "--rates-only", "--out", str(out), "--jobs", str(jobs), "--quiet"]
             run = measured([*COMMAND, *words])
             rows = millions * MILLION
+            rates = f"{rows / run.wall_s:,.0f} | {rows / run.processor_s:,.0f}"
             print(
-                f"| {rows:,} | {jobs} | {run.wall_s:.0f} | {run.processor_s:.0f} | {rows / run.wall_s:,.0f} | "
-                f"{rows / run.processor_s:,.0f} | {run.resident_bytes / 2**20:,.0f} |",
+                f"| {rows:,} | {jobs} | {run.wall_s:.0f} | {run.processor_s:.0f} | {rates} | "
+                f"{run.resident_bytes / 2**20:,.0f} |",
                 flush=True,
             )
 
