@@ -150,10 +150,10 @@ def test_options_for_a_corpus_are_refused_of_files(
 
 INTERRUPTED_RUN = """
 import signal, sys
-from modelcast.cli import app, corpus_job
+from modelcast.cli import app, corpus_run
 from modelcast.corpora.executors.here import HereExecutor
 
-inner = corpus_job.run_job
+inner = corpus_run.run_job
 
 def run_job(corpus, job, results, executor, *, watch):
     def watched(tally):
@@ -162,7 +162,7 @@ def run_job(corpus, job, results, executor, *, watch):
             signal.raise_signal(signal.SIGINT)
     return inner(corpus, job, results, executor, watch=watched)
 
-corpus_job.run_job = run_job
+corpus_run.run_job = run_job
 sys.exit(app.run(sys.argv[1:]))
 """
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from modelcast.cli.all_trips import all_trips
 from modelcast.cli.compare_options import CompareOptions
-from modelcast.cli.corpus_job import corpus_alone, corpus_parts, job_key
+from modelcast.cli.corpus_run import corpus_alone, corpus_parts, job_key
 from modelcast.cli.executor_options import ExecutorOptions
 from modelcast.cli.options import parse_columns
 from modelcast.cli.progress import counted
@@ -26,7 +26,7 @@ class Comparison:
 
     Parameters
     ----------
-    paths, format_name, columns, trip
+    paths, format_name, columns, trip, rate_hz
         The trips.
     options
         What changes the figures.
@@ -39,6 +39,7 @@ class Comparison:
     columns: str | None
     _: KW_ONLY
     trip: str
+    rate_hz: float | None
     options: CompareOptions
     where: ExecutorOptions
 
@@ -74,6 +75,8 @@ def compared(asked: Comparison, out: Path, *, quiet: bool) -> Generator[Comparis
         yield _together(asked, "other recordings are named beside it", quiet=quiet)
         return
     reason = why_not_shared(candidates, settings)
+    if asked.rate_hz is not None:
+        reason = "--rate is for trips as they are read: make a corpus of that rate"
     if reason is not None:
         asked.where.require_one_process(reason)
         yield _together(asked, reason, quiet=quiet)
@@ -94,6 +97,7 @@ def _together(asked: Comparison, reason: str, *, quiet: bool) -> ComparisonResul
         format_name=asked.format_name,
         columns=parse_columns(asked.columns),
         pattern=asked.trip,
+        rate_hz=asked.rate_hz,
     )
     trips = all_trips(source, asked.paths, reason, quiet=quiet)
     with counted("trips", quiet=quiet) as progress:
