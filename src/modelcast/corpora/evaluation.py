@@ -34,6 +34,7 @@ __all__ = [
     "EvaluateJob",
     "evaluate_corpus",
     "gather_parts",
+    "reduce_evaluation",
 ]
 
 MOST_LISTED = 500
