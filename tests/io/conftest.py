@@ -184,6 +184,21 @@ def pcap_file() -> bytes:
     return b"".join(pcap_octets((start_ns + 10**8 * at + 10**6, message(at)) for at in range(COUNT)))
 
 
+def gpx_point(at: int, *, latitude: float | None = None, inside: str = "", time: str | None = None) -> str:
+    where = 42.0 + at * LATITUDE_STEP_DEG if latitude is None else latitude
+    when = f"2024-03-15T10:00:{at / 10:04.1f}Z" if time is None else time
+    return f'<trkpt lat="{where}" lon="-83.5"><ele>200</ele><time>{when}</time>{inside}</trkpt>'
+
+
+def gpx_file(points: list[str], *, version: str = "1.1") -> bytes:
+    head = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<gpx version="{version}" creator="made" xmlns="http://www.topografix.com/GPX/{version}">',
+        "<trk><trkseg>",
+    ]
+    return "\n".join([*head, *points, "</trkseg></trk>", "</gpx>", ""]).encode()
+
+
 VALID: dict[str, tuple[str, Callable[[], bytes]]] = {
     "spmd-bsm": ("bsm.csv", lambda: bsm_file([bsm_row(at) for at in range(COUNT)], header=BSM_HEADER)),
     "spmd-wsu": ("wsu.csv", lambda: bsm_file([wsu_row(at) for at in range(COUNT)])),
@@ -195,6 +210,10 @@ VALID: dict[str, tuple[str, Callable[[], bytes]]] = {
         lambda: nmea_file([text(at / 10, at) for at in range(COUNT) for text in (gga, rmc)]),
     ),
     "smartloc": ("Drive_GT.txt", lambda: "\n".join([*smartloc_lines("point3"), ""]).encode()),
+    "gpx": (
+        "drive.gpx",
+        lambda: gpx_file([gpx_point(at, inside="<speed>10</speed>") for at in range(COUNT)]),
+    ),
     "pcap": ("heard.pcap", pcap_file),
     "csv": ("table.csv", csv_file),
     "parquet": ("table.parquet", parquet_file),
@@ -216,6 +235,8 @@ class Made:
     rmc = staticmethod(rmc)
     sentence = staticmethod(sentence)
     nmea = staticmethod(nmea_file)
+    gpx_point = staticmethod(gpx_point)
+    gpx = staticmethod(gpx_file)
     smartloc_lines = staticmethod(smartloc_lines)
     comma_arrays = staticmethod(comma_arrays)
     comma = staticmethod(write_comma)

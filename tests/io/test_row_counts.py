@@ -19,7 +19,7 @@ from modelcast.io.nmea_sentences import parse_fix, sentence_body
 from modelcast.io.registry import FORMATS
 from modelcast.io.trips import read_trips
 
-TEXT = ("spmd-bsm", "spmd-wsu", "spmd-hv", "openacc", "nyc-cvpd", "nmea", "smartloc", "csv")
+TEXT = ("spmd-bsm", "spmd-wsu", "spmd-hv", "openacc", "nyc-cvpd", "nmea", "smartloc", "gpx", "csv")
 ENDS = (b"\n", b"\r\n", b"\r", b"\r\r\n", b"\n\n")
 
 place = st.floats(0, 1, exclude_max=True)
@@ -91,6 +91,10 @@ def smartloc_rows(content: bytes) -> int:
     return len(filled_lines(content))
 
 
+def gpx_rows(content: bytes) -> int:
+    return len(re.findall(rb"<trkpt\b", content))
+
+
 def nmea_rows(content: bytes) -> tuple[int, int]:
     """Fewest and most rows: each epoch holds one sentence or two, a faulty sentence is a row."""
     parts = [
@@ -113,7 +117,7 @@ def nmea_rows(content: bytes) -> tuple[int, int]:
 
 ROWS: dict[str, Callable[[bytes], int]] = {
     "spmd-bsm": spmd_rows, "spmd-wsu": spmd_rows, "spmd-hv": spmd_rows, "nyc-cvpd": nyc_rows,
-    "smartloc": smartloc_rows, "csv": table_rows,
+    "smartloc": smartloc_rows, "gpx": gpx_rows, "csv": table_rows,
 }  # fmt: skip
 
 

@@ -29,6 +29,7 @@ FORMATS: Mapping[str, str] = MappingProxyType(
         "nyc-cvpd": "modelcast.io.nyc_cvpd:NycCvpdReader",
         "nmea": "modelcast.io.nmea:NmeaReader",
         "smartloc": "modelcast.io.smartloc:SmartLocReader",
+        "gpx": "modelcast.io.gpx:GpxReader",
         "pcap": "modelcast.io.pcap_trips:PcapReader",
         "parquet": "modelcast.io.parquet:ParquetReader",
         "csv": "modelcast.io.csv:CsvReader",
