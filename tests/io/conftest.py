@@ -199,6 +199,49 @@ def gpx_file(points: list[str], *, version: str = "1.1") -> bytes:
     return "\n".join([*head, *points, "</trkseg></trk>", "</gpx>", ""]).encode()
 
 
+def kitti_pose(forward_m: float, heading_rad: float = 0.0) -> str:
+    """Row by row, of a camera that moved along its first axis of sight and looks to the right of it."""
+    sine, cosine = np.sin(heading_rad), np.cos(heading_rad)
+    rows = [[cosine, 0, sine, 0.0], [0, 1, 0, -0.5], [-sine, 0, cosine, forward_m]]
+    return " ".join(f"{value:.6e}" for row in rows for value in row)
+
+
+def write_kitti_poses(folder: Path, poses: list[str] | None = None, times: list[str] | None = None) -> Path:
+    poses = [kitti_pose(0.1 * SPEED_MPS * at) for at in range(COUNT)] if poses is None else poses
+    times = [f"{at / 10:.6e}" for at in range(COUNT)] if times is None else times
+    path = folder / "poses" / "00.txt"
+    times_path = folder / "sequences" / "00" / "times.txt"
+    for made, lines in ((path, poses), (times_path, times)):
+        made.parent.mkdir(parents=True, exist_ok=True)
+        made.write_bytes("".join(f"{line}\n" for line in lines).encode())
+    return path
+
+
+def oxts_packet(at: int, **changed: float) -> str:
+    values: dict[str, float] = {
+        "lat": 49.0 + at * LATITUDE_STEP_DEG, "lon": 8.4, "alt": 110.0, "roll": 0.03, "pitch": 0.01,
+        "yaw": np.pi / 2, "vn": SPEED_MPS, "ve": 0.0, "vf": SPEED_MPS, "vl": 0.0, "vu": 0.0, "ax": 9.0,
+        "ay": 9.0, "az": 9.8, "af": 0.5, "al": 0.0, "au": 9.8, "wx": 7.0, "wy": 7.0, "wz": 7.0, "wf": 7.0,
+        "wl": 7.0, "wu": 0.25,
+    }  # fmt: skip
+    return " ".join(str(value) for value in [*(values | changed).values(), 0.1, 0.03, 4, 9, 5, 5, 5])
+
+
+def oxts_time(at: int) -> str:
+    return f"2011-09-26 13:02:{25 + at // 10:02d}.{at % 10}64389445"
+
+
+def write_oxts(folder: Path, packets: dict[int, str] | None = None, times: list[str] | None = None) -> Path:
+    data = folder / "oxts" / "data"
+    data.mkdir(parents=True, exist_ok=True)
+    packets = {at: oxts_packet(at) for at in range(COUNT)} if packets is None else packets
+    for number, packet in packets.items():
+        (data / f"{number:010d}.txt").write_text(packet + "\n")
+    times = [oxts_time(at) for at in range(COUNT)] if times is None else times
+    (folder / "oxts" / "timestamps.txt").write_text("\n".join(times) + "\n")
+    return folder
+
+
 VALID: dict[str, tuple[str, Callable[[], bytes]]] = {
     "spmd-bsm": ("bsm.csv", lambda: bsm_file([bsm_row(at) for at in range(COUNT)], header=BSM_HEADER)),
     "spmd-wsu": ("wsu.csv", lambda: bsm_file([wsu_row(at) for at in range(COUNT)])),
@@ -220,6 +263,14 @@ VALID: dict[str, tuple[str, Callable[[], bytes]]] = {
 }
 
 
+FOLDERS: dict[str, tuple[str, Callable[[Path], Path]]] = {
+    "comma2k19": ("drive/40", write_comma),
+    "kitti-oxts": ("2011_09_26_drive_0001_sync", write_oxts),
+    "kitti-poses": ("dataset", write_kitti_poses),
+}
+"""Formats whose recordings are several files."""
+
+
 class Made:
     """Writes made files into one folder."""
 
@@ -235,6 +286,11 @@ class Made:
     rmc = staticmethod(rmc)
     sentence = staticmethod(sentence)
     nmea = staticmethod(nmea_file)
+    kitti_pose = staticmethod(kitti_pose)
+    kitti_poses = staticmethod(write_kitti_poses)
+    oxts_packet = staticmethod(oxts_packet)
+    oxts_time = staticmethod(oxts_time)
+    oxts = staticmethod(write_oxts)
     gpx_point = staticmethod(gpx_point)
     gpx = staticmethod(gpx_file)
     smartloc_lines = staticmethod(smartloc_lines)
@@ -252,8 +308,9 @@ class Made:
 
     def valid(self, format_name: str) -> Path:
         """Write a small faultless recording of a format and return its path."""
-        if format_name == "comma2k19":
-            return write_comma(self.folder / "drive" / "40")
+        if format_name in FOLDERS:
+            folder, write = FOLDERS[format_name]
+            return write(self.folder / folder)
         name, content = VALID[format_name]
         return self.write(name, content())
 

@@ -15,8 +15,8 @@ extensions                 speed, course and cog at any depth in it, whatever th
 ``speed`` and ``course`` are elements of GPX 1.0; 1.1 left them out, and loggers put them into ``extensions``
 (``TrackPointExtension`` version 2 of Garmin, ``gpxdata`` of ClueTrust, OsmAnd) or leave them where they were:
 both are read, and the point's own goes before the extension's. Their unit is the schemas', m/s: where a
-logger writes km/h, `modelcast trips` tells that speed contradicts the positions. OsmAnd's and Garmin's ``bearing`` is not read: it
-need not be the direction of motion.
+logger writes km/h, `modelcast trips` tells that speed contradicts the positions. ``bearing``, of Garmin and
+OsmAnd, is not read: it need not be the direction of motion.
 
 A segment (``trkseg``) is a gap: a part of the trip begins with it, however short the time between. Tracks
 without any time give no trip, and a file without any time is an error.

@@ -29,6 +29,8 @@ FORMATS: Mapping[str, str] = MappingProxyType(
         "nyc-cvpd": "modelcast.io.nyc_cvpd:NycCvpdReader",
         "nmea": "modelcast.io.nmea:NmeaReader",
         "smartloc": "modelcast.io.smartloc:SmartLocReader",
+        "kitti-poses": "modelcast.io.kitti_poses:KittiPosesReader",
+        "kitti-oxts": "modelcast.io.kitti_oxts:KittiOxtsReader",
         "gpx": "modelcast.io.gpx:GpxReader",
         "pcap": "modelcast.io.pcap_trips:PcapReader",
         "parquet": "modelcast.io.parquet:ParquetReader",
