@@ -242,6 +242,71 @@ def write_oxts(folder: Path, packets: dict[int, str] | None = None, times: list[
     return folder
 
 
+HIGHD_NAMES = "frame,id,x,y,width,height,xVelocity,yVelocity,xAcceleration,yAcceleration,dhw,laneId"
+IND_NAMES = (
+    "recordingId,trackId,frame,trackLifetime,xCenter,yCenter,heading,width,length,xVelocity,yVelocity,"
+    "xAcceleration,yAcceleration,lonVelocity,latVelocity,lonAcceleration,latAcceleration"
+)
+
+
+def highd_row(at: int, vehicle: int = 1, **changed: float) -> str:
+    """Of a truck that drives leftwards, its middle 0.4 m further every frame."""
+    values: dict[str, float] = {
+        "frame": at, "id": vehicle, "x": 300.0 - 0.4 * at, "y": 20.0, "width": 12.0, "height": 2.5,
+        "xVelocity": -SPEED_MPS, "yVelocity": 0.0, "xAcceleration": -0.5, "yAcceleration": 0.0, "dhw": 0.0,
+        "laneId": 2,
+    }  # fmt: skip
+    return ",".join(str(value) for value in (values | changed).values())
+
+
+def ind_row(at: int, user: int = 0, **changed: float) -> str:
+    """Of a car that drives along the grid's north."""
+    values: dict[str, float] = {
+        "recordingId": 7, "trackId": user, "frame": at, "trackLifetime": at, "xCenter": 50.0,
+        "yCenter": -40.0 + 0.4 * at, "heading": 90.0, "width": 1.8, "length": 4.5, "xVelocity": 0.0,
+        "yVelocity": SPEED_MPS, "xAcceleration": 0.0, "yAcceleration": 0.5, "lonVelocity": SPEED_MPS,
+        "latVelocity": 0.0, "lonAcceleration": 0.5, "latAcceleration": 0.0,
+    }  # fmt: skip
+    return ",".join(str(value) for value in (values | changed).values())
+
+
+def write_drone(folder: Path, recording: str, tables: dict[str, list[str]]) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    for table, lines in tables.items():
+        (folder / f"{recording}_{table}.csv").write_bytes(("\n".join(lines) + "\n").encode())
+    return folder / f"{recording}_tracks.csv"
+
+
+def write_highd(folder: Path, **changed: list[str]) -> Path:
+    tables = {
+        "tracks": [HIGHD_NAMES, *(highd_row(at, user) for user in (1, 2) for at in range(1, COUNT + 1))],
+        "tracksMeta": [
+            "id,width,height,initialFrame,finalFrame,numFrames,class,drivingDirection",
+            *(f"{user},12.0,2.5,1,12,12,Truck,1" for user in (1, 2)),
+        ],
+        "recordingMeta": [
+            "id,frameRate,locationId,startTime,upperLaneMarkings,lowerLaneMarkings",
+            "1,25,2,08:38,8.51;12.59;16.43,21.00;24.96;28.80",
+        ],
+    }
+    return write_drone(folder, "01", tables | changed)
+
+
+def write_ind(folder: Path, **changed: list[str]) -> Path:
+    tables = {
+        "tracks": [IND_NAMES, *(ind_row(at, user) for user in (0, 1, 2) for at in range(COUNT))],
+        "tracksMeta": [
+            "recordingId,trackId,initialFrame,finalFrame,numFrames,width,length,class",
+            *(f"7,{user},0,11,12,0,0,{kind}" for user, kind in enumerate(("car", "bicycle", "pedestrian"))),
+        ],
+        "recordingMeta": [
+            "recordingId,locationId,frameRate,latLocation,lonLocation,xUtmOrigin,yUtmOrigin",
+            "7,1,25.0,50.78,6.07,293487.1224,5629711.58",
+        ],
+    }
+    return write_drone(folder, "07", tables | changed)
+
+
 VALID: dict[str, tuple[str, Callable[[], bytes]]] = {
     "spmd-bsm": ("bsm.csv", lambda: bsm_file([bsm_row(at) for at in range(COUNT)], header=BSM_HEADER)),
     "spmd-wsu": ("wsu.csv", lambda: bsm_file([wsu_row(at) for at in range(COUNT)])),
@@ -267,6 +332,8 @@ FOLDERS: dict[str, tuple[str, Callable[[Path], Path]]] = {
     "comma2k19": ("drive/40", write_comma),
     "kitti-oxts": ("2011_09_26_drive_0001_sync", write_oxts),
     "kitti-poses": ("dataset", write_kitti_poses),
+    "highd": ("highd", write_highd),
+    "ind": ("ind", write_ind),
 }
 """Formats whose recordings are several files."""
 
@@ -286,6 +353,12 @@ class Made:
     rmc = staticmethod(rmc)
     sentence = staticmethod(sentence)
     nmea = staticmethod(nmea_file)
+    highd_names = HIGHD_NAMES
+    highd_row = staticmethod(highd_row)
+    highd = staticmethod(write_highd)
+    ind_names = IND_NAMES
+    ind_row = staticmethod(ind_row)
+    ind = staticmethod(write_ind)
     kitti_pose = staticmethod(kitti_pose)
     kitti_poses = staticmethod(write_kitti_poses)
     oxts_packet = staticmethod(oxts_packet)

@@ -20,16 +20,8 @@ from modelcast.io.registry import FORMATS
 from modelcast.io.trips import read_trips
 
 TEXT = (
-    "spmd-bsm",
-    "spmd-wsu",
-    "spmd-hv",
-    "openacc",
-    "nyc-cvpd",
-    "nmea",
-    "smartloc",
-    "kitti-poses",
-    "gpx",
-    "csv",
+    *("spmd-bsm", "spmd-wsu", "spmd-hv", "openacc", "nyc-cvpd", "nmea", "smartloc", "kitti-poses"),
+    *("highd", "ind", "gpx", "csv"),
 )
 ENDS = (b"\n", b"\r\n", b"\r", b"\r\r\n", b"\n\n")
 
@@ -128,7 +120,8 @@ def nmea_rows(content: bytes) -> tuple[int, int]:
 
 ROWS: dict[str, Callable[[bytes], int]] = {
     "spmd-bsm": spmd_rows, "spmd-wsu": spmd_rows, "spmd-hv": spmd_rows, "nyc-cvpd": nyc_rows,
-    "smartloc": all_rows, "kitti-poses": all_rows, "gpx": gpx_rows, "csv": table_rows,
+    "smartloc": all_rows, "kitti-poses": all_rows, "gpx": gpx_rows, "highd": table_rows,
+    "ind": table_rows, "csv": table_rows,
 }  # fmt: skip
 
 

@@ -31,6 +31,8 @@ FORMATS: Mapping[str, str] = MappingProxyType(
         "smartloc": "modelcast.io.smartloc:SmartLocReader",
         "kitti-poses": "modelcast.io.kitti_poses:KittiPosesReader",
         "kitti-oxts": "modelcast.io.kitti_oxts:KittiOxtsReader",
+        "highd": "modelcast.io.highd:HighDReader",
+        "ind": "modelcast.io.ind:IndReader",
         "gpx": "modelcast.io.gpx:GpxReader",
         "pcap": "modelcast.io.pcap_trips:PcapReader",
         "parquet": "modelcast.io.parquet:ParquetReader",
