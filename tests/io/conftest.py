@@ -307,6 +307,20 @@ def write_ind(folder: Path, **changed: list[str]) -> Path:
     return write_drone(folder, "07", tables | changed)
 
 
+def fcd_file() -> bytes:
+    lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<fcd-export>"]
+    for at in range(COUNT):
+        east = 12.0 * at / 10
+        lines += [
+            f'<timestep time="{at / 10}">',
+            f'<vehicle id="a" x="{east}" y="3" angle="90" type="car" speed="12" pos="{east}" lane="e_0"/>',
+            f'<vehicle id="b" x="{east}" y="6" angle="90" type="bike" speed="12" pos="{east}" lane="e_1"/>',
+            f'<person id="p" x="1" y="{at / 10}" angle="0" speed="1" pos="1" edge="w"/>',
+            "</timestep>",
+        ]
+    return "\n".join([*lines, "</fcd-export>", ""]).encode()
+
+
 VALID: dict[str, tuple[str, Callable[[], bytes]]] = {
     "spmd-bsm": ("bsm.csv", lambda: bsm_file([bsm_row(at) for at in range(COUNT)], header=BSM_HEADER)),
     "spmd-wsu": ("wsu.csv", lambda: bsm_file([wsu_row(at) for at in range(COUNT)])),
@@ -322,6 +336,7 @@ VALID: dict[str, tuple[str, Callable[[], bytes]]] = {
         "drive.gpx",
         lambda: gpx_file([gpx_point(at, inside="<speed>10</speed>") for at in range(COUNT)]),
     ),
+    "sumo-fcd": ("fcd.xml", fcd_file),
     "pcap": ("heard.pcap", pcap_file),
     "csv": ("table.csv", csv_file),
     "parquet": ("table.parquet", parquet_file),

@@ -7,6 +7,7 @@ The identity is ``rows == samples + sum(skipped)``; what is repaired stays a sam
 import json
 import re
 from collections.abc import Callable
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from modelcast.io.trips import read_trips
 
 TEXT = (
     *("spmd-bsm", "spmd-wsu", "spmd-hv", "openacc", "nyc-cvpd", "nmea", "smartloc", "kitti-poses"),
-    *("highd", "ind", "gpx", "csv"),
+    *("highd", "ind", "sumo-fcd", "gpx", "csv"),
 )
 ENDS = (b"\n", b"\r\n", b"\r", b"\r\r\n", b"\n\n")
 
@@ -98,6 +99,11 @@ def gpx_rows(content: bytes) -> int:
     return len(re.findall(rb"<trkpt\b", content))
 
 
+def fcd_rows(content: bytes) -> int:
+    steps = [step for step in ET.fromstring(content) if step.tag == "timestep"]  # noqa: S314 - ours
+    return sum(max(len(step), 1) for step in steps if step.get("time") is not None)
+
+
 def nmea_rows(content: bytes) -> tuple[int, int]:
     """Fewest and most rows: each epoch holds one sentence or two, a faulty sentence is a row."""
     parts = [
@@ -121,7 +127,7 @@ def nmea_rows(content: bytes) -> tuple[int, int]:
 ROWS: dict[str, Callable[[bytes], int]] = {
     "spmd-bsm": spmd_rows, "spmd-wsu": spmd_rows, "spmd-hv": spmd_rows, "nyc-cvpd": nyc_rows,
     "smartloc": all_rows, "kitti-poses": all_rows, "gpx": gpx_rows, "highd": table_rows,
-    "ind": table_rows, "csv": table_rows,
+    "ind": table_rows, "sumo-fcd": fcd_rows, "csv": table_rows,
 }  # fmt: skip
 
 

@@ -33,6 +33,7 @@ FORMATS: Mapping[str, str] = MappingProxyType(
         "kitti-oxts": "modelcast.io.kitti_oxts:KittiOxtsReader",
         "highd": "modelcast.io.highd:HighDReader",
         "ind": "modelcast.io.ind:IndReader",
+        "sumo-fcd": "modelcast.io.fcd_trips:FcdReader",
         "gpx": "modelcast.io.gpx:GpxReader",
         "pcap": "modelcast.io.pcap_trips:PcapReader",
         "parquet": "modelcast.io.parquet:ParquetReader",
