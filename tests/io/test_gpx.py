@@ -7,6 +7,7 @@ import pytest
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.gpx_points import CELLS, GpxPoints
+from modelcast.io.registry import get_reader
 from modelcast.io.trips import read_trips
 
 GARMIN = (
@@ -171,3 +172,9 @@ def test_points_are_held_a_few_at_a_time(made):
     tracemalloc.stop()
     assert count == 20_000
     assert peak < 2 * 2**20
+
+
+def test_a_track_over_the_limit_is_an_error_that_names_it(made):
+    path = made.write("a.gpx", made.gpx([made.gpx_point(0)] * (2**16 + 1)))
+    with pytest.raises(DataFormatError, match="the trip a/track-1 has over"):
+        list(get_reader("gpx").within(2**20).read(str(path)))

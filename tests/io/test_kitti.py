@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modelcast.core.exceptions import DataFormatError
-from modelcast.io.registry import detect_format
+from modelcast.io.registry import detect_format, get_reader
 from modelcast.io.trips import read_trips
 
 COUNT = 12
@@ -161,3 +161,9 @@ def test_what_is_no_packet_is_named_by_its_file(made, packet, message):
 def test_times_of_another_kind_are_refused(made):
     drive = made.oxts(made.folder / "drive", times=["12.5"] * COUNT)
     assert "timestamps.txt, row 1: the time is '12.5', not as 2011-09-26" in refusal(drive, "kitti-oxts")
+
+
+@pytest.mark.parametrize("name", ["kitti-poses", "kitti-oxts"])
+def test_a_drive_over_the_limit_is_an_error_that_names_it(made, name):
+    with pytest.raises(DataFormatError, match=r"the trip \S+/car has over"):
+        list(get_reader(name).within(200).read(str(made.valid(name))))

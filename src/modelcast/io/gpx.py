@@ -24,7 +24,7 @@ without any time give no trip, and a file without any time is an error.
 Skipped and counted: "no fix" (also latitude and longitude 0), "time missing", "duplicate time", "no first
 value yet". Repaired and counted: "out of time order", "no time zone, UTC taken", missing speed or course
 (held or left out as `rows` says). Way points and points of routes are reported. Rows in errors are lines. A
-track is held, about 70 octets a point; the file is not.
+track is held, 72 octets a point; the file is not.
 
 References
 ----------
@@ -48,6 +48,7 @@ from modelcast.core.geodesy import Origin, wrap_angle_rad
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.fcd_source import fcd_kind
 from modelcast.io.gpx_points import CELLS, GpxPoint, GpxPoints
+from modelcast.io.reading_limits import HELD_BYTES, require_fitting
 from modelcast.io.rows import Rows, joined, located, make_trip, ordered, with_missing
 from modelcast.io.spmd import valid_position
 from modelcast.io.text_blocks import Block, number_column, text_column
@@ -68,6 +69,8 @@ _NUMBERS = {
     "speed_mps": "speed",
     "heading_deg": "course",
 }
+_ROW_BYTES = 8 * (len(_NUMBERS) + 4)
+"""Of a point: its numbers, line, time, segment and fix."""
 
 
 @dataclass(slots=True)
@@ -79,9 +82,22 @@ class _Track:
 
 
 class GpxReader(AbstractTripReader):
-    """Reads GPX tracks; the module's docstring has the elements and the choices."""
+    """Reads GPX tracks; the module's docstring has the elements and the choices.
+
+    Parameters
+    ----------
+    held_bytes
+        Octets of numbers that one track may take.
+    """
 
     name: ClassVar[str] = "gpx"
+
+    def __init__(self, held_bytes: int = HELD_BYTES) -> None:
+        self._held_bytes = held_bytes
+
+    def within(self, held_bytes: int) -> "GpxReader":
+        """Return the reader with another limit."""
+        return GpxReader(held_bytes)
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether this is XML whose root is ``gpx``."""
@@ -99,7 +115,7 @@ class GpxReader(AbstractTripReader):
         for number, of_track in groupby(points, lambda point: point.track):
             trip_id = f"{stem}/track-{number}"
             tally = Tally()
-            track = _numbers(path, of_track)
+            track = _numbers(path, trip_id, of_track, self._held_bytes)
             raw = joined(track.parts)
             rows = _usable(raw, track.unit, tally)
             timed += int(np.isfinite(raw.columns["t_s"]).sum())
@@ -126,14 +142,17 @@ class GpxReader(AbstractTripReader):
             )
 
 
-def _numbers(path: str, points: Iterator[GpxPoint]) -> _Track:
+def _numbers(path: str, trip_id: str, points: Iterator[GpxPoint], held_bytes: int) -> _Track:
     """Return a track's points as numbers, part by part."""
     track = _Track()
+    count = 0
     times = TimeColumn(path, "time", 1.0, stated=True)
     batch: list[GpxPoint] = []
     for point in points:
         batch.append(point)
         if len(batch) == _POINTS:
+            count += _POINTS
+            require_fitting(path, trip_id, count, row_bytes=_ROW_BYTES, held_bytes=held_bytes)
             track.parts.append(_part(path, batch, times))
             batch = []
     if batch or not track.parts:

@@ -37,7 +37,7 @@ meets robotics, IJRR 32 (2013), doi 10.1177/0278364913491297.
 """
 
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import ClassVar
 
@@ -48,6 +48,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, wrap_angle_rad
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.reading_limits import HELD_BYTES, require_fitting
 from modelcast.io.rows import LARGEST, Rows, located, make_trip, ordered
 from modelcast.io.spmd import valid_position
 from modelcast.io.time_column import TimeColumn, holds_dates
@@ -71,9 +72,22 @@ _LARGEST_PACKET = 4096
 
 
 class KittiOxtsReader(AbstractTripReader):
-    """Reads the OXTS folders of KITTI's raw data; the module's docstring has the numbers."""
+    """Reads the OXTS folders of KITTI's raw data; the module's docstring has the numbers.
+
+    Parameters
+    ----------
+    held_bytes
+        Octets of numbers that one drive may take.
+    """
 
     name: ClassVar[str] = "kitti-oxts"
+
+    def __init__(self, held_bytes: int = HELD_BYTES) -> None:
+        self._held_bytes = held_bytes
+
+    def within(self, held_bytes: int) -> "KittiOxtsReader":
+        """Return the reader with another limit."""
+        return KittiOxtsReader(held_bytes)
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether this is a drive's folder, or the folder ``oxts`` in it."""
@@ -93,7 +107,10 @@ class KittiOxtsReader(AbstractTripReader):
             )
         trip_id = f"{folder.resolve().parent.name}/car"
         tally = Tally()
-        rows = _packets(folder, tally, trip_id, on_skipped)
+        named = _named(folder / _DATA, trip_id, on_skipped)
+        row_bytes = 8 * (len(_FIELDS) + 2)
+        require_fitting(path, trip_id, len(named), row_bytes=row_bytes, held_bytes=self._held_bytes)
+        rows = _packets(folder, named, tally)
         count = len(rows) + tally.left_out
         rows = _usable(rows, tally)
         trip = None
@@ -116,14 +133,19 @@ def _oxts(path: Path) -> Path:
     return path if path.name == _FOLDER else path / _FOLDER
 
 
-def _packets(folder: Path, tally: Tally, trip_id: str, on_skipped: OnSkipped) -> Rows:
-    """Return the packets in order with their times, those that are missing or empty counted."""
+def _named(data: Path, trip_id: str, on_skipped: OnSkipped) -> dict[int, Path]:
+    """Return the packets by number."""
     named: dict[int, Path] = {}
-    for entry in sorted((folder / _DATA).iterdir()):
+    for entry in sorted(data.iterdir()):
         if entry.suffix == ".txt" and entry.stem.isdecimal() and int(entry.stem) not in named:
             named[int(entry.stem)] = entry
         else:
             on_skipped(f"{trip_id}/{entry.name}", "is no packet, <number>.txt")
+    return named
+
+
+def _packets(folder: Path, named: Mapping[int, Path], tally: Tally) -> Rows:
+    """Return the packets in order with their times, those that are missing or empty counted."""
     times = _times(folder / _TIMES)
     tally.skip("packet missing", len(times) - sum(number < len(times) for number in named))
     numbers, values, t_s = array("q"), array("d"), array("d")

@@ -36,6 +36,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.reading_limits import HELD_BYTES, require_fitting
 from modelcast.io.rows import Rows, make_trip
 from modelcast.io.table_layout import is_number
 from modelcast.io.text_blocks import number_column, read_blocks
@@ -51,9 +52,22 @@ _TOLERANCE = 0.01
 
 
 class KittiPosesReader(AbstractTripReader):
-    """Reads poses of KITTI's odometry benchmark; the module's docstring has the axes."""
+    """Reads poses of KITTI's odometry benchmark; the module's docstring has the axes.
+
+    Parameters
+    ----------
+    held_bytes
+        Octets of numbers that one sequence may take.
+    """
 
     name: ClassVar[str] = "kitti-poses"
+
+    def __init__(self, held_bytes: int = HELD_BYTES) -> None:
+        self._held_bytes = held_bytes
+
+    def within(self, held_bytes: int) -> "KittiPosesReader":
+        """Return the reader with another limit."""
+        return KittiPosesReader(held_bytes)
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether lines hold 12 numbers, and the first of them a rotation."""
@@ -67,11 +81,12 @@ class KittiPosesReader(AbstractTripReader):
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield the trip of one sequence, which is held whole."""
-        line, pose, partial = _numbers(path, _WIDTH, (*_AXIS, *_PLACE))
+        trip_id = f"{_sequence(path)}/car"
+        line, pose, partial = _numbers(path, _WIDTH, (*_AXIS, *_PLACE), trip_id, self._held_bytes)
         if not line.size and not partial:
             raise DataFormatError(path, "the file is empty", remedy="Check that it is complete.")
         times = _times_of(path)
-        t_line, t_s, cut = _numbers(str(times), 1, (0,))
+        t_line, t_s, cut = _numbers(str(times), 1, (0,), trip_id, self._held_bytes)
         if cut or t_line.size != line.size + partial:
             raise DataFormatError(
                 path,
@@ -92,7 +107,6 @@ class KittiPosesReader(AbstractTripReader):
                 "heading_rad": np.arctan2(axis[:, 0], axis[:, 2]),
             },
         )
-        trip_id = f"{_sequence(path)}/car"
         trip = make_trip(path, trip_id, rows, tally, count=len(rows) + partial, source=self.name)
         if trip is None:
             on_skipped(trip_id, tally.why_empty())
@@ -124,12 +138,14 @@ def _times_of(path: str) -> Path:
     return found
 
 
-def _numbers(path: str, width: int, fields: tuple[int, ...]) -> tuple[IntArray, FloatArray, int]:
+def _numbers(
+    path: str, width: int, fields: tuple[int, ...], trip_id: str, held_bytes: int
+) -> tuple[IntArray, FloatArray, int]:
     """Return line numbers, (R,), the wanted fields, (R, F), and whether a cut last line was passed over."""
     file_head(path)
     lines = [np.zeros(0, np.int64)]
     values = [np.zeros((0, len(fields)))]
-    partial = 0
+    partial = count = 0
     for block in read_blocks(path, counts=[width], fields=fields, skip_lines=0, separator=" "):
         partial = partial or int(block.partial > 0)
         columns = [number_column(path, block, field, f"column {field + 1}") for field in fields]
@@ -139,6 +155,8 @@ def _numbers(path: str, width: int, fields: tuple[int, ...]) -> tuple[IntArray, 
             raise DataFormatError(
                 path, "a number is missing", row=int(block.line[row]), remedy="Correct the line."
             )
+        count += block.line.size
+        require_fitting(path, trip_id, count, row_bytes=8 * (len(fields) + 1), held_bytes=held_bytes)
         lines.append(block.line)
         values.append(known)
     return np.concatenate(lines), np.concatenate(values), partial
