@@ -17,8 +17,9 @@ Times are the simulation's, one clock for all vehicles; there is no absolute tim
 for a while has a gap; where one is teleported a part begins. Time that runs back, a vehicle twice at one
 time, and positions that do not move as the speeds say are errors with file, row and value.
 
-The file is read twice, and more often where its vehicles do not fit into memory together
-(`modelcast.io.gathering`); a row is an element, a line or a record.
+What positions are is told by the first `HEAD_TIMES` times, or by all where these do not tell. The file is
+then read once, and more often where its vehicles do not fit into memory together (`modelcast.io.gathering`).
+A row is an element, a line or a record.
 
 References
 ----------
@@ -47,10 +48,13 @@ from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, make_trip
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["FcdReader"]
+__all__ = ["HEAD_TIMES", "FcdReader"]
 
 _Key = tuple[str, Kind]
 """A vehicle's name and what it is."""
+
+HEAD_TIMES = 500
+"""Times at the start of a file that tell whether positions are metres or degrees."""
 
 _BLOCK_ROWS = 2**16
 _GZIP = b"\x1f\x8b"
@@ -92,16 +96,21 @@ class FcdReader(AbstractTripReader):
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip a vehicle."""
-        rows = _FcdTrips(survey(path))
+        rows = _FcdTrips(_surveyed(path))
         for found in gathered(rows, self._held_bytes):
             trip = _trip(rows, found, on_skipped)
             if trip is not None:
                 yield trip
-        others = Tally()
-        for reason, count in rows.found.reading.skipped.items():
-            others.skip(reason, count)
-        if others.left_out:
-            on_skipped(f"{rows.stem}/others", others.why_empty())
+        if rows.others.left_out:
+            on_skipped(f"{rows.stem}/others", rows.others.why_empty())
+
+
+def _surveyed(path: str) -> FcdSurvey:
+    """Return what the positions of a file are."""
+    try:
+        return survey(path, times=HEAD_TIMES)
+    except DataFormatError:
+        return survey(path)
 
 
 def _is_fcd_xml(path: Path) -> bool:
@@ -111,10 +120,10 @@ def _is_fcd_xml(path: Path) -> bool:
 
 
 class _FcdTrips(AbstractKeyedRows[_Key]):
-    """The rows of a file that are vehicles."""
+    """The rows of a file that are vehicles; `others` are the rest, once the file was read to its end."""
 
     def __init__(self, found: FcdSurvey) -> None:
-        self.found, self.path = found, found.path
+        self.found, self.path, self.others = found, found.path, Tally()
         name = Path(found.path).name
         self.stem = Path(name[:-3] if name.lower().endswith(".gz") else name).stem
 
@@ -125,8 +134,8 @@ class _FcdTrips(AbstractKeyedRows[_Key]):
 
     @property
     def rows_expected(self) -> int | None:
-        """As counted before."""
-        return self.found.taken
+        """Not known."""
+        return None
 
     def called(self, key: _Key) -> str:
         """``<stem>/<vehicle>``, for bicycles ``<stem>/bicycle-<vehicle>``."""
@@ -136,12 +145,18 @@ class _FcdTrips(AbstractKeyedRows[_Key]):
     def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[_Key]]:
         """Yield blocks of vehicles' rows."""
         batch: list[FcdRow] = []
+        others = Tally()
         index = 0
         for at_one_time in by_time(self.path):
-            batch += [row for row in at_one_time if not row.skipped]
+            for row in at_one_time:
+                if row.skipped:
+                    others.skip(row.skipped, 1)
+                else:
+                    batch.append(row)
             if len(batch) >= _BLOCK_ROWS:
                 yield _block(index, batch, rows=rows)
                 batch, index = [], index + 1
+        self.others = others
         if batch:
             yield _block(index, batch, rows=rows)
 
