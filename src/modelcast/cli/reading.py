@@ -7,8 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from modelcast.cli.terminal import complain, say
-from modelcast.core.exceptions import ConfigError, DataFormatError, ModelcastError
+from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.core.printable import printable
+from modelcast.io.failure import failure_reason
+from modelcast.io.packed import is_archive, member_of
 from modelcast.io.recordings import Recording, Recordings
 from modelcast.io.skipped import free_name
 from modelcast.trips.trajectory import Trajectory
@@ -78,8 +80,9 @@ class TripSource:
 
     @property
     def files(self) -> int | None:
-        """Number of files, None where folders are among the paths."""
-        return None if any(path.is_dir() for path in self._paths) else len(self._paths)
+        """Number of files, None where folders or archives are among the paths."""
+        many = any(path.is_dir() or is_archive(path) for path in self._paths)
+        return None if many else len(self._paths)
 
     @property
     def exit_code(self) -> int:
@@ -123,24 +126,12 @@ class TripSource:
     def _fail(self, path: str, error: BaseException) -> None:
         """Note a file that could not be read, and say so."""
         label = printable(self._recordings.label(path))
-        self.failures[free_name(self.failures, label)] = printable(_reason(error))
-        complain(str(error) if isinstance(error, DataFormatError) else f"{path}: {_reason(error)}")
+        self.failures[free_name(self.failures, label)] = printable(failure_reason(error))
+        complain(str(error) if isinstance(error, DataFormatError) else f"{path}: {failure_reason(error)}")
 
     def _skip(self, name: str, reason: str) -> None:
-        label = self._recordings.label(name) if os.path.lexists(name) else name
+        label = self._recordings.label(name) if os.path.lexists(name) or member_of(name) else name
         self.skipped[free_name(self.skipped, printable(label))] = printable(reason)
-
-
-def _reason(error: BaseException) -> str:
-    """What to say of a file that could not be read."""
-    if isinstance(error, DataFormatError):
-        place = "" if error.row is None else f"row {error.row}: "
-        return f"{place}{error.problem}. {error.remedy}".strip()
-    if isinstance(error, ModelcastError):
-        return str(error)
-    if isinstance(error, MemoryError):
-        return "is too large for this machine's memory (MemoryError). Split it, or take a larger machine."
-    return f"its reader failed with {type(error).__name__}: {error}. Please report this with the file."
 
 
 def _named(trip: Trajectory, name: str) -> Trajectory:
