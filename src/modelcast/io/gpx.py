@@ -47,6 +47,7 @@ from modelcast.core.geodesy import Origin, wrap_angle_rad
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.fcd_source import fcd_kind
 from modelcast.io.gpx_points import CELLS, GpxPoint, GpxPoints
+from modelcast.io.packed import recording_stem
 from modelcast.io.reading_limits import HELD_BYTES, require_fitting
 from modelcast.io.rows import Rows, joined, located, make_trip, ordered, with_missing
 from modelcast.io.spmd import valid_position
@@ -82,6 +83,7 @@ class GpxReader(AbstractTripReader):
     """
 
     name: ClassVar[str] = "gpx"
+    streams: ClassVar[bool] = True
 
     def __init__(self, held_bytes: int = HELD_BYTES) -> None:
         self._held_bytes = held_bytes
@@ -99,7 +101,7 @@ class GpxReader(AbstractTripReader):
         """Yield a trip a track, in the file's order."""
         if fcd_kind(path) != "xml":
             raise DataFormatError(path, "is no XML", remedy="GPX begins with <?xml or <gpx.")
-        stem = Path(path).stem
+        stem = recording_stem(path)
         points = GpxPoints(path)
         origin: Origin | None = None
         timed = 0
