@@ -4,6 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from modelcast.cli.app import run
 from modelcast.core.exceptions import DataFormatError
@@ -45,6 +47,31 @@ def test_a_corpus_of_a_corpus_holds_the_same_trips(corpus: Corpus, tmp_path: Pat
         assert [(t.trip_id, t.vehicle, t.reading) for t in corpus.trips(one)] == [
             (t.trip_id, t.vehicle, t.reading) for t in again.trips(other)
         ]
+
+
+@settings(max_examples=80, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
+@given(
+    pick=st.integers(0, 3),
+    place=st.floats(0.0, 1.0),
+    octets=st.binary(max_size=6),
+    kind=st.sampled_from(["flip", "cut", "insert"]),
+)
+def test_damage_raises_nothing_but_format_errors(
+    corpus: Corpus, pick: int, place: float, octets: bytes, kind: str
+):
+    files = ["corpus.json", "catalogue.parquet", corpus.partitions[0].files[0], "skipped.parquet"]
+    path = corpus.path / files[pick]
+    whole = path.read_bytes()
+    at = int(place * len(whole))
+    behind = {"flip": whole[at + len(octets) :], "cut": b"", "insert": whole[at:]}[kind]
+    path.write_bytes(whole[:at] + (b"" if kind == "cut" else octets) + behind)
+    try:
+        for trip in read_trips(corpus.path, "corpus"):
+            assert len(trip) > 0
+    except DataFormatError as error:
+        assert str(corpus.path) in str(error)  # noqa: PT017 - both outcomes are right
+    finally:
+        path.write_bytes(whole)
 
 
 def test_convert_and_trips_take_it(corpus: Corpus, tmp_path: Path, capsys: pytest.CaptureFixture[str]):

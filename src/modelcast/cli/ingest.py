@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from modelcast.cli.options import Columns, Format
+from modelcast.cli.options import Columns, Format, Rate
 
 if TYPE_CHECKING:
     from modelcast.corpora.finishing import Ingested
@@ -17,6 +17,7 @@ def ingest(
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
+    rate: Rate = None,
     jobs: int = 0,
     memory: str | None = None,
     partitions: int | None = None,
@@ -40,6 +41,8 @@ def ingest(
         Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
     trip
         Take only trips whose identifier matches this shell pattern.
+    rate
+        Take trips as read so many times a second, from no later sample [Hz]; as recorded where not given.
     jobs
         Processes that share the work; 0 for one a processor.
     memory
@@ -69,6 +72,7 @@ def ingest(
         format,
         columns=parse_columns(columns),
         pattern=trip,
+        rate_hz=rate,
         memory_bytes=None if octets is None else octets // executor.count,
     )
     with rated(quiet=quiet or json, under_way=lambda: rows_under_way(out)) as watch:

@@ -11,6 +11,7 @@ from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.core.printable import printable
 from modelcast.io.failure import failure_reason
 from modelcast.io.packed import is_archive, member_of
+from modelcast.io.reading_rate import read_at, require_rate
 from modelcast.io.recordings import Recording, Recordings
 from modelcast.io.skipped import free_name
 from modelcast.trips.trajectory import Trajectory
@@ -55,11 +56,14 @@ class TripSource:
         Column map for csv and parquet.
     pattern
         Trips whose identifier matches this shell pattern are taken.
+    rate_hz
+        Rate at which they are read (`modelcast.trips.rate`); None for as recorded. A trip recorded more
+        slowly is skipped.
 
     Raises
     ------
     ConfigError
-        Where the format is unknown, or has fixed columns but a map is given.
+        Where the format is unknown, or has fixed columns but a map is given; where the rate is none.
     """
 
     def __init__(
@@ -69,7 +73,10 @@ class TripSource:
         format_name: str | None = None,
         columns: Mapping[str, str] | None = None,
         pattern: str = "*",
+        rate_hz: float | None = None,
     ) -> None:
+        require_rate(rate_hz)
+        self._rate_hz = rate_hz
         self._paths = paths
         self._pattern = pattern
         self._recordings = Recordings(paths, format_name, columns=columns, on_skipped=self._skip)
@@ -106,8 +113,8 @@ class TripSource:
             self.started += 1
             try:
                 for read in recording.trips():
-                    trip = _named(read, printable(read.trip_id))
-                    if fnmatch.fnmatch(trip.trip_id, self._pattern):
+                    trip = read_at(_named(read, printable(read.trip_id)), self._rate_hz, self._skip)
+                    if trip is not None and fnmatch.fnmatch(trip.trip_id, self._pattern):
                         seen[trip.trip_id] = seen.get(trip.trip_id, 0) + 1
                         self.trips += 1
                         copy = seen[trip.trip_id]

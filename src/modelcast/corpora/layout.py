@@ -144,7 +144,7 @@ class Corpus:
             for row in batch.to_pylist():
                 try:
                     yield trip_from(row, samples.next(row["samples"]))
-                except ValueError as error:
+                except (ValueError, TypeError) as error:
                     raise DataFormatError(str(self.path), str(error), remedy=_DAMAGED) from error
 
 

@@ -117,8 +117,14 @@ class SpmdFile:
         """
         width = max(*self.counts, len(self.layout.header))
         wanted = [self.at[name] for name in names]
+        numbers = [self.at[name] for name in names if name not in self.layout.keys]
         return read_blocks(
-            self.path, counts=self.counts, fields=wanted, skip_lines=self.skip_lines, width=width
+            self.path,
+            counts=self.counts,
+            fields=wanted,
+            skip_lines=self.skip_lines,
+            numbers=numbers,
+            width=width,
         )
 
     def block_keys(self, block: Block) -> tuple[list[Key], IntArray]:
