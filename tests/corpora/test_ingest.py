@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+from filelock import FileLock
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.executors.base import AbstractCrew, AbstractExecutor
@@ -18,6 +19,8 @@ from modelcast.corpora.ingestion import ingest
 from modelcast.corpora.layout import open_corpus
 from modelcast.corpora.sources import find_sources
 from modelcast.io.trips import read_trips
+from modelcast.trips.inspection import inspect
+from modelcast.trips.judgement import judge
 from modelcast.trips.trajectory import Trajectory
 
 Sources = Callable[[], Path]
@@ -171,6 +174,22 @@ def test_a_folder_that_is_no_corpus_is_left_alone(sources: Sources, tmp_path: Pa
         ingest(find_sources(good(sources())), mine / "thesis.tex")
 
 
+def test_what_a_run_leaves_that_is_killed_at_once_is_gone_on_with(sources: Sources, tmp_path: Path):
+    (tmp_path / "c").mkdir()
+    (tmp_path / "c" / "ingest.lock").touch()
+    (tmp_path / "c" / ".ingest.json.partial-0123456789abcdef").touch()
+    assert ingest(find_sources(good(sources())[:1]), tmp_path / "c").trips == 12
+
+
+def test_only_one_ingest_writes_to_a_corpus(sources: Sources, tmp_path: Path):
+    (tmp_path / "c").mkdir()
+    with (
+        FileLock(tmp_path / "c" / "ingest.lock"),
+        pytest.raises(ConfigError, match="another ingest is writing"),
+    ):
+        ingest(find_sources(good(sources())[:1]), tmp_path / "c")
+
+
 def test_a_finished_corpus_is_never_changed(sources: Sources, tmp_path: Path):
     files = good(sources())
     ingest(find_sources(files), tmp_path / "c")
@@ -178,6 +197,10 @@ def test_a_finished_corpus_is_never_changed(sources: Sources, tmp_path: Path):
     with pytest.raises(ConfigError, match="finished corpus"):
         ingest(find_sources(files[:1]), tmp_path / "c")
     assert contents(tmp_path / "c") == before
+    (tmp_path / "c" / "staging").mkdir()  # of a run killed at its very end
+    with pytest.raises(ConfigError, match="finished corpus"):
+        ingest(find_sources(files), tmp_path / "c")
+    assert not (tmp_path / "c" / "staging").exists()
 
 
 def test_an_unfinished_corpus_goes_on_with_its_own_sources_only(sources: Sources, tmp_path: Path):
@@ -199,7 +222,7 @@ def test_sources_and_corpus_lie_apart(sources: Sources):
 def test_without_a_usable_trip_nothing_is_left(sources: Sources, tmp_path: Path):
     with pytest.raises(ConfigError, match=r"no usable trip: .*broken.csv: row 301"):
         ingest(find_sources([sources() / "broken.csv"]), tmp_path / "c")
-    assert not (tmp_path / "c").exists() or not contents(tmp_path / "c")
+    assert not (tmp_path / "c").exists()
 
 
 def test_a_corpus_opens_where_it_was_moved_to(sources: Sources, tmp_path: Path):
@@ -207,3 +230,25 @@ def test_a_corpus_opens_where_it_was_moved_to(sources: Sources, tmp_path: Path):
     (tmp_path / "c").rename(tmp_path / "d")
     corpus = open_corpus(tmp_path / "d")
     assert sum(1 for one in corpus.partitions for _ in corpus.trips(one)) == 21
+
+
+def test_quality_is_what_trips_tells_where_it_is_asked_for(sources: Sources, tmp_path: Path):
+    files = good(sources())
+    ingest(find_sources(files), tmp_path / "plain")
+    assert pl.read_parquet(tmp_path / "plain/catalogue.parquet")["warnings"].is_null().all()
+    ingest(find_sources(files), tmp_path / "c", thresholds_m=(0.1, 0.2, 0.3, 0.5))
+    told = {row["trip"]: row for row in pl.read_parquet(tmp_path / "c/catalogue.parquet").to_dicts()}
+    for trip in read_trips(files):
+        found = inspect(trip)
+        row = told[trip.trip_id]
+        assert row["grid_m"] == found.grid_m
+        assert row["warnings"] == list(judge(found, (0.1, 0.2, 0.3, 0.5), smoothed=not found.is_clean))
+    assert "jump" not in told["odd/gap"]["warnings"]
+
+
+def test_an_ingest_that_inspects_does_not_go_on_with_one_that_does_not(sources: Sources, tmp_path: Path):
+    files = good(sources())
+    with pytest.raises(KilledError):
+        ingest(find_sources(files), tmp_path / "c", executor=Order(1))
+    with pytest.raises(ConfigError, match="other sources or settings"):
+        ingest(find_sources(files), tmp_path / "c", thresholds_m=(0.1, 0.2, 0.3, 0.5))

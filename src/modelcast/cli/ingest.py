@@ -3,12 +3,15 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from modelcast.cli.executor_options import ExecutorOptions
 from modelcast.cli.options import Columns, Format, Rate
 
 if TYPE_CHECKING:
     from modelcast.corpora.finishing import Ingested
 
 __all__ = ["ingest"]
+
+_HERE = ExecutorOptions()
 
 
 def ingest(
@@ -18,9 +21,9 @@ def ingest(
     columns: Columns = None,
     trip: str = "*",
     rate: Rate = None,
-    jobs: int = 0,
-    memory: str | None = None,
+    where: ExecutorOptions = _HERE,
     partitions: int | None = None,
+    inspect: bool = False,
     quiet: bool = False,
     json: bool = False,
 ) -> int:
@@ -43,40 +46,44 @@ def ingest(
         Take only trips whose identifier matches this shell pattern.
     rate
         Take trips as read so many times a second, from no later sample [Hz]; as recorded where not given.
-    jobs
-        Processes that share the work; 0 for one a processor.
-    memory
-        What all processes together may take, as 2GB.
+    where
+        Where the sources are read.
     partitions
         Parts that vehicles are shared out to; where not given as many as give a million samples each.
+    inspect
+        Also measure the quality of every trip for the catalogue, as trips does; takes several times as long.
     quiet
         Print nothing but errors.
     json
         Print one JSON document instead.
     """
-    from modelcast.cli.octets import parse_octets
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import rated
     from modelcast.cli.reading import PARTLY_FAILED, require_paths
     from modelcast.cli.terminal import complain, say_json
-    from modelcast.corpora.executors.processes import ProcessExecutor
     from modelcast.corpora.ingestion import ingest as run
     from modelcast.corpora.ingestion import rows_under_way
     from modelcast.corpora.sources import find_sources
 
     require_paths(paths, "ingest")
-    octets = None if memory is None else parse_octets(memory, "--memory")
-    executor = ProcessExecutor(jobs, octets)
+    executor = where.executor()
+    thresholds_m = None
+    if inspect:
+        from modelcast.study.settings import EvaluationSettings
+
+        thresholds_m = EvaluationSettings().thresholds_m
     found = find_sources(
         paths,
         format,
         columns=parse_columns(columns),
         pattern=trip,
         rate_hz=rate,
-        memory_bytes=None if octets is None else octets // executor.count,
+        memory_bytes=executor.worker_bytes,
     )
     with rated(quiet=quiet or json, under_way=lambda: rows_under_way(out)) as watch:
-        made = run(found, out, partitions=partitions, executor=executor, watch=watch)
+        made = run(
+            found, out, partitions=partitions, thresholds_m=thresholds_m, executor=executor, watch=watch
+        )
     for name, reason in made.failures.items():
         complain(f"{name}: {reason}")
     if json:

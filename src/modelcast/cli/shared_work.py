@@ -1,14 +1,14 @@
-"""Work shared out among processes, its results in the order of the work."""
+"""Work shared out among workers, where one failure ends it all; its results in the order of the work."""
 
-import multiprocessing
-import os
 from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TypeVar
+from functools import partial
+from typing import TypeVar, cast
 
-from modelcast.core.exceptions import ConfigError
+from modelcast.corpora.executors.base import AbstractCrew, AbstractExecutor, Failed
+from modelcast.corpora.executors.here import HereExecutor
+from modelcast.corpora.executors.processes import ProcessExecutor
 
 __all__ = ["Workers", "jobs_in_use", "workers"]
 
@@ -18,27 +18,33 @@ Found = TypeVar("Found")
 
 @dataclass(frozen=True, slots=True)
 class Workers:
-    """Processes that take work, or none but this one.
+    """Workers that have been started.
 
     Parameters
     ----------
-    executor
-        Whom work is handed to; None for this process.
+    crew
+        Whom work is handed to.
     """
 
-    executor: Executor | None
+    crew: AbstractCrew
 
-    def each(self, function: Callable[[Work], Found], work: Iterable[Work]) -> Iterable[Found]:
+    def each(self, function: Callable[[Work], Found], work: Iterable[Work]) -> Iterator[Found]:
         """What a function gives for each piece of work, in its order, like `map`.
 
         Parameters
         ----------
         function
-            Of one piece; where there are processes it is sent to them by name.
+            Of one piece; other processes know it by its name.
         work
             The pieces.
         """
-        return map(function, work) if self.executor is None else self.executor.map(function, work)
+        found: dict[int, Found] = {}
+        following = 0
+        for (at, _), one in self.as_done(partial(_of_numbered, function), enumerate(work)):
+            found[at] = one
+            while following in found:
+                yield found.pop(following)
+                following += 1
 
     def as_done(
         self, function: Callable[[Work], Found], work: Iterable[Work]
@@ -48,15 +54,12 @@ class Workers:
         Parameters
         ----------
         function, work
-            As for `each`.
+            As for `each`. What the function raises is raised here, and the rest is not done.
         """
-        if self.executor is None:
-            for one in work:
-                yield one, function(one)
-            return
-        waiting = {self.executor.submit(function, one): one for one in work}
-        for future in as_completed(waiting):
-            yield waiting[future], future.result()
+        for one, answer in self.crew.as_done(function, work):
+            if isinstance(answer, Failed):
+                raise answer.error
+            yield one, cast("Found", answer)
 
 
 def jobs_in_use(jobs: int) -> int:
@@ -72,9 +75,7 @@ def jobs_in_use(jobs: int) -> int:
     ConfigError
         Where it is negative.
     """
-    if jobs < 0:
-        raise ConfigError(f"--jobs must be 0 (one a processor) or more, got {jobs}")
-    return jobs or os.cpu_count() or 1
+    return ProcessExecutor(jobs).count
 
 
 @contextmanager
@@ -92,8 +93,11 @@ def workers(jobs: int) -> Generator[Workers]:
         Where it is negative.
     """
     count = jobs_in_use(jobs)
-    if count == 1:
-        yield Workers(None)
-        return
-    with ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn")) as pool:
-        yield Workers(pool)
+    executor: AbstractExecutor = HereExecutor() if count == 1 else ProcessExecutor(count)
+    with executor.start() as crew:
+        yield Workers(crew)
+
+
+def _of_numbered(function: Callable[[Work], Found], numbered: tuple[int, Work]) -> Found:
+    """What a function gives for a piece of work that has a number."""
+    return function(numbered[1])

@@ -15,13 +15,14 @@ east_min_m, east_max_m, north_min_m, ...       bounds on the local plane [m]
 origin_latitude_deg, ...                       the point the local plane touches; null where there is none
 segments                                       bounds of the gapless parts, from 0 to ``samples``
 skipped, repaired                              rows left out and put right, by reason
+all others                                     `modelcast.corpora.quality`; null where it was not asked for
 =============================================  =========================================================
 """
 
 # pyarrow has no type stubs: what comes out of it is unknown to pyright.
 # pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ import pyarrow as pa
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import Origin
+from modelcast.corpora.quality import QUALITY, quality_row
 from modelcast.trips.trajectory import Reading, Trajectory
 
 __all__ = ["CATALOGUE", "SAMPLED", "catalogue_row", "trip_from"]
@@ -62,12 +64,13 @@ CATALOGUE: Any = pa.schema(
         ("segments", pa.list_(pa.int64())),
         ("skipped", _COUNTS),
         ("repaired", _COUNTS),
+        *QUALITY,
     ]
 )
 """The catalogue's columns."""
 
 
-def catalogue_row(trip: Trajectory, *, source: str) -> dict[str, Any]:
+def catalogue_row(trip: Trajectory, *, source: str, thresholds_m: Sequence[float] | None) -> dict[str, Any]:
     """Return a trip's row of the catalogue; the partition is still empty.
 
     Parameters
@@ -76,6 +79,8 @@ def catalogue_row(trip: Trajectory, *, source: str) -> dict[str, Any]:
         As its reader gave it.
     source
         The file it was read from.
+    thresholds_m
+        What its noise is judged by [m]; None where its quality is not measured.
     """
     east_m, north_m = trip.position_m[:, 0], trip.position_m[:, 1]
     gaps_s = trip.gaps_s
@@ -107,6 +112,7 @@ def catalogue_row(trip: Trajectory, *, source: str) -> dict[str, Any]:
         "segments": trip.segments.tolist(),
         "skipped": _counts(trip.reading.skipped),
         "repaired": _counts(trip.reading.repaired),
+        **({} if thresholds_m is None else quality_row(trip, thresholds_m)),
     }
 
 

@@ -50,6 +50,8 @@ class Made:
         The sources.
     staged
         What became of each, by its number.
+    settings
+        How they were read.
     catalogue
         Of all trips, by partition and trip, a `pyarrow.Table`.
     partitions
@@ -60,6 +62,7 @@ class Made:
     found: FoundSources
     staged: Mapping[int, Staged]
     _: KW_ONLY
+    settings: Mapping[str, Any]
     catalogue: Any
     partitions: tuple[Partition, ...]
 
@@ -112,7 +115,7 @@ def finish(made: Made, *, kept: int) -> Ingested:
         "format": FORMAT,
         "version": VERSION,
         "modelcast": package_version(),
-        "settings": dict(made.found.settings),
+        "settings": dict(made.settings),
         "sources": [
             {
                 "source": source.label,

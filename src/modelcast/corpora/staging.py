@@ -63,10 +63,13 @@ class Staging:
         The recording.
     folder
         The folder of all staged sources.
+    thresholds_m
+        What the noise of its trips is judged by [m]; None where their quality is not measured.
     """
 
     source: Source
     folder: Path
+    thresholds_m: tuple[float, ...] | None = None
 
     @property
     def place(self) -> Path:
@@ -154,7 +157,7 @@ def stage(work: Staging) -> Staged:
     with partial_folder(work.place) as folder:
         state = work.source.state
         try:
-            staged = _read(work.source, folder, state)
+            staged = _read(work, folder, state)
         except _UnreadableError as error:
             for name in (_SAMPLES, _TRIPS):
                 (folder / name).unlink(missing_ok=True)
@@ -210,8 +213,9 @@ def _trips(source: Source, on_skipped: OnSkipped) -> Iterator[Trajectory]:
         raise _UnreadableError(printable(failure_reason(error))) from error
 
 
-def _read(source: Source, folder: Path, state: list[int]) -> Staged:
+def _read(work: Staging, folder: Path, state: list[int]) -> Staged:
     """Write the trips of a source and return their counts."""
+    source = work.source
     skipped: dict[str, str] = {}
 
     def note(what: str, reason: str) -> None:
@@ -226,7 +230,7 @@ def _read(source: Source, folder: Path, state: list[int]) -> Staged:
     ):
         for trip in _trips(source, note):
             batches.write_batch(_batch(trip))
-            held.append(catalogue_row(trip, source=source.label))
+            held.append(catalogue_row(trip, source=source.label, thresholds_m=work.thresholds_m))
             trips, rows, samples = trips + 1, rows + trip.reading.rows, samples + len(trip)
             if len(held) == _HELD_TRIPS:
                 catalogue.write_table(pa.Table.from_pylist(held, schema=CATALOGUE))

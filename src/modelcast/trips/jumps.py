@@ -180,7 +180,8 @@ class _Steps:
     @classmethod
     def of(cls, t_s: FloatArray, position_m: FloatArray) -> "_Steps":
         """The steps of a recording."""
-        row = np.flatnonzero((np.diff(position_m, axis=0) != 0.0).any(axis=1)) + 1
+        east_m, north_m = position_m.T
+        row = np.flatnonzero((east_m[1:] != east_m[:-1]) | (north_m[1:] != north_m[:-1])) + 1
         new = np.append(0, row)
         since = np.diff(t_s[new])
         usual_s = _USUAL_PERIODS * float(np.median(since)) if since.size else 0.0

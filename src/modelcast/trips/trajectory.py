@@ -134,13 +134,13 @@ class Trajectory:
         for name, column in self.columns().items():
             if column.shape[0] != count:
                 raise ValueError(f"{self.trip_id}: {name} has {column.shape[0]} samples, t_s has {count}")
-            bad = ~np.isfinite(column.reshape(count, -1)).all(axis=1)
-            if bad.any():
-                at = int(np.argmax(bad))
+            finite = np.isfinite(column)
+            if not finite.all():
+                at = int(np.argmin(finite.reshape(count, -1).all(axis=1)))
                 raise ValueError(f"{self.trip_id}: {name} is not finite at sample {at}: {column[at]}")
-        steps = np.diff(self.t_s)
-        if (steps <= 0).any():
-            at = int(np.argmax(steps <= 0)) + 1
+        late = self.t_s[1:] <= self.t_s[:-1]
+        if late.any():
+            at = int(np.argmax(late)) + 1
             raise ValueError(
                 f"{self.trip_id}: time does not increase at sample {at}: "
                 f"{self.t_s[at]} after {self.t_s[at - 1]}"

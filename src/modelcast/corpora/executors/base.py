@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from modelcast.core.exceptions import ModelcastError
+from modelcast.core.printable import printable
 
 __all__ = ["TRIES", "AbstractCrew", "AbstractExecutor", "Failed", "LostWorkerError"]
 
@@ -56,6 +57,14 @@ class Failed:
 
     error: Exception
 
+    @property
+    def reason(self) -> str:
+        """Why, in one line."""
+        text = str(self.error)
+        return printable(
+            text if isinstance(self.error, ModelcastError) else f"{type(self.error).__name__}: {text}"
+        )
+
 
 class AbstractCrew(ABC):
     """Workers that have been started."""
@@ -94,6 +103,11 @@ class AbstractCrew(ABC):
 
 class AbstractExecutor(ABC):
     """A place in which tasks run."""
+
+    @property
+    def worker_bytes(self) -> int | None:
+        """What one worker may take, so that tasks can make do with it; None where there is no bound."""
+        return None
 
     @abstractmethod
     def start(self) -> AbstractContextManager[AbstractCrew]:

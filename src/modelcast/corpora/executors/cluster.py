@@ -91,13 +91,18 @@ class ClusterExecutor(AbstractExecutor):
         found = _LOCAL.fullmatch(self.address)
         return int(found[1]) if found else 0
 
+    @property
+    def worker_bytes(self) -> int | None:
+        """An even share of what ``local:N`` may take; what others' workers may take is not known."""
+        return None if self.memory_bytes is None else self.memory_bytes // self._local
+
     @contextmanager
     def start(self) -> Generator[AbstractCrew]:
         """Start the workers of ``local:N``, or go to those there are, once their versions are seen to fit."""
         with ExitStack() as stack:
             if self._local:
                 stack.enter_context(dask.config.set(_LOCAL_SETTINGS))
-                where: Any = stack.enter_context(_local_cluster(self._local, self.memory_bytes))
+                where: Any = stack.enter_context(_local_cluster(self._local, self.worker_bytes))
             else:
                 where = self.address
             client = stack.enter_context(_client(where, self.address))
@@ -106,7 +111,7 @@ class ClusterExecutor(AbstractExecutor):
             yield crew
 
 
-def _local_cluster(count: int, memory_bytes: int | None) -> LocalCluster:
+def _local_cluster(count: int, worker_bytes: int | None) -> LocalCluster:
     """Processes of this machine that listen to nobody else."""
     return LocalCluster(
         n_workers=count,
@@ -116,7 +121,7 @@ def _local_cluster(count: int, memory_bytes: int | None) -> LocalCluster:
         security=True,
         dashboard_address=f"{_HOST}:0",
         worker_dashboard_address=f"{_HOST}:0",
-        memory_limit=0 if memory_bytes is None else memory_bytes // count,
+        memory_limit=0 if worker_bytes is None else worker_bytes,
         silence_logs=logging.CRITICAL,
     )
 

@@ -62,12 +62,15 @@ class ProcessExecutor(AbstractExecutor):
         """How many processes are meant."""
         return self.jobs or os.cpu_count() or 1
 
+    @property
+    def worker_bytes(self) -> int | None:
+        """An even share."""
+        return None if self.memory_bytes is None else self.memory_bytes // self.count
+
     @contextmanager
     def start(self) -> Generator[AbstractCrew]:
         """Processes are started as there is work for them."""
-        crew = ProcessCrew(
-            self.count, memory_bytes=None if self.memory_bytes is None else self.memory_bytes // self.count
-        )
+        crew = ProcessCrew(self.count, memory_bytes=self.worker_bytes)
         try:
             yield crew
         finally:
