@@ -5,6 +5,7 @@ import pytest
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io import spmd, text_blocks
+from modelcast.io.registry import get_reader
 from modelcast.io.trips import read_trips
 
 
@@ -157,8 +158,7 @@ def test_many_small_blocks_and_little_memory_give_the_same_trips(made, monkeypat
     path = made.write("b.csv", made.lines(shuffled_rows(made)))
     whole = {trip.trip_id: trip for trip in read_trips(path)}
     monkeypatch.setattr(text_blocks, "BLOCK_BYTES", 700)
-    monkeypatch.setattr(spmd, "OPEN_ROWS", 90)
-    pieces = {trip.trip_id: trip for trip in read_trips(path)}
+    pieces = {trip.trip_id: trip for trip in get_reader("spmd-bsm").within(120_000).read(str(path))}
     assert whole.keys() == pieces.keys()
     assert len(whole) == 6
     for name, trip in whole.items():
@@ -179,7 +179,7 @@ def test_sorted_file_yields_a_trip_before_it_is_read_to_the_end(made, monkeypatc
         return real(path, block, field, name)
 
     monkeypatch.setattr(spmd, "number_column", noting)
-    next(iter(read_trips(path)))
+    next(get_reader("spmd-bsm").within(2000).read(str(path)))
     assert max(seen) <= 1
 
 

@@ -141,6 +141,17 @@ class AbstractTripReader(ABC):
             "Leave it out, or choose csv or parquet."
         )
 
+    def within(self, held_bytes: int) -> "AbstractTripReader":
+        """Return the reader that holds at most so many octets of numbers at a time; by default itself.
+
+        Parameters
+        ----------
+        held_bytes
+            The limit; a single trip over it is an error.
+        """
+        del held_bytes
+        return self
+
     def stands_for(self, path: Path) -> Path:
         """Return the one file that stands for a recording of several; the file itself by default."""
         return path

@@ -1,19 +1,12 @@
-"""What the three Safety Pilot (SPMD) formats share: keys, layout, and reading in bounded memory.
+"""What the three Safety Pilot (SPMD) formats share: keys, layout, and how a file becomes trips.
 
-Published files reach many gigabytes and are not in order of vehicle and time throughout. Readers go through
-a file twice or more, in blocks of `BLOCK_BYTES`. The first pass only notes, for every key, how many rows it
-has and in which block it begins and ends. The next gathers rows as numbers and yields a trip as soon as the
-last block that holds its key has been read. Where the trips open at once would exceed `OPEN_ROWS` rows, the
-keys are shared out over several such passes.
-
-Memory: a few times one block, plus about 300 bytes for each of `OPEN_ROWS` rows (or of the largest single
-trip, if that is more), plus about 300 bytes a key.
+Published files reach many gigabytes and are not in order of vehicle and time throughout:
+`modelcast.io.gathering` gathers their trips in bounded memory.
 """
 
 import abc
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
-from heapq import heappop, heappush
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -23,13 +16,14 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
-from modelcast.io.rows import Rows, joined, located, make_trip, ordered, with_missing
+from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered
+from modelcast.io.reading_limits import HELD_BYTES
+from modelcast.io.rows import Rows, located, make_trip, ordered, with_missing
 from modelcast.io.text_blocks import Block, number_column, read_blocks, text_column
-from modelcast.io.text_head import file_head, first_lines, split_fields
+from modelcast.io.text_head import file_head, first_lines, rows_expected, split_fields
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = [
-    "OPEN_ROWS",
     "AbstractSpmdReader",
     "Key",
     "SpmdFile",
@@ -37,9 +31,6 @@ __all__ = [
     "open_spmd",
     "valid_position",
 ]
-
-OPEN_ROWS = 4_000_000
-"""Rows gathered at a time, unless a single trip has more."""
 
 Key = tuple[str, ...]
 """Values of the columns that name a trip."""
@@ -89,21 +80,6 @@ class SpmdLayout:
     usable: Callable[[Rows, Tally], Rows]
     duplicate: str = "duplicate time"
     start_unix: bool = False
-
-
-@dataclass(slots=True)
-class _Extent:
-    """Rows of a key and the blocks that hold the first and the last of them."""
-
-    first: int
-    last: int
-    rows: int = 0
-
-
-@dataclass(slots=True)
-class _Gathered:
-    parts: list[Rows] = field(default_factory=list[Rows])
-    partial: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,7 +191,16 @@ def open_spmd(path: str, layout: SpmdLayout) -> SpmdFile:
 
 
 class AbstractSpmdReader(AbstractTripReader):
-    """Reads files of one layout, in bounded memory; see the module's docstring."""
+    """Reads files of one layout, in bounded memory; see the module's docstring.
+
+    Parameters
+    ----------
+    held_bytes
+        Octets of numbers that may be gathered at a time.
+    """
+
+    def __init__(self, held_bytes: int = HELD_BYTES) -> None:
+        self._held_bytes = held_bytes
 
     @property
     @abc.abstractmethod
@@ -237,84 +222,59 @@ class AbstractSpmdReader(AbstractTripReader):
             for line in lines
         )
 
+    def within(self, held_bytes: int) -> "AbstractSpmdReader":
+        """Return the reader with another limit."""
+        return type(self)(held_bytes)
+
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
-        """Yield a trip per key of the layout, each as soon as its last block is read."""
-        file = open_spmd(path, self.layout)
-        extents = _extents(file)
-        if not extents:
-            raise DataFormatError(path, "no rows after the header", remedy="The file is empty.")
-        origin: Origin | None = None
-        for keys in _shared_out(extents):
-            for key, gathered, seen in _complete(file, extents, keys, origin):
-                origin = seen
-                trip = _trip(file, key, gathered, origin, on_skipped)
-                if trip is not None:
-                    yield trip
+        """Yield a trip per key of the layout, as `modelcast.io.gathering` gathers them."""
+        rows = _SpmdRows(open_spmd(path, self.layout))
+        for found in gathered(rows, self._held_bytes):
+            trip = _trip(rows, found, on_skipped)
+            if trip is not None:
+                yield trip
 
 
-def _extents(file: SpmdFile) -> dict[Key, _Extent]:
-    """Return where every key's rows are (the first pass)."""
-    extents: dict[Key, _Extent] = {}
-    last: Key | None = None
-    for block in file.blocks(file.layout.keys):
-        keys, number = file.block_keys(block)
-        for key, rows in zip(keys, np.bincount(number, minlength=len(keys)), strict=True):
-            extent = extents.setdefault(key, _Extent(block.index, block.index))
-            extent.last = block.index
-            extent.rows += int(rows)
-        last = keys[int(number[-1])] if keys else last
-        if block.partial and last is not None:
-            extents[last].last = block.index
-    return extents
+class _SpmdRows(AbstractKeyedRows[Key]):
+    """The rows of a file; `origin` is its first usable position once a block with one was read."""
 
+    def __init__(self, file: SpmdFile) -> None:
+        self.file = file
+        self.path = file.path
+        self.origin: Origin | None = None
 
-def _shared_out(extents: Mapping[Key, _Extent]) -> Iterator[set[Key]]:
-    """Yield sets of keys whose open trips stay within `OPEN_ROWS` rows, or of one key."""
-    waiting = sorted(extents, key=lambda key: extents[key].first)
-    while waiting:
-        chosen: set[Key] = set()
-        left: list[Key] = []
-        running: list[tuple[int, int]] = []
-        open_rows = 0
-        for key in waiting:
-            extent = extents[key]
-            while running and running[0][0] < extent.first:
-                open_rows -= heappop(running)[1]
-            if running and open_rows + extent.rows > OPEN_ROWS:
-                left.append(key)
-                continue
-            chosen.add(key)
-            heappush(running, (extent.last, extent.rows))
-            open_rows += extent.rows
-        yield chosen
-        waiting = left
+    @property
+    def columns(self) -> int:
+        """Those of the layout."""
+        return len(self.file.layout.numbers)
 
+    @property
+    def rows_expected(self) -> int | None:
+        """By the size of the file."""
+        return rows_expected(self.path)
 
-def _complete(
-    file: SpmdFile, extents: Mapping[Key, _Extent], wanted: set[Key], origin: Origin | None
-) -> Iterator[tuple[Key, _Gathered, Origin | None]]:
-    """Yield each wanted key with its rows once its last block is read, and the file's origin."""
-    layout = file.layout
-    open_trips: dict[Key, _Gathered] = {}
-    last: Key = ()
-    for block in file.blocks((*layout.keys, *layout.numbers)):
-        keys, number = file.block_keys(block)
-        rows = Rows(
+    def called(self, key: Key) -> str:
+        """``<stem>/<vehicle>``."""
+        return f"{Path(self.path).stem}/{self.file.layout.trip_name(key)}"
+
+    def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[Key]]:
+        """Yield the file's blocks; blocks of text."""
+        layout = self.file.layout
+        for block in self.file.blocks((*layout.keys, *layout.numbers) if rows else layout.keys):
+            keys, number = self.file.block_keys(block)
+            found = self._rows(block) if rows else None
+            if found is not None and self.origin is None:
+                self.origin = _first_position(layout, found)
+            yield KeyedBlock(block.index, keys, number, found, partial=block.partial > 0)
+
+    def _rows(self, block: Block) -> Rows:
+        return Rows(
             block.line,
-            {name: number_column(file.path, block, file.at[name], name) for name in layout.numbers},
+            {
+                name: number_column(self.path, block, self.file.at[name], name)
+                for name in self.file.layout.numbers
+            },
         )
-        origin = _first_position(layout, rows) if origin is None else origin
-        order = np.argsort(number, kind="stable")
-        bounds = np.searchsorted(number[order], np.arange(len(keys) + 1))
-        for at, key in enumerate(keys):
-            if key in wanted:
-                part = rows.taken(order[bounds[at] : bounds[at + 1]])
-                open_trips.setdefault(key, _Gathered()).parts.append(part)
-        last = keys[int(number[-1])] if keys else last
-        if block.partial and last in open_trips:
-            open_trips[last].partial = 1
-        for key in [key for key in open_trips if extents[key].last == block.index]:
-            yield key, open_trips.pop(key), origin
 
 
 def _first_position(layout: SpmdLayout, rows: Rows) -> Origin | None:
@@ -330,17 +290,14 @@ def _first_position(layout: SpmdLayout, rows: Rows) -> Origin | None:
     )
 
 
-def _trip(
-    file: SpmdFile, key: Key, gathered: _Gathered, origin: Origin | None, on_skipped: OnSkipped
-) -> Trajectory | None:
+def _trip(file: _SpmdRows, found: Gathered[Key], on_skipped: OnSkipped) -> Trajectory | None:
     """Return the trip of one key's rows, or None after reporting why there is none."""
-    layout = file.layout
+    layout, origin = file.file.layout, file.origin
     tally = Tally()
-    raw = joined(gathered.parts)
-    count = len(raw) + gathered.partial
-    tally.skip("partial last line", gathered.partial)
-    trip_id = f"{Path(file.path).stem}/{layout.trip_name(key)}"
-    timed, start = _timed(layout, raw)
+    count = len(found.rows) + int(found.partial)
+    tally.skip("partial last line", int(found.partial))
+    trip_id = file.called(found.key)
+    timed, start = _timed(layout, found.rows)
     rows = layout.usable(timed, tally)
     trip = None
     if len(rows) and origin is not None:

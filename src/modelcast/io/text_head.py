@@ -4,7 +4,7 @@ from pathlib import Path
 
 from modelcast.core.exceptions import DataFormatError
 
-__all__ = ["BOM", "file_head", "first_lines", "refuse_utf16", "split_fields"]
+__all__ = ["BOM", "file_head", "first_lines", "refuse_utf16", "rows_expected", "split_fields"]
 
 BOM = b"\xef\xbb\xbf"
 """The byte order mark of UTF-8."""
@@ -33,6 +33,19 @@ def file_head(path: str) -> bytes:
         head = file.read(_HEAD_BYTES)
     refuse_utf16(path, head)
     return head
+
+
+def rows_expected(path: str) -> int | None:
+    """Return about how many lines a file of text has, by its size and its first lines.
+
+    Parameters
+    ----------
+    path
+        The file.
+    """
+    head = file_head(path)
+    lines = max(head.count(b"\n"), head.count(b"\r"), 1)
+    return Path(path).stat().st_size * lines // max(len(head), 1)
 
 
 def first_lines(head: bytes) -> list[str]:
