@@ -19,7 +19,10 @@ from modelcast.io.nmea_sentences import parse_fix, sentence_body
 from modelcast.io.registry import FORMATS
 from modelcast.io.trips import read_trips
 
-TEXT = ("spmd-bsm", "spmd-wsu", "spmd-hv", "openacc", "nyc-cvpd", "nmea", "smartloc", "csv")
+TEXT = (
+    "spmd-bsm", "spmd-wsu", "spmd-hv", "openacc", "nyc-cvpd", "nmea", "smartloc", "csv",
+    "interaction", "ngsim", "ode-bsm", "cv-pilot",
+)  # fmt: skip
 ENDS = (b"\n", b"\r\n", b"\r", b"\r\r\n", b"\n\n")
 
 place = st.floats(0, 1, exclude_max=True)
@@ -87,6 +90,11 @@ def nyc_rows(content: bytes) -> int:
     return len(json.loads(content)["bsmList"])
 
 
+def ode_rows(content: bytes) -> int:
+    """Objects: one a line, or more where a line end was lost."""
+    return len(filled_lines(content)) + len(re.findall(rb'\}\{"metadata"', content))
+
+
 def smartloc_rows(content: bytes) -> int:
     return len(filled_lines(content))
 
@@ -113,7 +121,8 @@ def nmea_rows(content: bytes) -> tuple[int, int]:
 
 ROWS: dict[str, Callable[[bytes], int]] = {
     "spmd-bsm": spmd_rows, "spmd-wsu": spmd_rows, "spmd-hv": spmd_rows, "nyc-cvpd": nyc_rows,
-    "smartloc": smartloc_rows, "csv": table_rows,
+    "smartloc": smartloc_rows, "csv": table_rows, "interaction": table_rows, "ngsim": table_rows,
+    "ode-bsm": ode_rows, "cv-pilot": table_rows,
 }  # fmt: skip
 
 
@@ -158,7 +167,7 @@ def test_every_row_of_a_mutated_file_is_accounted_for_or_it_is_refused(session_m
         assert rows == ROWS[name](content)
 
 
-BINARY = ("parquet", "comma2k19", "pcap")
+BINARY = ("parquet", "comma2k19", "pcap", "ros2-mcap", "ros2-db3")
 
 
 @pytest.mark.parametrize("name", BINARY)

@@ -25,6 +25,7 @@ docs.ros.org: sensor_msgs/msg/NavSatFix, nav_msgs/msg/Odometry (the same in Foxy
 2.5, section 10.5 (the four octets); DDS-XTypes 1.3, section 7.4.1 (alignment).
 """
 
+import math
 import struct
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -39,18 +40,16 @@ _LONGEST_TEXT = 4096
 _WHOLE_STAMP = 10**9
 _FIX_TAIL_OCTETS = 9 * 8 + 1
 _ODOMETRY_TAIL_OCTETS = 36 * 8
+_UNIT_TOLERANCE = 0.1
 
-COLUMNS = (
-    "stamp_s", "stamp_ns",
-    "latitude_deg", "longitude_deg", "altitude_m", "status",
-    "x_m", "y_m", "z_m", "turn_x", "turn_y", "turn_z", "turn_w",
-    "ahead_mps", "left_mps", "yaw_radps",
-)  # fmt: skip
-"""What `decode_message` finds, in the order of its rows; NaN where a message has it not."""
+COLUMNS = ("stamp_s", "stamp_ns", "x", "y", "z", "status", "yaw_rad", "speed_mps", "turn_radps")
+"""What `decode_message` finds, in the order of its rows; NaN where a message has it not.
+
+``x``, ``y``, ``z`` are latitude, longitude, altitude of a fix [deg, m] and the position of an odometry [m];
+yaw and turn are anticlockwise, yaw from the x axis on.
+"""
 
 _NAN = float("nan")
-_NO_FIX = (_NAN,) * 4
-_NO_POSE = (_NAN,) * 10
 
 
 class _Octets:
@@ -89,16 +88,24 @@ def _fix(octets: _Octets) -> tuple[float, ...]:
     octets.take("H", 2)
     place = octets.take("3d", 8)
     octets.require(_FIX_TAIL_OCTETS)
-    return (*place, float(status), *_NO_POSE)
+    return (*place, float(status), _NAN, _NAN, _NAN)
 
 
 def _odometry(octets: _Octets) -> tuple[float, ...]:
     octets.pass_text()
-    pose = octets.take("7d", 8)
+    place = octets.take("3d", 8)
+    yaw_rad = _yaw_rad(*octets.take("4d", 8))
     octets.take("36d", 8)
-    ahead, left, _, _, _, yaw = octets.take("6d", 8)
+    ahead, left, _, _, _, turn = octets.take("6d", 8)
     octets.require(_ODOMETRY_TAIL_OCTETS)
-    return (*_NO_FIX, *pose, ahead, left, yaw)
+    return (*place, 0.0, yaw_rad, math.hypot(ahead, left), turn)
+
+
+def _yaw_rad(x: float, y: float, z: float, w: float) -> float:
+    """The yaw of a unit quaternion; NaN where it is far from one, as one that nobody set."""
+    if not abs(x * x + y * y + z * z + w * w - 1.0) < _UNIT_TOLERANCE:
+        return _NAN
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
 MESSAGES: Mapping[str, Callable[[_Octets], tuple[float, ...]]] = MappingProxyType(
