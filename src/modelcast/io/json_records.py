@@ -69,10 +69,11 @@ class JsonRecords:
                 try:
                     value, end = _DECODER.raw_decode(text, at)
                 except (ValueError, RecursionError) as error:
-                    if not ended and len(text) - at <= MOST_CHARACTERS:
+                    short = isinstance(error, json.JSONDecodeError)
+                    if short and not ended and len(text) - at <= MOST_CHARACTERS:
                         text, at, ended = self._more(file, text[at:])
                         continue
-                    if ended and "\n" not in text[at:].strip() and text[at] == "{":
+                    if short and ended and "\n" not in text[at:].strip() and text[at] == "{":
                         self.cut = True
                         return
                     raise self._wrong(number + 1, f"is no JSON, or not complete: {error}") from error
