@@ -39,7 +39,6 @@ from modelcast.channel.dsrc_station_kernels import (
     LOCK,
     LOCK_MW,
     MESSAGE,
-    READY_S,
     SEED,
     SENDING_S,
     START_S,
@@ -253,7 +252,7 @@ def advance(
             if absent:
                 continue
             message[v, MESSAGE] = asked.message_id[n]
-            station[v, READY_S], station[v, BYTES] = t_s, asked.size_bytes[n]
+            station[v, BYTES] = asked.size_bytes[n]
             station[v, DBM] = asked.power_dbm[n]
             if waited or station[v, SENDING_S] > t_s or not _contend(station, v, t_s, random, constants):
                 continue

@@ -47,7 +47,6 @@ __all__ = [
     "LOCK_S",
     "MESSAGE",
     "NEVER",
-    "READY_S",
     "RECEIVED",
     "RECENT_MW",
     "RECENT_S",
@@ -70,9 +69,10 @@ __all__ = [
 SIGNAL, SIGNALS, RECENT_S, RECENT_MW, CALM_FROM_MW, CALM_TO_MW, SENDING_S, LOCK = 0, 1, 2, 3, 4, 5, 6, 7
 LOCK_MW, LOCK_S, CHANGED_S, EXPOSURE, HIDDEN, CONCURRENT, CAPTURED_S = 8, 9, 10, 11, 12, 13, 14
 BUSY, BUSY_S, IDLE_S, BACKOFF, ACCESS_S, LOADED_S, LOAD, BUSY_RATIO = 15, 16, 17, 18, 19, 20, 21, 22
-READY_S, BYTES, DBM = 23, 24, 25
-START_S, END_S, AIR_BYTES, FIRST, LOCKABLE, COUNT = 26, 27, 28, 29, 30, 31
+BYTES, DBM = 23, 24
+START_S, END_S, AIR_BYTES, FIRST, LOCKABLE, COUNT = 25, 26, 27, 28, 29, 30
 COLUMNS = 32
+"""One is not used: rows of 32 numbers lie on whole cache lines."""
 
 MESSAGE, AIR, SEED = 0, 1, 2
 """Columns of ``message`` (V, 3): the message that waits, the one on the air (-1 for none), and its chance."""

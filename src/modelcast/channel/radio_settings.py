@@ -58,7 +58,7 @@ class Setting(NamedTuple):
     def wanted(self) -> str:
         """What its value must be, in words."""
         names = {
-            bool: "true or false",
+            bool: "yes or no",
             int: "a whole number",
             float: "a number",
             str: "a word",
@@ -77,7 +77,7 @@ def shown(value: Any) -> str:
         A number, a text, a truth value or nothing.
     """
     if isinstance(value, bool):
-        return str(value).lower()
+        return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:g}".replace("e+0", "e").replace("e+", "e")
     return _NONE if value is None else str(value)

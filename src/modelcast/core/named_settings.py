@@ -11,14 +11,14 @@ __all__ = ["named_settings"]
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 _KEY = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _RESERVED = "+@"
-_WORDS = MappingProxyType({"true": True, "false": False, "none": None})
+_WORDS = MappingProxyType({"true": True, "yes": True, "false": False, "no": False, "none": None})
 _FORM = "NAME or NAME:KEY=VALUE,KEY=VALUE"
 
 
 def named_settings(text: str) -> tuple[str, dict[str, Any]]:
     """Take a word apart into a name and settings.
 
-    A value is a whole number, a number, ``true``, ``false`` or ``none``, else a text.
+    A value is a whole number, a number, ``true`` or ``yes``, ``false`` or ``no``, ``none``, else a text.
 
     Parameters
     ----------

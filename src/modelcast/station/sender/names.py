@@ -67,7 +67,6 @@ SWITCHES = ("power_control", "tracking_error_trigger")
 """Settings of the senders under SAE J3161/1, on which sources disagree."""
 
 _GRANTS = ("any", "periodic", "one-shot")
-_BOTH = {"True": True, "yes": True, "False": False, "no": False}
 
 ERROR_SENDERS = ("baseline", "free", "mbc")
 """Those that a tracking error over a threshold calls; timers call the others."""
@@ -206,9 +205,9 @@ def own_settings(text: str) -> OwnSettings:
         raise ConfigError(f"{text!r}: grant must be one of {', '.join(_GRANTS)}, got {grant!r}")
     switches: dict[str, bool] = {}
     for key, value in given.items():
-        if str(value) not in _BOTH:
+        if not isinstance(value, bool):
             raise ConfigError(f"{text!r}: {key} must be yes or no, got {value!r}")
-        switches[key] = _BOTH[str(value)]
+        switches[key] = value
     return OwnSettings(grant, switches)
 
 
