@@ -186,6 +186,143 @@ def pcap_file() -> bytes:
     return b"".join(pcap_octets((start_ns + 10**8 * at + 10**6, message(at)) for at in range(COUNT)))
 
 
+def gpx_point(at: int, *, latitude: float | None = None, inside: str = "", time: str | None = None) -> str:
+    where = 42.0 + at * LATITUDE_STEP_DEG if latitude is None else latitude
+    when = f"2024-03-15T10:00:{at / 10:04.1f}Z" if time is None else time
+    return f'<trkpt lat="{where}" lon="-83.5"><ele>200</ele><time>{when}</time>{inside}</trkpt>'
+
+
+def gpx_file(points: list[str], *, version: str = "1.1") -> bytes:
+    head = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<gpx version="{version}" creator="made" xmlns="http://www.topografix.com/GPX/{version}">',
+        "<trk><trkseg>",
+    ]
+    return "\n".join([*head, *points, "</trkseg></trk>", "</gpx>", ""]).encode()
+
+
+def kitti_pose(forward_m: float, heading_rad: float = 0.0) -> str:
+    """Row by row, of a camera that moved along its first axis of sight and looks to the right of it."""
+    sine, cosine = np.sin(heading_rad), np.cos(heading_rad)
+    rows = [[cosine, 0, sine, 0.0], [0, 1, 0, -0.5], [-sine, 0, cosine, forward_m]]
+    return " ".join(f"{value:.6e}" for row in rows for value in row)
+
+
+def write_kitti_poses(folder: Path, poses: list[str] | None = None, times: list[str] | None = None) -> Path:
+    poses = [kitti_pose(0.1 * SPEED_MPS * at) for at in range(COUNT)] if poses is None else poses
+    times = [f"{at / 10:.6e}" for at in range(COUNT)] if times is None else times
+    path = folder / "poses" / "00.txt"
+    times_path = folder / "sequences" / "00" / "times.txt"
+    for made, lines in ((path, poses), (times_path, times)):
+        made.parent.mkdir(parents=True, exist_ok=True)
+        made.write_bytes("".join(f"{line}\n" for line in lines).encode())
+    return path
+
+
+def oxts_packet(at: int, **changed: float) -> str:
+    values: dict[str, float] = {
+        "lat": 49.0 + at * LATITUDE_STEP_DEG, "lon": 8.4, "alt": 110.0, "roll": 0.03, "pitch": 0.01,
+        "yaw": np.pi / 2, "vn": SPEED_MPS, "ve": 0.0, "vf": SPEED_MPS, "vl": 0.0, "vu": 0.0, "ax": 9.0,
+        "ay": 9.0, "az": 9.8, "af": 0.5, "al": 0.0, "au": 9.8, "wx": 7.0, "wy": 7.0, "wz": 7.0, "wf": 7.0,
+        "wl": 7.0, "wu": 0.25,
+    }  # fmt: skip
+    return " ".join(str(value) for value in [*(values | changed).values(), 0.1, 0.03, 4, 9, 5, 5, 5])
+
+
+def oxts_time(at: int) -> str:
+    return f"2011-09-26 13:02:{25 + at // 10:02d}.{at % 10}64389445"
+
+
+def write_oxts(folder: Path, packets: dict[int, str] | None = None, times: list[str] | None = None) -> Path:
+    data = folder / "oxts" / "data"
+    data.mkdir(parents=True, exist_ok=True)
+    packets = {at: oxts_packet(at) for at in range(COUNT)} if packets is None else packets
+    for number, packet in packets.items():
+        (data / f"{number:010d}.txt").write_text(packet + "\n")
+    times = [oxts_time(at) for at in range(COUNT)] if times is None else times
+    (folder / "oxts" / "timestamps.txt").write_text("\n".join(times) + "\n")
+    return folder
+
+
+HIGHD_NAMES = "frame,id,x,y,width,height,xVelocity,yVelocity,xAcceleration,yAcceleration,dhw,laneId"
+IND_NAMES = (
+    "recordingId,trackId,frame,trackLifetime,xCenter,yCenter,heading,width,length,xVelocity,yVelocity,"
+    "xAcceleration,yAcceleration,lonVelocity,latVelocity,lonAcceleration,latAcceleration"
+)
+
+
+def highd_row(at: int, vehicle: int = 1, **changed: float) -> str:
+    """Of a truck that drives leftwards, its middle 0.4 m further every frame."""
+    values: dict[str, float] = {
+        "frame": at, "id": vehicle, "x": 300.0 - 0.4 * at, "y": 20.0, "width": 12.0, "height": 2.5,
+        "xVelocity": -SPEED_MPS, "yVelocity": 0.0, "xAcceleration": -0.5, "yAcceleration": 0.0, "dhw": 0.0,
+        "laneId": 2,
+    }  # fmt: skip
+    return ",".join(str(value) for value in (values | changed).values())
+
+
+def ind_row(at: int, user: int = 0, **changed: float) -> str:
+    """Of a car that drives along the grid's north."""
+    values: dict[str, float] = {
+        "recordingId": 7, "trackId": user, "frame": at, "trackLifetime": at, "xCenter": 50.0,
+        "yCenter": -40.0 + 0.4 * at, "heading": 90.0, "width": 1.8, "length": 4.5, "xVelocity": 0.0,
+        "yVelocity": SPEED_MPS, "xAcceleration": 0.0, "yAcceleration": 0.5, "lonVelocity": SPEED_MPS,
+        "latVelocity": 0.0, "lonAcceleration": 0.5, "latAcceleration": 0.0,
+    }  # fmt: skip
+    return ",".join(str(value) for value in (values | changed).values())
+
+
+def write_drone(folder: Path, recording: str, tables: dict[str, list[str]]) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    for table, lines in tables.items():
+        (folder / f"{recording}_{table}.csv").write_bytes(("\n".join(lines) + "\n").encode())
+    return folder / f"{recording}_tracks.csv"
+
+
+def write_highd(folder: Path, **changed: list[str]) -> Path:
+    tables = {
+        "tracks": [HIGHD_NAMES, *(highd_row(at, user) for user in (1, 2) for at in range(1, COUNT + 1))],
+        "tracksMeta": [
+            "id,width,height,initialFrame,finalFrame,numFrames,class,drivingDirection",
+            *(f"{user},12.0,2.5,1,12,12,Truck,1" for user in (1, 2)),
+        ],
+        "recordingMeta": [
+            "id,frameRate,locationId,startTime,upperLaneMarkings,lowerLaneMarkings",
+            "1,25,2,08:38,8.51;12.59;16.43,21.00;24.96;28.80",
+        ],
+    }
+    return write_drone(folder, "01", tables | changed)
+
+
+def write_ind(folder: Path, **changed: list[str]) -> Path:
+    tables = {
+        "tracks": [IND_NAMES, *(ind_row(at, user) for user in (0, 1, 2) for at in range(COUNT))],
+        "tracksMeta": [
+            "recordingId,trackId,initialFrame,finalFrame,numFrames,width,length,class",
+            *(f"7,{user},0,11,12,0,0,{kind}" for user, kind in enumerate(("car", "bicycle", "pedestrian"))),
+        ],
+        "recordingMeta": [
+            "recordingId,locationId,frameRate,latLocation,lonLocation,xUtmOrigin,yUtmOrigin",
+            "7,1,25.0,50.78,6.07,293487.1224,5629711.58",
+        ],
+    }
+    return write_drone(folder, "07", tables | changed)
+
+
+def fcd_file() -> bytes:
+    lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<fcd-export>"]
+    for at in range(COUNT):
+        east = 12.0 * at / 10
+        lines += [
+            f'<timestep time="{at / 10}">',
+            f'<vehicle id="a" x="{east}" y="3" angle="90" type="car" speed="12" pos="{east}" lane="e_0"/>',
+            f'<vehicle id="b" x="{east}" y="6" angle="90" type="bike" speed="12" pos="{east}" lane="e_1"/>',
+            f'<person id="p" x="1" y="{at / 10}" angle="0" speed="1" pos="1" edge="w"/>',
+            "</timestep>",
+        ]
+    return "\n".join([*lines, "</fcd-export>", ""]).encode()
+
+
 def interaction_file(rows: Iterable[str] | None = None, *, header: str = "") -> bytes:
     names = header or "track_id,frame_id,timestamp_ms,agent_type,x,y,vx,vy,psi_rad,length,width"
     made = [
@@ -382,6 +519,11 @@ VALID: dict[str, tuple[str, Callable[[], bytes]]] = {
         lambda: nmea_file([text(at / 10, at) for at in range(COUNT) for text in (gga, rmc)]),
     ),
     "smartloc": ("Drive_GT.txt", lambda: "\n".join([*smartloc_lines("point3"), ""]).encode()),
+    "gpx": (
+        "drive.gpx",
+        lambda: gpx_file([gpx_point(at, inside="<speed>10</speed>") for at in range(COUNT)]),
+    ),
+    "sumo-fcd": ("fcd.xml", fcd_file),
     "pcap": ("heard.pcap", pcap_file),
     "interaction": ("vehicle_tracks_000.csv", interaction_file),
     "ngsim": (
@@ -394,6 +536,16 @@ VALID: dict[str, tuple[str, Callable[[], bytes]]] = {
     "csv": ("table.csv", csv_file),
     "parquet": ("table.parquet", parquet_file),
 }
+
+
+FOLDERS: dict[str, tuple[str, Callable[[Path], Path]]] = {
+    "comma2k19": ("drive/40", write_comma),
+    "kitti-oxts": ("2011_09_26_drive_0001_sync", write_oxts),
+    "kitti-poses": ("dataset", write_kitti_poses),
+    "highd": ("highd", write_highd),
+    "ind": ("ind", write_ind),
+}
+"""Formats whose recordings are several files."""
 
 
 class Made:
@@ -411,6 +563,19 @@ class Made:
     rmc = staticmethod(rmc)
     sentence = staticmethod(sentence)
     nmea = staticmethod(nmea_file)
+    highd_names = HIGHD_NAMES
+    highd_row = staticmethod(highd_row)
+    highd = staticmethod(write_highd)
+    ind_names = IND_NAMES
+    ind_row = staticmethod(ind_row)
+    ind = staticmethod(write_ind)
+    kitti_pose = staticmethod(kitti_pose)
+    kitti_poses = staticmethod(write_kitti_poses)
+    oxts_packet = staticmethod(oxts_packet)
+    oxts_time = staticmethod(oxts_time)
+    oxts = staticmethod(write_oxts)
+    gpx_point = staticmethod(gpx_point)
+    gpx = staticmethod(gpx_file)
     smartloc_lines = staticmethod(smartloc_lines)
     comma_arrays = staticmethod(comma_arrays)
     comma = staticmethod(write_comma)
@@ -445,8 +610,9 @@ class Made:
 
     def valid(self, format_name: str) -> Path:
         """Write a small faultless recording of a format and return its path."""
-        if format_name == "comma2k19":
-            return write_comma(self.folder / "drive" / "40")
+        if format_name in FOLDERS:
+            folder, write = FOLDERS[format_name]
+            return write(self.folder / folder)
         if format_name == "ros2-db3":
             return write_db3(self.folder / "bag_0.db3", bag_rows())
         name, content = VALID[format_name]

@@ -30,11 +30,11 @@ from modelcast.io.fcd_columns import (
     table_kind,
     xml_columns,
 )
-from modelcast.io.fcd_source import fcd_kind, opened, seekable, text
+from modelcast.io.fcd_source import fcd_kind, seekable, text
+from modelcast.io.xml_stream import fed, require_shallow
 
 __all__ = ["read_columns", "read_rows"]
 
-_CHUNK = 2**16
 _BATCH = 2**16
 _XML_ROWS = frozenset({"vehicle", "person", "container"})
 
@@ -167,6 +167,7 @@ class _XmlRows:
     def _begin(self, name: str, attributes: dict[str, str]) -> None:
         self._depth += 1
         line = self.parser.CurrentLineNumber
+        require_shallow(self._path, self._depth, line)
         if self._depth == 1:
             self.root = name
         elif name == "timestep":
@@ -193,25 +194,9 @@ class _XmlRows:
 def _xml_rows(path: str, *, people: bool) -> Iterator[FcdRow]:
     """Yield the rows of SUMO's FCD output; their numbers are lines."""
     found = _XmlRows(path, people=people)
-    try:
-        with opened(path) as file:
-            while chunk := file.read(_CHUNK):
-                found.parser.Parse(chunk, False)
-                yield from found.rows
-                found.rows.clear()
-            found.parser.Parse(b"", True)
-    except expat.ExpatError as error:
+    for _ in fed(path, found.parser):
         yield from found.rows
-        raise DataFormatError(
-            path,
-            f"is not well-formed XML: {expat.ErrorString(error.code)}",
-            row=error.lineno,
-            remedy="Check that it is complete.",
-        ) from error
-    except (LookupError, ValueError) as error:  # of an encoding that the parser does not know
-        raise DataFormatError(
-            path, f"is not readable as XML: {error}", row=1, remedy="Write it in UTF-8."
-        ) from error
+        found.rows.clear()
     if found.root != "fcd-export":
         raise DataFormatError(
             path, f"the root is {found.root!r}, not fcd-export", row=1, remedy="Give SUMO's --fcd-output."

@@ -77,7 +77,7 @@ class Rows:
         One-based line or record numbers, (R,).
     columns
         Numbers by name, (R,) each, NaN where missing: ``t_s``, then ``east_m`` and ``north_m`` or
-        ``latitude_deg`` and ``longitude_deg``, and any of `OPTIONAL`.
+        ``latitude_deg`` and ``longitude_deg``, any of `OPTIONAL`, and ``piece`` where the log parts a trip.
     """
 
     line: IntArray
@@ -227,6 +227,7 @@ def make_trip(
             clock_s=None if clock_offset_s is None else float(t_s[0]) + clock_offset_s,
             source=source,
             reading=reading,
+            piece=columns.get("piece"),
         )
     except (ValueError, FloatingPointError) as error:
         raise DataFormatError(path, str(error), row=int(rows.line[0])) from error
