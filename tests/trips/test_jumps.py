@@ -7,7 +7,13 @@ from hypothesis import strategies as st
 
 from modelcast.core.arrays import FloatArray
 from modelcast.trips.inspection import inspect
-from modelcast.trips.jumps import JUMP_TOLERANCE_M, MAX_SPEED_MPS, jumps_between
+from modelcast.trips.jumps import (
+    JUMP_TOLERANCE_M,
+    MAX_ACCELERATION_MPS2,
+    MAX_SPEED_MPS,
+    _Steps,
+    jumps_between,
+)
 from modelcast.trips.trajectory import JUMPED, OFF_EARTH, Trajectory, build_trajectory
 
 
@@ -137,3 +143,26 @@ def test_a_wrong_unit_is_refused_by_name() -> None:
     t, path = drive()
     with pytest.raises(ValueError, match=r"599 of 599 steps are faster than any vehicle.*check the units"):
         build_trajectory("made/1", t, 1000.0 * path)
+
+
+@given(
+    st.integers(5, 60),
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([0.0, 0.01, 0.5, 3.0]),
+    st.lists(st.tuples(st.integers(0, 59), st.floats(-400.0, 400.0)), max_size=4),
+)
+def test_the_short_way_to_none_impossible_is_the_rule(
+    count: int, seed: int, noise_m: float, jumps: list[tuple[int, float]]
+):
+    rng = np.random.default_rng(seed)
+    t_s = np.cumsum(rng.choice([0.1, 0.2, 1.0], count))
+    position_m = np.stack([12.0 * t_s, 0.4 * t_s**2], axis=1) + rng.normal(0.0, noise_m, (count, 2))
+    for at, size_m in jumps:
+        position_m[at:] += size_m
+    steps = _Steps.of(t_s, position_m)
+    found = steps.impossible()
+    if found.size < 20:
+        assert not found.any()
+        return
+    reach_m = MAX_ACCELERATION_MPS2 * steps.elapsed**2 + steps.tolerance_m
+    assert np.array_equal(found, (np.minimum(*steps.deviations_m()) > reach_m) | steps.too_fast())

@@ -30,6 +30,7 @@ COMMANDS = (
     "reproduce",
     "trips",
     "convert",
+    "ingest",
     "coverage",
     "network",
     "safety",

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from modelcast.cli.compare_options import CompareOptions
-from modelcast.cli.options import Columns, Format
+from modelcast.cli.options import Columns, Format, Rate
 
 __all__ = ["compare"]
 
@@ -14,6 +14,7 @@ def compare(
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
+    rate: Rate = None,
     options: CompareOptions = CompareOptions(),  # noqa: B008 - frozen
     json: bool = False,
     quiet: bool = False,
@@ -35,6 +36,8 @@ def compare(
         Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
     trip
         Take only trips whose identifier matches this shell pattern.
+    rate
+        Take trips as read so many times a second, from no later sample [Hz]; as recorded where not given.
     options
         What changes the figures.
     json
@@ -56,7 +59,7 @@ def compare(
 
     require_paths(paths, "compare")
     settings, candidates = options.settings(), options.candidates()
-    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
+    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip, rate_hz=rate)
     silent = quiet or json
     with atomic_folder(out, command="compare", shown=f"--out {out}") as folder:
         with watched(source, quiet=silent) as shown:
@@ -70,6 +73,7 @@ def compare(
             "format": format,
             "columns": columns,
             "trip": trip,
+            "rate": rate,
             "options": options.as_plain(),
         }
         known = [trip.id for trip in result.trips if trip.in_training]

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from modelcast.cli.evaluate_options import EvaluateOptions
-from modelcast.cli.options import Columns, Format
+from modelcast.cli.options import Columns, Format, Rate
 
 __all__ = ["evaluate"]
 
@@ -14,6 +14,7 @@ def evaluate(
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
+    rate: Rate = None,
     options: EvaluateOptions = EvaluateOptions(),  # noqa: B008 - frozen
     trace: Path | None = None,
     rerun: Path | None = None,
@@ -36,6 +37,8 @@ def evaluate(
         Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
     trip
         Take only trips whose identifier matches this shell pattern.
+    rate
+        Take trips as read so many times a second, from no later sample [Hz]; as recorded where not given.
     options
         What changes the figures.
     trace
@@ -53,7 +56,7 @@ def evaluate(
     from modelcast.core.exceptions import ConfigError
 
     if rerun is not None:
-        if paths or format or columns or trip != "*" or options != EvaluateOptions():
+        if paths or format or columns or trip != "*" or rate is not None or options != EvaluateOptions():
             raise ConfigError(
                 "--rerun takes trips and options from run.json: only --out, --trace, --json and --quiet go "
                 "with it"
@@ -61,5 +64,5 @@ def evaluate(
         asked = load_run(rerun)
     else:
         require_paths(paths, "evaluate")
-        asked = EvaluationRun(paths, format, columns, trip, options)
+        asked = EvaluationRun(paths, format, columns, trip, options, rate)
     return run_evaluation(asked, out, trace=trace, json=json, quiet=quiet)

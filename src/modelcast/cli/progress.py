@@ -2,6 +2,7 @@
 
 import os
 import sys
+import time
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 
@@ -9,18 +10,21 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
     SpinnerColumn,
+    Task,
     TaskID,
     TextColumn,
     TimeElapsedColumn,
 )
+from rich.text import Text
 
 from modelcast.cli.reading import TripSource
 from modelcast.cli.terminal import error_console
 from modelcast.core.printable import printable
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["busy", "counted", "staged", "watched", "watching"]
+__all__ = ["busy", "counted", "rated", "staged", "watched", "watching"]
 
 
 @contextmanager
@@ -128,7 +132,58 @@ def staged(*, quiet: bool) -> Generator[Callable[[str, int, int], None]]:
         yield show
 
 
-def _bar(label: str, *, quiet: bool, steps: bool = True) -> Progress:
+@contextmanager
+def rated(
+    *, quiet: bool, under_way: Callable[[], int] = lambda: 0
+) -> Generator[Callable[[str, int, int, int], None]]:
+    """Yield a function that takes a stage's name, steps done, steps to do, and rows done by them.
+
+    Shown are the rows, the rate, and the time left if what is left goes as what was done.
+
+    Parameters
+    ----------
+    quiet
+        Show nothing.
+    under_way
+        Rows that steps not yet done have done; asked for a few times a second.
+    """
+    bar = _bar("", quiet=quiet, steps=False, more=_Rate(under_way))
+    tasks: dict[str, TaskID] = {}
+
+    def show(stage: str, done: int, steps: int, rows: int) -> None:
+        if stage not in tasks:
+            for before in tasks.values():
+                bar.remove_task(before)
+            tasks[stage] = bar.add_task(
+                stage, total=steps, note=stage, rows=rows,
+                begun_s=time.monotonic(), done_before=done, rows_before=rows,
+            )  # fmt: skip
+        bar.update(tasks[stage], completed=done, total=steps, rows=rows)
+
+    with bar:
+        yield show
+
+
+class _Rate(ProgressColumn):
+    """Rows so far, rows a second, and the time left."""
+
+    def __init__(self, under_way: Callable[[], int]) -> None:
+        self._under_way = under_way
+        super().__init__()
+
+    def render(self, task: Task) -> Text:
+        """Text for one stage."""
+        told = task.fields
+        rows = int(told["rows"]) + self._under_way()
+        elapsed_s = max(time.monotonic() - float(told["begun_s"]), 1e-3)
+        text = f"{rows:,} rows, {(rows - int(told['rows_before'])) / elapsed_s:,.0f}/s"
+        done, total = task.completed - float(told["done_before"]), task.total
+        if done > 0.0 and total is not None:
+            text += f", {elapsed_s * (total - task.completed) / done:,.0f} s left"
+        return Text(text)
+
+
+def _bar(label: str, *, quiet: bool, steps: bool = True, more: ProgressColumn | None = None) -> Progress:
     """A progress bar on stderr that leaves nothing behind, and is silent where that is no terminal."""
     # rich takes FORCE_COLOR for a terminal: what counts here is whether somebody watches.
     watched = sys.stderr.isatty() and os.environ.get("TERM") not in {"dumb", "unknown"}
@@ -138,6 +193,7 @@ def _bar(label: str, *, quiet: bool, steps: bool = True) -> Progress:
         TextColumn(label, markup=False),
         *counts,
         TextColumn("{task.fields[note]}", markup=False),
+        *(() if more is None else (more,)),
         TimeElapsedColumn(),
         console=error_console(),
         transient=True,

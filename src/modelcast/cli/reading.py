@@ -7,8 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from modelcast.cli.terminal import complain, say
-from modelcast.core.exceptions import ConfigError, DataFormatError, ModelcastError
+from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.core.printable import printable
+from modelcast.io.failure import failure_reason
+from modelcast.io.packed import is_archive, member_of
+from modelcast.io.reading_rate import read_at, require_rate
 from modelcast.io.recordings import Recording, Recordings
 from modelcast.io.skipped import free_name
 from modelcast.trips.trajectory import Trajectory
@@ -53,11 +56,14 @@ class TripSource:
         Column map for csv and parquet.
     pattern
         Trips whose identifier matches this shell pattern are taken.
+    rate_hz
+        Rate at which they are read (`modelcast.trips.rate`); None for as recorded. A trip recorded more
+        slowly is skipped.
 
     Raises
     ------
     ConfigError
-        Where the format is unknown, or has fixed columns but a map is given.
+        Where the format is unknown, or has fixed columns but a map is given; where the rate is none.
     """
 
     def __init__(
@@ -67,7 +73,10 @@ class TripSource:
         format_name: str | None = None,
         columns: Mapping[str, str] | None = None,
         pattern: str = "*",
+        rate_hz: float | None = None,
     ) -> None:
+        require_rate(rate_hz)
+        self._rate_hz = rate_hz
         self._paths = paths
         self._pattern = pattern
         self._recordings = Recordings(paths, format_name, columns=columns, on_skipped=self._skip)
@@ -78,8 +87,9 @@ class TripSource:
 
     @property
     def files(self) -> int | None:
-        """Number of files, None where folders are among the paths."""
-        return None if any(path.is_dir() for path in self._paths) else len(self._paths)
+        """Number of files, None where folders or archives are among the paths."""
+        many = any(path.is_dir() or is_archive(path) for path in self._paths)
+        return None if many else len(self._paths)
 
     @property
     def exit_code(self) -> int:
@@ -103,8 +113,8 @@ class TripSource:
             self.started += 1
             try:
                 for read in recording.trips():
-                    trip = _named(read, printable(read.trip_id))
-                    if fnmatch.fnmatch(trip.trip_id, self._pattern):
+                    trip = read_at(_named(read, printable(read.trip_id)), self._rate_hz, self._skip)
+                    if trip is not None and fnmatch.fnmatch(trip.trip_id, self._pattern):
                         seen[trip.trip_id] = seen.get(trip.trip_id, 0) + 1
                         self.trips += 1
                         copy = seen[trip.trip_id]
@@ -123,24 +133,12 @@ class TripSource:
     def _fail(self, path: str, error: BaseException) -> None:
         """Note a file that could not be read, and say so."""
         label = printable(self._recordings.label(path))
-        self.failures[free_name(self.failures, label)] = printable(_reason(error))
-        complain(str(error) if isinstance(error, DataFormatError) else f"{path}: {_reason(error)}")
+        self.failures[free_name(self.failures, label)] = printable(failure_reason(error))
+        complain(str(error) if isinstance(error, DataFormatError) else f"{path}: {failure_reason(error)}")
 
     def _skip(self, name: str, reason: str) -> None:
-        label = self._recordings.label(name) if os.path.lexists(name) else name
+        label = self._recordings.label(name) if os.path.lexists(name) or member_of(name) else name
         self.skipped[free_name(self.skipped, printable(label))] = printable(reason)
-
-
-def _reason(error: BaseException) -> str:
-    """What to say of a file that could not be read."""
-    if isinstance(error, DataFormatError):
-        place = "" if error.row is None else f"row {error.row}: "
-        return f"{place}{error.problem}. {error.remedy}".strip()
-    if isinstance(error, ModelcastError):
-        return str(error)
-    if isinstance(error, MemoryError):
-        return "is too large for this machine's memory (MemoryError). Split it, or take a larger machine."
-    return f"its reader failed with {type(error).__name__}: {error}. Please report this with the file."
 
 
 def _named(trip: Trajectory, name: str) -> Trajectory:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from modelcast.cli.options import Columns, Format
+from modelcast.cli.options import Columns, Format, Rate
 
 __all__ = ["trips"]
 
@@ -12,6 +12,7 @@ def trips(
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
+    rate: Rate = None,
     rank: bool = False,
     top: int | None = None,
     out: Path | None = None,
@@ -33,6 +34,8 @@ def trips(
         Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
     trip
         Take only trips whose identifier matches this shell pattern.
+    rate
+        Take trips as read so many times a second, from no later sample [Hz]; as recorded where not given.
     rank
         Order the trips by their lane changes, turns, U-turns, roundabouts, stops and hard brakes.
     top
@@ -57,7 +60,7 @@ def trips(
         raise ConfigError("--top, --out and --figures belong to --rank")
     if top is not None and top < 1:
         raise ConfigError(f"--top must be at least 1, got {top}")
-    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
+    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip, rate_hz=rate)
     if rank:
         from modelcast.cli.ranking import rank_source
 

@@ -59,6 +59,10 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
             MappingProxyType({"eclipse-sumo": "sumo", "libsumo": "libsumo"}),
             "modelcast network --scenario sumo-highway, sumo-grid, sumo-junction, FILE.sumocfg",
         ),
+        "cluster": Extra(
+            MappingProxyType({"cryptography": "cryptography", "distributed": "distributed"}),
+            "--cluster: work on several machines",
+        ),
     }
 )
 """The extras by their names in ``pip install 'modelcast[NAME]'``."""

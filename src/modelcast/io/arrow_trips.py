@@ -7,9 +7,9 @@ time stamps tells its own unit. Rows are numbered from 1 in errors.
 # pyarrow has no type stubs: what comes out of it is unknown to pyright.
 # pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, cast
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import polars as pl
@@ -17,59 +17,25 @@ import pyarrow as pa
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
-from modelcast.io.base import OnSkipped
-from modelcast.io.column_map import ColumnMap, known_map
+from modelcast.io.column_map import known_map
 from modelcast.io.rows import LARGEST, Rows, are_numbers
-from modelcast.io.table_trips import table_trips
+from modelcast.io.table_trips import AbstractTable, TablePart
 from modelcast.io.time_column import TimeColumn, TimeUnit, holds_dates
-from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["ArrowRows", "arrow_rows"]
+__all__ = ["PART_ROWS", "ArrowTable", "is_text"]
+
+PART_ROWS = 131_072
+"""Rows taken at a time."""
 
 _LARGEST_TIME = 1e20
 """Unix nanoseconds are beyond `LARGEST`."""
 _ARROW_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_MOST_CHARACTERS = 1024
+"""Longest name of a vehicle; what is longer is damage, and repeated over many rows would fill the memory."""
 
 
-@dataclass(frozen=True, slots=True)
-class ArrowRows:
-    """The columns of a table that say where its vehicles were.
-
-    Parameters
-    ----------
-    found
-        What they mean.
-    rows
-        All rows.
-    labels
-        The vehicle (or trip) of each row, where the table names it.
-    time
-        What the times mean.
-    """
-
-    found: ColumnMap
-    rows: Rows
-    labels: pl.Series | None
-    time: TimeUnit
-
-    def trips(self, path: str, source: str, on_skipped: OnSkipped) -> Iterator[Trajectory]:
-        """Yield a trip per vehicle.
-
-        Parameters
-        ----------
-        path, source, on_skipped
-            As for `modelcast.io.table_trips.table_trips`.
-        """
-        yield from table_trips(
-            path, source, self.found, self.rows, self.labels,
-            time=self.time, partial=False, on_skipped=on_skipped,
-        )  # fmt: skip
-
-
-def arrow_rows(
-    path: str, columns: Mapping[str, str] | None, names: Sequence[str], column: Callable[[str], Any]
-) -> ArrowRows:
-    """Return the rows of a table by its names or by the user's map.
+class ArrowTable(AbstractTable):
+    """A table whose parts are Arrow record batches.
 
     Parameters
     ----------
@@ -77,81 +43,161 @@ def arrow_rows(
         What errors call the table.
     columns
         The user's map, if any.
-    names
-        Names of the table's columns.
-    column
-        Gives the Arrow column of a name; it is asked for those that are needed, one at a time.
+    schema
+        The table's ``pyarrow.Schema``.
+    rows
+        How many rows it has.
+    batches
+        Yields its record batches of at most `PART_ROWS` rows with the columns named, each time it is called.
 
     Raises
     ------
     ConfigError, DataFormatError
-        As for `modelcast.io.column_map.known_map`; where a column holds no numbers, a number is not finite,
-        there is no row, or columns differ in length.
+        As for `modelcast.io.column_map.known_map`; where a column that is needed holds no numbers.
     """
-    found = known_map(path, columns, names)
-    numbers: dict[str, FloatArray] = {}
-    numbers["t_s"], time = _times(path, found, column(found.numbers["t_s"][0]))
-    for fills, (name, _) in found.numbers.items():
-        if fills != "t_s":
-            numbers[fills] = _numbers(path, name, column(name))
-    labels: pl.Series | None = None
-    if found.label is not None:
-        labels = pl.Series(found.label, _text(column(found.label)), dtype=pl.String)
-    count = numbers["t_s"].size
-    if not count:
-        raise DataFormatError(path, "no rows", remedy="It is empty.")
-    sizes = {values.size for values in numbers.values()} | ({len(labels)} if labels is not None else set())
-    if sizes != {count}:
-        raise DataFormatError(path, f"columns of different lengths: {sorted(sizes)}")
-    return ArrowRows(found, Rows(_row_numbers(count), numbers), labels, time)
 
+    def __init__(
+        self,
+        path: str,
+        columns: Mapping[str, str] | None,
+        schema: Any,
+        rows: int,
+        batches: Callable[[Sequence[str]], Iterable[Any]],
+    ) -> None:
+        names = [str(name) for name in schema.names]
+        super().__init__(path, known_map(path, columns, names))
+        self._kinds = {name: schema.types[names.index(name)] for name, _ in self.found.numbers.values()}
+        self._rows = rows
+        self._batches = batches
+        time, unit_s = self.found.numbers["t_s"]
+        kind = self._kinds[time]
+        stamped = pa.types.is_timestamp(kind)
+        self._times = TimeColumn(
+            path, time, _ARROW_UNITS[kind.unit] if stamped else unit_s,
+            stated=stamped or self.found.time_stated,
+        )  # fmt: skip
+        self._zoned = stamped and kind.tz is not None
+        self._dated = False
+        label = self.found.label
+        if label is not None and not _may_name(schema.types[names.index(label)]):
+            raise DataFormatError(
+                path, f"column {label!r} holds {schema.types[names.index(label)]}, not names",
+                remedy="Convert it to text first.",
+            )  # fmt: skip
+        for name, kind in self._kinds.items():
+            if name != time or not (stamped or is_text(kind)):
+                self._require_numbers(name, kind)
 
-def _row_numbers(count: int) -> IntArray:
-    return np.arange(1, count + 1, dtype=np.int64)
+    @property
+    def time(self) -> TimeUnit:
+        """As the type of the column, or the first known value, tells."""
+        unit = self._times.unit
+        return replace(unit, unix=True) if self._zoned else unit
 
+    @property
+    def rows_expected(self) -> int | None:
+        """As the table says."""
+        return self._rows
 
-def _times(path: str, found: ColumnMap, column: Any) -> tuple[FloatArray, TimeUnit]:
-    """Return the times from their start, in units, NaN where null, and what they mean."""
-    name, unit_s = found.numbers["t_s"]
-    kind = column.type
-    line = _row_numbers(len(column))
-    if pa.types.is_string(kind) or pa.types.is_large_string(kind):
-        text = pl.Series(name, _text(column), dtype=pl.String)
-        if holds_dates(text):
-            dated = TimeColumn(path, name, unit_s, stated=found.time_stated)
-            return dated.read(text, line), dated.unit
-    if pa.types.is_timestamp(kind):
-        times = TimeColumn(path, name, _ARROW_UNITS[kind.unit], stated=True)
-        whole = pl.Series(name, column.cast(pa.int64()))
-        read = times.numbers(whole, whole.cast(pl.Float64), whole, line)
-        return read, replace(times.unit, unix=kind.tz is not None)
-    times = TimeColumn(path, name, unit_s, stated=found.time_stated)
-    values = pl.Series(name, _numbers(path, name, column, _LARGEST_TIME)).fill_nan(None)
-    whole = pl.repeat(None, len(column), dtype=pl.Int64, eager=True)
-    if pa.types.is_integer(kind):
-        whole = pl.Series(name, column.cast(pa.int64()))
-    return times.numbers(whole, values, values, line), times.unit
+    def parts(self, *, whole: bool) -> Iterator[TablePart]:
+        """Yield record batches."""
+        if not self._rows:
+            raise DataFormatError(self.path, "no rows", remedy="It is empty.")
+        numbers = {fills: name for fills, (name, _) in self.found.numbers.items() if whole or fills == "t_s"}
+        label = self.found.label
+        wanted = [*numbers.values(), *([] if label is None else [label])]
+        done = 0
+        for index, batch in enumerate(self._batches(wanted)):
+            names = [str(name) for name in batch.schema.names]
+            line = np.arange(done + 1, done + len(batch) + 1, dtype=np.int64)
+            done += len(batch)
+            held = {name: batch.column(names.index(name)) for name in wanted}
+            columns = {
+                fills: self._numbers(name, held[name], line)
+                for fills, name in numbers.items()
+                if fills != "t_s"
+            }
+            columns["t_s"] = self._read_times(held[numbers["t_s"]], line)
+            labels = None if label is None else self._text(label, held[label], line)
+            yield TablePart(index, Rows(line, columns), labels)
 
+    def _read_times(self, column: Any, line: IntArray) -> FloatArray:
+        """Return times from their start, in units, NaN where null."""
+        name = self.found.numbers["t_s"][0]
+        kind = self._kinds[name]
+        if is_text(kind):
+            text = self._text(name, column, line)
+            if not self._dated and text.null_count() < len(text):
+                self._dated = holds_dates(text)
+                if not self._dated:
+                    self._require_numbers(name, kind)
+            return self._times.read(text, line)
+        if pa.types.is_timestamp(kind):
+            whole = pl.Series(name, column.cast(pa.int64()))
+            return self._times.numbers(whole, whole.cast(pl.Float64), whole, line)
+        values = pl.Series(name, self._numbers(name, column, line, _LARGEST_TIME)).fill_nan(None)
+        whole = pl.repeat(None, len(column), dtype=pl.Int64, eager=True)
+        if pa.types.is_integer(kind):
+            whole = pl.Series(name, column.cast(pa.int64()))
+        return self._times.numbers(whole, values, values, line)
 
-def _text(column: Any) -> list[str | None]:
-    """Return a column as text."""
-    return cast("list[str | None]", column.cast(pa.string()).to_pylist())
+    def _require_numbers(self, name: str, kind: Any) -> None:
+        if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_null(kind)):
+            raise DataFormatError(
+                self.path, f"column {name!r} holds {kind}, not numbers", remedy="Convert it first."
+            )
 
+    def _text(self, name: str, column: Any, line: IntArray) -> pl.Series:
+        """Return a column as text, one that is a dictionary only after a look at its words."""
+        held = column.dictionary if pa.types.is_dictionary(column.type) else column
+        try:
+            words = pl.Series(name, held.cast(pa.large_string()), dtype=pl.String)
+        except pa.ArrowException as error:
+            raise DataFormatError(
+                self.path, f"column {name!r} holds {held.type}, which is no text: {error}",
+                row=int(line[0]), remedy="Convert it first.",
+            ) from error  # fmt: skip
+        if (words.str.len_bytes() > _MOST_CHARACTERS).any():
+            raise DataFormatError(
+                self.path, f"{name} has a text of over {_MOST_CHARACTERS} octets", row=int(line[0]),
+                remedy="It holds names or times, which are shorter.",
+            )  # fmt: skip
+        if held is column:
+            return words
+        at = pl.Series(name, column.indices.cast(pa.int64()), dtype=pl.Int64)
+        return words.gather(at)
 
-def _numbers(path: str, name: str, column: Any, largest: float = LARGEST) -> FloatArray:
-    """Return a column as float64, NaN where it is null."""
-    kind = column.type
-    if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_null(kind)):
-        raise DataFormatError(path, f"column {name!r} holds {kind}, not numbers", remedy="Convert it first.")
-    numbers = np.array(column.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
-    null = np.asarray(column.is_null().to_numpy(), dtype=np.bool_)
-    bad = ~are_numbers(numbers, largest) & ~null
-    if bad.any():
-        at = int(np.argmax(bad))
-        raise DataFormatError(
-            path,
-            f"{name} is {numbers[at]}, not a finite number",
-            row=at + 1,
-            remedy="Correct the value, or make it null where it is not known.",
+    def _numbers(self, name: str, column: Any, line: IntArray, largest: float = LARGEST) -> FloatArray:
+        """Return a column as float64, NaN where it is null."""
+        numbers = np.array(
+            column.cast(pa.float64(), safe=False).to_numpy(zero_copy_only=False), dtype=np.float64
         )
-    return numbers
+        null = np.asarray(column.is_null().to_numpy(zero_copy_only=False), dtype=np.bool_)
+        bad = ~are_numbers(numbers, largest) & ~null
+        if bad.any():
+            at = int(np.argmax(bad))
+            raise DataFormatError(
+                self.path,
+                f"{name} is {numbers[at]}, not a finite number",
+                row=int(line[at]),
+                remedy="Correct the value, or make it null where it is not known.",
+            )
+        return numbers
+
+
+def _may_name(kind: Any) -> bool:
+    """Return whether values of an Arrow type can be names of vehicles: text, numbers, dates."""
+    if pa.types.is_dictionary(kind):
+        return is_text(kind.value_type)
+    fixed = pa.types.is_primitive(kind) or pa.types.is_decimal(kind)
+    return bool(fixed or pa.types.is_null(kind) or is_text(kind))
+
+
+def is_text(kind: Any) -> bool:
+    """Return whether an Arrow type is text (or octets that may be)."""
+    return any(
+        is_kind(kind)
+        for is_kind in (
+            pa.types.is_string, pa.types.is_large_string, pa.types.is_binary, pa.types.is_large_binary,
+        )
+    )  # fmt: skip

@@ -19,17 +19,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
-import polars as pl
-
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
-from modelcast.io.column_map import detected_map, known_map
-from modelcast.io.rows import Rows, joined
+from modelcast.io.column_map import ColumnMap, detected_map, known_map
+from modelcast.io.reading_limits import HELD_BYTES
+from modelcast.io.rows import Rows
 from modelcast.io.table_layout import TableLayout, decimal_mark, is_number, table_layout
-from modelcast.io.table_trips import table_trips
+from modelcast.io.table_trips import AbstractTable, TablePart, table_trips
 from modelcast.io.text_blocks import number_column, read_blocks, text_column
-from modelcast.io.text_head import file_head, first_lines
-from modelcast.io.time_column import TimeColumn
+from modelcast.io.text_head import file_head, first_lines, rows_expected
+from modelcast.io.time_column import TimeColumn, TimeUnit
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["CsvReader"]
@@ -43,10 +42,14 @@ class CsvReader(AbstractTripReader):
     ----------
     columns
         Column names by meaning; names are detected where it is None.
+    held_bytes
+        Octets of numbers that may be gathered at a time.
     """
 
     columns: Mapping[str, str] | None = None
+    held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "csv"
+    streams: ClassVar[bool] = True
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether the header row has default names of time and position."""
@@ -58,40 +61,17 @@ class CsvReader(AbstractTripReader):
         """Return the reader with the user's column names."""
         return replace(self, columns=dict(columns))
 
+    def within(self, held_bytes: int) -> "CsvReader":
+        """Return the reader with another limit."""
+        return replace(self, held_bytes=held_bytes)
+
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
-        """Yield a trip per vehicle; the mapped columns are held in memory."""
+        """Yield a trip per vehicle, as `modelcast.io.gathering` gathers them."""
         lines = first_lines(file_head(path))
         layout = self._layout(path, lines)
         found = known_map(path, self.columns, layout.names, row=layout.lines)
-        field = {name: at for at, name in enumerate(layout.names)}
-        numbers = [field[name] for name, _ in found.numbers.values()]
-        wanted = numbers + ([field[found.label]] if found.label is not None else [])
-        decimal = decimal_mark(lines, layout, numbers, path)
-        time, unit_s = found.numbers["t_s"]
-        times = TimeColumn(path, time, unit_s, stated=found.time_stated, decimal=decimal)
-        parts: list[Rows] = []
-        labels: list[pl.Series] = []
-        partial = False
-        for block in read_blocks(
-            path, counts=[len(layout.names)], fields=wanted, skip_lines=layout.lines,
-            separator=layout.separator,
-        ):  # fmt: skip
-            partial = partial or block.partial > 0
-            columns = {
-                fills: number_column(path, block, field[name], name, decimal=decimal)
-                for fills, (name, _) in found.numbers.items()
-                if fills != "t_s"
-            }
-            columns["t_s"] = times.read(text_column(block, field[time]), block.line)
-            parts.append(Rows(block.line, columns))
-            if found.label is not None:
-                labels.append(text_column(block, field[found.label]).alias(found.label))
-        if not any(len(part) for part in parts):
-            raise DataFormatError(path, "no rows after the header", remedy="The file is empty.")
-        yield from table_trips(
-            path, self.name, found, joined(parts), pl.concat(labels) if labels else None,
-            time=times.unit, partial=partial, on_skipped=on_skipped,
-        )  # fmt: skip
+        table = _TextTable(path, found, layout, lines)
+        yield from table_trips(table, self.name, on_skipped, held_bytes=self.held_bytes)
 
     def _layout(self, path: str, lines: list[str]) -> TableLayout:
         """Return how the table is written."""
@@ -105,6 +85,49 @@ class CsvReader(AbstractTripReader):
                 remedy="Add a first line that names the columns, for example t,x,y,speed.",
             )  # fmt: skip
         return layout
+
+
+class _TextTable(AbstractTable):
+    """A table of text; its parts are blocks of lines."""
+
+    def __init__(self, path: str, found: ColumnMap, layout: TableLayout, lines: list[str]) -> None:
+        super().__init__(path, found)
+        self._layout = layout
+        self._field = {name: at for at, name in enumerate(layout.names)}
+        numbers = [self._field[name] for name, _ in found.numbers.values()]
+        self._decimal = decimal_mark(lines, layout, numbers, path)
+        name, unit_s = found.numbers["t_s"]
+        self._times = TimeColumn(path, name, unit_s, stated=found.time_stated, decimal=self._decimal)
+
+    @property
+    def time(self) -> TimeUnit:
+        """As the first known value tells."""
+        return self._times.unit
+
+    @property
+    def rows_expected(self) -> int | None:
+        """By the size of the file."""
+        return rows_expected(self.path)
+
+    def parts(self, *, whole: bool) -> Iterator[TablePart]:
+        """Yield blocks of lines."""
+        numbers = {fills: name for fills, (name, _) in self.found.numbers.items() if whole or fills == "t_s"}
+        label = self.found.label
+        wanted = [self._field[name] for name in numbers.values()]
+        for block in read_blocks(
+            self.path, counts=[len(self._layout.names)], skip_lines=self._layout.lines,
+            fields=wanted if label is None else [*wanted, self._field[label]],
+            separator=self._layout.separator,
+        ):  # fmt: skip
+            columns = {
+                fills: number_column(self.path, block, self._field[name], name, decimal=self._decimal)
+                for fills, name in numbers.items()
+                if fills != "t_s"
+            }
+            time = text_column(block, self._field[numbers["t_s"]])
+            columns["t_s"] = self._times.read(time, block.line)
+            labels = None if label is None else text_column(block, self._field[label]).alias(label)
+            yield TablePart(block.index, Rows(block.line, columns), labels, block.partial > 0)
 
 
 def _has_known_names(names: list[str]) -> bool:

@@ -39,6 +39,7 @@ doi:10.21949/1504502; Wyoming CV Pilot BSM One Day Sample (descriptions of colum
 import csv
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from io import TextIOWrapper
 from pathlib import Path
 from typing import ClassVar, TextIO
 
@@ -50,6 +51,7 @@ from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
 from modelcast.io.bsm_trips import AbstractBsmLog, BsmRow, bsm_trips
 from modelcast.io.bsm_values import CORE_COLUMNS
 from modelcast.io.log_stamps import LogClock
+from modelcast.io.packed import open_octets
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import LARGEST
 from modelcast.io.text_head import file_head, first_lines, split_fields
@@ -92,6 +94,7 @@ class CvPilotReader(AbstractTripReader):
 
     held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "cv-pilot"
+    streams: ClassVar[bool] = True
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether the header names the columns of a pilot."""
@@ -193,7 +196,7 @@ class _PilotTable(AbstractBsmLog):
     def _rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield line numbers and cells behind the header, blank lines passed over."""
         self._cut = False
-        with Path(self.path).open(encoding="utf-8-sig", newline=None) as file:
+        with open_octets(self.path) as octets, TextIOWrapper(octets, "utf-8-sig", newline=None) as file:
             lines = _Lines(self.path, file)
             reader = csv.reader(lines, strict=True)
             header = True

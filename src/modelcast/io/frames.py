@@ -8,7 +8,7 @@ pandas and pyarrow tables all do. No such library is imported for it.
 # pyarrow has no type stubs: what comes out of it is unknown to pyright.
 # pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -18,14 +18,18 @@ import pyarrow as pa
 from pyarrow.interchange import from_dataframe
 
 from modelcast.core.exceptions import DataFormatError
-from modelcast.io.arrow_trips import arrow_rows
+from modelcast.io.arrow_trips import PART_ROWS, ArrowTable
 from modelcast.io.base import OnSkipped, ignore_skipped
+from modelcast.io.table_trips import table_trips
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["FRAME", "FrameRecording", "frame_html", "frame_recording", "summary_frame"]
 
 FRAME = "frame"
 """Name of a data frame in errors and identifiers, and of its format."""
+
+MOST_FRAME_BYTES = 2**40
+"""A frame is in memory already: its trips have no other limit than that."""
 
 _SUMMARY = {
     "trip": pl.String,
@@ -63,14 +67,18 @@ class FrameRecording:
         Raises
         ------
         ConfigError, DataFormatError
-            As for `modelcast.io.arrow_trips.arrow_rows`.
+            As for `modelcast.io.arrow_trips.ArrowTable`.
         """
-        names = [str(name) for name in self.table.column_names]
+        table = self.table
+
+        def batches(wanted: Sequence[str]) -> Iterable[Any]:
+            return table.select(list(wanted)).to_batches(max_chunksize=PART_ROWS)
+
         try:
-            found = arrow_rows(FRAME, self.columns, names, lambda name: self.table.column(names.index(name)))
+            found = ArrowTable(FRAME, self.columns, table.schema, table.num_rows, batches)
+            yield from table_trips(found, FRAME, self.on_skipped, held_bytes=MOST_FRAME_BYTES)
         except pa.ArrowException as error:
             raise DataFormatError(FRAME, f"cannot be read: {error}") from error
-        yield from found.trips(FRAME, FRAME, self.on_skipped)
 
 
 def frame_recording(

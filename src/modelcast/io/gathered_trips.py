@@ -6,13 +6,13 @@ SI units, and hands both over here. Rows are then put in order, placed and made 
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import KW_ONLY, dataclass
-from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
 
 from modelcast.core.geodesy import Origin
 from modelcast.io.base import OnSkipped, Tally
+from modelcast.io.packed import recording_stem
 from modelcast.io.rows import Rows, located, make_trip, ordered
 from modelcast.io.spmd import valid_position
 from modelcast.trips.trajectory import Trajectory
@@ -83,7 +83,7 @@ def trips_of(
     for one in found:
         tally = Tally()
         tally.skip("partial last line", int(one.partial))
-        trip_id = f"{Path(path).stem}/{one.name}"
+        trip_id = f"{recording_stem(path)}/{one.name}"
         left = usable(one.rows, tally)
         rows = left.rows
         trip = None

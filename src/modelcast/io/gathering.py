@@ -18,13 +18,14 @@ from heapq import heappop, heappush
 from typing import Generic, TypeVar
 
 import numpy as np
+import polars as pl
 
 from modelcast.core.arrays import IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.reading_limits import HELD_BYTES, MOST_TRIPS, require_fitting
 from modelcast.io.rows import Rows, joined
 
-__all__ = ["AbstractKeyedRows", "Gathered", "KeyedBlock", "gathered"]
+__all__ = ["AbstractKeyedRows", "Gathered", "KeyedBlock", "gathered", "numbered"]
 
 _PART_BYTES = 200
 _COLUMN_BYTES = 120
@@ -111,6 +112,27 @@ class Gathered(Generic[Key]):
     key: Key
     rows: Rows
     partial: bool
+
+
+def numbered(columns: Sequence[pl.Series]) -> tuple[list[tuple[str, ...]], IntArray]:
+    """Return the different rows of some columns in order of appearance, and the one of each row, (R,).
+
+    Parameters
+    ----------
+    columns
+        Columns of text with different names and without blanks.
+
+    Examples
+    --------
+    >>> import polars as pl
+    >>> keys, number = numbered([pl.Series("vehicle", ["b", "a", "b"])])
+    >>> keys, number.tolist()
+    ([('b',), ('a',)], [0, 1, 0])
+    """
+    frame = pl.DataFrame(list(columns))
+    unique = frame.unique(maintain_order=True).with_row_index("number of the key")
+    number = frame.join(unique, on=frame.columns, how="left", maintain_order="left")["number of the key"]
+    return [tuple(row[1:]) for row in unique.iter_rows()], number.to_numpy().astype(np.int64)
 
 
 def gathered(file: AbstractKeyedRows[Key], held_bytes: int = HELD_BYTES) -> Iterator[Gathered[Key]]:

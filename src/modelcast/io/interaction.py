@@ -68,6 +68,7 @@ class InteractionReader(AbstractTripReader):
 
     held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "interaction"
+    streams: ClassVar[bool] = True
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether the header names the format's columns."""

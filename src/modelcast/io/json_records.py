@@ -9,10 +9,11 @@ import json
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
+from io import TextIOWrapper
 from typing import Any, TextIO, cast
 
 from modelcast.core.exceptions import DataFormatError
+from modelcast.io.packed import open_octets
 
 __all__ = ["MOST_CHARACTERS", "PART_CHARACTERS", "JsonRecords"]
 
@@ -57,7 +58,7 @@ class JsonRecords:
         """
         self.cut = False
         number = 0
-        with Path(self.path).open(encoding="utf-8-sig", newline=None) as file:
+        with open_octets(self.path) as octets, TextIOWrapper(octets, "utf-8-sig", newline=None) as file:
             text, at, ended = "", 0, False
             while True:
                 at = self._begin(text, at)

@@ -5,14 +5,11 @@ Fields are parted by one separator and quotes have no separator inside (`modelca
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
-from pathlib import Path
-
-import numpy as np
-import polars as pl
 
 from modelcast.core.arrays import IntArray
 from modelcast.core.exceptions import DataFormatError
-from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock
+from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, numbered
+from modelcast.io.packed import recording_stem
 from modelcast.io.rows import Rows
 from modelcast.io.text_blocks import Block, number_column, read_blocks, text_column
 from modelcast.io.text_head import rows_expected
@@ -69,7 +66,7 @@ class KeyedText(AbstractKeyedRows[TextKey]):
 
     def called(self, key: TextKey) -> str:
         """``<stem>/<vehicle>``."""
-        return f"{Path(self.path).stem}/{self.name_of(key)}"
+        return f"{recording_stem(self.path)}/{self.name_of(key)}"
 
     def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[TextKey]]:
         """Yield the file's blocks."""
@@ -77,7 +74,7 @@ class KeyedText(AbstractKeyedRows[TextKey]):
         fields = [self.place[name] for name in names]
         for block in read_blocks(
             self.path, counts=self.counts, fields=fields, skip_lines=self.skip_lines,
-            separator=self.separator,
+            numbers=[self.place[name] for name in self.numbers if name in names], separator=self.separator,
         ):  # fmt: skip
             keys, number = self._keys(block)
             found = self._numbers(block) if rows else None
@@ -97,7 +94,4 @@ class KeyedText(AbstractKeyedRows[TextKey]):
                     self.path, f"{column.name} is blank", row=int(block.line[at]),
                     remedy="Every row needs it: it names the trip.",
                 )  # fmt: skip
-        frame = pl.DataFrame(columns)
-        unique = frame.unique(maintain_order=True).with_row_index("number")
-        number = frame.join(unique, on=list(self.keys), how="left", maintain_order="left")["number"]
-        return [tuple(row[1:]) for row in unique.iter_rows()], number.to_numpy().astype(np.int64)
+        return numbered(columns)

@@ -93,6 +93,7 @@ class NgsimReader(AbstractTripReader):
 
     held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "ngsim"
+    streams: ClassVar[bool] = True
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether the first line is the header, or a row of the original files."""

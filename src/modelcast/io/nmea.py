@@ -46,6 +46,7 @@ from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipp
 from modelcast.io.nmea_epochs import Epoch, epochs_of, midnights, refuse_second_receiver, timed
 from modelcast.io.nmea_receivers import Heard, receivers
 from modelcast.io.nmea_sentences import Fix, parse_fix, sentence_body, sentences, talker_of
+from modelcast.io.packed import recording_stem
 from modelcast.io.rows import Rows, located, make_trip, ordered
 from modelcast.io.text_head import file_head, first_lines
 from modelcast.trips.trajectory import Trajectory
@@ -112,7 +113,7 @@ class NmeaReader(AbstractTripReader):
         faults = log.faults
         for name, heard in found.items():
             receiver = "receiver" if len(found) == 1 else f"receiver-{name}"
-            trip_id = f"{Path(path).stem}/{receiver}"
+            trip_id = f"{recording_stem(path)}/{receiver}"
             tally = Tally()
             for reason, count in faults.items():
                 tally.skip(reason, count)

@@ -35,6 +35,7 @@ import numpy as np
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.packed import recording_stem
 from modelcast.io.rows import LARGEST, Rows, make_trip, ordered, with_missing
 from modelcast.trips.trajectory import Trajectory
 
@@ -57,7 +58,7 @@ class NycCvpdReader(AbstractTripReader):
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per vehicle, in order of first appearance; the file is held whole."""
-        stem = Path(path).stem
+        stem = recording_stem(path)
         for vehicle, (records, values) in _messages(path).items():
             tally = Tally()
             raw = np.asarray(values, dtype=np.float64)

@@ -51,6 +51,7 @@ from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipp
 from modelcast.io.bsm_trips import AbstractBsmLog, BsmRow, bsm_trips
 from modelcast.io.json_records import JsonRecords
 from modelcast.io.log_stamps import LogClock
+from modelcast.io.packed import recording_stem
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import LARGEST
 from modelcast.trips.trajectory import Trajectory
@@ -84,6 +85,7 @@ class OdeBsmReader(AbstractTripReader):
 
     held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "ode-bsm"
+    streams: ClassVar[bool] = True
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether this is JSON that begins with a message and what the environment says of it."""
@@ -104,7 +106,7 @@ class OdeBsmReader(AbstractTripReader):
         for kind, count in log.others.items():
             tally.skip(f"of another kind ({kind})", count)
         if log.others:
-            on_skipped(Path(path).stem, tally.why_empty())
+            on_skipped(recording_stem(path), tally.why_empty())
 
 
 @dataclass(slots=True)

@@ -12,7 +12,8 @@ unit only their size tells.
 # pyarrow has no type stubs: what comes out of it is unknown to pyright.
 # pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -21,13 +22,18 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from modelcast.core.exceptions import DataFormatError
-from modelcast.io.arrow_trips import arrow_rows
+from modelcast.io.arrow_trips import PART_ROWS, ArrowTable, is_text
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
+from modelcast.io.parquet_guard import require_modest_footer, require_modest_pages
+from modelcast.io.reading_limits import HELD_BYTES
+from modelcast.io.table_trips import table_trips
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["ParquetReader"]
 
 _MAGIC = b"PAR1"
+_BUFFER_BYTES = 2**20
+"""Read of a column at a time, so that no row group is held whole."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +44,12 @@ class ParquetReader(AbstractTripReader):
     ----------
     columns
         Column names by meaning; names are detected where it is None.
+    held_bytes
+        Octets of numbers that may be gathered at a time.
     """
 
     columns: Mapping[str, str] | None = None
+    held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "parquet"
 
     def matches(self, path: Path, head: bytes) -> bool:
@@ -52,19 +61,43 @@ class ParquetReader(AbstractTripReader):
         """Return the reader with the user's column names."""
         return replace(self, columns=dict(columns))
 
+    def within(self, held_bytes: int) -> "ParquetReader":
+        """Return the reader with another limit."""
+        return replace(self, held_bytes=held_bytes)
+
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
-        """Yield a trip per vehicle; the mapped columns are held in memory."""
-        try:
+        """Yield a trip per vehicle, as `modelcast.io.gathering` gathers them."""
+        with _told(path), Path(path).open("rb") as file:
+            require_modest_footer(path, file)
+            metadata: Any = pq.read_metadata(file)
+            schema = metadata.schema.to_arrow_schema()
+        checked: set[str] = set()
+
+        def batches(wanted: Sequence[str]) -> Iterator[Any]:
             # pyarrow, because polars ends the whole process on some damaged files.
-            with pq.ParquetFile(path, page_checksum_verification=True) as file:
-                names = [str(name) for name in file.schema_arrow.names]
+            words = [name for name in wanted if is_text(schema.field(name).type)]
+            with _told(path), Path(path).open("rb") as file:
+                if not checked.issuperset(wanted):
+                    require_modest_pages(path, file, metadata, wanted)
+                    checked.update(wanted)
+                # Buffering ahead would hold a whole row group, packed.
+                opened = pq.ParquetFile(
+                    file, metadata=metadata, page_checksum_verification=True,
+                    read_dictionary=words, buffer_size=_BUFFER_BYTES, pre_buffer=False,
+                )  # fmt: skip
+                yield from opened.iter_batches(batch_size=PART_ROWS, columns=list(wanted))
 
-                def column(name: str) -> Any:
-                    return file.read(columns=[name]).column(0)
+        with _told(path):
+            table = ArrowTable(path, self.columns, schema, metadata.num_rows, batches)
+        yield from table_trips(table, self.name, on_skipped, held_bytes=self.held_bytes)
 
-                found = arrow_rows(path, self.columns, names, column)
-        except (pa.ArrowException, OSError, ValueError, MemoryError) as error:
-            raise DataFormatError(
-                path, f"is not readable as Parquet: {error}", remedy="Check that it is complete."
-            ) from error
-        yield from found.trips(path, self.name, on_skipped)
+
+@contextmanager
+def _told(path: str) -> Generator[None]:
+    """Turn what pyarrow says of a file into the error of a reader."""
+    try:
+        yield
+    except (pa.ArrowException, OSError, ValueError, MemoryError) as error:
+        raise DataFormatError(
+            path, f"is not readable as Parquet: {error}", remedy="Check that it is complete."
+        ) from error

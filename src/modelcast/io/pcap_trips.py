@@ -28,6 +28,7 @@ import numpy as np
 from modelcast.core.geodesy import Origin
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.captured import Captured
+from modelcast.io.packed import recording_stem
 from modelcast.io.pcap import is_capture
 from modelcast.io.rows import Rows, located, make_trip, ordered
 from modelcast.io.spmd import valid_position
@@ -65,9 +66,9 @@ class PcapReader(AbstractTripReader):
             row = {name: _number(values[of]) for name, of in _COLUMNS.items()}
             heard.setdefault(message.temporary_id, []).append((message.number, _number(message.t_s), row))
         for told in capture.told():
-            on_skipped(Path(path).stem, told)
+            on_skipped(recording_stem(path), told)
         for temporary_id, rows in heard.items():
-            name = f"{Path(path).stem}/{temporary_id:08x}"
+            name = f"{recording_stem(path)}/{temporary_id:08x}"
             tally = Tally()
             trip = _trip(path, name, rows, tally)
             if trip is None:

@@ -13,6 +13,7 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.core.open_group import OpenGroup
 from modelcast.io.base import AbstractTripReader
 from modelcast.io.column_map import example_map
+from modelcast.io.packed import member_of, open_octets, recording_name
 from modelcast.io.places import readable_kind
 from modelcast.io.table_layout import table_layout
 from modelcast.io.text_head import first_lines, refuse_utf16
@@ -46,9 +47,12 @@ FORMATS: Mapping[str, str] = MappingProxyType(
         "csv": "modelcast.io.csv:CsvReader",
     }
 )
-"""The built-in formats and the class that reads each; csv is asked last, as the least specific."""
+"""The formats of recordings and the class that reads each; csv is asked last, as the least specific."""
 
-READERS = OpenGroup("modelcast.readers", AbstractTripReader, called="format", own=FORMATS)
+_CORPUS = {"corpus": "modelcast.corpora.reader:CorpusReader"}
+"""Trips of all formats in one folder; the layer above this one brings it, and nothing here knows of it."""
+
+READERS = OpenGroup("modelcast.readers", AbstractTripReader, called="format", own={**_CORPUS, **FORMATS})
 """All readers, ours and those of other packages."""
 
 _HEAD_BYTES = 16384
@@ -85,15 +89,16 @@ def detect_format(path: str | Path) -> str:
         Where the file does not exist, is a pipe or a device, is empty, or no reader knows it.
     """
     at = Path(path)
-    head = b""
-    if readable_kind(at) == "file":
-        with at.open("rb") as file:
+    head, named = b"", at
+    if member_of(at) is not None or readable_kind(at) == "file":
+        with open_octets(path) as file:
             head = file.read(_HEAD_BYTES)
+        named = at.with_name(recording_name(at))
         if not head.strip():
             raise DataFormatError(str(path), "the file is empty", remedy="Check that it is complete.")
         refuse_utf16(str(path), head)
     for name in reader_names():
-        if get_reader(name).matches(at, head):
+        if get_reader(name).matches(named, head):
             return name
     raise DataFormatError(
         str(path),

@@ -41,7 +41,6 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Iterator
 from functools import partial
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -53,6 +52,7 @@ from modelcast.core.rules import shown
 from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.gathered_trips import TripRows, UsableRows, first_origin, placed_on_earth, trips_of
 from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered
+from modelcast.io.packed import recording_stem
 from modelcast.io.ros_messages import COLUMNS, MESSAGES, decode_message, message_name
 from modelcast.io.rows import Rows, are_numbers, with_missing
 from modelcast.io.skipped import free_name
@@ -151,7 +151,7 @@ def bag_trips(bag: AbstractBag, source: str, on_skipped: OnSkipped, held_bytes: 
         else:
             usable = partial(_odometry, first_ns=first_ns)
         yield from trips_of(bag.path, source, [TripRows(name, one.rows)], usable, on_skipped)
-    stem = Path(bag.path).stem
+    stem = recording_stem(bag.path)
     for (topic, encoding), count in rows.unread.items():
         tally = Tally()
         tally.skip(f"in the encoding {shown(encoding)}, not cdr", count)
@@ -186,7 +186,7 @@ class _Topics(AbstractKeyedRows[_Topic]):
 
     def called(self, key: _Topic) -> str:
         """The topic."""
-        return f"{Path(self.path).stem}/{key.topic.strip('/')}"
+        return f"{recording_stem(self.path)}/{key.topic.strip('/')}"
 
     def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[_Topic]]:
         """Yield messages in blocks of a fixed number."""

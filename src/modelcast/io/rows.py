@@ -178,12 +178,13 @@ def make_trip(
     origin: Origin | None = None,
     unix_offset_s: float | None = None,
     clock_offset_s: float | None = None,
+    vehicle: str = "",
 ) -> Trajectory | None:
     """Return the trip of rows in time order, or None where no row is left.
 
     Parameters
     ----------
-    path, trip_id, source, origin
+    path, trip_id, source, origin, vehicle
         Where the rows come from, and as in `Trajectory`.
     rows
         With ``t_s``, ``east_m``, ``north_m`` complete, and optional columns.
@@ -226,6 +227,7 @@ def make_trip(
             start_unix_s=None if unix_offset_s is None else float(t_s[0]) + unix_offset_s,
             clock_s=None if clock_offset_s is None else float(t_s[0]) + clock_offset_s,
             source=source,
+            vehicle=vehicle,
             reading=reading,
             piece=columns.get("piece"),
         )

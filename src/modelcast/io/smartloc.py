@@ -32,6 +32,7 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import ecef_to_enu
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.packed import is_there
 from modelcast.io.rows import LARGEST, Rows, make_trip
 from modelcast.io.text_head import first_lines
 from modelcast.trips.trajectory import Trajectory
@@ -74,7 +75,7 @@ class SmartLocReader(AbstractTripReader):
     def stands_for(self, path: Path) -> Path:
         """Return the ground-truth file, where there is one beside this file."""
         truth = path.with_name(path.name.removesuffix(_INPUT) + _TRUTH)
-        return truth if path.name.endswith(_INPUT) and truth.exists() else path
+        return truth if path.name.endswith(_INPUT) and is_there(truth) else path
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield the drive's one trip."""

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import polars as pl
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
-from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered
+from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered, numbered
+from modelcast.io.packed import recording_stem
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, located, make_trip, ordered, with_missing
 from modelcast.io.text_blocks import Block, number_column, read_blocks, text_column
@@ -65,6 +65,8 @@ class SpmdLayout:
         Its unit.
     duplicate
         Reason counted for rows that repeat a time.
+    vehicle
+        Which of the keys names the vehicle.
     start_unix
         Whether times are Unix times.
     """
@@ -79,6 +81,7 @@ class SpmdLayout:
     trip_name: Callable[[Key], str]
     usable: Callable[[Rows, Tally], Rows]
     duplicate: str = "duplicate time"
+    vehicle: int = 0
     start_unix: bool = False
 
 
@@ -114,8 +117,14 @@ class SpmdFile:
         """
         width = max(*self.counts, len(self.layout.header))
         wanted = [self.at[name] for name in names]
+        numbers = [self.at[name] for name in names if name not in self.layout.keys]
         return read_blocks(
-            self.path, counts=self.counts, fields=wanted, skip_lines=self.skip_lines, width=width
+            self.path,
+            counts=self.counts,
+            fields=wanted,
+            skip_lines=self.skip_lines,
+            numbers=numbers,
+            width=width,
         )
 
     def block_keys(self, block: Block) -> tuple[list[Key], IntArray]:
@@ -141,10 +150,7 @@ class SpmdFile:
                     row=int(block.line[at]),
                     remedy="Every row needs it: it names the trip.",
                 )
-        frame = pl.DataFrame(columns)
-        unique = frame.unique(maintain_order=True).with_row_index("number")
-        number = frame.join(unique, on=list(self.layout.keys), how="left", maintain_order="left")["number"]
-        return [tuple(row[1:]) for row in unique.iter_rows()], number.to_numpy().astype(np.int64)
+        return numbered(columns)
 
 
 def _is_number(text: str) -> bool:
@@ -198,6 +204,8 @@ class AbstractSpmdReader(AbstractTripReader):
     held_bytes
         Octets of numbers that may be gathered at a time.
     """
+
+    streams = True
 
     def __init__(self, held_bytes: int = HELD_BYTES) -> None:
         self._held_bytes = held_bytes
@@ -255,7 +263,7 @@ class _SpmdRows(AbstractKeyedRows[Key]):
 
     def called(self, key: Key) -> str:
         """``<stem>/<vehicle>``."""
-        return f"{Path(self.path).stem}/{self.file.layout.trip_name(key)}"
+        return f"{recording_stem(self.path)}/{self.file.layout.trip_name(key)}"
 
     def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[Key]]:
         """Yield the file's blocks; blocks of text."""
@@ -305,6 +313,7 @@ def _trip(file: _SpmdRows, found: Gathered[Key], on_skipped: OnSkipped) -> Traje
         trip = make_trip(
             file.path, trip_id, rows, tally,
             count=count, source=layout.source, origin=origin,
+            vehicle=found.key[layout.vehicle],
             unix_offset_s=start * layout.time_unit_s if layout.start_unix else None,
         )  # fmt: skip
     if trip is None:

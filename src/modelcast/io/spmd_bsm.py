@@ -101,6 +101,7 @@ BSM_LAYOUT = SpmdLayout(
     time_unit_s=_TIME_UNIT_S,
     trip_name=_trip_name,
     usable=_usable,
+    vehicle=2,
 )  # fmt: skip
 
 

@@ -1,81 +1,219 @@
-"""Trips out of one table with named columns: what the csv and parquet readers share.
+"""Trips out of one table with named columns: what the csv and parquet readers and data frames share.
 
-Rows are grouped by vehicle, in order of first appearance; within a vehicle time must increase. All mapped
-columns are held in memory, 8 bytes a value.
+Rows are gathered by vehicle (`modelcast.io.gathering`); within a vehicle time must increase.
 
 Programs that log SUMO through TraCI write -1073741824 for what a vehicle off the road does not have. Rows
 with such a position are skipped and counted; such values of other columns are missing, and counted too.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 import polars as pl
 
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, wrap_angle_rad
 from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.column_map import ColumnMap
+from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered, numbered
+from modelcast.io.packed import recording_stem
+from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import OPTIONAL, Rows, are_unknown_to_sumo, located, make_trip, with_missing
 from modelcast.io.time_column import TimeUnit
 from modelcast.io.unit_check import refuse_other_unit
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["OFF_ROAD", "table_trips"]
+__all__ = ["OFF_ROAD", "AbstractTable", "TablePart", "table_trips"]
 
 OFF_ROAD = "off the road (SUMO's -1073741824)"
 """Why a row without a position in SUMO's traffic is skipped."""
 
 _POSITION = ("east_m", "north_m", "latitude_deg", "longitude_deg")
-_OFF = "off_road"
+_NOT_KNOWN = -np.inf
+"""What stands for SUMO's sentinel in columns of SI units."""
 
 _CONSTANTS = ("origin_latitude_deg", "origin_longitude_deg", "origin_altitude_m", "start_unix_s")
+_ONLY = "vehicle"
+"""What the vehicle of a table is called that names none."""
+
+
+@dataclass(frozen=True, slots=True)
+class TablePart:
+    """Consecutive rows of a table.
+
+    Parameters
+    ----------
+    index
+        Number of the part, from 0, the same in every pass.
+    rows
+        The rows as the file has them: the time from `TimeUnit.start`, NaN where blank; the other columns of
+        the map where they were asked for.
+    labels
+        The vehicle (or trip) of each row as text, where the table names it.
+    partial
+        Whether a last line cut short was passed over.
+    """
+
+    index: int
+    rows: Rows
+    labels: pl.Series | None
+    partial: bool = False
+
+
+class AbstractTable(ABC):
+    """A table with named columns, which can be gone through again and again in parts of bounded size.
+
+    Parameters
+    ----------
+    path
+        What errors call it; its stem begins the identifiers.
+    found
+        What its columns mean.
+    """
+
+    def __init__(self, path: str, found: ColumnMap) -> None:
+        self.path = path
+        self.found = found
+
+    @property
+    @abstractmethod
+    def time(self) -> TimeUnit:
+        """What the times mean; settled once a part with a time was read."""
+
+    @property
+    @abstractmethod
+    def rows_expected(self) -> int | None:
+        """About how many rows it has, None where only reading tells."""
+
+    @abstractmethod
+    def parts(self, *, whole: bool) -> Iterator[TablePart]:
+        """Yield the table.
+
+        Parameters
+        ----------
+        whole
+            Whether the other columns of the map are wanted, beside time and vehicle.
+
+        Raises
+        ------
+        DataFormatError
+            Where a value is none that its column may have.
+        """
 
 
 def table_trips(
-    path: str, source: str, found: ColumnMap, rows: Rows, labels: pl.Series | None, *, time: TimeUnit,
-    partial: bool, on_skipped: OnSkipped,
-) -> Iterator[Trajectory]:  # fmt: skip
+    table: AbstractTable, source: str, on_skipped: OnSkipped, *, held_bytes: int = HELD_BYTES
+) -> Iterator[Trajectory]:
     """Yield a table's trips.
 
     Parameters
     ----------
-    path, source, on_skipped
+    table
+        The table.
+    source, on_skipped
         As for readers.
-    found
-        The table's columns.
-    rows
-        All rows as the file has them, the time from `TimeUnit.start`, NaN where blank.
-    labels
-        The vehicle (or trip) of each row as text, where the table names it.
-    time
-        What the times mean.
-    partial
-        Whether a cut last line was passed over; it is counted with the last row's vehicle.
+    held_bytes
+        Octets of numbers that may be gathered at a time.
     """
-    rows = _in_si(found, _without_positions_off_road(rows))
-    _check_range(path, rows)
-    stem = Path(path).stem
-    origin = _first_origin(rows) if found.geodetic else None
-    groups = list(_groups(path, rows, labels))
-    one_clock = _one_clock(groups, rows, time)
-    for label, which in groups:
-        trip_id = label if found.whole_id and labels is not None else f"{stem}/{label}"
+    rows = _TableRows(table)
+    for found in gathered(rows, held_bytes):
         tally = Tally()
-        own = rows.taken(which) if labels is not None else rows
-        cut = partial and len(rows) - 1 in which[-1:]
-        tally.skip("partial last line", int(cut))
-        count = len(own) + int(cut)
+        tally.skip("partial last line", int(found.partial))
+        trip_id = rows.called(found.key)
         trip = _trip(
-            path, source, trip_id, own, tally,
-            count=count, time=time, shared_origin=origin, one_clock=one_clock,
+            table.path, source, trip_id, found.rows, tally,
+            count=len(found.rows) + int(found.partial), time=table.time,
+            shared_origin=rows.origin, one_clock=rows.one_clock,
         )  # fmt: skip
         if trip is None:
             on_skipped(trip_id, tally.why_empty())
         else:
             yield trip
+
+
+class _TableRows(AbstractKeyedRows[str]):
+    """The rows of a table in SI units, but for the time.
+
+    `origin` is the first full position of a table of latitudes and longitudes, once it was read; `one_clock`
+    whether all trips tell the time by one clock, as they do where some begins at another time than 0.
+    """
+
+    def __init__(self, table: AbstractTable) -> None:
+        self.path = table.path
+        self.origin: Origin | None = None
+        self.one_clock = False
+        self._table = table
+        self._begun: set[str] = set()
+
+    @property
+    def columns(self) -> int:
+        """Those of the map."""
+        return len(self._table.found.numbers)
+
+    @property
+    def rows_expected(self) -> int | None:
+        """As the table says."""
+        return self._table.rows_expected
+
+    def called(self, key: str) -> str:
+        """The label where it is a complete identifier, else ``<stem>/<label>``."""
+        found = self._table.found
+        return key if found.whole_id and found.label is not None else f"{recording_stem(self.path)}/{key}"
+
+    def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[str]]:
+        """Yield the table's parts."""
+        for part in self._table.parts(whole=rows):
+            keys, number = self._keys(part)
+            self._note_clock(part.rows.columns["t_s"], keys, number)
+            found = self._in_si(part.rows) if rows else None
+            yield KeyedBlock(part.index, keys, number, found, part.partial)
+
+    def _keys(self, part: TablePart) -> tuple[list[str], IntArray]:
+        count, labels = len(part.rows), part.labels
+        if labels is None:
+            return [_ONLY] * (count > 0), np.zeros(count, dtype=np.int64)
+        if labels.null_count():
+            at = int(labels.is_null().arg_true()[0])
+            raise DataFormatError(
+                self.path, f"the vehicle ({labels.name}) is blank", row=int(part.rows.line[at]),
+                remedy="Name it.",
+            )  # fmt: skip
+        keys, number = numbered([labels])
+        return [key for (key,) in keys], number
+
+    def _note_clock(self, t_s: FloatArray, keys: list[str], number: IntArray) -> None:
+        """Look whether a trip that begins here does so at another time than 0."""
+        if self.one_clock or self._begun.issuperset(keys):
+            return
+        _, first = np.unique(number, return_index=True)
+        for key, start in zip(keys, t_s[first].tolist(), strict=True):
+            if key not in self._begun and np.isfinite(start) and start + self._table.time.start != 0.0:
+                self.one_clock = True
+                self._begun.clear()
+                return
+        self._begun.update(keys)
+
+    def _in_si(self, raw: Rows) -> Rows:
+        """Return the rows with SUMO's sentinel as -inf, in all columns of a position where it is in one."""
+        columns = dict(raw.columns)
+        for fills, (_, factor) in self._table.found.numbers.items():
+            if fills == "t_s":
+                continue
+            column = columns[fills] * factor if factor != 1.0 else columns[fills]
+            unknown = are_unknown_to_sumo(columns[fills])
+            columns[fills] = np.where(unknown, _NOT_KNOWN, column) if unknown.any() else column
+        places = [name for name in _POSITION if name in columns]
+        off = np.any([np.isneginf(columns[name]) for name in places], axis=0)
+        if off.any():
+            columns |= {name: np.where(off, _NOT_KNOWN, columns[name]) for name in places}
+        rows = Rows(raw.line, columns)
+        _check_range(self.path, rows)
+        if self._table.found.geodetic and self.origin is None:
+            self.origin = _first_origin(rows)
+        return rows
 
 
 def _trip(
@@ -85,10 +223,9 @@ def _trip(
     """Return one vehicle's trip, or None where no row is usable."""
     columns = rows.columns
     geodetic = "latitude_deg" in columns
-    if _OFF in columns:
-        rows = rows.without(columns[_OFF] > 0, OFF_ROAD, tally)
-    rows = rows.without(np.isnan(rows.columns["t_s"]), "time blank", tally)
     x, y = ("latitude_deg", "longitude_deg") if geodetic else ("east_m", "north_m")
+    rows = rows.without(np.isneginf(columns[x]), OFF_ROAD, tally)
+    rows = rows.without(np.isnan(rows.columns["t_s"]), "time blank", tally)
     rows = rows.without(np.isnan(rows.columns[x] + rows.columns[y]), "position blank", tally)
     if not len(rows):
         return None
@@ -123,22 +260,6 @@ def _trip(
     )
 
 
-def _one_clock(groups: list[tuple[str, np.ndarray]], rows: Rows, time: TimeUnit) -> bool:
-    """Whether all trips tell the time by one clock: some begins at another time than 0."""
-    starts_s = (rows.columns["t_s"][which[:1]] for _, which in groups)
-    return any(bool(np.isfinite(start).all() and (start + time.start != 0.0).all()) for start in starts_s)
-
-
-def _without_positions_off_road(rows: Rows) -> Rows:
-    """Return the rows with positions that are SUMO's sentinel blank, marked in a column of their own."""
-    places = {name: column for name, column in rows.columns.items() if name in _POSITION}
-    off = np.any([are_unknown_to_sumo(column) for column in places.values()], axis=0)
-    if not off.any():
-        return rows
-    blanked = {name: with_missing(column, off) for name, column in places.items()}
-    return rows.having(**blanked, **{_OFF: off.astype(np.float64)})
-
-
 def _known_to_sumo(rows: Rows, tally: Tally) -> Rows:
     """Return the rows with optional values that were SUMO's sentinel blank, counted as repaired."""
     for name, word in (*OPTIONAL.items(), ("altitude_m", "altitude")):
@@ -149,43 +270,16 @@ def _known_to_sumo(rows: Rows, tally: Tally) -> Rows:
     return rows
 
 
-def _in_si(found: ColumnMap, rows: Rows) -> Rows:
-    """Return the rows in SI units but for the time, optional values that are SUMO's sentinel as -inf."""
-    columns = dict(rows.columns)
-    for fills, (_, factor) in found.numbers.items():
-        if fills == "t_s":
-            continue
-        column = columns[fills] * factor if factor != 1.0 else columns[fills]
-        unknown = are_unknown_to_sumo(columns[fills])
-        columns[fills] = np.where(unknown, -np.inf, column) if unknown.any() else column
-    return Rows(rows.line, columns)
-
-
 def _wrapped(heading_rad: FloatArray) -> FloatArray:
     """Return headings in [-pi, pi), those already there to the bit."""
     inside = (heading_rad >= -np.pi) & (heading_rad < np.pi)
     return np.where(inside, heading_rad, wrap_angle_rad(heading_rad))
 
 
-def _groups(path: str, rows: Rows, labels: pl.Series | None) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield every label with the indices of its rows, in order of first appearance."""
-    if labels is None:
-        yield "vehicle", np.arange(len(rows))
-        return
-    if labels.null_count():
-        at = int(labels.is_null().arg_true()[0])
-        raise DataFormatError(
-            path, f"the vehicle ({labels.name}) is blank", row=int(rows.line[at]), remedy="Name it."
-        )
-    frame = pl.DataFrame({"label": labels}).with_row_index("row")
-    for label, rows_of in frame.group_by("label", maintain_order=True).agg("row").iter_rows():
-        yield str(label), np.asarray(rows_of, dtype=np.int64)
-
-
 def _check_range(path: str, rows: Rows) -> None:
     for name, bound in (("latitude_deg", 90.0), ("longitude_deg", 360.0)):
         column = rows.columns.get(name, np.zeros(0))
-        bad = np.abs(column) > bound
+        bad = (np.abs(column) > bound) & (column != _NOT_KNOWN)
         if bad.any():
             at = int(np.argmax(bad))
             raise DataFormatError(

@@ -103,7 +103,9 @@ def settle(t_s: FloatArray, position_m: FloatArray) -> Settled:
     >>> np.flatnonzero(~found.kept).tolist(), found.split.tolist()
     ([40, 41, 42], [70])
     """
-    off_earth = np.hypot(*(position_m - np.median(position_m, axis=0)).T) > EARTH_M
+    off_earth = np.zeros(len(t_s), dtype=np.bool_)
+    if np.hypot(*np.ptp(position_m, axis=0)) > EARTH_M:
+        off_earth = np.hypot(*(position_m - np.median(position_m, axis=0)).T) > EARTH_M
     rows = np.flatnonzero(~off_earth)
     kept = ~off_earth
     t, at = t_s[rows], position_m[rows]
@@ -190,19 +192,23 @@ class _Steps:
 
         The first and the last have one neighbour only; the next but one stands for the other.
         """
+        return self._deviation_m(1), self._deviation_m(-1)
+
+    def _deviation_m(self, shift: int) -> FloatArray:
+        """Distance from what a neighbour would have made it: 1 for the one before, -1 for that behind."""
         velocity = self.moved / self.elapsed[:, None]
-        before, behind = np.roll(velocity, 1, axis=0), np.roll(velocity, -1, axis=0)
+        other = np.roll(velocity, shift, axis=0)
         if len(velocity) > 2:
-            before[0], behind[-1] = velocity[2], velocity[-3]
-        elapsed = self.elapsed[:, None]
-        return np.hypot(*(self.moved - before * elapsed).T), np.hypot(*(self.moved - behind * elapsed).T)
+            edge = 0 if shift > 0 else -1
+            other[edge] = velocity[2 if shift > 0 else -3]
+        return np.hypot(*(self.moved - other * self.elapsed[:, None]).T)
 
     @property
     def tolerance_m(self) -> float:
         """What errors may add [m]."""
         if len(self.moved) < _MIN_STEPS:
             return JUMP_TOLERANCE_M
-        before, _ = self.deviations_m()
+        before = self._deviation_m(1)
         return max(JUMP_TOLERANCE_M, _NOISE_STEPS * float(np.median(before)))
 
     def too_fast(self) -> BoolArray:
@@ -212,6 +218,11 @@ class _Steps:
     def impossible(self) -> BoolArray:
         """Steps that no vehicle makes, (N,)."""
         if len(self.moved) < _MIN_STEPS:
+            return np.zeros(len(self.moved), dtype=np.bool_)
+        # What noise adds is at least `JUMP_TOLERANCE_M`, and hardly any recording needs more.
+        slack_m = MAX_ACCELERATION_MPS2 * self.elapsed**2 + JUMP_TOLERANCE_M
+        fast_m = MAX_SPEED_MPS * self.elapsed + JUMP_TOLERANCE_M
+        if (self._deviation_m(1) <= slack_m).all() and (np.hypot(*self.moved.T) <= fast_m).all():
             return np.zeros(len(self.moved), dtype=np.bool_)
         reach = MAX_ACCELERATION_MPS2 * self.elapsed**2 + self.tolerance_m
         return (np.minimum(*self.deviations_m()) > reach) | self.too_fast()

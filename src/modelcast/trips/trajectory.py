@@ -93,6 +93,8 @@ class Trajectory:
         None where it is not known that there is such a clock.
     source
         Name of the format it came from.
+    vehicle
+        Name of the vehicle where the format names the same vehicle in several trips; empty where it does not.
     resampled
         True where the recorded steps were too uneven and the samples were interpolated to ``dt_s``.
     reading
@@ -119,6 +121,7 @@ class Trajectory:
     start_unix_s: float | None = None
     clock_s: float | None = None
     source: str = ""
+    vehicle: str = ""
     resampled: bool = False
     reading: Reading = field(default_factory=Reading)
 
@@ -212,6 +215,7 @@ def build_trajectory(
     start_unix_s: float | None = None,
     clock_s: float | None = None,
     source: str = "",
+    vehicle: str = "",
     reading: Reading | None = None,
     piece: npt.ArrayLike | None = None,
 ) -> Trajectory:
@@ -226,7 +230,7 @@ def build_trajectory(
     ----------
     trip_id, t_s, position_m, speed_mps, heading_rad, acceleration_mps2, yaw_rate_radps, up_m
         As in `Trajectory`; times may start anywhere and are shifted to start at 0.
-    origin, start_unix_s, clock_s, source, reading
+    origin, start_unix_s, clock_s, source, vehicle, reading
         As in `Trajectory`.
     piece
         Numbers of the pieces that the log itself tells apart, (T,): where it changes, a part begins.
@@ -262,6 +266,7 @@ def build_trajectory(
         start_unix_s=start_unix_s,
         clock_s=clock_s,
         source=source,
+        vehicle=vehicle,
         reading=reading if reading is not None else Reading(rows=int(times.size)),
     )
     trip = _split(trip, np.zeros(times.size) if piece is None else _owned(piece))
@@ -340,6 +345,7 @@ def _resampled(trip: Trajectory) -> Trajectory:
         start_unix_s=trip.start_unix_s,
         clock_s=trip.clock_s,
         source=trip.source,
+        vehicle=trip.vehicle,
         resampled=True,
         reading=trip.reading,
     )

@@ -1,0 +1,229 @@
+"""`ingest`: recordings of any format as one corpus.
+
+Sources are read one by one, each into a folder of its own (`modelcast.corpora.staging`), the partitions are
+packed from these (`modelcast.corpora.packing`), and ``corpus.json`` is written last. Both steps can be shared
+among processes, and each of their parts appears whole or not at all: a killed run goes on where it stopped,
+and what comes out has the same octets whatever the number of processes and of interruptions.
+"""
+
+# pyarrow has no type stubs: what comes out of it is unknown to pyright.
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+import hashlib
+import json
+import shutil
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from filelock import FileLock, Timeout
+
+from modelcast.core.exceptions import ConfigError
+from modelcast.corpora.catalogue import CATALOGUE
+from modelcast.corpora.executors.base import AbstractCrew, AbstractExecutor, Failed, LostWorkerError
+from modelcast.corpora.executors.here import HereExecutor
+from modelcast.corpora.finishing import Ingested, Made, failures_of, finish, skipped_of, write_grouped
+from modelcast.corpora.layout import (
+    CORPUS_FILE,
+    FORMAT,
+    ROWS_FOLDER,
+    UNFINISHED,
+    VERSION,
+    Partition,
+    is_corpus,
+    partition_folder,
+)
+from modelcast.corpora.merging import merged_catalogue
+from modelcast.corpora.packing import Packing, pack, packed_already
+from modelcast.corpora.sources import FoundSources, Source
+from modelcast.corpora.staging import Staged, Staging, samples_under_way, stage, staged_already
+from modelcast.io.output import atomic_file
+
+__all__ = ["Watch", "ingest", "rows_under_way", "watch_nothing"]
+
+_STAGING, _LOCK, _MERGED = "staging", "ingest.lock", "catalogue.parquet"
+
+_SHOWN = 10
+_HERE = HereExecutor()
+
+Watch = Callable[[str, int, int, int], None]
+"""Called with a stage's name, octets (or samples) done, those to do, and rows done so far."""
+
+
+def watch_nothing(stage: str, done: int, steps: int, rows: int) -> None:
+    """Show nothing: a `Watch`."""
+    del stage, done, steps, rows
+
+
+def ingest(
+    found: FoundSources,
+    out: str | Path,
+    *,
+    partitions: int | None = None,
+    executor: AbstractExecutor = _HERE,
+    watch: Watch = watch_nothing,
+) -> Ingested:
+    """Make a corpus of recordings, or go on with one whose making was interrupted.
+
+    Parameters
+    ----------
+    found
+        The recordings.
+    out
+        The corpus' folder: new, empty, or an unfinished corpus of the same sources and settings.
+    partitions
+        How many; None for as many as give `modelcast.corpora.merging.PARTITION_ROWS` samples each.
+    executor
+        Where the sources are read and the partitions packed.
+    watch
+        Told of progress.
+
+    Raises
+    ------
+    ConfigError
+        Where the folder is none of these, another ingest is writing into it, a source lies in it or it in
+        a source, or no source has a usable trip.
+    """
+    if partitions is not None and partitions < 1:
+        raise ConfigError(f"there must be at least 1 partition, got {partitions}")
+    folder = Path(out).resolve()
+    _require_apart(found.sources, folder, shown=str(out))
+    plan = _plan(found)
+    with _claimed(folder, plan, shown=str(out)), executor.start() as crew:
+        crew.require_shared([folder, *(Path(one.path).resolve().parent for one in found.sources[:1])])
+        staging = folder / _STAGING
+        works = [Staging(source, staging) for source in found.sources]
+        staged, kept = _staged(works, crew, watch)
+        read = [work for work in works if not staged[work.source.number].failure]
+        catalogue = merged_catalogue(read, partitions=partitions) if read else CATALOGUE.empty_table()
+        if not catalogue.num_rows:
+            lost = {**failures_of(found, staged), **skipped_of(found, staged)}
+            reasons = [f"{name}: {reason}" for name, reason in lost.items()]
+            _clear(folder)
+            raise ConfigError("; ".join(("no usable trip: no corpus was made", *reasons[:_SHOWN])))
+        key = hashlib.sha256(
+            json.dumps([plan, [asdict(one) for one in staged.values()], partitions]).encode()
+        ).hexdigest()
+        packed = _packed(folder, catalogue, key, crew, watch)
+        made = Made(folder, found, staged, catalogue=catalogue, partitions=packed)
+        ingested = finish(made, kept=kept)
+        _clear(folder)
+        return ingested
+
+
+def rows_under_way(out: str | Path) -> int:
+    """Return how many samples of sources that are being read are written; about.
+
+    Parameters
+    ----------
+    out
+        The corpus' folder.
+    """
+    return samples_under_way(Path(out) / _STAGING)
+
+
+def _plan(found: FoundSources) -> dict[str, Any]:
+    """What an unfinished corpus must be of for an ingest to go on with it."""
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "settings": dict(found.settings),
+        "sources": [[one.label, one.reader.name, str(Path(one.path).resolve())] for one in found.sources],
+    }
+
+
+def _require_apart(sources: Sequence[Source], folder: Path, *, shown: str) -> None:
+    for source in sources:
+        path = Path(source.path).resolve()
+        if path.is_relative_to(folder) or folder.is_relative_to(path):
+            raise ConfigError(f"{shown} and its source {source.path} lie in one another: name another folder")
+
+
+@contextmanager
+def _claimed(folder: Path, plan: Mapping[str, Any], *, shown: str) -> Generator[None]:
+    """Hold a folder that may be written into, and leave in it what it is to become."""
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise ConfigError(f"{shown} is a file: name a folder")
+        if folder.is_dir() and any(folder.iterdir()) and not is_corpus(folder):
+            raise ConfigError(f"{shown} is not empty and no corpus: name another folder")
+        if (folder / CORPUS_FILE).is_file():
+            raise ConfigError(
+                f"{shown} is a finished corpus, which is never changed: name another folder, or remove it"
+            )
+        folder.mkdir(parents=True, exist_ok=True)
+        unfinished = folder / UNFINISHED
+        if unfinished.is_file() and json.loads(unfinished.read_text(encoding="utf-8")) != plan:
+            raise ConfigError(
+                f"{shown} is an unfinished corpus of other sources or settings: name the same ones to go on "
+                "with it, or another folder, or remove it"
+            )
+        with atomic_file(unfinished) as file:
+            file.write(json.dumps(plan).encode())
+        lock = FileLock(folder / _LOCK)
+        lock.acquire(timeout=0)
+    except Timeout as error:
+        raise ConfigError(f"another ingest is writing to {shown}: wait for it") from error
+    except OSError as error:
+        raise ConfigError(f"{shown} cannot be written to: {error.strerror or error}") from error
+    try:
+        yield
+    finally:
+        lock.release()
+        (folder / _LOCK).unlink(missing_ok=True)
+
+
+def _staged(works: Sequence[Staging], crew: AbstractCrew, watch: Watch) -> tuple[dict[int, Staged], int]:
+    """Return what became of every source by its number, and how many an earlier run had read."""
+    staged = {work.source.number: done for work in works if (done := staged_already(work)) is not None}
+    kept = len(staged)
+    octets = {work.source.number: work.source.state[1] for work in works}
+    waiting = [work for work in works if work.source.number not in staged]
+
+    def tell() -> None:
+        done = sum(octets[number] for number in staged)
+        watch("reading", done, sum(octets.values()), sum(one.rows for one in staged.values()))
+
+    tell()
+    for work, answer in crew.as_done(stage, waiting):
+        staged[work.source.number] = _lost(work, answer) if isinstance(answer, Failed) else answer
+        tell()
+    return dict(sorted(staged.items())), kept
+
+
+def _lost(work: Staging, failed: Failed) -> Staged:
+    """Return what becomes of a source whose worker was lost; a folder that cannot be written ends it all."""
+    if not isinstance(failed.error, LostWorkerError):
+        raise failed.error
+    return Staged(work.source.state, failure=str(failed.error))
+
+
+def _packed(
+    folder: Path, catalogue: Any, key: str, crew: AbstractCrew, watch: Watch
+) -> tuple[Partition, ...]:
+    """Write the merged catalogue and the partitions, and return these by name."""
+    merged = folder / _STAGING / _MERGED
+    names = list(dict.fromkeys(catalogue["partition"].to_pylist()))
+    write_grouped(merged, catalogue)
+    works = [Packing(name, folder, folder / _STAGING, merged, group, key) for group, name in enumerate(names)]
+    packed = {work.name: done for work in works if (done := packed_already(work)) is not None}
+    waiting = [work for work in works if work.name not in packed]
+    rows, samples = sum(one.rows for one in packed.values()), sum(catalogue["samples"].to_pylist())
+    watch("packing", rows, samples, rows)
+    for work, done in crew.as_done(pack, waiting):
+        if isinstance(done, Failed):
+            raise done.error
+        packed[work.name] = done
+        rows += done.rows
+        watch("packing", rows, samples, rows)
+    for stale in set((folder / ROWS_FOLDER).iterdir()) - {partition_folder(folder, name) for name in names}:
+        shutil.rmtree(stale, ignore_errors=True)
+    return tuple(packed[name] for name in names)
+
+
+def _clear(folder: Path) -> None:
+    """Remove what only an unfinished corpus needs."""
+    shutil.rmtree(folder / _STAGING, ignore_errors=True)
+    (folder / UNFINISHED).unlink(missing_ok=True)

@@ -1,0 +1,28 @@
+"""What to say of a file that could not be read."""
+
+from modelcast.core.exceptions import DataFormatError, ModelcastError
+
+__all__ = ["failure_reason"]
+
+
+def failure_reason(error: BaseException) -> str:
+    """Return why a file gave no trips, in words, without its name.
+
+    Parameters
+    ----------
+    error
+        What its reader raised.
+
+    Examples
+    --------
+    >>> failure_reason(DataFormatError("a.csv", "speed is 'x', not a number", row=3, remedy="Correct it."))
+    "row 3: speed is 'x', not a number. Correct it."
+    """
+    if isinstance(error, DataFormatError):
+        place = "" if error.row is None else f"row {error.row}: "
+        return f"{place}{error.problem}. {error.remedy}".strip()
+    if isinstance(error, ModelcastError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return "is too large for this machine's memory (MemoryError). Split it, or take a larger machine."
+    return f"its reader failed with {type(error).__name__}: {error}. Please report this with the file."

@@ -1,0 +1,130 @@
+"""The contract of every executor, and what processes and clusters add to it."""
+
+import os
+from collections.abc import Callable, Generator
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from modelcast.core.exceptions import ConfigError
+from modelcast.corpora.executors.base import TRIES, AbstractCrew, AbstractExecutor, Failed, LostWorkerError
+from modelcast.corpora.executors.here import HereExecutor
+from modelcast.corpora.executors.processes import ProcessCrew, ProcessExecutor
+from worker_tasks import die_at, doubled, fail_at, pid, raise_unpicklable, threads
+
+NUMBERS = range(7)
+
+
+def _cluster() -> AbstractExecutor:
+    pytest.importorskip("distributed")
+    from modelcast.corpora.executors.cluster import ClusterExecutor  # noqa: PLC0415 - of an extra
+
+    return ClusterExecutor("local:2")
+
+
+EXECUTORS: dict[str, Callable[[], AbstractExecutor]] = {
+    "here": HereExecutor,
+    "one process": lambda: ProcessExecutor(1),
+    "two processes": lambda: ProcessExecutor(2),
+    "cluster": _cluster,
+}
+
+
+@pytest.fixture(scope="module")
+def crews() -> Generator[Callable[[str], AbstractCrew]]:
+    """Every executor's workers, started when first asked for."""
+    started: dict[str, AbstractCrew] = {}
+    with ExitStack() as stack:
+
+        def ask(name: str) -> AbstractCrew:
+            if name not in started:
+                started[name] = stack.enter_context(EXECUTORS[name]().start())
+            return started[name]
+
+        yield ask
+
+
+@pytest.fixture(params=list(EXECUTORS))
+def crew(request: pytest.FixtureRequest, crews: Callable[[str], AbstractCrew]) -> AbstractCrew:
+    """Workers of every executor."""
+    return crews(request.param)
+
+
+@pytest.fixture(params=["two processes", "cluster"])
+def other_processes(request: pytest.FixtureRequest, crews: Callable[[str], AbstractCrew]) -> AbstractCrew:
+    """Workers that are other processes."""
+    return crews(request.param)
+
+
+def test_each_piece_of_work_is_answered_once(crew: AbstractCrew) -> None:
+    assert sorted(crew.as_done(doubled, NUMBERS)) == [(number, 2 * number) for number in NUMBERS]
+    assert list(crew.as_done(doubled, ())) == []
+
+
+def test_a_task_that_raises_stops_no_other(crew: AbstractCrew) -> None:
+    answers = dict(crew.as_done(fail_at, NUMBERS))
+    failed = answers.pop(3)
+    assert answers == {number: 2 * number for number in NUMBERS if number != 3}
+    assert isinstance(failed, Failed)
+    assert (type(failed.error), str(failed.error)) == (ValueError, "no 3")
+
+
+def test_an_error_that_cannot_be_sent_is_told_by_its_text(crew: AbstractCrew) -> None:
+    ((_, failed),) = crew.as_done(raise_unpicklable, [1])
+    assert isinstance(failed, Failed)
+    assert "no 1" in str(failed.error)
+
+
+def test_work_may_go_on_after_an_iterator_was_left(crew: AbstractCrew) -> None:
+    begun = crew.as_done(doubled, NUMBERS)
+    next(begun)
+    begun.close()
+    assert sorted(crew.as_done(doubled, [8])) == [(8, 16)]
+
+
+def test_folders_of_this_machine_are_seen(crew: AbstractCrew, tmp_path: Path) -> None:
+    crew.require_shared([tmp_path])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_worker_uses_one_thread(other_processes: AbstractCrew) -> None:
+    assert dict(other_processes.as_done(threads, range(2))) == {0: (1, 1), 1: (1, 1)}
+
+
+def test_a_lost_worker_costs_nothing(other_processes: AbstractCrew, tmp_path: Path) -> None:
+    """The third and the fifth kill the process they are in, the fifth twice."""
+    answers = dict(other_processes.as_done(partial(die_at, tmp_path, {3: 1, 5: 2}), NUMBERS))
+    assert answers == {number: 2 * number for number in NUMBERS}
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["3-0", "5-0", "5-1"]
+
+
+def test_a_task_that_loses_every_worker_is_given_up_and_stops_no_other(
+    other_processes: AbstractCrew, tmp_path: Path
+) -> None:
+    answers = dict(other_processes.as_done(partial(die_at, tmp_path, {3: 99}), NUMBERS))
+    failed = answers.pop(3)
+    assert answers == {number: 2 * number for number in NUMBERS if number != 3}
+    assert isinstance(failed, Failed)
+    assert isinstance(failed.error, LostWorkerError)
+    assert f"its worker was lost {TRIES} times" in str(failed.error)
+    assert len(list(tmp_path.iterdir())) == TRIES
+    if isinstance(other_processes, ProcessCrew):
+        assert "the last one by SIGKILL" in str(failed.error)
+
+
+def test_processes_are_other_processes_and_end_with_the_block() -> None:
+    with ProcessExecutor(2).start() as crew:
+        seen = {found for _, found in crew.as_done(pid, range(4)) if isinstance(found, int)}
+    assert os.getpid() not in seen
+    assert 1 <= len(seen) <= 2
+    for one in seen:
+        with pytest.raises(ProcessLookupError):
+            os.kill(one, 0)
+
+
+@pytest.mark.parametrize(("jobs", "memory_bytes"), [(-1, None), (1, 0)])
+def test_no_processes_and_no_memory_are_refused(jobs: int, memory_bytes: int | None) -> None:
+    with pytest.raises(ConfigError, match=r"--jobs|--memory"):
+        ProcessExecutor(jobs, memory_bytes)

@@ -1,0 +1,209 @@
+"""A corpus holds its sources' trips as the readers give them, whatever the way it was made."""
+
+import hashlib
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+
+from modelcast.core.exceptions import ConfigError
+from modelcast.corpora.executors.base import AbstractCrew, AbstractExecutor
+from modelcast.corpora.executors.here import HereCrew
+from modelcast.corpora.executors.processes import ProcessExecutor
+from modelcast.corpora.ingestion import ingest
+from modelcast.corpora.layout import open_corpus
+from modelcast.corpora.sources import find_sources
+from modelcast.io.trips import read_trips
+from modelcast.trips.trajectory import Trajectory
+
+Sources = Callable[[], Path]
+
+
+def differing(one: Trajectory, other: Trajectory) -> list[str]:
+    """Fields in which two trips differ, to the bit."""
+    pairs = ((item.name, getattr(one, item.name), getattr(other, item.name)) for item in fields(one))
+    return [
+        name
+        for name, a, b in pairs
+        if type(a) is not type(b)
+        or (not np.array_equal(a, b) or a.dtype != b.dtype if isinstance(a, np.ndarray) else a != b)
+    ]
+
+
+def contents(folder: Path) -> dict[str, str]:
+    """Every file below a folder with the hash of its octets."""
+    return {
+        str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in sorted(folder.rglob("*"))
+        if file.is_file()
+    }
+
+
+def good(folder: Path) -> list[Path]:
+    """The sources that can be read, in order of name."""
+    return sorted(file for file in folder.iterdir() if file.stem in {"april", "may", "odd"})
+
+
+def test_trips_come_back_equal_in_every_field(sources: Sources, tmp_path: Path):
+    files = good(sources())
+    corpus = ingest(find_sources(files), tmp_path / "c", partitions=3).corpus
+    found = [trip for one in corpus.partitions for trip in corpus.trips(one)]
+    wanted = {trip.trip_id: trip for trip in read_trips(files)}
+    assert len(found) == len(wanted) == 21
+    assert [differing(trip, wanted[trip.trip_id]) for trip in found] == [[]] * 21
+    assert wanted["april/10100-1"].vehicle == "10100"
+    assert any(trip.resampled for trip in found)
+
+
+def test_trips_are_in_order_and_a_vehicles_together(sources: Sources, tmp_path: Path):
+    corpus = ingest(find_sources(good(sources())), tmp_path / "c", partitions=5).corpus
+    homes: dict[str, set[str]] = {}
+    for one in corpus.partitions:
+        trips = list(corpus.trips(one))
+        assert [trip.trip_id for trip in trips] == sorted(trip.trip_id for trip in trips)
+        assert (one.trips, one.rows) == (len(trips), sum(map(len, trips)))
+        for trip in trips:
+            homes.setdefault(trip.vehicle or trip.trip_id, set()).add(one.name)
+    assert len(homes) == 9
+    assert all(len(names) == 1 for names in homes.values())
+    assert len(corpus.partitions) > 1
+
+
+def test_what_failed_and_what_was_skipped_is_told(sources: Sources, tmp_path: Path):
+    made = ingest(find_sources([sources()]), tmp_path / "c")
+    assert list(made.failures) == ["data/broken.csv"]
+    assert "row 301: 3 fields where the format has 27" in made.failures["data/broken.csv"]
+    assert list(made.skipped) == ["data/notes.txt"]
+    assert made.skipped_rows == {"no fix": 18, "position unavailable": 2}
+    assert made.rows == pl.read_parquet(tmp_path / "c/catalogue.parquet")["rows"].sum()
+    table = pl.read_parquet(tmp_path / "c/skipped.parquet")
+    assert table.filter(kind="skipped")["rows"].sum() == 20
+    assert table.filter(kind="no trip").rows() == [
+        ("data/notes.txt", "", "no reader knows this file", "no trip", None)
+    ]
+
+
+class KilledError(Exception):
+    """A run that ends in the middle."""
+
+
+@dataclass(frozen=True)
+class Order(AbstractExecutor):
+    """Does pieces of work in this process, of all of them so many, then ends; or the last one first."""
+
+    pieces: int = 1000
+    backwards: bool = False
+
+    @contextmanager
+    def start(self) -> Iterator[AbstractCrew]:
+        """In this process."""
+        yield OrderCrew(self.pieces, backwards=self.backwards)
+
+
+class OrderCrew(HereCrew):
+    """Work in the calling process."""
+
+    def __init__(self, pieces: int, *, backwards: bool) -> None:
+        self.left, self.backwards = pieces, backwards
+
+    def as_done(self, function: Callable, work: Iterable) -> Iterator[tuple]:
+        """In order, or against it."""
+        for one in reversed(list(work)) if self.backwards else work:
+            if self.left == 0:
+                raise KilledError
+            self.left -= 1
+            yield one, function(one)
+
+
+@pytest.mark.parametrize("pieces", [0, 2, 5, 7])
+def test_a_killed_run_goes_on_and_gives_the_same_octets(sources: Sources, tmp_path: Path, pieces: int):
+    found = find_sources([sources()])
+    ingest(found, tmp_path / "whole", partitions=4, executor=Order(backwards=True))
+    with pytest.raises(KilledError):
+        ingest(found, tmp_path / "c", partitions=4, executor=Order(pieces))
+    made = ingest(found, tmp_path / "c", partitions=4)
+    assert made.kept == min(pieces, 5)
+    assert contents(tmp_path / "c") == contents(tmp_path / "whole")
+
+
+def test_processes_give_the_same_octets(sources: Sources, tmp_path: Path):
+    found = find_sources([sources()])
+    ingest(found, tmp_path / "one", partitions=4)
+    ingest(found, tmp_path / "two", partitions=4, executor=ProcessExecutor(2))
+    assert contents(tmp_path / "one") == contents(tmp_path / "two")
+
+
+def test_a_source_that_changed_meanwhile_is_read_again(sources: Sources, tmp_path: Path):
+    folder = sources()
+    with pytest.raises(KilledError):
+        ingest(find_sources([folder]), tmp_path / "c", executor=Order(5))
+    text = (folder / "may.csv").read_text()
+    (folder / "may.csv").write_text(text.replace(",3,", ",4,"))
+    made = ingest(find_sources([folder]), tmp_path / "c")
+    assert made.kept == 4
+    ingest(find_sources([folder]), tmp_path / "whole")
+    assert contents(tmp_path / "c") == contents(tmp_path / "whole")
+
+
+def test_trips_that_share_a_name_are_told_apart_in_order_of_the_sources(sources: Sources, tmp_path: Path):
+    corpus = ingest(find_sources(good(sources())), tmp_path / "c", partitions=3).corpus
+    found = {trip.trip_id: trip.source for one in corpus.partitions for trip in corpus.trips(one)}
+    assert (found["april/10100-1"], found["april/10100-1#2"]) == ("spmd-wsu", "parquet")
+
+
+def test_only_trips_of_the_pattern_are_taken(sources: Sources, tmp_path: Path):
+    made = ingest(find_sources(good(sources()), pattern="*/10103-*"), tmp_path / "c")
+    assert made.trips == 3
+
+
+def test_a_folder_that_is_no_corpus_is_left_alone(sources: Sources, tmp_path: Path):
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "thesis.tex").write_text("all of it")
+    with pytest.raises(ConfigError, match="not empty and no corpus"):
+        ingest(find_sources(good(sources())), mine)
+    assert contents(mine).keys() == {"thesis.tex"}
+    with pytest.raises(ConfigError, match="is a file"):
+        ingest(find_sources(good(sources())), mine / "thesis.tex")
+
+
+def test_a_finished_corpus_is_never_changed(sources: Sources, tmp_path: Path):
+    files = good(sources())
+    ingest(find_sources(files), tmp_path / "c")
+    before = contents(tmp_path / "c")
+    with pytest.raises(ConfigError, match="finished corpus"):
+        ingest(find_sources(files[:1]), tmp_path / "c")
+    assert contents(tmp_path / "c") == before
+
+
+def test_an_unfinished_corpus_goes_on_with_its_own_sources_only(sources: Sources, tmp_path: Path):
+    files = good(sources())
+    with pytest.raises(KilledError):
+        ingest(find_sources(files), tmp_path / "c", executor=Order(1))
+    for other in (find_sources(files[:1]), find_sources(files, pattern="a*")):
+        with pytest.raises(ConfigError, match="other sources or settings"):
+            ingest(other, tmp_path / "c")
+    assert ingest(find_sources(files), tmp_path / "c").kept == 1
+
+
+def test_sources_and_corpus_lie_apart(sources: Sources):
+    folder = sources()
+    with pytest.raises(ConfigError, match="lie in one another"):
+        ingest(find_sources(good(folder)), folder)
+
+
+def test_without_a_usable_trip_nothing_is_left(sources: Sources, tmp_path: Path):
+    with pytest.raises(ConfigError, match=r"no usable trip: .*broken.csv: row 301"):
+        ingest(find_sources([sources() / "broken.csv"]), tmp_path / "c")
+    assert not (tmp_path / "c").exists() or not contents(tmp_path / "c")
+
+
+def test_a_corpus_opens_where_it_was_moved_to(sources: Sources, tmp_path: Path):
+    ingest(find_sources(good(sources())), tmp_path / "c")
+    (tmp_path / "c").rename(tmp_path / "d")
+    corpus = open_corpus(tmp_path / "d")
+    assert sum(1 for one in corpus.partitions for _ in corpus.trips(one)) == 21
