@@ -24,6 +24,7 @@ from modelcast.core.geodesy import Origin
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.drone_files import DroneFiles, DroneTables, header_of, number_of, small_table
 from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered
+from modelcast.io.packed import recording_stem
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, make_trip, ordered
 from modelcast.io.text_blocks import number_column, read_blocks, text_column
@@ -196,7 +197,7 @@ class _Tracks(AbstractKeyedRows[str]):
         """``<stem>/<id>``, with what it is where that is no car."""
         kind = self.recorded.users[key].kind if key in self.recorded.users else ""
         prefix = f"{kind}-" if kind in {_PEDESTRIAN, _BICYCLE} else ""
-        return f"{Path(self.path).stem}/{prefix}{key}"
+        return f"{recording_stem(self.path)}/{prefix}{key}"
 
     def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[str]]:
         """Yield blocks of text."""

@@ -31,9 +31,10 @@ from modelcast.io.fcd_columns import (
     xml_columns,
 )
 from modelcast.io.fcd_source import fcd_kind, seekable, text
+from modelcast.io.text_head import split_fields
 from modelcast.io.xml_stream import fed, require_shallow
 
-__all__ = ["read_columns", "read_rows"]
+__all__ = ["csv_names", "read_columns", "read_rows"]
 
 _BATCH = 2**16
 _XML_ROWS = frozenset({"vehicle", "person", "container"})
@@ -88,9 +89,24 @@ def read_rows(path: str, *, people: bool = False) -> Iterator[FcdRow]:
 def _csv_header(path: str) -> tuple[list[str], str]:
     """Return the column names and what parts them."""
     with text(path) as file:
-        line = file.readline(2**20)
+        return csv_names(file.readline(2**20))
+
+
+def csv_names(line: str) -> tuple[list[str], str]:
+    """Return the column names in a header, and what parts them.
+
+    Parameters
+    ----------
+    line
+        The first line of a table.
+
+    Examples
+    --------
+    >>> csv_names("timestep_time;vehicle_id")
+    (['timestep_time', 'vehicle_id'], ';')
+    """
     mark = ";" if line.count(";") > line.count(",") else ","
-    return [field.strip(' \t\r\n"') for field in line.split(mark)], mark
+    return split_fields(line, mark), mark
 
 
 def _csv_rows(path: str, columns: FcdColumns, *, people: bool) -> Iterator[FcdRow]:

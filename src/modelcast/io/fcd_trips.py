@@ -1,4 +1,4 @@
-"""Floating-car data of SUMO as trips: XML, CSV and Parquet as SUMO 1.28 writes them, also inside gzip.
+"""Floating-car data of SUMO as trips: XML, CSV and Parquet as SUMO 1.28 writes them, also packed.
 
 A vehicle is a trip, ``<stem>/<vehicle>``, a bicycle (by its type's name) ``<stem>/bicycle-<vehicle>``.
 `modelcast.io.fcd_columns` has the table of columns and names; tables with names of one's own are read by the
@@ -17,8 +17,9 @@ Times are the simulation's, one clock for all vehicles; there is no absolute tim
 for a while has a gap; where one is teleported a part begins. Time that runs back, a vehicle twice at one
 time, and positions that do not move as the speeds say are errors with file, row and value.
 
-The file is read twice, and more often where its vehicles do not fit into memory together
-(`modelcast.io.gathering`); a row is an element, a line or a record.
+What positions are is told by the first `HEAD_TIMES` times, or by all where these do not tell. The file is
+then read once, and more often where its vehicles do not fit into memory together (`modelcast.io.gathering`).
+A row is an element, a line or a record.
 
 References
 ----------
@@ -36,25 +37,27 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import heading_to_velocity, wrap_angle_rad
 from modelcast.core.kinds import SIZES_M, Kind
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
-from modelcast.io.fcd_columns import FcdRow
-from modelcast.io.fcd_rows import read_columns
-from modelcast.io.fcd_source import opened
+from modelcast.io.fcd_columns import FcdRow, fcd_columns
+from modelcast.io.fcd_rows import csv_names, read_columns
 from modelcast.io.fcd_survey import FcdSurvey, survey
 from modelcast.io.fcd_times import by_time, in_metres
 from modelcast.io.fleet_slots import RAW_COLUMNS
 from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered
+from modelcast.io.packed import recording_stem
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, make_trip
+from modelcast.io.text_head import first_lines
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["FcdReader"]
+__all__ = ["HEAD_TIMES", "FcdReader"]
 
 _Key = tuple[str, Kind]
 """A vehicle's name and what it is."""
 
+HEAD_TIMES = 500
+"""Times at the start of a file that tell whether positions are metres or degrees."""
+
 _BLOCK_ROWS = 2**16
-_GZIP = b"\x1f\x8b"
-_HEAD_BYTES = 16384
 _OPTIONAL = ("speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps")
 
 
@@ -68,6 +71,7 @@ class FcdReader(AbstractTripReader):
     """
 
     name: ClassVar[str] = "sumo-fcd"
+    streams: ClassVar[bool] = True
 
     def __init__(self, held_bytes: int = HELD_BYTES) -> None:
         self._held_bytes = held_bytes
@@ -81,42 +85,40 @@ class FcdReader(AbstractTripReader):
         start = head.removeprefix(b"\xef\xbb\xbf").lstrip()
         if start.startswith(b"<"):
             return b"<fcd-export" in start
-        line = start.partition(b"\n")[0]
-        if not (start.startswith((b"PAR1", _GZIP)) or (b"time" in line and b"id" in line and b"x" in line)):
-            return False
         try:
-            columns = read_columns(str(path))
-        except (DataFormatError, OSError):
+            if start.startswith(b"PAR1"):
+                columns = read_columns(str(path))
+            else:
+                columns = fcd_columns(str(path), csv_names("".join(first_lines(head)[:1]))[0])
+        except DataFormatError:
             return False
-        return columns.is_sumo if columns is not None else _is_fcd_xml(path)
+        return columns is not None and columns.is_sumo
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip a vehicle."""
-        rows = _FcdTrips(survey(path))
+        rows = _FcdTrips(_surveyed(path))
         for found in gathered(rows, self._held_bytes):
             trip = _trip(rows, found, on_skipped)
             if trip is not None:
                 yield trip
-        others = Tally()
-        for reason, count in rows.found.reading.skipped.items():
-            others.skip(reason, count)
-        if others.left_out:
-            on_skipped(f"{rows.stem}/others", others.why_empty())
+        if rows.others.left_out:
+            on_skipped(f"{rows.stem}/others", rows.others.why_empty())
 
 
-def _is_fcd_xml(path: Path) -> bool:
-    """Return whether XML inside gzip has SUMO's root."""
-    with opened(str(path)) as file:
-        return b"<fcd-export" in file.read(_HEAD_BYTES)
+def _surveyed(path: str) -> FcdSurvey:
+    """Return what the positions of a file are."""
+    try:
+        return survey(path, times=HEAD_TIMES)
+    except DataFormatError:
+        return survey(path)
 
 
 class _FcdTrips(AbstractKeyedRows[_Key]):
-    """The rows of a file that are vehicles."""
+    """The rows of a file that are vehicles; `others` are the rest, once the file was read to its end."""
 
     def __init__(self, found: FcdSurvey) -> None:
-        self.found, self.path = found, found.path
-        name = Path(found.path).name
-        self.stem = Path(name[:-3] if name.lower().endswith(".gz") else name).stem
+        self.found, self.path, self.others = found, found.path, Tally()
+        self.stem = recording_stem(found.path)
 
     @property
     def columns(self) -> int:
@@ -125,8 +127,8 @@ class _FcdTrips(AbstractKeyedRows[_Key]):
 
     @property
     def rows_expected(self) -> int | None:
-        """As counted before."""
-        return self.found.taken
+        """Not known."""
+        return None
 
     def called(self, key: _Key) -> str:
         """``<stem>/<vehicle>``, for bicycles ``<stem>/bicycle-<vehicle>``."""
@@ -136,12 +138,18 @@ class _FcdTrips(AbstractKeyedRows[_Key]):
     def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[_Key]]:
         """Yield blocks of vehicles' rows."""
         batch: list[FcdRow] = []
+        others = Tally()
         index = 0
         for at_one_time in by_time(self.path):
-            batch += [row for row in at_one_time if not row.skipped]
+            for row in at_one_time:
+                if row.skipped:
+                    others.skip(row.skipped, 1)
+                else:
+                    batch.append(row)
             if len(batch) >= _BLOCK_ROWS:
                 yield _block(index, batch, rows=rows)
                 batch, index = [], index + 1
+        self.others = others
         if batch:
             yield _block(index, batch, rows=rows)
 

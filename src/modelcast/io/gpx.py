@@ -34,7 +34,6 @@ https://www8.garmin.com/xmlschemas/TrackPointExtensionv2.xsd.
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from itertools import groupby
 from pathlib import Path
 from typing import ClassVar
@@ -48,6 +47,7 @@ from modelcast.core.geodesy import Origin, wrap_angle_rad
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.fcd_source import fcd_kind
 from modelcast.io.gpx_points import CELLS, GpxPoint, GpxPoints
+from modelcast.io.packed import recording_stem
 from modelcast.io.reading_limits import HELD_BYTES, require_fitting
 from modelcast.io.rows import Rows, joined, located, make_trip, ordered, with_missing
 from modelcast.io.spmd import valid_position
@@ -73,14 +73,6 @@ _ROW_BYTES = 8 * (len(_NUMBERS) + 4)
 """Of a point: its numbers, line, time, segment and fix."""
 
 
-@dataclass(slots=True)
-class _Track:
-    """The points of one track as numbers; times from `TimeUnit.start`, NaN where there is none."""
-
-    parts: list[Rows] = field(default_factory=list[Rows])
-    unit: TimeUnit = field(default_factory=lambda: TimeUnit(1.0))
-
-
 class GpxReader(AbstractTripReader):
     """Reads GPX tracks; the module's docstring has the elements and the choices.
 
@@ -91,6 +83,7 @@ class GpxReader(AbstractTripReader):
     """
 
     name: ClassVar[str] = "gpx"
+    streams: ClassVar[bool] = True
 
     def __init__(self, held_bytes: int = HELD_BYTES) -> None:
         self._held_bytes = held_bytes
@@ -108,24 +101,24 @@ class GpxReader(AbstractTripReader):
         """Yield a trip a track, in the file's order."""
         if fcd_kind(path) != "xml":
             raise DataFormatError(path, "is no XML", remedy="GPX begins with <?xml or <gpx.")
-        stem = Path(path).stem
+        stem = recording_stem(path)
         points = GpxPoints(path)
         origin: Origin | None = None
         timed = 0
         for number, of_track in groupby(points, lambda point: point.track):
             trip_id = f"{stem}/track-{number}"
             tally = Tally()
-            track = _numbers(path, trip_id, of_track, self._held_bytes)
-            raw = joined(track.parts)
-            rows = _usable(raw, track.unit, tally)
-            timed += int(np.isfinite(raw.columns["t_s"]).sum())
+            rows, unit = _numbers(path, trip_id, of_track, self._held_bytes)
+            count = len(rows)
+            timed += int(np.isfinite(rows.columns["t_s"]).sum())
+            rows = _usable(rows, unit, tally)
             trip = None
             if len(rows):
                 origin = _first(rows) if origin is None else origin
                 rows = located(ordered(rows, tally), origin)
-                start_s = track.unit.start * track.unit.unit_s
+                start_s = unit.start * unit.unit_s
                 trip = make_trip(
-                    path, trip_id, rows, tally, count=len(raw), source=self.name, origin=origin,
+                    path, trip_id, rows, tally, count=count, source=self.name, origin=origin,
                     unix_offset_s=start_s, clock_offset_s=start_s,
                 )  # fmt: skip
             if trip is None:
@@ -142,9 +135,9 @@ class GpxReader(AbstractTripReader):
             )
 
 
-def _numbers(path: str, trip_id: str, points: Iterator[GpxPoint], held_bytes: int) -> _Track:
-    """Return a track's points as numbers, part by part."""
-    track = _Track()
+def _numbers(path: str, trip_id: str, points: Iterator[GpxPoint], held_bytes: int) -> tuple[Rows, TimeUnit]:
+    """Return a track's points as numbers, times from `TimeUnit.start`, NaN where there is none."""
+    parts: list[Rows] = []
     count = 0
     times = TimeColumn(path, "time", 1.0, stated=True)
     batch: list[GpxPoint] = []
@@ -153,12 +146,11 @@ def _numbers(path: str, trip_id: str, points: Iterator[GpxPoint], held_bytes: in
         if len(batch) == _POINTS:
             count += _POINTS
             require_fitting(path, trip_id, count, row_bytes=_ROW_BYTES, held_bytes=held_bytes)
-            track.parts.append(_part(path, batch, times))
+            parts.append(_part(path, batch, times))
             batch = []
-    if batch or not track.parts:
-        track.parts.append(_part(path, batch, times))
-    track.unit = times.unit
-    return track
+    if batch or not parts:
+        parts.append(_part(path, batch, times))
+    return joined(parts), times.unit
 
 
 def _part(path: str, points: list[GpxPoint], times: TimeColumn) -> Rows:
@@ -218,7 +210,7 @@ def _usable(rows: Rows, unit: TimeUnit, tally: Tally) -> Rows:
     rows = rows.without(np.isnan(rows.columns["t_s"]), "time missing", tally)
     if not unit.unix:
         tally.repair("no time zone, UTC taken", len(rows))
-    return rows
+    return Rows(rows.line, {name: column for name, column in rows.columns.items() if name != "no_fix"})
 
 
 def _no_fix(rows: Rows) -> BoolArray:

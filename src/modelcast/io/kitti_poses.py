@@ -28,6 +28,7 @@ Urtasun: Vision meets robotics, IJRR 32 (2013), doi 10.1177/0278364913491297 (ax
 """
 
 from collections.abc import Iterator
+from os.path import normpath
 from pathlib import Path
 from typing import ClassVar
 
@@ -36,6 +37,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.packed import is_there, recording_stem
 from modelcast.io.reading_limits import HELD_BYTES, require_fitting
 from modelcast.io.rows import Rows, make_trip
 from modelcast.io.table_layout import is_number
@@ -61,6 +63,7 @@ class KittiPosesReader(AbstractTripReader):
     """
 
     name: ClassVar[str] = "kitti-poses"
+    streams: ClassVar[bool] = True
 
     def __init__(self, held_bytes: int = HELD_BYTES) -> None:
         self._held_bytes = held_bytes
@@ -116,19 +119,19 @@ class KittiPosesReader(AbstractTripReader):
 
 def _sequence(path: str) -> str:
     """Return what a sequence is called: by the file, or by the folder of a file called poses."""
-    at = Path(path)
-    return at.resolve().parent.name if at.stem == "poses" else at.stem
+    stem = recording_stem(path)
+    return Path(path).resolve().parent.name if stem == "poses" else stem
 
 
 def _times_of(path: str) -> Path:
     """Return the file of times that goes with the poses."""
-    at = Path(path)
+    folder, stem = Path(path).parent, recording_stem(path)
     places = (
-        at.parent / ".." / "sequences" / at.stem / "times.txt",
-        at.parent / "times.txt",
-        at.parent / f"{at.stem}_times.txt",
+        Path(normpath(folder / "..")) / "sequences" / stem / "times.txt",
+        folder / "times.txt",
+        folder / f"{stem}_times.txt",
     )
-    found = next((place for place in places if place.is_file()), None)
+    found = next((place for place in places if is_there(place)), None)
     if found is None:
         raise DataFormatError(
             path,

@@ -19,7 +19,7 @@ _CHUNK = 2**16
 
 
 def fed(path: str, parser: expat.XMLParserType) -> Iterator[None]:
-    """Feed a file, also one inside gzip, to a parser; yield after every part, and before an error.
+    """Feed a file, also a packed one, to a parser; yield after every part, and before an error.
 
     Parameters
     ----------
