@@ -81,7 +81,7 @@ class Oracle:
         self.gain_db: FloatArray = (
             np.interp(self.apart_m, 0.5 * np.arange(los_ln.size), los_ln) * 10.0 / np.log(10.0)
         )
-        self.range_m, self.sensed_m = radio.range_m, radio.constants.sensing_range_m
+        self.range_m, self.sensed_m = radio.range_m, radio.constants.pool.sensing_range_m
         self.hazard = radio.errors.hazard
         p = self.p
         self.leak = in_band_emission(p.sub_channels, p.blocks, mask=p.emission, total_blocks=p.channel_blocks)

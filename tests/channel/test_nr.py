@@ -345,7 +345,7 @@ def test_a_message_is_received_from_the_sinr_on_that_its_rate_needs() -> None:
     """Alone, half a decibel above and below."""
     radio = Nr(NrParameters(), CLEAR)
     needed_db = float(radio.parameters.threshold_db(np.array([300]))[0])
-    noise_dbm = 10.0 * np.log10(2 * radio.constants.noise_mw)
+    noise_dbm = 10.0 * np.log10(2 * radio.constants.pool.noise_mw)
     for more_db, received in ((0.5, 1), (-0.5, 0)):
         loss_db = 23.0 - noise_dbm - needed_db - more_db
         away_m = 10.0 ** ((loss_db - 47.86) / 20.0)
@@ -390,7 +390,7 @@ def test_the_preset_is_the_radio_of_the_reference() -> None:
     radio = get_radio("nr:preset=wilab,mcs=7")
     assert isinstance(radio, Nr)
     assert radio.error_model is None
-    assert radio.constants.noise_mw / 1.8 == pytest.approx(10**-10.8, rel=0.01)  # -108 dBm in 1 MHz
+    assert radio.constants.pool.noise_mw / 1.8 == pytest.approx(10**-10.8, rel=0.01)  # -108 dBm in 1 MHz
     curved = get_radio("nr:mcs=7,error_model=nr-mcs7")
     assert isinstance(curved, Nr)
     assert curved.error_model == TabulatedErrorModel.nr_mcs7()

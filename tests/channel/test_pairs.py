@@ -19,7 +19,7 @@ from modelcast.channel.pair_kernels import (
 )
 from modelcast.channel.propagation import Propagation, Shadowing
 from modelcast.channel.shadow_sweep import renew_pairs
-from modelcast.channel.shadowing_kernels import SILENT, lay_out, shadow_of
+from modelcast.channel.shadowing_kernels import SILENT, lay_out
 from modelcast.core.parts import WHOLE, Parts
 
 RANGE_M = 300.0
@@ -40,7 +40,7 @@ def swept(
         row = int((place_m[j, 1] - cells.corner_north_m) / cells.cell_m)
         for v in np.flatnonzero(sends):
             if j != v and np.sum((place_m[j] - place_m[v]) ** 2) <= RANGE_M**2:
-                values[v, j] = shadow_of(int(v), row, k, rows)
+                values[v, j] = rows.value[rows.start[rows.first[v] + row] + k]
     return values, pairs
 
 

@@ -82,7 +82,7 @@ def every_step(steps: int, grant: Grant = Grant.ANY) -> dict[int, tuple[float, f
 
 def sent_ms(states: list[SidelinkState]) -> list[int]:
     """Subframes in which vehicle 0 sent, within the second that it remembers."""
-    return np.flatnonzero(np.isinf(states[-1].sensed[0, :, 0])).tolist()
+    return np.flatnonzero(np.isinf(states[-1].sensed[:, 0, 0])).tolist()
 
 
 def test_a_message_sent_twice_is_received_and_counted_once() -> None:
@@ -169,7 +169,7 @@ def test_the_first_copy_announces_the_second_alone(one_shot: bool) -> None:
     state, held = radio.init(2, np.random.default_rng(3)), list[list[int]]()
     for k in range(60):
         _, state = radio.step(state, send([0] if k == 0 else [], 0.0), PAIR, round((k + 1) * 1e-3, 3))
-        held.append(np.flatnonzero(state.reserved[1].any(axis=1)).tolist())
+        held.append(np.flatnonzero(state.reserved[:, 1].any(axis=1)).tolist())
     first, second = sent_ms([state])
     again = [] if one_shot else [first]
     assert held[first - 1] == []
@@ -257,10 +257,10 @@ def test_a_grant_asked_for_is_what_a_message_gets() -> None:
         radio = plain(one_shot=one_shot, keep_ratio=1.0)
         heard, states = one_by_one(radio, PAIR, 20, every_step(20, Grant.PERIODIC))
         assert len({round(1e3 * t_s) % 100 for one in heard for t_s in one.t_s}) == 1
-        assert states[-1].reserved[1].any()
+        assert states[-1].reserved[:, 1].any()
         heard, states = one_by_one(radio, PAIR, 20, every_step(20, Grant.ONE_SHOT))
         assert len({round(1e3 * t_s) % 100 for one in heard for t_s in one.t_s}) > 8
-        assert not states[-1].reserved[1].any()
+        assert not states[-1].reserved[:, 1].any()
 
 
 def test_a_one_shot_asked_for_leaves_the_reservation_its_turns() -> None:
@@ -295,7 +295,7 @@ def test_a_message_that_comes_when_it_was_expected_goes_out_where_others_were_to
     radio = plain(interval_by_next=True, grant_by_next=True)
     for seed in range(10):
         _, states = one_by_one(radio, PAIR, 7, rows, seed=seed)
-        told = np.argwhere(states[-1].reserved[1] > 0.0)
+        told = np.argwhere(states[-1].reserved[:, 1] > 0.0)
         assert told.shape[0] == 1
         heard, states = one_by_one(radio, PAIR, 10, rows, seed=seed)
         (first_s,), (second_s,) = (one.t_s for one in heard if one.size)
@@ -303,27 +303,27 @@ def test_a_message_that_comes_when_it_was_expected_goes_out_where_others_were_to
         assert interval_ms in {700, 800}
         assert (round(1e3 * second_s) - 1) % 1000 == told[0, 0]
         assert 1 <= round(1e3 * second_s) - 1 - 750 <= 100
-        assert not states[-1].reserved[1].any()  # nothing is known of the one after
+        assert not states[-1].reserved[:, 1].any()  # nothing is known of the one after
 
 
 def test_without_a_next_message_or_one_too_far_nothing_is_reserved() -> None:
     radio = plain(grant_by_next=True, interval_by_next=True, longest_interval_ms=500)
     for next_s, reserves in ((np.inf, False), (0.9, False), (0.3, True)):
         _, states = one_by_one(radio, PAIR, 2, {0: (0.0, next_s, Grant.ANY)})
-        assert states[-1].reserved[1].any() == reserves
+        assert states[-1].reserved[:, 1].any() == reserves
 
 
 def test_a_place_that_another_announced_is_not_announced_again() -> None:
     radio = plain(interval_by_next=True, sub_channels=1)
     state = radio.init(2, np.random.default_rng(2))
-    state.reserved[0, 100:, 0] = 1.0  # another has announced all that lies more than 100 ms ahead
+    state.reserved[100:, 0, 0] = 1.0  # another has announced all that lies more than 100 ms ahead
     case = Transmissions(
         np.array([0]), np.array([0.0]), size_bytes=np.array([80]), power_dbm=np.array([20.0]),
         message_id=np.array([1]), next_s=np.array([0.15]),
     )  # fmt: skip
     _, after = radio.step(state, case, PAIR, 0.101)
     assert after.grant[0, BAND] == -1
-    assert not after.reserved[1].any()
+    assert not after.reserved[:, 1].any()
 
 
 @pytest.mark.parametrize("longest_ms", [100, 600])
@@ -334,11 +334,11 @@ def test_what_another_announced_for_now_keeps_nobody_from_coming_back(longest_ms
     case = replace(send([0], 0.0), next_s=np.array([0.001 * longest_ms]))
     _, state = radio.step(state, case, PAIR, 0.001)
     turn, band = int(state.grant[0, NEXT]), int(state.grant[0, BAND])
-    state.reserved[0, turn % longest_ms, band] = 1.0
+    state.reserved[turn % longest_ms, 0, band] = 1.0
     _, state = radio.step(state, send([], 0.0), PAIR, round((turn + 1) * 1e-3, 3))
     assert state.grant[0, BAND] == band
     assert state.grant[0, NEXT] == turn + state.grant[0, INTERVAL]
-    assert not state.reserved[0].any()
+    assert not state.reserved[:, 0].any()
 
 
 def test_deployed_radios_have_20_mhz_two_copies_and_interleaved_one_shots() -> None:

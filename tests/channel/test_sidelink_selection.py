@@ -61,11 +61,11 @@ def candidates(
     rsrp_mw: dict[tuple[int, int], float] = {}
     for when, first in places:
         past = [
-            [sensed[0, (when - 100 * k) % MEMORY, s] for k in range(1, 11)]
+            [sensed[(when - 100 * k) % MEMORY, 0, s] for k in range(1, 11)]
             for s in range(first, first + length)
         ]
         mean_mw[when, first] = sum(map(sum, past))
-        rsrp = max(reserved[0, when % p.interval_ms, s] for s in range(first, first + length))
+        rsrp = max(reserved[when % p.interval_ms, 0, s] for s in range(first, first + length))
         if p.reserved_by_mean and rsrp > 0.0:
             rsrp = max(sum(one) / 10.0 for one in past) / (12 * p.blocks)
         rsrp_mw[when, first] = rsrp
@@ -82,10 +82,10 @@ def surroundings(radio: Sidelink, seed: int, sent: int) -> tuple[np.ndarray, np.
     """Power sensed and reserved as chance has it, all different; ``sent`` subframes of its own."""
     rng = np.random.default_rng(seed)
     p = radio.parameters
-    sensed = 10.0 ** (0.1 * rng.uniform(-110.0, -70.0, (1, MEMORY, p.sub_channels)))
-    sensed[0, rng.choice(MEMORY, sent, replace=False)] = np.inf
-    reserved = 10.0 ** (0.1 * rng.uniform(-130.0, -90.0, (1, p.interval_ms, p.sub_channels)))
-    reserved[0, rng.random((p.interval_ms, p.sub_channels)) < 0.3] = 0.0
+    sensed = 10.0 ** (0.1 * rng.uniform(-110.0, -70.0, (MEMORY, 1, p.sub_channels)))
+    sensed[rng.choice(MEMORY, sent, replace=False)] = np.inf
+    reserved = 10.0 ** (0.1 * rng.uniform(-130.0, -90.0, (p.interval_ms, 1, p.sub_channels)))
+    reserved[rng.random((p.interval_ms, 1, p.sub_channels)) < 0.3] = 0.0
     return sensed.astype(np.float32), reserved.astype(np.float32)
 
 
@@ -117,10 +117,10 @@ def test_chance_decides_among_the_resources_that_the_rules_leave(
 
 def test_the_share_of_possible_resources_is_smaller_where_the_vehicle_was_sending() -> None:
     """Of 20 resources it sensed 10: a fifth of all is four, of those it sensed two."""
-    sensed = np.full((1, MEMORY, 1), 1e-9, dtype=np.float32)
-    sensed[0, 1:11] = np.inf
-    reserved = np.zeros((1, 100, 1), dtype=np.float32)
-    sensed[0] *= np.linspace(1.0, 2.0, MEMORY, dtype=np.float32)[:, None]
+    sensed = np.full((MEMORY, 1, 1), 1e-9, dtype=np.float32)
+    sensed[1:11] = np.inf
+    reserved = np.zeros((100, 1, 1), dtype=np.float32)
+    sensed *= np.linspace(1.0, 2.0, MEMORY, dtype=np.float32)[:, None, None]
     for of_possible, wanted in ((False, 4), (True, 2)):
         radio = radio_of(best_of_possible=of_possible, last_ms=20, sub_channels=1)
         random = np.array([5], dtype=np.uint64)
@@ -131,13 +131,13 @@ def test_the_share_of_possible_resources_is_smaller_where_the_vehicle_was_sendin
 def test_a_reservation_made_of_late_counts_by_a_tenth_where_the_mean_decides() -> None:
     """All but two resources are reserved 8 dB above the bound, heard once: their mean is 2 dB below."""
     once_mw = 10 ** (0.1 * (-110.0 + 8.0)) * 120
-    sensed = np.zeros((1, MEMORY, 1), dtype=np.float32)
-    sensed[0, MEMORY - 100 + 3 : MEMORY - 100 + 21] = once_mw
-    sensed[0, 1:3] = once_mw  # of another second: heard as loud, never reserved
-    reserved = np.zeros((1, 100, 1), dtype=np.float32)
-    reserved[0, 3:21] = once_mw / 120
+    sensed = np.zeros((MEMORY, 1, 1), dtype=np.float32)
+    sensed[MEMORY - 100 + 3 : MEMORY - 100 + 21] = once_mw
+    sensed[1:3] = once_mw  # of another second: heard as loud, never reserved
+    reserved = np.zeros((100, 1, 1), dtype=np.float32)
+    reserved[3:21] = once_mw / 120
     quietest = np.arange(3, 21)
-    sensed[0, MEMORY - 100 + quietest] *= np.linspace(0.9, 0.95, 18, dtype=np.float32)[:, None]
+    sensed[MEMORY - 100 + quietest] *= np.linspace(0.9, 0.95, 18, dtype=np.float32)[:, None, None]
     found = {}
     for by_mean in (False, True):
         radio = radio_of(reserved_by_mean=by_mean, last_ms=20, sub_channels=1, best_ratio=0.1)
@@ -150,8 +150,8 @@ def test_a_reservation_made_of_late_counts_by_a_tenth_where_the_mean_decides() -
 def test_equally_quiet_resources_are_equally_likely() -> None:
     """Nothing sensed at all, without noise: a fifth is kept, and every resource may be in it."""
     radio = radio_of(noise_counts=False, last_ms=20, sub_channels=1)
-    sensed = np.zeros((1, MEMORY, 1), dtype=np.float32)
-    reserved = np.zeros((1, 100, 1), dtype=np.float32)
+    sensed = np.zeros((MEMORY, 1, 1), dtype=np.float32)
+    reserved = np.zeros((100, 1, 1), dtype=np.float32)
     random = np.array([5], dtype=np.uint64)
     chosen = [chosen_by(radio, 0, 1, sensed, reserved, random=random)[0] for _ in range(4000)]
     share = np.bincount(chosen, minlength=21)[1:] / 4000
@@ -163,13 +163,13 @@ def test_power_below_the_noise_reads_zero_where_noise_does_not_count() -> None:
     place_m = np.array([[0.0, 0.0], [100.0, 0.0], [60_000.0, 0.0]])
     for counts in (True, False):
         radio = radio_of(noise_counts=counts, margin_db=40.0)
-        noise_mw = radio.constants.noise_mw
+        noise_mw = radio.constants.pool.noise_mw
         assert radio.range_m < place_m[2, 0] or radio.range_m > place_m[1, 0]
         _, after = radio.step(radio.init(3, np.random.default_rng(1)), message(80), place_m, 0.2)
-        sensed = after.sensed[1:, :200]
+        sensed = after.sensed[:200, 1:]
         quiet = noise_mw if counts else 0.0
-        assert sensed[0].max() > 1e3 * noise_mw
-        assert sensed[1] == pytest.approx(quiet, abs=noise_mw)
+        assert sensed[:, 0].max() > 1e3 * noise_mw
+        assert sensed[:, 1] == pytest.approx(quiet, abs=noise_mw)
         assert np.median(sensed) == pytest.approx(quiet)
         assert counts or not np.any((sensed > 0.0) & (sensed < noise_mw))
 
@@ -183,8 +183,8 @@ def test_a_vehicle_that_chooses_first_by_chance_minds_no_reservation_once() -> N
         for seed in range(200):
             state = radio.init(2, np.random.default_rng(seed))
             for second in range(10):
-                state.sensed[0, 100 * second + loud] = 1e-6
-            state.reserved[0, loud] = 1e-8
+                state.sensed[100 * second + loud, 0] = 1e-6
+            state.reserved[loud, 0] = 1e-8
             _, state = radio.step(state, message(80), place_m, 0.001)
             first += int(state.grant[0, NEXT]) % 100 in loud
             state.grant[0, BAND] = -1
@@ -202,11 +202,11 @@ def test_a_message_takes_sub_channels_that_it_does_not_fill() -> None:
     heard, after = radio.step(radio.init(2, np.random.default_rng(1)), message(300), place_m, 0.101)
     assert heard.receiver.tolist() == [1]
     at = round(1e3 * heard.t_s[0]) - 1
-    mw = after.sensed[1, at]
+    mw = after.sensed[at, 1]
     assert mw[0] == pytest.approx(mw[1])
     assert 2.0 * mw[0] == pytest.approx(10 ** (0.1 * heard.rssi_dbm[0]), rel=1e-5)
     assert np.all(mw[2:] < 0.02 * mw[0])
-    assert np.count_nonzero(after.reserved[1, at % 100]) == 3
+    assert np.count_nonzero(after.reserved[at % 100, 1]) == 3
 
 
 def test_a_message_that_becomes_ready_in_its_own_subframe_does_not_push_the_last_one_out() -> None:

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import FloatMatrix, IntMatrix, IntVector
+from modelcast.core.kernel_types import FloatMatrix, IntVector
 
-__all__ = ["CELLS_A_RANGE", "Cells", "build_cells", "cell_row", "cell_span", "find_in_range", "row_span"]
+__all__ = ["CELLS_A_RANGE", "Cells", "build_cells", "cell_row", "cell_span", "row_span"]
 
 CELLS_A_RANGE = 4
 """Cells a range: small cells waste less of what is looked at."""
@@ -96,23 +96,3 @@ def row_span(cells: Cells, row: int, left: int, right: int) -> tuple[int, int]:
 def cell_row(cells: Cells, north_m: float) -> int:
     """Return the row of cells that a place lies in."""
     return int((north_m - cells.corner_north_m) / cells.cell_m)
-
-
-@kernel(inlined=True)
-def find_in_range(v: int, position_m: FloatMatrix, cells: Cells, range_m: float, near: IntMatrix) -> int:
-    """Write who is within range of ``v`` into ``near``; return how many.
-
-    That is their places in the cells' order, and the rows of cells that they are in.
-    """
-    east, north = position_m[v, 0], position_m[v, 1]
-    left, right, row_from, row_to = cell_span(cells, east, north, range_m)
-    count = 0
-    for row in range(row_from, row_to + 1):
-        low, high = row_span(cells, row, left, right)
-        for k in range(low, high):
-            away_east, away_north = cells.place[k, 0] - east, cells.place[k, 1] - north
-            square = away_east * away_east + away_north * away_north
-            if square <= range_m * range_m and cells.order[k] != v:
-                near[count, 0], near[count, 1] = k, row
-                count += 1
-    return count

@@ -12,28 +12,22 @@ import numpy as np
 
 from modelcast.channel.antennas import antennas, checked_gains
 from modelcast.channel.copies_kernels import PAIR_COLUMNS, Copies
-from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
-from modelcast.channel.error_models import (
-    HAZARD_MIN_DB,
-    HAZARD_PER_DB,
-    AbstractErrorModel,
-    ThresholdErrorModel,
-    safe_ratio,
-)
+from modelcast.channel.error_models import AbstractErrorModel, ThresholdErrorModel
+from modelcast.channel.frame_errors import FrameErrors, frame_errors
 from modelcast.channel.frame_kernels import Heard
 from modelcast.channel.frame_radio import (
     AbstractFrameRadio,
     asked,
-    has_shadowing,
     told_of_fading_twice,
     without_second_fading,
 )
 from modelcast.channel.in_band_emission import in_band_emission
-from modelcast.channel.nr_air_kernels import HOPELESS, Errors
-from modelcast.channel.nr_kernels import COPIES, GRANT_COLUMNS, MESSAGE, SlotMemory, advance, find_reach
-from modelcast.channel.nr_parameters import ELEMENT_HZ, INTERVALS_MS, RESERVED_SPAN, NrParameters
+from modelcast.channel.nr_kernels import COPIES, GRANT_COLUMNS, LENGTH, MESSAGE, SlotMemory, advance
+from modelcast.channel.nr_parameters import INTERVALS_MS, RESERVED_SPAN, NrParameters
 from modelcast.channel.nr_selection_kernels import NrConstants
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
+from modelcast.channel.pool_air_kernels import find_reach
+from modelcast.channel.pool_constants import pool_constants
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import Transmissions
@@ -146,7 +140,7 @@ class Nr(AbstractFrameRadio[NrState]):
     error_model: AbstractErrorModel | None = None
     constants: NrConstants = field(init=False, repr=False, compare=False)
     lengths: IntArray = field(init=False, repr=False, compare=False)
-    errors: Errors = field(init=False, repr=False, compare=False)
+    errors: FrameErrors = field(init=False, repr=False, compare=False)
     leak: FloatArray = field(init=False, repr=False, compare=False)
     tables: PropagationTables = field(init=False, repr=False, compare=False)
 
@@ -161,23 +155,18 @@ class Nr(AbstractFrameRadio[NrState]):
         object.__setattr__(self, "lengths", p.length(size_bytes))
         object.__setattr__(self, "errors", self._errors(size_bytes))
         object.__setattr__(self, "leak", leak)
-        object.__setattr__(self, "tables", self.propagation.tables(constants.range_m))
+        object.__setattr__(self, "tables", self.propagation.tables(constants.pool.range_m))
 
     @property
     def range_m(self) -> float:
         """Distance beyond which nothing is heard or disturbed [m]."""
-        return self.constants.range_m
+        return self.constants.pool.range_m
 
     def _constants(self) -> NrConstants:
-        p = self.parameters
-        noise_dbm = thermal_noise_dbm(p.sub_channel_hz) + p.noise_figure_db
-        loudest_dbm = p.max_power_dbm + 2.0 * p.antenna_gain_db
-        elements = p.sub_channel_hz / ELEMENT_HZ
-        reserved_dbm = p.reserved_dbm + 10.0 * np.log10(elements)  # over one sub-channel
-        slots = p.slots_a_ms
+        p, slots = self.parameters, self.parameters.slots_a_ms
         last = round(p.last_ms * slots)
         return NrConstants(
-            sub_channels=p.sub_channels,
+            pool=pool_constants(p, self.propagation, slots_a_ms=slots),
             overlapping=p.overlapping,
             slots_a_ms=slots,
             first=round(p.first_ms * slots),
@@ -191,35 +180,13 @@ class Nr(AbstractFrameRadio[NrState]):
             keep_ratio=p.keep_ratio,
             reselect_after=p.reselect_after,
             free_ratio=p.free_ratio,
-            reserved_mw=power_ratio(p.reserved_dbm),
             reserved_by_total=p.reserved_by_total,
-            elements=elements,
-            noise_mw=power_ratio(noise_dbm),
-            sensitivity_mw=power_ratio(p.sensitivity_dbm),
-            quiet_mw=power_ratio(noise_dbm - p.margin_db),
-            control_ratio=power_ratio(p.control_db),
-            load_mw=power_ratio(p.load_dbm),
-            window=p.busy_window_ms * slots,
-            gain_db=2.0 * p.antenna_gain_db,
-            range_m=self.propagation.range_m(loudest_dbm - noise_dbm + p.margin_db),
-            sensing_range_m=self.propagation.range_m(loudest_dbm - reserved_dbm),
-            bin_m=p.bin_m,
-            bins=p.bins,
-            shadowed=has_shadowing(self.propagation),
         )
 
-    def _errors(self, size_bytes: IntArray) -> Errors:
-        model = self.error_model or ThresholdErrorModel(0.0)
-        needed_db = np.zeros(size_bytes.size)
-        if self.error_model is None:
-            needed_db = self.parameters.threshold_db(size_bytes)
-        hazard = np.ascontiguousarray(model.hazards(), dtype=np.float64)
-        units = np.asarray(model.units(size_bytes.astype(np.float64)), dtype=np.float64)
-        # Entries from the low end on that no luck survives.
-        lost = np.searchsorted(-np.minimum.accumulate(hazard), -HOPELESS / units, side="right")
-        hopeless_db = np.where(lost > 0, HAZARD_MIN_DB + (lost - 1) / HAZARD_PER_DB, -np.inf)
-        needed_ratio, hopeless_ratio = (10.0 ** (0.1 * one_db) for one_db in (needed_db, hopeless_db))
-        return Errors(hazard, units, needed_ratio, hopeless_ratio, safe_ratio(hazard))
+    def _errors(self, size_bytes: IntArray) -> FrameErrors:
+        if self.error_model is not None:
+            return frame_errors(self.error_model, size_bytes)
+        return frame_errors(ThresholdErrorModel(0.0), size_bytes, self.parameters.threshold_db(size_bytes))
 
     @property
     def bin_m(self) -> float:
@@ -281,7 +248,17 @@ class Nr(AbstractFrameRadio[NrState]):
             state.busy,
             state.busy_ratio,
         )
-        reach_m2 = find_reach(memory, sent, self.lengths, position_m, fitted, self.tables, self.constants)
+        reach_m2 = find_reach(
+            sent.sender,
+            self.lengths[sent.size_bytes].astype(np.float64),
+            sent.power_dbm,
+            np.where(state.grant[:, MESSAGE] >= 0, state.grant[:, LENGTH], -1).astype(np.float64),
+            state.power_dbm,
+            position_m,
+            fitted,
+            self.tables,
+            self.constants.pool,
+        )
         sweep = lay_out(reach_m2, position_m, fitted.weak, self.range_m)
         pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
         heard, copy_pair, copy_span = parts.beside(

@@ -9,38 +9,28 @@ from typing import NamedTuple
 import numpy as np
 
 from modelcast.channel.antennas import Antennas
-from modelcast.channel.copies_kernels import (
-    Copies,
-    copies_room,
-    forget_pairs,
-    kept_copies,
-    move_last,
-    seek_pairs,
-    settle,
-    tell,
-)
+from modelcast.channel.copies_kernels import Copies, copies_room, kept_copies, settle
+from modelcast.channel.frame_errors import FrameErrors
 from modelcast.channel.frame_kernels import Asked, Heard, heard_room, nothing_heard
-from modelcast.channel.frame_link_kernels import Links, links_room, no_links
-from modelcast.channel.nr_air_kernels import (
-    HALF_DUPLEX,
-    RECEIVED,
-    WEAK,
+from modelcast.channel.frame_link_kernels import Links, no_links
+from modelcast.channel.frame_outcome_kernels import tell_frame
+from modelcast.channel.nr_selection_kernels import NrConstants, select_resources
+from modelcast.channel.pool_air_kernels import (
     Air,
-    Around,
-    Errors,
     Turns,
+    add_turn,
     air_room,
-    judge,
-    other_power,
-    reach_m,
-    receive_powers,
+    is_there,
+    judge_frame,
+    measure_busy,
+    receive_frames,
     silence,
     silent_air,
+    surroundings,
 )
-from modelcast.channel.nr_selection_kernels import NrConstants, select_resources
 from modelcast.channel.propagation_kernels import PropagationTables
-from modelcast.channel.random_kernels import next_word, uniform
-from modelcast.channel.shadowing_kernels import SILENT, Sweep
+from modelcast.channel.random_kernels import uniform
+from modelcast.channel.shadowing_kernels import Sweep
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
     Float32Cube,
@@ -52,10 +42,10 @@ from modelcast.core.kernel_types import (
     UInt64Vector,
 )
 
-__all__ = ["COPIES", "GRANT_COLUMNS", "MESSAGE", "SlotMemory", "advance", "find_reach"]
+__all__ = ["COPIES", "GRANT_COLUMNS", "LENGTH", "MESSAGE", "SlotMemory", "advance"]
 
 # Columns of ``grant`` (V, GRANT_COLUMNS): integers.
-MESSAGE, _BYTES, _SENT, COPIES, _LENGTH, _COUNTER, _UNUSED, _INTERVAL, _AGAIN = 0, 1, 2, 3, 4, 5, 6, 7, 8
+MESSAGE, _BYTES, _SENT, COPIES, LENGTH, _COUNTER, _UNUSED, _INTERVAL, _AGAIN = 0, 1, 2, 3, 4, 5, 6, 7, 8
 _WISH = 9  # the interval that the message that waits wants
 GRANT_COLUMNS = 10
 _PERIODIC, _ONE_SHOT = 1, 2
@@ -104,33 +94,6 @@ def _wanted_interval(n: int, asked: Asked, constants: NrConstants) -> int:
 
 
 @kernel
-def find_reach(
-    memory: SlotMemory,
-    asked: Asked,
-    lengths: IntVector,
-    position_m: FloatMatrix,
-    antennas: Antennas,
-    tables: PropagationTables,
-    constants: NrConstants,
-) -> FloatMatrix:
-    """Return the squared reach of what vehicles may send in this interval, as `lay_out` has it."""
-    vehicles, number = memory.grant.shape[0], asked.sender.size
-    reach_m2 = np.full((vehicles, 2), SILENT)
-    if not constants.shadowed:
-        return reach_m2
-    for n in range(number + vehicles):
-        v = int(asked.sender[n]) if n < number else n - number
-        if n >= number and memory.grant[v, MESSAGE] < 0:
-            continue
-        if np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]):
-            dbm = asked.power_dbm[n] if n < number else memory.power_dbm[v]
-            length = int(lengths[asked.size_bytes[n]]) if n < number else int(memory.grant[v, _LENGTH])
-            heard_m = reach_m(dbm, antennas.gain_ln[v], length, tables, constants)
-            reach_m2[v] = max(reach_m2[v, 0], heard_m * heard_m)
-    return reach_m2
-
-
-@kernel
 def _let_go(v: int, lapsed: int, memory: SlotMemory, heard: Heard) -> int:
     """Give up the message that waits: expired, or settled where copies were sent; return how many lapsed."""
     grant = memory.grant
@@ -159,7 +122,7 @@ def _take_in(
     grant[v, MESSAGE], grant[v, _BYTES], grant[v, _SENT] = asked.message_id[n], size_bytes, 0
     memory.power_dbm[v] = asked.power_dbm[n]
     length, interval = int(lengths[size_bytes]), _wanted_interval(n, asked, constants)
-    fits = grant[v, COPIES] > 0 and grant[v, _LENGTH] >= length
+    fits = grant[v, COPIES] > 0 and grant[v, LENGTH] >= length
     fits = fits and (grant[v, _INTERVAL] > 0) == (interval > 0)
     grant[v, _WISH] = interval
     # All copies before the first comes back.
@@ -176,7 +139,7 @@ def _take_in(
     grant[v, COPIES] = select_resources(
         v, slot, length, span, memory.reserved, random, memory.slots[v], memory.bands[v], constants
     )
-    grant[v, _LENGTH], grant[v, _INTERVAL], grant[v, _UNUSED] = length, interval, 0
+    grant[v, LENGTH], grant[v, _INTERVAL], grant[v, _UNUSED] = length, interval, 0
     grant[v, _COUNTER] = _draw_counter(interval, random, constants) if interval > 0 else 1
 
 
@@ -187,9 +150,9 @@ def _are_reserved(v: int, slot: int, interval: int, memory: SlotMemory, constant
     for k in range(memory.grant[v, COPIES]):
         at, band = memory.slots[v, k] + interval, memory.bands[v, k]
         if at - slot < constants.ahead:
-            for s in range(band, band + memory.grant[v, _LENGTH]):
+            for s in range(band, band + memory.grant[v, LENGTH]):
                 loudest_mw = max(loudest_mw, memory.reserved[at % constants.ahead, v, s])
-    return bool(loudest_mw > constants.reserved_mw)
+    return bool(loudest_mw > constants.pool.reserved_mw)
 
 
 @kernel(inlined=True)
@@ -217,7 +180,8 @@ def _take_turns(
     slot: int,
     lapsed: int,
     memory: SlotMemory,
-    around: Around,
+    position_m: FloatMatrix,
+    leak: FloatCube,
     turns: Turns,
     air: Air,
     heard: Heard,
@@ -225,14 +189,13 @@ def _take_turns(
     constants: NrConstants,
 ) -> tuple[int, int]:
     """Write who sends in this slot; return how many, and how many messages lapsed."""
-    grant, slots, position_m = memory.grant, memory.slots, around.position_m
-    count = 0
+    count, grant, slots = 0, memory.grant, memory.slots
     for v in range(grant.shape[0]):
         for k in range(constants.copies):
             if slots[v, k] != slot:
                 continue
             waits = grant[v, MESSAGE] >= 0
-            if waits and not (np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1])):
+            if waits and not is_there(v, position_m):
                 lapsed = _let_go(v, lapsed, memory, heard)
                 _drop_resources(v, memory)
                 continue
@@ -248,12 +211,21 @@ def _take_turns(
                         _drop_resources(v, memory)
                 continue
             grant[v, _SENT] += 1
-            turns.who[count, 0], turns.who[count, 1] = v, memory.bands[v, k]
-            turns.who[count, 2], turns.who[count, 3] = grant[v, _LENGTH], grant[v, _BYTES]
-            turns.power_dbm[count] = memory.power_dbm[v]
-            turns.place[count, 0], turns.place[count, 1] = position_m[v, 0], position_m[v, 1]
-            turns.seed[count] = np.int64(next_word(random) >> np.uint64(1))
-            air.sends[v] = True
+            length, dbm = int(grant[v, LENGTH]), float(memory.power_dbm[v])
+            add_turn(
+                count,
+                v,
+                int(memory.bands[v, k]),
+                length,
+                float(length),
+                int(grant[v, _BYTES]),
+                dbm,
+                position_m,
+                leak,
+                turns,
+                air,
+                random,
+            )
             count += 1
     return count, lapsed
 
@@ -265,7 +237,7 @@ def _reserve(v: int, j: int, copy: int, rsrp_mw: float, memory: SlotMemory, cons
     Itself for every interval that begins within T2: Q times in TS 38.214, 8.1.4.
     """
     grant, slots, bands, reserved = memory.grant, memory.slots, memory.bands, memory.reserved
-    length, interval = grant[v, _LENGTH], grant[v, _INTERVAL]
+    length, interval = grant[v, LENGTH], grant[v, _INTERVAL]
     for k in range(copy, grant[v, COPIES]):
         uses = 1
         if k == copy:
@@ -277,63 +249,23 @@ def _reserve(v: int, j: int, copy: int, rsrp_mw: float, memory: SlotMemory, cons
 
 
 @kernel(inlined=True)
-def _finish_frame(
-    turn: int,
-    slot: int,
-    count: int,
-    turns: Turns,
-    memory: SlotMemory,
-    air: Air,
-    links: Links,
-    heard: Heard,
-    received: int,
-    waiting: int,
-    leak: FloatCube,
-    errors: Errors,
-    constants: NrConstants,
-) -> tuple[int, int]:
-    """Say what becomes of a frame at every receiver; return how many receptions and waiting pairs."""
-    v, grant, copies = int(turns.who[turn, 0]), memory.grant, memory.copies
-    length, copy = int(turns.who[turn, 2]), int(grant[v, _SENT]) - 1
-    more = copy + 1 < int(grant[v, COPIES])
-    lone = copy == 0 and not more
-    if not lone:
-        if copy == 0:
-            copies.span[v, 0], copies.span[v, 1] = waiting, 0
-        elif more:
-            waiting = move_last(copies, v, waiting)
-        seek_pairs(copies, v)
-    tells = more or int(grant[v, _AGAIN]) == 1
-    end_s = (slot + 1) * 1e-3 / constants.slots_a_ms
+def _hear_reservations(
+    turn: int, turns: Turns, links: Links, memory: SlotMemory, constants: NrConstants
+) -> None:
+    """Let who understands a frame's control information remember what it reserves."""
+    v, pool = int(turns.who[turn, 0]), constants.pool
+    copy, filled = int(memory.grant[v, _SENT]) - 1, turns.filled[turn]
+    if copy + 1 >= memory.grant[v, COPIES] and memory.grant[v, _AGAIN] == 0:
+        return
     for k in range(turns.first_link[turn], turns.first_link[turn + 1]):
-        j, power_mw, group, outcome = int(links.receiver[k]), float(links.mw[k]), int(links.bin[k]), WEAK
-        if air.sends[j]:
-            outcome = HALF_DUPLEX
-        elif power_mw > 0.0:
-            other_mw = other_power(j, power_mw, turn, turns, air)
-            outcome = judge(j, power_mw, other_mw, turn, count, turns, air, leak, errors, constants)
-            counted_mw = power_mw + other_mw if constants.reserved_by_total else power_mw
-            rsrp_mw = counted_mw / (length * constants.elements)
-            # What is weaker excludes nothing.
-            if tells and rsrp_mw > constants.reserved_mw:
-                ratio = power_mw / (constants.noise_mw * length + other_mw)
-                if ratio >= constants.control_ratio:
-                    _reserve(v, j, copy, rsrp_mw, memory, constants)
-        new = outcome == RECEIVED
-        if not lone:
-            new, waiting = tell(copies, v, j, outcome, group, waiting, more, heard.outcomes)
-        elif group < constants.bins:
-            heard.outcomes[group, outcome] += 1
-        if new:
-            who, when = heard.who, heard.when
-            who[received, 0], who[received, 1], who[received, 2] = grant[v, MESSAGE], v, j
-            when[received, 0], when[received, 1] = end_s, power_mw
-            received += 1
-    if more:
-        forget_pairs(copies, v)
-    elif not lone:
-        settle(copies, v, heard.outcomes)
-    return received, waiting
+        power_mw, other_mw = links.mw[k], links.other_mw[k]
+        counted_mw = power_mw + other_mw if constants.reserved_by_total else power_mw
+        rsrp_mw = counted_mw / (filled * pool.elements)
+        # What is weaker excludes nothing.
+        if rsrp_mw > pool.reserved_mw and power_mw >= pool.control_ratio * (
+            pool.noise_mw * filled + other_mw
+        ):
+            _reserve(v, int(links.receiver[k]), copy, rsrp_mw, memory, constants)
 
 
 @kernel
@@ -369,17 +301,6 @@ def _with_room(memory: SlotMemory, v: int, waiting: int, present: int) -> SlotMe
     )
 
 
-@kernel(inlined=True)
-def _measure_busy(memory: SlotMemory, constants: NrConstants) -> None:
-    """Work out the busy ratios of the window that ends."""
-    for v in range(memory.grant.shape[0]):
-        listened = (constants.window - memory.busy[v, 1]) * constants.sub_channels
-        # Silent slots are not visited: there, noise alone decides.
-        busy = listened if constants.noise_mw > constants.load_mw else memory.busy[v, 0]
-        memory.busy_ratio[v] = busy / max(listened, 1)
-        memory.busy[v, 0], memory.busy[v, 1] = 0, 0
-
-
 @kernel
 def advance(
     now: int,
@@ -390,7 +311,7 @@ def advance(
     lengths: IntVector,
     sweep: Sweep,
     antennas: Antennas,
-    errors: Errors,
+    errors: FrameErrors,
     leak: FloatCube,
     tables: PropagationTables,
     constants: NrConstants,
@@ -400,55 +321,57 @@ def advance(
     ``lengths`` are sub-channels of messages of 0, 1, ... bytes. Returns the pairs that wait for another copy,
     and their spans, too.
     """
-    sender, position_m, cells = asked.sender, sweep.position_m, sweep.cells
-    vehicles, channels, present = memory.grant.shape[0], constants.sub_channels, sweep.cells.order.size
+    sender, position_m, pool, present = asked.sender, sweep.position_m, constants.pool, sweep.cells.order.size
+    vehicles = memory.grant.shape[0]
     ready_slot = np.floor(asked.ready_s * 1e3 * constants.slots_a_ms + 1e-6).astype(np.int64)
-    who, place = np.empty(present + 1, dtype=np.int64), np.empty(present + 1, dtype=np.int64)
-    around = Around(position_m, antennas, cells, sweep.rows, who, place, np.empty((2, present + 1)))
-    heard, received, lapsed = nothing_heard(constants.bins, sender.size + vehicles), 0, 0
+    around = surroundings(sweep, antennas)
+    heard, received, lapsed = nothing_heard(pool.bins, sender.size + vehicles), 0, 0
     waiting = memory.copies.span[:, 1].sum()
-    air, turns = silent_air(vehicles, channels)
+    air, turns = silent_air(vehicles, pool.sub_channels)
     links = no_links()
     arrival = 0
     for slot in range(now, until):
-        count, lapsed = _take_turns(slot, lapsed, memory, around, turns, air, heard, random, constants)
+        count, lapsed = _take_turns(
+            slot, lapsed, memory, position_m, leak, turns, air, heard, random, constants
+        )
         air = air_room(air, count)
-        used = 0
-        for turn in range(count):
-            links = links_room(links, used, present)
-            turns.first_link[turn] = used
-            used = receive_powers(turn, turns, air, links, used, around, leak, tables, constants)
-        turns.first_link[count] = used
+        links, used = receive_frames(count, turns, air, links, around, tables, pool)
         memory.reserved[slot % constants.ahead] = 0.0  # what was reserved for this slot has come
         heard = heard_room(heard, received, used)
+        end_s = (slot + 1) * 1e-3 / constants.slots_a_ms
         for turn in range(count):
+            v = int(turns.who[turn, 0])
+            first, last = turns.first_link[turn], turns.first_link[turn + 1]
             if constants.copies > 1:
-                memory = _with_room(memory, int(turns.who[turn, 0]), waiting, present)
-            received, waiting = _finish_frame(
-                turn,
-                slot,
-                count,
-                turns,
-                memory,
-                air,
+                memory = _with_room(memory, v, waiting, present)
+            judge_frame(turn, count, turns, air, links, errors, pool)
+            _hear_reservations(turn, turns, links, memory, constants)
+            message_id, copy = memory.grant[v, MESSAGE], memory.grant[v, _SENT] - 1
+            more = bool(copy + 1 < memory.grant[v, COPIES])
+            received, waiting = tell_frame(
+                v,
+                message_id,
+                copy,
+                more,
+                first,
+                last,
+                end_s,
                 links,
+                memory.copies,
                 heard,
                 received,
                 waiting,
-                leak,
-                errors,
-                constants,
             )
         _end_turns(count, slot, turns, memory, constants)
-        silence(count, turns, links, air, memory.busy, constants)
-        if (slot + 1) % constants.window == 0:
-            _measure_busy(memory, constants)
+        silence(count, turns, links, air, memory.busy, pool)
+        if (slot + 1) % pool.window == 0:
+            measure_busy(memory.busy, memory.busy_ratio, pool)
         # Messages that became ready in this slot find their resources in later ones.
         while arrival < sender.size and ready_slot[arrival] <= slot:
             v, n = sender[arrival], arrival
             arrival += 1
             lapsed = _let_go(v, lapsed, memory, heard)
-            if np.isfinite(position_m[v, 0]) and np.isfinite(position_m[v, 1]):
+            if is_there(v, position_m):
                 _take_in(n, slot, memory, asked, lengths, random, constants)
             else:
                 heard.expired[lapsed] = asked.message_id[n]

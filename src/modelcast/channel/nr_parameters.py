@@ -10,7 +10,6 @@ from modelcast.channel.parameter_bounds import check_bounds
 from modelcast.core.arrays import FloatArray, IntArray
 
 __all__ = [
-    "ELEMENT_HZ",
     "INTERVALS_MS",
     "MOST_COPIES",
     "RESERVED_SPAN",
@@ -32,9 +31,6 @@ _EFFICIENCY = 0.4
 
 _MOST = 100_000
 """Of turns without a message, and of milliseconds of a window."""
-
-ELEMENT_HZ = 15e3
-"""Bandwidth that the threshold for reservations is for."""
 
 RESERVED_SPAN = 32
 """Slots within which one message's control information can point at its copies; TS 38.214, 8.1.5."""

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from modelcast.channel.pool_constants import PoolConstants
 from modelcast.channel.random_kernels import uniform
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import Float32Cube, IntVector, UInt64Vector
@@ -17,9 +18,9 @@ _LOUDEST_MW = 1e6
 
 
 class NrConstants(NamedTuple):
-    """Parameters as numbers; made by `Nr`. Times are in slots, powers in mW."""
+    """Parameters as numbers, beside those of the ``pool``; made by `Nr`. Times are in slots."""
 
-    sub_channels: int
+    pool: PoolConstants
     overlapping: bool
     slots_a_ms: int
     first: int
@@ -33,21 +34,7 @@ class NrConstants(NamedTuple):
     keep_ratio: float
     reselect_after: int
     free_ratio: float
-    reserved_mw: float
     reserved_by_total: bool
-    elements: float
-    noise_mw: float
-    sensitivity_mw: float
-    quiet_mw: float
-    control_ratio: float
-    load_mw: float
-    window: int
-    gain_db: float
-    range_m: float
-    sensing_range_m: float
-    bin_m: float
-    bins: int
-    shadowed: bool
 
 
 @kernel(inlined=True)
@@ -77,7 +64,7 @@ def select_resources(
     first copy is any that is free; each other is one as free in another slot, all within ``span`` slots.
     """
     step = 1 if constants.overlapping else length
-    starts = (constants.sub_channels - length) // step + 1
+    starts = (constants.pool.sub_channels - length) // step + 1
     total = (constants.last - constants.first + 1) * starts
     strongest = np.empty(total, dtype=np.float32)
     possible = 0
@@ -89,7 +76,7 @@ def select_resources(
         strongest[k] = power
         possible += np.isfinite(power)
     wanted = int(np.ceil(constants.free_ratio * possible))
-    limit = constants.reserved_mw
+    limit = constants.pool.reserved_mw
     free = (strongest <= limit).sum()
     while free < wanted and limit < _LOUDEST_MW:
         limit *= _RAISE

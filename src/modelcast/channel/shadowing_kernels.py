@@ -35,7 +35,7 @@ from modelcast.core.kernel_types import (
     IntVector,
 )
 
-__all__ = ["SILENT", "ShadowRows", "Sweep", "lay_out", "shadow_of", "sweep_part"]
+__all__ = ["SILENT", "ShadowRows", "Sweep", "lay_out", "sweep_part"]
 
 SILENT = -1.0
 """Squared reach of a vehicle that will not send."""
@@ -77,12 +77,6 @@ class Sweep(NamedTuple):
     rows: ShadowRows
     range_m: float
     longest_m: FloatVector
-
-
-@kernel(inlined=True)
-def shadow_of(sender: int, row: int, k: int, rows: ShadowRows) -> float:
-    """Return the shadowing between a sender and who stands at ``k``, in that row of cells."""
-    return np.float64(rows.value[rows.start[rows.first[sender] + row] + k])
 
 
 @kernel

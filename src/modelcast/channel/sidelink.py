@@ -14,29 +14,27 @@ import numpy as np
 
 from modelcast.channel.antennas import antennas, checked_gains
 from modelcast.channel.copies_kernels import PAIR_COLUMNS, Copies
-from modelcast.channel.dsrc_parameters import power_ratio, thermal_noise_dbm
 from modelcast.channel.error_models import AbstractErrorModel, TabulatedErrorModel
+from modelcast.channel.frame_errors import FrameErrors, frame_errors
 from modelcast.channel.frame_kernels import Heard
 from modelcast.channel.frame_radio import (
     AbstractFrameRadio,
     asked,
-    error_units,
-    has_shadowing,
     told_of_fading_twice,
     without_second_fading,
 )
 from modelcast.channel.in_band_emission import in_band_emission
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
+from modelcast.channel.pool_air_kernels import find_reach
+from modelcast.channel.pool_constants import pool_constants
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.radio import Transmissions
 from modelcast.channel.shadow_sweep import renew_pairs
 from modelcast.channel.shadowing_kernels import lay_out
-from modelcast.channel.sidelink_grant_kernels import BAND, GRANT_COLUMNS, MESSAGE, TURNS
-from modelcast.channel.sidelink_kernels import Memory, advance, find_reach
+from modelcast.channel.sidelink_grant_kernels import BAND, BYTES, GRANT_COLUMNS, MESSAGE, TURNS
+from modelcast.channel.sidelink_kernels import Memory, advance
 from modelcast.channel.sidelink_parameters import (
-    BITS_PER_BLOCK,
-    BLOCK_ELEMENTS,
     COUNTER,
     COUNTERS,
     MEMORY,
@@ -64,10 +62,12 @@ class SidelinkState:
     power_dbm
         Power of the waiting message, (V,) [dBm].
     sensed
-        S-RSSI of the last 1000 subframes, infinite where the vehicle sent, (V, 1000, sub-channels) [mW].
+        S-RSSI of the last 1000 subframes, infinite where the vehicle sent, (1000, V, sub-channels) [mW].
     reserved
-        Power of an element of the strongest reservation by phase of the longest interval, (V, interval,
-        sub-channels) [mW].
+        Power of an element of the strongest reservation by phase of the longest interval, (interval, V,
+        sub-channels); one that excludes nothing may be left out [mW].
+    busy
+        Busy sub-channels and own transmissions since the window began, (V, 2).
     busy_ratio
         Of the last full window, (V,).
     pairs, pair_count
@@ -85,6 +85,7 @@ class SidelinkState:
     power_dbm: FloatArray
     sensed: SingleArray
     reserved: SingleArray
+    busy: IntArray
     busy_ratio: FloatArray
     pairs: SingleArray
     pair_count: IntArray
@@ -141,35 +142,33 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
     propagation: Propagation = field(default_factory=lambda: Propagation(fading=None))
     error_model: AbstractErrorModel = field(default_factory=TabulatedErrorModel.sidelink_mcs5)
     constants: SidelinkConstants = field(init=False, repr=False, compare=False)
-    hazard: FloatArray = field(init=False, repr=False, compare=False)
+    lengths: IntArray = field(init=False, repr=False, compare=False)
+    filled: FloatArray = field(init=False, repr=False, compare=False)
+    errors: FrameErrors = field(init=False, repr=False, compare=False)
     leak: FloatArray = field(init=False, repr=False, compare=False)
     tables: PropagationTables = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         told_of_fading_twice(self.propagation, self.error_model)
-        constants = self._constants()
+        p, constants = self.parameters, self._constants()
+        size_bytes = np.maximum(np.arange(p.largest_bytes + 1), 1)
         object.__setattr__(self, "constants", constants)
-        object.__setattr__(self, "hazard", np.ascontiguousarray(self.error_model.hazards()))
-        object.__setattr__(
-            self, "leak", in_band_emission(self.parameters.sub_channels, self.parameters.blocks)
-        )
-        object.__setattr__(self, "tables", self.propagation.tables(constants.range_m))
+        object.__setattr__(self, "lengths", p.length(size_bytes))
+        object.__setattr__(self, "filled", p.blocks_of(size_bytes) / p.blocks)
+        object.__setattr__(self, "errors", frame_errors(self.error_model, size_bytes))
+        object.__setattr__(self, "leak", in_band_emission(p.sub_channels, p.blocks))
+        object.__setattr__(self, "tables", self.propagation.tables(constants.pool.range_m))
 
     @property
     def range_m(self) -> float:
         """Distance beyond which nothing is heard or disturbed [m]."""
-        return self.constants.range_m
+        return self.constants.pool.range_m
 
     def _constants(self) -> SidelinkConstants:
         p = self.parameters
-        noise_dbm = thermal_noise_dbm(p.sub_channel_hz) + p.noise_figure_db
-        loudest_dbm = p.max_power_dbm + 2.0 * p.antenna_gain_db
-        elements = float(p.blocks * BLOCK_ELEMENTS)
-        reserved_dbm = p.reserved_dbm + 10.0 * np.log10(elements)  # over one sub-channel
-        units_fixed, units_per_byte = error_units(self.error_model)
         low, high = COUNTERS.get(p.interval_ms, COUNTER)
         return SidelinkConstants(
-            sub_channels=p.sub_channels,
+            pool=pool_constants(p, self.propagation, noise_counts=p.noise_counts),
             overlapping=p.overlapping,
             first=p.first_ms,
             last=p.last_ms if p.interval_by_next else min(p.last_ms, p.interval_ms),
@@ -191,27 +190,6 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             best_of_possible=p.best_of_possible,
             reserved_by_mean=p.reserved_by_mean,
             first_by_chance=p.first_by_chance,
-            noise_counts=p.noise_counts,
-            reserved_mw=power_ratio(p.reserved_dbm),
-            elements=float(BLOCK_ELEMENTS),
-            noise_mw=power_ratio(noise_dbm),
-            sensitivity_mw=power_ratio(p.sensitivity_dbm),
-            quiet_mw=power_ratio(noise_dbm - p.margin_db),
-            control_ratio=power_ratio(p.control_db),
-            load_mw=power_ratio(p.load_dbm),
-            window=p.busy_window_ms,
-            gain_db=2.0 * p.antenna_gain_db,
-            range_m=self.propagation.range_m(loudest_dbm - noise_dbm + p.margin_db),
-            sensing_range_m=self.propagation.range_m(loudest_dbm - reserved_dbm),
-            bin_m=p.bin_m,
-            bins=p.bins,
-            blocks=p.blocks,
-            least_sub_channels=p.least_sub_channels,
-            bits_per_block=BITS_PER_BLOCK[p.mcs],
-            control_blocks=p.control_blocks,
-            units_fixed=units_fixed,
-            units_per_byte=units_per_byte,
-            shadowed=has_shadowing(self.propagation),
         )
 
     @property
@@ -230,14 +208,15 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
         grant[:, BAND : BAND + TURNS] = -1
         grant[:, MESSAGE] = -1
         pairs = empty_pairs(vehicles, 16)
-        quiet_mw = self.constants.noise_mw if p.noise_counts else 0.0
+        quiet_mw = self.constants.pool.noise_mw if p.noise_counts else 0.0
         return SidelinkState(
             0.0,
             random,
             grant=grant,
             power_dbm=np.zeros(vehicles),
-            sensed=np.full((vehicles, MEMORY, p.sub_channels), quiet_mw, dtype=np.float32),
-            reserved=np.zeros((vehicles, p.horizon_ms, p.sub_channels), dtype=np.float32),
+            sensed=np.full((MEMORY, vehicles, p.sub_channels), quiet_mw, dtype=np.float32),
+            reserved=np.zeros((p.horizon_ms, vehicles, p.sub_channels), dtype=np.float32),
+            busy=np.zeros((vehicles, 2), dtype=np.int64),
             busy_ratio=np.zeros(vehicles),
             pairs=pairs.held,
             pair_count=pairs.owned,
@@ -260,22 +239,42 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
     ) -> tuple[Heard, SidelinkState]:
         """Check what is asked for and carry one interval; the state is used up."""
         self._check(state, transmissions, position_m, until_t_s)
-        sent = asked(transmissions)
-        reach_m2 = find_reach(state.grant, sent.sender, position_m, self.constants)
-        fitted = antennas(state.gain_db)
-        sweep = lay_out(reach_m2, position_m, fitted.weak, self.constants.range_m)
+        sent, fitted = asked(transmissions), antennas(state.gain_db)
+        reach_m2 = find_reach(
+            sent.sender,
+            self.filled[sent.size_bytes],
+            sent.power_dbm,
+            np.where(state.grant[:, MESSAGE] >= 0, self.filled[state.grant[:, BYTES]], -1.0),
+            state.power_dbm,
+            position_m,
+            fitted,
+            self.tables,
+            self.constants.pool,
+        )
+        sweep = lay_out(reach_m2, position_m, fitted.weak, self.constants.pool.range_m)
         pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
         copies = Copies(state.copy_pair, state.copy_span, np.full(state.vehicles, -1, dtype=np.int64))
+        memory = Memory(
+            state.grant,
+            state.power_dbm,
+            state.sensed,
+            state.reserved,
+            state.busy,
+            state.busy_ratio,
+            copies,
+        )
         heard, copy_pair, copy_span = parts.beside(
             lambda: advance(
                 round(state.t_s * 1e3),
                 round(until_t_s * 1e3),
                 state.random,
-                Memory(state.grant, state.power_dbm, state.sensed, state.reserved, state.busy_ratio, copies),
+                memory,
                 sent,
+                self.lengths,
+                self.filled,
                 sweep,
                 fitted,
-                self.hazard,
+                self.errors,
                 self.leak,
                 self.tables,
                 self.constants,

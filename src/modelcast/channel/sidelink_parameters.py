@@ -9,7 +9,6 @@ from modelcast.core.arrays import IntArray
 
 __all__ = [
     "BITS_PER_BLOCK",
-    "BLOCK_ELEMENTS",
     "BLOCK_HZ",
     "COUNTER",
     "COUNTERS",
@@ -37,8 +36,7 @@ BITS_PER_BLOCK: dict[int, float] = {
 From memory. Other sizes differ by a few per cent."""
 
 BLOCK_HZ = 180e3
-BLOCK_ELEMENTS = 12
-"""Width of a resource-block pair, and its subcarriers; TS 36.211."""
+"""Width of a resource-block pair; TS 36.211."""
 
 COUNTERS = {20: (25, 75), 50: (10, 30)}
 COUNTER = (5, 15)
@@ -139,8 +137,9 @@ class SidelinkParameters:
     antenna_gain_db
         Of either end [dB].
     max_power_dbm, margin_db, bin_m, bins
-        As in `DsrcParameters`; powers and ratios lie within -300..300 dB, the margin within 0..300 dB, a bin
-        is at least 0.1 m wide, and there are at most 100 000.
+        As in `DsrcParameters`, the margin below the noise of the pairs that a message fills; powers and
+        ratios lie within -300..300 dB, the margin within 0..300 dB, a bin is at least 0.1 m wide, and there
+        are at most 100 000.
 
     References
     ----------
@@ -255,8 +254,24 @@ class SidelinkParameters:
         >>> SidelinkParameters(mcs=7).length(np.array([100, 190, 300])).tolist()
         [1, 2, 3]
         """
+        return np.maximum(-(-self.blocks_of(size_bytes) // self.blocks), self.least_sub_channels)
+
+    def blocks_of(self, size_bytes: IntArray) -> IntArray:
+        """Resource-block pairs that messages fill, control included, (N,).
+
+        Parameters
+        ----------
+        size_bytes
+            Sizes of the messages, (N,).
+        """
         data = np.ceil(8.0 * np.asarray(size_bytes) / BITS_PER_BLOCK[self.mcs]).astype(np.int64)
-        return np.maximum(-(-(data + self.control_blocks) // self.blocks), self.least_sub_channels)
+        return data + self.control_blocks
+
+    @property
+    def largest_bytes(self) -> int:
+        """Size of the largest message that fits into all sub-channels; 0 where not even its control does."""
+        most = np.arange(int(self.sub_channels * self.blocks * BITS_PER_BLOCK[self.mcs]) // 8 + 2)
+        return max(int(np.count_nonzero(self.length(most) <= self.sub_channels)) - 1, 0)
 
 
 def wilab_sidelink_parameters() -> SidelinkParameters:
@@ -269,7 +284,8 @@ def wilab_sidelink_parameters() -> SidelinkParameters:
     set to zero; a reservation is compared by the mean power of a second; the first resource is chosen by
     chance; the best fifth is of the resources sensed. The range up to which it counts pairs, 1.41 times the
     distance at which the median SNR meets the threshold, tells the pairs that bear the power. Its packet
-    error is a step at 8.47 dB (`ThresholdErrorModel`).
+    error is a step at 8.47 dB (`ThresholdErrorModel`). It leaves no weak signal out; 13 dB below the noise is
+    near enough.
     """
     return SidelinkParameters(
         7,
@@ -285,6 +301,7 @@ def wilab_sidelink_parameters() -> SidelinkParameters:
         noise_figure_db=6.0,
         antenna_gain_db=3.0,
         sensitivity_dbm=-120.0,
+        margin_db=13.0,
     )
 
 

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from modelcast.channel.pool_constants import PoolConstants
 from modelcast.channel.random_kernels import uniform
 from modelcast.channel.sidelink_parameters import MEMORY
 from modelcast.core.kernel import kernel
@@ -19,9 +20,9 @@ _COPY_GAP = 15
 
 
 class SidelinkConstants(NamedTuple):
-    """Parameters as numbers; made by `Sidelink`. Powers are in mW."""
+    """Parameters as numbers, beside those of the ``pool``; made by `Sidelink`. Times are in subframes."""
 
-    sub_channels: int
+    pool: PoolConstants
     overlapping: bool
     first: int
     last: int
@@ -43,37 +44,16 @@ class SidelinkConstants(NamedTuple):
     best_of_possible: bool
     reserved_by_mean: bool
     first_by_chance: bool
-    noise_counts: bool
-    reserved_mw: float
-    elements: float
-    noise_mw: float
-    sensitivity_mw: float
-    quiet_mw: float
-    control_ratio: float
-    load_mw: float
-    window: int
-    gain_db: float
-    range_m: float
-    sensing_range_m: float
-    bin_m: float
-    bins: int
-    blocks: int
-    least_sub_channels: int
-    bits_per_block: float
-    control_blocks: int
-    units_fixed: float
-    units_per_byte: float
-    shadowed: bool
 
 
 @kernel(inlined=True)
 def _strongest(v: int, subframe: int, s: int, interval: int, reserved: Float32Cube) -> float:
     """Return the strongest reservation of a sub-channel that a resource and its returns would meet."""
-    horizon = reserved.shape[1]
-    rsrp = reserved[v, subframe % horizon, s]
+    horizon = reserved.shape[0]
+    rsrp = reserved[subframe % horizon, v, s]
     if interval > 0:
         for later in range(subframe + interval, subframe + horizon, interval):
-            rsrp = max(rsrp, reserved[v, later % horizon, s])
+            rsrp = max(rsrp, reserved[later % horizon, v, s])
     return rsrp
 
 
@@ -113,19 +93,19 @@ def select_resource(
     or no room for a second.
     """
     step = 1 if constants.overlapping else length
-    bands = (constants.sub_channels - length) // step + 1
+    channels, noise_mw = constants.pool.sub_channels, constants.pool.noise_mw
+    bands = (channels - length) // step + 1
     subframes = constants.last - constants.first + 1
     total = subframes * bands
-    channels = constants.sub_channels
     past = np.zeros((subframes, channels))
     for k in range(1, MEMORY // _STEP + 1):
         for n in range(subframes):
             at = (now + constants.first + n - _STEP * k) % MEMORY
             for s in range(channels):
-                past[n, s] += sensed[v, at, s]
+                past[n, s] += sensed[at, v, s]
     mean = np.empty(total)
     strongest = np.empty(total)
-    share = 1.0 / (MEMORY // _STEP * constants.blocks * constants.elements)
+    share = 1.0 / (MEMORY // _STEP * constants.pool.elements)
     for n in range(subframes):
         for b in range(bands):
             power, rsrp, loudest = 0.0, 0.0, 0.0
@@ -134,13 +114,13 @@ def select_resource(
                 loudest = max(loudest, past[n, s] * share)
                 power += past[n, s]
             # A part in a million of chance decides between resources that are equally quiet.
-            mean[n * bands + b] = power + (power + constants.noise_mw) * 1e-6 * uniform(random)
+            mean[n * bands + b] = power + (power + noise_mw) * 1e-6 * uniform(random)
             by_mean = constants.reserved_by_mean and rsrp > 0.0
             strongest[n * bands + b] = loudest if by_mean else rsrp
     possible = np.isfinite(mean).sum()
     wanted = int(np.ceil(constants.best_ratio * (possible if constants.best_of_possible else total)))
     wanted = max(min(wanted, possible), 1)
-    limit = constants.reserved_mw
+    limit = constants.pool.reserved_mw
     free = np.isfinite(mean) & (strongest <= limit)
     while free.sum() < wanted and limit < 1e6:
         limit *= 2.0
