@@ -107,6 +107,17 @@ def test_other_messages_are_told_and_counted(made):
     assert told == {"m": "no usable row: 2 of another kind (OdeTravelerInformationMessage)"}
 
 
+def test_kinds_of_other_messages_are_told_up_to_a_number(made):
+    others = [made.ode_record(0) for _ in range(30)]
+    for at, other in enumerate(others):
+        other["payload"] = {"dataType": f"kind{at}", "data": {}}
+    told = {}
+    path = made.write("m.json", made.ode([*others, *[made.ode_record(at) for at in range(COUNT)]]))
+    assert len(list(read_trips(path, on_skipped=told.__setitem__))) == 1
+    assert told["m"].count("kind") == 16 + told["m"].count("another kind")
+    assert told["m"].endswith("14 of another kind (unnamed)")
+
+
 def test_the_arrangement_of_the_objects_changes_nothing(made):
     records = [made.ode_record(at) for at in range(COUNT)]
     texts = {

@@ -187,6 +187,14 @@ def test_a_message_that_is_none_is_told_with_its_number(made, data, told):
         trips_of(made, fixes(made, [data]))
 
 
+def test_a_name_of_a_topic_is_short_and_can_be_shown(made):
+    """Each channel's name is kept, and a packed chunk can hold a long one in a few octets."""
+    with pytest.raises(DataFormatError, match="a name of 2000 octets"):
+        trips_of(made, [("/" + "x" * 1999, made.fix_type, 1, made.fix(0))])
+    with pytest.raises(DataFormatError, match=r"row 1: the topic .* has characters that no name has"):
+        trips_of(made, [("/a\nb", made.fix_type, 1, made.fix(0))])
+
+
 def test_a_message_without_its_last_octet_is_refused(made):
     for rows in (fixes(made, [made.fix(0)[:-1]]), poses(made, [made.odometry(0)[:-1]])):
         with pytest.raises(DataFormatError, match="ends 1 octets early"):

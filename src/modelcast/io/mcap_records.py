@@ -40,6 +40,9 @@ MAGIC = b"\x89MCAP0\r\n"
 MOST_CHUNK_OCTETS = 64 << 20
 """Of one record of the file, and of a chunk when it is unpacked."""
 
+_LONGEST_TEXT = 1024
+"""Octets of a name; names of topics in ROS have at most 255."""
+
 _HEAD = struct.Struct("<BQ")
 _MESSAGE_HEAD = struct.Struct("<HIQQ")
 _CHUNK_HEAD = struct.Struct("<QQQI")
@@ -255,8 +258,10 @@ def _text(content: memoryview, at: int) -> tuple[str, int]:
     """A text, and the octet behind it."""
     (length,) = struct.unpack_from("<I", content, at)
     end = at + 4 + length
-    if end > len(content):
-        raise ValueError(f"a text of {length} octets in a record of {len(content)}")
+    if length > _LONGEST_TEXT or end > len(content):
+        raise ValueError(
+            f"a name of {length} octets in a record of {len(content)}; at most {_LONGEST_TEXT} are read"
+        )
     return bytes(content[at + 4 : end]).decode(), end
 
 

@@ -70,6 +70,9 @@ _CODES = (
 """Where the values of `CORE_COLUMNS` stand in the two forms of the core data."""
 
 _LONGEST_NAME = 64
+_MOST_KINDS = 16
+"""J2735 has about as many kinds of messages."""
+
 _REMEDY = "Rows count the objects of the file; correct or remove this one."
 
 
@@ -139,10 +142,15 @@ class _OdeLog(AbstractBsmLog):
                 kind = str(payload.get("dataType", "unnamed")).rpartition(".")[2]
                 if "bsm" in kind.lower():
                     raise self._wrong(number, "a basic safety message has no coreData")
-                self.others[kind if is_clean(kind) and len(kind) <= _LONGEST_NAME else "unnamed"] += 1
+                self.others[kind if self._is_name(kind) else "unnamed"] += 1
                 continue
             yield self._row(number, metadata, core, numbers=numbers)
         self._cut = records.cut
+
+    def _is_name(self, kind: str) -> bool:
+        """Whether a kind of message can be told by its own word."""
+        known = kind in self.others or len(self.others) < _MOST_KINDS
+        return known and is_clean(kind) and len(kind) <= _LONGEST_NAME
 
     def _row(
         self, number: int, metadata: Mapping[str, Any], core: Mapping[str, Any], *, numbers: bool

@@ -48,7 +48,7 @@ import numpy as np
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, wrap_angle_rad
-from modelcast.core.rules import shown
+from modelcast.core.rules import is_clean, shown
 from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.gathered_trips import TripRows, UsableRows, first_origin, placed_on_earth, trips_of
 from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered
@@ -201,6 +201,7 @@ class _Topics(AbstractKeyedRows[_Topic]):
             elif message.encoding != "cdr":
                 self.unread[message.topic, message.encoding] += 1
             else:
+                self._require_clean(message)
                 held.append(_Row(message.number, key, self._values(message, key) if rows else ()))
             if len(held) == _BLOCK_ROWS:
                 yield self._block(index, held, rows=rows)
@@ -209,6 +210,13 @@ class _Topics(AbstractKeyedRows[_Topic]):
             yield self._block(index, held, rows=rows)
         elif not index:
             raise self._without_topics(others)
+
+    def _require_clean(self, message: BagMessage) -> None:
+        if not is_clean(message.topic):
+            raise DataFormatError(
+                self.path, f"the topic {shown(message.topic)} has characters that no name has",
+                row=message.number, remedy="Record it anew under another name.",
+            )  # fmt: skip
 
     def _values(self, message: BagMessage, key: _Topic) -> tuple[float, ...]:
         if self.first_ns is None:

@@ -46,6 +46,8 @@ _TABLES = {
 }
 _REMEDY = "It must be a bag that rosbag2 recorded with the storage sqlite3."
 _ROWS_AT_ONCE = 1024
+_MOST_TOPICS = 65_536
+"""As many as an MCAP has channels."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +121,8 @@ class _SqliteBag(AbstractBag):
             if not isinstance(topic_id, int) or not all(isinstance(word, str) for word in words):
                 raise self._wrong(f"its topic {shown(topic_id)} is {shown(words)}")
             topics[topic_id] = (words[0], words[1], words[2])
+            if len(topics) > _MOST_TOPICS:
+                raise self._wrong(f"has over {_MOST_TOPICS} topics")
         wanted = [one for one, (_, kind, _) in topics.items() if message_name(kind) in MESSAGES]
         for topic_id, (name, kind, encoding) in topics.items():
             if topic_id not in wanted:
